@@ -1,0 +1,3 @@
+//! The `ademan` command.
+
+fn main() {}

@@ -1,0 +1,164 @@
+//! 1 · A sensor → [`Reading`].
+
+use std::time::Duration;
+
+use arrayvec::ArrayVec;
+use serde::{Deserialize, Serialize};
+
+use crate::time::Timestamp;
+
+/// The most channels that one reading carries: the eight converters of the HC11 glove, eight inputs each.
+pub const MAX_CHANNELS: usize = 64;
+
+/// What a sensor saw at one moment.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Reading {
+    /// When it was complete.
+    pub time: Timestamp,
+    /// The values.
+    pub sample: Sample,
+}
+
+/// The values of a reading, by kind of sensor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Sample {
+    /// One count per sensor channel.
+    Channels(Channels),
+}
+
+/// Counts of an analogue-to-digital converter, in wire order.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Channels {
+    /// The largest count that the converter can give (255 for 8 bits).
+    pub full_scale: u16,
+    /// One count per channel, 0..=`full_scale`.
+    pub counts: ArrayVec<u16, MAX_CHANNELS>,
+}
+
+/// What a source has to say when it is asked for the next reading.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Capture {
+    /// A reading.
+    Reading(Reading),
+    /// Nothing for the moment; ask again.
+    Quiet,
+    /// The stream is over; there will be no more.
+    End,
+}
+
+/// A sensor, a stream or a recording.
+pub trait Source: Send {
+    /// The next reading.
+    ///
+    /// May block, but answers within [`PATIENCE`], with [`Capture::Quiet`] when there is nothing, so that
+    /// its thread can be stopped. After a [recoverable](CaptureError::is_recoverable) error it may be
+    /// asked again: a source that was lost looks for its device at each call.
+    fn next(&mut self) -> Result<Capture, CaptureError>;
+
+    /// The source as its user named it.
+    fn name(&self) -> &str;
+
+    /// The time between two readings, where the source knows it.
+    fn frame_period(&self) -> Option<Duration> {
+        None
+    }
+
+    /// Whether readings come at their own pace and are lost when nobody takes them.
+    fn is_live(&self) -> bool {
+        true
+    }
+
+    /// What has come in so far.
+    fn counts(&self) -> Counts {
+        Counts::default()
+    }
+}
+
+impl Source for Box<dyn Source> {
+    fn next(&mut self) -> Result<Capture, CaptureError> {
+        (**self).next()
+    }
+
+    fn name(&self) -> &str {
+        (**self).name()
+    }
+
+    fn frame_period(&self) -> Option<Duration> {
+        (**self).frame_period()
+    }
+
+    fn is_live(&self) -> bool {
+        (**self).is_live()
+    }
+
+    fn counts(&self) -> Counts {
+        (**self).counts()
+    }
+}
+
+/// The longest time that [`Source::next`] blocks.
+pub const PATIENCE: Duration = Duration::from_millis(100);
+
+/// What came in at a source: every byte and every reading is in exactly one place.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counts {
+    /// Bytes received.
+    pub bytes: u64,
+    /// Bytes that belong to no frame: noise, cut frames, resynchronisation.
+    pub skipped_bytes: u64,
+    /// Times that decoding had to look for the next frame.
+    pub resyncs: u64,
+    /// Readings that came out.
+    pub readings: u64,
+    /// Readings that were replaced by a newer one before anybody took them.
+    pub superseded: u64,
+    /// Times that the device was lost.
+    pub losses: u64,
+}
+
+/// Why a source gives no reading. Each text says what was tried, what happened and what to do.
+#[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CaptureError {
+    /// The text does not name a source.
+    #[error("cannot read `{text}` as a source: {reason}")]
+    Name {
+        /// The text as given.
+        text: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The device or file cannot be opened.
+    #[error("cannot open {source_name}: {reason}")]
+    Open {
+        /// The source as named.
+        source_name: String,
+        /// What happened and what to do.
+        reason: String,
+    },
+    /// The device was there and is gone; the source keeps looking for it.
+    #[error("lost {source_name}: {reason}; looking for it")]
+    Lost {
+        /// The source as named.
+        source_name: String,
+        /// What happened.
+        reason: String,
+    },
+    /// What came in cannot be used.
+    #[error("cannot use {source_name}: {reason}")]
+    Malformed {
+        /// The source as named.
+        source_name: String,
+        /// Where and why.
+        reason: String,
+    },
+}
+
+impl CaptureError {
+    /// Whether the source goes on trying, so that it may be asked again.
+    pub fn is_recoverable(&self) -> bool {
+        matches!(self, Self::Lost { .. })
+    }
+}

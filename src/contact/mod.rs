@@ -1,0 +1,55 @@
+//! 4 · [`HandPose`](crate::kinematics::HandPose) → [`Touches`].
+
+pub mod surface;
+
+use arrayvec::ArrayVec;
+use serde::{Deserialize, Serialize};
+
+use crate::hand::Finger;
+use crate::names::named_enum;
+use crate::time::Timestamp;
+
+/// The place of a target in its [`Scene`](surface::Scene).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct TargetId(pub u32);
+
+/// One step in the meeting of a fingertip and a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// When it happened, between the frame before and this one.
+    pub time: Timestamp,
+    /// Whose fingertip.
+    pub finger: Finger,
+    /// On what.
+    pub target: TargetId,
+    /// What happened.
+    pub phase: Phase,
+    /// How far the target is pushed in, as a share of its travel: 0..=1.
+    pub depth: f32,
+}
+
+named_enum! {
+    /// What happened between a fingertip and a target. Each is latched to its target from
+    /// `Touched` to `Left` or `Cancelled`; in between `Pressed` and `Released` alternate.
+    pub enum Phase ("phase") {
+        /// The fingertip came in through the front.
+        Touched = "touched",
+        /// It went past the press share of the travel.
+        Pressed = "pressed",
+        /// It stays on the target; only the depth is new. At most one a frame and finger.
+        Held = "held",
+        /// It came back above the release share.
+        Released = "released",
+        /// It left through the front.
+        Left = "left",
+        /// It slid off sideways, was lost, or the hand jumped: what was down comes up, nothing fires.
+        Cancelled = "cancelled",
+    }
+}
+
+/// The touches of one frame, in order of time for each finger.
+///
+/// One frame can end a contact (released, left) and begin and end another (touched, pressed,
+/// cancelled): at most 6 for each of 5 fingers.
+pub type Touches = ArrayVec<Touch, 32>;

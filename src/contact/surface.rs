@@ -1,0 +1,159 @@
+//! Where the controls are in space.
+
+use parry3d::bounding_volume::Aabb;
+use parry3d::math::{Pose, Vec2, Vec3};
+use parry3d::partitioning::{Bvh, BvhBuildStrategy};
+
+use super::TargetId;
+use crate::hand::Joint;
+use crate::kinematics::HandPose;
+
+/// The outline of a target's front, in metres, about its middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A rectangle with these half extents along the target's X and Y.
+    Box(Vec2),
+    /// A circle of this radius.
+    Disc(f32),
+}
+
+/// Something that a fingertip can push in.
+///
+/// Its own frame has its origin in the middle of its front at rest, +X along its row, +Y away from
+/// the wearer, and +Z out of the front; it is pushed along −Z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Target {
+    /// The outline of the front.
+    pub shape: Shape,
+    /// Where the target is on its surface.
+    pub surface_from_target: Pose,
+    /// How far it can be pushed in, in metres; more than 0.
+    pub travel: f32,
+    /// The share of the travel at which it counts as pressed, more than `release_share`, at most 1.
+    pub press_share: f32,
+    /// The share of the travel at which it counts as let go again, 0 or more.
+    pub release_share: f32,
+}
+
+/// What a surface is fixed to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// The world's origin.
+    World,
+    /// A joint's position; the surface goes along with it and keeps the world's axes.
+    Joint(Joint),
+}
+
+/// A group of targets that moves as one.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    anchor: Anchor,
+    anchor_from_surface: Pose,
+    first: u32,
+    targets: Vec<Target>,
+    fronts: Bvh,
+}
+
+impl Surface {
+    /// Where the surface is for this pose of the hand; `None` when its anchor is not known.
+    pub fn world_from_surface(&self, pose: &HandPose) -> Option<Pose> {
+        let origin = match self.anchor {
+            Anchor::World => Vec3::ZERO,
+            Anchor::Joint(joint) => pose.position(joint)?,
+        };
+        Some(Pose::from_parts(
+            origin + self.anchor_from_surface.translation,
+            self.anchor_from_surface.rotation,
+        ))
+    }
+
+    /// The targets, each with its id.
+    pub fn targets(&self) -> impl Iterator<Item = (TargetId, &Target)> {
+        let first = self.first;
+        (first..).map(TargetId).zip(&self.targets)
+    }
+
+    /// The bounding volume hierarchy over the fronts, in the surface's frame; leaf `i` is the
+    /// surface's target number `i`.
+    pub fn fronts(&self) -> &Bvh {
+        &self.fronts
+    }
+
+    /// The id of the surface's target number `place`.
+    pub fn id(&self, place: u32) -> TargetId {
+        TargetId(self.first + place)
+    }
+
+    /// The target with this id, if it is on this surface.
+    pub fn target(&self, id: TargetId) -> Option<&Target> {
+        self.targets.get(id.0.checked_sub(self.first)? as usize)
+    }
+}
+
+/// All targets that fingertips can meet.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    surfaces: Vec<Surface>,
+    count: u32,
+}
+
+impl Scene {
+    /// A scene without targets.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a surface; its targets get the next ids, in order. Returns the id of the first.
+    pub fn add(
+        &mut self,
+        anchor: Anchor,
+        anchor_from_surface: Pose,
+        targets: Vec<Target>,
+    ) -> TargetId {
+        let first = self.count;
+        let boxes: Vec<Aabb> = targets.iter().map(front_box).collect();
+        self.count += targets.len() as u32;
+        self.surfaces.push(Surface {
+            anchor,
+            anchor_from_surface,
+            first,
+            fronts: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
+            targets,
+        });
+        TargetId(first)
+    }
+
+    /// The surfaces, in the order in which they were added.
+    pub fn surfaces(&self) -> &[Surface] {
+        &self.surfaces
+    }
+
+    /// How many targets there are.
+    pub fn len(&self) -> usize {
+        self.count as usize
+    }
+
+    /// Whether there is nothing to touch.
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// The target with this id and its surface.
+    pub fn target(&self, id: TargetId) -> Option<(&Surface, &Target)> {
+        self.surfaces
+            .iter()
+            .find_map(|surface| Some((surface, surface.target(id)?)))
+    }
+}
+
+/// The box around a target's front at rest, in the surface's frame.
+fn front_box(target: &Target) -> Aabb {
+    let half = match target.shape {
+        Shape::Box(half) => half.extend(0.0),
+        Shape::Disc(radius) => Vec3::new(radius, radius, 0.0),
+    };
+    let axes = parry3d::math::Mat3::from_quat(target.surface_from_target.rotation);
+    let reach = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y;
+    let middle = target.surface_from_target.translation;
+    Aabb::new(middle - reach, middle + reach)
+}

@@ -1,0 +1,302 @@
+//! Keys as positions: Linux event codes with the names of the W3C UI Events `code` values.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::names::UnknownName;
+
+/// The position of a key, as its Linux event code (`KEY_*` of `input-event-codes.h`).
+///
+/// A position is not a character: what the receiver writes for it is up to the receiver's keymap.
+/// Names are the `code` values of the W3C UI Events specification; letters and digits go without
+/// their prefix (`Q`, `1`), which is accepted when read (`KeyQ`, `Digit1`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct KeyCode(u16);
+
+struct Key {
+    code: u16,
+    name: &'static str,
+    label: &'static str,
+    plain: Option<char>,
+    shifted: Option<char>,
+}
+
+const fn key(
+    code: u16,
+    name: &'static str,
+    label: &'static str,
+    plain: Option<char>,
+    shifted: Option<char>,
+) -> Key {
+    Key {
+        code,
+        name,
+        label,
+        plain,
+        shifted,
+    }
+}
+
+/// In order of code. The characters are those of a US keymap; keypad digits have none, because
+/// what they write depends on Num Lock.
+#[rustfmt::skip]
+const KEYS: &[Key] = &[
+    key(1, "Escape", "Esc", None, None),
+    key(2, "1", "1", Some('1'), Some('!')),
+    key(3, "2", "2", Some('2'), Some('@')),
+    key(4, "3", "3", Some('3'), Some('#')),
+    key(5, "4", "4", Some('4'), Some('$')),
+    key(6, "5", "5", Some('5'), Some('%')),
+    key(7, "6", "6", Some('6'), Some('^')),
+    key(8, "7", "7", Some('7'), Some('&')),
+    key(9, "8", "8", Some('8'), Some('*')),
+    key(10, "9", "9", Some('9'), Some('(')),
+    key(11, "0", "0", Some('0'), Some(')')),
+    key(12, "Minus", "-", Some('-'), Some('_')),
+    key(13, "Equal", "=", Some('='), Some('+')),
+    key(14, "Backspace", "⌫", None, None),
+    key(15, "Tab", "⇥", Some('\t'), Some('\t')),
+    key(16, "Q", "Q", Some('q'), Some('Q')),
+    key(17, "W", "W", Some('w'), Some('W')),
+    key(18, "E", "E", Some('e'), Some('E')),
+    key(19, "R", "R", Some('r'), Some('R')),
+    key(20, "T", "T", Some('t'), Some('T')),
+    key(21, "Y", "Y", Some('y'), Some('Y')),
+    key(22, "U", "U", Some('u'), Some('U')),
+    key(23, "I", "I", Some('i'), Some('I')),
+    key(24, "O", "O", Some('o'), Some('O')),
+    key(25, "P", "P", Some('p'), Some('P')),
+    key(26, "BracketLeft", "[", Some('['), Some('{')),
+    key(27, "BracketRight", "]", Some(']'), Some('}')),
+    key(28, "Enter", "⏎", Some('\n'), Some('\n')),
+    key(29, "ControlLeft", "Ctrl", None, None),
+    key(30, "A", "A", Some('a'), Some('A')),
+    key(31, "S", "S", Some('s'), Some('S')),
+    key(32, "D", "D", Some('d'), Some('D')),
+    key(33, "F", "F", Some('f'), Some('F')),
+    key(34, "G", "G", Some('g'), Some('G')),
+    key(35, "H", "H", Some('h'), Some('H')),
+    key(36, "J", "J", Some('j'), Some('J')),
+    key(37, "K", "K", Some('k'), Some('K')),
+    key(38, "L", "L", Some('l'), Some('L')),
+    key(39, "Semicolon", ";", Some(';'), Some(':')),
+    key(40, "Quote", "'", Some('\''), Some('"')),
+    key(41, "Backquote", "`", Some('`'), Some('~')),
+    key(42, "ShiftLeft", "⇧", None, None),
+    key(43, "Backslash", "\\", Some('\\'), Some('|')),
+    key(44, "Z", "Z", Some('z'), Some('Z')),
+    key(45, "X", "X", Some('x'), Some('X')),
+    key(46, "C", "C", Some('c'), Some('C')),
+    key(47, "V", "V", Some('v'), Some('V')),
+    key(48, "B", "B", Some('b'), Some('B')),
+    key(49, "N", "N", Some('n'), Some('N')),
+    key(50, "M", "M", Some('m'), Some('M')),
+    key(51, "Comma", ",", Some(','), Some('<')),
+    key(52, "Period", ".", Some('.'), Some('>')),
+    key(53, "Slash", "/", Some('/'), Some('?')),
+    key(54, "ShiftRight", "⇧", None, None),
+    key(55, "NumpadMultiply", "*", Some('*'), Some('*')),
+    key(56, "AltLeft", "Alt", None, None),
+    key(57, "Space", "␣", Some(' '), Some(' ')),
+    key(58, "CapsLock", "Caps", None, None),
+    key(59, "F1", "F1", None, None),
+    key(60, "F2", "F2", None, None),
+    key(61, "F3", "F3", None, None),
+    key(62, "F4", "F4", None, None),
+    key(63, "F5", "F5", None, None),
+    key(64, "F6", "F6", None, None),
+    key(65, "F7", "F7", None, None),
+    key(66, "F8", "F8", None, None),
+    key(67, "F9", "F9", None, None),
+    key(68, "F10", "F10", None, None),
+    key(69, "NumLock", "Num", None, None),
+    key(70, "ScrollLock", "Scroll", None, None),
+    key(71, "Numpad7", "7", None, None),
+    key(72, "Numpad8", "8", None, None),
+    key(73, "Numpad9", "9", None, None),
+    key(74, "NumpadSubtract", "-", Some('-'), Some('-')),
+    key(75, "Numpad4", "4", None, None),
+    key(76, "Numpad5", "5", None, None),
+    key(77, "Numpad6", "6", None, None),
+    key(78, "NumpadAdd", "+", Some('+'), Some('+')),
+    key(79, "Numpad1", "1", None, None),
+    key(80, "Numpad2", "2", None, None),
+    key(81, "Numpad3", "3", None, None),
+    key(82, "Numpad0", "0", None, None),
+    key(83, "NumpadDecimal", ".", None, None),
+    key(86, "IntlBackslash", "<", Some('<'), Some('>')),
+    key(87, "F11", "F11", None, None),
+    key(88, "F12", "F12", None, None),
+    key(96, "NumpadEnter", "⏎", Some('\n'), Some('\n')),
+    key(97, "ControlRight", "Ctrl", None, None),
+    key(98, "NumpadDivide", "/", Some('/'), Some('/')),
+    key(99, "PrintScreen", "PrtSc", None, None),
+    key(100, "AltRight", "AltGr", None, None),
+    key(102, "Home", "Home", None, None),
+    key(103, "ArrowUp", "↑", None, None),
+    key(104, "PageUp", "PgUp", None, None),
+    key(105, "ArrowLeft", "←", None, None),
+    key(106, "ArrowRight", "→", None, None),
+    key(107, "End", "End", None, None),
+    key(108, "ArrowDown", "↓", None, None),
+    key(109, "PageDown", "PgDn", None, None),
+    key(110, "Insert", "Ins", None, None),
+    key(111, "Delete", "Del", None, None),
+    key(113, "AudioVolumeMute", "Mute", None, None),
+    key(114, "AudioVolumeDown", "Vol-", None, None),
+    key(115, "AudioVolumeUp", "Vol+", None, None),
+    key(119, "Pause", "Pause", None, None),
+    key(125, "MetaLeft", "Meta", None, None),
+    key(126, "MetaRight", "Meta", None, None),
+    key(127, "ContextMenu", "Menu", None, None),
+    key(163, "MediaTrackNext", "Next", None, None),
+    key(164, "MediaPlayPause", "Play", None, None),
+    key(165, "MediaTrackPrevious", "Prev", None, None),
+    key(166, "MediaStop", "Stop", None, None),
+];
+
+impl KeyCode {
+    /// The left Shift key.
+    pub const SHIFT_LEFT: Self = Self(42);
+    /// The right Shift key.
+    pub const SHIFT_RIGHT: Self = Self(54);
+    /// Backspace.
+    pub const BACKSPACE: Self = Self(14);
+
+    /// The key with this Linux event code, if it has a name here.
+    pub fn from_event_code(code: u16) -> Option<Self> {
+        find(code).map(|key| Self(key.code))
+    }
+
+    /// The Linux event code.
+    pub const fn event_code(self) -> u16 {
+        self.0
+    }
+
+    /// The X11 key code: the event code + 8.
+    pub const fn x11_code(self) -> u16 {
+        self.0 + 8
+    }
+
+    /// The name as written in files and output.
+    pub fn name(self) -> &'static str {
+        self.entry().name
+    }
+
+    /// A short label to draw on the key.
+    pub fn label(self) -> &'static str {
+        self.entry().label
+    }
+
+    /// The character that a receiver with a US keymap writes, with or without Shift.
+    pub fn us_character(self, shifted: bool) -> Option<char> {
+        let entry = self.entry();
+        if shifted { entry.shifted } else { entry.plain }
+    }
+
+    /// The key, and whether Shift goes with it, that writes `character` on a US keymap; keys
+    /// without Shift first, then in order of code.
+    pub fn for_us_character(character: char) -> Option<(Self, bool)> {
+        let with = |shifted: bool| {
+            Self::all()
+                .find(|key| key.us_character(shifted) == Some(character))
+                .map(|key| (key, shifted))
+        };
+        with(false).or_else(|| with(true))
+    }
+
+    /// Whether this is a modifier key.
+    pub fn is_modifier(self) -> bool {
+        matches!(self.0, 29 | 42 | 54 | 56 | 97 | 100 | 125 | 126)
+    }
+
+    /// All keys, in order of code.
+    pub fn all() -> impl Iterator<Item = Self> {
+        KEYS.iter().map(|key| Self(key.code))
+    }
+
+    fn entry(self) -> &'static Key {
+        find(self.0).expect("a key code is only made from the table")
+    }
+}
+
+fn find(code: u16) -> Option<&'static Key> {
+    let place = KEYS.binary_search_by_key(&code, |key| key.code).ok()?;
+    Some(&KEYS[place])
+}
+
+impl fmt::Display for KeyCode {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for KeyCode {
+    type Err = UnknownName;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let short = ["Key", "Digit"]
+            .iter()
+            .find_map(|prefix| text.strip_prefix(prefix))
+            .filter(|rest| rest.len() == 1)
+            .unwrap_or(text);
+        KEYS.iter()
+            .find(|key| key.name == short)
+            .map(|key| Self(key.code))
+            .ok_or_else(|| UnknownName::new("key", text, KEYS.iter().map(|key| key.name)))
+    }
+}
+
+impl Serialize for KeyCode {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for KeyCode {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer)?
+            .parse()
+            .map_err(serde::de::Error::custom)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_in_order_and_every_name_is_read_back() {
+        assert!(KEYS.windows(2).all(|pair| pair[0].code < pair[1].code));
+        for key in KeyCode::all() {
+            assert_eq!(key.name().parse::<KeyCode>(), Ok(key));
+            assert_eq!(KeyCode::from_event_code(key.event_code()), Some(key));
+        }
+    }
+
+    #[test]
+    fn w3c_names_with_their_prefix_are_read_too() {
+        assert_eq!("KeyQ".parse::<KeyCode>().unwrap().event_code(), 16);
+        assert_eq!("Digit1".parse::<KeyCode>().unwrap().event_code(), 2);
+        let error = "Entre".parse::<KeyCode>().unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "unknown key `Entre`, did you mean `Enter`?"
+        );
+    }
+
+    #[test]
+    fn a_character_finds_its_key_and_its_shift() {
+        let text = |character| {
+            let (key, shifted) = KeyCode::for_us_character(character).unwrap();
+            format!("{}{key}", if shifted { "Shift+" } else { "" })
+        };
+        assert_eq!(text('q'), "Q");
+        assert_eq!(text('Q'), "Shift+Q");
+        assert_eq!(text('!'), "Shift+1");
+        assert_eq!(text('/'), "Slash");
+        assert_eq!(KeyCode::for_us_character('é'), None);
+    }
+}

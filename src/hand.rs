@@ -1,0 +1,244 @@
+//! The words that every stage shares: sides, fingers, joints and degrees of freedom of an arm and hand.
+
+use crate::names::named_enum;
+
+named_enum! {
+    /// Which hand.
+    pub enum Side ("side") {
+        /// The left hand.
+        Left = "left",
+        /// The right hand.
+        Right = "right",
+    }
+}
+
+named_enum! {
+    /// A finger; the order is the one in which a tie between two fingers is decided.
+    pub enum Finger ("finger") {
+        /// The thumb, finger 0.
+        Thumb = "thumb",
+        /// The index finger, 1.
+        Index = "index",
+        /// The middle finger, 2.
+        Middle = "middle",
+        /// The ring finger, 3.
+        Ring = "ring",
+        /// The little finger, 4.
+        Little = "little",
+    }
+}
+
+/// A set of fingers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FingerSet(u8);
+
+impl FingerSet {
+    /// No finger.
+    pub const NONE: Self = Self(0);
+    /// All five.
+    pub const ALL: Self = Self(0b1_1111);
+
+    /// The set with `finger` added.
+    #[must_use]
+    pub fn with(self, finger: Finger) -> Self {
+        Self(self.0 | 1 << finger.index())
+    }
+
+    /// The fingers that are in either set.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// Whether `finger` is in the set.
+    pub fn contains(self, finger: Finger) -> bool {
+        self.0 & (1 << finger.index()) != 0
+    }
+
+    /// Whether the set has no finger.
+    pub fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
+named_enum! {
+    /// A place on the arm whose position is known after forward kinematics.
+    ///
+    /// The hand's 25 carry the names of the WebXR hand input specification; a phalanx is named
+    /// after the joint at its near end, so `index-finger-phalanx-proximal` is the MCP joint.
+    pub enum Joint ("joint") {
+        /// Where the upper arm is attached.
+        Shoulder = "shoulder",
+        /// The elbow.
+        Elbow = "elbow",
+        /// The wrist.
+        Wrist = "wrist",
+        /// Base of the thumb's metacarpal: the CMC joint.
+        ThumbMetacarpal = "thumb-metacarpal",
+        /// The thumb's MCP joint.
+        ThumbPhalanxProximal = "thumb-phalanx-proximal",
+        /// The thumb's IP joint.
+        ThumbPhalanxDistal = "thumb-phalanx-distal",
+        /// The end of the thumb.
+        ThumbTip = "thumb-tip",
+        /// Base of the index metacarpal.
+        IndexMetacarpal = "index-finger-metacarpal",
+        /// The index MCP joint (knuckle).
+        IndexPhalanxProximal = "index-finger-phalanx-proximal",
+        /// The index PIP joint.
+        IndexPhalanxIntermediate = "index-finger-phalanx-intermediate",
+        /// The index DIP joint.
+        IndexPhalanxDistal = "index-finger-phalanx-distal",
+        /// The end of the index finger.
+        IndexTip = "index-finger-tip",
+        /// Base of the middle metacarpal.
+        MiddleMetacarpal = "middle-finger-metacarpal",
+        /// The middle MCP joint (knuckle).
+        MiddlePhalanxProximal = "middle-finger-phalanx-proximal",
+        /// The middle PIP joint.
+        MiddlePhalanxIntermediate = "middle-finger-phalanx-intermediate",
+        /// The middle DIP joint.
+        MiddlePhalanxDistal = "middle-finger-phalanx-distal",
+        /// The end of the middle finger.
+        MiddleTip = "middle-finger-tip",
+        /// Base of the ring metacarpal.
+        RingMetacarpal = "ring-finger-metacarpal",
+        /// The ring MCP joint (knuckle).
+        RingPhalanxProximal = "ring-finger-phalanx-proximal",
+        /// The ring PIP joint.
+        RingPhalanxIntermediate = "ring-finger-phalanx-intermediate",
+        /// The ring DIP joint.
+        RingPhalanxDistal = "ring-finger-phalanx-distal",
+        /// The end of the ring finger.
+        RingTip = "ring-finger-tip",
+        /// Base of the little metacarpal.
+        LittleMetacarpal = "pinky-finger-metacarpal",
+        /// The little MCP joint (knuckle).
+        LittlePhalanxProximal = "pinky-finger-phalanx-proximal",
+        /// The little PIP joint.
+        LittlePhalanxIntermediate = "pinky-finger-phalanx-intermediate",
+        /// The little DIP joint.
+        LittlePhalanxDistal = "pinky-finger-phalanx-distal",
+        /// The end of the little finger.
+        LittleTip = "pinky-finger-tip",
+    }
+}
+
+impl Joint {
+    /// The end of `finger`.
+    pub const fn tip(finger: Finger) -> Self {
+        match finger {
+            Finger::Thumb => Self::ThumbTip,
+            Finger::Index => Self::IndexTip,
+            Finger::Middle => Self::MiddleTip,
+            Finger::Ring => Self::RingTip,
+            Finger::Little => Self::LittleTip,
+        }
+    }
+}
+
+named_enum! {
+    /// A degree of freedom: one angle of one joint, in radians, 0 in the model's zero pose.
+    ///
+    /// Flexion is positive towards the palm, abduction and deviation are positive towards the
+    /// little-finger side, supination is positive when the palm turns up.
+    pub enum Dof ("degree of freedom") {
+        /// Upper arm about the model's first shoulder axis.
+        ShoulderZ = "shoulder-z",
+        /// Upper arm about the model's second shoulder axis.
+        ShoulderY = "shoulder-y",
+        /// Upper arm about its own length.
+        ShoulderX = "shoulder-x",
+        /// Elbow flexion.
+        ElbowFlexion = "elbow-flexion",
+        /// Forearm supination (negative: pronation); 0 with the palm down in the mounted model.
+        ForearmSupination = "forearm-supination",
+        /// Roll of the second forearm bone, which carries nothing else.
+        ForearmSecondBone = "forearm-second-bone",
+        /// Wrist deviation: ulnar positive, radial negative.
+        WristDeviation = "wrist-deviation",
+        /// Wrist flexion (negative: extension).
+        WristFlexion = "wrist-flexion",
+        /// Thumb CMC abduction: sideways, positive towards the little-finger side.
+        ThumbCmcAbduction = "thumb-cmc-abduction",
+        /// Thumb CMC flexion.
+        ThumbCmcFlexion = "thumb-cmc-flexion",
+        /// Thumb MCP flexion.
+        ThumbMcpFlexion = "thumb-mcp-flexion",
+        /// Thumb IP flexion.
+        ThumbIpFlexion = "thumb-ip-flexion",
+        /// Index MCP abduction.
+        IndexMcpAbduction = "index-mcp-abduction",
+        /// Index MCP flexion.
+        IndexMcpFlexion = "index-mcp-flexion",
+        /// Index PIP flexion.
+        IndexPipFlexion = "index-pip-flexion",
+        /// Index DIP flexion.
+        IndexDipFlexion = "index-dip-flexion",
+        /// Middle MCP abduction.
+        MiddleMcpAbduction = "middle-mcp-abduction",
+        /// Middle MCP flexion.
+        MiddleMcpFlexion = "middle-mcp-flexion",
+        /// Middle PIP flexion.
+        MiddlePipFlexion = "middle-pip-flexion",
+        /// Middle DIP flexion.
+        MiddleDipFlexion = "middle-dip-flexion",
+        /// Ring MCP abduction.
+        RingMcpAbduction = "ring-mcp-abduction",
+        /// Ring MCP flexion.
+        RingMcpFlexion = "ring-mcp-flexion",
+        /// Ring PIP flexion.
+        RingPipFlexion = "ring-pip-flexion",
+        /// Ring DIP flexion.
+        RingDipFlexion = "ring-dip-flexion",
+        /// Little MCP abduction.
+        LittleMcpAbduction = "little-mcp-abduction",
+        /// Little MCP flexion.
+        LittleMcpFlexion = "little-mcp-flexion",
+        /// Little PIP flexion.
+        LittlePipFlexion = "little-pip-flexion",
+        /// Little DIP flexion.
+        LittleDipFlexion = "little-dip-flexion",
+    }
+}
+
+impl Dof {
+    /// The finger that this angle moves, or `None` where it moves the whole hand.
+    pub const fn finger(self) -> Option<Finger> {
+        match self.index() {
+            0..8 => None,
+            8..12 => Some(Finger::Thumb),
+            12..16 => Some(Finger::Index),
+            16..20 => Some(Finger::Middle),
+            20..24 => Some(Finger::Ring),
+            _ => Some(Finger::Little),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_finger_has_four_degrees_of_freedom_and_the_arm_eight() {
+        for &finger in Finger::ALL {
+            let count = Dof::ALL.iter().filter(|dof| dof.finger() == Some(finger));
+            assert_eq!(count.count(), 4, "{finger}");
+        }
+        assert_eq!(
+            Dof::ALL.iter().filter(|dof| dof.finger().is_none()).count(),
+            8
+        );
+        assert_eq!(Dof::WristFlexion.finger(), None);
+        assert_eq!(Dof::ThumbCmcAbduction.finger(), Some(Finger::Thumb));
+    }
+
+    #[test]
+    fn the_hand_has_the_25_joints_of_webxr() {
+        let of_hand = Joint::ALL
+            .iter()
+            .filter(|joint| joint.index() >= Joint::Wrist.index());
+        assert_eq!(of_hand.count(), 25);
+    }
+}

@@ -1,0 +1,1 @@
+//! Simulated people who play the devices, and scores of what came out.

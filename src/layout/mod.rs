@@ -1,0 +1,1 @@
+//! `layouts/*.ron` as people write them → checked, in SI units; every error names file, line and column.

@@ -1,0 +1,29 @@
+//! **Ademán** turns a captured hand into any input device.
+//!
+//! Data flows one way. A stage owns the type that it produces, imports what comes before it and
+//! nothing after it:
+//!
+//! ```text
+//!  Source ──Reading──▶ Estimator ──JointAngles──▶ ArmModel ──HandPose──▶ ContactTracker ──Touches──▶ VirtualDevice ──Events──▶ Sink
+//!  capture             estimate                   kinematics             contact                     device                    output
+//!  └ own thread ┘└─bounded channel─┘└────────────── one loop thread: Pipeline::step, then Sink::send ───────────────────────────┘
+//!                                                           └──Snapshot, try_send, dropped when full──▶ display, recorder, trace
+//! ```
+//!
+//! The modules below stand in the order of that flow.
+//!
+//! **World frame**: right-handed, metres, +X to the wearer's right, +Y up, −Z forward. Angles are in
+//! radians, times in microseconds.
+
+pub mod time;
+pub mod names;
+pub mod hand;
+pub mod capture;
+pub mod estimate;
+pub mod kinematics;
+pub mod contact;
+pub mod device;
+pub mod output;
+pub mod monitor;
+pub mod layout;
+pub mod lab;

@@ -1,0 +1,60 @@
+//! What an observer may see: a copy of what each stage made of one frame.
+
+use serde::Serialize;
+
+use crate::capture::{Counts, Reading};
+use crate::contact::Touches;
+use crate::device::Events;
+use crate::estimate::{JointAngles, Rejection};
+use crate::kinematics::HandPose;
+use crate::names::named_enum;
+
+named_enum! {
+    /// What the engine is doing.
+    pub enum State ("state") {
+        /// No reading has come in yet.
+        Starting = "starting",
+        /// Readings come in; nothing goes out until the hand is seen off all controls.
+        Paused = "paused",
+        /// Touches become events.
+        Running = "running",
+        /// Readings stopped; everything is released.
+        Stalled = "stalled",
+        /// Over.
+        Stopped = "stopped",
+    }
+}
+
+/// One frame, as each stage saw it.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// What the engine was doing after the frame.
+    pub state: State,
+    /// What came in; `None` when something else than a reading woke the engine (a stall, the end).
+    pub reading: Option<Reading>,
+    /// What the estimator made of it.
+    pub angles: Option<JointAngles>,
+    /// Where that puts the hand.
+    pub pose: Option<HandPose>,
+    /// What the fingertips did.
+    pub touches: Touches,
+    /// What went out.
+    pub events: Events,
+    /// The account so far.
+    pub tally: Tally,
+}
+
+/// The account of all readings: received = accepted + rejected + superseded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Tally {
+    /// What the source counted.
+    pub source: Counts,
+    /// Readings that became a pose.
+    pub accepted: u64,
+    /// Readings that gave no angles, by reason, in the order of [`Rejection::ALL`].
+    pub rejected: [u64; Rejection::COUNT],
+    /// Times that readings stopped for longer than the limit.
+    pub stalls: u64,
+    /// Snapshots that an observer was too slow for.
+    pub unobserved: u64,
+}
