@@ -1,5 +1,19 @@
 //! 2 · [`Reading`](crate::capture::Reading) → [`JointAngles`].
 
+mod calibration;
+mod channels;
+mod estimator;
+mod limits;
+mod one_euro;
+mod smoothing;
+
+pub use calibration::{FitError, Line, divider_resistance};
+pub use channels::{ChannelMap, ChannelRow};
+pub use estimator::{Estimator, EstimatorSettings};
+pub use limits::JointLimits;
+pub use one_euro::{OneEuro, OneEuroSettings};
+pub use smoothing::Smoothing;
+
 use crate::hand::{Dof, FingerSet};
 use crate::names::named_enum;
 use crate::time::Timestamp;

@@ -1,5 +1,13 @@
 //! 3 · [`JointAngles`](crate::estimate::JointAngles) → [`HandPose`].
 
+mod anthropometry;
+mod arm_model;
+mod inverse;
+
+pub use anthropometry::BoneLengths;
+pub use arm_model::{ArmModel, Link, MAX_LINKS, ModelError};
+pub use inverse::{Control, MAX_CONTROLS, Solution, angles_of, solve};
+
 use parry3d::math::{Pose, Vec3};
 
 use crate::hand::{Finger, FingerSet, Joint, Side};

@@ -1,0 +1,229 @@
+//! From sensor channels to joint angles that can be believed.
+
+use std::time::Duration;
+
+use super::channels::ChannelMap;
+use super::limits::JointLimits;
+use super::smoothing::{Smoother, Smoothing};
+use super::{JointAngles, Rejection};
+use crate::capture::{Channels, MAX_CHANNELS, Reading, Sample};
+use crate::hand::{Dof, FingerSet};
+use crate::time::Timestamp;
+
+/// The most rows a channel map can have: two for each degree of freedom is more than any glove needs.
+pub const MAX_ROWS: usize = 2 * Dof::COUNT;
+
+/// Readings in a row, each near the one before, after which a place that the hand cannot have
+/// reached is believed all the same.
+const CONSISTENT_READINGS: u8 = 3;
+
+/// What the estimator lets pass.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimatorSettings {
+    /// The filter.
+    pub smoothing: Smoothing,
+    /// Ranges of the joints; `None` lets every finite angle pass.
+    pub limits: Option<JointLimits>,
+    /// The fastest that a joint turns, in rad/s; `None` lets every step pass.
+    pub max_speed: Option<f64>,
+    /// A gap between two readings after which the filters start anew.
+    pub gap: Duration,
+    /// How long a channel may stay at one end of its range before its fingers are not believed
+    /// any more: a broken wire or a short circuit; `None` believes it for ever.
+    pub rail: Option<Duration>,
+}
+
+impl Default for EstimatorSettings {
+    /// Human limits; 40 rad/s, twice the fastest finger flexion; filters start anew after 0.5 s; a
+    /// channel is given up after 1 s.
+    fn default() -> Self {
+        Self {
+            smoothing: Smoothing::default(),
+            limits: Some(JointLimits::human()),
+            max_speed: Some(40.0),
+            gap: Duration::from_millis(500),
+            rail: Some(Duration::from_secs(1)),
+        }
+    }
+}
+
+impl EstimatorSettings {
+    /// Only the arithmetic: every finite angle passes, at any speed.
+    pub fn unchecked(smoothing: Smoothing) -> Self {
+        Self {
+            smoothing,
+            limits: None,
+            max_speed: None,
+            gap: Duration::MAX,
+            rail: None,
+        }
+    }
+}
+
+/// Turns the counts of a glove into joint angles.
+#[derive(Clone, Debug)]
+pub struct Estimator {
+    map: ChannelMap,
+    settings: EstimatorSettings,
+    smoother: Smoother,
+    rails: [Option<Timestamp>; MAX_CHANNELS],
+    last: Option<Measured>,
+    candidate: Option<(Measured, u8)>,
+}
+
+/// The angles of all rows as measured, before the filter.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
+    time: Timestamp,
+    rows: [f64; MAX_ROWS],
+}
+
+impl Estimator {
+    /// An estimator that has seen nothing yet.
+    ///
+    /// # Panics
+    /// When the map has more than [`MAX_ROWS`] rows.
+    pub fn new(map: ChannelMap, settings: EstimatorSettings) -> Self {
+        assert!(map.rows().len() <= MAX_ROWS, "at most {MAX_ROWS} rows");
+        Self {
+            smoother: Smoother::new(settings.smoothing, map.rows().len()),
+            map,
+            settings,
+            rails: [None; MAX_CHANNELS],
+            last: None,
+            candidate: None,
+        }
+    }
+
+    /// The channel map.
+    pub fn map(&self) -> &ChannelMap {
+        &self.map
+    }
+
+    /// The angles that a reading tells, or why it tells none; then nothing is remembered of it.
+    pub fn apply(&mut self, reading: &Reading) -> Result<JointAngles, Rejection> {
+        let Sample::Channels(channels) = &reading.sample;
+        if !self.fits(channels) {
+            return Err(Rejection::Shape);
+        }
+        let time = reading.time;
+        if self.last.is_some_and(|last| time <= last.time) {
+            return Err(Rejection::Stale);
+        }
+        let untrusted = self.watch_rails(time, channels);
+        let measured = self.measure(time, channels)?;
+        let jumped = self.check_speed(&measured)?;
+        let seconds = self
+            .last
+            .map_or(0.0, |last| time.since(last.time).as_secs_f64());
+        if jumped || seconds > self.settings.gap.as_secs_f64() {
+            self.smoother.reset();
+        }
+        self.last = Some(measured);
+        Ok(JointAngles {
+            untrusted,
+            jumped,
+            ..self.smooth(time, channels, seconds)
+        })
+    }
+
+    fn fits(&self, channels: &Channels) -> bool {
+        channels.full_scale == self.map.full_scale()
+            && channels.counts.len() >= self.map.channels_needed()
+    }
+
+    /// Keeps account of channels at an end of their range; gives the fingers that hang on one for too long.
+    fn watch_rails(&mut self, time: Timestamp, channels: &Channels) -> FingerSet {
+        let Some(limit) = self.settings.rail else {
+            return FingerSet::NONE;
+        };
+        let mut untrusted = FingerSet::NONE;
+        for (channel, &count) in channels.counts.iter().enumerate() {
+            if count != 0 && count != channels.full_scale {
+                self.rails[channel] = None;
+                continue;
+            }
+            let since = *self.rails[channel].get_or_insert(time);
+            if time.since(since) >= limit {
+                untrusted = untrusted.union(self.map.fingers_of(channel));
+            }
+        }
+        untrusted
+    }
+
+    fn is_railed(&self, time: Timestamp, channel: usize) -> bool {
+        let (Some(limit), Some(since)) = (self.settings.rail, self.rails[channel]) else {
+            return false;
+        };
+        time.since(since) >= limit
+    }
+
+    fn measure(&self, time: Timestamp, channels: &Channels) -> Result<Measured, Rejection> {
+        let mut rows = [0.0; MAX_ROWS];
+        for (row, angle) in self.map.rows().iter().zip(&mut rows) {
+            let measured = row.line.angle(f64::from(channels.counts[row.channel]));
+            *angle = match self.settings.limits {
+                _ if !measured.is_finite() => return Err(Rejection::NotFinite),
+                None => measured,
+                Some(limits) if self.is_railed(time, row.channel) => {
+                    limits.clamp(row.dof, measured)
+                }
+                Some(limits) => limits
+                    .admit(row.dof, measured)
+                    .ok_or(Rejection::Impossible)?,
+            };
+        }
+        Ok(Measured { time, rows })
+    }
+
+    /// Whether the hand was re-acquired in a new place; an error while that is not sure.
+    fn check_speed(&mut self, measured: &Measured) -> Result<bool, Rejection> {
+        let (Some(max_speed), Some(last)) = (self.settings.max_speed, self.last) else {
+            return Ok(false);
+        };
+        let rows = self.map.rows().len();
+        if is_reachable(&last, measured, max_speed, rows) {
+            self.candidate = None;
+            return Ok(false);
+        }
+        let agreeing = match &self.candidate {
+            Some((before, count)) if is_reachable(before, measured, max_speed, rows) => count + 1,
+            _ => 1,
+        };
+        if agreeing < CONSISTENT_READINGS {
+            self.candidate = Some((*measured, agreeing));
+            return Err(Rejection::TooFast);
+        }
+        self.candidate = None;
+        Ok(true)
+    }
+
+    fn smooth(&mut self, time: Timestamp, channels: &Channels, seconds: f64) -> JointAngles {
+        let mut counts = [0.0; MAX_CHANNELS];
+        self.smoother.smooth_counts(&channels.counts, &mut counts);
+        let mut angles = JointAngles::at(time);
+        for (place, row) in self.map.rows().iter().enumerate() {
+            let angle = row.line.angle(counts[row.channel]);
+            let angle = match self.settings.limits {
+                Some(limits) => limits.clamp(row.dof, angle),
+                None => angle,
+            };
+            let smooth = self.smoother.smooth_angle(place, angle, seconds);
+            let smooth = match self.settings.limits {
+                Some(limits) => limits.clamp(row.dof, smooth),
+                None => smooth,
+            };
+            angles.set(row.dof, smooth);
+        }
+        angles
+    }
+}
+
+/// Whether no row turned faster than `max_speed` (rad/s) from one reading to a later one.
+fn is_reachable(from: &Measured, to: &Measured, max_speed: f64, rows: usize) -> bool {
+    let reach = max_speed * to.time.since(from.time).as_secs_f64();
+    from.rows[..rows]
+        .iter()
+        .zip(&to.rows[..rows])
+        .all(|(from, to)| (to - from).abs() <= reach)
+}
