@@ -1,0 +1,139 @@
+//! Which keys have to be tapped, one after the other, so that a text comes out.
+
+use crate::contact::TargetId;
+use crate::device::KeyCode;
+use crate::device::keyboard::{KeyAction, KeyBinding, Latch};
+
+/// One tap of one key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Tap {
+    /// The key.
+    pub target: TargetId,
+}
+
+/// Why a text cannot be typed with one finger on a layout.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PlanError {
+    /// No key position writes it.
+    #[error("cannot type {0:?}: no key of a US keymap writes it")]
+    NotOnAnyKeyboard(char),
+    /// The layout lacks the key.
+    #[error(
+        "cannot type {character:?}: the layout has no key {key} in any layer that a tap reaches"
+    )]
+    NoKey {
+        /// What was to be typed.
+        character: char,
+        /// The key that writes it.
+        key: KeyCode,
+    },
+    /// The layout lacks a Shift that is tapped.
+    #[error("cannot type {0:?} with one finger: the layout has no one-shot Shift key")]
+    NoShift(char),
+}
+
+/// The taps that type `text` on these keys for a receiver with a US keymap, one finger at a time:
+/// Shift and layers go by their one-shot keys.
+pub fn taps(text: &str, keys: &[KeyBinding]) -> Result<Vec<Tap>, PlanError> {
+    let mut taps = Vec::new();
+    for character in text.chars() {
+        let (code, shifted) =
+            KeyCode::for_us_character(character).ok_or(PlanError::NotOnAnyKeyboard(character))?;
+        if shifted {
+            let shift = tapped(keys, is_one_shot_shift).ok_or(PlanError::NoShift(character))?;
+            taps.push(shift);
+        }
+        let way = way_to(code, keys).ok_or(PlanError::NoKey {
+            character,
+            key: code,
+        })?;
+        taps.extend(way);
+    }
+    Ok(taps)
+}
+
+/// The taps that press `code`: its key, or the key of a layer that has it and then its key there.
+fn way_to(code: KeyCode, keys: &[KeyBinding]) -> Option<Vec<Tap>> {
+    if let Some(tap) = tapped(keys, |action| action == KeyAction::Key(code)) {
+        return Some(vec![tap]);
+    }
+    let layers = keys.iter().map(|key| key.actions.len()).max().unwrap_or(0);
+    (1..layers).find_map(|layer| {
+        let to_layer = tapped(keys, |action| {
+            action == KeyAction::Layer(layer, Latch::OneShot)
+        })?;
+        let key = keys
+            .iter()
+            .find(|key| key.actions.get(layer) == Some(&Some(KeyAction::Key(code))))?;
+        Some(vec![to_layer, Tap { target: key.target }])
+    })
+}
+
+/// The first key whose action in the base layer is wanted.
+fn tapped(keys: &[KeyBinding], wanted: impl Fn(KeyAction) -> bool) -> Option<Tap> {
+    keys.iter()
+        .find(|key| key.actions.first().copied().flatten().is_some_and(&wanted))
+        .map(|key| Tap { target: key.target })
+}
+
+fn is_one_shot_shift(action: KeyAction) -> bool {
+    matches!(
+        action,
+        KeyAction::Modifier(KeyCode::SHIFT_LEFT | KeyCode::SHIFT_RIGHT, Latch::OneShot)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn key(number: u32, actions: &[Option<KeyAction>]) -> KeyBinding {
+        KeyBinding {
+            target: TargetId(number),
+            actions: actions.to_vec(),
+            analogue: false,
+        }
+    }
+
+    fn code(name: &str) -> KeyAction {
+        KeyAction::Key(name.parse().unwrap())
+    }
+
+    fn board() -> Vec<KeyBinding> {
+        vec![
+            key(0, &[Some(code("Q")), Some(code("1"))]),
+            key(
+                1,
+                &[Some(KeyAction::Modifier(
+                    KeyCode::SHIFT_LEFT,
+                    Latch::OneShot,
+                ))],
+            ),
+            key(2, &[Some(KeyAction::Layer(1, Latch::OneShot))]),
+        ]
+    }
+
+    fn targets(text: &str) -> Result<Vec<u32>, PlanError> {
+        Ok(taps(text, &board())?
+            .iter()
+            .map(|tap| tap.target.0)
+            .collect())
+    }
+
+    #[test]
+    fn capitals_go_by_shift_and_what_is_in_a_layer_by_its_key() {
+        assert_eq!(targets("qQ1!"), Ok(vec![0, 1, 0, 2, 0, 1, 2, 0]));
+    }
+
+    #[test]
+    fn what_cannot_be_typed_is_named() {
+        assert_eq!(targets("é"), Err(PlanError::NotOnAnyKeyboard('é')));
+        let missing = targets("w").unwrap_err().to_string();
+        assert!(
+            missing.contains("'w'") && missing.contains("key W"),
+            "{missing}"
+        );
+        let no_shift = taps("Q", &board()[..1]).unwrap_err();
+        assert_eq!(no_shift, PlanError::NoShift('Q'));
+    }
+}

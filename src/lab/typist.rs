@@ -1,0 +1,353 @@
+//! A simulated person who types a text with the index finger and wears a flex-sensor glove.
+
+use std::time::Duration;
+
+use arrayvec::ArrayVec;
+use parry3d::math::Vec3;
+
+use super::plan::{PlanError, Tap, taps};
+use crate::capture::{
+    Capture, CaptureError, Channels, Counts, MAX_CHANNELS, Reading, Sample, Source,
+};
+use crate::contact::surface::{Scene, Target};
+use crate::device::keyboard::KeyBinding;
+use crate::estimate::{ChannelMap, JointAngles, JointLimits};
+use crate::hand::{Dof, Finger};
+use crate::kinematics::{ArmModel, Control, MAX_CONTROLS, angles_of, solve};
+use crate::time::Timestamp;
+
+/// The finger that types; the others are held up.
+const FINGER: Finger = Finger::Index;
+/// Height of the fingertip over the keys while it travels, in metres.
+const HOVER: f32 = 0.014;
+/// How far the fingertip goes past the end of a key's travel, in metres.
+const OVERTRAVEL: f32 = 0.002;
+/// The hand is shown off all keys for so long at the start, and again at the end.
+const SHOW: Duration = Duration::from_millis(600);
+/// How far from a key the solved fingertip may be before the key counts as out of reach, in metres.
+const REACH_ERROR: f64 = 0.003;
+
+/// Who types, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TypistSettings {
+    /// What to type.
+    pub text: String,
+    /// The time between two packets of the glove.
+    pub frame_period: Duration,
+    /// Standard deviation of the noise on every channel, in counts; 0 for none.
+    pub noise_counts: f64,
+    /// Where the noise starts.
+    pub seed: u64,
+}
+
+/// Why the simulated person cannot type.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TypistError {
+    /// The text does not go with the layout.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A key is too far away.
+    #[error(
+        "key number {key} is {millimetres:.0} mm out of reach of the simulated hand: move the board nearer or make it smaller"
+    )]
+    OutOfReach {
+        /// The key's target.
+        key: u32,
+        /// How far the fingertip stays away.
+        millimetres: f64,
+    },
+}
+
+/// A simulated person at the keyboard, as a [`Source`] of glove readings.
+pub struct Typist {
+    name: String,
+    arm: ArmModel,
+    map: ChannelMap,
+    controls: Vec<Control>,
+    resting: JointAngles,
+    values: ArrayVec<f64, MAX_CONTROLS>,
+    moves: Vec<Move>,
+    period: Duration,
+    noise_counts: f64,
+    random: fastrand::Rng,
+    current: usize,
+    frame_of_move: u32,
+    frame: u64,
+}
+
+/// A minimum-jerk movement of the fingertip, or a rest where both ends are the same.
+#[derive(Clone, Copy, Debug)]
+struct Move {
+    from: Vec3,
+    to: Vec3,
+    frames: u32,
+}
+
+impl Typist {
+    /// Plans the text on these keys for this arm and glove.
+    pub fn new(
+        settings: &TypistSettings,
+        scene: &Scene,
+        keys: &[KeyBinding],
+        arm: &ArmModel,
+        map: &ChannelMap,
+    ) -> Result<Self, TypistError> {
+        let taps = taps(&settings.text, keys)?;
+        let controls = typing_controls(map);
+        let resting = posture(map);
+        let rest: ArrayVec<f64, MAX_CONTROLS> =
+            controls.iter().map(|control| control.rest).collect();
+        let mut typist = Self {
+            name: format!("typist:{}", settings.text),
+            arm: arm.clone(),
+            map: map.clone(),
+            controls,
+            resting,
+            values: rest,
+            moves: Vec::new(),
+            period: settings.frame_period,
+            noise_counts: settings.noise_counts,
+            random: fastrand::Rng::with_seed(settings.seed),
+            current: 0,
+            frame_of_move: 0,
+            frame: 0,
+        };
+        typist.plan(scene, &taps)?;
+        Ok(typist)
+    }
+
+    /// How long it takes, in frames.
+    pub fn frames(&self) -> u64 {
+        self.moves.iter().map(|step| u64::from(step.frames)).sum()
+    }
+
+    /// The counts of the glove in the next frame, or `None` when all is typed.
+    pub fn next_counts(&mut self) -> Option<ArrayVec<u16, MAX_CHANNELS>> {
+        let step = *self.moves.get(self.current)?;
+        self.frame_of_move += 1;
+        let share = self.frame_of_move as f32 / step.frames as f32;
+        if self.frame_of_move == step.frames {
+            self.current += 1;
+            self.frame_of_move = 0;
+        }
+        self.frame += 1;
+        let tip = step.from.lerp(step.to, minimum_jerk(share));
+        let found = solve(
+            &self.arm,
+            &self.controls,
+            &self.resting,
+            &self.values,
+            FINGER,
+            tip,
+        );
+        self.values = found.values;
+        Some(self.counts())
+    }
+
+    /// What the glove's converters make of the posture.
+    fn counts(&mut self) -> ArrayVec<u16, MAX_CHANNELS> {
+        let angles = angles_of(&self.controls, &self.values, &self.resting);
+        let full_scale = self.map.full_scale();
+        // A channel that nothing is wired to floats; half way keeps it out of the headers' way.
+        let mut counts: ArrayVec<u16, MAX_CHANNELS> =
+            (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
+        for place in (0..self.map.rows().len()).rev() {
+            let row = &self.map.rows()[place];
+            let (channel, exact) = (row.channel, row.line.reading(angles.get(row.dof)));
+            counts[channel] = self.convert(exact, full_scale);
+        }
+        counts
+    }
+
+    /// A converter: noise, rounding, and never quite the end of the range, which means a broken wire.
+    fn convert(&mut self, exact: f64, full_scale: u16) -> u16 {
+        let noise = match self.noise_counts > 0.0 {
+            true => self.noise_counts * gaussian(&mut self.random),
+            false => 0.0,
+        };
+        (exact + noise)
+            .round()
+            .clamp(1.0, f64::from(full_scale - 1)) as u16
+    }
+
+    fn plan(&mut self, scene: &Scene, taps: &[Tap]) -> Result<(), TypistError> {
+        let resting = self.arm.forward(&self.resting);
+        let mut place: Option<Vec3> = None;
+        for tap in taps {
+            let Some((surface, target)) = scene.target(tap.target) else {
+                continue;
+            };
+            let Some(world_from_surface) = surface.world_from_surface(&resting) else {
+                continue;
+            };
+            let world_from_target = world_from_surface * target.surface_from_target;
+            let over =
+                |height: f32| world_from_target * Vec3::new(0.0, 0.0, height + resting.tip_radius);
+            let (hover, bottom) = (over(HOVER), over(-depth(target)));
+            self.check_reach(tap, bottom)?;
+            match place {
+                None => self.rest(hover, SHOW),
+                Some(from) => self.go(from, hover, travel_time(from.distance(hover)), 5),
+            }
+            self.go(hover, bottom, Duration::from_millis(70), 3);
+            self.rest(bottom, Duration::from_millis(70).max(3 * self.period));
+            self.go(bottom, hover, Duration::from_millis(70), 3);
+            place = Some(hover);
+        }
+        if let Some(place) = place {
+            self.rest(place, SHOW);
+        }
+        Ok(())
+    }
+
+    fn check_reach(&self, tap: &Tap, bottom: Vec3) -> Result<(), TypistError> {
+        let found = solve(
+            &self.arm,
+            &self.controls,
+            &self.resting,
+            &self.values,
+            FINGER,
+            bottom,
+        );
+        if found.distance > REACH_ERROR {
+            return Err(TypistError::OutOfReach {
+                key: tap.target.0,
+                millimetres: found.distance * 1e3,
+            });
+        }
+        Ok(())
+    }
+
+    /// A movement that takes `time`, and at least `fewest` frames, so that a slow line shows it.
+    fn go(&mut self, from: Vec3, to: Vec3, time: Duration, fewest: u32) {
+        let frames = (time.as_secs_f64() / self.period.as_secs_f64()).ceil() as u32;
+        self.moves.push(Move {
+            from,
+            to,
+            frames: frames.max(fewest),
+        });
+    }
+
+    fn rest(&mut self, place: Vec3, time: Duration) {
+        self.go(place, place, time, 1);
+    }
+}
+
+impl Source for Typist {
+    fn next(&mut self) -> Result<Capture, CaptureError> {
+        let time = Timestamp(0) + self.period.mul_f64((self.frame + 1) as f64);
+        let Some(counts) = self.next_counts() else {
+            return Ok(Capture::End);
+        };
+        let sample = Sample::Channels(Channels {
+            full_scale: self.map.full_scale(),
+            counts,
+        });
+        Ok(Capture::Reading(Reading { time, sample }))
+    }
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn frame_period(&self) -> Option<Duration> {
+        Some(self.period)
+    }
+
+    fn is_live(&self) -> bool {
+        false
+    }
+
+    fn counts(&self) -> Counts {
+        Counts {
+            readings: self.frame,
+            ..Counts::default()
+        }
+    }
+}
+
+fn depth(target: &Target) -> f32 {
+    target.travel + OVERTRAVEL
+}
+
+/// x = 10 s³ − 15 s⁴ + 6 s⁵ (Flash & Hogan 1985).
+fn minimum_jerk(share: f32) -> f32 {
+    share.powi(3) * (10.0 + share * (-15.0 + 6.0 * share))
+}
+
+/// MT = a + b log₂(A/W + 1) with a = 60 ms, b = 85 ms, the middle of the published ranges for
+/// fingertip taps, and W the width of a key, 19 mm.
+fn travel_time(distance: f32) -> Duration {
+    let difficulty = (f64::from(distance) / 0.019 + 1.0).log2();
+    Duration::from_secs_f64(0.060 + 0.085 * difficulty)
+}
+
+/// What each angle is while typing: the wrist straight, the palm down, the index finger half bent,
+/// the other fingers held up out of the way.
+fn typing_angle(dof: Dof) -> f64 {
+    match dof {
+        Dof::ElbowFlexion => 0.6,
+        Dof::WristFlexion => 0.05,
+        Dof::IndexMcpFlexion => 0.45,
+        Dof::IndexPipFlexion => 0.45,
+        Dof::IndexDipFlexion => 0.45,
+        Dof::MiddleMcpFlexion | Dof::RingMcpFlexion | Dof::LittleMcpFlexion => -0.5,
+        Dof::ThumbCmcAbduction => -0.5,
+        _ => 0.0,
+    }
+}
+
+/// The typing posture, as far as the glove can show it.
+fn posture(map: &ChannelMap) -> JointAngles {
+    let mut angles = JointAngles::at(Timestamp(0));
+    for row in map.rows() {
+        angles.set(row.dof, typing_angle(row.dof));
+    }
+    angles
+}
+
+/// A control for each channel that moves the typing finger: its value is the count.
+fn typing_controls(map: &ChannelMap) -> Vec<Control> {
+    let moving = [
+        Dof::ElbowFlexion,
+        Dof::WristFlexion,
+        Dof::WristDeviation,
+        Dof::IndexMcpFlexion,
+        Dof::IndexPipFlexion,
+    ];
+    moving
+        .iter()
+        .filter_map(|&dof| {
+            let row = map.rows().iter().rev().find(|row| row.dof == dof)?;
+            Some(channel_control(map, row.channel))
+        })
+        .collect()
+}
+
+/// A control that is one channel: all the angles that it tells, the counts that their joints allow.
+fn channel_control(map: &ChannelMap, channel: usize) -> Control {
+    let limits = JointLimits::human();
+    let mut control = Control {
+        moves: ArrayVec::new(),
+        range: (1.0, f64::from(map.full_scale()) - 1.0),
+        rest: 0.0,
+    };
+    for row in map.rows().iter().filter(|row| row.channel == channel) {
+        let (low, high) = limits.range(row.dof);
+        let (one, other) = (row.line.reading(low), row.line.reading(high));
+        control.range.0 = control.range.0.max(one.min(other));
+        control.range.1 = control.range.1.min(one.max(other));
+        control.rest = row.line.reading(typing_angle(row.dof));
+        if control.moves.try_push((row.dof, row.line)).is_err() {
+            break;
+        }
+    }
+    control.rest = control.rest.clamp(control.range.0, control.range.1);
+    control
+}
+
+/// Standard normal, by Box and Muller.
+fn gaussian(random: &mut fastrand::Rng) -> f64 {
+    let radius = (-2.0 * (1.0 - random.f64()).ln()).sqrt();
+    radius * (std::f64::consts::TAU * random.f64()).cos()
+}
