@@ -1,4 +1,38 @@
 //! 1 · A sensor → [`Reading`].
+//!
+//! A [`SourceName`] says where readings come from, [`open`] makes a [`Source`] of it, [`on_thread`] lets that run
+//! by itself:
+//!
+//! ```no_run
+//! use ademan::capture::{Arrival, SourceName, on_thread, open};
+//!
+//! let name: SourceName = "serial:/dev/ttyUSB0?protocol=hc11&baud=9600".parse()?;
+//! let captured = on_thread(open(&name)?)?;
+//! for arrival in captured.arrivals() {
+//!     match arrival {
+//!         Arrival::Reading { reading, .. } => println!("{reading:?}"),
+//!         Arrival::Lost(error) | Arrival::Failed(error) => eprintln!("{error}"),
+//!         Arrival::End(counts) => println!("{counts:?}"),
+//!     }
+//! }
+//! # Ok::<(), ademan::capture::CaptureError>(())
+//! ```
+
+pub mod hc11;
+pub mod uri;
+mod line;
+mod search;
+mod usb;
+mod serial;
+mod tcp;
+mod file;
+pub mod pace;
+pub mod thread;
+pub mod wire;
+#[cfg(unix)]
+mod pty;
+#[cfg(test)]
+mod test_random;
 
 use std::time::Duration;
 
@@ -6,6 +40,51 @@ use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
 use crate::time::Timestamp;
+
+pub use pace::Paced;
+#[cfg(unix)]
+pub use pty::open_wire;
+pub use thread::{Arrival, Captured, on_thread};
+pub use uri::{LineSettings, Protocol, SourceName};
+pub use wire::Wire;
+#[cfg(not(unix))]
+pub use wire::open_tcp_wire as open_wire;
+
+use file::FileConnector;
+use line::LineSource;
+use serial::SerialConnector;
+use tcp::TcpConnector;
+
+/// Opens a source whose bytes come over a line: `serial:`, `tcp:` or `file:`.
+///
+/// Recordings and the typist are made by modules of their own; their names are refused.
+pub fn open(name: &SourceName) -> Result<Box<dyn Source>, CaptureError> {
+    let text = name.to_string();
+    match name {
+        SourceName::Serial { port, line } => {
+            let connector = SerialConnector::new(port, line.baud.get());
+            Ok(Box::new(LineSource::open(text, *line, connector)?))
+        }
+        SourceName::Tcp { address, line } => {
+            let connector = TcpConnector::new(address);
+            Ok(Box::new(LineSource::open(text, *line, connector)?))
+        }
+        SourceName::File { path, line } => {
+            let connector = FileConnector::new(path);
+            Ok(Box::new(LineSource::open(text, *line, connector)?))
+        }
+        SourceName::Recording { .. } | SourceName::Typist { .. } => Err(CaptureError::Name {
+            text,
+            reason: "it is not a line of bytes; use a `serial:`, `tcp:` or `file:` source"
+                .to_owned(),
+        }),
+    }
+}
+
+/// Whether asking for the serial ports is safe: on Linux, `serialport` panics where the kernel's list is not mounted.
+fn lists_serial_ports() -> bool {
+    !cfg!(target_os = "linux") || std::path::Path::new("/sys/class/tty").is_dir()
+}
 
 /// The most channels that one reading carries: the eight converters of the HC11 glove, eight inputs each.
 pub const MAX_CHANNELS: usize = 64;

@@ -1,0 +1,590 @@
+//! A line of bytes as a source: decoding, time stamps and loss, the same for serial ports, TCP and files.
+
+use std::io::{ErrorKind, Read};
+use std::time::{Duration, Instant};
+
+use arrayvec::ArrayVec;
+
+use super::hc11::{BODY_BYTES, Decoder, FRAME_BYTES};
+use super::search::{Finding, Search};
+use super::uri::LineSettings;
+use super::{Capture, CaptureError, Channels, Counts, Reading, Sample, Source};
+use crate::time::Timestamp;
+
+/// The longest time that one read may block.
+pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
+
+/// Bytes without a frame for so long are called garbage.
+const GARBAGE_LIMIT: Duration = Duration::from_secs(2);
+
+/// How a line is opened, and opened again after it was lost.
+///
+/// A clone of it looks for the lost device on a thread of its own, because opening may block.
+pub(super) trait Connect: Clone + Send + 'static {
+    /// Whether bytes come at their own pace and the end of the stream is a loss. A line that is not live
+    /// ends with its stream, and its time is that of the nominal baud.
+    const LIVE: bool;
+
+    /// How long a connection may be silent before it counts as lost.
+    const SILENCE_LIMIT: Option<Duration> = None;
+
+    /// Opens the line. Its reads block for [`READ_TIMEOUT`] at most.
+    fn connect(&mut self) -> Result<Connection, Refusal>;
+}
+
+/// An open line.
+pub(super) struct Connection {
+    /// The bytes that come in.
+    pub bytes: Box<dyn Read + Send>,
+    /// Where it was found: the port or address in use.
+    pub place: String,
+}
+
+/// Why a line does not open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Refusal {
+    /// It is not there: what is usual while a cable is out.
+    Absent(String),
+    /// It is there and cannot be used before its user does something.
+    Unusable(String),
+}
+
+impl Refusal {
+    fn into_reason(self) -> String {
+        match self {
+            Self::Absent(reason) | Self::Unusable(reason) => reason,
+        }
+    }
+}
+
+/// Bytes that one read takes at most.
+const READ_BYTES: usize = 512;
+/// With the 67 bytes that may wait in the decoder, one read completes no more frames.
+const FRAMES_PER_READ: usize = (READ_BYTES + 67) / FRAME_BYTES + 1;
+
+/// The source that decodes what a line brings.
+pub(super) struct LineSource<C> {
+    name: String,
+    settings: LineSettings,
+    connector: C,
+    state: State,
+    decoder: Decoder,
+    buffer: [u8; READ_BYTES],
+    pending: ArrayVec<Reading, FRAMES_PER_READ>,
+    clock: Clock,
+    garbage: GarbageWatch,
+    heard: Instant,
+    back_off: BackOff,
+    losses: u64,
+}
+
+enum State {
+    Connected(Connection),
+    Searching(Search),
+    Ended,
+}
+
+impl<C: Connect> LineSource<C> {
+    /// Opens the line for the first time.
+    pub fn open(
+        name: String,
+        settings: LineSettings,
+        mut connector: C,
+    ) -> Result<Self, CaptureError> {
+        let connection = match connector.connect() {
+            Ok(connection) => connection,
+            Err(refusal) => {
+                return Err(CaptureError::Open {
+                    source_name: name,
+                    reason: refusal.into_reason(),
+                });
+            }
+        };
+        Ok(Self {
+            name,
+            settings,
+            connector,
+            state: State::Connected(connection),
+            decoder: Decoder::new(settings.framing),
+            buffer: [0; READ_BYTES],
+            pending: ArrayVec::new(),
+            clock: Clock::new(C::LIVE),
+            garbage: GarbageWatch::default(),
+            heard: Instant::now(),
+            back_off: BackOff::default(),
+            losses: 0,
+        })
+    }
+
+    fn listen(&mut self) -> Result<Capture, CaptureError> {
+        let State::Connected(connection) = &mut self.state else {
+            return Ok(Capture::End);
+        };
+        match connection.bytes.read(&mut self.buffer) {
+            Ok(0) => self.over(),
+            Ok(length) => Ok(self.take(length)),
+            Err(error) if is_quiet(error.kind()) => self.be_patient(),
+            Err(error) if C::LIVE => Err(self.lose(error.to_string())),
+            Err(error) => {
+                self.state = State::Ended;
+                Err(CaptureError::Malformed {
+                    source_name: self.name.clone(),
+                    reason: format!(
+                        "reading stopped after {} bytes: {error}",
+                        self.decoder.counts().bytes
+                    ),
+                })
+            }
+        }
+    }
+
+    fn take(&mut self, length: usize) -> Capture {
+        let now = Instant::now();
+        self.heard = now;
+        let pending = &mut self.pending;
+        self.decoder.push(&self.buffer[..length], &mut |body| {
+            pending.push(reading(body))
+        });
+        self.stamp(now);
+        if self.garbage.is_due(now, self.pending.is_empty()) {
+            tracing::warn!(
+                "no valid frame from {} for {} s, check baud and protocol",
+                self.name,
+                GARBAGE_LIMIT.as_secs()
+            );
+        }
+        if !self.pending.is_empty() {
+            self.back_off = BackOff::default();
+        }
+        self.next_pending().unwrap_or(Capture::Quiet)
+    }
+
+    /// Dates each frame back by what came after it.
+    fn stamp(&mut self, now: Instant) {
+        let frames = self.pending.len();
+        for (index, reading) in self.pending.iter_mut().enumerate() {
+            let bytes_after = (frames - 1 - index) * FRAME_BYTES + self.decoder.waiting();
+            reading.time = self.clock.stamp(now, bytes_after, &self.settings);
+        }
+    }
+
+    fn next_pending(&mut self) -> Option<Capture> {
+        self.pending.pop_at(0).map(Capture::Reading)
+    }
+
+    fn over(&mut self) -> Result<Capture, CaptureError> {
+        if C::LIVE {
+            return Err(self.lose("the device has closed the line".to_owned()));
+        }
+        self.state = State::Ended;
+        let pending = &mut self.pending;
+        self.decoder.finish(&mut |body| pending.push(reading(body)));
+        self.stamp(Instant::now());
+        Ok(self.next_pending().unwrap_or(Capture::End))
+    }
+
+    fn be_patient(&mut self) -> Result<Capture, CaptureError> {
+        match C::SILENCE_LIMIT {
+            Some(limit) if self.heard.elapsed() >= limit => {
+                Err(self.lose(format!("nothing came for {} s", limit.as_secs())))
+            }
+            _ => Ok(Capture::Quiet),
+        }
+    }
+
+    fn lose(&mut self, reason: String) -> CaptureError {
+        self.losses += 1;
+        self.decoder.abandon();
+        self.garbage = GarbageWatch::default();
+        let search = self.start_search();
+        if let State::Connected(dead) = std::mem::replace(&mut self.state, State::Searching(search))
+        {
+            close_elsewhere(dead);
+        }
+        CaptureError::Lost {
+            source_name: self.name.clone(),
+            reason,
+        }
+    }
+
+    fn start_search(&mut self) -> Search {
+        Search::start(self.connector.clone(), self.back_off.next())
+    }
+
+    fn look(&mut self) -> Capture {
+        let State::Searching(search) = &self.state else {
+            return Capture::Quiet;
+        };
+        match search.wait(READ_TIMEOUT) {
+            Finding::Nothing => {}
+            Finding::Refused(reason) => {
+                tracing::warn!("cannot take up {} again: {reason}", self.name);
+            }
+            Finding::Over => {
+                let search = self.start_search();
+                self.state = State::Searching(search);
+            }
+            Finding::Found(connection) => {
+                tracing::info!("{} is back as {}", self.name, connection.place);
+                self.heard = Instant::now();
+                self.state = State::Connected(connection);
+            }
+        }
+        Capture::Quiet
+    }
+}
+
+impl<C: Connect> Source for LineSource<C> {
+    fn next(&mut self) -> Result<Capture, CaptureError> {
+        if let Some(reading) = self.next_pending() {
+            return Ok(reading);
+        }
+        match &self.state {
+            State::Connected(_) => self.listen(),
+            State::Searching(_) => Ok(self.look()),
+            State::Ended => Ok(Capture::End),
+        }
+    }
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn frame_period(&self) -> Option<Duration> {
+        Some(self.settings.frame_period())
+    }
+
+    fn is_live(&self) -> bool {
+        C::LIVE
+    }
+
+    fn counts(&self) -> Counts {
+        let decoded = self.decoder.counts();
+        Counts {
+            readings: decoded.readings - self.pending.len() as u64,
+            losses: self.losses,
+            ..decoded
+        }
+    }
+}
+
+fn reading(body: &[u8; BODY_BYTES]) -> Reading {
+    Reading {
+        time: Timestamp::default(),
+        sample: Sample::Channels(Channels {
+            full_scale: u16::from(u8::MAX),
+            counts: body.iter().copied().map(u16::from).collect(),
+        }),
+    }
+}
+
+fn is_quiet(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut
+    )
+}
+
+/// Closes on a thread of its own: closing a port whose device is gone can block for long.
+fn close_elsewhere(dead: Connection) {
+    let closing = std::thread::Builder::new()
+        .name("closing".to_owned())
+        .spawn(move || drop(dead));
+    if let Err(error) = closing {
+        tracing::debug!("no thread for closing, closed in place: {error}");
+    }
+}
+
+/// What time a frame was complete.
+enum Clock {
+    /// By the monotonic clock, from the moment the source was opened.
+    Live { opened: Instant, last: Timestamp },
+    /// By the number of frames, at the pace of the baud.
+    Nominal { frames: u64, last: Timestamp },
+}
+
+impl Clock {
+    fn new(is_live: bool) -> Self {
+        let last = Timestamp::default();
+        match is_live {
+            true => Self::Live {
+                opened: Instant::now(),
+                last,
+            },
+            false => Self::Nominal { frames: 0, last },
+        }
+    }
+
+    /// The time of a frame after which `bytes_after` more came in until `now`; always later than the one before.
+    fn stamp(&mut self, now: Instant, bytes_after: usize, line: &LineSettings) -> Timestamp {
+        let (time, last) = match self {
+            Self::Live { opened, last } => {
+                let arrived = Timestamp::default() + now.saturating_duration_since(*opened);
+                (arrived - line.wire_time(bytes_after), last)
+            }
+            Self::Nominal { frames, last } => {
+                *frames += 1;
+                let microseconds = *frames as u128 * FRAME_BYTES as u128 * 10_000_000
+                    / u128::from(line.baud.get());
+                (Timestamp(microseconds as u64), last)
+            }
+        };
+        *last = time.max(Timestamp(last.0 + 1));
+        *last
+    }
+}
+
+/// Notices bytes that never become a frame.
+#[derive(Default)]
+struct GarbageWatch {
+    since: Option<Instant>,
+    has_warned: bool,
+}
+
+impl GarbageWatch {
+    /// Tells once that it is time to warn; again only after frames came in between.
+    fn is_due(&mut self, now: Instant, no_frame: bool) -> bool {
+        if !no_frame {
+            *self = Self::default();
+            return false;
+        }
+        let since = *self.since.get_or_insert(now);
+        let is_due = !self.has_warned && now.saturating_duration_since(since) >= GARBAGE_LIMIT;
+        self.has_warned |= is_due;
+        is_due
+    }
+}
+
+/// How long to wait before looking for a lost device.
+///
+/// Starts over only when a frame has come in: a device that comes and goes at once is not asked more and more often.
+struct BackOff(Duration);
+
+impl Default for BackOff {
+    fn default() -> Self {
+        Self(Search::SHORTEST_DELAY)
+    }
+}
+
+impl BackOff {
+    fn next(&mut self) -> Duration {
+        let delay = self.0;
+        self.0 = Search::longer(delay);
+        delay
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::VecDeque;
+    use std::io::{Error, Result as IoResult};
+    use std::num::NonZeroU32;
+    use std::sync::{Arc, Mutex};
+
+    use super::*;
+    use crate::capture::hc11::{Framing, encode};
+
+    const LIMIT: Duration = Duration::from_secs(20);
+
+    /// What each read gives in turn; when all is read, the line is at its end.
+    #[derive(Clone, Default)]
+    struct Script {
+        reads: Arc<Mutex<VecDeque<IoResult<Vec<u8>>>>>,
+        asked: Arc<Mutex<usize>>,
+    }
+
+    impl Script {
+        fn new(reads: impl IntoIterator<Item = IoResult<Vec<u8>>>) -> Self {
+            Self {
+                reads: Arc::new(Mutex::new(reads.into_iter().collect())),
+                asked: Arc::default(),
+            }
+        }
+    }
+
+    impl Read for Script {
+        fn read(&mut self, buffer: &mut [u8]) -> IoResult<usize> {
+            *self.asked.lock().unwrap() += 1;
+            let bytes = self
+                .reads
+                .lock()
+                .unwrap()
+                .pop_front()
+                .unwrap_or(Ok(Vec::new()))?;
+            buffer[..bytes.len()].copy_from_slice(&bytes);
+            Ok(bytes.len())
+        }
+    }
+
+    impl Connect for Script {
+        const LIVE: bool = true;
+
+        fn connect(&mut self) -> Result<Connection, Refusal> {
+            Ok(Connection {
+                bytes: Box::new(self.clone()),
+                place: "script".to_owned(),
+            })
+        }
+    }
+
+    fn open(script: Script) -> LineSource<Script> {
+        LineSource::open("script".to_owned(), LineSettings::default(), script).unwrap()
+    }
+
+    fn frames(count: u8) -> Vec<u8> {
+        (0..count)
+            .flat_map(|number| encode(Framing::Double06, &[100 + number; BODY_BYTES]))
+            .collect()
+    }
+
+    /// Asks until the script has been read to its end twice, and tells what came.
+    fn hear(source: &mut LineSource<Script>) -> Vec<String> {
+        let mut heard = Vec::new();
+        let start = Instant::now();
+        while source.losses < 2 && start.elapsed() < LIMIT {
+            match source.next() {
+                Ok(Capture::Quiet) => {}
+                Ok(Capture::End) => heard.push("end".to_owned()),
+                Ok(Capture::Reading(reading)) => {
+                    let Sample::Channels(channels) = reading.sample;
+                    heard.push(channels.counts[0].to_string());
+                }
+                Err(error) => heard.push(error.to_string()),
+            }
+        }
+        heard
+    }
+
+    #[test]
+    fn interruptions_and_timeouts_are_quiet_and_lose_nothing() {
+        let mut stream = frames(2);
+        stream.extend([6, 6]);
+        let kinds = [
+            ErrorKind::Interrupted,
+            ErrorKind::WouldBlock,
+            ErrorKind::TimedOut,
+        ];
+        let storm = (0..300).map(|turn| Err(Error::from(kinds[turn % 3])));
+        let (head, tail) = stream.split_at(40);
+        let reads = [Ok(head.to_vec())]
+            .into_iter()
+            .chain(storm)
+            .chain([Ok(tail.to_vec())]);
+        let mut source = open(Script::new(reads));
+        let mut seen = Vec::new();
+        for _ in 0..303 {
+            seen.push(source.next().unwrap());
+        }
+        assert_eq!(
+            seen.iter()
+                .filter(|capture| **capture != Capture::Quiet)
+                .count(),
+            2
+        );
+        assert_eq!(source.counts().losses, 0);
+    }
+
+    #[test]
+    fn the_end_of_a_live_line_is_a_loss_told_once_and_never_a_spin() {
+        let script = Script::default();
+        let asked = script.asked.clone();
+        let mut source = open(script);
+        let start = Instant::now();
+        let mut losses = 0;
+        while start.elapsed() < Duration::from_secs(1) {
+            match source.next() {
+                Ok(capture) => assert_eq!(capture, Capture::Quiet),
+                Err(error) => {
+                    losses += 1;
+                    assert!(error.is_recoverable());
+                }
+            }
+        }
+        let reads = *asked.lock().unwrap();
+        assert!((2..=20).contains(&reads), "{reads}");
+        assert_eq!((losses, source.counts().losses), (reads, reads as u64));
+    }
+
+    #[test]
+    fn every_other_error_is_a_loss_and_halves_around_it_are_not_joined() {
+        let mut stream = frames(3);
+        stream.extend([6, 6]);
+        let reads = [
+            Ok(stream[..90].to_vec()),
+            Err(Error::from(ErrorKind::BrokenPipe)),
+            Ok(stream[90..].to_vec()),
+        ];
+        let mut source = open(Script::new(reads));
+        let heard = hear(&mut source);
+        assert_eq!(heard[0], "100");
+        assert_eq!(heard[1], "lost script: broken pipe; looking for it");
+        assert_eq!(heard[2], "102");
+        assert_eq!(
+            heard[3],
+            "lost script: the device has closed the line; looking for it"
+        );
+        let counts = source.counts();
+        assert_eq!(counts.bytes, 200);
+        assert_eq!(counts.bytes, 66 * counts.readings + counts.skipped_bytes);
+    }
+
+    #[test]
+    fn frames_of_one_read_are_dated_back_by_what_came_after_them() {
+        let line = LineSettings {
+            baud: NonZeroU32::new(9600).unwrap(),
+            ..LineSettings::default()
+        };
+        let mut clock = Clock::new(true);
+        let Clock::Live { opened, .. } = clock else {
+            panic!("not live");
+        };
+        let now = opened + Duration::from_secs(1);
+        let mut stamp = |now, bytes| clock.stamp(now, bytes, &line).0;
+        assert_eq!(stamp(now, 96), 900_000);
+        assert_eq!(stamp(now, 30), 968_750);
+        assert_eq!(stamp(now, 96), 968_751);
+        assert_eq!(stamp(opened, 0), 968_752);
+        assert_eq!(stamp(now + Duration::from_secs(1), 0), 2_000_000);
+    }
+
+    #[test]
+    fn a_burst_gives_readings_a_frame_apart() {
+        let mut stream = frames(4);
+        stream.extend([6, 6]);
+        let mut source = open(Script::new([Ok(stream)]));
+        std::thread::sleep(source.settings.frame_period() * 6);
+        let mut times = Vec::new();
+        for _ in 0..4 {
+            if let Capture::Reading(reading) = source.next().unwrap() {
+                times.push(reading.time.0);
+            }
+        }
+        let gaps: Vec<u64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let period = source.settings.frame_period().as_micros() as u64;
+        assert_eq!(gaps.len(), 3);
+        assert!(
+            gaps.iter().all(|&gap| gap.abs_diff(period) <= 1),
+            "{gaps:?}"
+        );
+    }
+
+    #[test]
+    fn garbage_is_told_once_until_frames_come_in_between() {
+        let start = Instant::now();
+        let mut watch = GarbageWatch::default();
+        let table = [
+            (0, true, false),
+            (1_900, true, false),
+            (2_000, true, true),
+            (5_000, true, false),
+            (5_100, false, false),
+            (5_200, true, false),
+            (7_100, true, false),
+            (7_200, true, true),
+        ];
+        for (millis, no_frame, is_due) in table {
+            let now = start + Duration::from_millis(millis);
+            assert_eq!(watch.is_due(now, no_frame), is_due, "{millis}");
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! Looks for a lost device on a thread of its own, less and less often.
+
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
+
+use super::line::{Connect, Connection, Refusal};
+
+/// A search that is under way. Dropping it ends it.
+pub(super) struct Search {
+    findings: Receiver<Finding>,
+    /// Its end tells the thread to stop.
+    _stop: Sender<()>,
+}
+
+/// What came of a search.
+pub(super) enum Finding {
+    /// The device is back.
+    Found(Connection),
+    /// A device is there that cannot be used, for this reason. Told once per reason.
+    Refused(String),
+    /// No news.
+    Nothing,
+    /// The search has stopped without a result.
+    Over,
+}
+
+impl Search {
+    /// The time before the first attempt.
+    pub const SHORTEST_DELAY: Duration = Duration::from_millis(100);
+    /// The time between attempts after some.
+    pub const LONGEST_DELAY: Duration = Duration::from_secs(2);
+
+    /// The delay that follows `delay`.
+    pub fn longer(delay: Duration) -> Duration {
+        (delay * 2).min(Self::LONGEST_DELAY)
+    }
+
+    /// Starts to look, for the first time after `delay`.
+    pub fn start(connector: impl Connect, delay: Duration) -> Self {
+        let (sender, findings) = bounded(1);
+        let (stop, stopped) = bounded(0);
+        let thread = std::thread::Builder::new()
+            .name("searching".to_owned())
+            .spawn(move || search(connector, delay, &stopped, &sender));
+        if let Err(error) = thread {
+            tracing::warn!("no thread to look for the device, trying again: {error}");
+        }
+        Self {
+            findings,
+            _stop: stop,
+        }
+    }
+
+    /// Waits for news, for `patience` at most.
+    pub fn wait(&self, patience: Duration) -> Finding {
+        match self.findings.recv_timeout(patience) {
+            Ok(finding) => finding,
+            Err(RecvTimeoutError::Timeout) => Finding::Nothing,
+            Err(RecvTimeoutError::Disconnected) => {
+                // The thread died or never was: without a pause its owner would start one after the other.
+                std::thread::sleep(patience);
+                Finding::Over
+            }
+        }
+    }
+}
+
+fn search(
+    mut connector: impl Connect,
+    mut delay: Duration,
+    stopped: &Receiver<()>,
+    findings: &Sender<Finding>,
+) {
+    let mut told = None;
+    while stopped.recv_timeout(delay) == Err(RecvTimeoutError::Timeout) {
+        let finding = match connector.connect() {
+            Ok(connection) => Finding::Found(connection),
+            Err(Refusal::Unusable(reason)) if told.as_ref() != Some(&reason) => {
+                told = Some(reason.clone());
+                Finding::Refused(reason)
+            }
+            Err(_) => Finding::Nothing,
+        };
+        let is_over = matches!(finding, Finding::Found(_));
+        let is_news = !matches!(finding, Finding::Nothing);
+        if is_news && findings.send(finding).is_err() || is_over {
+            return;
+        }
+        delay = Search::longer(delay);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::empty;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::time::Instant;
+
+    use super::*;
+
+    const LIMIT: Duration = Duration::from_secs(20);
+
+    /// Refuses the first attempts, then opens.
+    #[derive(Clone)]
+    struct Reluctant {
+        attempts: Arc<AtomicUsize>,
+        refusals: &'static [&'static str],
+    }
+
+    impl Connect for Reluctant {
+        const LIVE: bool = true;
+
+        fn connect(&mut self) -> Result<Connection, Refusal> {
+            let attempt = self.attempts.fetch_add(1, Ordering::SeqCst);
+            match self.refusals.get(attempt) {
+                Some(&"absent") => Err(Refusal::Absent("not plugged in".to_owned())),
+                Some(&reason) => Err(Refusal::Unusable(reason.to_owned())),
+                None => Ok(Connection {
+                    bytes: Box::new(empty()),
+                    place: format!("port {attempt}"),
+                }),
+            }
+        }
+    }
+
+    fn reluctant(refusals: &'static [&'static str]) -> Reluctant {
+        Reluctant {
+            attempts: Arc::default(),
+            refusals,
+        }
+    }
+
+    #[test]
+    fn each_reason_is_told_once_and_the_device_is_found_in_the_end() {
+        let connector = reluctant(&["stranger", "stranger", "absent", "stranger", "busy"]);
+        let search = Search::start(connector, Duration::from_millis(1));
+        let mut told = Vec::new();
+        let start = Instant::now();
+        while start.elapsed() < LIMIT {
+            match search.wait(LIMIT) {
+                Finding::Refused(reason) => told.push(reason),
+                Finding::Found(connection) => {
+                    told.push(connection.place);
+                    break;
+                }
+                Finding::Nothing | Finding::Over => {}
+            }
+        }
+        assert_eq!(told, ["stranger", "busy", "port 5"]);
+    }
+
+    #[test]
+    fn a_search_that_is_dropped_asks_no_more() {
+        let connector = reluctant(&["absent"; 1000]);
+        let attempts = connector.attempts.clone();
+        let search = Search::start(connector, Duration::from_millis(1));
+        while attempts.load(Ordering::SeqCst) == 0 {
+            std::thread::yield_now();
+        }
+        let stopping = search.findings.clone();
+        drop(search);
+        while stopping.recv().is_ok() {}
+        let attempts_at_the_end = attempts.load(Ordering::SeqCst);
+        std::thread::sleep(Duration::from_millis(50));
+        assert_eq!(attempts.load(Ordering::SeqCst), attempts_at_the_end);
+    }
+
+    #[test]
+    fn the_delay_doubles_up_to_two_seconds() {
+        let mut delay = Search::SHORTEST_DELAY;
+        let mut delays = Vec::new();
+        for _ in 0..7 {
+            delays.push(delay.as_millis());
+            delay = Search::longer(delay);
+        }
+        assert_eq!(delays, [100, 200, 400, 800, 1600, 2000, 2000]);
+    }
+}

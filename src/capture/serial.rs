@@ -1,0 +1,245 @@
+//! Serial ports: 8 data bits, no parity, 1 stop bit, opened for this program alone.
+
+use std::path::Path;
+
+use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
+
+use super::line::{Connect, Connection, READ_TIMEOUT, Refusal};
+use super::lists_serial_ports;
+use super::usb::{Choice, KnownDevice, Port, choose_port};
+
+/// Opens a serial port, and finds its device again under another name.
+#[derive(Clone)]
+pub(super) struct SerialConnector {
+    port: String,
+    baud: u32,
+    known: Option<KnownDevice>,
+}
+
+impl SerialConnector {
+    pub fn new(port: &str, baud: u32) -> Self {
+        Self {
+            port: port.to_owned(),
+            baud,
+            known: None,
+        }
+    }
+}
+
+impl Connect for SerialConnector {
+    const LIVE: bool = true;
+
+    fn connect(&mut self) -> Result<Connection, Refusal> {
+        let present = present_ports();
+        let wanted = resolve(&self.port);
+        let place = match choose_port(&wanted, self.known.as_ref(), &present) {
+            Choice::Open(name) if name == wanted => self.port.clone(),
+            Choice::Open(name) => name,
+            refused => return Err(refuse(refused, self)),
+        };
+        let port = open(&place, self.baud).map_err(|error| explain(&error, &place, &present))?;
+        if self.known.is_none() {
+            self.known = KnownDevice::on(&wanted, &present);
+        }
+        Ok(Connection {
+            bytes: Box::new(port),
+            place,
+        })
+    }
+}
+
+fn present_ports() -> Vec<Port> {
+    if !lists_serial_ports() {
+        return Vec::new();
+    }
+    match serialport::available_ports() {
+        Ok(ports) => ports.into_iter().map(Port::from).collect(),
+        Err(error) => {
+            tracing::debug!("the serial ports cannot be listed: {error}");
+            Vec::new()
+        }
+    }
+}
+
+/// The device behind a link such as those in `/dev/serial/by-id`.
+fn resolve(port: &str) -> String {
+    match std::fs::canonicalize(port) {
+        Ok(path) => path.to_string_lossy().into_owned(),
+        Err(_) => port.to_owned(),
+    }
+}
+
+fn open(place: &str, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
+    let mut port = serialport::new(place, baud)
+        .data_bits(DataBits::Eight)
+        .parity(Parity::None)
+        .stop_bits(StopBits::One)
+        .flow_control(FlowControl::None)
+        .timeout(READ_TIMEOUT)
+        .open()?;
+    // Some gloves are fed by these two lines; pseudo terminals and some adapters do not have them.
+    for (line, result) in [
+        ("DTR", port.write_data_terminal_ready(true)),
+        ("RTS", port.write_request_to_send(true)),
+    ] {
+        if let Err(error) = result {
+            tracing::debug!("{place} does not set {line}: {error}");
+        }
+    }
+    // What waited from before would be taken for a hand that moves now.
+    if let Err(error) = port.clear(ClearBuffer::Input) {
+        tracing::debug!("{place} keeps what came before it was opened: {error}");
+    }
+    Ok(port)
+}
+
+fn refuse(choice: Choice, connector: &SerialConnector) -> Refusal {
+    let wanted = match &connector.known {
+        Some(device) => device.identity.to_string(),
+        None => "the device".to_owned(),
+    };
+    let port = &connector.port;
+    match choice {
+        Choice::Stranger(Some(other)) => Refusal::Unusable(format!(
+            "{port} is now another device ({other}), plug in {wanted} or start again with the new one"
+        )),
+        Choice::Stranger(None) => Refusal::Unusable(format!(
+            "{port} is now another device, plug in {wanted} or start again with the new one"
+        )),
+        Choice::Ambiguous(names) => Refusal::Unusable(format!(
+            "{} are all {wanted}, unplug all but one or start again with the port to use",
+            names.join(" and ")
+        )),
+        Choice::Absent | Choice::Open(_) => Refusal::Absent(format!("{wanted} is not plugged in")),
+    }
+}
+
+/// Says what happened at opening and what to do.
+fn explain(error: &serialport::Error, place: &str, present: &[Port]) -> Refusal {
+    let path = Path::new(place);
+    let exists = path.exists() || present.iter().any(|port| port.name == place);
+    match error.kind {
+        _ if path.is_dir() => Refusal::Unusable("it is a folder, not a serial port".to_owned()),
+        _ if path.is_file() => Refusal::Unusable(format!(
+            "it is a file, not a serial port; to read bytes from a file write `file:{place}`"
+        )),
+        ErrorKind::NoDevice if exists => {
+            Refusal::Unusable("it is in use by another program, close that one first".to_owned())
+        }
+        ErrorKind::Io(std::io::ErrorKind::PermissionDenied) => Refusal::Unusable(format!(
+            "this user may not open it; `ls -l {place}` shows the group that may (usually `dialout` or `uucp`): \
+             join it with `sudo usermod -aG dialout $USER` and log in again, or add the udev rule \
+             `SUBSYSTEM==\"tty\", SUBSYSTEMS==\"usb\", TAG+=\"uaccess\"`"
+        )),
+        ErrorKind::NoDevice | ErrorKind::Io(std::io::ErrorKind::NotFound) => {
+            Refusal::Absent(format!("there is no such port; {}", list(present)))
+        }
+        _ if exists => Refusal::Unusable(format!(
+            "it does not work as a serial port ({}); {}",
+            error.description,
+            list(present)
+        )),
+        _ => Refusal::Absent(error.description.clone()),
+    }
+}
+
+fn list(present: &[Port]) -> String {
+    if present.is_empty() {
+        return "no serial port is present, check the cable".to_owned();
+    }
+    let names: Vec<String> = present
+        .iter()
+        .map(|port| match &port.usb {
+            Some(usb) => format!("{} ({usb})", port.name),
+            None => port.name.clone(),
+        })
+        .collect();
+    format!("present: {}", names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::usb::UsbIdentity;
+
+    fn usb_port(name: &str) -> Port {
+        Port {
+            name: name.to_owned(),
+            usb: Some(UsbIdentity {
+                vendor: 0x0403,
+                product: 0x6001,
+                serial_number: Some("A1".to_owned()),
+            }),
+        }
+    }
+
+    #[test]
+    fn each_way_of_not_opening_says_what_to_do() {
+        let io = |kind| ErrorKind::Io(kind);
+        let present = [usb_port("/dev/ttyUSB7")];
+        let folder = env!("CARGO_MANIFEST_DIR");
+        let file = concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml");
+        let table = [
+            (
+                "/dev/ttyUSB0",
+                io(std::io::ErrorKind::NotFound),
+                "present: /dev/ttyUSB7 (USB 0403:6001 serial number A1)",
+            ),
+            ("/dev/ttyUSB0", ErrorKind::NoDevice, "there is no such port"),
+            (
+                "/dev/ttyUSB7",
+                ErrorKind::NoDevice,
+                "in use by another program",
+            ),
+            (
+                "/dev/ttyUSB7",
+                io(std::io::ErrorKind::PermissionDenied),
+                "usermod -aG dialout $USER",
+            ),
+            (
+                "/dev/ttyUSB7",
+                io(std::io::ErrorKind::PermissionDenied),
+                "udev rule",
+            ),
+            (
+                "/dev/ttyUSB7",
+                ErrorKind::Unknown,
+                "does not work as a serial port (why)",
+            ),
+            (folder, ErrorKind::Unknown, "it is a folder"),
+            (file, ErrorKind::Unknown, "write `file:"),
+        ];
+        for (place, kind, part) in table {
+            let error = serialport::Error::new(kind, "why");
+            let (Refusal::Absent(reason) | Refusal::Unusable(reason)) =
+                explain(&error, place, &present);
+            assert!(reason.contains(part), "{place} {kind:?}: {reason}");
+            assert!(!reason.contains("as root"), "{reason}");
+        }
+    }
+
+    #[test]
+    fn a_stranger_and_twins_are_refused_by_name() {
+        let mut connector = SerialConnector::new("/dev/ttyUSB0", 9600);
+        connector.known = KnownDevice::on("/dev/ttyUSB0", &[usb_port("/dev/ttyUSB0")]);
+        let stranger = refuse(Choice::Stranger(None), &connector);
+        let Refusal::Unusable(reason) = stranger else {
+            panic!("{stranger:?}");
+        };
+        assert_eq!(
+            reason,
+            "/dev/ttyUSB0 is now another device, plug in USB 0403:6001 serial number A1 or start again with the new one"
+        );
+        let twins = refuse(
+            Choice::Ambiguous(vec!["a".to_owned(), "b".to_owned()]),
+            &connector,
+        );
+        assert!(
+            matches!(twins, Refusal::Unusable(reason) if reason.starts_with("a and b are all USB"))
+        );
+        assert!(matches!(
+            refuse(Choice::Absent, &connector),
+            Refusal::Absent(_)
+        ));
+    }
+}

@@ -1,0 +1,227 @@
+//! Which serial port is the device that was lost.
+
+use serialport::{SerialPortInfo, SerialPortType};
+
+/// What tells one USB adapter from another.
+///
+/// Adapters of one make without a serial number look alike.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct UsbIdentity {
+    pub vendor: u16,
+    pub product: u16,
+    pub serial_number: Option<String>,
+}
+
+impl std::fmt::Display for UsbIdentity {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "USB {:04x}:{:04x}", self.vendor, self.product)?;
+        match &self.serial_number {
+            Some(number) => write!(f, " serial number {number}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A serial port that is present.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Port {
+    pub name: String,
+    pub usb: Option<UsbIdentity>,
+}
+
+impl From<SerialPortInfo> for Port {
+    fn from(info: SerialPortInfo) -> Self {
+        let usb = match info.port_type {
+            SerialPortType::UsbPort(usb) => Some(UsbIdentity {
+                vendor: usb.vid,
+                product: usb.pid,
+                serial_number: usb.serial_number,
+            }),
+            _ => None,
+        };
+        Self {
+            name: info.port_name,
+            usb,
+        }
+    }
+}
+
+/// The device that was on a port when it was opened for the first time.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct KnownDevice {
+    pub identity: UsbIdentity,
+    /// Another port had the same identity then: only the name tells them apart.
+    pub has_twin: bool,
+}
+
+impl KnownDevice {
+    /// Remembers the device on the port `name`; `None` when it is not a USB device.
+    pub fn on(name: &str, present: &[Port]) -> Option<Self> {
+        let port = present.iter().find(|port| port.name == name)?;
+        let identity = port.usb.clone()?;
+        let same = present
+            .iter()
+            .filter(|port| port.usb.as_ref() == Some(&identity));
+        let has_twin = same.count() > 1;
+        Some(Self { identity, has_twin })
+    }
+}
+
+/// Which port to open.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Choice {
+    /// The port of this name.
+    Open(String),
+    /// The device is on no port.
+    Absent,
+    /// The device is on no port, and another one has its name.
+    Stranger(Option<UsbIdentity>),
+    /// More than one port may be the device.
+    Ambiguous(Vec<String>),
+}
+
+/// Chooses the port of a device that was on the port `name`, among the ports that are present.
+///
+/// A device whose identity is not known is wherever its name is. One that is known is followed to another
+/// name, unless it has a twin.
+pub(super) fn choose_port(name: &str, known: Option<&KnownDevice>, present: &[Port]) -> Choice {
+    let Some(device) = known else {
+        return Choice::Open(name.to_owned());
+    };
+    let matching: Vec<&Port> = present
+        .iter()
+        .filter(|port| port.usb.as_ref() == Some(&device.identity))
+        .filter(|port| !device.has_twin || port.name == name)
+        .collect();
+    match matching.as_slice() {
+        [port] => Choice::Open(port.name.clone()),
+        [] => match present.iter().find(|port| port.name == name) {
+            Some(stranger) => Choice::Stranger(stranger.usb.clone()),
+            None => Choice::Absent,
+        },
+        several => Choice::Ambiguous(several.iter().map(|port| port.name.clone()).collect()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn identity(product: u16, serial_number: Option<&str>) -> UsbIdentity {
+        UsbIdentity {
+            vendor: 0x0403,
+            product,
+            serial_number: serial_number.map(str::to_owned),
+        }
+    }
+
+    fn port(name: &str, usb: Option<UsbIdentity>) -> Port {
+        Port {
+            name: name.to_owned(),
+            usb,
+        }
+    }
+
+    #[test]
+    fn the_lost_device_is_chosen_by_identity_and_never_guessed() {
+        let glove = || Some(identity(0x6001, Some("A1")));
+        let other = || Some(identity(0x6001, Some("B2")));
+        let nameless = || Some(identity(0x6015, None));
+        let known = KnownDevice {
+            identity: glove().unwrap(),
+            has_twin: false,
+        };
+        let known_nameless = KnownDevice {
+            identity: nameless().unwrap(),
+            has_twin: false,
+        };
+        let twin = KnownDevice {
+            identity: nameless().unwrap(),
+            has_twin: true,
+        };
+        let open = |name: &str| Choice::Open(name.to_owned());
+        let (usb0, usb1) = ("/dev/ttyUSB0", "/dev/ttyUSB1");
+        let table: [(&str, Option<&KnownDevice>, Vec<Port>, Choice); 12] = [
+            ("identity unknown", None, vec![], open(usb0)),
+            ("gone", Some(&known), vec![], Choice::Absent),
+            (
+                "same name",
+                Some(&known),
+                vec![port(usb0, glove())],
+                open(usb0),
+            ),
+            (
+                "new name",
+                Some(&known),
+                vec![port("/dev/ttyS0", None), port(usb1, glove())],
+                open(usb1),
+            ),
+            (
+                "other device beside it",
+                Some(&known),
+                vec![port(usb0, other()), port(usb1, glove())],
+                open(usb1),
+            ),
+            (
+                "other device only, other name",
+                Some(&known),
+                vec![port(usb1, other())],
+                Choice::Absent,
+            ),
+            (
+                "other device on its name",
+                Some(&known),
+                vec![port(usb0, other())],
+                Choice::Stranger(other()),
+            ),
+            (
+                "port without USB on its name",
+                Some(&known),
+                vec![port(usb0, None)],
+                Choice::Stranger(None),
+            ),
+            (
+                "two alike",
+                Some(&known_nameless),
+                vec![port(usb0, nameless()), port(usb1, nameless())],
+                Choice::Ambiguous(vec![usb0.to_owned(), usb1.to_owned()]),
+            ),
+            (
+                "twins, same name",
+                Some(&twin),
+                vec![port(usb0, nameless()), port(usb1, nameless())],
+                open(usb0),
+            ),
+            (
+                "twin, other name",
+                Some(&twin),
+                vec![port(usb1, nameless())],
+                Choice::Absent,
+            ),
+            (
+                "twin, stranger on its name",
+                Some(&twin),
+                vec![port(usb0, glove()), port(usb1, nameless())],
+                Choice::Stranger(glove()),
+            ),
+        ];
+        for (what, known, present, expected) in table {
+            assert_eq!(choose_port(usb0, known, &present), expected, "{what}");
+        }
+    }
+
+    #[test]
+    fn a_device_is_remembered_with_its_twins() {
+        let alike = || Some(identity(0x6015, None));
+        let present = [
+            port("a", alike()),
+            port("b", alike()),
+            port("c", None),
+            port("d", Some(identity(1, None))),
+        ];
+        assert!(KnownDevice::on("a", &present).unwrap().has_twin);
+        assert!(!KnownDevice::on("d", &present).unwrap().has_twin);
+        assert_eq!(KnownDevice::on("c", &present), None);
+        assert_eq!(KnownDevice::on("absent", &present), None);
+    }
+}
