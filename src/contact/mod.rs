@@ -1,6 +1,11 @@
 //! 4 · [`HandPose`](crate::kinematics::HandPose) → [`Touches`].
 
 pub mod surface;
+pub mod stroke;
+pub mod hit_test;
+pub mod tracker;
+
+pub use tracker::ContactTracker;
 
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
@@ -25,7 +30,8 @@ pub struct Touch {
     pub target: TargetId,
     /// What happened.
     pub phase: Phase,
-    /// How far the target is pushed in, as a share of its travel: 0..=1.
+    /// How far this fingertip pushes the target in, as a share of its travel: 0..=1; 0 once it has
+    /// left or was cancelled.
     pub depth: f32,
 }
 
@@ -48,8 +54,11 @@ named_enum! {
     }
 }
 
+/// How many touches a frame can have, and some to spare.
+pub const MOST_TOUCHES: usize = 32;
+
 /// The touches of one frame, in order of time for each finger.
 ///
-/// One frame can end a contact (released, left) and begin and end another (touched, pressed,
-/// cancelled): at most 6 for each of 5 fingers.
-pub type Touches = ArrayVec<Touch, 32>;
+/// One frame can end a contact (released, left) and begin another (touched, pressed, and held or
+/// cancelled): at most 5 for each of 5 fingers, and 5 more when everything is cancelled.
+pub type Touches = ArrayVec<Touch, MOST_TOUCHES>;
