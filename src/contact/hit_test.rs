@@ -1,6 +1,6 @@
 //! Which targets a fingertip meets: at one moment, and on its way from one frame to the next.
 
-use parry3d::bounding_volume::Aabb;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Vec3;
 
 use super::stroke::{Stroke, is_inside, pad};
@@ -95,6 +95,10 @@ pub fn first_crossing(
     let reach = Vec3::splat(radius + SKIN);
     let [from, to] = centres;
     let swept = Aabb::new(from.min(to) - reach, from.max(to) + reach);
+    // Most fingers are nowhere near most of the time: a third less than opening the tree.
+    if !surface.fronts().root_aabb().intersects(&swept) {
+        return None;
+    }
     for place in surface.fronts().intersect_aabb(&swept) {
         let Some(target) = surface.target(surface.id(place)) else {
             continue;

@@ -151,7 +151,7 @@ fn presses_and_releases_alternate_whatever_the_fingers_do() {
         held.take(&events);
         assert_eq!(held.down, [], "seed {seed}");
         let presses: u32 = held.counts.values().sum();
-        assert!(presses > 2_000, "only {presses} presses");
+        assert!(presses > 1_000, "only {presses} presses");
         assert!(held.counts.len() > 30, "only {:?}", held.counts);
     }
 }
