@@ -25,5 +25,7 @@ pub mod contact;
 pub mod device;
 pub mod output;
 pub mod monitor;
+pub mod trace;
+pub mod recorder;
 pub mod layout;
 pub mod lab;

@@ -26,6 +26,7 @@ mod usb;
 mod serial;
 mod tcp;
 mod file;
+pub mod recording;
 pub mod pace;
 pub mod thread;
 pub mod wire;
@@ -90,17 +91,21 @@ fn lists_serial_ports() -> bool {
 pub const MAX_CHANNELS: usize = 64;
 
 /// What a sensor saw at one moment.
+///
+/// Written as `{"time_us":12500,"full_scale":255,"channels":[3,141,…]}`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// When it was complete.
+    #[serde(rename = "time_us")]
     pub time: Timestamp,
     /// The values.
+    #[serde(flatten)]
     pub sample: Sample,
 }
 
 /// The values of a reading, by kind of sensor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[serde(untagged)]
 #[non_exhaustive]
 pub enum Sample {
     /// One count per sensor channel.
@@ -113,6 +118,7 @@ pub struct Channels {
     /// The largest count that the converter can give (255 for 8 bits).
     pub full_scale: u16,
     /// One count per channel, 0..=`full_scale`.
+    #[serde(rename = "channels")]
     pub counts: ArrayVec<u16, MAX_CHANNELS>,
 }
 

@@ -1,17 +1,68 @@
 //! 6 · [`OutputEvent`](crate::device::OutputEvent) → the operating system or a peer.
 
-use crate::device::OutputEvent;
+use std::collections::BTreeSet;
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufWriter};
+use std::path::Path;
+use std::time::Duration;
+
+use crate::device::{KeyCode, OutputEvent};
+use crate::names::UnknownName;
+
+pub mod desktop;
+pub mod held;
+pub mod named_keys;
+pub mod tee;
+pub mod transcript;
+#[cfg(target_os = "linux")]
+pub mod uinput;
+
+pub use desktop::Desktop;
+pub use tee::Tee;
+pub use transcript::Transcript;
+
+/// How often an output tries again what the operating system did not take.
+const RETRIES: usize = 3;
+
+/// How long it waits before it tries again.
+const RETRY_PAUSE: Duration = Duration::from_millis(10);
+
+/// What the virtual keyboard is called in lists of devices.
+#[cfg(target_os = "linux")]
+const DEVICE_NAME: &str = "Ademan keyboard";
 
 /// Where events go.
+///
+/// A sink that is dropped without [`close`](Self::close) lets go of what is down too.
 pub trait Sink: Send {
     /// Takes the events of one frame, in order. Does not wait for the receiver.
     ///
     /// A sink keeps account of what it has put down, so that a release is never lost: what it could
-    /// not deliver it delivers later, or lets go of in [`close`](Self::close).
+    /// not deliver it delivers later, or lets go of in [`close`](Self::close). It ignores a second
+    /// down of a key and an up of what is not down.
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError>;
 
     /// Lets go of everything that is still down and waits, at most a second, until all is delivered.
     fn close(&mut self) -> Result<(), OutputError>;
+
+    /// Presses that were not passed on: there was no room for them, or the output lacks the key.
+    fn refused_presses(&self) -> u64 {
+        0
+    }
+}
+
+impl Sink for Box<dyn Sink> {
+    fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
+        (**self).send(events)
+    }
+
+    fn close(&mut self) -> Result<(), OutputError> {
+        (**self).close()
+    }
+
+    fn refused_presses(&self) -> u64 {
+        (**self).refused_presses()
+    }
 }
 
 /// Why events did not arrive. Each text says what was tried, what happened and what to do.
@@ -34,4 +85,228 @@ pub enum OutputError {
         /// What happened.
         reason: String,
     },
+    /// Whoever read the output has gone away (a broken pipe): a reason to end quietly.
+    #[error("nobody reads the output `{output}` any more")]
+    Unread {
+        /// The output as named.
+        output: String,
+    },
+    /// There is no output of this name.
+    #[error("{0}; outputs are transcript, transcript:PATH, desktop, uinput and none")]
+    Name(#[from] UnknownName),
+}
+
+/// The names that [`open`] knows.
+pub const NAMES: [&str; 4] = ["transcript", "desktop", "uinput", "none"];
+
+/// Opens an output by its name.
+///
+/// - `transcript`: lines on the standard output; `transcript:PATH`: in a file, which is written anew
+///   and, where it is created, is for its owner's eyes only.
+/// - `desktop`: key presses on the desktop of the session.
+/// - `uinput`: a keyboard of its own that has just the keys `codes` (Linux).
+/// - `none`: nowhere.
+pub fn open(name: &str, codes: &BTreeSet<KeyCode>) -> Result<Box<dyn Sink>, OutputError> {
+    if let Some(path) = name.strip_prefix("transcript:") {
+        let file = create_transcript(Path::new(path)).map_err(|error| OutputError::Open {
+            output: name.into(),
+            reason: error.to_string(),
+        })?;
+        return Ok(Box::new(Transcript::new(name, BufWriter::new(file))));
+    }
+    Ok(match name {
+        "transcript" => Box::new(Transcript::new(name, BufWriter::new(io::stdout()))),
+        "desktop" => Box::new(Desktop::open(None)?),
+        "uinput" => open_uinput(codes)?,
+        "none" => Box::new(Nowhere),
+        _ => return Err(UnknownName::new("output", name, NAMES).into()),
+    })
+}
+
+/// Takes everything and does nothing with it.
+struct Nowhere;
+
+impl Sink for Nowhere {
+    fn send(&mut self, _: &[OutputEvent]) -> Result<(), OutputError> {
+        Ok(())
+    }
+
+    fn close(&mut self) -> Result<(), OutputError> {
+        Ok(())
+    }
+}
+
+fn create_transcript(path: &Path) -> io::Result<File> {
+    private(OpenOptions::new().write(true).create(true).truncate(true)).open(path)
+}
+
+/// Makes a file that these options create readable for its owner only: what people type is in it.
+#[cfg(unix)]
+pub fn private(options: &mut OpenOptions) -> &mut OpenOptions {
+    std::os::unix::fs::OpenOptionsExt::mode(options, 0o600)
+}
+
+/// Makes a file that these options create readable for its owner only, where the system has a simple
+/// way to say so; elsewhere the folder decides.
+#[cfg(not(unix))]
+pub fn private(options: &mut OpenOptions) -> &mut OpenOptions {
+    options
+}
+
+#[cfg(target_os = "linux")]
+fn open_uinput(codes: &BTreeSet<KeyCode>) -> Result<Box<dyn Sink>, OutputError> {
+    Ok(Box::new(uinput::Uinput::open(DEVICE_NAME, codes)?))
+}
+
+#[cfg(not(target_os = "linux"))]
+fn open_uinput(_: &BTreeSet<KeyCode>) -> Result<Box<dyn Sink>, OutputError> {
+    Err(OutputError::Open {
+        output: "uinput".into(),
+        reason: "it is a part of Linux; use the output `desktop`".into(),
+    })
+}
+
+/// What a desktop is, by operating system.
+#[cfg(all(unix, not(target_os = "macos")))]
+mod platform {
+    use super::desktop;
+    use enigo::{Enigo, NewConError, Settings};
+    use std::{env, thread, time::Duration};
+
+    pub use desktop::by_position as inject;
+
+    /// A compositor drops keys that come before it has seen the new keyboard.
+    const WAYLAND_SETTLES: Duration = Duration::from_millis(200);
+
+    /// With both protocols at hand `enigo` presses every key on both: so X11 is named as it cannot be.
+    const NO_X11: &str = "none";
+
+    pub fn connect(settings: Settings) -> Result<Enigo, NewConError> {
+        let on_wayland = cfg!(feature = "wayland")
+            && settings.x11_display.is_none()
+            && env::var_os("WAYLAND_DISPLAY").is_some();
+        if on_wayland {
+            let only_wayland = Settings {
+                x11_display: Some(NO_X11.into()),
+                ..settings.clone()
+            };
+            if let Ok(enigo) = Enigo::new(&only_wayland) {
+                thread::sleep(WAYLAND_SETTLES);
+                return Ok(enigo);
+            }
+        }
+        Enigo::new(&settings)
+    }
+
+    pub fn no_display(display: Option<&str>) -> String {
+        let what_to_do = "start this from a graphical session, or use the output `uinput`";
+        let named = display
+            .map(str::to_owned)
+            .or_else(|| env::var("DISPLAY").ok());
+        match named {
+            Some(display) => format!("no display answers at `{display}`; {what_to_do}"),
+            None => format!("DISPLAY is not set; {what_to_do}"),
+        }
+    }
+}
+
+/// What a desktop is, by operating system.
+#[cfg(not(all(unix, not(target_os = "macos"))))]
+mod platform {
+    use super::named_keys;
+    use crate::device::KeyCode;
+    use enigo::{Direction, Enigo, InputResult, NewConError, Settings};
+
+    #[cfg(not(target_os = "windows"))]
+    use named_keys::OF_MACOS as OF_SYSTEM;
+    #[cfg(target_os = "windows")]
+    use named_keys::OF_WINDOWS as OF_SYSTEM;
+
+    pub fn connect(settings: Settings) -> Result<Enigo, NewConError> {
+        Enigo::new(&settings)
+    }
+
+    pub fn inject(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputResult<()> {
+        named_keys::by_name(enigo, key, direction, OF_SYSTEM)
+    }
+
+    pub fn no_display(_: Option<&str>) -> String {
+        "there is no desktop to press keys on; start this from a graphical session".into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::Action;
+    use crate::time::Timestamp;
+
+    pub(super) fn key(name: &str) -> KeyCode {
+        name.parse().unwrap()
+    }
+
+    pub(super) fn down(micros: u64, name: &str) -> OutputEvent {
+        OutputEvent {
+            time: Timestamp(micros),
+            action: Action::KeyDown(key(name)),
+        }
+    }
+
+    pub(super) fn up(micros: u64, name: &str) -> OutputEvent {
+        OutputEvent {
+            time: Timestamp(micros),
+            action: Action::KeyUp(key(name)),
+        }
+    }
+
+    fn error(name: &str) -> String {
+        open(name, &BTreeSet::new()).err().unwrap().to_string()
+    }
+
+    #[test]
+    fn an_unknown_output_names_the_nearest_one() {
+        assert_eq!(
+            error("desktp"),
+            "unknown output `desktp`, did you mean `desktop`?; outputs are transcript, transcript:PATH, \
+             desktop, uinput and none"
+        );
+    }
+
+    #[test]
+    fn a_transcript_goes_to_a_new_file_or_says_why_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("typed.txt");
+        let name = format!("transcript:{}", path.display());
+        let mut sink = open(&name, &BTreeSet::new()).unwrap();
+        sink.send(&[down(1_000, "A")]).unwrap();
+        sink.close().unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(text, "       1.000 down A\n       1.000 up   A\n");
+
+        let below = error(&format!("transcript:{}/x", path.display()));
+        assert!(
+            below.contains("cannot open the output `transcript:"),
+            "{below}"
+        );
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn only_its_owner_can_read_a_transcript() {
+        use std::os::unix::fs::PermissionsExt;
+
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("typed.txt");
+        open(&format!("transcript:{}", path.display()), &BTreeSet::new()).unwrap();
+        let mode = std::fs::metadata(&path).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+    }
+
+    #[test]
+    fn nothing_comes_of_the_output_none() {
+        let mut sink = open("none", &BTreeSet::new()).unwrap();
+        sink.send(&[down(1, "A")]).unwrap();
+        sink.close().unwrap();
+        assert_eq!(sink.refused_presses(), 0);
+    }
 }

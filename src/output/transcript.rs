@@ -1,0 +1,226 @@
+//! Events as lines of text.
+//!
+//! One line per event: the time in milliseconds with three decimals, right-aligned to 12 places,
+//! then what happened. Names are those of [`KeyCode`]; a target is its number; a depth has three
+//! decimals.
+//!
+//! ```text
+//!     1234.567 down Q
+//!     1240.250 depth 3 0.512
+//!     1300.001 up   Q
+//! ```
+
+use std::fmt;
+use std::io::{self, Write};
+
+use super::held::Held;
+use super::{OutputError, Sink};
+use crate::device::{Action, KeyCode, OutputEvent};
+use crate::time::Timestamp;
+
+/// An output that writes one line per event and is flushed after each frame.
+///
+/// A transcript is a record, so nothing is left out of it: it waits for whoever reads it. An up of
+/// what is not down and a second down are not written.
+pub struct Transcript<W: Write + Send> {
+    name: String,
+    writer: W,
+    held: Held,
+    last: Timestamp,
+    failed: bool,
+}
+
+impl<W: Write + Send> Transcript<W> {
+    /// Writes to `writer`; `name` is what errors call it.
+    pub fn new(name: impl Into<String>, writer: W) -> Self {
+        Self {
+            name: name.into(),
+            writer,
+            held: Held::default(),
+            last: Timestamp::default(),
+            failed: false,
+        }
+    }
+
+    fn write(&mut self, event: &OutputEvent) -> io::Result<()> {
+        let accepted = match event.action {
+            Action::KeyDown(key) => self.held.press(key),
+            Action::KeyUp(key) => self.held.release(key),
+            Action::Depth(..) => true,
+        };
+        if !accepted {
+            return Ok(());
+        }
+        self.last = self.last.max(event.time);
+        writeln!(self.writer, "{}", Line(event))
+    }
+
+    fn release_all(&mut self) -> io::Result<()> {
+        while let Some(key) = self.next_release() {
+            let time = self.last;
+            self.write(&OutputEvent {
+                time,
+                action: Action::KeyUp(key),
+            })?;
+        }
+        self.writer.flush()
+    }
+
+    fn next_release(&self) -> Option<KeyCode> {
+        self.held.release_order().next()
+    }
+
+    fn failure(&mut self, error: &io::Error) -> OutputError {
+        self.failed = true;
+        let output = self.name.clone();
+        if error.kind() == io::ErrorKind::BrokenPipe {
+            return OutputError::Unread { output };
+        }
+        OutputError::Send {
+            output,
+            reason: error.to_string(),
+        }
+    }
+}
+
+impl<W: Write + Send> Sink for Transcript<W> {
+    fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
+        let mut outcome = Ok(());
+        for event in events {
+            outcome = outcome.and_then(|()| self.write(event));
+        }
+        outcome
+            .and_then(|()| self.writer.flush())
+            .map_err(|error| self.failure(&error))
+    }
+
+    /// Writes an up line, at the time of the last event, for everything that is still down.
+    fn close(&mut self) -> Result<(), OutputError> {
+        self.release_all().map_err(|error| self.failure(&error))
+    }
+}
+
+impl<W: Write + Send> Drop for Transcript<W> {
+    fn drop(&mut self) {
+        if !self.failed {
+            let _ = self.release_all();
+        }
+    }
+}
+
+/// One event as its line, without the line end.
+struct Line<'a>(&'a OutputEvent);
+
+impl fmt::Display for Line<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Timestamp(micros) = self.0.time;
+        write!(f, "{:>8}.{:03} ", micros / 1_000, micros % 1_000)?;
+        match self.0.action {
+            Action::KeyDown(key) => write!(f, "down {key}"),
+            Action::KeyUp(key) => write!(f, "up   {key}"),
+            Action::Depth(target, depth) => write!(f, "depth {} {depth:.3}", target.0),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::TargetId;
+    use crate::output::tests::{down, up};
+    use std::sync::{Arc, Mutex};
+
+    #[derive(Clone, Default)]
+    struct Page(Arc<Mutex<Vec<u8>>>);
+
+    impl Page {
+        fn text(&self) -> String {
+            String::from_utf8(self.0.lock().unwrap().clone()).unwrap()
+        }
+    }
+
+    impl Write for Page {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    struct Broken(io::ErrorKind);
+
+    impl Write for Broken {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(self.0.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn an_event_is_a_line_with_its_time_in_milliseconds() {
+        let page = Page::default();
+        let mut transcript = Transcript::new("transcript", page.clone());
+        let depth = OutputEvent {
+            time: Timestamp(1_240_250),
+            action: Action::Depth(TargetId(3), 0.5123),
+        };
+        transcript
+            .send(&[down(1_234_567, "Q"), depth, up(1_300_001, "Q")])
+            .unwrap();
+        transcript.send(&[down(9, "ShiftLeft")]).unwrap();
+        let text = "    1234.567 down Q\n    1240.250 depth 3 0.512\n    1300.001 up   Q\n";
+        assert_eq!(page.text(), format!("{text}       0.009 down ShiftLeft\n"));
+    }
+
+    #[test]
+    fn closing_lets_go_of_what_is_down_and_modifiers_come_last() {
+        let page = Page::default();
+        let mut transcript = Transcript::new("transcript", page.clone());
+        transcript
+            .send(&[down(1_000, "ShiftLeft"), down(2_000, "A")])
+            .unwrap();
+        transcript.close().unwrap();
+        transcript.close().unwrap();
+        drop(transcript);
+        let ups: Vec<_> = page.text().lines().skip(2).map(str::to_owned).collect();
+        assert_eq!(ups, ["       2.000 up   A", "       2.000 up   ShiftLeft"]);
+    }
+
+    #[test]
+    fn dropping_it_lets_go_too() {
+        let page = Page::default();
+        let mut transcript = Transcript::new("transcript", page.clone());
+        transcript.send(&[down(5, "A")]).unwrap();
+        drop(transcript);
+        assert!(page.text().ends_with("       0.005 up   A\n"));
+    }
+
+    #[test]
+    fn an_up_of_what_is_not_down_and_a_second_down_are_not_written() {
+        let page = Page::default();
+        let mut transcript = Transcript::new("transcript", page.clone());
+        transcript
+            .send(&[up(1, "A"), down(2, "B"), down(3, "B"), up(4, "B")])
+            .unwrap();
+        assert_eq!(page.text(), "       0.002 down B\n       0.004 up   B\n");
+    }
+
+    #[test]
+    fn a_reader_that_went_away_is_told_from_other_failures() {
+        let mut unread = Transcript::new("transcript", Broken(io::ErrorKind::BrokenPipe));
+        let error = unread.send(&[down(1, "A")]).unwrap_err();
+        assert!(matches!(error, OutputError::Unread { .. }), "{error}");
+
+        let mut full = Transcript::new("transcript:x", Broken(io::ErrorKind::StorageFull));
+        let error = full.send(&[down(1, "A")]).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "the output `transcript:x` failed: no storage space"
+        );
+    }
+}

@@ -1,0 +1,344 @@
+//! What each stage made of a frame, as JSON: the lines of `ademan trace` and the messages of a
+//! recording.
+//!
+//! | stage | one object for each | form |
+//! |---|---|---|
+//! | `readings` | reading | `{"time_us":12500,"full_scale":255,"channels":[3,141]}` |
+//! | `angles` | frame | `{"time_us":12500,"angles":{"index-mcp-flexion":0.12}}` |
+//! | `pose` | frame | `{"time_us":12500,"side":"right","positions":{"wrist":[x,y,z]},"orientations":{"wrist":[x,y,z,w]}}` |
+//! | `touches` | touch | `{"time_us":12400,"finger":"index","target":7,"phase":"pressed","depth":0.5}` |
+//! | `events` | event | `{"time_us":12400,"event":"key-down","key":"Q"}`, `{"time_us":12400,"event":"depth","target":7,"depth":0.5}` |
+//!
+//! Times are microseconds, channels in wire order, angles radians of the joints that the source
+//! measures, positions metres and orientations unit quaternions in the world of the joints that the arm
+//! model has. Objects keep their order, numbers their full precision.
+
+use serde::{Serialize, Serializer};
+
+use crate::capture::recording;
+use crate::contact::{Phase, TargetId, Touch};
+use crate::device::{Action, KeyCode, OutputEvent};
+use crate::estimate::JointAngles;
+use crate::hand::{Finger, Side};
+use crate::kinematics::HandPose;
+use crate::monitor::Snapshot;
+use crate::names::named_enum;
+use crate::time::Timestamp;
+
+named_enum! {
+    /// A stage whose values can be seen, in the order of flow.
+    pub enum Stage ("stage") {
+        /// What the sensor saw.
+        Readings = "readings",
+        /// The angles of the joints.
+        Angles = "angles",
+        /// Where arm and hand are.
+        Pose = "pose",
+        /// What the fingertips did.
+        Touches = "touches",
+        /// What went out.
+        Events = "events",
+    }
+}
+
+impl Stage {
+    /// The channel of a recording that its values are on.
+    pub const fn topic(self) -> &'static str {
+        match self {
+            Self::Readings => recording::TOPIC,
+            Self::Angles => "/angles",
+            Self::Pose => "/pose",
+            Self::Touches => "/touches",
+            Self::Events => "/events",
+        }
+    }
+
+    /// What the form of its values is called in a recording.
+    pub const fn schema_name(self) -> &'static str {
+        match self {
+            Self::Readings => "ademan.Reading",
+            Self::Angles => "ademan.JointAngles",
+            Self::Pose => "ademan.HandPose",
+            Self::Touches => "ademan.Touch",
+            Self::Events => "ademan.OutputEvent",
+        }
+    }
+
+    /// The form of its values, as a JSON Schema (draft 2020-12).
+    pub const fn schema(self) -> &'static str {
+        match self {
+            Self::Readings => include_str!("trace/reading.schema.json"),
+            Self::Angles => include_str!("trace/angles.schema.json"),
+            Self::Pose => include_str!("trace/pose.schema.json"),
+            Self::Touches => include_str!("trace/touch.schema.json"),
+            Self::Events => include_str!("trace/event.schema.json"),
+        }
+    }
+
+    /// Hands each of the stage's values in `snapshot` to `take`: its time, and its JSON without a
+    /// line end. `buffer` is room to write in; what is in it is lost.
+    pub fn each<E>(
+        self,
+        snapshot: &Snapshot,
+        buffer: &mut Vec<u8>,
+        mut take: impl FnMut(Timestamp, &[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
+        match self {
+            Self::Readings => snapshot
+                .reading
+                .iter()
+                .try_for_each(|reading| take(reading.time, json(reading, buffer))),
+            Self::Angles => snapshot
+                .angles
+                .iter()
+                .try_for_each(|angles| take(angles.time, json(&AnglesForm::of(angles), buffer))),
+            Self::Pose => snapshot
+                .pose
+                .iter()
+                .try_for_each(|pose| take(pose.time, json(&PoseForm::of(pose), buffer))),
+            Self::Touches => snapshot
+                .touches
+                .iter()
+                .try_for_each(|touch| take(touch.time, json(&TouchForm::of(touch), buffer))),
+            Self::Events => snapshot
+                .events
+                .iter()
+                .try_for_each(|event| take(event.time, json(&EventForm::of(event), buffer))),
+        }
+    }
+}
+
+fn json<'a>(value: &impl Serialize, buffer: &'a mut Vec<u8>) -> &'a [u8] {
+    buffer.clear();
+    serde_json::to_writer(&mut *buffer, value)
+        .expect("memory takes what is written, and every key is a string");
+    buffer
+}
+
+#[derive(Serialize)]
+struct AnglesForm<'a> {
+    time_us: Timestamp,
+    #[serde(serialize_with = "known_angles")]
+    angles: &'a JointAngles,
+}
+
+impl<'a> AnglesForm<'a> {
+    fn of(angles: &'a JointAngles) -> Self {
+        Self {
+            time_us: angles.time,
+            angles,
+        }
+    }
+}
+
+fn known_angles<S: Serializer>(angles: &&JointAngles, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(angles.known())
+}
+
+#[derive(Serialize)]
+struct PoseForm<'a> {
+    time_us: Timestamp,
+    side: Side,
+    #[serde(serialize_with = "positions")]
+    positions: &'a HandPose,
+    #[serde(serialize_with = "orientations")]
+    orientations: &'a HandPose,
+}
+
+impl<'a> PoseForm<'a> {
+    fn of(pose: &'a HandPose) -> Self {
+        Self {
+            time_us: pose.time,
+            side: pose.side,
+            positions: pose,
+            orientations: pose,
+        }
+    }
+}
+
+fn positions<S: Serializer>(pose: &&HandPose, serializer: S) -> Result<S::Ok, S::Error> {
+    let known = pose.known();
+    serializer.collect_map(known.map(|(joint, pose)| (joint, pose.translation.to_array())))
+}
+
+fn orientations<S: Serializer>(pose: &&HandPose, serializer: S) -> Result<S::Ok, S::Error> {
+    let known = pose.known();
+    serializer.collect_map(known.map(|(joint, pose)| (joint, pose.rotation.to_array())))
+}
+
+#[derive(Serialize)]
+struct TouchForm {
+    time_us: Timestamp,
+    finger: Finger,
+    target: TargetId,
+    phase: Phase,
+    depth: f32,
+}
+
+impl TouchForm {
+    fn of(touch: &Touch) -> Self {
+        Self {
+            time_us: touch.time,
+            finger: touch.finger,
+            target: touch.target,
+            phase: touch.phase,
+            depth: touch.depth,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct EventForm {
+    time_us: Timestamp,
+    #[serde(flatten)]
+    action: ActionForm,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "event", rename_all = "kebab-case")]
+enum ActionForm {
+    KeyDown { key: KeyCode },
+    KeyUp { key: KeyCode },
+    Depth { target: TargetId, depth: f32 },
+}
+
+impl EventForm {
+    fn of(event: &OutputEvent) -> Self {
+        Self {
+            time_us: event.time,
+            action: match event.action {
+                Action::KeyDown(key) => ActionForm::KeyDown { key },
+                Action::KeyUp(key) => ActionForm::KeyUp { key },
+                Action::Depth(target, depth) => ActionForm::Depth { target, depth },
+            },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::{Channels, Reading, Sample};
+    use crate::contact::Touches;
+    use crate::device::Events;
+    use crate::hand::{Dof, Joint};
+    use crate::monitor::{State, Tally};
+    use parry3d::math::{Pose, Vec3};
+    use serde_json::Value;
+    use std::convert::Infallible;
+
+    fn snapshot() -> Snapshot {
+        let time = Timestamp(12_500);
+        let counts = [3, 141].into_iter().collect();
+        let channels = Channels {
+            full_scale: 255,
+            counts,
+        };
+        let mut angles = JointAngles::at(time);
+        angles.set(Dof::IndexMcpFlexion, 0.1 + 0.2);
+        angles.set(Dof::ElbowFlexion, -1.0);
+        let mut pose = HandPose::at(time, Side::Right, 0.008);
+        let wrist = Pose::from_translation(Vec3::new(0.1, -0.25, 1e-7));
+        pose.set(Joint::Wrist, wrist);
+        let touch = Touch {
+            time: Timestamp(12_400),
+            finger: Finger::Index,
+            target: TargetId(7),
+            phase: Phase::Pressed,
+            depth: 0.5,
+        };
+        let event = |action| OutputEvent {
+            time: Timestamp(12_400),
+            action,
+        };
+        let q = "Q".parse().unwrap();
+        Snapshot {
+            state: State::Running,
+            reading: Some(Reading {
+                time,
+                sample: Sample::Channels(channels),
+            }),
+            angles: Some(angles),
+            pose: Some(pose),
+            touches: Touches::from_iter([touch]),
+            events: Events::from_iter([
+                event(Action::KeyUp(q)),
+                event(Action::KeyDown(q)),
+                event(Action::Depth(TargetId(7), 0.1)),
+            ]),
+            tally: Tally::default(),
+        }
+    }
+
+    fn lines(stage: Stage, snapshot: &Snapshot) -> Vec<String> {
+        let mut lines = Vec::new();
+        let Ok(()) = stage.each(snapshot, &mut Vec::new(), |time, json| {
+            let line = String::from_utf8(json.to_vec()).unwrap();
+            let object: Value = serde_json::from_str(&line).unwrap();
+            assert_eq!(object["time_us"], time.0, "{line}");
+            lines.push(line);
+            Ok::<_, Infallible>(())
+        });
+        lines
+    }
+
+    #[test]
+    fn every_stage_has_its_line_with_keys_in_order_of_flow_and_full_precision() {
+        let expected: [&[&str]; Stage::COUNT] = [
+            &[r#"{"time_us":12500,"full_scale":255,"channels":[3,141]}"#],
+            &[
+                r#"{"time_us":12500,"angles":{"elbow-flexion":-1.0,"index-mcp-flexion":0.30000000000000004}}"#,
+            ],
+            &[
+                r#"{"time_us":12500,"side":"right","positions":{"wrist":[0.1,-0.25,1e-7]},"orientations":{"wrist":[0.0,0.0,0.0,1.0]}}"#,
+            ],
+            &[r#"{"time_us":12400,"finger":"index","target":7,"phase":"pressed","depth":0.5}"#],
+            &[
+                r#"{"time_us":12400,"event":"key-up","key":"Q"}"#,
+                r#"{"time_us":12400,"event":"key-down","key":"Q"}"#,
+                r#"{"time_us":12400,"event":"depth","target":7,"depth":0.1}"#,
+            ],
+        ];
+        for (stage, expected) in Stage::ALL.iter().zip(expected) {
+            assert_eq!(lines(*stage, &snapshot()), expected, "{stage}");
+        }
+    }
+
+    #[test]
+    fn a_stage_that_made_nothing_has_no_line() {
+        let nothing = Snapshot {
+            reading: None,
+            angles: None,
+            pose: None,
+            touches: Touches::new(),
+            events: Events::new(),
+            ..snapshot()
+        };
+        for stage in Stage::ALL {
+            assert_eq!(lines(*stage, &nothing), [""; 0], "{stage}");
+        }
+    }
+
+    #[test]
+    fn schemas_name_the_keys_that_the_lines_have() {
+        for &stage in Stage::ALL {
+            let schema: Value = serde_json::from_str(stage.schema()).unwrap();
+            for line in lines(stage, &snapshot()) {
+                let object: Value = serde_json::from_str(&line).unwrap();
+                let object = object.as_object().unwrap();
+                for key in object.keys() {
+                    assert!(schema["properties"].get(key).is_some(), "{stage} {key}");
+                }
+                for key in schema["required"].as_array().unwrap() {
+                    assert!(object.contains_key(key.as_str().unwrap()), "{stage} {key}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_error_of_whoever_takes_the_lines_comes_back() {
+        let outcome = Stage::Events.each(&snapshot(), &mut Vec::new(), |_, _| Err("full"));
+        assert_eq!(outcome, Err("full"));
+    }
+}
