@@ -295,7 +295,9 @@ impl Display {
 
 impl Injector for Display {
     fn inject(&mut self, key: KeyCode, direction: Direction) -> Result<(), String> {
-        platform::inject(&mut self.0, key, direction).map_err(|error| error.to_string())
+        platform::inject(&mut self.0, key, direction)
+            // Some texts of `enigo` have a placeholder that is never filled in.
+            .map_err(|error| error.to_string().replace(": {e:?}", ""))
     }
 }
 
@@ -344,7 +346,8 @@ mod tests {
     struct State {
         lines: Vec<String>,
         failures: usize,
-        fails_for_good: bool,
+        first_is_broken: bool,
+        takes_no_other: bool,
         connections: usize,
     }
 
@@ -360,8 +363,12 @@ mod tests {
             let (gate, closed_gate) = bounded::<()>(0);
             let desk = self.clone();
             let sink = Desktop::start(move || {
-                let number = desk.0.lock().unwrap().connections;
-                desk.0.lock().unwrap().connections += 1;
+                let mut state = desk.0.lock().unwrap();
+                let number = state.connections;
+                state.connections += 1;
+                if state.takes_no_other {
+                    return Err("no room".into());
+                }
                 Ok(Connection {
                     desk: desk.clone(),
                     number,
@@ -380,7 +387,7 @@ mod tests {
         fn inject(&mut self, key: KeyCode, direction: Direction) -> Result<(), String> {
             let _ = self.gate.recv();
             let mut state = self.desk.0.lock().unwrap();
-            if state.fails_for_good && self.number == 0 {
+            if state.first_is_broken && self.number == 0 {
                 return Err("the display is gone".into());
             }
             if state.failures > 0 {
@@ -495,10 +502,27 @@ mod tests {
         while desk.lines().is_empty() {
             thread::yield_now();
         }
-        desk.0.lock().unwrap().fails_for_good = true;
+        desk.0.lock().unwrap().first_is_broken = true;
         sink.close().unwrap_err();
         assert_eq!(desk.lines(), ["+A", "-A"]);
         assert_eq!(desk.0.lock().unwrap().connections, 2);
+    }
+
+    #[test]
+    fn what_cannot_be_let_go_of_is_named() {
+        let desk = Desk::default();
+        let (mut sink, gate) = desk.open();
+        drop(gate);
+        sink.send(&[down(1, "ShiftLeft"), down(1, "A")]).unwrap();
+        while desk.lines().len() < 2 {
+            thread::yield_now();
+        }
+        let mut state = desk.0.lock().unwrap();
+        (state.first_is_broken, state.takes_no_other) = (true, true);
+        drop(state);
+        let error = sink.close().unwrap_err().to_string();
+        let end = "the display is gone; may still be down: A, ShiftLeft";
+        assert!(error.ends_with(end), "{error}");
     }
 
     #[test]

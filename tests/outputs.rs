@@ -1,0 +1,138 @@
+//! Keys on a real X server, read by a program that knows nothing of this one.
+
+mod support;
+
+use std::thread;
+
+use ademan::device::{Action, KeyCode, OutputEvent};
+use ademan::output::{Desktop, OutputError, Sink};
+use ademan::time::Timestamp;
+use support::x11::{Typewriter, XServer, wait_for};
+
+const NO_KEYS: [u16; 0] = [];
+
+fn key(name: &str) -> KeyCode {
+    name.parse().unwrap()
+}
+
+fn event(action: Action) -> OutputEvent {
+    OutputEvent {
+        time: Timestamp(0),
+        action,
+    }
+}
+
+fn down(name: &str) -> OutputEvent {
+    event(Action::KeyDown(key(name)))
+}
+
+fn up(name: &str) -> OutputEvent {
+    event(Action::KeyUp(key(name)))
+}
+
+/// The key presses that write `text` on a US keymap, one frame per character.
+fn strokes(text: &str) -> Vec<Vec<OutputEvent>> {
+    let stroke = |character| {
+        let (key, shifted) = KeyCode::for_us_character(character).unwrap();
+        let shift =
+            |action: fn(KeyCode) -> Action| shifted.then(|| event(action(KeyCode::SHIFT_LEFT)));
+        let mut events = Vec::from_iter(shift(Action::KeyDown));
+        events.extend([Action::KeyDown(key), Action::KeyUp(key)].map(event));
+        events.extend(shift(Action::KeyUp));
+        events
+    };
+    text.chars().map(stroke).collect()
+}
+
+fn open(server: &XServer) -> Desktop {
+    Desktop::open(Some(server.display())).unwrap()
+}
+
+/// A sink that holds Shift and A down, seen by the server.
+fn holding_two_keys(server: &XServer) -> Desktop {
+    let mut sink = open(server);
+    sink.send(&[down("ShiftLeft"), down("A")]).unwrap();
+    assert!(server.wait_for_keys(&[38, 50]), "the server sees the keys");
+    sink
+}
+
+#[test]
+fn a_text_arrives_byte_for_byte_in_a_terminal() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let Some(typewriter) = Typewriter::start(&server) else {
+        return;
+    };
+    let text = "Hello, World! 1+1=2 (a;b) {x} ~";
+    let mut sink = open(&server);
+    for frame in strokes(text) {
+        sink.send(&frame).unwrap();
+    }
+    sink.close().unwrap();
+    assert_eq!(typewriter.typed(text), text);
+    assert_eq!(sink.refused_presses(), 0);
+    assert_eq!(server.keys_down(), NO_KEYS);
+}
+
+#[test]
+fn nothing_is_down_after_closing() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut sink = holding_two_keys(&server);
+    sink.close().unwrap();
+    assert_eq!(server.keys_down(), NO_KEYS);
+}
+
+#[test]
+fn nothing_is_down_after_a_drop_without_closing() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    drop(holding_two_keys(&server));
+    assert_eq!(server.keys_down(), NO_KEYS);
+}
+
+#[test]
+fn nothing_is_down_after_the_thread_that_held_the_sink_panicked() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let sink = holding_two_keys(&server);
+    let holder = thread::spawn(move || {
+        let _sink = sink;
+        panic!("meant to happen");
+    });
+    assert!(holder.join().is_err());
+    assert_eq!(server.keys_down(), NO_KEYS);
+}
+
+#[test]
+fn a_key_is_held_until_it_is_let_go_of_and_other_keys_stay() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut sink = holding_two_keys(&server);
+    sink.send(&[up("A"), down("A"), down("A"), up("B")])
+        .unwrap();
+    sink.send(&[up("A")]).unwrap();
+    assert!(server.wait_for_keys(&[50]));
+}
+
+#[test]
+fn a_server_that_dies_is_an_error_and_not_a_hang() {
+    let Some(mut server) = XServer::start() else {
+        return;
+    };
+    let mut sink = holding_two_keys(&server);
+    server.kill();
+    let mut outcome = Ok(());
+    assert!(wait_for(|| {
+        outcome = sink.send(&[down("B"), up("B")]);
+        outcome.is_err()
+    }));
+    let error = outcome.unwrap_err();
+    assert!(matches!(error, OutputError::Send { .. }), "{error}");
+    sink.close().unwrap_err();
+}

@@ -1,0 +1,185 @@
+//! An X server of the test's own, a program that takes keys, and somebody who watches the keyboard.
+
+use std::fs;
+use std::io::{BufRead, BufReader, ErrorKind};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{ConnectionExt, InputFocus, MapState, Window};
+use x11rb::rust_connection::RustConnection;
+
+/// How long anything on a busy machine may take before the test gives up.
+const PATIENCE: Duration = Duration::from_secs(20);
+
+/// Asks `done` until it says yes; whether it did in time.
+pub fn wait_for(mut done: impl FnMut() -> bool) -> bool {
+    let start = Instant::now();
+    while start.elapsed() < PATIENCE {
+        if done() {
+            return true;
+        }
+        thread::sleep(Duration::from_millis(5));
+    }
+    false
+}
+
+/// A process that ends with its owner.
+struct Process(Child);
+
+impl Drop for Process {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// `Xvfb` with a watcher connected.
+///
+/// It does not reset when its last client leaves: that would let go of stuck keys and hide the fault.
+pub struct XServer {
+    watcher: RustConnection,
+    display: String,
+    process: Process,
+}
+
+impl XServer {
+    /// Starts a server on a free display, or says why not and gives `None`.
+    pub fn start() -> Option<Self> {
+        let arguments = "-displayfd 1 -noreset -nolisten tcp -screen 0 800x600x24";
+        let spawned = Command::new("Xvfb")
+            .args(arguments.split(' '))
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
+        let child = match spawned {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                println!("SKIPPED: Xvfb is not installed");
+                return None;
+            }
+            spawned => spawned.expect("Xvfb starts"),
+        };
+        let mut process = Process(child);
+        let stdout = process.0.stdout.take().expect("it is piped");
+        let mut number = String::new();
+        BufReader::new(stdout)
+            .read_line(&mut number)
+            .expect("Xvfb writes the number of its display");
+        let display = format!(":{}", number.trim());
+        let (watcher, _) = x11rb::connect(Some(&display)).expect("the server answers");
+        Some(Self {
+            watcher,
+            display,
+            process,
+        })
+    }
+
+    /// The name of the display.
+    pub fn display(&self) -> &str {
+        &self.display
+    }
+
+    /// The X11 codes of the keys that are down, as the server sees it.
+    pub fn keys_down(&self) -> Vec<u16> {
+        let reply = self.watcher.query_keymap().expect("the server is there");
+        let bits = reply.reply().expect("the server answers").keys;
+        let is_down = |code: &u16| bits[usize::from(code / 8)] & (1 << (code % 8)) != 0;
+        (0..256).filter(is_down).collect()
+    }
+
+    /// Waits until just these keys are down; whether that came about.
+    pub fn wait_for_keys(&self, codes: &[u16]) -> bool {
+        wait_for(|| self.keys_down() == codes)
+    }
+
+    /// Ends the server as a crash would.
+    pub fn kill(&mut self) {
+        self.process.0.kill().expect("it runs");
+        self.process.0.wait().expect("it ends");
+    }
+
+    fn windows(&self) -> Vec<Window> {
+        let root = self.watcher.setup().roots[0].root;
+        let tree = self.watcher.query_tree(root).expect("the server is there");
+        tree.reply().expect("the server answers").children
+    }
+
+    fn is_seen(&self, window: Window) -> bool {
+        self.watcher
+            .get_window_attributes(window)
+            .ok()
+            .and_then(|attributes| attributes.reply().ok())
+            .is_some_and(|attributes| attributes.map_state == MapState::VIEWABLE)
+    }
+
+    fn focus(&self, window: Window) {
+        let time = x11rb::CURRENT_TIME;
+        self.watcher
+            .set_input_focus(InputFocus::PARENT, window, time)
+            .expect("the server is there")
+            .check()
+            .expect("a window that is seen can have the focus");
+    }
+}
+
+/// An `xterm` that has the focus and writes the bytes that are typed into a file.
+pub struct Typewriter {
+    folder: TempDir,
+    _process: Process,
+}
+
+impl Typewriter {
+    /// Starts one on the server, or says why not and gives `None`.
+    pub fn start(server: &XServer) -> Option<Self> {
+        let folder = tempfile::tempdir().expect("a folder can be made");
+        let script = "stty -icanon -echo; exec cat > typed";
+        let spawned = Command::new("xterm")
+            .args(["-e", "sh", "-c", script])
+            .env("DISPLAY", server.display())
+            .current_dir(folder.path())
+            .stderr(Stdio::null())
+            .spawn();
+        let child = match spawned {
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                println!("SKIPPED: xterm is not installed");
+                return None;
+            }
+            spawned => spawned.expect("xterm starts"),
+        };
+        let typewriter = Self {
+            folder,
+            _process: Process(child),
+        };
+        let is_seen = || {
+            server
+                .windows()
+                .iter()
+                .any(|&window| server.is_seen(window))
+        };
+        assert!(wait_for(is_seen), "xterm shows a window");
+        assert!(
+            wait_for(|| typewriter.path("typed").exists()),
+            "xterm runs its script"
+        );
+        for window in server.windows() {
+            if server.is_seen(window) {
+                server.focus(window);
+            }
+        }
+        Some(typewriter)
+    }
+
+    /// What has been typed, once it is as long as `expected` or no more comes.
+    pub fn typed(&self, expected: &str) -> String {
+        let typed = || fs::read(self.path("typed")).unwrap_or_default();
+        wait_for(|| typed().len() >= expected.len());
+        String::from_utf8_lossy(&typed()).into_owned()
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+}
