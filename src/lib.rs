@@ -28,4 +28,7 @@ pub mod monitor;
 pub mod trace;
 pub mod recorder;
 pub mod layout;
+pub mod pipeline;
 pub mod lab;
+pub mod settings;
+pub mod runtime;

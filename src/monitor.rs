@@ -55,6 +55,4 @@ pub struct Tally {
     pub rejected: [u64; Rejection::COUNT],
     /// Times that readings stopped for longer than the limit.
     pub stalls: u64,
-    /// Snapshots that an observer was too slow for.
-    pub unobserved: u64,
 }

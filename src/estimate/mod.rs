@@ -9,7 +9,7 @@ mod smoothing;
 
 pub use calibration::{FitError, Line, divider_resistance};
 pub use channels::{ChannelMap, ChannelRow};
-pub use estimator::{Estimator, EstimatorSettings};
+pub use estimator::{Estimator, EstimatorSettings, MAX_ROWS};
 pub use limits::JointLimits;
 pub use one_euro::{OneEuro, OneEuroSettings};
 pub use smoothing::Smoothing;

@@ -1,1 +1,26 @@
 //! `layouts/*.ron` as people write them → checked, in SI units; every error names file, line and column.
+
+mod arm;
+mod check;
+mod draw;
+mod error;
+pub mod file;
+mod glove;
+pub mod keyboard;
+pub mod number;
+mod outline;
+mod over;
+mod placement;
+mod svg;
+mod syntax;
+mod text;
+pub mod written;
+
+pub use draw::{Cell, Grid};
+pub use error::LayoutError;
+pub use file::{Document, parse};
+pub use glove::Glove;
+pub use keyboard::{Board, Key, Layout};
+pub use outline::Outline;
+pub use over::OverBoard;
+pub use text::{Label, Word};

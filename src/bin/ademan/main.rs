@@ -1,3 +1,56 @@
 //! The `ademan` command.
 
-fn main() {}
+mod args;
+mod demo;
+mod docs;
+mod failure;
+mod layouts;
+mod record;
+mod recording;
+mod replay;
+mod run;
+mod setup;
+mod signals;
+mod status;
+mod trace;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Args, Command};
+use failure::Failure;
+
+fn main() -> ExitCode {
+    let args = Args::parse();
+    start_log();
+    match run(args.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+fn run(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Demo(args) => demo::run(&args),
+        Command::Run(args) => run::run(args),
+        Command::Record(args) => record::run(args),
+        Command::Replay(args) => replay::run(&args),
+        Command::Trace(args) => trace::run(&args),
+        Command::Layout(command) => layouts::run(&command),
+        Command::Completions { shell } => docs::completions(shell),
+        Command::Man { folder } => docs::man(&folder),
+    }
+}
+
+/// What the program has to say goes to standard error, one line each, without the time: it is
+/// read by a person who is looking on.
+fn start_log() {
+    tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_max_level(tracing::Level::INFO)
+        .without_time()
+        .with_target(false)
+        .with_ansi(false)
+        .init();
+}

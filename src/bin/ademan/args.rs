@@ -1,0 +1,184 @@
+//! What can be typed after `ademan`.
+
+use std::path::PathBuf;
+
+use ademan::capture::SourceName;
+use ademan::trace::Stage;
+use clap::{Args as ClapArgs, Parser, Subcommand};
+use clap_complete::Shell;
+
+/// Turns a captured hand into a keyboard: glove bytes in, key events out.
+#[derive(Parser)]
+#[command(version, propagate_version = true, after_help = "Begin with `ademan demo`: it needs no glove.")]
+pub struct Args {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Watch a simulated hand type, through the whole way from glove bytes to text
+    Demo(DemoArgs),
+    /// Type with a glove
+    Run(RunArgs),
+    /// Record a source, and what every stage makes of it, without typing
+    Record(RecordArgs),
+    /// Play a recording through the same way again
+    Replay(ReplayArgs),
+    /// Print what a stage makes of a source, one JSON object per line
+    Trace(TraceArgs),
+    /// Check, list and draw layouts
+    #[command(subcommand)]
+    Layout(LayoutCommand),
+    /// Print a completion script for a shell
+    #[command(after_help = "Example: ademan completions bash > ~/.local/share/bash-completion/completions/ademan")]
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+    /// Write the manual pages into a folder
+    #[command(after_help = "Example: ademan man ~/.local/share/man/man1")]
+    Man {
+        /// Where to; it is made if need be
+        #[arg(default_value = ".")]
+        folder: PathBuf,
+    },
+}
+
+#[derive(ClapArgs)]
+#[command(after_help = "Examples:\n  ademan demo\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --output desktop     (types into the focused window)")]
+pub struct DemoArgs {
+    /// What to type: characters of a US keyboard
+    #[arg(long, default_value = "Hola! Typed by a hand, 1 tap each.")]
+    pub text: String,
+    /// The layout: a shipped name (see `ademan layout list`) or a file
+    #[arg(long, default_value = "qwerty-flat")]
+    pub layout: String,
+    /// Bits per second on the simulated serial line
+    #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..))]
+    pub baud: u32,
+    /// Where events go besides the screen: none, transcript, transcript:PATH, desktop or uinput
+    #[arg(long, default_value = "none")]
+    pub output: String,
+    /// Noise on every channel of the glove, as a standard deviation in counts
+    #[arg(long, default_value_t = 0.0, value_parser = noise)]
+    pub noise: f64,
+    /// Where the noise starts
+    #[arg(long, default_value_t = 0)]
+    pub seed: u64,
+}
+
+/// Flags that override a setup file.
+#[derive(Clone, ClapArgs)]
+pub struct SetupArgs {
+    /// Where readings come from: serial:PORT, tcp:HOST:PORT, file:PATH, recording:PATH or
+    /// typist:TEXT; lines take ?protocol=hc11&framing=double06&baud=115200
+    #[arg(long)]
+    pub source: Option<SourceName>,
+    /// The glove: a shipped name or a file
+    #[arg(long)]
+    pub glove: Option<String>,
+    /// The layout: a shipped name (see `ademan layout list`) or a file
+    #[arg(long)]
+    pub layout: Option<String>,
+}
+
+#[derive(ClapArgs)]
+#[command(after_help = "Examples:\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n\nIt starts paused, and types once the hand was seen off all keys for 300 ms. Ctrl-C lets go of everything and ends.")]
+pub struct RunArgs {
+    /// A setup file
+    pub setup: Option<String>,
+    #[command(flatten)]
+    pub parts: SetupArgs,
+    /// Where events go: transcript, transcript:PATH, desktop, uinput or none
+    #[arg(long)]
+    pub output: Option<String>,
+    /// Also record everything to this file (it will hold what you type)
+    #[arg(long, value_name = "FILE")]
+    pub record: Option<PathBuf>,
+    /// Type from the first reading on, without waiting for the hand to be off all keys
+    #[arg(long)]
+    pub armed: bool,
+}
+
+#[derive(ClapArgs)]
+#[command(after_help = "Example: ademan record --source serial:/dev/ttyUSB0 session.mcap")]
+pub struct RecordArgs {
+    /// The recording to write; an existing file is not overwritten
+    pub file: PathBuf,
+    /// A setup file
+    #[arg(long)]
+    pub setup: Option<String>,
+    #[command(flatten)]
+    pub parts: SetupArgs,
+}
+
+#[derive(ClapArgs)]
+#[command(after_help = "Examples:\n  ademan replay session.mcap\n  ademan replay session.mcap --layout my-board.ron --speed 1")]
+pub struct ReplayArgs {
+    /// The recording
+    pub file: PathBuf,
+    /// The glove, instead of the recorded one
+    #[arg(long)]
+    pub glove: Option<String>,
+    /// The layout, instead of the recorded one
+    #[arg(long)]
+    pub layout: Option<String>,
+    /// Where events go; only by name do they reach the desktop
+    #[arg(long, default_value = "transcript")]
+    pub output: String,
+    /// How many times as fast as it was; as fast as possible unless said
+    #[arg(long, value_parser = speed)]
+    pub speed: Option<f64>,
+}
+
+#[derive(ClapArgs)]
+#[command(after_help = "Examples:\n  ademan trace angles --source serial:/dev/ttyUSB0 | head\n  ademan trace touches --source 'typist:hello' --layout qwerty-arc")]
+pub struct TraceArgs {
+    /// The stage after which to look: readings, angles, pose, touches or events
+    pub stage: Stage,
+    /// A setup file
+    #[arg(long)]
+    pub setup: Option<String>,
+    #[command(flatten)]
+    pub parts: SetupArgs,
+}
+
+#[derive(Subcommand)]
+pub enum LayoutCommand {
+    /// Say whether files are right, and where they are wrong
+    #[command(after_help = "Example: ademan layout check my-board.ron")]
+    Check {
+        /// Layout files, or names of shipped ones
+        #[arg(required = true)]
+        files: Vec<String>,
+    },
+    /// List the layouts that come with the program
+    #[command(after_help = "Example: ademan layout list")]
+    List,
+    /// Draw a layout
+    #[command(after_help = "Example: ademan layout show qwerty-arc --svg board.svg")]
+    Show {
+        /// A layout file, or the name of a shipped one
+        file: String,
+        /// Write a picture from above here
+        #[arg(long, value_name = "OUT.svg")]
+        svg: Option<PathBuf>,
+    },
+}
+
+fn noise(text: &str) -> Result<f64, String> {
+    in_range(text, 0.0, 50.0, "counts")
+}
+
+fn speed(text: &str) -> Result<f64, String> {
+    in_range(text, 0.01, 1000.0, "times")
+}
+
+fn in_range(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    if (low..=high).contains(&number) {
+        return Ok(number);
+    }
+    Err(format!("it is {low} to {high} {unit}"))
+}

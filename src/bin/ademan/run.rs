@@ -1,0 +1,37 @@
+//! `ademan run`: the real thing.
+
+use ademan::output;
+use ademan::runtime::drive;
+
+use crate::args::RunArgs;
+use crate::failure::Failure;
+use crate::recording::Recording;
+use crate::status::{self, Status};
+use crate::{setup, signals};
+
+pub fn run(args: RunArgs) -> Result<(), Failure> {
+    let mut setup = setup::read(args.setup.as_deref(), args.parts)?;
+    setup.output = args.output.unwrap_or(setup.output);
+    setup.armed |= args.armed;
+    let name = setup::source_name(&setup)?;
+    let assembly = setup.assemble()?;
+    let stop = signals::stop_requests()?;
+    let source = setup::open_at_its_pace(&assembly, &name)?;
+    let mut sink = output::open(&assembly.setup.output, &assembly.layout.codes())?;
+    let mut recording = match &args.record {
+        Some(path) => Some(Recording::start(path, &assembly, false)?),
+        None => None,
+    };
+    let mut pipeline = assembly.pipeline();
+    let mut status = Status::default();
+    let ended = drive(source, &mut pipeline, &mut *sink, &stop, &mut |frame| {
+        status.show(frame);
+        if let Some(recording) = &mut recording {
+            recording.show(frame);
+        }
+    });
+    let recorded = recording.map_or(Ok(()), Recording::finish);
+    let summary = ended?;
+    eprintln!("{}", status::account(&summary.tally));
+    recorded
+}

@@ -1,0 +1,47 @@
+//! What a run tells the person at the terminal: changes of state, and the account at the end.
+
+use ademan::estimate::Rejection;
+use ademan::monitor::{Snapshot, State, Tally};
+
+/// Says on standard error what the engine is doing, whenever that changes.
+#[derive(Default)]
+pub struct Status {
+    last: Option<State>,
+}
+
+impl Status {
+    /// Takes a frame.
+    pub fn show(&mut self, frame: &Snapshot) {
+        if self.last.replace(frame.state) == Some(frame.state) {
+            return;
+        }
+        match frame.state {
+            State::Starting | State::Stopped => {}
+            State::Paused => eprintln!("paused: hold the hand off all keys for a moment to arm"),
+            State::Running => eprintln!("armed: touches are typed, Ctrl-C ends"),
+            State::Stalled => eprintln!("stalled: no readings, everything is released"),
+        }
+    }
+}
+
+/// One line: what came in, and what became of it.
+pub fn account(tally: &Tally) -> String {
+    let rejected = Rejection::ALL
+        .iter()
+        .zip(tally.rejected)
+        .filter(|(_, count)| *count > 0)
+        .map(|(reason, count)| format!(", {count} rejected ({reason})"));
+    let source = &tally.source;
+    let mut line = format!("{} readings: {} accepted", source.readings, tally.accepted);
+    line.extend(rejected);
+    if source.superseded > 0 {
+        line += &format!(", {} superseded", source.superseded);
+    }
+    if source.skipped_bytes > 0 {
+        line += &format!("; {} of {} bytes belonged to no frame", source.skipped_bytes, source.bytes);
+    }
+    if source.losses > 0 {
+        line += &format!("; the device was lost {} times", source.losses);
+    }
+    line
+}

@@ -1,0 +1,66 @@
+//! `ademan trace`: what a stage makes of a source, one JSON object per line.
+
+use std::io::{self, BufWriter, Write};
+
+use ademan::monitor::Snapshot;
+use ademan::output;
+use ademan::runtime::drive;
+use ademan::trace::Stage;
+use crossbeam_channel::{bounded, select};
+
+use crate::args::TraceArgs;
+use crate::failure::Failure;
+use crate::{setup, signals};
+
+pub fn run(args: &TraceArgs) -> Result<(), Failure> {
+    let mut setup = setup::read(args.setup.as_deref(), args.parts.clone())?;
+    // What a stage would do is shown from the first reading on; nothing is typed here.
+    setup.armed = true;
+    let name = setup::source_name(&setup)?;
+    let assembly = setup.assemble()?;
+    let source = assembly.open(&name)?;
+    let mut nowhere = output::open("none", &assembly.layout.codes())?;
+    let (reader_left, stop) = bounded(1);
+    let asked = signals::stop_requests()?;
+    let stop_sender = reader_left.clone();
+    std::thread::spawn(move || {
+        select! { recv(asked) -> _ => { let _ = stop_sender.try_send(()); } }
+    });
+    let mut lines = Lines {
+        stage: args.stage,
+        out: BufWriter::new(io::stdout().lock()),
+        flush: source.is_live(),
+        buffer: Vec::new(),
+    };
+    let mut written = Ok(());
+    let ended = drive(source, &mut assembly.pipeline(), &mut *nowhere, &stop, &mut |frame| {
+        if written.is_ok() {
+            written = lines.write(frame);
+            if written.is_err() {
+                let _ = reader_left.try_send(());
+            }
+        }
+    });
+    written?;
+    lines.out.flush()?;
+    ended?;
+    Ok(())
+}
+
+struct Lines<W: Write> {
+    stage: Stage,
+    out: BufWriter<W>,
+    flush: bool,
+    buffer: Vec<u8>,
+}
+
+impl<W: Write> Lines<W> {
+    fn write(&mut self, frame: &Snapshot) -> io::Result<()> {
+        let (out, flush) = (&mut self.out, self.flush);
+        self.stage.each(frame, &mut self.buffer, |_, json| {
+            out.write_all(json)?;
+            out.write_all(b"\n")?;
+            if flush { out.flush() } else { Ok(()) }
+        })
+    }
+}

@@ -1,0 +1,181 @@
+//! A keyboard layout, checked, in SI units.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+use parry3d::math::Vec2;
+
+use super::error::LayoutError;
+use super::file::{self, Document};
+use super::outline::Outline;
+use super::{check, number};
+use crate::contact::TargetId;
+use crate::contact::surface::Scene;
+use crate::device::KeyCode;
+use crate::device::keyboard::{KeyAction, KeyBinding};
+
+/// The most keys that a layout has.
+pub const MAX_KEYS: usize = 10_000;
+
+/// The most layers that a layout has, with the base layer.
+pub const MAX_LAYERS: usize = 32;
+
+/// What the layer that is in force at first is called.
+pub const BASE_LAYER: &str = "base";
+
+/// Boards with keys, and what the keys do.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// What it is called.
+    pub name: String,
+    /// One line for lists; may be empty.
+    pub note: String,
+    /// The file that it comes from, as its user named it.
+    pub file: String,
+    /// What is in the file: a recording keeps it, so that it can be replayed with the same layout.
+    pub text: String,
+    /// Where the keys are in space: surface `i` is board `i`.
+    pub scene: Scene,
+    /// The boards, in the order of the file.
+    pub boards: Vec<Board>,
+    /// The keys, in the order of their targets: key `i` is `TargetId(i)`.
+    pub keys: Vec<Key>,
+    /// Names of the layers, [`BASE_LAYER`] first.
+    pub layers: Vec<String>,
+}
+
+/// A group of keys that moves as one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Board {
+    /// Its keys, as places in [`Layout::keys`].
+    pub keys: Range<usize>,
+    /// From key to key in a row, in metres.
+    pub pitch: f32,
+    /// The radius of the arcs along which its rows run, in metres, at y = 0; `None` when they are straight.
+    pub radius: Option<f32>,
+}
+
+/// One key.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// What it is called in layers and messages; no two keys have the same name.
+    pub name: String,
+    /// What is drawn on it.
+    pub label: String,
+    /// Its target in the scene.
+    pub target: TargetId,
+    /// Where the file says that its middle is, in metres: x along its row, y away from the wearer.
+    pub at: Vec2,
+    /// Where that is in the plane of the board; differs from `at` where rows are arcs.
+    pub outline: Outline,
+    /// What pressing it does in each layer, base layer first; see [`KeyBinding::actions`].
+    pub actions: Vec<Option<KeyAction>>,
+    /// Whether the depth of the press goes out too.
+    pub analogue: bool,
+}
+
+impl Board {
+    /// Where a point in the plane of the board is along and across its rows, in metres: the inverse
+    /// of what bends [`Key::at`] into the middle of [`Key::outline`].
+    pub fn along_rows(&self, point: Vec2) -> Vec2 {
+        let Some(at_zero) = self.radius else {
+            return point;
+        };
+        let from_centre = point + Vec2::Y * at_zero;
+        let radius = from_centre.length();
+        Vec2::new(
+            from_centre.x.atan2(from_centre.y) * radius,
+            radius - at_zero,
+        )
+    }
+}
+
+impl Key {
+    /// What it does in a layer, or in the base layer where that one says nothing.
+    pub fn action(&self, layer: usize) -> Option<KeyAction> {
+        let own = self.actions.get(layer).copied().flatten();
+        own.or_else(|| self.actions.first().copied().flatten())
+    }
+}
+
+impl Layout {
+    /// Reads and checks the file at a path, or the shipped layout of that name: `qwerty-flat`,
+    /// `keyboards/qwerty-flat`, with or without `.ron`.
+    pub fn load(name_or_path: &str) -> Result<Self, LayoutError> {
+        check::layout(Document::open(name_or_path)?)
+    }
+
+    /// Reads and checks a text; `file` names it in errors.
+    pub fn parse(text: &str, file: &str) -> Result<Self, LayoutError> {
+        check::layout(Document::new(file, text))
+    }
+
+    /// The shipped keyboards by name, each with its layout.
+    pub fn shipped() -> Result<Vec<(&'static str, Self)>, LayoutError> {
+        file::shipped_names("keyboards")
+            .map(|name| Ok((name, check::layout(Document::shipped(name)?)?)))
+            .collect()
+    }
+
+    /// What the keys do, for the keyboard device.
+    pub fn keyboard_bindings(&self) -> Vec<KeyBinding> {
+        self.keys
+            .iter()
+            .map(|key| KeyBinding {
+                target: key.target,
+                actions: key.actions.clone(),
+                analogue: key.analogue,
+            })
+            .collect()
+    }
+
+    /// Every key code that the layout can ever send, modifiers included.
+    pub fn codes(&self) -> BTreeSet<KeyCode> {
+        self.keys
+            .iter()
+            .flat_map(|key| &key.actions)
+            .filter_map(|action| match action {
+                Some(KeyAction::Key(code) | KeyAction::Modifier(code, _)) => Some(*code),
+                Some(KeyAction::Layer(..)) | None => None,
+            })
+            .collect()
+    }
+
+    /// The key with this name.
+    pub fn key(&self, name: &str) -> Option<&Key> {
+        self.keys.iter().find(|key| key.name == name)
+    }
+
+    /// The key that a target stands for.
+    pub fn key_of(&self, target: TargetId) -> Option<&Key> {
+        self.keys.get(target.0 as usize)
+    }
+
+    /// The board that a key is on.
+    pub fn board_of(&self, key: &Key) -> &Board {
+        let place = key.target.0 as usize;
+        let found = self.boards.iter().find(|board| board.keys.contains(&place));
+        found.expect("every key is made with its board")
+    }
+
+    /// What is drawn on a key while a layer is in force; `None` where the layer leaves the key as it is.
+    pub fn label_in<'a>(&'a self, key: &'a Key, layer: usize) -> Option<&'a str> {
+        if layer == 0 {
+            return Some(&key.label);
+        }
+        match (*key.actions.get(layer)?)? {
+            KeyAction::Key(code) | KeyAction::Modifier(code, _) => Some(code.label()),
+            KeyAction::Layer(target, _) => self.layers.get(target).map(String::as_str),
+        }
+    }
+}
+
+/// Millimetres of a file in metres.
+pub(super) fn metres(millimetres: f64) -> f32 {
+    (millimetres * 1e-3) as f32
+}
+
+/// A place of a file in metres.
+pub(super) fn metres2((x, y): (number::Distance, number::Distance)) -> Vec2 {
+    Vec2::new(metres(x.get()), metres(y.get()))
+}

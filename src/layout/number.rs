@@ -1,0 +1,78 @@
+//! Numbers in a file, each with the range that makes sense for it. A number out of range, NaN and
+//! infinity are refused where they stand.
+
+use serde::de::{Deserialize, Deserializer, Error};
+
+/// Declares newtypes over `f64` that are only read within their range, some with the value that stands
+/// for a field left out.
+macro_rules! measures {
+    ($($(#[$meta:meta])*
+       $name:ident = $what:literal, $min:literal ..= $max:literal, $unit:literal $(, or $default:literal)?;)+) => {$(
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+        pub struct $name(f64);
+
+        impl $name {
+            /// The smallest and the largest value.
+            pub const RANGE: std::ops::RangeInclusive<f64> = $min..=$max;
+
+            /// The value, in the unit of the file.
+            pub const fn get(self) -> f64 {
+                self.0
+            }
+        }
+
+        $(
+            impl Default for $name {
+                fn default() -> Self {
+                    Self($default)
+                }
+            }
+        )?
+
+        impl<'de> Deserialize<'de> for $name {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let value = f64::deserialize(deserializer)?;
+                if Self::RANGE.contains(&value) {
+                    return Ok(Self(value));
+                }
+                Err(D::Error::custom(format!(
+                    concat!("{} is out of range: ", $what, " is {} to {}", $unit),
+                    shown(value),
+                    Self::RANGE.start(),
+                    Self::RANGE.end(),
+                )))
+            }
+        }
+    )+};
+}
+
+measures! {
+    /// A place on a board or a distance from an anchor, in millimetres.
+    Distance = "a distance", -2000.0 ..= 2000.0, " mm", or 0.0;
+    /// A width, depth or diameter, in millimetres.
+    Size = "a size", 1.0 ..= 500.0, " mm", or 17.0;
+    /// The distance from the middle of one key to that of the next in a row, in millimetres.
+    Pitch = "a pitch", 1.0 ..= 500.0, " mm", or 19.0;
+    /// How far a key goes down, in millimetres.
+    Travel = "a travel", 0.2 ..= 50.0, " mm", or 4.0;
+    /// The radius of an arc, in millimetres.
+    Radius = "a radius", 20.0 ..= 2000.0, " mm";
+    /// The part of the travel at which a key counts as pressed.
+    PressShare = "a press share", 0.05 ..= 1.0, "", or 0.5;
+    /// The part of the travel at which a key counts as let go again.
+    ReleaseShare = "a release share", 0.0 ..= 0.95, "", or 0.25;
+    /// A turn about the vertical, in degrees.
+    Bearing = "a bearing", -180.0 ..= 180.0, "°", or 0.0;
+    /// A slope, in degrees.
+    Tilt = "a tilt", -90.0 ..= 90.0, "°", or 0.0;
+}
+
+/// Short also for 1e308, which `Display` writes with three hundred zeros.
+fn shown(value: f64) -> String {
+    if value.is_finite() && value.abs() >= 1e9 {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    }
+}

@@ -1,0 +1,243 @@
+//! A keyboard layout as it stands in its file: lengths in millimetres, angles in degrees.
+//!
+//! `layouts/README.md` is the guide to the format. Kinds of controls beside keys are further lists
+//! of a board, so that files written today stay valid.
+
+use serde::Deserialize;
+
+use super::number::{
+    Bearing, Distance, Pitch, PressShare, Radius, ReleaseShare, Size, Tilt, Travel,
+};
+use super::text::{Label, Pairs, Word};
+
+/// The whole file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Layout<'a> {
+    /// What the layout is called.
+    #[serde(borrow)]
+    pub name: Word<'a>,
+    /// One line for lists.
+    #[serde(borrow, default)]
+    pub note: Option<Word<'a>>,
+    /// Groups of controls, each of which is fixed to one place.
+    #[serde(borrow)]
+    pub boards: Vec<Board<'a>>,
+    /// What keys do beside the base layer.
+    #[serde(borrow, default)]
+    pub layers: Vec<Layer<'a>>,
+}
+
+/// A group of controls that moves as one.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Board<'a> {
+    /// Where it is.
+    pub place: Place,
+    /// Whether its rows are straight.
+    #[serde(default)]
+    pub form: Form,
+    /// From key to key in a row.
+    #[serde(default)]
+    pub pitch_mm: Pitch,
+    /// The outline of keys that do not say their own.
+    #[serde(default)]
+    pub size_mm: Outline,
+    /// How far keys go down that do not say it themselves.
+    #[serde(default)]
+    pub travel_mm: Travel,
+    /// Where in the travel keys press that do not say it themselves.
+    #[serde(default)]
+    pub press_share: PressShare,
+    /// Where in the travel keys let go that do not say it themselves.
+    #[serde(default)]
+    pub release_share: ReleaseShare,
+    /// Whether the depth of keys goes out that do not say it themselves.
+    #[serde(default)]
+    pub analogue: bool,
+    /// Keys in lines.
+    #[serde(borrow, default)]
+    pub rows: Vec<Row<'a>>,
+    /// Keys one by one.
+    #[serde(borrow, default)]
+    pub keys: Vec<Key<'a>>,
+}
+
+/// Where a board is: its point (0, 0) seen from the anchor.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Place {
+    /// What it is fixed to.
+    pub anchor: Anchor,
+    /// From straight forward to the right.
+    #[serde(default)]
+    pub bearing_deg: Bearing,
+    /// Along the bearing; what is left out is 0, or the radius of an arc.
+    #[serde(default)]
+    pub forward_mm: Option<Distance>,
+    /// Upwards from the anchor.
+    #[serde(default)]
+    pub height_mm: Distance,
+    /// How much the far side is lifted.
+    #[serde(default)]
+    pub tilt_deg: Tilt,
+}
+
+/// What a board is fixed to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Anchor {
+    /// The world's origin.
+    World,
+    /// The elbow's position.
+    Elbow,
+    /// The wrist's position.
+    Wrist,
+}
+
+/// Whether rows are straight.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Form {
+    /// They are.
+    #[default]
+    Flat,
+    /// They go round a point on the wearer's side of the board.
+    Arc {
+        /// From that point to (0, 0).
+        radius_mm: Radius,
+    },
+}
+
+/// The outline of a key.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+pub enum Outline {
+    /// Width along the row, and depth away from the wearer.
+    Box(Size, Size),
+    /// Diameter.
+    Disc(Size),
+}
+
+impl Default for Outline {
+    fn default() -> Self {
+        Self::Box(Size::default(), Size::default())
+    }
+}
+
+/// Keys in a line, from left to right.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row<'a> {
+    /// The middle of the first key.
+    pub at_mm: (Distance, Distance),
+    /// Key codes, with blanks between them.
+    #[serde(borrow)]
+    pub keys: Word<'a>,
+    /// From key to key; else as the board says.
+    #[serde(default)]
+    pub pitch_mm: Option<Pitch>,
+    /// The outline of the keys; else as the board says.
+    #[serde(default)]
+    pub size_mm: Option<Outline>,
+}
+
+/// One key.
+#[derive(Debug, Deserialize)]
+#[serde(try_from = "KeyFields<'a>", bound(deserialize = "'de: 'a"))]
+pub struct Key<'a> {
+    /// What it does.
+    pub does: Does<'a>,
+    /// All the rest.
+    pub fields: KeyFields<'a>,
+}
+
+/// What a key does in the base layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Does<'a> {
+    /// Sends a key code.
+    Code(Word<'a>),
+    /// Switches to a layer.
+    Layer(Word<'a>),
+}
+
+impl<'a> Does<'a> {
+    /// The code or layer.
+    pub fn word(self) -> Word<'a> {
+        match self {
+            Self::Code(word) | Self::Layer(word) => word,
+        }
+    }
+}
+
+/// The fields of one key; those left out are as the board says.
+#[derive(Debug, Deserialize)]
+#[serde(rename = "Key", deny_unknown_fields)]
+pub struct KeyFields<'a> {
+    /// The key code that it sends.
+    #[serde(borrow, default)]
+    pub code: Option<Word<'a>>,
+    /// The layer that it switches to.
+    #[serde(borrow, default)]
+    pub layer: Option<Word<'a>>,
+    /// What it is called in layers and messages; else the code or layer.
+    #[serde(borrow, default)]
+    pub name: Option<Word<'a>>,
+    /// What is drawn on it.
+    #[serde(default)]
+    pub label: Option<Label>,
+    /// Its middle.
+    pub at_mm: (Distance, Distance),
+    /// Its outline.
+    #[serde(default)]
+    pub size_mm: Option<Outline>,
+    /// How far it goes down.
+    #[serde(default)]
+    pub travel_mm: Option<Travel>,
+    /// Where in the travel it presses.
+    #[serde(default)]
+    pub press_share: Option<PressShare>,
+    /// Where in the travel it lets go.
+    #[serde(default)]
+    pub release_share: Option<ReleaseShare>,
+    /// Whether its depth goes out.
+    #[serde(default)]
+    pub analogue: Option<bool>,
+    /// How long a modifier or layer stays in force.
+    #[serde(default)]
+    pub latch: Option<Latch>,
+}
+
+impl<'a> TryFrom<KeyFields<'a>> for Key<'a> {
+    type Error = &'static str;
+
+    fn try_from(fields: KeyFields<'a>) -> Result<Self, Self::Error> {
+        let does = match (fields.code, fields.layer) {
+            (Some(code), None) => Does::Code(code),
+            (None, Some(layer)) => Does::Layer(layer),
+            (None, None) => return Err("the key has neither a `code` nor a `layer`"),
+            (Some(_), Some(_)) => return Err("the key has both a `code` and a `layer`"),
+        };
+        Ok(Self { does, fields })
+    }
+}
+
+/// How long a modifier or layer stays in force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum Latch {
+    /// As long as its key is pressed.
+    Held,
+    /// For the next key.
+    OneShot,
+}
+
+/// What keys do while the layer is in force.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Layer<'a> {
+    /// What keys that switch to it call it.
+    #[serde(borrow)]
+    pub name: Word<'a>,
+    /// Name of a key → the key code that it sends in this layer.
+    #[serde(borrow)]
+    pub keys: Pairs<'a>,
+}

@@ -1,0 +1,212 @@
+//! Stages 2 to 5 for one frame: a reading in, events out.
+
+use std::time::Duration;
+
+use crate::capture::Reading;
+use crate::contact::Touches;
+use crate::contact::surface::Scene;
+use crate::contact::tracker::ContactTracker;
+use crate::device::{Events, VirtualDevice};
+use crate::estimate::{Estimator, JointAngles, Rejection};
+use crate::kinematics::{ArmModel, HandPose};
+use crate::monitor::State;
+use crate::time::Timestamp;
+
+/// When the engine lets events out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Arming {
+    /// Whether the first reading arms, instead of a hand that is seen off all controls.
+    pub at_once: bool,
+    /// How long the hand has to be seen off all controls.
+    pub neutral: Duration,
+    /// How long readings may stay away before everything is let go.
+    pub stall: Duration,
+}
+
+impl Default for Arming {
+    /// Off all controls for 300 ms; a stall after 200 ms.
+    fn default() -> Self {
+        Self {
+            at_once: false,
+            neutral: Duration::from_millis(300),
+            stall: Duration::from_millis(200),
+        }
+    }
+}
+
+/// What each stage made of one reading.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    /// The angles.
+    pub angles: JointAngles,
+    /// Where they put the hand.
+    pub pose: HandPose,
+    /// What the fingertips did.
+    pub touches: Touches,
+}
+
+/// The way from a reading to events.
+///
+/// [`step`](Self::step) does not allocate, block, fail or read a clock: the same readings in give the
+/// same events out.
+pub struct Pipeline {
+    estimator: Estimator,
+    arm: ArmModel,
+    scene: Scene,
+    tracker: ContactTracker,
+    devices: Vec<Box<dyn VirtualDevice>>,
+    arming: Arming,
+    state: State,
+    last_accepted: Option<Timestamp>,
+    clear_since: Option<Timestamp>,
+    accepted: u64,
+    rejected: [u64; Rejection::COUNT],
+    stalls: u64,
+}
+
+impl Pipeline {
+    /// A pipeline that has seen nothing yet.
+    pub fn new(
+        estimator: Estimator,
+        arm: ArmModel,
+        scene: Scene,
+        devices: Vec<Box<dyn VirtualDevice>>,
+        arming: Arming,
+    ) -> Self {
+        Self {
+            tracker: ContactTracker::new(&scene),
+            estimator,
+            arm,
+            scene,
+            devices,
+            arming,
+            state: State::Starting,
+            last_accepted: None,
+            clear_since: None,
+            accepted: 0,
+            rejected: [0; Rejection::COUNT],
+            stalls: 0,
+        }
+    }
+
+    /// Takes one reading and adds to `events` what goes out because of it.
+    ///
+    /// An error when the reading gives no angles; it is counted, and changes nothing else.
+    pub fn step(&mut self, reading: &Reading, events: &mut Events) -> Result<Frame, Rejection> {
+        self.notice_gap(reading.time, events);
+        let angles = self.estimator.apply(reading).inspect_err(|&reason| {
+            self.rejected[reason.index()] += 1;
+        })?;
+        let pose = self.arm.forward(&angles);
+        let mut touches = Touches::new();
+        self.tracker.update(&self.scene, &pose, &mut touches);
+        self.accepted += 1;
+        self.last_accepted = Some(pose.time);
+        self.arm_when_clear(&pose);
+        if self.state == State::Running {
+            for device in &mut self.devices {
+                device.update(&pose, &touches, events);
+            }
+        }
+        Ok(Frame {
+            angles,
+            pose,
+            touches,
+        })
+    }
+
+    /// Readings have stayed away for longer than they may: lets go of everything.
+    ///
+    /// The hand has to be seen off all controls before anything is pressed again.
+    pub fn stall(&mut self, events: &mut Events) {
+        let Some(last) = self.last_accepted.take() else {
+            return;
+        };
+        self.stalls += 1;
+        self.let_go(last + self.arming.stall, State::Stalled, events);
+    }
+
+    /// The end: lets go of everything, for good.
+    pub fn stop(&mut self, events: &mut Events) {
+        let time = self.last_accepted.unwrap_or_default();
+        self.let_go(time, State::Stopped, events);
+    }
+
+    /// What the engine is doing.
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    /// Whether readings are expected: one came, and none has been missed since.
+    pub fn is_fed(&self) -> bool {
+        self.last_accepted.is_some()
+    }
+
+    /// When the last accepted reading was complete.
+    pub fn last_accepted(&self) -> Option<Timestamp> {
+        self.last_accepted
+    }
+
+    /// How long readings may stay away.
+    pub fn stall_limit(&self) -> Duration {
+        self.arming.stall
+    }
+
+    /// Sets how long readings may stay away.
+    pub fn set_stall_limit(&mut self, limit: Duration) {
+        self.arming.stall = limit;
+    }
+
+    /// Readings that became a pose.
+    pub fn accepted(&self) -> u64 {
+        self.accepted
+    }
+
+    /// Readings that gave no angles, by reason, in the order of [`Rejection::ALL`].
+    pub fn rejected(&self) -> [u64; Rejection::COUNT] {
+        self.rejected
+    }
+
+    /// Times that readings stayed away for too long.
+    pub fn stalls(&self) -> u64 {
+        self.stalls
+    }
+
+    /// The readings' own times tell of a stall too, so that a recording of one repeats it.
+    fn notice_gap(&mut self, time: Timestamp, events: &mut Events) {
+        let gap = self.last_accepted.map(|last| time.since(last));
+        if gap.is_some_and(|gap| gap > self.arming.stall) {
+            self.stall(events);
+        }
+    }
+
+    fn let_go(&mut self, time: Timestamp, state: State, events: &mut Events) {
+        let mut cancelled = Touches::new();
+        self.tracker.reset(time, &mut cancelled);
+        for device in &mut self.devices {
+            device.release_all(time, events);
+        }
+        self.state = state;
+        self.clear_since = None;
+    }
+
+    fn arm_when_clear(&mut self, pose: &HandPose) {
+        match self.state {
+            State::Running | State::Stopped => return,
+            State::Starting if self.arming.at_once => {
+                self.state = State::Running;
+                return;
+            }
+            State::Starting => self.state = State::Paused,
+            State::Paused | State::Stalled => {}
+        }
+        if !self.tracker.is_clear(&self.scene, pose) {
+            self.clear_since = None;
+            return;
+        }
+        let since = *self.clear_since.get_or_insert(pose.time);
+        if pose.time.since(since) >= self.arming.neutral {
+            self.state = State::Running;
+        }
+    }
+}

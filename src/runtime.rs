@@ -1,0 +1,218 @@
+//! Drives a pipeline, live or from a recording: one loop for both.
+
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, never, select};
+use hdrhistogram::Histogram;
+
+use crate::capture::{Arrival, CaptureError, Captured, Counts, Reading, Source, on_thread};
+use crate::contact::Touches;
+use crate::device::Events;
+use crate::monitor::{Snapshot, Tally};
+use crate::output::{OutputError, Sink};
+use crate::pipeline::{Frame, Pipeline};
+
+/// Why a run ended before its source did.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// No more readings can be had.
+    #[error(transparent)]
+    Capture(#[from] CaptureError),
+    /// Events cannot be delivered.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+}
+
+/// What happened in a run.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// The account of all readings.
+    pub tally: Tally,
+    /// From the last byte of a frame to its events handed to the output, in nanoseconds; frames with
+    /// events only.
+    pub latency_ns: Histogram<u64>,
+}
+
+/// Takes readings from `source` through `pipeline` to `sink`, until the source ends or something
+/// comes in on `stop`.
+///
+/// `observe` sees a copy of every frame; it must not wait. Whatever the end, also a panic, the sink
+/// is closed, which lets go of everything. A live source whose readings stay away for longer than the
+/// stall limit (at least three of its frame periods) stalls the pipeline.
+pub fn drive(
+    source: impl Source + 'static,
+    pipeline: &mut Pipeline,
+    sink: &mut dyn Sink,
+    stop: &Receiver<()>,
+    observe: &mut dyn FnMut(&Snapshot),
+) -> Result<Summary, RunError> {
+    let captured = on_thread(source)?;
+    let period = captured.frame_period().unwrap_or(Duration::ZERO);
+    pipeline.set_stall_limit(pipeline.stall_limit().max(3 * period));
+    let mut run = Run {
+        captured,
+        pipeline,
+        sink: Closing(sink),
+        observe,
+        events: Events::new(),
+        fed_at: None,
+        source: Counts::default(),
+        latency_ns: new_histogram(),
+    };
+    let ended = run.until_over(stop);
+    let closed = run.finish();
+    ended?;
+    closed?;
+    Ok(Summary {
+        tally: run.tally(),
+        latency_ns: run.latency_ns,
+    })
+}
+
+/// Closes the sink also when the loop panics.
+struct Closing<'a>(&'a mut dyn Sink);
+
+impl Drop for Closing<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking()
+            && let Err(error) = self.0.close()
+        {
+            tracing::error!("{error}");
+        }
+    }
+}
+
+struct Run<'a> {
+    captured: Captured,
+    pipeline: &'a mut Pipeline,
+    sink: Closing<'a>,
+    observe: &'a mut dyn FnMut(&Snapshot),
+    events: Events,
+    fed_at: Option<Instant>,
+    source: Counts,
+    latency_ns: Histogram<u64>,
+}
+
+impl Run<'_> {
+    fn until_over(&mut self, stop: &Receiver<()>) -> Result<(), RunError> {
+        loop {
+            let deadline = match self.fed_at {
+                Some(fed_at) if self.captured.is_live() && self.pipeline.is_fed() => {
+                    crossbeam_channel::at(fed_at + self.pipeline.stall_limit())
+                }
+                _ => never(),
+            };
+            let over = select! {
+                recv(stop) -> _ => true,
+                recv(deadline) -> _ => {
+                    self.stall()?;
+                    false
+                }
+                recv(self.captured.arrivals()) -> arrival => match arrival {
+                    Ok(arrival) => self.take(arrival)?,
+                    // Only after an end or a failure, and those were the last that was taken.
+                    Err(_) => true,
+                },
+            };
+            if over {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Takes what the capture thread says; whether that was the last of it.
+    fn take(&mut self, arrival: Arrival) -> Result<bool, RunError> {
+        match arrival {
+            Arrival::Reading {
+                reading,
+                arrived,
+                counts,
+            } => {
+                self.source = counts;
+                self.step(reading, arrived)?;
+            }
+            Arrival::Lost(error) => {
+                tracing::warn!("{error}");
+                self.source.losses += 1;
+                self.stall()?;
+            }
+            Arrival::Failed(error) => return Err(error.into()),
+            Arrival::End(counts) => {
+                self.source = counts;
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    fn step(&mut self, reading: Reading, arrived: Instant) -> Result<(), RunError> {
+        self.events.clear();
+        let frame = self.pipeline.step(&reading, &mut self.events).ok();
+        if frame.is_some() {
+            self.fed_at = Some(arrived);
+        }
+        self.deliver()?;
+        if !self.events.is_empty() {
+            self.latency_ns.saturating_record(arrived.elapsed().as_nanos() as u64);
+        }
+        self.show(Some(reading), frame);
+        Ok(())
+    }
+
+    fn stall(&mut self) -> Result<(), RunError> {
+        self.events.clear();
+        self.pipeline.stall(&mut self.events);
+        self.fed_at = None;
+        self.deliver()?;
+        self.show(None, None);
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), RunError> {
+        self.events.clear();
+        self.pipeline.stop(&mut self.events);
+        let sent = self.deliver();
+        let closed = self.sink.0.close();
+        self.show(None, None);
+        sent?;
+        Ok(closed?)
+    }
+
+    fn deliver(&mut self) -> Result<(), RunError> {
+        if self.events.is_empty() {
+            return Ok(());
+        }
+        Ok(self.sink.0.send(&self.events)?)
+    }
+
+    fn tally(&self) -> Tally {
+        Tally {
+            source: self.source,
+            accepted: self.pipeline.accepted(),
+            rejected: self.pipeline.rejected(),
+            stalls: self.pipeline.stalls(),
+        }
+    }
+
+    fn show(&mut self, reading: Option<Reading>, frame: Option<Frame>) {
+        let (angles, pose, touches) = match frame {
+            Some(frame) => (Some(frame.angles), Some(frame.pose), frame.touches),
+            None => (None, None, Touches::new()),
+        };
+        let snapshot = Snapshot {
+            state: self.pipeline.state(),
+            reading,
+            angles,
+            pose,
+            touches,
+            events: self.events.clone(),
+            tally: self.tally(),
+        };
+        (self.observe)(&snapshot);
+    }
+}
+
+/// Up to a minute, to three digits: all buckets are there from the start.
+fn new_histogram() -> Histogram<u64> {
+    Histogram::new_with_bounds(1, 60_000_000_000, 3).expect("the bounds are valid")
+}

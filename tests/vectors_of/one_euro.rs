@@ -1,0 +1,24 @@
+use ademan::estimate::{OneEuro, OneEuroSettings};
+use serde_json::Value;
+
+use super::{assert_close, list, number, numbers, text};
+
+pub fn filter(file: &Value) -> usize {
+    let tolerance = number(&file["tolerance"]["absolute"]);
+    let cases = list(&file["cases"]);
+    for case in cases {
+        let mut filter = OneEuro::new(OneEuroSettings {
+            min_cutoff_hz: number(&case["min_cutoff_hz"]),
+            beta: number(&case["beta"]),
+            derivative_cutoff_hz: number(&case["derivative_cutoff_hz"]),
+        });
+        let (times, values) = (numbers(&case["times"]), numbers(&case["values"]));
+        let mut last = times[0];
+        for ((time, value), wanted) in times.iter().zip(values).zip(numbers(&case["filtered"])) {
+            let filtered = filter.filter(value, time - last);
+            assert_close(filtered, wanted, tolerance, text(&case["name"]));
+            last = *time;
+        }
+    }
+    cases.len()
+}
