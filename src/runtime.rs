@@ -153,7 +153,8 @@ impl Run<'_> {
         }
         self.deliver()?;
         if !self.events.is_empty() {
-            self.latency_ns.saturating_record(arrived.elapsed().as_nanos() as u64);
+            self.latency_ns
+                .saturating_record(arrived.elapsed().as_nanos() as u64);
         }
         self.show(Some(reading), frame);
         Ok(())

@@ -186,14 +186,22 @@ impl Assembly {
     ) -> Result<Self, SetupError> {
         let glove_used = Glove::parse(&glove)?;
         let arm_used = match (&setup.hand, &arm) {
-            (Hand::Measured { hand_length_mm, forearm_length_mm }, _) => {
+            (
+                Hand::Measured {
+                    hand_length_mm,
+                    forearm_length_mm,
+                },
+                _,
+            ) => {
                 let bones = BoneLengths::of(hand_length_mm * 1e-3, forearm_length_mm * 1e-3);
                 ArmModel::anthropometric(glove_used.side, &bones.map_err(SetupError::Value)?)
                     .map_err(|error| SetupError::Value(error.to_string()))?
             }
             (Hand::Model(_), Some(arm)) => ArmModel::parse(arm)?,
             (Hand::Model(name), None) => {
-                return Err(SetupError::Value(format!("the arm model `{name}` is missing")));
+                return Err(SetupError::Value(format!(
+                    "the arm model `{name}` is missing"
+                )));
             }
         };
         let estimator = EstimatorSettings {
@@ -202,7 +210,11 @@ impl Assembly {
         };
         let arming = setup.arming()?;
         let layout_used = Layout::parse(&layout.text, &layout.file)?;
-        let documents = [Some((GLOVE, glove)), arm.map(|arm| (ARM, arm)), Some((LAYOUT, layout))];
+        let documents = [
+            Some((GLOVE, glove)),
+            arm.map(|arm| (ARM, arm)),
+            Some((LAYOUT, layout)),
+        ];
         Ok(Self {
             glove: glove_used,
             arm: arm_used,
@@ -227,7 +239,13 @@ impl Assembly {
     }
 
     /// A simulated hand that types `text` on this layout with this glove, at the pace of `line`.
-    pub fn typist(&self, text: &str, line: &LineSettings, noise_counts: f64, seed: u64) -> Result<Typist, SetupError> {
+    pub fn typist(
+        &self,
+        text: &str,
+        line: &LineSettings,
+        noise_counts: f64,
+        seed: u64,
+    ) -> Result<Typist, SetupError> {
         let settings = TypistSettings {
             text: text.to_owned(),
             frame_period: line.frame_period(),
@@ -235,7 +253,13 @@ impl Assembly {
             seed,
         };
         let keys = self.layout.keyboard_bindings();
-        let typist = Typist::new(&settings, &self.layout.scene, &keys, &self.arm, &self.glove.map)?;
+        let typist = Typist::new(
+            &settings,
+            &self.layout.scene,
+            &keys,
+            &self.arm,
+            &self.glove.map,
+        )?;
         Ok(typist)
     }
 
@@ -243,9 +267,12 @@ impl Assembly {
     pub fn open(&self, source: &SourceName) -> Result<Box<dyn Source>, SetupError> {
         match source {
             SourceName::Recording { path } => Ok(Box::new(Replay::open(path)?)),
-            SourceName::Typist { text } => {
-                Ok(Box::new(self.typist(text, &LineSettings::default(), 0.0, 0)?))
-            }
+            SourceName::Typist { text } => Ok(Box::new(self.typist(
+                text,
+                &LineSettings::default(),
+                0.0,
+                0,
+            )?)),
             _ => Ok(capture::open(source)?),
         }
     }
@@ -255,9 +282,11 @@ impl Assembly {
         let setup = ron::ser::to_string_pretty(&self.setup, PrettyConfig::new().struct_names(true))
             .expect("a setup is plain data");
         let settings = RecordedSetup::default().with(SETTINGS, "settings", &setup);
-        self.documents.iter().fold(settings, |recorded, (kind, document)| {
-            recorded.with(kind, &document.file, &document.text)
-        })
+        self.documents
+            .iter()
+            .fold(settings, |recorded, (kind, document)| {
+                recorded.with(kind, &document.file, &document.text)
+            })
     }
 
     /// The setup behind a recording; a glove or a layout that is named goes before the recorded one.

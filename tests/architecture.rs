@@ -5,8 +5,23 @@ use std::path::{Path, PathBuf};
 
 /// The modules in the order in which data flows. Each may use those before it.
 const FLOW: &[&str] = &[
-    "time", "names", "hand", "capture", "estimate", "kinematics", "contact", "device", "output",
-    "monitor", "trace", "recorder", "layout", "pipeline", "lab", "settings", "runtime",
+    "time",
+    "names",
+    "hand",
+    "capture",
+    "estimate",
+    "kinematics",
+    "contact",
+    "device",
+    "output",
+    "monitor",
+    "trace",
+    "recorder",
+    "layout",
+    "pipeline",
+    "lab",
+    "settings",
+    "runtime",
 ];
 
 /// Modules that work between a reading and its events.
@@ -24,7 +39,10 @@ fn root() -> PathBuf {
 fn sources() -> Vec<(String, String)> {
     let mut found = Vec::new();
     collect(&root(), &mut found);
-    assert!(found.len() > 20, "the sources are where this test looks for them");
+    assert!(
+        found.len() > 20,
+        "the sources are where this test looks for them"
+    );
     found
 }
 
@@ -34,7 +52,11 @@ fn collect(folder: &Path, found: &mut Vec<(String, String)>) {
         if path.is_dir() {
             collect(&path, found);
         } else if path.extension().is_some_and(|extension| extension == "rs") {
-            let name = path.strip_prefix(root()).expect("below src").display().to_string();
+            let name = path
+                .strip_prefix(root())
+                .expect("below src")
+                .display()
+                .to_string();
             found.push((name, fs::read_to_string(&path).expect("a source file")));
         }
     }
@@ -64,8 +86,15 @@ fn a_stage_imports_what_comes_before_it_and_nothing_after_it() {
             continue;
         };
         for used in code(&text).split("crate::").skip(1) {
-            let name: String = used.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            if FLOW.iter().position(|module| *module == name).is_some_and(|other| other > place) {
+            let name: String = used
+                .chars()
+                .take_while(|c| c.is_alphanumeric() || *c == '_')
+                .collect();
+            if FLOW
+                .iter()
+                .position(|module| *module == name)
+                .is_some_and(|other| other > place)
+            {
                 wrong.push(format!("{file} uses {name}, which comes after it"));
             }
         }
@@ -85,7 +114,16 @@ fn every_module_has_its_place_in_the_flow() {
 
 #[test]
 fn stages_know_no_clock_no_lock_and_no_thread() {
-    let forbidden = ["Instant", "SystemTime", "Mutex", "RwLock", "std::thread", "sleep(", "HashMap", "HashSet"];
+    let forbidden = [
+        "Instant",
+        "SystemTime",
+        "Mutex",
+        "RwLock",
+        "std::thread",
+        "sleep(",
+        "HashMap",
+        "HashSet",
+    ];
     let mut wrong = Vec::new();
     for (file, text) in sources() {
         let is_stage = module_of(&file).is_some_and(|place| STAGES.contains(&FLOW[place]));
@@ -94,7 +132,10 @@ fn stages_know_no_clock_no_lock_and_no_thread() {
         }
         let code = code(&text);
         wrong.extend(
-            forbidden.iter().filter(|word| code.contains(**word)).map(|word| format!("{file}: {word}")),
+            forbidden
+                .iter()
+                .filter(|word| code.contains(**word))
+                .map(|word| format!("{file}: {word}")),
         );
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
@@ -105,7 +146,10 @@ fn only_capture_and_the_runtime_call_a_clock() {
     let allowed = ["capture/", "output/", "runtime.rs", "bin/"];
     for (file, text) in sources() {
         let may = allowed.iter().any(|place| file.starts_with(place));
-        assert!(may || !code(&text).contains("Instant::now"), "{file} calls a clock");
+        assert!(
+            may || !code(&text).contains("Instant::now"),
+            "{file} calls a clock"
+        );
     }
 }
 
@@ -113,7 +157,10 @@ fn only_capture_and_the_runtime_call_a_clock() {
 fn only_the_two_ends_ask_for_the_operating_system() {
     for (file, text) in sources() {
         let asks = code(&text).contains("cfg(target_os") || code(&text).contains("cfg(unix");
-        assert!(!asks || MAY_HAVE_CFG.contains(&file.as_str()), "{file} asks for the system");
+        assert!(
+            !asks || MAY_HAVE_CFG.contains(&file.as_str()),
+            "{file} asks for the system"
+        );
     }
 }
 
@@ -121,6 +168,9 @@ fn only_the_two_ends_ask_for_the_operating_system() {
 fn files_stay_under_500_lines() {
     for (file, text) in sources() {
         let lines = text.lines().count();
-        assert!(lines <= LONGEST_FILE, "{file} has {lines} lines: look for the second idea in it");
+        assert!(
+            lines <= LONGEST_FILE,
+            "{file} has {lines} lines: look for the second idea in it"
+        );
     }
 }

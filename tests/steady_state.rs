@@ -1,5 +1,8 @@
 //! After the start, the way from bytes to events allocates nothing.
-#![allow(unsafe_code, reason = "a global allocator can only be written as unsafe code")]
+#![allow(
+    unsafe_code,
+    reason = "a global allocator can only be written as unsafe code"
+)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -63,7 +66,9 @@ fn stream(mut typist: Typist) -> Vec<u8> {
 
 #[test]
 fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
-    let assembly = Setup::default().assemble().expect("the default setup is there");
+    let assembly = Setup::default()
+        .assemble()
+        .expect("the default setup is there");
     let text = "Steady State!";
     let typist = assembly.typist(text, &LineSettings::default(), 0.5, 7);
     let bytes = stream(typist.expect("the text can be typed"));

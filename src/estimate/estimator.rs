@@ -17,6 +17,10 @@ pub const MAX_ROWS: usize = 2 * Dof::COUNT;
 /// reached is believed all the same.
 const CONSISTENT_READINGS: u8 = 3;
 
+/// A turn that is always possible, in radians: a busy machine hands readings over in bunches, so that the
+/// time between two of them can come out far too short.
+const MIN_REACH: f64 = 0.3;
+
 /// What the estimator lets pass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorSettings {
@@ -221,7 +225,7 @@ impl Estimator {
 
 /// Whether no row turned faster than `max_speed` (rad/s) from one reading to a later one.
 fn is_reachable(from: &Measured, to: &Measured, max_speed: f64, rows: usize) -> bool {
-    let reach = max_speed * to.time.since(from.time).as_secs_f64();
+    let reach = (max_speed * to.time.since(from.time).as_secs_f64()).max(MIN_REACH);
     from.rows[..rows]
         .iter()
         .zip(&to.rows[..rows])

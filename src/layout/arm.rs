@@ -62,7 +62,8 @@ impl ArmModel {
     pub fn parse(document: &Document) -> Result<Self, LayoutError> {
         let written: Written = document.parse()?;
         let Some(world_from_root) = written.mount.pose() else {
-            let message = "the mount's x, y and z are three unit axes at right angles, right-handed";
+            let message =
+                "the mount's x, y and z are three unit axes at right angles, right-handed";
             return Err(document.error(&document.text, message));
         };
         if !(0.1..=30.0).contains(&written.tip_radius_mm) {
@@ -74,8 +75,13 @@ impl ArmModel {
             let link = link.checked(&links, document)?;
             links.push(link);
         }
-        Self::new(written.side, links, world_from_root, written.tip_radius_mm * 1e-3)
-            .map_err(|error| document.error(&document.text, error))
+        Self::new(
+            written.side,
+            links,
+            world_from_root,
+            written.tip_radius_mm * 1e-3,
+        )
+        .map_err(|error| document.error(&document.text, error))
     }
 }
 
@@ -129,24 +135,37 @@ mod tests {
             "Arm(name: \"a\", side: \"right\", tip_radius_mm: 5,\n\
              mount: (at_cm: (0, 0, 0), x: (1, 0, 0), y: (0, 1, 0), z: {mount_z}),\nlinks: [\n{links}\n])"
         );
-        ArmModel::parse(&Document::new("a.ron", text)).unwrap_err().to_string()
+        ArmModel::parse(&Document::new("a.ron", text))
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]
     fn the_shipped_arm_has_25_links_and_five_fingertips() {
         let arm = ArmModel::load("unam").unwrap();
         assert_eq!(arm.links().len(), 25);
-        assert_eq!(arm.links().iter().filter(|link| link.tip.is_some()).count(), 5);
-        assert_eq!(arm.world_from_root().rotation, ArmModel::palm_down().rotation);
+        assert_eq!(
+            arm.links().iter().filter(|link| link.tip.is_some()).count(),
+            5
+        );
+        assert_eq!(
+            arm.world_from_root().rotation,
+            ArmModel::palm_down().rotation
+        );
     }
 
     #[test]
     fn a_tree_that_is_none_and_a_mount_that_is_none_are_refused() {
         let link = |name: &str, parent: &str| {
-            format!("(name: \"{name}\", parent: \"{parent}\", offset_cm: (0, 0, 0), axis: X, length_cm: 1),")
+            format!(
+                "(name: \"{name}\", parent: \"{parent}\", offset_cm: (0, 0, 0), axis: X, length_cm: 1),"
+            )
         };
         let orphan = error(&link("b", "nobody"), "(0, 0, 1)");
-        assert!(orphan.contains("a.ron:4:") && orphan.contains("no link `nobody` comes before `b`"), "{orphan}");
+        assert!(
+            orphan.contains("a.ron:4:") && orphan.contains("no link `nobody` comes before `b`"),
+            "{orphan}"
+        );
         assert!(error("", "(0, 0, -1)").contains("right-handed"));
         assert!(error("", "(0, 0, 1)").contains("no link is a fingertip"));
     }

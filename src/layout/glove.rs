@@ -54,10 +54,16 @@ impl Glove {
     pub fn parse(document: &Document) -> Result<Self, LayoutError> {
         let written: Written = document.parse()?;
         if written.full_scale < 2 {
-            return Err(document.error(&document.text, "`full_scale` is the largest count of a channel, 255 for 8 bits"));
+            return Err(document.error(
+                &document.text,
+                "`full_scale` is the largest count of a channel, 255 for 8 bits",
+            ));
         }
         if written.rows.len() > MAX_ROWS {
-            let message = format!("a glove has at most {MAX_ROWS} rows, this one has {}", written.rows.len());
+            let message = format!(
+                "a glove has at most {MAX_ROWS} rows, this one has {}",
+                written.rows.len()
+            );
             return Err(document.error(&document.text, message));
         }
         for row in &written.rows {
@@ -79,12 +85,19 @@ impl Glove {
 impl WrittenRow<'_> {
     fn check(&self, document: &Document) -> Result<(), LayoutError> {
         if self.channel >= MAX_CHANNELS {
-            let message = format!("channel {} does not exist, they are 0 to {}", self.channel, MAX_CHANNELS - 1);
+            let message = format!(
+                "channel {} does not exist, they are 0 to {}",
+                self.channel,
+                MAX_CHANNELS - 1
+            );
             return Err(document.error(self.label, message));
         }
         let numbers = [self.offset_counts, self.turn_rad, self.initial_rad];
         if numbers.iter().any(|number| !(number.abs() <= 1e6)) || self.turn_rad == 0.0 {
-            let message = format!("the row of {} needs finite numbers, and a `turn_rad` other than 0", self.dof);
+            let message = format!(
+                "the row of {} needs finite numbers, and a `turn_rad` other than 0",
+                self.dof
+            );
             return Err(document.error(self.label, message));
         }
         Ok(())
@@ -106,8 +119,11 @@ mod tests {
     use super::*;
 
     fn error(row: &str) -> String {
-        let text = format!("Glove(name: \"g\", side: \"right\", full_scale: 255, rows: [\n({row}),\n])");
-        Glove::parse(&Document::new("g.ron", text)).unwrap_err().to_string()
+        let text =
+            format!("Glove(name: \"g\", side: \"right\", full_scale: 255, rows: [\n({row}),\n])");
+        Glove::parse(&Document::new("g.ron", text))
+            .unwrap_err()
+            .to_string()
     }
 
     #[test]
@@ -121,13 +137,21 @@ mod tests {
     #[test]
     fn bad_rows_are_refused_at_their_place() {
         let row = |channel: &str, turn: &str| {
-            error(&format!("label: \"a\", dof: \"elbow-flexion\", channel: {channel}, offset_counts: 0, turn_rad: {turn}, initial_rad: 0"))
+            error(&format!(
+                "label: \"a\", dof: \"elbow-flexion\", channel: {channel}, offset_counts: 0, turn_rad: {turn}, initial_rad: 0"
+            ))
         };
         let far = row("64", "1");
-        assert!(far.starts_with("g.ron:2:10: channel 64 does not exist"), "{far}");
+        assert!(
+            far.starts_with("g.ron:2:10: channel 64 does not exist"),
+            "{far}"
+        );
         assert!(row("1", "0").contains("other than 0"));
         assert!(row("1", "NaN").contains("finite"));
         let unknown = error("label: \"a\", dof: \"elbow-flexoin\"");
-        assert!(unknown.contains("did you mean `elbow-flexion`?"), "{unknown}");
+        assert!(
+            unknown.contains("did you mean `elbow-flexion`?"),
+            "{unknown}"
+        );
     }
 }

@@ -28,7 +28,9 @@ fn arm() -> ArmModel {
 
 fn dof_of(arm: &ArmModel, link: &str) -> Dof {
     let found = arm.links().iter().find(|other| other.name == link);
-    found.and_then(|link| link.dof).unwrap_or_else(|| panic!("no link {link}"))
+    found
+        .and_then(|link| link.dof)
+        .unwrap_or_else(|| panic!("no link {link}"))
 }
 
 fn reading(number: u64, body: &[u8]) -> Reading {
@@ -71,7 +73,12 @@ pub fn channels(file: &Value) -> usize {
         assert_eq!(row.label, label);
         assert_eq!(row.dof, dof_of(&arm, text(&element["link"])), "{label}");
         assert_eq!(row.channel as f64, number(&element["channel"]), "{label}");
-        assert_close(row.line.factor, number(&element["factor"]), tolerance, label);
+        assert_close(
+            row.line.factor,
+            number(&element["factor"]),
+            tolerance,
+            label,
+        );
         for count in [0.0, 100.0, 255.0] {
             let wanted = number(&element["initial_rotation"])
                 + (count + number(&element["offset"])) * number(&element["factor"]);
@@ -94,7 +101,7 @@ fn assert_link(arm: &ArmModel, ours: &Link, theirs: &Value) {
     assert_eq!(ours.name, text(&theirs["id"]));
     let parent = ours.parent.map(|place| arm.links()[place].name.as_str());
     assert_eq!(parent, theirs["parent"].as_str(), "{}", ours.name);
-    assert_place(ours.offset, &theirs["offset"], 1e-6, &ours.name);
+    assert_place(ours.offset, &theirs["offset"], F32_CM, &ours.name);
     let axis = match text(&theirs["axis"]) {
         "x" => Vec3::X,
         "y" => Vec3::Y,
@@ -102,7 +109,7 @@ fn assert_link(arm: &ArmModel, ours: &Link, theirs: &Value) {
     };
     assert_eq!(ours.axis, axis, "{}", ours.name);
     let length = f64::from(ours.length) * 100.0;
-    assert_close(length, number(&theirs["length"]), 1e-6, &ours.name);
+    assert_close(length, number(&theirs["length"]), F32_CM, &ours.name);
 }
 
 /// A row of the Maya script: value = count × 360 / 255, attribute = value × scale + offset.
@@ -149,11 +156,17 @@ fn as_coded(case: &Value, tolerance: &Value) {
     let maya_rows = maya_rows();
     for frame in list(&case["frames"]) {
         let body = bytes(&frame["body"]);
-        for (reading, byte) in readings.iter_mut().zip(&body) {
-            let slipped = if *byte > 127 { i64::from(*byte) - 1 } else { i64::from(*byte) };
+        let slipped: Vec<i64> = body
+            .iter()
+            .map(|byte| i64::from(*byte) - i64::from(*byte > 127))
+            .collect();
+        for (reading, slipped) in readings.iter_mut().zip(&slipped) {
             *reading = (slipped + *reading).div_euclid(2);
         }
-        let wanted: Vec<i64> = numbers(&frame["as_coded_readings"]).iter().map(|n| *n as i64).collect();
+        let wanted: Vec<i64> = numbers(&frame["as_coded_readings"])
+            .iter()
+            .map(|n| *n as i64)
+            .collect();
         assert_eq!(readings.to_vec(), wanted, "{name}");
         for (row, wanted) in rows.iter().zip(numbers(&frame["as_coded_angles"])) {
             let (newer, older) = fed_back[row.channel];
@@ -162,13 +175,20 @@ fn as_coded(case: &Value, tolerance: &Value) {
             fed_back[row.channel] = (y, newer);
             assert_close(y, wanted, number(&tolerance["angles_rad"]), name);
         }
-        let line = frame["as_coded_line_degrees"].as_object().expect("channels");
+        let line = frame["as_coded_line_degrees"]
+            .as_object()
+            .expect("channels");
         for (channel, degrees) in line {
             let channel: usize = channel.parse().expect("a channel");
             let ours = fed_back[channel].0.to_degrees();
-            assert_close(ours, number(degrees), number(&tolerance["line_degrees"]), name);
+            assert_close(
+                ours,
+                number(degrees),
+                number(&tolerance["line_degrees"]),
+                name,
+            );
         }
-        let values: Vec<f64> = body.iter().map(|byte| f64::from(*byte)).collect();
+        let values: Vec<f64> = slipped.iter().map(|count| *count as f64).collect();
         for (row, wanted) in maya_rows.iter().zip(numbers(&frame["c_server_maya"])) {
             let channel = number(&row["channel"]) as usize;
             let mean = (values[channel] + maya_before[channel]) / 2.0;
@@ -193,7 +213,12 @@ fn linear(file: &Value) -> usize {
     for case in cases {
         let of = |name: &str| number(&case[name]);
         let line = Line::from_counts(of("offset_counts"), of("factor"), of("initial_rotation"));
-        assert_close(line.angle(of("reading")), of("angle_counts_form"), tolerance, "linear");
+        assert_close(
+            line.angle(of("reading")),
+            of("angle_counts_form"),
+            tolerance,
+            "linear",
+        );
         assert_close(line.factor, of("text_form_factor"), tolerance, "linear");
         assert_close(line.offset, of("text_form_offset"), tolerance, "linear");
     }
@@ -205,7 +230,10 @@ fn fit(file: &Value) -> usize {
     let cases = list(&file["fit"]);
     for case in cases {
         let readings = numbers(&case["readings"]);
-        let poses: Vec<(f64, f64)> = readings.into_iter().zip(numbers(&case["angles_degrees"])).collect();
+        let poses: Vec<(f64, f64)> = readings
+            .into_iter()
+            .zip(numbers(&case["angles_degrees"]))
+            .collect();
         let fitted = Line::fit(&poses);
         if case["factor"].is_null() {
             assert!(fitted.is_err(), "no line goes through these");
@@ -240,13 +268,25 @@ pub fn forward_kinematics(file: &Value) -> usize {
             angles.set(dof_of(&arm, link), number(angle));
         }
         let poses = arm.link_poses(&angles);
-        let place = |name: &str| arm.links().iter().position(|link| link.name == name).expect("a link");
+        let place = |name: &str| {
+            arm.links()
+                .iter()
+                .position(|link| link.name == name)
+                .expect("a link")
+        };
         for (link, wanted) in case["pivot"].as_object().expect("pivots") {
-            assert_place(poses[place(link)].translation, wanted, tolerance, &format!("{name} {link}"));
+            assert_place(
+                poses[place(link)].translation,
+                wanted,
+                tolerance,
+                &format!("{name} {link}"),
+            );
         }
         let hand = arm.forward(&angles);
         for (finger, wanted) in case["tip"].as_object().expect("tips") {
-            let tip = hand.fingertip(finger.parse().expect("a finger")).expect("a tip");
+            let tip = hand
+                .fingertip(finger.parse().expect("a finger"))
+                .expect("a tip");
             assert_place(tip, wanted, tolerance, &format!("{name} {finger} tip"));
         }
         assert_rotation(&poses[place("wrist_z")], &case["hand_rotation"], name);
@@ -281,12 +321,16 @@ pub fn end_to_end(file: &Value) -> usize {
         assert_eq!(bodies.len(), frames.len(), "{name}");
         let mut estimator = thesis(glove().full_map);
         for (number, (body, wanted)) in bodies.iter().zip(frames).enumerate() {
-            let angles = estimator.apply(&reading(number as u64, body)).expect("nothing is refused");
+            let angles = estimator
+                .apply(&reading(number as u64, body))
+                .expect("nothing is refused");
             let hand = arm.forward(&angles);
             let wrist = hand.position(Joint::Wrist).expect("a wrist");
             assert_place(wrist, &wanted["wrist_z"], tolerance, name);
             for (finger, tip) in wanted["tip"].as_object().expect("tips") {
-                let ours = hand.fingertip(finger.parse().expect("a finger")).expect("a tip");
+                let ours = hand
+                    .fingertip(finger.parse().expect("a finger"))
+                    .expect("a tip");
                 assert_place(ours, tip, tolerance, &format!("{name} {finger}"));
             }
         }

@@ -18,10 +18,20 @@ pub fn press(file: &Value) -> usize {
             .map(|place| button(&numbers(place), number(&case["half_extent"]), height))
             .collect();
         for sample in list(&case["samples"]) {
-            let tips: Vec<Vec3> = list(&sample["tips"]).iter().map(|tip| place(&numbers(tip))).collect();
+            let tips: Vec<Vec3> = list(&sample["tips"])
+                .iter()
+                .map(|tip| place(&numbers(tip)))
+                .collect();
             let clamped = sample.get("clamped").unwrap_or(&sample["as_coded"]);
             for (button, wanted) in buttons.iter().zip(list(clamped)) {
-                assert_button(button, &tips, wanted, height, tolerance, text(&case["name"]));
+                assert_button(
+                    button,
+                    &tips,
+                    wanted,
+                    height,
+                    tolerance,
+                    text(&case["name"]),
+                );
             }
             cases += 1;
         }
@@ -45,12 +55,27 @@ fn button(xz: &[f64], half: f64, height: f64) -> Target {
     }
 }
 
-fn assert_button(button: &Target, tips: &[Vec3], wanted: &Value, height: f64, tolerance: f64, name: &str) {
+fn assert_button(
+    button: &Target,
+    tips: &[Vec3],
+    wanted: &Value,
+    height: f64,
+    tolerance: f64,
+    name: &str,
+) {
     let (finger, depth, pressure) = match pressed_by(button, tips) {
-        Some(press) => (Some(press.pad as u64), f64::from(press.depth), f64::from(press.pressure)),
+        Some(press) => (
+            Some(press.pad as u64),
+            f64::from(press.depth),
+            f64::from(press.pressure),
+        ),
         None => (None, 0.0, 0.0),
     };
-    assert_eq!(finger.is_some(), wanted[0].as_bool().expect("pressed"), "{name}");
+    assert_eq!(
+        finger.is_some(),
+        wanted[0].as_bool().expect("pressed"),
+        "{name}"
+    );
     assert_eq!(finger, wanted[1].as_u64(), "{name}");
     assert_close(1.0 - pressure, number(&wanted[2]), tolerance, name);
     assert_close(depth, number(&wanted[3]), tolerance * height, name);

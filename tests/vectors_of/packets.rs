@@ -30,7 +30,12 @@ pub fn packets(file: &Value) -> usize {
 fn cuts(case: &Value, length: usize) -> Vec<Vec<usize>> {
     let mut cuts = vec![vec![length], vec![1; length]];
     if let Some(chunks) = case["chunks"].as_array() {
-        cuts.push(chunks.iter().map(|size| size.as_u64().expect("a size") as usize).collect());
+        cuts.push(
+            chunks
+                .iter()
+                .map(|size| size.as_u64().expect("a size") as usize)
+                .collect(),
+        );
     }
     cuts
 }

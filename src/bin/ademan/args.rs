@@ -9,7 +9,11 @@ use clap_complete::Shell;
 
 /// Turns a captured hand into a keyboard: glove bytes in, key events out.
 #[derive(Parser)]
-#[command(version, propagate_version = true, after_help = "Begin with `ademan demo`: it needs no glove.")]
+#[command(
+    version,
+    propagate_version = true,
+    after_help = "Begin with `ademan demo`: it needs no glove."
+)]
 pub struct Args {
     #[command(subcommand)]
     pub command: Command,
@@ -31,7 +35,9 @@ pub enum Command {
     #[command(subcommand)]
     Layout(LayoutCommand),
     /// Print a completion script for a shell
-    #[command(after_help = "Example: ademan completions bash > ~/.local/share/bash-completion/completions/ademan")]
+    #[command(
+        after_help = "Example: ademan completions bash > ~/.local/share/bash-completion/completions/ademan"
+    )]
     Completions {
         /// The shell
         shell: Shell,
@@ -46,7 +52,9 @@ pub enum Command {
 }
 
 #[derive(ClapArgs)]
-#[command(after_help = "Examples:\n  ademan demo\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --output desktop     (types into the focused window)")]
+#[command(
+    after_help = "Examples:\n  ademan demo\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --output desktop     (types into the focused window)"
+)]
 pub struct DemoArgs {
     /// What to type: characters of a US keyboard
     #[arg(long, default_value = "Hola! Typed by a hand, 1 tap each.")]
@@ -84,7 +92,9 @@ pub struct SetupArgs {
 }
 
 #[derive(ClapArgs)]
-#[command(after_help = "Examples:\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n\nIt starts paused, and types once the hand was seen off all keys for 300 ms. Ctrl-C lets go of everything and ends.")]
+#[command(
+    after_help = "Examples:\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n\nIt starts paused, and types once the hand was seen off all keys for 300 ms. Ctrl-C lets go of everything and ends."
+)]
 pub struct RunArgs {
     /// A setup file
     pub setup: Option<String>,
@@ -114,7 +124,9 @@ pub struct RecordArgs {
 }
 
 #[derive(ClapArgs)]
-#[command(after_help = "Examples:\n  ademan replay session.mcap\n  ademan replay session.mcap --layout my-board.ron --speed 1")]
+#[command(
+    after_help = "Examples:\n  ademan replay session.mcap\n  ademan replay session.mcap --layout my-board.ron --speed 1"
+)]
 pub struct ReplayArgs {
     /// The recording
     pub file: PathBuf,
@@ -133,7 +145,9 @@ pub struct ReplayArgs {
 }
 
 #[derive(ClapArgs)]
-#[command(after_help = "Examples:\n  ademan trace angles --source serial:/dev/ttyUSB0 | head\n  ademan trace touches --source 'typist:hello' --layout qwerty-arc")]
+#[command(
+    after_help = "Examples:\n  ademan trace angles --source serial:/dev/ttyUSB0 | head\n  ademan trace touches --source 'typist:hello' --layout qwerty-arc"
+)]
 pub struct TraceArgs {
     /// The stage after which to look: readings, angles, pose, touches or events
     pub stage: Stage,
@@ -176,7 +190,9 @@ fn speed(text: &str) -> Result<f64, String> {
 }
 
 fn in_range(text: &str, low: f64, high: f64, unit: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| format!("`{text}` is not a number"))?;
+    let number: f64 = text
+        .parse()
+        .map_err(|_| format!("`{text}` is not a number"))?;
     if (low..=high).contains(&number) {
         return Ok(number);
     }

@@ -21,6 +21,9 @@ pub fn man(folder: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(folder)
         .and_then(|()| clap_mangen::generate_to(Args::command(), folder))
         .map_err(|error| {
-            Failure::wrong_use(format!("cannot write manual pages into {}: {error}", folder.display()))
+            Failure::wrong_use(format!(
+                "cannot write manual pages into {}: {error}",
+                folder.display()
+            ))
         })
 }

@@ -78,7 +78,9 @@ impl From<LayoutError> for Failure {
 impl From<CaptureError> for Failure {
     fn from(error: CaptureError) -> Self {
         let code = match error {
-            CaptureError::Name { .. } | CaptureError::Open { .. } | CaptureError::Malformed { .. } => USE,
+            CaptureError::Name { .. }
+            | CaptureError::Open { .. }
+            | CaptureError::Malformed { .. } => USE,
             _ => JOB,
         };
         Self::new(error, code)

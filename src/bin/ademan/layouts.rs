@@ -21,7 +21,11 @@ fn check(files: &[String]) -> Result<(), Failure> {
     let mut wrong = 0;
     for file in files {
         match Layout::load(file) {
-            Ok(layout) => println!("{file}: right, {} keys, {} layers", layout.keys.len(), layout.layers.len()),
+            Ok(layout) => println!(
+                "{file}: right, {} keys, {} layers",
+                layout.keys.len(),
+                layout.layers.len()
+            ),
             Err(error) => {
                 eprintln!("error: {error}");
                 wrong += 1;
@@ -30,7 +34,10 @@ fn check(files: &[String]) -> Result<(), Failure> {
     }
     match wrong {
         0 => Ok(()),
-        _ => Err(Failure::wrong_use(format!("{wrong} of {} files are wrong", files.len()))),
+        _ => Err(Failure::wrong_use(format!(
+            "{wrong} of {} files are wrong",
+            files.len()
+        ))),
     }
 }
 

@@ -19,10 +19,16 @@ pub fn run(args: RecordArgs) -> Result<(), Failure> {
     let mut nowhere = output::open("none", &assembly.layout.codes())?;
     let mut status = Status::default();
     eprintln!("recording to {}, Ctrl-C ends", args.file.display());
-    let ended = drive(source, &mut assembly.pipeline(), &mut *nowhere, &stop, &mut |frame| {
-        status.show(frame);
-        recording.show(frame);
-    });
+    let ended = drive(
+        source,
+        &mut assembly.pipeline(),
+        &mut *nowhere,
+        &stop,
+        &mut |frame| {
+            status.show(frame);
+            recording.show(frame);
+        },
+    );
     recording.finish()?;
     eprintln!("{}", status::account(&ended?.tally));
     Ok(())

@@ -13,14 +13,24 @@ use crate::status;
 
 pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
     let replay = Replay::open(&args.file)?;
-    let assembly = Assembly::recorded(replay.setup(), args.glove.as_deref(), args.layout.as_deref())?;
+    let assembly = Assembly::recorded(
+        replay.setup(),
+        args.glove.as_deref(),
+        args.layout.as_deref(),
+    )?;
     let mut sink = output::open(&args.output, &assembly.layout.codes())?;
     let stop = signals::stop_requests()?;
     let source: Box<dyn Source> = match args.speed {
         Some(speed) => Box::new(Paced::new(replay, speed)),
         None => Box::new(replay),
     };
-    let summary = drive(source, &mut assembly.pipeline(), &mut *sink, &stop, &mut |_| {})?;
+    let summary = drive(
+        source,
+        &mut assembly.pipeline(),
+        &mut *sink,
+        &stop,
+        &mut |_| {},
+    )?;
     eprintln!("{}", status::account(&summary.tally));
     Ok(())
 }

@@ -28,7 +28,10 @@ pub fn source_name(setup: &Setup) -> Result<SourceName, Failure> {
 }
 
 /// Opens a source; one that is not live is played at its own pace.
-pub fn open_at_its_pace(assembly: &Assembly, name: &SourceName) -> Result<Box<dyn Source>, Failure> {
+pub fn open_at_its_pace(
+    assembly: &Assembly,
+    name: &SourceName,
+) -> Result<Box<dyn Source>, Failure> {
     let source = assembly.open(name)?;
     if source.is_live() {
         return Ok(source);

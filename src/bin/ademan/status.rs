@@ -38,7 +38,10 @@ pub fn account(tally: &Tally) -> String {
         line += &format!(", {} superseded", source.superseded);
     }
     if source.skipped_bytes > 0 {
-        line += &format!("; {} of {} bytes belonged to no frame", source.skipped_bytes, source.bytes);
+        line += &format!(
+            "; {} of {} bytes belonged to no frame",
+            source.skipped_bytes, source.bytes
+        );
     }
     if source.losses > 0 {
         line += &format!("; the device was lost {} times", source.losses);

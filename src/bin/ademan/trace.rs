@@ -33,14 +33,20 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
         buffer: Vec::new(),
     };
     let mut written = Ok(());
-    let ended = drive(source, &mut assembly.pipeline(), &mut *nowhere, &stop, &mut |frame| {
-        if written.is_ok() {
-            written = lines.write(frame);
-            if written.is_err() {
-                let _ = reader_left.try_send(());
+    let ended = drive(
+        source,
+        &mut assembly.pipeline(),
+        &mut *nowhere,
+        &stop,
+        &mut |frame| {
+            if written.is_ok() {
+                written = lines.write(frame);
+                if written.is_err() {
+                    let _ = reader_left.try_send(());
+                }
             }
-        }
-    });
+        },
+    );
     written?;
     lines.out.flush()?;
     ended?;

@@ -28,7 +28,8 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     };
     let assembly = setup.assemble()?;
     let line = LineSettings {
-        baud: NonZeroU32::new(args.baud).ok_or_else(|| Failure::wrong_use("a baud is more than 0"))?,
+        baud: NonZeroU32::new(args.baud)
+            .ok_or_else(|| Failure::wrong_use("a baud is more than 0"))?,
         ..LineSettings::default()
     };
     let typist = assembly.typist(&args.text, &line, args.noise, args.seed)?;
@@ -36,16 +37,25 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     let mut sink = output::open(&assembly.setup.output, &assembly.layout.codes())?;
     let wire = open_wire(line)
         .map_err(|error| Failure::job(format!("cannot open a simulated serial line: {error}")))?;
-    println!("a simulated hand types {:?} on {} over {}", args.text, assembly.layout.name, wire.source);
+    println!(
+        "a simulated hand types {:?} on {} over {}",
+        args.text, assembly.layout.name, wire.source
+    );
     let source = capture::open(&wire.source)?;
     let (stop_sender, stop) = bounded(1);
     let mut screen = Screen::open(&assembly.layout, &args.text)?;
     let player = Player::start(typist, wire.writer, line, asked, stop_sender);
     let mut typed = Typed::default();
-    let ended = drive(source, &mut assembly.pipeline(), &mut *sink, &stop, &mut |frame| {
-        typed.take(frame);
-        screen.show(frame, typed.field.text());
-    });
+    let ended = drive(
+        source,
+        &mut assembly.pipeline(),
+        &mut *sink,
+        &stop,
+        &mut |frame| {
+            typed.take(frame);
+            screen.show(frame, typed.field.text());
+        },
+    );
     screen.close();
     let played = player.join()?;
     let score = typed.score(&args.text);

@@ -13,7 +13,7 @@ use crate::failure::Failure;
 
 /// A thread that plays the glove.
 pub struct Player {
-    thread: JoinHandle<std::io::Result<Played>>,
+    thread: JoinHandle<(Box<dyn Write + Send>, std::io::Result<Played>)>,
 }
 
 /// What was played.
@@ -29,16 +29,17 @@ impl Player {
     /// Plays all that the typist has to type, and then sends to `over`; so it does when asked to stop.
     pub fn start(
         typist: Typist,
-        writer: Box<dyn Write + Send>,
+        mut writer: Box<dyn Write + Send>,
         line: LineSettings,
         asked: Receiver<()>,
         over: Sender<()>,
     ) -> Self {
         let thread = std::thread::spawn(move || {
-            let played = play(typist, writer, line, &asked);
+            let played = play(typist, &mut *writer, line, &asked);
             // A full channel means that the end is already known.
             let _ = over.try_send(());
-            played
+            // The line stays plugged in until the player is joined.
+            (writer, played)
         });
         Self { thread }
     }
@@ -46,15 +47,19 @@ impl Player {
     /// Waits for the end.
     pub fn join(self) -> Result<Played, Failure> {
         let played = self.thread.join();
-        let played = played.map_err(|_| Failure::job("the simulated glove broke down"))?;
-        played.map_err(|error| Failure::job(format!("the simulated glove cannot write to its line: {error}")))
+        let (_line, played) = played.map_err(|_| Failure::job("the simulated glove broke down"))?;
+        played.map_err(|error| {
+            Failure::job(format!(
+                "the simulated glove cannot write to its line: {error}"
+            ))
+        })
     }
 }
 
 /// Each packet goes out when its last byte would have left the converter box.
 fn play(
     mut typist: Typist,
-    mut writer: Box<dyn Write + Send>,
+    writer: &mut dyn Write,
     line: LineSettings,
     asked: &Receiver<()>,
 ) -> std::io::Result<Played> {
@@ -75,8 +80,8 @@ fn play(
             recv(at(due)) -> _ => writer.write_all(&encode(line.framing, &body))?,
         }
     }
-    // The source still has the last frames to read; a dropped line would cut them off.
     writer.flush()?;
+    // The last frame that counts is still on its way to the source.
     std::thread::sleep(2 * line.frame_period());
     Ok(played)
 }

@@ -117,7 +117,9 @@ impl Painter {
     fn paint(mut self, pictures: &Receiver<Picture>) -> std::io::Result<()> {
         let painted = pictures.iter().try_for_each(|picture| {
             let (layout, grids, presented) = (&self.layout, &self.grids, &self.presented);
-            let drawn = self.terminal.draw(|frame| draw(frame, &picture, layout, grids, presented));
+            let drawn = self
+                .terminal
+                .draw(|frame| draw(frame, &picture, layout, grids, presented));
             drawn.map(|_| ())
         });
         ratatui::try_restore()?;
@@ -126,9 +128,12 @@ impl Painter {
 }
 
 fn draw(frame: &mut Frame, picture: &Picture, layout: &Layout, grids: &[Grid], presented: &str) {
-    let [title, board, text] =
-        Split::vertical([Constraint::Length(1), Constraint::Fill(1), Constraint::Length(5)])
-            .areas(frame.area());
+    let [title, board, text] = Split::vertical([
+        Constraint::Length(1),
+        Constraint::Fill(1),
+        Constraint::Length(5),
+    ])
+    .areas(frame.area());
     let title_line = format!(" {} · {} ", layout.name, picture.state);
     frame.render_widget(Line::from(title_line).bold(), title);
     let mut corner = board;
@@ -149,7 +154,13 @@ fn draw(frame: &mut Frame, picture: &Picture, layout: &Layout, grids: &[Grid], p
     frame.render_widget(Paragraph::new(lines).block(block), text);
 }
 
-fn draw_board(buffer: &mut Buffer, area: Rect, picture: &Picture, layout: &Layout, board: (usize, &Grid)) {
+fn draw_board(
+    buffer: &mut Buffer,
+    area: Rect,
+    picture: &Picture,
+    layout: &Layout,
+    board: (usize, &Grid),
+) {
     let (number, grid) = board;
     for cell in &grid.cells {
         if let (Some(key), Some(place)) = (layout.key_of(cell.target), within(area, cell)) {
@@ -162,7 +173,11 @@ fn draw_board(buffer: &mut Buffer, area: Rect, picture: &Picture, layout: &Layou
         };
         let spot = (area.x + column as u16, area.y + row as u16);
         if area.contains(spot.into()) {
-            let style = Style::new().fg(if tip.finger == Finger::Index { Color::Yellow } else { Color::DarkGray });
+            let style = Style::new().fg(if tip.finger == Finger::Index {
+                Color::Yellow
+            } else {
+                Color::DarkGray
+            });
             let mark = if tip.height < 0.0 { "●" } else { "○" };
             buffer.set_string(spot.0, spot.1, mark, style);
         }
@@ -171,13 +186,19 @@ fn draw_board(buffer: &mut Buffer, area: Rect, picture: &Picture, layout: &Layou
 
 fn draw_key(buffer: &mut Buffer, place: Rect, key: &Key, lit: bool) {
     let style = match lit {
-        true => Style::new().fg(Color::Black).bg(Color::Green).add_modifier(Modifier::BOLD),
+        true => Style::new()
+            .fg(Color::Black)
+            .bg(Color::Green)
+            .add_modifier(Modifier::BOLD),
         false => Style::new(),
     };
     let block = Block::bordered().style(style);
     let inside = block.inner(place);
     block.render(place, buffer);
-    Line::from(key.label.as_str()).style(style).centered().render(inside, buffer);
+    Line::from(key.label.as_str())
+        .style(style)
+        .centered()
+        .render(inside, buffer);
 }
 
 /// Where a key is on the screen; `None` when the window is too small for it.
