@@ -10,10 +10,6 @@ use super::surface::{Surface, Target};
 /// at once; `f32` cannot tell coplanar fronts apart any finer.
 const TIE: f32 = 1e-5;
 
-/// Metres by which a search box is wider than the way of a fingertip, so that the rounding of a
-/// turned front's box (some 1e-7 m at arm's length) cannot hide the front.
-const SKIN: f32 = 1e-5;
-
 /// Metres behind a front up to which a fingertip counts as in it. A finger is at most about 70 mm
 /// long (palmar length of the middle finger, doi 10.5115/acb.23.310); what is further behind did
 /// not poke through, and on a board that bends round the hand it may be in front of other targets.
@@ -84,7 +80,7 @@ impl Crossing {
 /// of its way; centres and radius in the surface's frame (metres).
 ///
 /// Does not allocate: parry's iterator keeps its open branches, at most one for each level of the
-/// tree, in place up to 32, which a tree over 10 000 fronts is far from.
+/// tree, in place up to 32; a tree over 10 000 fronts has half as many levels.
 pub fn first_crossing(
     surface: &Surface,
     centres: [Vec3; 2],
@@ -92,7 +88,7 @@ pub fn first_crossing(
     since: f32,
 ) -> Option<Crossing> {
     let mut first: Option<Crossing> = None;
-    let reach = Vec3::splat(radius + SKIN);
+    let reach = Vec3::splat(radius);
     let [from, to] = centres;
     let swept = Aabb::new(from.min(to) - reach, from.max(to) + reach);
     // Most fingers are nowhere near most of the time: a third less than opening the tree.
@@ -122,7 +118,7 @@ pub fn first_crossing(
 /// Whether a fingertip is behind the front of any target of `surface`, inside its outline and at
 /// most 0.1 m deep; centre and radius in the surface's frame (metres).
 pub fn is_in_a_target(surface: &Surface, centre: Vec3, radius: f32) -> bool {
-    let reach = Vec3::splat(radius + BEHIND_REACH + SKIN);
+    let reach = Vec3::splat(radius + BEHIND_REACH);
     let near = Aabb::new(centre - reach, centre + reach);
     surface.fronts().intersect_aabb(&near).any(|place| {
         surface.target(surface.id(place)).is_some_and(|target| {

@@ -101,6 +101,16 @@ fn a_layer_changes_what_keys_do_while_it_is_held() {
 }
 
 #[test]
+fn of_two_held_layers_the_last_pressed_counts() {
+    let script = "thumb@layer1:up&index@layer2:up&ring@q:up thumb@layer1:down index@layer2:down \
+                  ring@q:tap index@layer2:up ring@q:tap thumb@layer1:up ring@q:tap";
+    assert_eq!(
+        simulate_keys("q|1|2 layer1 layer2", script),
+        "dn:2 up:2 dn:1 up:1 dn:Q up:Q"
+    );
+}
+
+#[test]
 fn a_key_comes_up_as_what_it_went_down() {
     assert_eq!(
         keys(
@@ -173,6 +183,17 @@ fn the_depth_of_an_analogue_key_goes_out_when_it_changes() {
 }
 
 #[test]
+fn after_letting_go_the_depth_of_an_old_press_goes_out_no_more() {
+    assert_eq!(
+        simulate_keys(
+            "~q",
+            "index@q:up index@q:1 release index@q:1.5 index@q:0.5 index@q:up"
+        ),
+        "depth:q=0.25 depth:q=0.00"
+    );
+}
+
+#[test]
 fn of_two_fingers_on_an_analogue_key_the_deeper_counts() {
     assert_eq!(
         simulate_keys(
@@ -180,6 +201,10 @@ fn of_two_fingers_on_an_analogue_key_the_deeper_counts() {
             "index@q:up&middle@q+3:up index@q:1 middle@q+3:3 index@q:1.5 middle@q+3:up release"
         ),
         "depth:q=0.25 dn:Q depth:q=0.75 up:Q depth:q=0.38 depth:q=0.00"
+    );
+    assert_eq!(
+        simulate_keys("~q", "index@q:up&middle@q+3:up index@q:1.5 middle@q+3:1"),
+        "depth:q=0.38"
     );
 }
 
@@ -216,6 +241,22 @@ fn a_release_counts_only_from_the_finger_and_target_that_pressed() {
     assert_eq!(
         hear(&[touch(5, Finger::Index, 0, Phase::Left)]),
         [Action::KeyUp(q)]
+    );
+}
+
+#[test]
+fn a_finger_that_presses_a_second_key_has_let_go_of_the_first() {
+    let mut rig = Rig::new("q w");
+    let mut events = Events::new();
+    for target in [0, 1] {
+        let touch = touch(1, Finger::Index, target, Phase::Pressed);
+        rig.keyboard.update(&rig.pose, &[touch], &mut events);
+    }
+    let [q, w] = ["Q", "W"].map(|name| name.parse().unwrap());
+    let actions: Vec<Action> = events.iter().map(|event| event.action).collect();
+    assert_eq!(
+        actions,
+        [Action::KeyDown(q), Action::KeyUp(q), Action::KeyDown(w)]
     );
 }
 

@@ -135,6 +135,14 @@ fn a_reset_cancels_and_the_finger_must_leave_first() {
 }
 
 #[test]
+fn a_reset_forgets_where_the_finger_came_from() {
+    assert_eq!(
+        simulate_keys(BOARD, "index@w:up reset&index@w:3 index@w:4"),
+        ""
+    );
+}
+
+#[test]
 fn a_jump_cancels_and_presses_nothing_on_its_way() {
     assert_eq!(
         simulate_keys(BOARD, "index@w:up jump&index@e:3 index@e:4"),
@@ -250,7 +258,7 @@ fn a_hand_is_clear_when_no_finger_is_in_or_on_a_key() {
     );
     assert!(!is_clear("index@w:up&thumb@s:0.5"), "rests inside");
     assert!(!is_clear("index@w:50"), "poked through");
-    assert!(is_clear("index@w:150"), "the hand is under the board");
+    assert!(is_clear("index@w:105"), "the hand is under the board");
     assert!(
         !is_clear("index@w:up index@w:down index@w+9.5:down"),
         "still on the key"
@@ -261,4 +269,5 @@ fn a_hand_is_clear_when_no_finger_is_in_or_on_a_key() {
     );
     assert!(!is_clear("doubt:index&index@w:up"), "no finger is seen");
     assert!(!is_clear("t:10ms"), "no finger is there");
+    assert!(!is_clear("index@w:NaN"), "not finite");
 }

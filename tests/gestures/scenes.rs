@@ -1,7 +1,7 @@
 //! Other boards: discs, turned targets, several surfaces, surfaces that move.
 
 use ademan::contact::surface::{Anchor, Scene, Shape};
-use ademan::contact::{ContactTracker, Touches};
+use ademan::contact::{ContactTracker, Phase, Touches};
 use ademan::hand::{Finger, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::time::Timestamp;
@@ -114,6 +114,25 @@ fn one_frame_can_leave_one_target_and_press_another() {
 }
 
 #[test]
+fn a_front_that_was_crossed_before_the_finger_came_free_does_not_count() {
+    let facing = |x: f32, angle: f32| {
+        Pose::from_parts(
+            Vec3::new(x * 1e-3, 0.0, 0.0),
+            Rotation::from_rotation_y(angle.to_radians()),
+        )
+    };
+    // Two fronts back to back; the finger comes out through the left one, inside the right one.
+    let backs = vec![(KEY, facing(-20.0, 90.0)), (KEY, facing(-22.0, -90.0))];
+    let mut index = Index::over(scene_of(backs, Anchor::World));
+    index.step([-10.0, 0.0, 0.0], None);
+    index.step([-29.0, 0.0, 0.0], None);
+    assert_eq!(
+        index.step([0.0, 0.0, 0.0], None),
+        "released:0=0.25 left:0=0.00"
+    );
+}
+
+#[test]
 fn a_finger_that_slid_off_does_not_press_a_lower_neighbour() {
     let at = |x: f32, z: f32| Pose::from_translation(Vec3::new(x, 0.0, z) * 1e-3);
     let stairs = vec![
@@ -220,4 +239,29 @@ fn a_surface_that_goes_along_with_the_wrist_is_met_as_the_wrist_sees_it() {
         "the wrist is not known"
     );
     assert_eq!(index.step([0.0, 0.0, 1.0], Some([0.0, 0.0, 0.0])), "");
+}
+
+#[test]
+fn a_surface_whose_anchor_is_not_finite_is_let_go_of_at_the_end_of_the_frame() {
+    let mut scene = Scene::new();
+    let key = vec![key_target(KEY, Pose::IDENTITY)];
+    scene.add(Anchor::Joint(Joint::Wrist), Pose::IDENTITY, key);
+    let mut tracker = ContactTracker::new(&scene);
+    let mut touches = Touches::new();
+    let frames = [(10.0, 0.0), (2.0, 0.0), (2.0, f32::NAN)];
+    for (number, (tip, wrist)) in (1..).zip(frames) {
+        let mut pose = HandPose::at(Timestamp(number * 1_000), Side::Right, RADIUS);
+        let at = |height: f32| Pose::from_translation(Vec3::Z * height * 1e-3);
+        pose.set(Joint::tip(Finger::Index), at(tip));
+        pose.set(Joint::Wrist, at(wrist));
+        touches.clear();
+        tracker.update(&scene, &pose, &mut touches);
+    }
+    let [touch] = touches[..] else {
+        panic!("{touches:?}")
+    };
+    assert_eq!(
+        (touch.phase, touch.time),
+        (Phase::Cancelled, Timestamp(3_000))
+    );
 }
