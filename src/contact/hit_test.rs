@@ -196,6 +196,51 @@ mod tests {
     }
 
     #[test]
+    fn the_tree_finds_what_a_look_at_every_turned_target_finds() {
+        let mut state = 7_u64;
+        let mut between = |low: f32, high: f32| {
+            // Knuth's MMIX generator; its high bits are the good ones.
+            state = state.wrapping_mul(6_364_136_223_846_793_005);
+            state = state.wrapping_add(1_442_695_040_888_963_407);
+            low + (high - low) * (state >> 40) as f32 / (1 << 24) as f32
+        };
+        let mut place = |reach: f32| {
+            let mut along = || between(-reach, reach);
+            Vec3::new(along(), along(), along())
+        };
+        let shapes = [KEY, Shape::Disc(0.01)].into_iter().cycle();
+        let targets = shapes.take(400).map(|shape| {
+            let pose = Pose::from_parts(place(0.1), Rotation::from_scaled_axis(place(3.0)));
+            target(shape, pose)
+        });
+        let mut scene = Scene::new();
+        scene.add(Anchor::World, Pose::IDENTITY, targets.collect());
+        let surface = &scene.surfaces()[0];
+        let mut found = 0;
+        for _ in 0..2_000 {
+            let centres = [place(0.12), place(0.12)];
+            let mut first: Option<Crossing> = None;
+            for (id, target) in surface.targets() {
+                let stroke = Stroke::of(target, centres, 0.006);
+                let Some(share) = stroke.enters(target.shape) else {
+                    continue;
+                };
+                let crossing = Crossing {
+                    place: id.0,
+                    share,
+                    off_centre: stroke.at(share).truncate().length_squared(),
+                };
+                if first.is_none_or(|other| crossing.beats(&other)) {
+                    first = Some(crossing);
+                }
+            }
+            assert_eq!(first_crossing(surface, centres, 0.006, 0.0), first);
+            found += u32::from(first.is_some());
+        }
+        assert!(found > 500, "only {found}");
+    }
+
+    #[test]
     fn the_four_button_pad_comes_out_as_in_the_vectors() {
         let path = concat!(
             env!("CARGO_MANIFEST_DIR"),
