@@ -39,8 +39,7 @@ const fn key(
     }
 }
 
-/// In order of code. The characters are those of a US keymap; keypad digits have none, because
-/// what they write depends on Num Lock.
+/// In order of code. The characters are those of a US keymap with Num Lock on.
 #[rustfmt::skip]
 const KEYS: &[Key] = &[
     key(1, "Escape", "Esc", None, None),
@@ -113,19 +112,19 @@ const KEYS: &[Key] = &[
     key(68, "F10", "F10", None, None),
     key(69, "NumLock", "Num", None, None),
     key(70, "ScrollLock", "Scroll", None, None),
-    key(71, "Numpad7", "7", None, None),
-    key(72, "Numpad8", "8", None, None),
-    key(73, "Numpad9", "9", None, None),
+    key(71, "Numpad7", "7", Some('7'), Some('7')),
+    key(72, "Numpad8", "8", Some('8'), Some('8')),
+    key(73, "Numpad9", "9", Some('9'), Some('9')),
     key(74, "NumpadSubtract", "-", Some('-'), Some('-')),
-    key(75, "Numpad4", "4", None, None),
-    key(76, "Numpad5", "5", None, None),
-    key(77, "Numpad6", "6", None, None),
+    key(75, "Numpad4", "4", Some('4'), Some('4')),
+    key(76, "Numpad5", "5", Some('5'), Some('5')),
+    key(77, "Numpad6", "6", Some('6'), Some('6')),
     key(78, "NumpadAdd", "+", Some('+'), Some('+')),
-    key(79, "Numpad1", "1", None, None),
-    key(80, "Numpad2", "2", None, None),
-    key(81, "Numpad3", "3", None, None),
-    key(82, "Numpad0", "0", None, None),
-    key(83, "NumpadDecimal", ".", None, None),
+    key(79, "Numpad1", "1", Some('1'), Some('1')),
+    key(80, "Numpad2", "2", Some('2'), Some('2')),
+    key(81, "Numpad3", "3", Some('3'), Some('3')),
+    key(82, "Numpad0", "0", Some('0'), Some('0')),
+    key(83, "NumpadDecimal", ".", Some('.'), Some('.')),
     key(86, "IntlBackslash", "<", Some('<'), Some('>')),
     key(87, "F11", "F11", None, None),
     key(88, "F12", "F12", None, None),
@@ -190,21 +189,20 @@ impl KeyCode {
         self.entry().label
     }
 
-    /// The character that a receiver with a US keymap writes, with or without Shift.
+    /// The character that a receiver with a US keymap and Num Lock on writes, with or without Shift.
     pub fn us_character(self, shifted: bool) -> Option<char> {
         let entry = self.entry();
         if shifted { entry.shifted } else { entry.plain }
     }
 
-    /// The key, and whether Shift goes with it, that writes `character` on a US keymap; keys
-    /// without Shift first, then in order of code.
-    pub fn for_us_character(character: char) -> Option<(Self, bool)> {
-        let with = |shifted: bool| {
+    /// The keys that write `character` on a US keymap with Num Lock on, and whether Shift goes with
+    /// each: those without Shift first, each in order of code.
+    pub fn for_us_character(character: char) -> impl Iterator<Item = (Self, bool)> {
+        [false, true].into_iter().flat_map(move |shifted| {
             Self::all()
-                .find(|key| key.us_character(shifted) == Some(character))
-                .map(|key| (key, shifted))
-        };
-        with(false).or_else(|| with(true))
+                .filter(move |key| key.us_character(shifted) == Some(character))
+                .map(move |key| (key, shifted))
+        })
     }
 
     /// Whether this is a modifier key.
@@ -288,15 +286,17 @@ mod tests {
     }
 
     #[test]
-    fn a_character_finds_its_key_and_its_shift() {
-        let text = |character| {
-            let (key, shifted) = KeyCode::for_us_character(character).unwrap();
-            format!("{}{key}", if shifted { "Shift+" } else { "" })
+    fn a_character_finds_its_keys_and_their_shift() {
+        let text = |character| -> Vec<String> {
+            let keys = KeyCode::for_us_character(character);
+            keys.map(|(key, shifted)| format!("{}{key}", if shifted { "Shift+" } else { "" }))
+                .collect()
         };
-        assert_eq!(text('q'), "Q");
-        assert_eq!(text('Q'), "Shift+Q");
-        assert_eq!(text('!'), "Shift+1");
-        assert_eq!(text('/'), "Slash");
-        assert_eq!(KeyCode::for_us_character('é'), None);
+        assert_eq!(text('q'), ["Q"]);
+        assert_eq!(text('Q'), ["Shift+Q"]);
+        assert_eq!(text('!'), ["Shift+1"]);
+        assert_eq!(text('*')[0], "NumpadMultiply");
+        assert!(text('*').contains(&"Shift+8".to_owned()));
+        assert_eq!(text('é'), Vec::<String>::new());
     }
 }

@@ -37,23 +37,37 @@ pub enum PlanError {
 pub fn taps(text: &str, keys: &[KeyBinding]) -> Result<Vec<Tap>, PlanError> {
     let mut taps = Vec::new();
     for character in text.chars() {
-        let (code, shifted) =
-            KeyCode::for_us_character(character).ok_or(PlanError::NotOnAnyKeyboard(character))?;
-        if shifted {
-            let shift = tapped(keys, is_one_shot_shift).ok_or(PlanError::NoShift(character))?;
-            taps.push(shift);
-        }
-        let way = way_to(code, keys).ok_or(PlanError::NoKey {
-            character,
-            key: code,
-        })?;
+        let ways = KeyCode::for_us_character(character);
+        let mut ways = ways.filter_map(|(code, shifted)| way_to(code, shifted, keys));
+        let way = ways.next().ok_or_else(|| why_not(character, keys))?;
         taps.extend(way);
     }
     Ok(taps)
 }
 
+/// What is missing for `character`.
+fn why_not(character: char, keys: &[KeyBinding]) -> PlanError {
+    let Some((key, shifted)) = KeyCode::for_us_character(character).last() else {
+        return PlanError::NotOnAnyKeyboard(character);
+    };
+    match shifted && way_to(key, false, keys).is_some() {
+        true => PlanError::NoShift(character),
+        false => PlanError::NoKey { character, key },
+    }
+}
+
+/// The taps for a key, with a one-shot Shift before it where that goes with it.
+fn way_to(code: KeyCode, shifted: bool, keys: &[KeyBinding]) -> Option<Vec<Tap>> {
+    let mut way = match shifted {
+        true => vec![tapped(keys, is_one_shot_shift)?],
+        false => Vec::new(),
+    };
+    way.extend(way_without_shift(code, keys)?);
+    Some(way)
+}
+
 /// The taps that press `code`: its key, or the key of a layer that has it and then its key there.
-fn way_to(code: KeyCode, keys: &[KeyBinding]) -> Option<Vec<Tap>> {
+fn way_without_shift(code: KeyCode, keys: &[KeyBinding]) -> Option<Vec<Tap>> {
     if let Some(tap) = tapped(keys, |action| action == KeyAction::Key(code)) {
         return Some(vec![tap]);
     }

@@ -8,7 +8,7 @@ use parry3d::math::{Pose, Rot3, Vec2};
 use super::error::{LayoutError, line_of};
 use super::file::Document;
 use super::keyboard::{BASE_LAYER, Board, Key, Layout, MAX_KEYS, MAX_LAYERS, metres, metres2};
-use super::number::{PressShare, ReleaseShare, Travel};
+use super::number::{Distance, PressShare, ReleaseShare, Travel};
 use super::outline::{Outline, first_overlap};
 use super::placement;
 use super::text::Word;
@@ -88,6 +88,14 @@ impl<'a> Checked<'a> {
         }
         for board in &written.boards {
             checked.add_board(board)?;
+            if checked
+                .boards
+                .last()
+                .is_some_and(|board| board.keys.is_empty())
+            {
+                let message = format!("board {} has no keys", checked.boards.len());
+                return Err(document.error(written.name.0, message));
+            }
         }
         if checked.keys.is_empty() {
             return Err(document.error(written.name.0, "the layout has no keys"));
@@ -245,6 +253,12 @@ impl<'a> Checked<'a> {
             let line = line_of(&self.document.text, self.words[place]);
             return Err(error(format!(
                 "there is a key `{name}` already in line {line}, give this one a `name` of its own"
+            )));
+        }
+        if draft.at.abs().max_element() > metres(*Distance::RANGE.end()) {
+            return Err(error(format!(
+                "the key `{name}` lies more than {} mm from the middle of its board",
+                Distance::RANGE.end()
             )));
         }
         let (press, release) = (draft.press.get(), draft.release.get());

@@ -51,10 +51,17 @@ impl Document {
     /// or without `.ron`: `arrows`, `keyboards/arrows.ron`. Files over [`MAX_BYTES`] are refused
     /// without being read to their end.
     pub fn open(name: &str) -> Result<Self, LayoutError> {
+        Self::open_from(Path::new(""), name)
+    }
+
+    /// As [`open`](Self::open), with paths that begin in `folder`: a file that names another one
+    /// means it as seen from itself.
+    pub fn open_from(folder: &Path, name: &str) -> Result<Self, LayoutError> {
         let of_file = |message: String| LayoutError::of_file(name, message);
-        let kind = fs::metadata(Path::new(name)).map(|metadata| metadata.is_dir());
+        let path = folder.join(name);
+        let kind = fs::metadata(&path).map(|metadata| metadata.is_dir());
         match (kind, shipped_document(name)) {
-            (Ok(false), _) => Self::read(name),
+            (Ok(false), _) => Self::read(&path, name),
             (_, Some(document)) => Ok(document),
             (Ok(true), None) => Err(of_file("this is a directory, name a file in it".into())),
             (Err(error), None) if is_absence(&error) => Err(of_file(not_found(name))),
@@ -80,10 +87,10 @@ impl Document {
         }
     }
 
-    fn read(name: &str) -> Result<Self, LayoutError> {
+    fn read(path: &Path, name: &str) -> Result<Self, LayoutError> {
         let of_file = |message: String| LayoutError::of_file(name, message);
         let mut bytes = Vec::new();
-        File::open(name)
+        File::open(path)
             .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
             .map_err(|error| of_file(format!("cannot read the file: {error}")))?;
         if bytes.len() as u64 > MAX_BYTES {
@@ -120,7 +127,7 @@ pub fn parse<'a, T: Deserialize<'a>>(text: &'a str, file: &str) -> Result<T, Lay
         .with_default_extension(Extensions::IMPLICIT_SOME)
         .from_str(text)
         .map_err(|error| {
-            let range = syntax::range(text, &error.span);
+            let range = syntax::range(text, &error);
             LayoutError::at(file, text, range, syntax::message(&error.code))
         })
 }

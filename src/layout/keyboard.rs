@@ -102,18 +102,23 @@ impl Layout {
     /// Reads and checks the file at a path, or the shipped layout of that name: `qwerty-flat`,
     /// `keyboards/qwerty-flat`, with or without `.ron`.
     pub fn load(name_or_path: &str) -> Result<Self, LayoutError> {
-        check::layout(Document::open(name_or_path)?)
+        Self::of(Document::open(name_or_path)?)
     }
 
     /// Reads and checks a text; `file` names it in errors.
     pub fn parse(text: &str, file: &str) -> Result<Self, LayoutError> {
-        check::layout(Document::new(file, text))
+        Self::of(Document::new(file, text))
+    }
+
+    /// Checks a file that was read.
+    pub fn of(document: Document) -> Result<Self, LayoutError> {
+        check::layout(document)
     }
 
     /// The shipped keyboards by name, each with its layout.
     pub fn shipped() -> Result<Vec<(&'static str, Self)>, LayoutError> {
         file::shipped_names("keyboards")
-            .map(|name| Ok((name, check::layout(Document::shipped(name)?)?)))
+            .map(|name| Ok((name, Self::of(Document::shipped(name)?)?)))
             .collect()
     }
 

@@ -14,7 +14,7 @@ mod placement;
 mod svg;
 mod syntax;
 mod text;
-pub mod written;
+mod written;
 
 pub use draw::{Cell, Grid};
 pub use error::LayoutError;
@@ -23,4 +23,4 @@ pub use glove::Glove;
 pub use keyboard::{Board, Key, Layout};
 pub use outline::Outline;
 pub use over::OverBoard;
-pub use text::{Label, Word};
+pub use text::{Label, Pairs, Word};

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use ron::error::{Error, Position, Span};
+use ron::error::{Error, Position, SpannedError};
 
 use crate::names::UnknownName;
 
@@ -41,9 +41,12 @@ pub(super) fn message(error: &Error) -> String {
     }
 }
 
-/// The bytes that `span` covers in `text`, without blanks in front.
-pub(super) fn range(text: &str, span: &Span) -> Range<usize> {
-    let (start, end) = (offset(text, span.start), offset(text, span.end));
+/// The bytes of `text` that the error is about, without blanks in front.
+pub(super) fn range(text: &str, error: &SpannedError) -> Range<usize> {
+    let (start, end) = (offset(text, error.span.start), offset(text, error.span.end));
+    if error.code == Error::UnclosedBlockComment {
+        return start.saturating_sub("/*".len())..start;
+    }
     let blanks = text[start..].len() - text[start..].trim_start().len();
     if start + blanks == text.len() {
         return start..end;

@@ -1,0 +1,417 @@
+//! Every way in which a layout file can be wrong: what is said, and where.
+
+use std::fs;
+use std::path::Path;
+
+use ademan::layout::{Layout, LayoutError};
+
+const PLACE: &str = "place: (anchor: elbow)";
+
+/// A layout whose board has these fields.
+fn board(fields: &str) -> String {
+    format!("Layout(name: \"t\", boards: [(\n{PLACE},\n{fields}\n)])")
+}
+
+fn refusal(text: &str) -> LayoutError {
+    Layout::parse(text, "t.ron").expect_err("the layout is wrong")
+}
+
+/// `LINE:COLUMN: message` for each wrong board.
+#[test]
+fn what_is_wrong_on_a_board_is_told_at_its_place() {
+    let row = "rows: [(at_mm: (0, 0), keys: \"Q W\")]";
+    let key = |fields: &str| format!("keys: [(code: \"A\", at_mm: (0, 0), {fields})]");
+    let cases: &[(String, &str)] = &[
+        // Unknown words.
+        (
+            "kyes: []".into(),
+            "3:1: unknown field `kyes`, did you mean `keys`?",
+        ),
+        (
+            "xylophone: []".into(),
+            "3:1: unknown field `xylophone`, valid here: place, form, pitch_mm, size_mm, travel_mm, press_share, release_share, analogue, rows, keys",
+        ),
+        (
+            key("lable: \"x\""),
+            "3:35: unknown field `lable`, did you mean `label`?",
+        ),
+        (
+            "rows: [(at_mm: (0, 0), keys: \"Q Entre\")]".into(),
+            "3:33: unknown key `Entre`, did you mean `Enter`?",
+        ),
+        (
+            "keys: [(code: \"Spacebar\", at_mm: (0, 0))]".into(),
+            "3:16: unknown key `Spacebar`, did you mean `Space`?",
+        ),
+        (
+            key("size_mm: Bux(1, 2)"),
+            "3:44: unknown value `Bux`, did you mean `Box`?",
+        ),
+        (
+            key("latch: Oneshot"),
+            "3:42: unknown value `Oneshot`, did you mean `OneShot`?",
+        ),
+        (
+            "form: Arc(radius: 3)".into(),
+            "3:11: unknown field `radius`, did you mean `radius_mm`?",
+        ),
+        (
+            "keys: [(layer: \"symbls\", at_mm: (0, 0))]".into(),
+            "3:17: unknown layer `symbls`",
+        ),
+        // Numbers.
+        (
+            key("size_mm: Box(0, 17)"),
+            "3:48: 0 is out of range: a size is 1 to 500 mm",
+        ),
+        (
+            key("size_mm: Box(17, -17)"),
+            "3:52: -17 is out of range: a size is 1 to 500 mm",
+        ),
+        (
+            key("size_mm: Disc(NaN)"),
+            "3:49: NaN is out of range: a size is 1 to 500 mm",
+        ),
+        (
+            key("size_mm: Disc(1e308)"),
+            "3:49: 1e308 is out of range: a size is 1 to 500 mm",
+        ),
+        (
+            key("travel_mm: 0"),
+            "3:46: 0 is out of range: a travel is 0.2 to 50 mm",
+        ),
+        (
+            key("travel_mm: -inf"),
+            "3:46: -inf is out of range: a travel is 0.2 to 50 mm",
+        ),
+        (
+            "keys: [(code: \"A\", at_mm: (0, inf))]".into(),
+            "3:31: inf is out of range: a distance is -2000 to 2000 mm",
+        ),
+        (
+            "pitch_mm: 0".into(),
+            "3:11: 0 is out of range: a pitch is 1 to 500 mm",
+        ),
+        (
+            "form: Arc(radius_mm: 0)".into(),
+            "3:22: 0 is out of range: a radius is 20 to 2000 mm",
+        ),
+        (
+            "press_share: 1.5".into(),
+            "3:14: 1.5 is out of range: a press share is 0.05 to 1",
+        ),
+        (
+            key("press_share: 0.2"),
+            "3:16: the press_share 0.2 of the key `A` must be more than its release_share 0.25",
+        ),
+        // Wrong types, missing and repeated fields.
+        (key("travel_mm: \"4\""), "3:46: expected a number"),
+        (key("analogue: 1"), "3:45: expected `true` or `false`"),
+        ("keys: 5".into(), "3:7: expected a list: `[…]`"),
+        (
+            "keys: [5]".into(),
+            "3:8: expected fields in parentheses: `(…)`",
+        ),
+        (
+            "keys: [(code: \"A\")]".into(),
+            "3:18: the field `at_mm` is missing here",
+        ),
+        (
+            key("at_mm: (0, 0)"),
+            "3:35: the field `at_mm` is here for the second time",
+        ),
+        (
+            "keys: [(at_mm: (0, 0))]".into(),
+            "3:22: the key has neither a `code` nor a `layer`",
+        ),
+        (
+            key("layer: \"x\""),
+            "3:45: the key has both a `code` and a `layer`",
+        ),
+        (
+            key("latch: Held"),
+            "3:16: `A` cannot have a latch, only modifiers and layers can",
+        ),
+        (
+            key("label: \"\""),
+            "3:43: a label has 1 to 16 characters, this one has 0",
+        ),
+        (
+            key("label: \"\\u{1b}\""),
+            "3:49: the label has a control character in it",
+        ),
+        (
+            "rows: [(at_mm: (0, 0), keys: \"\\u{41}\")]".into(),
+            "3:37: this text must be written without `\\`",
+        ),
+        (
+            "rows: [(at_mm: (0, 0), keys: \" \")]".into(),
+            "3:32: the text is empty",
+        ),
+        // Keys that get in each other's way.
+        (
+            "rows: [(at_mm: (0, 0), keys: \"Q W Q\")]".into(),
+            "3:35: there is a key `Q` already in line 3, give this one a `name` of its own",
+        ),
+        (
+            format!("{row},\nkeys: [(code: \"KeyW\", at_mm: (0, 50))]"),
+            "4:16: there is a key `W` already in line 3, give this one a `name` of its own",
+        ),
+        (
+            format!("{row},\nkeys: [(code: \"E\", at_mm: (35, 1))]"),
+            "4:16: the key `E` overlaps the key `W` of line 3",
+        ),
+        (
+            "rows: [(at_mm: (0, 0), keys: \"Q W\", pitch_mm: 16.9)]".into(),
+            "3:33: the key `W` overlaps the key `Q` of line 3",
+        ),
+        (
+            "form: Arc(radius_mm: 100), keys: [(code: \"A\", at_mm: (0, -95))]".into(),
+            "3:43: the key `A` lies beyond the ends of its arc",
+        ),
+        (
+            "form: Arc(radius_mm: 100), keys: [(code: \"A\", at_mm: (400, 0))]".into(),
+            "3:43: the key `A` lies beyond the ends of its arc",
+        ),
+        (
+            "rows: [(at_mm: (1999, 0), keys: \"Q W\")]".into(),
+            "3:36: the key `W` lies more than 2000 mm from the middle of its board",
+        ),
+        ("keys: []".into(), "1:15: board 1 has no keys"),
+    ];
+    for (fields, expected) in cases {
+        check(&board(fields), expected);
+    }
+    check(
+        "Layout(name: \"t\", boards: [])",
+        "1:15: the layout has no keys",
+    );
+}
+
+/// The first line of the refusal, without the file.
+fn check(text: &str, expected: &str) {
+    let error = refusal(text);
+    let shown = error.to_string();
+    let mut lines = shown.lines();
+    assert_eq!(
+        lines.next(),
+        Some(format!("t.ron:{expected}").as_str()),
+        "\n{text}"
+    );
+    let source = text
+        .lines()
+        .nth(error.line().unwrap() - 1)
+        .unwrap_or_default();
+    assert_eq!(
+        lines.next(),
+        Some(format!(" {} | {source}", error.line().unwrap()).as_str())
+    );
+    let caret = lines.next().unwrap().chars().position(|c| c == '^');
+    let gutter = error.line().unwrap().to_string().len() + 3;
+    assert_eq!(caret, Some(error.column().unwrap() + gutter), "{shown}");
+    assert_eq!(lines.next(), None);
+}
+
+#[test]
+fn what_is_wrong_with_layers_is_told_at_its_place() {
+    let layers = |layers: &str| {
+        format!(
+            "Layout(name: \"t\", boards: [({PLACE}, rows: [(at_mm: (0, 0), keys: \"Q Comma\")])], layers: [\n{layers}\n])"
+        )
+    };
+    let many: Vec<String> = (1..=32)
+        .map(|n| format!("(name: \"l{n}\", keys: {{}})"))
+        .collect();
+    for (text, expected) in [
+        (
+            "(name: \"base\", keys: {})",
+            "2:9: `base` is what the keys do without a layer, name this one otherwise",
+        ),
+        (
+            "(name: \"x\", keys: {}),\n(name: \"x\", keys: {})",
+            "3:9: the layer `x` is here for the second time",
+        ),
+        (
+            "(name: \"x\", keys: {\"Coma\": \"1\"})",
+            "2:21: this layout has no such key: unknown key `Coma`, did you mean `Comma`?",
+        ),
+        (
+            "(name: \"x\", keys: {\"Q\": \"F13\"})",
+            "2:26: unknown key `F13`, did you mean `F12`?",
+        ),
+        (
+            "(name: \"x\", keys: {\"Q\": \"1\", \"KeyQ\": \"2\"})",
+            "2:31: the key `KeyQ` is in the layer `x` for the second time",
+        ),
+        ("(name: \"x\")", "2:11: the field `keys` is missing here"),
+        (&many.join(",\n"), "33:9: a layout has at most 31 layers"),
+    ] {
+        check(&layers(text), expected);
+    }
+    let text = board("keys: [(layer: \"symbls\", at_mm: (0, 0))]");
+    let text = text.replace(")])", ")], layers: [(name: \"symbols\", keys: {})])");
+    check(
+        &text,
+        "3:17: unknown layer `symbls`, did you mean `symbols`?",
+    );
+}
+
+#[test]
+fn what_is_no_ron_is_told_at_its_place() {
+    for (text, expected) in [
+        ("", "1:1: expected fields in parentheses: `(…)`"),
+        (
+            "Layuot(name: \"x\")",
+            "1:1: expected `Layout(…)`, found `Layuot`",
+        ),
+        (
+            "Layout(name: \"x\"\nboards: [])",
+            "2:1: expected a comma or the closing bracket",
+        ),
+        ("Layout(name: \"x", "1:14: this text has no closing quote"),
+        (
+            "Layout(name: 5)",
+            "1:14: expected a text in quotes: `\"…\"`",
+        ),
+        (
+            "Layout(name: \"x\", boards: []) x",
+            "1:31: there is something after the end",
+        ),
+        ("  /* Layout(", "1:3: this comment has no `*/`"),
+    ] {
+        let error = refusal(text);
+        let first = error.to_string().lines().next().unwrap().to_owned();
+        assert_eq!(first, format!("t.ron:{expected}"), "\n{text}");
+    }
+}
+
+#[test]
+fn nesting_two_hundred_deep_is_an_error_and_not_a_crash() {
+    for bracket in ["(", "[", "{", "Some(", "Layout(name:", "/*"] {
+        for before in [
+            "",
+            "Layout(name: ",
+            "Layout(name: \"x\", boards: ",
+            "Layout(zzz: ",
+        ] {
+            let error = refusal(&format!("{before}{}", bracket.repeat(200)));
+            assert!(error.line().is_some(), "{error}");
+        }
+    }
+    #[derive(Debug, serde::Deserialize)]
+    struct Nested(#[expect(dead_code, reason = "only read")] Vec<Nested>);
+    let text = "([".repeat(200);
+    let error = ademan::layout::parse::<Nested>(&text, "t.ron").unwrap_err();
+    assert!(
+        error.message().contains("nested more than 128 deep"),
+        "{error}"
+    );
+}
+
+#[test]
+fn ten_thousand_keys_are_a_layout_and_one_more_is_not() {
+    let keys = |count: usize| {
+        let key = |n: usize| {
+            let (x, y) = (n % 100 * 19, n / 100 * 19);
+            format!("(code: \"A\", name: \"{n}\", at_mm: ({x}, {y})),\n")
+        };
+        board(&format!(
+            "keys: [\n{}]",
+            (0..count).map(key).collect::<String>()
+        ))
+    };
+    assert_eq!(
+        Layout::parse(&keys(10_000), "t.ron").unwrap().scene.len(),
+        10_000
+    );
+    let error = refusal(&keys(10_001));
+    assert_eq!(error.message(), "a layout has at most 10000 keys");
+    assert_eq!(error.line(), Some(10_004));
+}
+
+#[test]
+fn a_file_that_cannot_be_read_says_why() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let message = |path: &str| {
+        let error = Layout::load(path).unwrap_err();
+        assert!(
+            error.to_string().starts_with(&format!("{path}:")),
+            "{error}"
+        );
+        error.message().to_owned()
+    };
+
+    assert_eq!(message(&path("")), "this is a directory, name a file in it");
+    assert_eq!(
+        message(&path("qwerty-acr.ron")),
+        "there is no such file, and no shipped one of that name, did you mean `qwerty-arc`?"
+    );
+    assert_eq!(
+        message("zzzzzz"),
+        "there is no such file, and no shipped one of that name"
+    );
+
+    fs::write(path("latin1.ron"), b"Layout(\n  name: \"\xe9\")").unwrap();
+    let error = Layout::load(&path("latin1.ron")).unwrap_err();
+    assert_eq!((error.line(), error.column()), (Some(2), Some(10)));
+    assert!(error.message().contains("UTF-8"), "{error}");
+}
+
+#[test]
+fn a_file_of_a_mebibyte_is_read_and_one_byte_more_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("large.ron");
+    let mut text = board("rows: [(at_mm: (0, 0), keys: \"A\")]");
+    text.push_str(&"\n".repeat((1 << 20) - text.len()));
+    fs::write(&path, &text).unwrap();
+    assert_eq!(Layout::load(path.to_str().unwrap()).unwrap().keys.len(), 1);
+    text.push('\n');
+    fs::write(&path, &text).unwrap();
+    let error = Layout::load(path.to_str().unwrap()).unwrap_err();
+    assert_eq!(error.message(), "the file is larger than 1 MiB");
+}
+
+#[test]
+fn an_endless_file_is_not_read_to_its_end() {
+    if !Path::new("/dev/zero").exists() {
+        println!("SKIPPED: there is no /dev/zero here");
+        return;
+    }
+    let error = Layout::load("/dev/zero").unwrap_err();
+    assert_eq!(error.message(), "the file is larger than 1 MiB");
+}
+
+#[test]
+fn a_damaged_file_is_read_or_refused_at_a_place_within_it() {
+    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut random = move |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state % below as u64) as usize
+    };
+    let signs = b"()[]{}\",:./*0-9e\\ \n\xc3";
+    let mut refused = 0;
+    for (_, layout) in Layout::shipped().unwrap() {
+        for _ in 0..400 {
+            let mut bytes = layout.text.clone().into_bytes();
+            for _ in 0..=random(3) {
+                let place = random(bytes.len());
+                match random(3) {
+                    0 => bytes[place] = signs[random(signs.len())],
+                    1 => bytes.insert(place, signs[random(signs.len())]),
+                    _ => drop(bytes.drain(place..(place + random(40)).min(bytes.len()))),
+                }
+            }
+            let text = String::from_utf8_lossy(&bytes);
+            let Err(error) = Layout::parse(&text, "t.ron") else {
+                continue;
+            };
+            refused += 1;
+            let lines = text.lines().count() + 1;
+            assert!((1..=lines).contains(&error.line().unwrap()), "{error}");
+        }
+    }
+    assert!(refused > 500, "{refused}");
+}

@@ -1,0 +1,358 @@
+//! Layout files: the shipped ones, where keys come to be, drawings, and the guide.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use ademan::contact::surface::Shape;
+use ademan::device::KeyCode;
+use ademan::device::keyboard::{KeyAction, Latch};
+use ademan::hand::{Joint, Side};
+use ademan::kinematics::HandPose;
+use ademan::layout::{Document, Layout};
+use ademan::time::Timestamp;
+use parry3d::math::{Pose, Vec2, Vec3};
+
+const PLACE: &str = "place: (anchor: elbow)";
+
+/// A layout whose board has these fields.
+fn board(fields: &str) -> String {
+    format!("Layout(name: \"t\", boards: [(\n{PLACE},\n{fields}\n)])")
+}
+
+fn code(name: &str) -> KeyCode {
+    name.parse().unwrap()
+}
+
+#[test]
+fn every_shipped_layout_loads_by_name_and_from_its_file() {
+    let shipped = Layout::shipped().unwrap();
+    let names: Vec<&str> = shipped.iter().map(|(name, _)| *name).collect();
+    assert_eq!(
+        names,
+        [
+            "arrows",
+            "numpad",
+            "qwerty-arc",
+            "qwerty-flat",
+            "qwerty-flat-22"
+        ]
+    );
+    for (name, layout) in &shipped {
+        let path = format!(
+            "{}/layouts/keyboards/{name}.ron",
+            env!("CARGO_MANIFEST_DIR")
+        );
+        let from_file = Layout::load(&path).unwrap();
+        assert_eq!(from_file.keys, layout.keys, "{name}");
+        assert_eq!(from_file.text, Layout::load(name).unwrap().text, "{name}");
+        assert!(!layout.note.is_empty(), "{name}");
+        assert_eq!(layout.keyboard_bindings().len(), layout.scene.len());
+    }
+}
+
+#[test]
+fn the_flat_boards_write_every_printable_character_with_and_without_shift() {
+    for name in ["qwerty-flat", "qwerty-flat-22"] {
+        let layout = Layout::load(name).unwrap();
+        let codes = layout.codes();
+        for character in (' '..='~').chain(['\n', '\t']) {
+            assert!(writes(&codes, character), "{name}: {character:?}");
+        }
+        assert!(codes.contains(&KeyCode::SHIFT_LEFT) && codes.contains(&KeyCode::BACKSPACE));
+    }
+}
+
+#[test]
+fn the_arc_board_writes_every_printable_character_with_its_layer() {
+    let layout = Layout::load("qwerty-arc").unwrap();
+    let codes = layout.codes();
+    for character in ' '..='~' {
+        assert!(writes(&codes, character), "{character:?}");
+    }
+    let shift = layout.key("ShiftLeft").unwrap();
+    let one_shot = KeyAction::Modifier(KeyCode::SHIFT_LEFT, Latch::OneShot);
+    assert_eq!(shift.action(0), Some(one_shot));
+    let q = layout.key("Q").unwrap();
+    assert_eq!(q.action(1), Some(KeyAction::Key(code("1"))));
+    assert_eq!(q.action(7), Some(KeyAction::Key(code("Q"))));
+    let symbols = layout.key("symbols").unwrap();
+    assert_eq!(symbols.action(0), Some(KeyAction::Layer(1, Latch::OneShot)));
+    assert_eq!(layout.layers, ["base", "symbols"]);
+}
+
+/// Whether one of the keys writes the character on a US keymap, with or without Shift.
+fn writes(codes: &BTreeSet<KeyCode>, character: char) -> bool {
+    let writes = |shifted| move |key: &KeyCode| key.us_character(shifted) == Some(character);
+    codes.iter().any(writes(false)) || codes.iter().any(writes(true))
+}
+
+#[test]
+fn the_pads_have_their_keys() {
+    let arrows = Layout::load("arrows").unwrap();
+    assert_eq!(arrows.keys.len(), 4);
+    assert!(arrows.keyboard_bindings().iter().all(|key| key.analogue));
+    assert_eq!(Layout::load("numpad").unwrap().keys.len(), 17);
+}
+
+/// What the file says of a flat board, against where its targets are in the world.
+#[test]
+fn the_keys_of_a_flat_board_are_where_the_file_says() {
+    for (bearing, tilt) in [(0.0, 0.0), (35.0, 0.0), (-120.0, 20.0), (90.0, -45.0)] {
+        let text = format!(
+            "Layout(name: \"t\", boards: [(
+                place: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, height_mm: -40, tilt_deg: {tilt}),
+                rows: [(at_mm: (-30, 20), keys: \"Q W E\", pitch_mm: 25)],
+                keys: [(code: \"Space\", at_mm: (5, -18), size_mm: Disc(12), travel_mm: 6)],
+            )])"
+        );
+        let layout = Layout::parse(&text, "t.ron").unwrap();
+        let places = [(-30.0, 20.0), (-5.0, 20.0), (20.0, 20.0), (5.0, -18.0)];
+        for (key, (x, y)) in layout.keys.iter().zip(places) {
+            let (sin, cos) = f32::to_radians(bearing).sin_cos();
+            let (up, along) = f32::to_radians(tilt).sin_cos();
+            let (right, forward) = (x * 1e-3, 0.3 + y * 1e-3 * along);
+            let expected = Vec3::new(
+                right * cos + forward * sin,
+                -0.04 + y * 1e-3 * up,
+                right * sin - forward * cos,
+            );
+            let (front, normal) = in_the_world(&layout, &key.name, Vec3::new(1.0, 2.0, 3.0));
+            let error = (front - Vec3::new(1.0, 2.0, 3.0) - expected).length();
+            assert!(error < 1e-6, "{}: {front} for {expected}", key.name);
+            let upright = Vec3::new(-up * sin, along, up * cos);
+            assert!((normal - upright).length() < 1e-6, "{}", key.name);
+        }
+        let (_, space) = layout.scene.target(layout.keys[3].target).unwrap();
+        assert_eq!((space.shape, space.travel), (Shape::Disc(0.006), 0.006));
+    }
+}
+
+#[test]
+fn the_rows_of_an_arc_board_go_round_the_elbow() {
+    let layout = Layout::load("qwerty-arc").unwrap();
+    let board = &layout.boards[0];
+    let elbow = Vec3::new(0.0, 0.0, -0.2);
+    let bearing = 35_f32.to_radians();
+    for key in &layout.keys {
+        let (front, normal) = in_the_world(&layout, &key.name, elbow);
+        let from_elbow = front - elbow;
+        let radius = from_elbow.x.hypot(from_elbow.z);
+        assert!((radius - (0.32 + key.at.y)).abs() < 1e-6, "{}", key.name);
+        let angle = from_elbow.x.atan2(-from_elbow.z) - bearing;
+        assert!((angle * radius - key.at.x).abs() < 1e-6, "{}", key.name);
+        assert!((from_elbow.y + 0.045).abs() < 1e-6);
+        assert!((normal - Vec3::Y).length() < 1e-6);
+        assert!((key.outline.rotation + angle).abs() < 1e-6, "{}", key.name);
+        assert!((board.along_rows(key.outline.middle) - key.at).length() < 1e-6);
+        assert!(angle.abs() < 25_f32.to_radians(), "{}", key.name);
+    }
+}
+
+/// Middle of the front and direction out of it of the key with that name.
+fn in_the_world(layout: &Layout, name: &str, elbow: Vec3) -> (Vec3, Vec3) {
+    let mut pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
+    pose.set(Joint::Elbow, Pose::from_translation(elbow));
+    let target = layout.key(name).unwrap().target;
+    let (surface, target) = layout.scene.target(target).unwrap();
+    let world_from_target = surface.world_from_surface(&pose).unwrap() * target.surface_from_target;
+    (
+        world_from_target.translation,
+        world_from_target.rotation * Vec3::Z,
+    )
+}
+
+#[test]
+fn a_board_is_fixed_to_what_the_file_says() {
+    for (word, joint) in [
+        ("world", None),
+        ("elbow", Some(Joint::Elbow)),
+        ("wrist", Some(Joint::Wrist)),
+    ] {
+        let text = board("rows: [(at_mm: (0, 0), keys: \"A\")]").replace("elbow", word);
+        let layout = Layout::parse(&text, "t.ron").unwrap();
+        let surface = &layout.scene.surfaces()[0];
+        let mut pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
+        assert_eq!(
+            surface.world_from_surface(&pose).is_some(),
+            joint.is_none(),
+            "{word}"
+        );
+        let place = joint.map_or(Vec3::ZERO, |joint| {
+            pose.set(joint, Pose::from_translation(Vec3::X));
+            Vec3::X
+        });
+        let found = surface
+            .world_from_surface(&pose)
+            .map(|pose| pose.translation);
+        assert_eq!(found, Some(place), "{word}");
+    }
+}
+
+#[test]
+fn several_boards_share_one_list_of_keys() {
+    let one = "(place: (anchor: world), rows: [(at_mm: (0, 0), keys: \"A B\")])";
+    let two =
+        "(place: (anchor: wrist), keys: [(code: \"C\", at_mm: (1, 2), name: \"c\", label: \"x\")])";
+    let text = format!("Layout(name: \"t\", boards: [{one}, {two}])");
+    let layout = Layout::parse(&text, "t.ron").unwrap();
+    let key = layout.key("c").unwrap();
+    assert_eq!((key.target.0, key.label.as_str()), (2, "x"));
+    assert_eq!(key.at, Vec2::new(0.001, 0.002));
+    assert_eq!(layout.board_of(key), &layout.boards[1]);
+    assert_eq!(layout.boards[0].keys, 0..2);
+    assert_eq!(layout.scene.surfaces().len(), 2);
+}
+
+#[test]
+fn touching_keys_are_no_overlap() {
+    let text = board(
+        "pitch_mm: 17, rows: [(at_mm: (0.1, 0), keys: \"Q W E\"), (at_mm: (0.1, 17), keys: \"A S D\")]",
+    );
+    assert_eq!(Layout::parse(&text, "t.ron").unwrap().keys.len(), 6);
+}
+
+#[test]
+fn a_layer_says_nothing_of_the_keys_that_it_does_not_name() {
+    let text = format!(
+        "Layout(name: \"t\", boards: [({PLACE}, rows: [(at_mm: (0, 0), keys: \"Q W\")])], layers: [
+            (name: \"one\", keys: {{\"W\": \"1\"}}), (name: \"two\", keys: {{\"Q\": \"2\", \"W\": \"ShiftLeft\"}})])"
+    );
+    let layout = Layout::parse(&text, "t.ron").unwrap();
+    let bindings = layout.keyboard_bindings();
+    let key = |name| Some(KeyAction::Key(code(name)));
+    assert_eq!(bindings[0].actions, [key("Q"), None, key("2")]);
+    let shift = Some(KeyAction::Modifier(KeyCode::SHIFT_LEFT, Latch::Held));
+    assert_eq!(bindings[1].actions, [key("W"), key("1"), shift]);
+    let expected: BTreeSet<KeyCode> = ["Q", "W", "1", "2", "ShiftLeft"].map(code).into();
+    assert_eq!(layout.codes(), expected);
+    assert_eq!(layout.label_in(&layout.keys[0], 1), None);
+    assert_eq!(layout.label_in(&layout.keys[1], 2), Some("⇧"));
+}
+
+#[test]
+fn a_file_goes_before_a_shipped_layout_of_its_name() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("arrows"),
+        board("rows: [(at_mm: (0, 0), keys: \"A\")]"),
+    )
+    .unwrap();
+    let keys = |folder: &Path, name| {
+        let document = Document::open_from(folder, name).unwrap();
+        Layout::of(document).unwrap().keys.len()
+    };
+    assert_eq!(keys(folder.path(), "arrows"), 1);
+    assert_eq!(keys(folder.path(), "arrows.ron"), 4);
+    // A folder of that name is no layout.
+    fs::create_dir(folder.path().join("numpad")).unwrap();
+    assert_eq!(keys(folder.path(), "numpad"), 17);
+}
+
+#[test]
+fn a_drawing_shows_every_key_at_its_place() {
+    let text = board(
+        "rows: [(at_mm: (0, 0), keys: \"Q W\")], keys: [(code: \"Space\", label: \"⎵ <&>\", at_mm: (9.5, -19), size_mm: Box(36, 17)), (code: \"1\", at_mm: (57, -19), size_mm: Disc(17))]",
+    );
+    let layout = Layout::parse(&text, "t.ron").unwrap();
+    let expected = "\
+┌───┐┌───┐
+│ Q ││ W │
+└───┘└───┘
+┌────────┐     ╭───╮
+│ ⎵ <&>  │     │ 1 │
+└────────┘     ╰───╯
+";
+    assert_eq!(layout.draw(), expected);
+    let grid = &layout.grids()[0];
+    assert_eq!(grid.character_at(Vec2::new(0.019, 0.0)), Some((7, 1)));
+    for (x, y) in [(0.5, 0.0), (-0.01, 0.0), (0.0, 0.01), (0.0, -0.1)] {
+        assert_eq!(grid.character_at(Vec2::new(x, y)), None);
+    }
+    let svg = layout.svg();
+    assert!(svg.contains(">⎵ &lt;&amp;&gt;</text>"), "{svg}");
+    assert_eq!(svg.matches("<rect class=\"key\"").count(), 3);
+    assert_eq!(svg.matches("<circle class=\"key\"").count(), 1);
+    assert_eq!(svg.matches("<g ").count(), svg.matches("</g>").count());
+}
+
+#[test]
+fn the_largest_board_makes_a_drawing_that_fits() {
+    let text = board(
+        "pitch_mm: 1, size_mm: Disc(1), keys: [(code: \"A\", at_mm: (-2000, -2000)), (code: \"B\", at_mm: (2000, 2000))]",
+    );
+    let layout = Layout::parse(&text, "t.ron").unwrap();
+    let grid = &layout.grids()[0];
+    assert!(grid.columns <= 201 && grid.rows <= 81);
+    assert_eq!(layout.draw().lines().count(), grid.rows);
+}
+
+/// Each fenced block of the guide that is a whole layout is one.
+#[test]
+fn the_examples_of_the_guide_are_valid() {
+    let path = format!("{}/layouts/README.md", env!("CARGO_MANIFEST_DIR"));
+    let guide = fs::read_to_string(path).unwrap();
+    let blocks: Vec<&str> = guide
+        .split("```ron\n")
+        .skip(1)
+        .map(|rest| rest.split("```").next().unwrap())
+        .collect();
+    assert!(blocks.len() >= 4, "{}", blocks.len());
+    for block in blocks {
+        let document = Document::new("README.md", block);
+        Layout::parse(&document.text, &document.file).unwrap_or_else(|error| panic!("{error}"));
+    }
+}
+
+#[test]
+fn the_errors_of_the_guide_look_as_they_are() {
+    let path = format!("{}/layouts/README.md", env!("CARGO_MANIFEST_DIR"));
+    let guide = fs::read_to_string(path).unwrap();
+    let first = guide.split("```ron\n").nth(1).unwrap();
+    let first = first.split("```").next().unwrap();
+    let misspelt = first.replace("Enter", "Entre");
+    let space = "        keys: [(code: \"Space\", at_mm: (10, 10))],\n    )],";
+    let overlapping = first.replace("    )],", space);
+    for text in [misspelt, overlapping] {
+        let error = Layout::parse(&text, "yes-no.ron").unwrap_err().to_string();
+        assert!(guide.contains(&format!("```text\n{error}\n```")), "{error}");
+    }
+}
+
+/// The table of the guide against the numbers of the code.
+#[test]
+fn the_guide_names_every_range_and_default() {
+    use ademan::layout::number::*;
+    let path = format!("{}/layouts/README.md", env!("CARGO_MANIFEST_DIR"));
+    let guide = fs::read_to_string(path).unwrap();
+    let row = |field: &str| {
+        let start = format!("| `{field}` |");
+        let line = guide.lines().find(|line| line.starts_with(&start));
+        line.unwrap_or_else(|| panic!("no row for {field}"))
+            .to_owned()
+    };
+    macro_rules! agrees {
+        ($($field:literal $measure:ident $($default:ident)?;)+) => {$(
+            let (low, high) = ($measure::RANGE.start(), $measure::RANGE.end());
+            let range = format!("| {low} to {high} |").replace('-', "−");
+            assert!(row($field).contains(&range), "{} {range}", row($field));
+            $(
+                let $default = format!("| {} |", $measure::default().get());
+                assert!(row($field).contains(&$default), "{} {}", row($field), $default);
+            )?
+        )+};
+    }
+    agrees! {
+        "bearing_deg" Bearing default;
+        "forward_mm" Distance;
+        "height_mm" Distance default;
+        "tilt_deg" Tilt default;
+        "radius_mm" Radius;
+        "pitch_mm" Pitch default;
+        "travel_mm" Travel default;
+        "press_share" PressShare default;
+        "release_share" ReleaseShare default;
+        "size_mm" Size;
+        "at_mm" Distance;
+    }
+}
