@@ -33,7 +33,7 @@ fn up(name: &str) -> OutputEvent {
 /// The key presses that write `text` on a US keymap, one frame per character.
 fn strokes(text: &str) -> Vec<Vec<OutputEvent>> {
     let stroke = |character| {
-        let (key, shifted) = KeyCode::for_us_character(character).unwrap();
+        let (key, shifted) = KeyCode::for_us_character(character).next().unwrap();
         let shift =
             |action: fn(KeyCode) -> Action| shifted.then(|| event(action(KeyCode::SHIFT_LEFT)));
         let mut events = Vec::from_iter(shift(Action::KeyDown));

@@ -1,4 +1,4 @@
-//! 5 · [`HandPose`](crate::kinematics::HandPose) + [`Touches`](crate::contact::Touches) → `OutputEvent`.
+//! 5 · [`HandPose`] + [`Touches`](crate::contact::Touches) → [`OutputEvent`].
 
 use arrayvec::ArrayVec;
 

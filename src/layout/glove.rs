@@ -93,7 +93,8 @@ impl WrittenRow<'_> {
             return Err(document.error(self.label, message));
         }
         let numbers = [self.offset_counts, self.turn_rad, self.initial_rad];
-        if numbers.iter().any(|number| !(number.abs() <= 1e6)) || self.turn_rad == 0.0 {
+        let usable = |number: &f64| (-1e6..=1e6).contains(number);
+        if !numbers.iter().all(usable) || self.turn_rad == 0.0 {
             let message = format!(
                 "the row of {} needs finite numbers, and a `turn_rad` other than 0",
                 self.dof

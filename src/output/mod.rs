@@ -1,4 +1,4 @@
-//! 6 · [`OutputEvent`](crate::device::OutputEvent) → the operating system or a peer.
+//! 6 · [`OutputEvent`] → the operating system or a peer.
 
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};

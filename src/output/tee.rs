@@ -14,20 +14,27 @@ impl Tee {
     pub fn new(sinks: Vec<Box<dyn Sink>>) -> Self {
         Self(sinks)
     }
+
+    fn each(
+        &mut self,
+        mut call: impl FnMut(&mut dyn Sink) -> Result<(), OutputError>,
+    ) -> Result<(), OutputError> {
+        let mut outcome = Ok(());
+        for sink in &mut self.0 {
+            outcome = outcome.and(call(sink.as_mut()));
+        }
+        outcome
+    }
 }
 
 impl Sink for Tee {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
-        self.0
-            .iter_mut()
-            .fold(Ok(()), |outcome, sink| outcome.and(sink.send(events)))
+        self.each(|sink| sink.send(events))
     }
 
     /// Closes every output, one after the other.
     fn close(&mut self) -> Result<(), OutputError> {
-        self.0
-            .iter_mut()
-            .fold(Ok(()), |outcome, sink| outcome.and(sink.close()))
+        self.each(|sink| sink.close())
     }
 
     fn refused_presses(&self) -> u64 {
