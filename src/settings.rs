@@ -10,7 +10,7 @@ use crate::capture::{self, CaptureError, LineSettings, Source, SourceName};
 use crate::device::keyboard::Keyboard;
 use crate::estimate::{Estimator, EstimatorSettings, OneEuroSettings, Smoothing};
 use crate::kinematics::{ArmModel, BoneLengths};
-use crate::lab::{Typist, TypistSettings};
+use crate::lab::{self, Typist, TypistError, TypistSettings};
 use crate::layout::{Document, Glove, Layout, LayoutError};
 use crate::pipeline::{Arming, Pipeline};
 
@@ -88,7 +88,7 @@ pub enum SetupError {
     Capture(#[from] CaptureError),
     /// The simulated hand cannot type this.
     #[error(transparent)]
-    Typist(#[from] crate::lab::TypistError),
+    Typist(#[from] TypistError),
 }
 
 impl Default for Setup {
@@ -247,20 +247,20 @@ impl Assembly {
         seed: u64,
     ) -> Result<Typist, SetupError> {
         let settings = TypistSettings {
-            text: text.to_owned(),
+            name: format!("typist:{text}"),
             frame_period: line.frame_period(),
             noise_counts,
             seed,
         };
-        let keys = self.layout.keyboard_bindings();
-        let typist = Typist::new(
+        let taps = lab::taps(text, &self.layout.keyboard_bindings());
+        let taps = taps.map_err(TypistError::from)?;
+        Ok(Typist::new(
             &settings,
+            &taps,
             &self.layout.scene,
-            &keys,
             &self.arm,
             &self.glove.map,
-        )?;
-        Ok(typist)
+        )?)
     }
 
     /// Opens a source.

@@ -186,12 +186,16 @@ impl Estimator {
             return Ok(false);
         };
         let rows = self.map.rows().len();
-        if is_reachable(&last, measured, max_speed, rows) {
+        // Readings that were not believed give the hand no time to get anywhere.
+        let before = self.candidate.map_or(last.time, |(before, _)| before.time);
+        let reach = max_speed * measured.time.since(before).as_secs_f64();
+        let is_near = |from: &Measured| from.is_within(reach.max(MIN_REACH), measured, rows);
+        if is_near(&last) {
             self.candidate = None;
             return Ok(false);
         }
         let agreeing = match &self.candidate {
-            Some((before, count)) if is_reachable(before, measured, max_speed, rows) => count + 1,
+            Some((before, count)) if is_near(before) => count + 1,
             _ => 1,
         };
         if agreeing < CONSISTENT_READINGS {
@@ -223,11 +227,12 @@ impl Estimator {
     }
 }
 
-/// Whether no row turned faster than `max_speed` (rad/s) from one reading to a later one.
-fn is_reachable(from: &Measured, to: &Measured, max_speed: f64, rows: usize) -> bool {
-    let reach = (max_speed * to.time.since(from.time).as_secs_f64()).max(MIN_REACH);
-    from.rows[..rows]
-        .iter()
-        .zip(&to.rows[..rows])
-        .all(|(from, to)| (to - from).abs() <= reach)
+impl Measured {
+    /// Whether no row is more than `reach` (radians) away in `other`.
+    fn is_within(&self, reach: f64, other: &Self, rows: usize) -> bool {
+        let pairs = self.rows[..rows].iter().zip(&other.rows[..rows]);
+        pairs
+            .into_iter()
+            .all(|(from, to)| (to - from).abs() <= reach)
+    }
 }

@@ -5,12 +5,11 @@ use std::time::Duration;
 use arrayvec::ArrayVec;
 use parry3d::math::Vec3;
 
-use super::plan::{PlanError, Tap, taps};
+use super::plan::{PlanError, Tap};
 use crate::capture::{
     Capture, CaptureError, Channels, Counts, MAX_CHANNELS, Reading, Sample, Source,
 };
 use crate::contact::surface::{Scene, Target};
-use crate::device::keyboard::KeyBinding;
 use crate::estimate::{ChannelMap, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger};
 use crate::kinematics::{ArmModel, Control, MAX_CONTROLS, angles_of, solve};
@@ -30,8 +29,8 @@ const REACH_ERROR: f64 = 0.003;
 /// Who types, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TypistSettings {
-    /// What to type.
-    pub text: String,
+    /// What the source is called.
+    pub name: String,
     /// The time between two packets of the glove.
     pub frame_period: Duration,
     /// Standard deviation of the noise on every channel, in counts; 0 for none.
@@ -84,21 +83,20 @@ struct Move {
 }
 
 impl Typist {
-    /// Plans the text on these keys for this arm and glove.
+    /// Plans these taps of keys in `scene` for this arm and glove.
     pub fn new(
         settings: &TypistSettings,
+        taps: &[Tap],
         scene: &Scene,
-        keys: &[KeyBinding],
         arm: &ArmModel,
         map: &ChannelMap,
     ) -> Result<Self, TypistError> {
-        let taps = taps(&settings.text, keys)?;
         let controls = typing_controls(map);
         let resting = posture(map);
         let rest: ArrayVec<f64, MAX_CONTROLS> =
             controls.iter().map(|control| control.rest).collect();
         let mut typist = Self {
-            name: format!("typist:{}", settings.text),
+            name: settings.name.clone(),
             arm: arm.clone(),
             map: map.clone(),
             controls,
@@ -112,7 +110,7 @@ impl Typist {
             frame_of_move: 0,
             frame: 0,
         };
-        typist.plan(scene, &taps)?;
+        typist.plan(scene, taps)?;
         Ok(typist)
     }
 

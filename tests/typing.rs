@@ -1,0 +1,169 @@
+//! The simulated hand types on every keyboard, through the pipeline, in no time at all.
+
+use std::num::NonZeroU32;
+
+use ademan::capture::{Capture, LineSettings, Source};
+use ademan::contact::{Phase, TargetId};
+use ademan::device::Events;
+use ademan::lab::{Tap, Typist, TypistSettings, UsKeymap};
+use ademan::layout::Layout;
+use ademan::settings::{Assembly, Hand, Setup, SmoothingChoice};
+
+const ALL_OF_ASCII: &str = "The quick brown fox, jumps over\nthe lazy dog! 0123456789\n\
+    @#$%^&*()-_=+[]{}\\|;:'\"/?.,<>`~\tend";
+
+fn line(baud: u32) -> LineSettings {
+    LineSettings {
+        baud: NonZeroU32::new(baud).expect("a baud"),
+        ..LineSettings::default()
+    }
+}
+
+fn assembly(layout: &str) -> Assembly {
+    with(layout, SmoothingChoice::Default)
+}
+
+fn with(layout: &str, smoothing: SmoothingChoice) -> Assembly {
+    let setup = Setup {
+        layout: layout.into(),
+        smoothing,
+        ..Setup::default()
+    };
+    setup.assemble().expect("a shipped layout")
+}
+
+/// What comes out when the hand plays, and the keys it pressed in order.
+fn play(assembly: &Assembly, mut hand: Typist) -> (String, Vec<TargetId>) {
+    let mut pipeline = assembly.pipeline();
+    let mut field = UsKeymap::new();
+    let mut pressed = Vec::new();
+    let mut events = Events::new();
+    while let Ok(Capture::Reading(reading)) = hand.next() {
+        events.clear();
+        let frame = pipeline.step(&reading, &mut events);
+        let frame = frame.unwrap_or_else(|reason| panic!("{reason} at {:?}", reading.time));
+        events.iter().for_each(|event| field.take(event));
+        let new = frame
+            .touches
+            .iter()
+            .filter(|touch| touch.phase == Phase::Pressed);
+        pressed.extend(new.map(|touch| touch.target));
+    }
+    events.clear();
+    pipeline.stop(&mut events);
+    assert!(events.is_empty(), "nothing is down at the end: {events:?}");
+    assert!(field.down().is_empty());
+    (field.text().to_owned(), pressed)
+}
+
+fn type_text(assembly: &Assembly, text: &str, baud: u32, noise_counts: f64) -> String {
+    let hand = assembly.typist(text, &line(baud), noise_counts, 11);
+    play(
+        assembly,
+        hand.unwrap_or_else(|error| panic!("{text:?}: {error}")),
+    )
+    .0
+}
+
+#[test]
+fn every_character_of_ascii_comes_out_on_the_flat_boards_at_both_speeds_of_the_line() {
+    for layout in ["qwerty-flat", "qwerty-flat-22"] {
+        let assembly = assembly(layout);
+        for baud in [9_600, 115_200] {
+            let typed = type_text(&assembly, ALL_OF_ASCII, baud, 0.0);
+            assert_eq!(typed, ALL_OF_ASCII, "{layout} at {baud} baud");
+        }
+    }
+}
+
+#[test]
+fn every_character_of_ascii_comes_out_on_the_arcs_with_their_layer() {
+    let assembly = assembly("qwerty-arc");
+    for baud in [9_600, 115_200] {
+        assert_eq!(
+            type_text(&assembly, ALL_OF_ASCII, baud, 0.0),
+            ALL_OF_ASCII,
+            "{baud} baud"
+        );
+    }
+}
+
+#[test]
+fn every_key_of_every_shipped_keyboard_can_be_tapped_and_no_other_key_is_hit() {
+    for (name, layout) in Layout::shipped().expect("shipped layouts are right") {
+        let assembly = assembly(name);
+        // There and back, so that every key is reached from more than one side.
+        let keys = layout.keys.iter().map(|key| Tap { target: key.target });
+        let taps: Vec<Tap> = keys.clone().chain(keys.rev()).collect();
+        let settings = TypistSettings {
+            name: name.into(),
+            frame_period: line(115_200).frame_period(),
+            noise_counts: 0.0,
+            seed: 0,
+        };
+        let hand = Typist::new(
+            &settings,
+            &taps,
+            &layout.scene,
+            &assembly.arm,
+            &assembly.glove.map,
+        );
+        let (_, pressed) = play(
+            &assembly,
+            hand.unwrap_or_else(|error| panic!("{name}: {error}")),
+        );
+        let wanted: Vec<TargetId> = taps.iter().map(|tap| tap.target).collect();
+        assert_eq!(pressed, wanted, "{name}");
+    }
+}
+
+#[test]
+fn the_filters_of_the_seed_and_none_at_all_do_as_well() {
+    let text = "Filters of the seed.";
+    // At 14.5 frames a second the seed's filters take half a second to follow a stroke.
+    let cases = [
+        (SmoothingChoice::Thesis, 115_200),
+        (SmoothingChoice::Off, 115_200),
+        (SmoothingChoice::Off, 9_600),
+    ];
+    for (smoothing, baud) in cases {
+        let assembly = with("qwerty-flat", smoothing);
+        assert_eq!(
+            type_text(&assembly, text, baud, 0.0),
+            text,
+            "{smoothing:?} at {baud} baud"
+        );
+    }
+}
+
+#[test]
+fn a_count_of_noise_on_every_channel_does_not_change_the_text() {
+    let text = "Noise of one count: still right.";
+    let assembly = assembly("qwerty-flat-22");
+    assert_eq!(type_text(&assembly, text, 115_200, 1.0), text);
+}
+
+#[test]
+fn a_hand_with_other_measures_types_as_well() {
+    let setup = Setup {
+        hand: Hand::Measured {
+            hand_length_mm: 175.0,
+            forearm_length_mm: 225.0,
+        },
+        layout: "qwerty-flat".into(),
+        ..Setup::default()
+    };
+    let assembly = setup.assemble().expect("a person of these measures");
+    let text = "Other measures.";
+    assert_eq!(type_text(&assembly, text, 115_200, 0.0), text);
+}
+
+#[test]
+fn what_cannot_be_typed_is_said_before_the_hand_moves() {
+    let assembly = assembly("arrows");
+    let error = assembly
+        .typist("q", &line(9_600), 0.0, 0)
+        .err()
+        .expect("no letters there");
+    assert!(error.to_string().contains("no key Q"), "{error}");
+}
