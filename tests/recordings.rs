@@ -266,6 +266,29 @@ fn a_file_without_readings_and_one_of_another_format_are_refused() {
 }
 
 #[test]
+fn a_reading_that_no_sensor_gives_ends_the_replay_at_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let mut recorder = Recorder::create(&path, &setup()).unwrap();
+    let mut impossible = snapshot(1);
+    let mut reading_of_it = reading(1);
+    let Sample::Channels(channels) = &mut reading_of_it.sample else {
+        panic!("it has channels");
+    };
+    channels.counts[3] = 256;
+    impossible.reading = Some(reading_of_it);
+    for snapshot in [&snapshot(0), &impossible, &snapshot(2)] {
+        recorder.write(snapshot).unwrap();
+    }
+    recorder.finish().unwrap();
+    let (second, _) = messages_of_readings(&fs::read(&path).unwrap())[1];
+    let (found, error) = readings(Replay::open(&path).unwrap());
+    assert_eq!(found, [reading(0)]);
+    let end = format!("at byte {second}, a count is larger than its full scale");
+    assert!(error.unwrap().to_string().ends_with(&end));
+}
+
+#[test]
 fn a_missing_file_is_named() {
     let error = Replay::open(Path::new("/nowhere/a.mcap")).err().unwrap();
     let start = "cannot open recording:/nowhere/a.mcap: ";

@@ -82,6 +82,9 @@ pub struct Cut {
 ///
 /// Reads the file piece by piece, so that its size does not matter. After a file that was cut off
 /// has given all whole readings it is at its [`End`](Capture::End), and [`cut`](Self::cut) says where.
+///
+/// The checksum stands at the end of the file: damage that leaves a reading readable is an error
+/// after the last reading, not before the damaged one.
 pub struct Replay<R = File> {
     name: String,
     records: Records<R>,

@@ -5,7 +5,7 @@
 //! somebody lets go of it. So the thread lets go of everything when its queue is closed, however that
 //! comes about: [`close`](Sink::close), a drop, or a panic of the loop.
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -13,7 +13,8 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounde
 use enigo::{Direction, Enigo, InputResult, NewConError, Settings};
 
 use super::held::Held;
-use super::{OutputError, RETRIES, RETRY_PAUSE, Sink, platform};
+use super::worker::{Injector, Order, Report, Worker};
+use super::{OutputError, Sink, platform};
 use crate::device::{Action, KeyCode, OutputEvent};
 
 const OUTPUT: &str = "desktop";
@@ -28,12 +29,6 @@ const CONNECT_LIMIT: Duration = Duration::from_secs(5);
 /// How long [`Desktop::close`](Sink::close) waits.
 const CLOSE_LIMIT: Duration = Duration::from_secs(1);
 
-/// Puts keys down and up; one end of a connection to a display, or a stand-in for it.
-pub trait Injector {
-    /// Puts `key` down or up; `Ok` only when the display has taken it.
-    fn inject(&mut self, key: KeyCode, direction: Direction) -> Result<(), String>;
-}
-
 /// An output that presses keys on the desktop.
 ///
 /// A press is refused, and [counted](Sink::refused_presses), while more than half of the queue is
@@ -45,19 +40,6 @@ pub struct Desktop {
     report: Arc<Report>,
     thread: Option<JoinHandle<()>>,
     ended: Receiver<()>,
-}
-
-#[derive(Clone, Copy)]
-struct Order {
-    key: KeyCode,
-    direction: Direction,
-}
-
-/// What the thread has to say; each is said once.
-#[derive(Default)]
-struct Report {
-    failure: OnceLock<String>,
-    stuck: OnceLock<String>,
 }
 
 impl Desktop {
@@ -194,88 +176,6 @@ impl Drop for Desktop {
     }
 }
 
-/// The thread's side: what it has put down, and where.
-struct Worker<'a, C> {
-    injector: C,
-    held: Held,
-    report: &'a Report,
-}
-
-impl<'a, C: Injector> Worker<'a, C> {
-    fn new(injector: C, report: &'a Report) -> Self {
-        Self {
-            injector,
-            held: Held::default(),
-            report,
-        }
-    }
-
-    /// Follows orders until there will be no more, then lets go of everything.
-    fn work(mut self, queue: &Receiver<Order>, mut connect: impl FnMut() -> Result<C, String>) {
-        for order in queue {
-            self.follow(order);
-        }
-        self.release_all();
-        if self.held.is_empty() {
-            return;
-        }
-        // The connection may be gone while the display, and what is down on it, is still there.
-        if let Ok(injector) = connect() {
-            self.injector = injector;
-            self.release_all();
-        }
-        let stuck: Vec<_> = self.held.release_order().map(KeyCode::name).collect();
-        if !stuck.is_empty() {
-            let _ = self.report.stuck.set(stuck.join(", "));
-        }
-    }
-
-    fn follow(&mut self, Order { key, direction }: Order) {
-        if direction == Direction::Release {
-            return self.release(key);
-        }
-        if self.report.failure.get().is_some() {
-            return;
-        }
-        // Noted first: a press that failed may have arrived all the same.
-        self.held.press(key);
-        self.inject(key, direction);
-    }
-
-    fn release(&mut self, key: KeyCode) {
-        if self.held.contains(key) && self.inject(key, Direction::Release) {
-            self.held.release(key);
-        }
-    }
-
-    fn release_all(&mut self) {
-        for key in self.held.clone().release_order() {
-            self.release(key);
-        }
-    }
-
-    /// Whether the display took it, after some tries. Once it has failed, each order gets one try:
-    /// letting go of everything must not take longer than anybody waits.
-    fn inject(&mut self, key: KeyCode, direction: Direction) -> bool {
-        let retries = match self.report.failure.get() {
-            None => RETRIES,
-            Some(_) => 0,
-        };
-        let mut outcome = self.injector.inject(key, direction);
-        for _ in 0..retries {
-            if outcome.is_ok() {
-                break;
-            }
-            thread::sleep(RETRY_PAUSE);
-            outcome = self.injector.inject(key, direction);
-        }
-        if let Err(reason) = &outcome {
-            let _ = self.report.failure.set(reason.clone());
-        }
-        outcome.is_ok()
-    }
-}
-
 /// A connection to a display.
 struct Display(Enigo);
 
@@ -334,6 +234,7 @@ fn failed(reason: &str) -> OutputError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::RETRIES;
     use crate::output::tests::{down, up};
     use std::sync::Mutex;
     use std::time::Instant;

@@ -16,6 +16,7 @@ pub mod tee;
 pub mod transcript;
 #[cfg(target_os = "linux")]
 pub mod uinput;
+mod worker;
 
 pub use desktop::Desktop;
 pub use tee::Tee;
