@@ -1,0 +1,312 @@
+//! When the engine lets events out, and that it lets go of everything in time.
+
+use ademan::capture::{Capture, Channels, LineSettings, Reading, Sample, Source};
+use ademan::contact::Phase;
+use ademan::device::{Action, Events, KeyCode};
+use ademan::estimate::Rejection;
+use ademan::monitor::State;
+use ademan::pipeline::Pipeline;
+use ademan::settings::Setup;
+use ademan::time::Timestamp;
+
+/// A wearer whose hand is over the H key or pushes it in, 100 readings a second.
+struct Wearer {
+    pipeline: Pipeline,
+    time_ms: u64,
+    over: Channels,
+    down: Channels,
+    transcript: Vec<String>,
+}
+
+/// The counts of the glove over the H key, and with the key pushed in.
+fn postures(setup: &Setup) -> (Channels, Channels) {
+    let assembly = setup.clone().assemble().expect("the default setup");
+    let hand = assembly.typist("h", &LineSettings::default(), 0.0, 0);
+    let mut hand = hand.expect("h can be typed");
+    let mut pipeline = assembly.pipeline();
+    let (mut over, mut down) = (None, None);
+    let mut events = Events::new();
+    while let Ok(Capture::Reading(reading)) = hand.next() {
+        let Sample::Channels(channels) = reading.sample.clone() else {
+            panic!("a glove has channels");
+        };
+        over.get_or_insert(channels.clone());
+        let frame = pipeline.step(&reading, &mut events).expect("an able hand");
+        let deepest = frame
+            .touches
+            .iter()
+            .any(|touch| touch.phase == Phase::Held && touch.depth == 1.0);
+        if deepest && down.is_none() {
+            down = Some(channels);
+        }
+    }
+    (
+        over.expect("a first posture"),
+        down.expect("the key goes down"),
+    )
+}
+
+impl Wearer {
+    fn new(setup: &Setup) -> Self {
+        let (over, down) = postures(setup);
+        let assembly = setup.clone().assemble().expect("the default setup");
+        Self {
+            pipeline: assembly.pipeline(),
+            time_ms: 0,
+            over,
+            down,
+            transcript: Vec::new(),
+        }
+    }
+
+    fn armed() -> Self {
+        let mut wearer = Self::new(&Setup::default());
+        wearer.stay_over(400);
+        assert_eq!(wearer.pipeline.state(), State::Running);
+        wearer
+    }
+
+    fn feed(&mut self, channels: &Channels) -> Option<Rejection> {
+        let reading = Reading {
+            time: Timestamp(self.time_ms * 1_000),
+            sample: Sample::Channels(channels.clone()),
+        };
+        let mut events = Events::new();
+        let outcome = self.pipeline.step(&reading, &mut events);
+        self.write(&events);
+        outcome.err()
+    }
+
+    fn write(&mut self, events: &Events) {
+        for event in events {
+            let line = match event.action {
+                Action::KeyDown(key) => format!("down {key}"),
+                Action::KeyUp(key) => format!("up {key} at {}", event.time.0 / 1_000),
+                _ => continue,
+            };
+            self.transcript.push(line);
+        }
+    }
+
+    fn stay(&mut self, channels: &Channels, milliseconds: u64) {
+        for _ in 0..milliseconds / 10 {
+            self.time_ms += 10;
+            self.feed(channels);
+        }
+    }
+
+    fn stay_over(&mut self, milliseconds: u64) {
+        self.stay(&self.over.clone(), milliseconds);
+    }
+
+    fn push_down(&mut self, milliseconds: u64) {
+        self.stay(&self.down.clone(), milliseconds);
+    }
+
+    fn wait(&mut self, milliseconds: u64) {
+        self.time_ms += milliseconds;
+    }
+
+    fn said(&mut self) -> String {
+        std::mem::take(&mut self.transcript).join(", ")
+    }
+}
+
+#[test]
+fn it_starts_paused_and_arms_when_the_hand_was_off_all_keys_for_300_ms() {
+    let mut wearer = Wearer::new(&Setup::default());
+    assert_eq!(wearer.pipeline.state(), State::Starting);
+    wearer.stay_over(300);
+    assert_eq!(wearer.pipeline.state(), State::Paused);
+    wearer.stay_over(10);
+    assert_eq!(wearer.pipeline.state(), State::Running);
+    wearer.push_down(300);
+    wearer.stay_over(300);
+    assert!(wearer.said().starts_with("down H, up H"));
+}
+
+#[test]
+fn a_press_before_it_is_armed_is_never_typed() {
+    let mut wearer = Wearer::new(&Setup::default());
+    wearer.stay_over(200);
+    wearer.push_down(500);
+    assert_eq!(wearer.pipeline.state(), State::Paused);
+    wearer.stay_over(250);
+    wearer.push_down(500);
+    wearer.stay_over(100);
+    assert_eq!(wearer.said(), "");
+}
+
+#[test]
+fn a_hand_that_lies_on_a_key_at_the_start_presses_nothing() {
+    let mut wearer = Wearer::new(&Setup::default());
+    wearer.push_down(2_000);
+    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.said(), "");
+}
+
+#[test]
+fn armed_by_flag_it_types_from_the_first_reading_on() {
+    let setup = Setup {
+        armed: true,
+        ..Setup::default()
+    };
+    let mut wearer = Wearer::new(&setup);
+    wearer.stay_over(20);
+    wearer.push_down(300);
+    assert_eq!(wearer.said(), "down H");
+}
+
+#[test]
+fn even_then_a_finger_that_was_on_the_key_has_to_leave_first() {
+    let setup = Setup {
+        armed: true,
+        ..Setup::default()
+    };
+    let mut wearer = Wearer::new(&setup);
+    wearer.push_down(500);
+    assert_eq!(wearer.said(), "");
+    wearer.stay_over(300);
+    wearer.push_down(300);
+    assert_eq!(wearer.said(), "down H");
+}
+
+#[test]
+fn readings_that_stay_away_release_everything_at_the_limit() {
+    let mut wearer = Wearer::armed();
+    wearer.push_down(300);
+    wearer.wait(190);
+    wearer.push_down(10);
+    assert_eq!(wearer.said(), "down H", "200 ms are not too long");
+    let last = wearer.time_ms;
+    wearer.wait(191);
+    wearer.push_down(10);
+    assert_eq!(wearer.said(), format!("up H at {}", last + 200));
+    assert_eq!(wearer.pipeline.state(), State::Stalled);
+    assert_eq!(wearer.pipeline.stalls(), 1);
+}
+
+#[test]
+fn after_a_stall_the_hand_has_to_be_seen_off_all_keys() {
+    let mut wearer = Wearer::armed();
+    wearer.push_down(300);
+    wearer.wait(1_000);
+    wearer.push_down(1_000);
+    wearer.said();
+    assert_eq!(wearer.pipeline.state(), State::Stalled);
+    wearer.stay_over(200);
+    wearer.push_down(300);
+    assert_eq!(wearer.said(), "", "200 ms are too short");
+    wearer.stay_over(500);
+    wearer.push_down(300);
+    assert_eq!(wearer.said(), "down H");
+}
+
+#[test]
+fn time_in_which_nothing_was_seen_does_not_arm() {
+    let mut wearer = Wearer::new(&Setup::default());
+    wearer.stay_over(200);
+    wearer.wait(1_000);
+    wearer.stay_over(20);
+    assert_eq!(wearer.pipeline.state(), State::Stalled);
+}
+
+#[test]
+fn a_stall_ends_every_contact() {
+    let mut wearer = Wearer::armed();
+    wearer.push_down(300);
+    wearer.wait(1_000);
+    let reading = Reading {
+        time: Timestamp(wearer.time_ms * 1_000),
+        sample: Sample::Channels(wearer.over.clone()),
+    };
+    let frame = wearer.pipeline.step(&reading, &mut Events::new());
+    let touches = frame.expect("an able hand").touches;
+    assert!(touches.is_empty(), "{touches:?}");
+}
+
+#[test]
+fn the_watchdog_and_the_times_of_the_readings_tell_the_same_stall() {
+    let mut by_watchdog = Wearer::armed();
+    by_watchdog.push_down(300);
+    let mut events = Events::new();
+    by_watchdog.pipeline.stall(&mut events);
+    by_watchdog.write(&events);
+    let mut by_times = Wearer::armed();
+    by_times.push_down(300);
+    by_times.wait(5_000);
+    by_times.stay_over(10);
+    assert_eq!(by_watchdog.said(), by_times.said());
+}
+
+#[test]
+fn a_second_stall_without_a_reading_in_between_is_no_stall() {
+    let mut wearer = Wearer::armed();
+    let mut events = Events::new();
+    wearer.pipeline.stall(&mut events);
+    wearer.pipeline.stall(&mut events);
+    assert_eq!(wearer.pipeline.stalls(), 1);
+}
+
+#[test]
+fn readings_that_cannot_be_used_are_no_readings() {
+    let mut wearer = Wearer::armed();
+    wearer.push_down(300);
+    let mut broken = wearer.down.clone();
+    // An elbow at 1 count is bent 17 degrees the wrong way.
+    broken.counts[17] = 1;
+    wearer.stay(&broken, 250);
+    assert!(wearer.said().contains("up H"));
+    assert_eq!(wearer.pipeline.state(), State::Stalled);
+    assert_eq!(
+        wearer.pipeline.rejected()[Rejection::Impossible.index()],
+        25
+    );
+}
+
+#[test]
+fn a_hand_that_is_suddenly_elsewhere_lets_go() {
+    let mut wearer = Wearer::armed();
+    wearer.push_down(300);
+    let mut elsewhere = wearer.down.clone();
+    elsewhere.counts[17] += 100;
+    wearer.stay(&elsewhere, 30);
+    assert!(wearer.said().contains("down H, up H"));
+}
+
+#[test]
+fn the_end_lets_go_of_everything() {
+    let mut wearer = Wearer::armed();
+    wearer.push_down(300);
+    let mut events = Events::new();
+    wearer.pipeline.stop(&mut events);
+    assert_eq!(wearer.pipeline.state(), State::Stopped);
+    let up = Action::KeyUp("H".parse::<KeyCode>().expect("a key"));
+    assert_eq!(
+        events.iter().map(|event| event.action).collect::<Vec<_>>(),
+        [up]
+    );
+    wearer.stay_over(1_000);
+    wearer.push_down(300);
+    assert_eq!(wearer.pipeline.state(), State::Stopped);
+    assert_eq!(wearer.said(), "down H");
+}
+
+#[test]
+fn every_reading_is_accounted_for() {
+    let mut wearer = Wearer::armed();
+    let mut rejected = 0;
+    for number in 0..500_u64 {
+        wearer.time_ms += 10;
+        let mut channels = wearer.over.clone();
+        channels.counts[17] = (number * 37 % 256) as u16;
+        rejected += u64::from(wearer.feed(&channels).is_some());
+    }
+    let accepted = wearer.pipeline.accepted();
+    assert_eq!(
+        accepted + wearer.pipeline.rejected().iter().sum::<u64>(),
+        540
+    );
+    assert_eq!(wearer.pipeline.rejected().iter().sum::<u64>(), rejected);
+    assert!(rejected > 100);
+}
