@@ -18,7 +18,7 @@ use crate::capture::recording::{
 use crate::monitor::Snapshot;
 use crate::output;
 use crate::time::Timestamp;
-use crate::trace::Stage;
+use crate::trace::{Stage, TargetNames};
 
 /// The program that a recording says it comes from.
 const LIBRARY: &str = concat!("ademan ", env!("CARGO_PKG_VERSION"));
@@ -52,6 +52,7 @@ pub struct Recorder {
     path: PathBuf,
     writer: Option<Writer<BufWriter<File>>>,
     channels: [Channel; Stage::COUNT],
+    names: TargetNames,
     buffer: Vec<u8>,
 }
 
@@ -63,8 +64,12 @@ struct Channel {
 
 impl Recorder {
     /// Starts a recording at `path`, readable for its owner only, where there must be no file yet.
-    /// `setup` is written at its start.
-    pub fn create(path: &Path, setup: &RecordedSetup) -> Result<Self, RecordError> {
+    /// `setup` is written at its start; `names` are those of the targets.
+    pub fn create(
+        path: &Path,
+        setup: &RecordedSetup,
+        names: TargetNames,
+    ) -> Result<Self, RecordError> {
         let refuse = |reason: String| RecordError::Create {
             path: path.to_owned(),
             reason,
@@ -84,6 +89,7 @@ impl Recorder {
             path: path.to_owned(),
             writer: Some(writer),
             channels,
+            names,
             buffer: Vec::new(),
         })
     }
@@ -115,7 +121,7 @@ impl Recorder {
             return Err(McapError::AttemptedWriteAfterFailure);
         };
         for (stage, channel) in Stage::ALL.iter().zip(&mut self.channels) {
-            stage.each(snapshot, &mut self.buffer, |time, json| {
+            stage.each(snapshot, &self.names, &mut self.buffer, |time, json| {
                 let header = channel.header(time);
                 writer.write_to_known_channel(&header, json)
             })?;

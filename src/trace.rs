@@ -6,12 +6,12 @@
 //! | `readings` | reading | `{"time_us":12500,"full_scale":255,"channels":[3,141]}` |
 //! | `angles` | frame | `{"time_us":12500,"angles":{"index-mcp-flexion":0.12}}` |
 //! | `pose` | frame | `{"time_us":12500,"side":"right","positions":{"wrist":[x,y,z]},"orientations":{"wrist":[x,y,z,w]}}` |
-//! | `touches` | touch | `{"time_us":12400,"finger":"index","target":7,"phase":"pressed","depth":0.5}` |
-//! | `events` | event | `{"time_us":12400,"event":"key-down","key":"Q"}`, `{"time_us":12400,"event":"depth","target":7,"depth":0.5}` |
+//! | `touches` | touch | `{"time_us":12400,"finger":"index","target":"Q","phase":"pressed","depth":0.5}` |
+//! | `events` | event | `{"time_us":12400,"event":"key-down","key":"Q"}`, `{"time_us":12400,"event":"depth","target":"ArrowUp","depth":0.5}` |
 //!
 //! Times are microseconds, channels in wire order, angles radians of the joints that the source
 //! measures, positions metres and orientations unit quaternions in the world of the joints that the arm
-//! model has. Objects keep their order, numbers their full precision.
+//! model has, targets the names that the layout gives them (their number where it gives none). Objects keep their order, numbers their full precision.
 
 use serde::{Serialize, Serializer};
 
@@ -39,6 +39,31 @@ named_enum! {
         /// What went out.
         Events = "events",
     }
+}
+
+/// What the targets of a scene are called, in the order of their numbers.
+#[derive(Clone, Debug, Default)]
+pub struct TargetNames(Vec<String>);
+
+impl TargetNames {
+    /// Target number `i` is called `names[i]`.
+    pub fn new(names: impl IntoIterator<Item = String>) -> Self {
+        Self(names.into_iter().collect())
+    }
+
+    fn form(&self, target: TargetId) -> TargetForm<'_> {
+        match self.0.get(target.0 as usize) {
+            Some(name) => TargetForm::Name(name),
+            None => TargetForm::Number(target),
+        }
+    }
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum TargetForm<'a> {
+    Name(&'a str),
+    Number(TargetId),
 }
 
 impl Stage {
@@ -76,10 +101,11 @@ impl Stage {
     }
 
     /// Hands each of the stage's values in `snapshot` to `take`: its time, and its JSON without a
-    /// line end. `buffer` is room to write in; what is in it is lost.
+    /// line end. `names` are those of the targets, `buffer` is room to write in; what is in it is lost.
     pub fn each<E>(
         self,
         snapshot: &Snapshot,
+        names: &TargetNames,
         buffer: &mut Vec<u8>,
         mut take: impl FnMut(Timestamp, &[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
@@ -99,11 +125,11 @@ impl Stage {
             Self::Touches => snapshot
                 .touches
                 .iter()
-                .try_for_each(|touch| take(touch.time, json(&TouchForm::of(touch), buffer))),
+                .try_for_each(|touch| take(touch.time, json(&TouchForm::of(touch, names), buffer))),
             Self::Events => snapshot
                 .events
                 .iter()
-                .try_for_each(|event| take(event.time, json(&EventForm::of(event), buffer))),
+                .try_for_each(|event| take(event.time, json(&EventForm::of(event, names), buffer))),
         }
     }
 }
@@ -167,20 +193,20 @@ fn orientations<S: Serializer>(pose: &&HandPose, serializer: S) -> Result<S::Ok,
 }
 
 #[derive(Serialize)]
-struct TouchForm {
+struct TouchForm<'a> {
     time_us: Timestamp,
     finger: Finger,
-    target: TargetId,
+    target: TargetForm<'a>,
     phase: Phase,
     depth: f32,
 }
 
-impl TouchForm {
-    fn of(touch: &Touch) -> Self {
+impl<'a> TouchForm<'a> {
+    fn of(touch: &Touch, names: &'a TargetNames) -> Self {
         Self {
             time_us: touch.time,
             finger: touch.finger,
-            target: touch.target,
+            target: names.form(touch.target),
             phase: touch.phase,
             depth: touch.depth,
         }
@@ -188,28 +214,31 @@ impl TouchForm {
 }
 
 #[derive(Serialize)]
-struct EventForm {
+struct EventForm<'a> {
     time_us: Timestamp,
     #[serde(flatten)]
-    action: ActionForm,
+    action: ActionForm<'a>,
 }
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
-enum ActionForm {
+enum ActionForm<'a> {
     KeyDown { key: KeyCode },
     KeyUp { key: KeyCode },
-    Depth { target: TargetId, depth: f32 },
+    Depth { target: TargetForm<'a>, depth: f32 },
 }
 
-impl EventForm {
-    fn of(event: &OutputEvent) -> Self {
+impl<'a> EventForm<'a> {
+    fn of(event: &OutputEvent, names: &'a TargetNames) -> Self {
         Self {
             time_us: event.time,
             action: match event.action {
                 Action::KeyDown(key) => ActionForm::KeyDown { key },
                 Action::KeyUp(key) => ActionForm::KeyUp { key },
-                Action::Depth(target, depth) => ActionForm::Depth { target, depth },
+                Action::Depth(target, depth) => ActionForm::Depth {
+                    target: names.form(target),
+                    depth,
+                },
             },
         }
     }
@@ -270,9 +299,14 @@ mod tests {
         }
     }
 
+    /// Target 7 has a name, those after it have none.
+    fn names() -> TargetNames {
+        TargetNames::new((0..8).map(|number| format!("key {number}")))
+    }
+
     fn lines(stage: Stage, snapshot: &Snapshot) -> Vec<String> {
         let mut lines = Vec::new();
-        let Ok(()) = stage.each(snapshot, &mut Vec::new(), |time, json| {
+        let Ok(()) = stage.each(snapshot, &names(), &mut Vec::new(), |time, json| {
             let line = String::from_utf8(json.to_vec()).unwrap();
             let object: Value = serde_json::from_str(&line).unwrap();
             assert_eq!(object["time_us"], time.0, "{line}");
@@ -292,11 +326,13 @@ mod tests {
             &[
                 r#"{"time_us":12500,"side":"right","positions":{"wrist":[0.1,-0.25,1e-7]},"orientations":{"wrist":[0.0,0.0,0.0,1.0]}}"#,
             ],
-            &[r#"{"time_us":12400,"finger":"index","target":7,"phase":"pressed","depth":0.5}"#],
+            &[
+                r#"{"time_us":12400,"finger":"index","target":"key 7","phase":"pressed","depth":0.5}"#,
+            ],
             &[
                 r#"{"time_us":12400,"event":"key-up","key":"Q"}"#,
                 r#"{"time_us":12400,"event":"key-down","key":"Q"}"#,
-                r#"{"time_us":12400,"event":"depth","target":7,"depth":0.1}"#,
+                r#"{"time_us":12400,"event":"depth","target":"key 7","depth":0.1}"#,
             ],
         ];
         for (stage, expected) in Stage::ALL.iter().zip(expected) {
@@ -338,7 +374,8 @@ mod tests {
 
     #[test]
     fn an_error_of_whoever_takes_the_lines_comes_back() {
-        let outcome = Stage::Events.each(&snapshot(), &mut Vec::new(), |_, _| Err("full"));
+        let outcome =
+            Stage::Events.each(&snapshot(), &names(), &mut Vec::new(), |_, _| Err("full"));
         assert_eq!(outcome, Err("full"));
     }
 }

@@ -15,6 +15,7 @@ use ademan::kinematics::HandPose;
 use ademan::monitor::{Snapshot, State, Tally};
 use ademan::recorder::Recorder;
 use ademan::time::Timestamp;
+use ademan::trace::TargetNames;
 use parry3d::math::{Pose, Vec3};
 
 const READINGS: u64 = 40;
@@ -67,7 +68,7 @@ fn setup() -> RecordedSetup {
 }
 
 fn record(path: &Path) {
-    let mut recorder = Recorder::create(path, &setup()).unwrap();
+    let mut recorder = Recorder::create(path, &setup(), TargetNames::default()).unwrap();
     for number in 0..READINGS {
         recorder.write(&snapshot(number)).unwrap();
     }
@@ -269,7 +270,7 @@ fn a_file_without_readings_and_one_of_another_format_are_refused() {
 fn a_reading_that_no_sensor_gives_ends_the_replay_at_its_place() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
-    let mut recorder = Recorder::create(&path, &setup()).unwrap();
+    let mut recorder = Recorder::create(&path, &setup(), TargetNames::default()).unwrap();
     let mut impossible = snapshot(1);
     let mut reading_of_it = reading(1);
     let Sample::Channels(channels) = &mut reading_of_it.sample else {
@@ -331,7 +332,10 @@ fn a_file_that_is_there_is_not_written_over() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     fs::write(&path, "mine").unwrap();
-    let error = Recorder::create(&path, &setup()).err().unwrap().to_string();
+    let error = Recorder::create(&path, &setup(), TargetNames::default())
+        .err()
+        .unwrap()
+        .to_string();
     assert!(error.ends_with("there is a file already; choose another name or remove it"));
     assert_eq!(fs::read(&path).unwrap(), b"mine");
 }
@@ -340,7 +344,7 @@ fn a_file_that_is_there_is_not_written_over() {
 fn a_recording_that_is_not_finished_is_readable_up_to_the_last_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
-    let mut recorder = Recorder::create(&path, &setup()).unwrap();
+    let mut recorder = Recorder::create(&path, &setup(), TargetNames::default()).unwrap();
     recorder.write(&snapshot(0)).unwrap();
     let (found, _) = readings(Replay::open(&path).unwrap());
     assert_eq!(found, [reading(0)]);
@@ -355,7 +359,10 @@ fn a_setup_that_could_not_be_read_back_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let setup = RecordedSetup::default().with("layout", "huge", &"x".repeat(5 << 20));
-    let error = Recorder::create(&path, &setup).err().unwrap().to_string();
+    let error = Recorder::create(&path, &setup, TargetNames::default())
+        .err()
+        .unwrap()
+        .to_string();
     assert!(
         error.contains("the layout huge has 5242890 bytes"),
         "{error}"

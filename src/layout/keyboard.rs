@@ -13,6 +13,7 @@ use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::device::KeyCode;
 use crate::device::keyboard::{KeyAction, KeyBinding};
+use crate::trace::TargetNames;
 
 /// The most keys that a layout has.
 pub const MAX_KEYS: usize = 10_000;
@@ -132,6 +133,11 @@ impl Layout {
                 analogue: key.analogue,
             })
             .collect()
+    }
+
+    /// What the targets are called: the names of the keys.
+    pub fn target_names(&self) -> TargetNames {
+        TargetNames::new(self.keys.iter().map(|key| key.name.clone()))
     }
 
     /// Every key code that the layout can ever send, modifiers included.

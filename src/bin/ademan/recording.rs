@@ -26,8 +26,12 @@ impl Recording {
     /// Begins a recording of this setup. One that `waits` misses nothing, but holds up whoever shows
     /// it frames: for sources that can wait.
     pub fn start(path: &Path, assembly: &Assembly, waits: bool) -> Result<Self, Failure> {
-        let mut recorder = Recorder::create(path, &assembly.recorded_setup())
-            .map_err(|error| Failure::wrong_use(error.to_string()))?;
+        let mut recorder = Recorder::create(
+            path,
+            &assembly.recorded_setup(),
+            assembly.layout.target_names(),
+        )
+        .map_err(|error| Failure::wrong_use(error.to_string()))?;
         let (frames, waiting) = bounded::<Snapshot>(WAITING_FRAMES);
         let writer = std::thread::spawn(move || {
             for frame in waiting {

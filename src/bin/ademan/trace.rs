@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, Write};
 use ademan::monitor::Snapshot;
 use ademan::output;
 use ademan::runtime::drive;
-use ademan::trace::Stage;
+use ademan::trace::{Stage, TargetNames};
 use crossbeam_channel::{bounded, select};
 
 use crate::args::TraceArgs;
@@ -28,6 +28,7 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
     });
     let mut lines = Lines {
         stage: args.stage,
+        names: assembly.layout.target_names(),
         out: BufWriter::new(io::stdout().lock()),
         flush: source.is_live(),
         buffer: Vec::new(),
@@ -55,6 +56,7 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
 
 struct Lines<W: Write> {
     stage: Stage,
+    names: TargetNames,
     out: BufWriter<W>,
     flush: bool,
     buffer: Vec<u8>,
@@ -63,10 +65,11 @@ struct Lines<W: Write> {
 impl<W: Write> Lines<W> {
     fn write(&mut self, frame: &Snapshot) -> io::Result<()> {
         let (out, flush) = (&mut self.out, self.flush);
-        self.stage.each(frame, &mut self.buffer, |_, json| {
-            out.write_all(json)?;
-            out.write_all(b"\n")?;
-            if flush { out.flush() } else { Ok(()) }
-        })
+        self.stage
+            .each(frame, &self.names, &mut self.buffer, |_, json| {
+                out.write_all(json)?;
+                out.write_all(b"\n")?;
+                if flush { out.flush() } else { Ok(()) }
+            })
     }
 }
