@@ -6,7 +6,7 @@ mod screen;
 use std::num::NonZeroU32;
 
 use ademan::capture::{self, LineSettings, open_wire};
-use ademan::lab::{TypingScore, UsKeymap};
+use ademan::lab::{Played, TypingScore, UsKeymap};
 use ademan::monitor::Snapshot;
 use ademan::output;
 use ademan::runtime::{Summary, drive};
@@ -17,7 +17,7 @@ use crossbeam_channel::bounded;
 use crate::args::DemoArgs;
 use crate::failure::Failure;
 use crate::{signals, status};
-use player::{Played, Player};
+use player::Player;
 use screen::Screen;
 
 pub fn run(args: &DemoArgs) -> Result<(), Failure> {
@@ -62,7 +62,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     report(&score, &played, &ended?, &line);
     match score.typed == score.presented {
         true => Ok(()),
-        false if played.interrupted => Err(Failure::job("interrupted before all was typed")),
+        false if played.is_interrupted => Err(Failure::job("interrupted before all was typed")),
         false => Err(Failure::job("the text did not come out right")),
     }
 }
