@@ -44,7 +44,10 @@ impl Port {
 
     /// Comes back as another device of the system, under the same link.
     fn plug_in(&mut self) {
-        let (master, slave) = TTYPort::pair().expect("a pseudo terminal");
+        let (mut master, slave) = TTYPort::pair().expect("a pseudo terminal");
+        master
+            .set_timeout(LIMIT)
+            .expect("a terminal that waits for room");
         let device = slave.name().expect("its name");
         std::os::unix::fs::symlink(device, self.path()).expect("a link to it");
         self.glove = Some((master, slave));
@@ -344,6 +347,13 @@ fn a_megabyte_of_noise_gives_no_frame_and_the_next_frames_do() {
         (NOISE as u64, 2, 1)
     );
     glove.join().expect("the glove sent everything");
+}
+
+#[test]
+fn a_wire_that_nobody_reads_takes_bytes_all_the_same() {
+    let mut wire = open_wire(LineSettings::default()).unwrap();
+    // More than the terminal holds, 70 kB on Linux.
+    wire.writer.write_all(&[0; 90_000]).unwrap();
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use super::line::{Connect, Connection, Refusal};
+use super::connect::{Connect, Connection, Refusal};
 
 /// Opens a file of bytes.
 #[derive(Clone)]

@@ -5,57 +5,14 @@ use std::time::{Duration, Instant};
 
 use arrayvec::ArrayVec;
 
+use super::clock::Clock;
+use super::connect::{Connect, Connection, READ_TIMEOUT};
+use super::garbage::GarbageWatch;
 use super::hc11::{BODY_BYTES, Decoder, FRAME_BYTES};
-use super::search::{Finding, Search};
+use super::search::{BackOff, Finding, Search};
 use super::uri::LineSettings;
 use super::{Capture, CaptureError, Channels, Counts, Reading, Sample, Source};
 use crate::time::Timestamp;
-
-/// The longest time that one read may block.
-pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
-
-/// Bytes without a frame for so long are called garbage.
-const GARBAGE_LIMIT: Duration = Duration::from_secs(2);
-
-/// How a line is opened, and opened again after it was lost.
-///
-/// A clone of it looks for the lost device on a thread of its own, because opening may block.
-pub(super) trait Connect: Clone + Send + 'static {
-    /// Whether bytes come at their own pace and the end of the stream is a loss. A line that is not live
-    /// ends with its stream, and its time is that of the nominal baud.
-    const LIVE: bool;
-
-    /// How long a connection may be silent before it counts as lost.
-    const SILENCE_LIMIT: Option<Duration> = None;
-
-    /// Opens the line. Its reads block for [`READ_TIMEOUT`] at most.
-    fn connect(&mut self) -> Result<Connection, Refusal>;
-}
-
-/// An open line.
-pub(super) struct Connection {
-    /// The bytes that come in.
-    pub bytes: Box<dyn Read + Send>,
-    /// Where it was found: the port or address in use.
-    pub place: String,
-}
-
-/// Why a line does not open.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Refusal {
-    /// It is not there: what is usual while a cable is out.
-    Absent(String),
-    /// It is there and cannot be used before its user does something.
-    Unusable(String),
-}
-
-impl Refusal {
-    fn into_reason(self) -> String {
-        match self {
-            Self::Absent(reason) | Self::Unusable(reason) => reason,
-        }
-    }
-}
 
 /// Bytes that one read takes at most.
 const READ_BYTES: usize = 512;
@@ -74,6 +31,7 @@ pub(super) struct LineSource<C> {
     clock: Clock,
     garbage: GarbageWatch,
     heard: Instant,
+    /// Starts over only when a frame has come in: a device that comes and goes is asked less and less often.
     back_off: BackOff,
     losses: u64,
 }
@@ -150,7 +108,7 @@ impl<C: Connect> LineSource<C> {
             tracing::warn!(
                 "no valid frame from {} for {} s, check baud and protocol",
                 self.name,
-                GARBAGE_LIMIT.as_secs()
+                GarbageWatch::LIMIT.as_secs()
             );
         }
         if !self.pending.is_empty() {
@@ -208,7 +166,9 @@ impl<C: Connect> LineSource<C> {
     }
 
     fn start_search(&mut self) -> Search {
-        Search::start(self.connector.clone(), self.back_off.next())
+        let back_off = self.back_off.clone();
+        self.back_off.next();
+        Search::start(self.connector.clone(), back_off)
     }
 
     fn look(&mut self) -> Capture {
@@ -295,93 +255,14 @@ fn close_elsewhere(dead: Connection) {
     }
 }
 
-/// What time a frame was complete.
-enum Clock {
-    /// By the monotonic clock, from the moment the source was opened.
-    Live { opened: Instant, last: Timestamp },
-    /// By the number of frames, at the pace of the baud.
-    Nominal { frames: u64, last: Timestamp },
-}
-
-impl Clock {
-    fn new(is_live: bool) -> Self {
-        let last = Timestamp::default();
-        match is_live {
-            true => Self::Live {
-                opened: Instant::now(),
-                last,
-            },
-            false => Self::Nominal { frames: 0, last },
-        }
-    }
-
-    /// The time of a frame after which `bytes_after` more came in until `now`; always later than the one before.
-    fn stamp(&mut self, now: Instant, bytes_after: usize, line: &LineSettings) -> Timestamp {
-        let (time, last) = match self {
-            Self::Live { opened, last } => {
-                let arrived = Timestamp::default() + now.saturating_duration_since(*opened);
-                (arrived - line.wire_time(bytes_after), last)
-            }
-            Self::Nominal { frames, last } => {
-                *frames += 1;
-                let microseconds = *frames as u128 * FRAME_BYTES as u128 * 10_000_000
-                    / u128::from(line.baud.get());
-                (Timestamp(microseconds as u64), last)
-            }
-        };
-        *last = time.max(Timestamp(last.0 + 1));
-        *last
-    }
-}
-
-/// Notices bytes that never become a frame.
-#[derive(Default)]
-struct GarbageWatch {
-    since: Option<Instant>,
-    has_warned: bool,
-}
-
-impl GarbageWatch {
-    /// Tells once that it is time to warn; again only after frames came in between.
-    fn is_due(&mut self, now: Instant, no_frame: bool) -> bool {
-        if !no_frame {
-            *self = Self::default();
-            return false;
-        }
-        let since = *self.since.get_or_insert(now);
-        let is_due = !self.has_warned && now.saturating_duration_since(since) >= GARBAGE_LIMIT;
-        self.has_warned |= is_due;
-        is_due
-    }
-}
-
-/// How long to wait before looking for a lost device.
-///
-/// Starts over only when a frame has come in: a device that comes and goes at once is not asked more and more often.
-struct BackOff(Duration);
-
-impl Default for BackOff {
-    fn default() -> Self {
-        Self(Search::SHORTEST_DELAY)
-    }
-}
-
-impl BackOff {
-    fn next(&mut self) -> Duration {
-        let delay = self.0;
-        self.0 = Search::longer(delay);
-        delay
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::collections::VecDeque;
     use std::io::{Error, Result as IoResult};
-    use std::num::NonZeroU32;
     use std::sync::{Arc, Mutex};
 
     use super::*;
+    use crate::capture::connect::Refusal;
     use crate::capture::hc11::{Framing, encode};
 
     const LIMIT: Duration = Duration::from_secs(20);
@@ -501,7 +382,8 @@ mod tests {
             }
         }
         let reads = *asked.lock().unwrap();
-        assert!((2..=20).contains(&reads), "{reads}");
+        // At 0, 0.1, 0.3 and 0.7 s, for want of a frame in between.
+        assert!((2..=4).contains(&reads), "{reads}");
         assert_eq!((losses, source.counts().losses), (reads, reads as u64));
     }
 
@@ -529,25 +411,6 @@ mod tests {
     }
 
     #[test]
-    fn frames_of_one_read_are_dated_back_by_what_came_after_them() {
-        let line = LineSettings {
-            baud: NonZeroU32::new(9600).unwrap(),
-            ..LineSettings::default()
-        };
-        let mut clock = Clock::new(true);
-        let Clock::Live { opened, .. } = clock else {
-            panic!("not live");
-        };
-        let now = opened + Duration::from_secs(1);
-        let mut stamp = |now, bytes| clock.stamp(now, bytes, &line).0;
-        assert_eq!(stamp(now, 96), 900_000);
-        assert_eq!(stamp(now, 30), 968_750);
-        assert_eq!(stamp(now, 96), 968_751);
-        assert_eq!(stamp(opened, 0), 968_752);
-        assert_eq!(stamp(now + Duration::from_secs(1), 0), 2_000_000);
-    }
-
-    #[test]
     fn a_burst_gives_readings_a_frame_apart() {
         let mut stream = frames(4);
         stream.extend([6, 6]);
@@ -568,23 +431,46 @@ mod tests {
         );
     }
 
-    #[test]
-    fn garbage_is_told_once_until_frames_come_in_between() {
-        let start = Instant::now();
-        let mut watch = GarbageWatch::default();
-        let table = [
-            (0, true, false),
-            (1_900, true, false),
-            (2_000, true, true),
-            (5_000, true, false),
-            (5_100, false, false),
-            (5_200, true, false),
-            (7_100, true, false),
-            (7_200, true, true),
-        ];
-        for (millis, no_frame, is_due) in table {
-            let now = start + Duration::from_millis(millis);
-            assert_eq!(watch.is_due(now, no_frame), is_due, "{millis}");
+    /// A port whose device is gone, and that takes long to close.
+    struct Sticky;
+
+    impl Read for Sticky {
+        fn read(&mut self, _: &mut [u8]) -> IoResult<usize> {
+            Err(Error::from(ErrorKind::BrokenPipe))
         }
+    }
+
+    impl Drop for Sticky {
+        fn drop(&mut self) {
+            std::thread::sleep(Duration::from_secs(4));
+        }
+    }
+
+    #[derive(Clone)]
+    struct StickyPort;
+
+    impl Connect for StickyPort {
+        const LIVE: bool = true;
+
+        fn connect(&mut self) -> Result<Connection, Refusal> {
+            Ok(Connection {
+                bytes: Box::new(Sticky),
+                place: "sticky".to_owned(),
+            })
+        }
+    }
+
+    #[test]
+    fn a_dead_port_that_blocks_at_closing_keeps_nobody_waiting() {
+        let settings = LineSettings::default();
+        let mut source = LineSource::open("sticky".to_owned(), settings, StickyPort).unwrap();
+        let start = Instant::now();
+        assert!(source.next().is_err());
+        assert_eq!(source.next().unwrap(), Capture::Quiet);
+        assert!(
+            start.elapsed() < Duration::from_secs(2),
+            "{:?}",
+            start.elapsed()
+        );
     }
 }

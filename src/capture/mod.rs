@@ -20,6 +20,9 @@
 
 pub mod hc11;
 pub mod uri;
+mod connect;
+mod clock;
+mod garbage;
 mod line;
 mod search;
 mod usb;

@@ -133,7 +133,13 @@ mod tests {
         let (mut moments, mut out) = (Vec::new(), Vec::new());
         loop {
             let asked = Instant::now();
-            match paced.next().unwrap() {
+            let capture = paced.next().unwrap();
+            assert!(
+                asked.elapsed() < Duration::from_secs(1),
+                "asked in vain for {:?}",
+                asked.elapsed()
+            );
+            match capture {
                 Capture::Reading(reading) => {
                     moments.push(start.elapsed());
                     out.push(reading.time.0 / 1000);

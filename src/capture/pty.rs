@@ -3,6 +3,7 @@
 use std::io::{Error, ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
 use serialport::{SerialPort, TTYPort};
 
@@ -16,7 +17,8 @@ use super::{SourceName, wire::Wire};
 pub fn open_wire(line: LineSettings) -> Result<Wire> {
     let (master, slave) = TTYPort::pair()?;
     // The copies are closed in programs that this one starts, which would keep the line alive.
-    let (master, slave) = (master.try_clone_native()?, slave.try_clone_native()?);
+    let (mut master, slave) = (master.try_clone_native()?, slave.try_clone_native()?);
+    master.set_timeout(ROOM_TIMEOUT)?;
     let terminal = slave
         .name()
         .ok_or_else(|| Error::other("the pseudo terminal has no name"))?;
@@ -33,6 +35,13 @@ pub fn open_wire(line: LineSettings) -> Result<Wire> {
     })
 }
 
+/// A terminal that says it has room takes so many bytes (Linux: its buffers come in pieces of 256); a longer write
+/// would block for good when nobody reads.
+const LONGEST_WRITE: usize = 128;
+
+/// How long a write waits for room. The terminal holds seconds of a line, so only a reader that is gone fills it.
+const ROOM_TIMEOUT: Duration = Duration::from_millis(10);
+
 /// The fields are dropped in order: a port that is unplugged loses its name first.
 struct PtyWriter {
     _link: Link,
@@ -43,7 +52,12 @@ struct PtyWriter {
 
 impl Write for PtyWriter {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
-        self.master.write(bytes)
+        let piece = &bytes[..bytes.len().min(LONGEST_WRITE)];
+        match self.master.write(piece) {
+            // Nobody reads and the terminal is full: these bytes are lost as on a real line.
+            Err(error) if error.kind() == ErrorKind::TimedOut => Ok(piece.len()),
+            result => result,
+        }
     }
 
     /// Nothing to do: what is written is with the terminal at once.

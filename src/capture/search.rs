@@ -4,7 +4,28 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 
-use super::line::{Connect, Connection, Refusal};
+use super::connect::{Connect, Connection, Refusal};
+
+/// The intervals between attempts: 0.1 s, doubling to 2 s.
+#[derive(Clone, Debug)]
+pub(super) struct BackOff(Duration);
+
+impl BackOff {
+    const LONGEST: Duration = Duration::from_secs(2);
+
+    /// The time to wait before the next attempt.
+    pub fn next(&mut self) -> Duration {
+        let interval = self.0;
+        self.0 = (interval * 2).min(Self::LONGEST);
+        interval
+    }
+}
+
+impl Default for BackOff {
+    fn default() -> Self {
+        Self(Duration::from_millis(100))
+    }
+}
 
 /// A search that is under way. Dropping it ends it.
 pub(super) struct Search {
@@ -26,23 +47,13 @@ pub(super) enum Finding {
 }
 
 impl Search {
-    /// The time before the first attempt.
-    pub const SHORTEST_DELAY: Duration = Duration::from_millis(100);
-    /// The time between attempts after some.
-    pub const LONGEST_DELAY: Duration = Duration::from_secs(2);
-
-    /// The delay that follows `delay`.
-    pub fn longer(delay: Duration) -> Duration {
-        (delay * 2).min(Self::LONGEST_DELAY)
-    }
-
-    /// Starts to look, for the first time after `delay`.
-    pub fn start(connector: impl Connect, delay: Duration) -> Self {
+    /// Starts to look, at intervals of `back_off`.
+    pub fn start(connector: impl Connect, back_off: BackOff) -> Self {
         let (sender, findings) = bounded(1);
         let (stop, stopped) = bounded(0);
         let thread = std::thread::Builder::new()
             .name("searching".to_owned())
-            .spawn(move || search(connector, delay, &stopped, &sender));
+            .spawn(move || search(connector, back_off, &stopped, &sender));
         if let Err(error) = thread {
             tracing::warn!("no thread to look for the device, trying again: {error}");
         }
@@ -68,12 +79,12 @@ impl Search {
 
 fn search(
     mut connector: impl Connect,
-    mut delay: Duration,
+    mut back_off: BackOff,
     stopped: &Receiver<()>,
     findings: &Sender<Finding>,
 ) {
     let mut told = None;
-    while stopped.recv_timeout(delay) == Err(RecvTimeoutError::Timeout) {
+    while stopped.recv_timeout(back_off.next()) == Err(RecvTimeoutError::Timeout) {
         let finding = match connector.connect() {
             Ok(connection) => Finding::Found(connection),
             Err(Refusal::Unusable(reason)) if told.as_ref() != Some(&reason) => {
@@ -87,7 +98,6 @@ fn search(
         if is_news && findings.send(finding).is_err() || is_over {
             return;
         }
-        delay = Search::longer(delay);
     }
 }
 
@@ -135,7 +145,7 @@ mod tests {
     #[test]
     fn each_reason_is_told_once_and_the_device_is_found_in_the_end() {
         let connector = reluctant(&["stranger", "stranger", "absent", "stranger", "busy"]);
-        let search = Search::start(connector, Duration::from_millis(1));
+        let search = Search::start(connector, BackOff(Duration::from_millis(1)));
         let mut told = Vec::new();
         let start = Instant::now();
         while start.elapsed() < LIMIT {
@@ -155,26 +165,25 @@ mod tests {
     fn a_search_that_is_dropped_asks_no_more() {
         let connector = reluctant(&["absent"; 1000]);
         let attempts = connector.attempts.clone();
-        let search = Search::start(connector, Duration::from_millis(1));
+        let search = Search::start(connector, BackOff(Duration::from_millis(1)));
         while attempts.load(Ordering::SeqCst) == 0 {
             std::thread::yield_now();
         }
         let stopping = search.findings.clone();
         drop(search);
-        while stopping.recv().is_ok() {}
+        assert_eq!(
+            stopping.recv_timeout(LIMIT).err(),
+            Some(RecvTimeoutError::Disconnected)
+        );
         let attempts_at_the_end = attempts.load(Ordering::SeqCst);
         std::thread::sleep(Duration::from_millis(50));
         assert_eq!(attempts.load(Ordering::SeqCst), attempts_at_the_end);
     }
 
     #[test]
-    fn the_delay_doubles_up_to_two_seconds() {
-        let mut delay = Search::SHORTEST_DELAY;
-        let mut delays = Vec::new();
-        for _ in 0..7 {
-            delays.push(delay.as_millis());
-            delay = Search::longer(delay);
-        }
-        assert_eq!(delays, [100, 200, 400, 800, 1600, 2000, 2000]);
+    fn the_interval_doubles_up_to_two_seconds() {
+        let mut back_off = BackOff::default();
+        let intervals = [(); 7].map(|()| back_off.next().as_millis());
+        assert_eq!(intervals, [100, 200, 400, 800, 1600, 2000, 2000]);
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
 
-use super::line::{Connect, Connection, READ_TIMEOUT, Refusal};
+use super::connect::{Connect, Connection, READ_TIMEOUT, Refusal};
 use super::lists_serial_ports;
 use super::usb::{Choice, KnownDevice, Port, choose_port};
 
@@ -63,9 +63,10 @@ fn present_ports() -> Vec<Port> {
 
 /// The device behind a link such as those in `/dev/serial/by-id`.
 fn resolve(port: &str) -> String {
+    let is_link = std::fs::read_link(port).is_ok();
     match std::fs::canonicalize(port) {
-        Ok(path) => path.to_string_lossy().into_owned(),
-        Err(_) => port.to_owned(),
+        Ok(path) if is_link => path.to_string_lossy().into_owned(),
+        _ => port.to_owned(),
     }
 }
 
@@ -119,10 +120,6 @@ fn explain(error: &serialport::Error, place: &str, present: &[Port]) -> Refusal 
     let path = Path::new(place);
     let exists = path.exists() || present.iter().any(|port| port.name == place);
     match error.kind {
-        _ if path.is_dir() => Refusal::Unusable("it is a folder, not a serial port".to_owned()),
-        _ if path.is_file() => Refusal::Unusable(format!(
-            "it is a file, not a serial port; to read bytes from a file write `file:{place}`"
-        )),
         ErrorKind::NoDevice if exists => {
             Refusal::Unusable("it is in use by another program, close that one first".to_owned())
         }
@@ -134,6 +131,10 @@ fn explain(error: &serialport::Error, place: &str, present: &[Port]) -> Refusal 
         ErrorKind::NoDevice | ErrorKind::Io(std::io::ErrorKind::NotFound) => {
             Refusal::Absent(format!("there is no such port; {}", list(present)))
         }
+        _ if path.is_dir() => Refusal::Unusable("it is a folder, not a serial port".to_owned()),
+        _ if path.is_file() => Refusal::Unusable(format!(
+            "it is a file, not a serial port; to read bytes from a file write `file:{place}`"
+        )),
         _ if exists => Refusal::Unusable(format!(
             "it does not work as a serial port ({}); {}",
             error.description,

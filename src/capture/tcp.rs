@@ -4,7 +4,7 @@ use std::io::Error;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-use super::line::{Connect, Connection, READ_TIMEOUT, Refusal};
+use super::connect::{Connect, Connection, READ_TIMEOUT, Refusal};
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 

@@ -388,11 +388,16 @@ mod tests {
 
     #[test]
     fn dropping_leaves_a_thread_behind_that_blocks() {
+        static BLOCKS: AtomicBool = AtomicBool::new(false);
         let (source, _done) = script(1, true, |_| {
+            BLOCKS.store(true, Ordering::SeqCst);
             std::thread::sleep(Duration::from_secs(5));
             Ok(Capture::Quiet)
         });
         let captured = on_thread(source).unwrap();
+        while !BLOCKS.load(Ordering::SeqCst) {
+            std::thread::yield_now();
+        }
         let start = Instant::now();
         drop(captured);
         assert!(start.elapsed() < Duration::from_secs(4));

@@ -389,6 +389,7 @@ mod tests {
             ),
             ("tcp:glove", "write `tcp:HOST:PORT`"),
             ("tcp:glove:99999", "write `tcp:HOST:PORT`"),
+            ("tcp:glove:0", "a port from 1 to 65535"),
             ("tcp::4001", "write `tcp:HOST:PORT`"),
         ];
         for (text, part) in table {
