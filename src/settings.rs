@@ -10,8 +10,8 @@ use crate::capture::{self, CaptureError, LineSettings, Source, SourceName};
 use crate::device::keyboard::Keyboard;
 use crate::estimate::{Estimator, EstimatorSettings, OneEuroSettings, Smoothing};
 use crate::kinematics::{ArmModel, BoneLengths};
-use crate::lab::{self, Typist, TypistError, TypistSettings};
-use crate::layout::{Document, Glove, Layout, LayoutError};
+use crate::lab::{self, TypingHand, Typist, TypistError, TypistSettings};
+use crate::layout::{Document, Glove, Key, Layout, LayoutError};
 use crate::pipeline::{Arming, Pipeline};
 
 /// A setup as its file says it; every field has a default that works.
@@ -254,13 +254,30 @@ impl Assembly {
         };
         let taps = lab::taps(text, &self.layout.keyboard_bindings());
         let taps = taps.map_err(TypistError::from)?;
-        Ok(Typist::new(
-            &settings,
-            &taps,
-            &self.layout.scene,
-            &self.arm,
-            &self.glove.map,
-        )?)
+        let (scene, arm, map) = (&self.layout.scene, &self.arm, &self.glove.map);
+        Typist::new(&settings, &taps, scene, arm, map).map_err(|error| self.named(error))
+    }
+
+    /// An error of the typist, with the key's name instead of its number.
+    fn named(&self, error: TypistError) -> SetupError {
+        match error {
+            TypistError::OutOfReach { key, metres } => SetupError::Value(format!(
+                "cannot type on {}: key `{}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make it smaller",
+                self.layout.file,
+                self.layout.key_of(key).map_or("?", |key| &key.name),
+                metres * 1e3,
+            )),
+            error => error.into(),
+        }
+    }
+
+    /// The keys that the simulated hand cannot press, and how far beyond its reach each is, in metres.
+    pub fn out_of_reach(&self) -> Vec<(&Key, f64)> {
+        let hand = TypingHand::new(&self.arm, &self.glove.map);
+        let scene = &self.layout.scene;
+        let lacking = |key: &'_ Key| hand.lacks(scene, key.target);
+        let keys = self.layout.keys.iter();
+        keys.filter_map(|key| Some((key, lacking(key)?))).collect()
     }
 
     /// Opens a source.

@@ -6,26 +6,18 @@ use arrayvec::ArrayVec;
 use parry3d::math::Vec3;
 
 use super::plan::{PlanError, Tap};
+use super::typing_hand::{KeyStroke, TypingHand};
 use crate::capture::{
     Capture, CaptureError, Channels, Counts, MAX_CHANNELS, Reading, Sample, Source,
 };
-use crate::contact::surface::{Scene, Target};
-use crate::estimate::{ChannelMap, JointAngles, JointLimits};
-use crate::hand::{Dof, Finger};
-use crate::kinematics::{ArmModel, Control, MAX_CONTROLS, angles_of, solve};
+use crate::contact::TargetId;
+use crate::contact::surface::Scene;
+use crate::estimate::ChannelMap;
+use crate::kinematics::{ArmModel, MAX_CONTROLS};
 use crate::time::Timestamp;
 
-/// The finger that types; the others are held up.
-const FINGER: Finger = Finger::Index;
-/// Height of the fingertip over the keys while it travels, in metres.
-const HOVER: f32 = 0.014;
-/// How far the fingertip goes past the end of a key's travel, in metres.
-const OVERTRAVEL: f32 = 0.002;
 /// The hand is shown off all keys for so long at the start, and again at the end.
 const SHOW: Duration = Duration::from_millis(600);
-/// How far from a key the solved fingertip may be before the key counts as out of reach, in metres.
-const REACH_ERROR: f64 = 0.003;
-
 /// Who types, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TypistSettings {
@@ -46,24 +38,20 @@ pub enum TypistError {
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// A key is too far away.
-    #[error(
-        "key number {key} is {millimetres:.0} mm out of reach of the simulated hand: move the board nearer or make it smaller"
-    )]
+    #[error("target {} is {:.0} mm out of reach of the simulated hand", .key.0, .metres * 1e3)]
     OutOfReach {
         /// The key's target.
-        key: u32,
-        /// How far the fingertip stays away.
-        millimetres: f64,
+        key: TargetId,
+        /// How far the fingertip stays away, in metres.
+        metres: f64,
     },
 }
 
 /// A simulated person at the keyboard, as a [`Source`] of glove readings.
 pub struct Typist {
     name: String,
-    arm: ArmModel,
     map: ChannelMap,
-    controls: Vec<Control>,
-    resting: JointAngles,
+    hand: TypingHand,
     values: ArrayVec<f64, MAX_CONTROLS>,
     moves: Vec<Move>,
     period: Duration,
@@ -91,17 +79,12 @@ impl Typist {
         arm: &ArmModel,
         map: &ChannelMap,
     ) -> Result<Self, TypistError> {
-        let controls = typing_controls(map);
-        let resting = posture(map);
-        let rest: ArrayVec<f64, MAX_CONTROLS> =
-            controls.iter().map(|control| control.rest).collect();
+        let hand = TypingHand::new(arm, map);
         let mut typist = Self {
             name: settings.name.clone(),
-            arm: arm.clone(),
             map: map.clone(),
-            controls,
-            resting,
-            values: rest,
+            values: hand.rest(),
+            hand,
             moves: Vec::new(),
             period: settings.frame_period,
             noise_counts: settings.noise_counts,
@@ -130,21 +113,13 @@ impl Typist {
         }
         self.frame += 1;
         let tip = step.from.lerp(step.to, minimum_jerk(share));
-        let found = solve(
-            &self.arm,
-            &self.controls,
-            &self.resting,
-            &self.values,
-            FINGER,
-            tip,
-        );
-        self.values = found.values;
+        self.values = self.hand.reach(tip, &self.values).values;
         Some(self.counts())
     }
 
     /// What the glove's converters make of the posture.
     fn counts(&mut self) -> ArrayVec<u16, MAX_CHANNELS> {
-        let angles = angles_of(&self.controls, &self.values, &self.resting);
+        let angles = self.hand.angles(&self.values);
         let full_scale = self.map.full_scale();
         // A channel that nothing is wired to floats; half way keeps it out of the headers' way.
         let mut counts: ArrayVec<u16, MAX_CHANNELS> =
@@ -169,20 +144,17 @@ impl Typist {
     }
 
     fn plan(&mut self, scene: &Scene, taps: &[Tap]) -> Result<(), TypistError> {
-        let resting = self.arm.forward(&self.resting);
         let mut place: Option<Vec3> = None;
         for tap in taps {
-            let Some((surface, target)) = scene.target(tap.target) else {
+            if let Some(metres) = self.hand.lacks(scene, tap.target) {
+                return Err(TypistError::OutOfReach {
+                    key: tap.target,
+                    metres,
+                });
+            }
+            let Some(KeyStroke { hover, bottom }) = self.hand.stroke(scene, tap.target) else {
                 continue;
             };
-            let Some(world_from_surface) = surface.world_from_surface(&resting) else {
-                continue;
-            };
-            let world_from_target = world_from_surface * target.surface_from_target;
-            let over =
-                |height: f32| world_from_target * Vec3::new(0.0, 0.0, height + resting.tip_radius);
-            let (hover, bottom) = (over(HOVER), over(-depth(target)));
-            self.check_reach(tap, bottom)?;
             match place {
                 None => self.rest(hover, SHOW),
                 Some(from) => self.go(from, hover, travel_time(from.distance(hover)), 5),
@@ -194,24 +166,6 @@ impl Typist {
         }
         if let Some(place) = place {
             self.rest(place, SHOW);
-        }
-        Ok(())
-    }
-
-    fn check_reach(&self, tap: &Tap, bottom: Vec3) -> Result<(), TypistError> {
-        let found = solve(
-            &self.arm,
-            &self.controls,
-            &self.resting,
-            &self.values,
-            FINGER,
-            bottom,
-        );
-        if found.distance > REACH_ERROR {
-            return Err(TypistError::OutOfReach {
-                key: tap.target.0,
-                millimetres: found.distance * 1e3,
-            });
         }
         Ok(())
     }
@@ -264,10 +218,6 @@ impl Source for Typist {
     }
 }
 
-fn depth(target: &Target) -> f32 {
-    target.travel + OVERTRAVEL
-}
-
 /// x = 10 s³ − 15 s⁴ + 6 s⁵ (Flash & Hogan 1985).
 fn minimum_jerk(share: f32) -> f32 {
     share.powi(3) * (10.0 + share * (-15.0 + 6.0 * share))
@@ -278,70 +228,6 @@ fn minimum_jerk(share: f32) -> f32 {
 fn travel_time(distance: f32) -> Duration {
     let difficulty = (f64::from(distance) / 0.019 + 1.0).log2();
     Duration::from_secs_f64(0.060 + 0.085 * difficulty)
-}
-
-/// What each angle is while typing: the wrist straight, the palm down, the index finger half bent,
-/// the other fingers held up out of the way.
-fn typing_angle(dof: Dof) -> f64 {
-    match dof {
-        Dof::ElbowFlexion => 0.6,
-        Dof::WristFlexion => 0.05,
-        Dof::IndexMcpFlexion => 0.45,
-        Dof::IndexPipFlexion => 0.45,
-        Dof::IndexDipFlexion => 0.45,
-        Dof::MiddleMcpFlexion | Dof::RingMcpFlexion | Dof::LittleMcpFlexion => -0.5,
-        Dof::ThumbCmcAbduction => -0.5,
-        _ => 0.0,
-    }
-}
-
-/// The typing posture, as far as the glove can show it.
-fn posture(map: &ChannelMap) -> JointAngles {
-    let mut angles = JointAngles::at(Timestamp(0));
-    for row in map.rows() {
-        angles.set(row.dof, typing_angle(row.dof));
-    }
-    angles
-}
-
-/// A control for each channel that moves the typing finger: its value is the count.
-fn typing_controls(map: &ChannelMap) -> Vec<Control> {
-    let moving = [
-        Dof::ElbowFlexion,
-        Dof::WristFlexion,
-        Dof::WristDeviation,
-        Dof::IndexMcpFlexion,
-        Dof::IndexPipFlexion,
-    ];
-    moving
-        .iter()
-        .filter_map(|&dof| {
-            let row = map.rows().iter().rev().find(|row| row.dof == dof)?;
-            Some(channel_control(map, row.channel))
-        })
-        .collect()
-}
-
-/// A control that is one channel: all the angles that it tells, the counts that their joints allow.
-fn channel_control(map: &ChannelMap, channel: usize) -> Control {
-    let limits = JointLimits::human();
-    let mut control = Control {
-        moves: ArrayVec::new(),
-        range: (1.0, f64::from(map.full_scale()) - 1.0),
-        rest: 0.0,
-    };
-    for row in map.rows().iter().filter(|row| row.channel == channel) {
-        let (low, high) = limits.range(row.dof);
-        let (one, other) = (row.line.reading(low), row.line.reading(high));
-        control.range.0 = control.range.0.max(one.min(other));
-        control.range.1 = control.range.1.min(one.max(other));
-        control.rest = row.line.reading(typing_angle(row.dof));
-        if control.moves.try_push((row.dof, row.line)).is_err() {
-            break;
-        }
-    }
-    control.rest = control.rest.clamp(control.range.0, control.range.1);
-    control
 }
 
 /// Standard normal, by Box and Muller.
