@@ -171,14 +171,14 @@ fn what_cannot_be_typed_is_said_before_the_hand_moves() {
 #[test]
 fn a_key_out_of_reach_is_named_with_how_far_it_is() {
     let shipped = Layout::load("qwerty-flat").expect("a shipped layout");
-    let far = shipped.text.replace("forward_mm: 300", "forward_mm: 335");
+    let far = shipped.text.replace("forward_mm: 300", "forward_mm: 350");
     assert_ne!(far, shipped.text);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("far.ron");
     std::fs::write(&path, far).expect("a file");
     let assembly = assembly(path.to_str().expect("a path in UTF-8"));
     let error = assembly
-        .typist("hi", &line(9_600), 0.0, 0)
+        .typist("h1", &line(9_600), 0.0, 0)
         .err()
         .expect("too far")
         .to_string();
