@@ -32,10 +32,15 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
         names,
         [
             "arrows",
+            "azerty-flat",
+            "colemak-flat",
+            "dvorak-flat",
             "numpad",
             "qwerty-arc",
             "qwerty-flat",
-            "qwerty-flat-22"
+            "qwerty-flat-22",
+            "qwertz-flat",
+            "spanish-flat",
         ]
     );
     for (name, layout) in &shipped {
@@ -355,4 +360,27 @@ fn the_guide_names_every_range_and_default() {
         "size_mm" Size;
         "at_mm" Distance;
     }
+}
+
+#[test]
+fn labels_of_a_national_board_stand_on_the_positions_of_its_keys() {
+    let board = Layout::load("azerty-flat").expect("a shipped layout");
+    let label = |name: &str| board.key(name).expect("a key").label.clone();
+    assert_eq!(
+        [label("Q"), label("A"), label("3"), label("E")],
+        ["A", "Q", "\"", "E"]
+    );
+}
+
+#[test]
+fn labels_for_keys_that_are_not_there_are_refused_at_their_place() {
+    let text = "Layout(name: \"t\", boards: [(place: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"Q\")])],\n\
+                labels: {\"W\": \"Z\"})";
+    let error = Layout::parse(text, "t.ron")
+        .expect_err("no key W")
+        .to_string();
+    assert!(
+        error.starts_with("t.ron:2:11: this layout has no such key"),
+        "{error}"
+    );
 }

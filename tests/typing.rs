@@ -67,7 +67,12 @@ fn type_text(assembly: &Assembly, text: &str, baud: u32, noise_counts: f64) -> S
 
 #[test]
 fn every_character_of_ascii_comes_out_on_the_flat_boards_at_both_speeds_of_the_line() {
-    for layout in ["qwerty-flat", "qwerty-flat-22"] {
+    for layout in [
+        "qwerty-flat",
+        "qwerty-flat-22",
+        "dvorak-flat",
+        "colemak-flat",
+    ] {
         let assembly = assembly(layout);
         for baud in [9_600, 115_200] {
             let typed = type_text(&assembly, ALL_OF_ASCII, baud, 0.0);

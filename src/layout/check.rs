@@ -100,6 +100,10 @@ impl<'a> Checked<'a> {
         if checked.keys.is_empty() {
             return Err(document.error(written.name.0, "the layout has no keys"));
         }
+        for (name, label) in &written.labels.0 {
+            let place = checked.place_of(*name)?;
+            checked.keys[place].label.clone_from(&label.0);
+        }
         for (place, layer) in written.layers.iter().enumerate() {
             checked.fill_layer(place + 1, layer)?;
         }
@@ -329,11 +333,7 @@ impl<'a> Checked<'a> {
         written: &written::Layer<'a>,
     ) -> Result<(), LayoutError> {
         for &(name, code) in &written.keys.0 {
-            let Some(place) = self.place_of(name) else {
-                let error = UnknownName::new("key", name.0, self.places.keys().copied());
-                let message = format!("this layout has no such key: {error}");
-                return Err(self.document.error(name.0, message));
-            };
+            let place = self.place_of(name)?;
             let action = self.code_action(code, None)?;
             let actions = &mut self.keys[place].actions;
             if actions.len() > layer {
@@ -350,10 +350,15 @@ impl<'a> Checked<'a> {
     }
 
     /// The key with that name; a key code may be written in any of its ways.
-    fn place_of(&self, name: Word) -> Option<usize> {
+    fn place_of(&self, name: Word) -> Result<usize, LayoutError> {
         let code = || Some(name.0.parse::<KeyCode>().ok()?.name());
         let own = self.places.get(name.0);
-        own.or_else(|| self.places.get(code()?)).copied()
+        let found = own.or_else(|| self.places.get(code()?)).copied();
+        found.ok_or_else(|| {
+            let error = UnknownName::new("key", name.0, self.places.keys().copied());
+            let message = format!("this layout has no such key: {error}");
+            self.document.error(name.0, message)
+        })
     }
 }
 

@@ -29,10 +29,15 @@ const SHIPPED: &[(&str, &str)] = shipped! {
     "arms/unam"
     "gloves/unam-hc11"
     "keyboards/arrows"
+    "keyboards/azerty-flat"
+    "keyboards/colemak-flat"
+    "keyboards/dvorak-flat"
     "keyboards/numpad"
     "keyboards/qwerty-arc"
     "keyboards/qwerty-flat"
     "keyboards/qwerty-flat-22"
+    "keyboards/qwertz-flat"
+    "keyboards/spanish-flat"
 };
 
 /// A file as it was read; errors about it know its name and show its lines.

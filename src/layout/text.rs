@@ -1,8 +1,9 @@
 //! Words and labels in a file: a word knows its place.
 
 use std::fmt;
+use std::marker::PhantomData;
 
-use serde::de::{Deserialize, Deserializer, Error, Visitor};
+use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 
 /// The longest label, in characters.
 const LABEL_LENGTH: usize = 16;
@@ -64,24 +65,27 @@ impl<'de> Deserialize<'de> for Label {
 }
 
 /// Pairs in the order in which they stand in the file; unlike a map it keeps those written twice.
-#[derive(Clone, Debug, Default)]
-pub struct Pairs<'a>(pub Vec<(Word<'a>, Word<'a>)>);
+#[derive(Clone, Debug)]
+pub struct Pairs<'a, V>(pub Vec<(Word<'a>, V)>);
 
-impl<'de: 'a, 'a> Deserialize<'de> for Pairs<'a> {
+impl<V> Default for Pairs<'_, V> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<'de: 'a, 'a, V: Deserialize<'de>> Deserialize<'de> for Pairs<'a, V> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct InOrder;
+        struct InOrder<V>(PhantomData<V>);
 
-        impl<'de> Visitor<'de> for InOrder {
-            type Value = Vec<(Word<'de>, Word<'de>)>;
+        impl<'de, V: Deserialize<'de>> Visitor<'de> for InOrder<V> {
+            type Value = Vec<(Word<'de>, V)>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a map such as {\"Q\": \"1\"}")
             }
 
-            fn visit_map<A: serde::de::MapAccess<'de>>(
-                self,
-                mut map: A,
-            ) -> Result<Self::Value, A::Error> {
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let mut pairs = Vec::new();
                 while let Some(pair) = map.next_entry()? {
                     pairs.push(pair);
@@ -90,6 +94,8 @@ impl<'de: 'a, 'a> Deserialize<'de> for Pairs<'a> {
             }
         }
 
-        deserializer.deserialize_map(InOrder).map(Pairs)
+        deserializer
+            .deserialize_map(InOrder(PhantomData))
+            .map(Pairs)
     }
 }

@@ -23,6 +23,9 @@ pub struct Layout<'a> {
     /// Groups of controls, each of which is fixed to one place.
     #[serde(borrow)]
     pub boards: Vec<Board<'a>>,
+    /// What is drawn on keys that do not say it themselves: key by key.
+    #[serde(borrow, default)]
+    pub labels: Pairs<'a, Label>,
     /// What keys do beside the base layer.
     #[serde(borrow, default)]
     pub layers: Vec<Layer<'a>>,
@@ -239,5 +242,5 @@ pub struct Layer<'a> {
     pub name: Word<'a>,
     /// Name of a key → the key code that it sends in this layer.
     #[serde(borrow)]
-    pub keys: Pairs<'a>,
+    pub keys: Pairs<'a, Word<'a>>,
 }
