@@ -1,5 +1,6 @@
 //! The setup: source, glove, hand, layout and output, as a file names them and as they are used.
 
+use std::path::Path;
 use std::time::Duration;
 
 use ron::ser::PrettyConfig;
@@ -50,6 +51,22 @@ pub enum Hand {
         /// Elbow to wrist crease, in mm.
         forearm_length_mm: f64,
     },
+}
+
+impl Hand {
+    /// The bones of an arm that was measured.
+    fn bones(&self) -> Result<Option<BoneLengths>, SetupError> {
+        let Self::Measured {
+            hand_length_mm,
+            forearm_length_mm,
+        } = self
+        else {
+            return Ok(None);
+        };
+        BoneLengths::of(hand_length_mm * 1e-3, forearm_length_mm * 1e-3)
+            .map(Some)
+            .map_err(SetupError::Value)
+    }
 }
 
 /// The filter on the angles, as the file says it.
@@ -107,9 +124,33 @@ impl Default for Setup {
 }
 
 impl Setup {
-    /// The setup in a file.
+    /// The setup in a file. The files that it names are seen from its folder, where they are there.
     pub fn load(path: &str) -> Result<Self, SetupError> {
-        Ok(Document::open(path)?.parse()?)
+        let document = Document::open(path)?;
+        let mut setup: Self = document.parse()?;
+        setup
+            .check()
+            .map_err(|error| LayoutError::of_file(&document.file, error))?;
+        let folder = Path::new(path).parent().unwrap_or(Path::new(""));
+        let seen_from_folder = |name: &mut String| {
+            let path = folder.join(&*name);
+            if path.is_file() {
+                *name = path.display().to_string();
+            }
+        };
+        seen_from_folder(&mut setup.glove);
+        seen_from_folder(&mut setup.layout);
+        if let Hand::Model(name) = &mut setup.hand {
+            seen_from_folder(name);
+        }
+        Ok(setup)
+    }
+
+    /// Whether all numbers make sense.
+    fn check(&self) -> Result<(), SetupError> {
+        self.smoothing()?;
+        self.arming()?;
+        self.hand.bones().map(drop)
     }
 
     /// Reads all files that the setup names.
@@ -185,24 +226,11 @@ impl Assembly {
         layout: Document,
     ) -> Result<Self, SetupError> {
         let glove_used = Glove::parse(&glove)?;
-        let arm_used = match (&setup.hand, &arm) {
-            (
-                Hand::Measured {
-                    hand_length_mm,
-                    forearm_length_mm,
-                },
-                _,
-            ) => {
-                let bones = BoneLengths::of(hand_length_mm * 1e-3, forearm_length_mm * 1e-3);
-                ArmModel::anthropometric(glove_used.side, &bones.map_err(SetupError::Value)?)
-                    .map_err(|error| SetupError::Value(error.to_string()))?
-            }
-            (Hand::Model(_), Some(arm)) => ArmModel::parse(arm)?,
-            (Hand::Model(name), None) => {
-                return Err(SetupError::Value(format!(
-                    "the arm model `{name}` is missing"
-                )));
-            }
+        let arm_used = match (setup.hand.bones()?, &arm) {
+            (Some(bones), _) => ArmModel::anthropometric(glove_used.side, &bones)
+                .map_err(|error| SetupError::Value(error.to_string()))?,
+            (None, Some(arm)) => ArmModel::parse(arm)?,
+            (None, None) => return Err(SetupError::Value("the arm model is missing".into())),
         };
         let estimator = EstimatorSettings {
             smoothing: setup.smoothing()?,

@@ -100,10 +100,14 @@ impl Replay {
     /// Opens the recording at `path` and reads its setup; the source is called `recording:PATH`.
     pub fn open(path: &Path) -> Result<Self, CaptureError> {
         let name = format!("recording:{}", path.display());
-        let file = File::open(path).map_err(|error| CaptureError::Open {
+        let refuse = |reason: String| CaptureError::Open {
             source_name: name.clone(),
-            reason: error.to_string(),
-        })?;
+            reason,
+        };
+        let file = File::open(path).map_err(|error| refuse(error.to_string()))?;
+        if path.is_dir() {
+            return Err(refuse("it is a directory, name a file in it".into()));
+        }
         Self::read(name, file)
     }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use ademan::capture::SourceName;
 use ademan::trace::Stage;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use clap_complete::Shell;
 
@@ -53,23 +54,23 @@ pub enum Command {
 
 #[derive(ClapArgs)]
 #[command(
-    after_help = "Examples:\n  ademan demo\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --output desktop     (types into the focused window)"
+    after_help = "Examples:\n  ademan demo\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  sleep 3; ademan demo --output desktop     (types into the window that has the focus by then)"
 )]
 pub struct DemoArgs {
-    /// What to type: characters of a US keyboard
-    #[arg(long, default_value = "Hola! Typed by a hand, 1 tap each.")]
-    pub text: String,
+    /// What to type: characters of a US keyboard; a text that goes with the layout unless said
+    #[arg(long)]
+    pub text: Option<String>,
     /// The layout: a shipped name (see `ademan layout list`) or a file
     #[arg(long, default_value = "qwerty-flat")]
     pub layout: String,
     /// Bits per second on the simulated serial line
-    #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..))]
+    #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
     pub baud: u32,
     /// Where events go besides the screen: none, transcript, transcript:PATH, desktop or uinput
     #[arg(long, default_value = "none")]
     pub output: String,
     /// Noise on every channel of the glove, as a standard deviation in counts
-    #[arg(long, default_value_t = 0.0, value_parser = noise)]
+    #[arg(long, default_value_t = 0.0, value_parser = noise, allow_negative_numbers = true)]
     pub noise: f64,
     /// Where the noise starts
     #[arg(long, default_value_t = 0)]
@@ -93,10 +94,10 @@ pub struct SetupArgs {
 
 #[derive(ClapArgs)]
 #[command(
-    after_help = "Examples:\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n\nIt starts paused, and types once the hand was seen off all keys for 300 ms. Ctrl-C lets go of everything and ends."
+    after_help = "Examples:\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n  ademan run my-setup.ron --wait\n\nIt starts paused, and types once the hand was seen off all keys for 300 ms. Ctrl-C lets go of everything and ends."
 )]
 pub struct RunArgs {
-    /// A setup file
+    /// A setup file, such as examples/setup.ron; the flags below go before what it says
     pub setup: Option<String>,
     #[command(flatten)]
     pub parts: SetupArgs,
@@ -106,6 +107,9 @@ pub struct RunArgs {
     /// Also record everything to this file (it will hold what you type)
     #[arg(long, value_name = "FILE")]
     pub record: Option<PathBuf>,
+    /// Wait for a device that is not there yet, instead of giving up
+    #[arg(long)]
+    pub wait: bool,
     /// Type from the first reading on, without waiting for the hand to be off all keys
     #[arg(long)]
     pub armed: bool,
@@ -140,7 +144,7 @@ pub struct ReplayArgs {
     #[arg(long, default_value = "transcript")]
     pub output: String,
     /// How many times as fast as it was; as fast as possible unless said
-    #[arg(long, value_parser = speed)]
+    #[arg(long, value_parser = speed, allow_negative_numbers = true)]
     pub speed: Option<f64>,
 }
 
@@ -149,7 +153,8 @@ pub struct ReplayArgs {
     after_help = "Examples:\n  ademan trace angles --source serial:/dev/ttyUSB0 | head\n  ademan trace touches --source 'typist:hello' --layout qwerty-arc"
 )]
 pub struct TraceArgs {
-    /// The stage after which to look: readings, angles, pose, touches or events
+    /// The stage after which to look
+    #[arg(value_parser = stage())]
     pub stage: Stage,
     /// A setup file
     #[arg(long)]
@@ -179,6 +184,11 @@ pub enum LayoutCommand {
         #[arg(long, value_name = "OUT.svg")]
         svg: Option<PathBuf>,
     },
+}
+
+fn stage() -> impl TypedValueParser<Value = Stage> {
+    PossibleValuesParser::new(Stage::ALL.iter().map(|stage| stage.name()))
+        .map(|name| name.parse().expect("it is one of the names of stages"))
 }
 
 fn noise(text: &str) -> Result<f64, String> {

@@ -18,6 +18,10 @@ pub fn completions(shell: Shell) -> Result<(), Failure> {
 
 /// Writes a manual page for the command and each of its subcommands.
 pub fn man(folder: &Path) -> Result<(), Failure> {
+    if folder.is_file() {
+        let message = format!("{} is a file, name a folder", folder.display());
+        return Err(Failure::wrong_use(message));
+    }
     std::fs::create_dir_all(folder)
         .and_then(|()| clap_mangen::generate_to(Args::command(), folder))
         .map_err(|error| {

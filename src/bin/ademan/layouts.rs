@@ -7,6 +7,7 @@ use ademan::layout::Layout;
 
 use crate::args::LayoutCommand;
 use crate::failure::Failure;
+use crate::status::counted;
 
 pub fn run(command: &LayoutCommand) -> Result<(), Failure> {
     match command {
@@ -18,14 +19,15 @@ pub fn run(command: &LayoutCommand) -> Result<(), Failure> {
 
 /// Checks every file, also after one that is wrong.
 fn check(files: &[String]) -> Result<(), Failure> {
+    let mut out = std::io::stdout().lock();
     let mut wrong = 0;
     for file in files {
         match Layout::load(file) {
-            Ok(layout) => println!(
-                "{file}: right, {} keys, {} layers",
-                layout.keys.len(),
-                layout.layers.len()
-            ),
+            Ok(layout) => {
+                let keys = counted(layout.keys.len() as u64, "key");
+                let layers = counted(layout.layers.len() as u64, "layer");
+                writeln!(out, "{file}: right, {keys}, {layers}")?;
+            }
             Err(error) => {
                 eprintln!("error: {error}");
                 wrong += 1;
@@ -35,8 +37,8 @@ fn check(files: &[String]) -> Result<(), Failure> {
     match wrong {
         0 => Ok(()),
         _ => Err(Failure::wrong_use(format!(
-            "{wrong} of {} files are wrong",
-            files.len()
+            "{wrong} of {} cannot be used",
+            counted(files.len() as u64, "file")
         ))),
     }
 }
@@ -57,6 +59,6 @@ fn show(file: &str, svg: Option<&Path>) -> Result<(), Failure> {
     };
     std::fs::write(path, layout.svg())
         .map_err(|error| Failure::wrong_use(format!("cannot write {}: {error}", path.display())))?;
-    println!("wrote {}", path.display());
+    writeln!(std::io::stdout(), "wrote {}", path.display())?;
     Ok(())
 }

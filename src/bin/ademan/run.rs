@@ -16,12 +16,21 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let name = setup::source_name(&setup)?;
     let assembly = setup.assemble()?;
     let stop = signals::stop_requests()?;
-    let source = setup::open_at_its_pace(&assembly, &name)?;
+    let source = match args.wait {
+        true => setup::wait_for(&assembly, &name, &stop)?,
+        false => Some(setup::open_at_its_pace(&assembly, &name)?),
+    };
+    let Some(source) = source else {
+        return Ok(());
+    };
     let mut sink = output::open(&assembly.setup.output, &assembly.layout.codes())?;
     let mut recording = match &args.record {
         Some(path) => Some(Recording::start(path, &assembly, false)?),
         None => None,
     };
+    if source.is_live() {
+        eprintln!("listening to {name}, Ctrl-C ends");
+    }
     let mut pipeline = assembly.pipeline();
     let mut status = Status::default();
     let ended = drive(source, &mut pipeline, &mut *sink, &stop, &mut |frame| {

@@ -1,10 +1,17 @@
 //! From arguments to a setup that is ready to run.
 
-use ademan::capture::{Paced, Source, SourceName};
-use ademan::settings::{Assembly, Setup};
+use std::time::Duration;
+
+use ademan::capture::{CaptureError, Paced, Source, SourceName};
+use ademan::settings::{Assembly, Setup, SetupError};
+use crossbeam_channel::Receiver;
 
 use crate::args::SetupArgs;
 use crate::failure::Failure;
+
+/// The time before a device that is not there is looked for again, at first and after some attempts.
+const SHORTEST_DELAY: Duration = Duration::from_millis(100);
+const LONGEST_DELAY: Duration = Duration::from_secs(2);
 
 /// The setup of a file, or the default one, with the flags over it.
 pub fn read(file: Option<&str>, flags: SetupArgs) -> Result<Setup, Failure> {
@@ -31,10 +38,47 @@ pub fn source_name(setup: &Setup) -> Result<SourceName, Failure> {
 pub fn open_at_its_pace(
     assembly: &Assembly,
     name: &SourceName,
-) -> Result<Box<dyn Source>, Failure> {
+) -> Result<Box<dyn Source>, SetupError> {
     let source = assembly.open(name)?;
     if source.is_live() {
         return Ok(source);
     }
     Ok(Box::new(Paced::new(source, 1.0)))
+}
+
+/// As [`open_at_its_pace`], but a device that does not open is looked for until it does: said once for
+/// each reason. `None` when the end is asked for before that.
+pub fn wait_for(
+    assembly: &Assembly,
+    name: &SourceName,
+    stop: &Receiver<()>,
+) -> Result<Option<Box<dyn Source>>, SetupError> {
+    let mut told = String::new();
+    let mut delay = SHORTEST_DELAY;
+    loop {
+        let reason = match open_at_its_pace(assembly, name) {
+            Err(SetupError::Capture(error @ CaptureError::Open { .. })) if is_device(name) => {
+                error.to_string()
+            }
+            opened => {
+                if !told.is_empty() && opened.is_ok() {
+                    eprintln!("found {name}");
+                }
+                return opened.map(Some);
+            }
+        };
+        if reason != told {
+            eprintln!("waiting: {reason}; Ctrl-C ends");
+            told = reason;
+        }
+        if stop.recv_timeout(delay).is_ok() {
+            return Ok(None);
+        }
+        delay = (2 * delay).min(LONGEST_DELAY);
+    }
+}
+
+/// Whether it is something that can be plugged in later.
+fn is_device(name: &SourceName) -> bool {
+    matches!(name, SourceName::Serial { .. } | SourceName::Tcp { .. })
 }

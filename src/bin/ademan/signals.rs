@@ -1,9 +1,10 @@
 //! Ctrl-C, SIGTERM and SIGHUP end a run in good order.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use crossbeam_channel::{Receiver, bounded};
+use crossbeam_channel::{Receiver, Sender, bounded};
 
 use crate::failure::Failure;
 
@@ -12,19 +13,46 @@ const INTERRUPTED: i32 = 130;
 /// What an end in good order may take; letting go of all keys takes a few milliseconds.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// Something comes in here when the user or the system wants the program to end. A second request
-/// ends it even if it hangs, but leaves the first the time to let go of all keys.
-pub fn stop_requests() -> Result<Receiver<()>, Failure> {
-    let (sender, stop) = bounded(1);
-    let asked = AtomicBool::new(false);
-    ctrlc::set_handler(move || {
-        if asked.swap(true, Ordering::Relaxed) {
+/// Asks the program to end.
+#[derive(Clone)]
+pub struct Stopper {
+    asked: Arc<AtomicBool>,
+    sender: Sender<()>,
+}
+
+impl Stopper {
+    /// Asks for an end in good order. A second request ends the program even if it hangs, but leaves
+    /// the first the time to let go of all keys.
+    pub fn ask(&self) {
+        if self.is_asked() {
             std::thread::sleep(GRACE);
             std::process::exit(INTERRUPTED);
         }
+        self.asked.store(true, Ordering::Relaxed);
         // A full channel means that the end is already asked for.
-        let _ = sender.try_send(());
-    })
-    .map_err(|error| Failure::job(format!("cannot listen for Ctrl-C: {error}")))?;
-    Ok(stop)
+        let _ = self.sender.try_send(());
+    }
+
+    /// Whether the end was asked for.
+    pub fn is_asked(&self) -> bool {
+        self.asked.load(Ordering::Relaxed)
+    }
+}
+
+/// Something comes in here when the user or the system wants the program to end.
+pub fn stop_requests() -> Result<Receiver<()>, Failure> {
+    stopper().map(|(_, stop)| stop)
+}
+
+/// As [`stop_requests`], with a hand on the same bell for who else may ring it.
+pub fn stopper() -> Result<(Stopper, Receiver<()>), Failure> {
+    let (sender, stop) = bounded(1);
+    let stopper = Stopper {
+        asked: Arc::default(),
+        sender,
+    };
+    let bell = stopper.clone();
+    ctrlc::set_handler(move || bell.ask())
+        .map_err(|error| Failure::job(format!("cannot listen for Ctrl-C: {error}")))?;
+    Ok((stopper, stop))
 }

@@ -32,7 +32,8 @@ pub fn account(tally: &Tally) -> String {
         .filter(|(_, count)| *count > 0)
         .map(|(reason, count)| format!(", {count} rejected ({reason})"));
     let source = &tally.source;
-    let mut line = format!("{} readings: {} accepted", source.readings, tally.accepted);
+    let readings = counted(source.readings, "reading");
+    let mut line = format!("{readings}: {} accepted", tally.accepted);
     line.extend(rejected);
     if source.superseded > 0 {
         line += &format!(", {} superseded", source.superseded);
@@ -44,7 +45,13 @@ pub fn account(tally: &Tally) -> String {
         );
     }
     if source.losses > 0 {
-        line += &format!("; the device was lost {} times", source.losses);
+        line += &format!("; the device was lost {}", counted(source.losses, "time"));
     }
     line
+}
+
+/// `1 key`, `2 keys`.
+pub fn counted(count: u64, what: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {what}{plural}")
 }

@@ -1,8 +1,11 @@
 //! `ademan demo`: a simulated hand types through the whole way, on a line that is real.
 
+mod draw;
 mod player;
 mod screen;
+mod text;
 
+use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroU32;
 
 use ademan::capture::{self, LineSettings, open_wire};
@@ -32,18 +35,24 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
             .ok_or_else(|| Failure::wrong_use("a baud is more than 0"))?,
         ..LineSettings::default()
     };
-    let typist = assembly.typist(&args.text, &line, args.noise, args.seed)?;
-    let asked = signals::stop_requests()?;
+    let text = text::to_type(args.text.as_deref(), &assembly.layout)?;
+    let typist = assembly.typist(&text, &line, args.noise, args.seed)?;
+    let (stopper, asked) = signals::stopper()?;
     let mut sink = output::open(&assembly.setup.output, &assembly.layout.codes())?;
     let wire = open_wire(line)
         .map_err(|error| Failure::job(format!("cannot open a simulated serial line: {error}")))?;
-    println!(
-        "a simulated hand types {:?} on {} over {}",
-        args.text, assembly.layout.name, wire.source
-    );
+    writeln!(
+        io::stdout(),
+        "a simulated hand types {text:?} on {} over {}",
+        assembly.layout.name,
+        wire.source
+    )?;
     let source = capture::open(&wire.source)?;
     let (stop_sender, stop) = bounded(1);
-    let mut screen = Screen::open(&assembly.layout, &args.text)?;
+    let mut screen = match io::stdout().is_terminal() && args.output != "transcript" {
+        true => Screen::open(&assembly.layout, &text, stopper),
+        false => Screen::closed(&assembly.layout),
+    };
     let player = Player::start(typist, wire.writer, line, asked, stop_sender);
     let mut typed = Typed::default();
     let ended = drive(
@@ -56,10 +65,10 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
             screen.show(frame, typed.field.text());
         },
     );
-    screen.close();
+    drop(screen);
     let played = player.join()?;
-    let score = typed.score(&args.text);
-    report(&score, &played, &ended?, &line);
+    let score = typed.score(&text);
+    report(&score, &played, &ended?, &line)?;
     match score.typed == score.presented {
         true => Ok(()),
         false if played.is_interrupted => Err(Failure::job("interrupted before all was typed")),
@@ -90,16 +99,24 @@ impl Typed {
     }
 }
 
-fn report(score: &TypingScore, played: &Played, summary: &Summary, line: &LineSettings) {
+fn report(
+    score: &TypingScore,
+    played: &Played,
+    summary: &Summary,
+    line: &LineSettings,
+) -> io::Result<()> {
     let source = &summary.tally.source;
     let micros = |quantile: f64| summary.latency_ns.value_at_quantile(quantile) as f64 / 1e3;
-    println!("typed      {:?}", score.typed);
-    println!(
+    let mut out = io::stdout().lock();
+    writeln!(out, "typed      {:?}", score.typed)?;
+    writeln!(
+        out,
         "quality    {:.1} words/min (simulated), {:.2} % character error rate",
         score.words_per_minute,
         score.error_rate * 100.0
-    );
-    println!(
+    )?;
+    writeln!(
+        out,
         "line       {} baud, {:.2} ms a frame: {} frames sent, {} decoded, {} lost",
         line.baud,
         line.frame_period().as_secs_f64() * 1e3,
@@ -107,12 +124,13 @@ fn report(score: &TypingScore, played: &Played, summary: &Summary, line: &LineSe
         source.readings,
         // The last frame is never confirmed: no header comes after it.
         (played.frames.saturating_sub(1)).saturating_sub(source.readings),
-    );
-    println!("account    {}", status::account(&summary.tally));
-    println!(
+    )?;
+    writeln!(out, "account    {}", status::account(&summary.tally))?;
+    writeln!(
+        out,
         "latency    from a frame's last byte to its events: p50 {:.0} µs, p99 {:.0} µs, most {:.0} µs",
         micros(0.5),
         micros(0.99),
         micros(1.0)
-    );
+    )
 }

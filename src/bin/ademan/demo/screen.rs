@@ -1,67 +1,72 @@
-//! What the demo shows while it types: the board with keys lit, fingertips over it, the text so far.
+//! The terminal while the demo types: pictures go out, Ctrl-C comes in.
 
-use std::io::IsTerminal;
+use std::io;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
 use ademan::contact::{Phase, TargetId};
-use ademan::hand::Finger;
-use ademan::layout::{Cell, Grid, Key, Layout, OverBoard};
-use ademan::monitor::{Snapshot, State};
+use ademan::layout::Layout;
+use ademan::monitor::Snapshot;
 use ademan::time::Timestamp;
-use crossbeam_channel::{Receiver, Sender, bounded};
-use ratatui::buffer::Buffer;
-use ratatui::layout::{Constraint, Layout as Split, Rect};
-use ratatui::style::{Color, Modifier, Style, Stylize};
-use ratatui::text::Line;
-use ratatui::widgets::{Block, BorderType, Paragraph, Widget};
-use ratatui::{DefaultTerminal, Frame};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
+use ratatui::DefaultTerminal;
+use ratatui::crossterm::event::{self, Event, KeyCode, KeyModifiers};
 
-use crate::failure::Failure;
+use super::draw::{Picture, Stage};
+use crate::signals::Stopper;
 
 /// Time between two pictures where nothing new is pressed.
 const PERIOD: Duration = Duration::from_millis(33);
+/// How long Ctrl-C may go unnoticed where nothing is drawn.
+const GLANCE: Duration = Duration::from_millis(50);
 
-/// Shows frames in the terminal, from a thread of its own; on anything else than a terminal, nothing.
+/// Shows frames in the terminal, from a thread of its own.
 pub struct Screen {
     pictures: Option<Sender<Picture>>,
-    painter: Option<JoinHandle<std::io::Result<()>>>,
+    painter: Option<JoinHandle<io::Result<()>>>,
     layout: Layout,
     pressed: Vec<TargetId>,
     last: Timestamp,
 }
 
-/// All that one picture needs.
-struct Picture {
-    typed: String,
-    state: State,
-    pressed: Vec<TargetId>,
-    fingertips: Vec<OverBoard>,
-}
-
 impl Screen {
-    /// Takes over the terminal, if there is one.
-    pub fn open(layout: &Layout, presented: &str) -> Result<Self, Failure> {
-        let mut screen = Self {
+    /// Takes over the terminal; what is typed there goes nowhere, but for Ctrl-C, which asks `stopper`.
+    ///
+    /// A terminal that cannot be taken over shows nothing.
+    pub fn open(layout: &Layout, presented: &str, stopper: Stopper) -> Self {
+        let mut screen = Self::closed(layout);
+        let terminal = match ratatui::try_init() {
+            Ok(terminal) => terminal,
+            Err(error) => {
+                ratatui::restore();
+                tracing::warn!("cannot draw on this terminal, going on without: {error}");
+                return screen;
+            }
+        };
+        let (pictures, waiting) = bounded(1);
+        let painter = Painter {
+            terminal,
+            stage: Stage {
+                grids: layout.grids(),
+                layout: layout.clone(),
+                presented: presented.to_owned(),
+            },
+            stopper,
+        };
+        screen.pictures = Some(pictures);
+        screen.painter = Some(std::thread::spawn(move || painter.paint(&waiting)));
+        screen
+    }
+
+    /// Shows nothing: for an output that is no terminal, or that something else is written to.
+    pub fn closed(layout: &Layout) -> Self {
+        Self {
             pictures: None,
             painter: None,
             layout: layout.clone(),
             pressed: Vec::new(),
             last: Timestamp(0),
-        };
-        if std::io::stdout().is_terminal() {
-            let (pictures, waiting) = bounded(1);
-            let terminal = ratatui::try_init()?;
-            let painter = Painter {
-                terminal,
-                layout: layout.clone(),
-                grids: layout.grids(),
-                presented: presented.to_owned(),
-            };
-            screen.pictures = Some(pictures);
-            screen.painter = Some(std::thread::spawn(move || painter.paint(&waiting)));
         }
-        Ok(screen)
     }
 
     /// Shows a frame; never waits: a picture that the terminal has no time for is left out.
@@ -94,9 +99,11 @@ impl Screen {
         // A full channel means that the terminal still draws the last one.
         let _ = pictures.try_send(picture);
     }
+}
 
-    /// Gives the terminal back.
-    pub fn close(mut self) {
+/// Gives the terminal back, whatever the end.
+impl Drop for Screen {
+    fn drop(&mut self) {
         self.pictures = None;
         if let Some(painter) = self.painter.take()
             && !matches!(painter.join(), Ok(Ok(())))
@@ -108,106 +115,48 @@ impl Screen {
 
 struct Painter {
     terminal: DefaultTerminal,
-    layout: Layout,
-    grids: Vec<Grid>,
-    presented: String,
+    stage: Stage,
+    stopper: Stopper,
 }
 
 impl Painter {
-    fn paint(mut self, pictures: &Receiver<Picture>) -> std::io::Result<()> {
-        let painted = pictures.iter().try_for_each(|picture| {
-            let (layout, grids, presented) = (&self.layout, &self.grids, &self.presented);
-            let drawn = self
-                .terminal
-                .draw(|frame| draw(frame, &picture, layout, grids, presented));
-            drawn.map(|_| ())
-        });
+    fn paint(mut self, pictures: &Receiver<Picture>) -> io::Result<()> {
+        let painted = self.paint_all(pictures);
         ratatui::try_restore()?;
         painted
     }
-}
 
-fn draw(frame: &mut Frame, picture: &Picture, layout: &Layout, grids: &[Grid], presented: &str) {
-    let [title, board, text] = Split::vertical([
-        Constraint::Length(1),
-        Constraint::Fill(1),
-        Constraint::Length(5),
-    ])
-    .areas(frame.area());
-    let title_line = format!(" {} · {} ", layout.name, picture.state);
-    frame.render_widget(Line::from(title_line).bold(), title);
-    let mut corner = board;
-    for (number, grid) in grids.iter().enumerate() {
-        draw_board(frame.buffer_mut(), corner, picture, layout, (number, grid));
-        let below = grid.rows as u16 + 1;
-        corner = Rect {
-            y: corner.y.saturating_add(below).min(board.bottom()),
-            height: corner.height.saturating_sub(below),
-            ..corner
-        };
-    }
-    let lines = vec![
-        Line::from(format!("to type  {presented:?}")).dim(),
-        Line::from(format!("typed    {:?}", picture.typed)).bold(),
-    ];
-    let block = Block::bordered().border_type(BorderType::Rounded);
-    frame.render_widget(Paragraph::new(lines).block(block), text);
-}
-
-fn draw_board(
-    buffer: &mut Buffer,
-    area: Rect,
-    picture: &Picture,
-    layout: &Layout,
-    board: (usize, &Grid),
-) {
-    let (number, grid) = board;
-    for cell in &grid.cells {
-        if let (Some(key), Some(place)) = (layout.key_of(cell.target), within(area, cell)) {
-            draw_key(buffer, place, key, picture.pressed.contains(&cell.target));
+    fn paint_all(&mut self, pictures: &Receiver<Picture>) -> io::Result<()> {
+        loop {
+            match pictures.recv_timeout(GLANCE) {
+                Ok(picture) => {
+                    self.terminal
+                        .draw(|frame| self.stage.draw(frame, &picture))?;
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return Ok(()),
+            }
+            self.heed_keys()?;
         }
     }
-    for tip in picture.fingertips.iter().filter(|tip| tip.board == number) {
-        let Some((column, row)) = grid.character_at(tip.along_rows) else {
-            continue;
-        };
-        let spot = (area.x + column as u16, area.y + row as u16);
-        if area.contains(spot.into()) {
-            let style = Style::new().fg(if tip.finger == Finger::Index {
-                Color::Yellow
-            } else {
-                Color::DarkGray
-            });
-            let mark = if tip.height < 0.0 { "●" } else { "○" };
-            buffer.set_string(spot.0, spot.1, mark, style);
+
+    /// The terminal makes no signal of Ctrl-C while it is drawn on.
+    fn heed_keys(&self) -> io::Result<()> {
+        while event::poll(Duration::ZERO)? {
+            if !is_ctrl_c(&event::read()?) {
+                continue;
+            }
+            if self.stopper.is_asked() {
+                ratatui::restore();
+            }
+            self.stopper.ask();
         }
+        Ok(())
     }
 }
 
-fn draw_key(buffer: &mut Buffer, place: Rect, key: &Key, lit: bool) {
-    let style = match lit {
-        true => Style::new()
-            .fg(Color::Black)
-            .bg(Color::Green)
-            .add_modifier(Modifier::BOLD),
-        false => Style::new(),
-    };
-    let block = Block::bordered().style(style);
-    let inside = block.inner(place);
-    block.render(place, buffer);
-    Line::from(key.label.as_str())
-        .style(style)
-        .centered()
-        .render(inside, buffer);
-}
-
-/// Where a key is on the screen; `None` when the window is too small for it.
-fn within(area: Rect, cell: &Cell) -> Option<Rect> {
-    let place = Rect {
-        x: area.x + cell.column as u16,
-        y: area.y + cell.row as u16,
-        width: cell.width as u16,
-        height: cell.height as u16,
-    };
-    (area.intersection(place) == place).then_some(place)
+fn is_ctrl_c(event: &Event) -> bool {
+    event.as_key_press_event().is_some_and(|key| {
+        key.code == KeyCode::Char('c') && key.modifiers.contains(KeyModifiers::CONTROL)
+    })
 }

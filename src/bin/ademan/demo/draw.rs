@@ -1,0 +1,202 @@
+//! One picture of the demo: the board with keys lit, fingertips over it, the text so far.
+
+use ademan::contact::TargetId;
+use ademan::hand::Finger;
+use ademan::layout::{Cell, Grid, Key, Layout, OverBoard};
+use ademan::monitor::State;
+use ratatui::Frame;
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Modifier, Style, Stylize};
+use ratatui::text::Line;
+use ratatui::widgets::{Block, BorderType, Paragraph, Widget};
+
+const TITLE_ROWS: u16 = 1;
+/// Three lines and their frame.
+const TEXT_ROWS: u16 = 5;
+
+/// What stays the same from picture to picture.
+pub struct Stage {
+    pub layout: Layout,
+    pub grids: Vec<Grid>,
+    pub presented: String,
+}
+
+/// What one picture shows.
+pub struct Picture {
+    pub typed: String,
+    pub state: State,
+    pub pressed: Vec<TargetId>,
+    pub fingertips: Vec<OverBoard>,
+}
+
+impl Stage {
+    /// All boards are one below the other; the text comes first where there is no room for both.
+    pub fn draw(&self, frame: &mut Frame, picture: &Picture) {
+        let window = frame.area();
+        let (columns, rows) = self.size();
+        let room = window.height.saturating_sub(TITLE_ROWS + TEXT_ROWS);
+        let board = Rect {
+            x: window.x + window.width.saturating_sub(columns) / 2,
+            y: window.y + TITLE_ROWS.min(window.height),
+            width: columns.min(window.width),
+            height: rows.min(room),
+        };
+        let text = Rect {
+            y: board.bottom(),
+            height: TEXT_ROWS,
+            ..window
+        };
+        let cut = (columns > window.width || rows > room)
+            .then_some((columns, rows + TITLE_ROWS + TEXT_ROWS));
+        self.draw_title(frame, picture, cut);
+        self.draw_boards(frame.buffer_mut(), board, picture);
+        self.draw_text(frame, text.intersection(window), &picture.typed);
+    }
+
+    /// Columns and rows that all boards take.
+    fn size(&self) -> (u16, u16) {
+        let columns = self.grids.iter().map(|grid| grid.columns).max();
+        let rows: usize = self.grids.iter().map(|grid| grid.rows + 1).sum();
+        let count = |length: usize| u16::try_from(length).unwrap_or(u16::MAX);
+        (count(columns.unwrap_or(0)), count(rows))
+    }
+
+    fn draw_title(&self, frame: &mut Frame, picture: &Picture, cut: Option<(u16, u16)>) {
+        let mut title = format!(" {} · {}", self.layout.name, picture.state);
+        if let Some((columns, rows)) = cut {
+            title += &format!(" · the whole board takes a window of {columns}×{rows}");
+        }
+        let line = Rect {
+            height: TITLE_ROWS,
+            ..frame.area()
+        };
+        let line = line.intersection(frame.area());
+        frame.render_widget(Line::from(title).bold(), line);
+    }
+
+    fn draw_boards(&self, buffer: &mut Buffer, area: Rect, picture: &Picture) {
+        let mut corner = area;
+        for (number, grid) in self.grids.iter().enumerate() {
+            self.draw_keys(buffer, corner, picture, grid);
+            let tips = picture.fingertips.iter();
+            for tip in tips.filter(|tip| tip.board == number) {
+                draw_fingertip(buffer, corner, grid, tip);
+            }
+            let below = corner.height.min(grid.rows as u16 + 1);
+            corner.y += below;
+            corner.height -= below;
+        }
+    }
+
+    fn draw_keys(&self, buffer: &mut Buffer, area: Rect, picture: &Picture, grid: &Grid) {
+        for cell in &grid.cells {
+            if let (Some(key), Some(place)) = (self.layout.key_of(cell.target), within(area, cell))
+            {
+                draw_key(buffer, place, key, picture.pressed.contains(&cell.target));
+            }
+        }
+    }
+
+    fn draw_text(&self, frame: &mut Frame, area: Rect, typed: &str) {
+        let lines = vec![
+            Line::from(format!("to type  {:?}", self.presented)).dim(),
+            Line::from(format!("typed    {typed:?}")).bold(),
+            Line::from("○ fingertip, ● inside a key; a lit key is down; Ctrl-C ends").dim(),
+        ];
+        let block = Block::bordered().border_type(BorderType::Rounded);
+        frame.render_widget(Paragraph::new(lines).block(block), area);
+    }
+}
+
+fn draw_fingertip(buffer: &mut Buffer, area: Rect, grid: &Grid, tip: &OverBoard) {
+    let Some((column, row)) = grid.character_at(tip.along_rows) else {
+        return;
+    };
+    let spot = (area.x + column as u16, area.y + row as u16);
+    if !area.contains(spot.into()) {
+        return;
+    }
+    let style = Style::new().fg(match tip.finger {
+        Finger::Index => Color::Yellow,
+        _ => Color::DarkGray,
+    });
+    let mark = if tip.height < 0.0 { "●" } else { "○" };
+    buffer.set_string(spot.0, spot.1, mark, style);
+}
+
+fn draw_key(buffer: &mut Buffer, place: Rect, key: &Key, lit: bool) {
+    let style = match lit {
+        true => Style::new()
+            .fg(Color::Black)
+            .bg(Color::Green)
+            .add_modifier(Modifier::BOLD),
+        false => Style::new(),
+    };
+    let block = Block::bordered().style(style);
+    let inside = block.inner(place);
+    block.render(place, buffer);
+    Line::from(key.label.as_str())
+        .style(style)
+        .centered()
+        .render(inside, buffer);
+}
+
+/// Where a key is on the screen; `None` when the window is too small for it.
+fn within(area: Rect, cell: &Cell) -> Option<Rect> {
+    let place = Rect {
+        x: area.x + cell.column as u16,
+        y: area.y + cell.row as u16,
+        width: cell.width as u16,
+        height: cell.height as u16,
+    };
+    (area.intersection(place) == place).then_some(place)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ratatui::Terminal;
+    use ratatui::backend::TestBackend;
+
+    fn shown(columns: u16, rows: u16) -> String {
+        let layout = Layout::load("qwerty-flat").unwrap();
+        let stage = Stage {
+            grids: layout.grids(),
+            presented: "to be typed".into(),
+            layout,
+        };
+        let picture = Picture {
+            typed: "to be".into(),
+            state: State::Running,
+            pressed: Vec::new(),
+            fingertips: Vec::new(),
+        };
+        let mut terminal = Terminal::new(TestBackend::new(columns, rows)).unwrap();
+        terminal.draw(|frame| stage.draw(frame, &picture)).unwrap();
+        terminal.backend().to_string()
+    }
+
+    #[test]
+    fn a_window_with_room_shows_board_and_text() {
+        let picture = shown(120, 40);
+        assert!(picture.contains("QWERTY, 19 mm · running"), "{picture}");
+        assert!(picture.contains("│ Q ││ W │"), "{picture}");
+        assert!(picture.contains("typed    \"to be\""), "{picture}");
+        assert!(!picture.contains("takes a window"), "{picture}");
+    }
+
+    #[test]
+    fn a_window_that_is_too_small_says_so_and_still_shows_the_text() {
+        let picture = shown(70, 14);
+        assert!(picture.contains("takes a window of 70×22"), "{picture}");
+        assert!(picture.contains("typed    \"to be\""), "{picture}");
+    }
+
+    #[test]
+    fn no_window_is_too_small() {
+        for (columns, rows) in [(0, 0), (1, 1), (5, 3), (300, 2), (2, 300)] {
+            shown(columns, rows);
+        }
+    }
+}
