@@ -65,7 +65,7 @@ impl Stage {
     fn draw_title(&self, frame: &mut Frame, picture: &Picture, cut: Option<(u16, u16)>) {
         let mut title = format!(" {} · {}", self.layout.name, picture.state);
         if let Some((columns, rows)) = cut {
-            title += &format!(" · the whole board takes a window of {columns}×{rows}");
+            title += &format!(" · needs a window of {columns}×{rows}");
         }
         let line = Rect {
             height: TITLE_ROWS,
@@ -102,7 +102,7 @@ impl Stage {
         let lines = vec![
             Line::from(format!("to type  {:?}", self.presented)).dim(),
             Line::from(format!("typed    {typed:?}")).bold(),
-            Line::from("○ fingertip, ● inside a key; a lit key is down; Ctrl-C ends").dim(),
+            Line::from("○ fingertip  ● inside a key  lit: down  Ctrl-C ends").dim(),
         ];
         let block = Block::bordered().border_type(BorderType::Rounded);
         frame.render_widget(Paragraph::new(lines).block(block), area);
@@ -183,13 +183,13 @@ mod tests {
         assert!(picture.contains("QWERTY, 19 mm · running"), "{picture}");
         assert!(picture.contains("│ Q ││ W │"), "{picture}");
         assert!(picture.contains("typed    \"to be\""), "{picture}");
-        assert!(!picture.contains("takes a window"), "{picture}");
+        assert!(!picture.contains("needs a window"), "{picture}");
     }
 
     #[test]
     fn a_window_that_is_too_small_says_so_and_still_shows_the_text() {
         let picture = shown(70, 14);
-        assert!(picture.contains("takes a window of 70×22"), "{picture}");
+        assert!(picture.contains("needs a window of 70×22"), "{picture}");
         assert!(picture.contains("typed    \"to be\""), "{picture}");
     }
 

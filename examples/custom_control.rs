@@ -1,0 +1,75 @@
+//! A control of one's own: here a drum pad that tells how hard it was hit.
+//!
+//! Whatever makes events out of touches (a slider, a knob, a lever) is a [`VirtualDevice`]. A simulated
+//! hand taps three keys, and the pad answers each hit with one value from 0 to 1:
+//! `cargo run --example custom_control`
+
+use std::collections::BTreeMap;
+
+use ademan::contact::{Phase, TargetId, Touch};
+use ademan::device::{Action, Events, OutputEvent, VirtualDevice};
+use ademan::estimate::{Estimator, EstimatorSettings};
+use ademan::kinematics::HandPose;
+use ademan::output;
+use ademan::pipeline::{Arming, Pipeline};
+use ademan::runtime::drive;
+use ademan::settings::Setup;
+use ademan::time::Timestamp;
+
+/// The hit that counts as 1: so many travels of a key in a second.
+const HARDEST: f32 = 100.0;
+
+/// When each key that is touched was reached.
+#[derive(Default)]
+struct DrumPad {
+    touched: BTreeMap<TargetId, Timestamp>,
+}
+
+impl VirtualDevice for DrumPad {
+    fn update(&mut self, _: &HandPose, touches: &[Touch], events: &mut Events) {
+        for touch in touches {
+            match touch.phase {
+                Phase::Touched => {
+                    self.touched.insert(touch.target, touch.time);
+                }
+                Phase::Pressed => {
+                    let Some(touched) = self.touched.remove(&touch.target) else {
+                        continue;
+                    };
+                    let seconds = touch.time.since(touched).as_secs_f32();
+                    let hardness = (touch.depth / seconds / HARDEST).min(1.0);
+                    events.push(OutputEvent {
+                        time: touch.time,
+                        action: Action::Depth(touch.target, hardness),
+                    });
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// A pad holds nothing down.
+    fn release_all(&mut self, _: Timestamp, _: &mut Events) {
+        self.touched.clear();
+    }
+}
+
+fn main() -> anyhow::Result<()> {
+    let setup = Setup {
+        layout: "numpad".into(),
+        ..Setup::default()
+    };
+    let assembly = setup.assemble()?;
+    let mut pipeline = Pipeline::new(
+        Estimator::new(assembly.glove.map.clone(), EstimatorSettings::default()),
+        assembly.arm.clone(),
+        assembly.layout.scene.clone(),
+        vec![Box::new(DrumPad::default())],
+        Arming::default(),
+    );
+    let hand = assembly.open(&"typist:159".parse()?)?;
+    let mut sink = output::open("transcript", &assembly.layout.codes())?;
+    let never = crossbeam_channel::never();
+    drive(hand, &mut pipeline, &mut *sink, &never, &mut |_| {})?;
+    Ok(())
+}

@@ -1,0 +1,83 @@
+//! A source of one's own: here a hand that nods with its index finger, three times.
+//!
+//! Whatever gives readings (a glove, a camera, a network) is a [`Source`]; all that follows it stays
+//! as it is. Prints the key events of the one key that lies under the finger:
+//! `cargo run --example custom_source`
+
+use std::f64::consts::TAU;
+
+use ademan::capture::{Capture, CaptureError, Channels, MAX_CHANNELS, Reading, Sample, Source};
+use ademan::estimate::ChannelMap;
+use ademan::hand::Dof;
+use ademan::output;
+use ademan::runtime::drive;
+use ademan::settings::Setup;
+use ademan::time::Timestamp;
+
+const LAYOUT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/one-key.ron");
+const FRAMES_A_SECOND: u64 = 100;
+const NODS: u64 = 3;
+
+struct NoddingHand {
+    map: ChannelMap,
+    frame: u64,
+}
+
+impl Source for NoddingHand {
+    fn next(&mut self) -> Result<Capture, CaptureError> {
+        if self.frame == NODS * FRAMES_A_SECOND {
+            return Ok(Capture::End);
+        }
+        let seconds = self.frame as f64 / FRAMES_A_SECOND as f64;
+        self.frame += 1;
+        let bent = 0.5 - 0.5 * (TAU * seconds).cos();
+        let mut counts = [0; MAX_CHANNELS];
+        for row in self.map.rows() {
+            let angle = if row.dof == Dof::IndexMcpFlexion {
+                bent
+            } else {
+                0.0
+            };
+            let count = row.line.reading(angle).round();
+            counts[usize::from(row.channel)] = count.clamp(0.0, 255.0) as u16;
+        }
+        Ok(Capture::Reading(Reading {
+            time: Timestamp::from_seconds(seconds),
+            sample: Sample::Channels(Channels {
+                full_scale: self.map.full_scale(),
+                counts: counts.into(),
+            }),
+        }))
+    }
+
+    fn name(&self) -> &str {
+        "a nodding hand"
+    }
+
+    /// Nothing is lost when nobody takes the readings, so they come as fast as they are taken.
+    fn is_live(&self) -> bool {
+        false
+    }
+}
+
+fn main() -> anyhow::Result<()> {
+    let setup = Setup {
+        layout: LAYOUT.into(),
+        ..Setup::default()
+    };
+    let assembly = setup.assemble()?;
+    let hand = NoddingHand {
+        map: assembly.glove.map.clone(),
+        frame: 0,
+    };
+    let mut sink = output::open("transcript", &assembly.layout.codes())?;
+    let never = crossbeam_channel::never();
+    drive(
+        hand,
+        &mut assembly.pipeline(),
+        &mut *sink,
+        &never,
+        &mut |_| {},
+    )?;
+    Ok(())
+}

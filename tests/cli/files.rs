@@ -1,0 +1,277 @@
+//! Files that are written and read again: recordings, transcripts, layouts, setups, documentation.
+
+use std::path::Path;
+use std::process::Command;
+
+use super::{Ended, file, run, text};
+
+const TYPED: &str = "typist:Hi you";
+
+fn root(path: &str) -> String {
+    format!("{}/{path}", env!("CARGO_MANIFEST_DIR"))
+}
+
+fn recorded(folder: &tempfile::TempDir) -> String {
+    let path = folder.path().join("hand.mcap");
+    let path = text(&path).to_owned();
+    let ended = run(["record", &path, "--source", TYPED]).done();
+    assert!(ended.err.contains("readings:"), "{}", ended.err);
+    assert_eq!(ended.out, "");
+    path
+}
+
+#[test]
+fn a_recording_is_replayed_to_the_same_bytes_at_any_speed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(&folder);
+    let first = run(["replay", &path]).done().out;
+    let keys: Vec<&str> = first
+        .lines()
+        .filter_map(|line| line.split_once("down "))
+        .map(|(_, key)| key)
+        .collect();
+    assert_eq!(keys, ["ShiftLeft", "H", "I", "Space", "Y", "O", "U"]);
+    assert_eq!(run(["replay", &path]).done().out, first);
+    assert_eq!(run(["replay", &path, "--speed", "20"]).done().out, first);
+}
+
+#[test]
+fn a_recording_that_is_cut_gives_what_came_before_the_cut_and_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = recorded(&folder);
+    let whole = run(["replay", &path]).done().out;
+    let bytes = std::fs::read(&path).unwrap();
+    let cut = file(&folder, "cut.mcap", &bytes[..bytes.len() * 2 / 3]);
+    let ended = run(["replay", &cut]).done();
+    assert!(ended.err.contains("cut"), "{}", ended.err);
+    let same = ended
+        .out
+        .lines()
+        .zip(whole.lines())
+        .take_while(|(cut, whole)| cut == whole)
+        .count();
+    assert!(same > 0 && same < whole.lines().count(), "{}", ended.out);
+    // What was down at the cut is let go of there.
+    let mut rest = ended.out.lines().skip(same);
+    assert!(rest.all(|line| line.contains(" up ")), "{}", ended.out);
+}
+
+#[test]
+fn a_run_that_is_recorded_gives_the_transcript_that_was_printed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let live = run(["run", "--source", "typist:ok", "--record", text(&path)])
+        .done()
+        .out;
+    assert_eq!(live.lines().count(), 4, "{live}");
+    assert_eq!(run(["replay", text(&path)]).done().out, live);
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let mode = std::fs::metadata(&path).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+    }
+}
+
+#[test]
+fn what_is_typed_is_in_no_message() {
+    const CANARY: &str = "canary";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("run.mcap");
+    let source = format!("typist:{CANARY}");
+    let ended = run([
+        "run",
+        "--source",
+        &source,
+        "--record",
+        text(&path),
+        "--output",
+        "none",
+    ])
+    .done();
+    assert!(ended.err.contains("armed"), "{}", ended.err);
+    let replayed = run(["replay", text(&path), "--output", "none"]).done();
+    for messages in [ended.err, replayed.err] {
+        assert!(!messages.to_lowercase().contains(CANARY), "{messages}");
+        assert!(!messages.contains("down"), "{messages}");
+    }
+}
+
+#[test]
+fn the_demo_writes_a_transcript_and_ends_with_its_figures() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("demo.txt");
+    let output = format!("transcript:{}", path.display());
+    let ended = run(["demo", "--text", "Ok", "--output", &output]).done();
+    for word in [
+        "typed      \"Ok\"",
+        "words/min",
+        "0.00 % character error rate",
+        "0 lost",
+        "p99",
+    ] {
+        assert!(ended.out.contains(word), "{}", ended.out);
+    }
+    let transcript = std::fs::read_to_string(path).unwrap();
+    let events: Vec<&str> = transcript.lines().map(|line| line[13..].trim()).collect();
+    let keys = [
+        "down ShiftLeft",
+        "down O",
+        "up   O",
+        "up   ShiftLeft",
+        "down K",
+        "up   K",
+    ];
+    assert_eq!(events, keys);
+}
+
+#[test]
+fn the_demo_finds_a_text_for_a_board_of_digits() {
+    let ended = run(["demo", "--layout", "numpad"]).done();
+    assert!(
+        ended.out.contains("typed      \"3.14159*2-0.5\""),
+        "{}",
+        ended.out
+    );
+}
+
+#[test]
+fn the_example_of_a_setup_says_what_is_so_without_it() {
+    use ademan::settings::Setup;
+    let example = Setup::load(&root("examples/setup.ron")).unwrap();
+    assert!(example.source.is_some());
+    let without_source = Setup {
+        source: None,
+        ..example
+    };
+    assert_eq!(without_source, Setup::default());
+
+    let written = std::fs::read_to_string(root("examples/setup.ron")).unwrap();
+    let default = serde_json::to_value(Setup::default()).unwrap();
+    for field in default.as_object().unwrap().keys() {
+        assert!(written.contains(&format!("\n    {field}: ")), "{field}");
+    }
+}
+
+#[test]
+fn a_setup_sees_its_files_from_its_own_folder_and_flags_go_before_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let layout = std::fs::read_to_string(root("examples/one-key.ron")).unwrap();
+    file(&folder, "board.ron", layout);
+    let setup = file(
+        &folder,
+        "setup.ron",
+        "Setup(source: \"typist:a\", layout: \"board.ron\", armed: true)",
+    );
+    let ended = run(["run", &setup]);
+    assert_eq!(ended.code, Some(2));
+    assert!(ended.err.contains("cannot type 'a'"), "{}", ended.err);
+    let ended = run(["run", &setup, "--layout", "qwerty-flat"]).done();
+    assert_eq!(ended.out.lines().count(), 2, "{}", ended.out);
+}
+
+#[test]
+fn the_layouts_of_the_readme_are_right() {
+    let folder = tempfile::tempdir().unwrap();
+    let readme = std::fs::read_to_string(root("README.md")).unwrap();
+    let layouts: Vec<&str> = readme
+        .split("```ron\n")
+        .skip(1)
+        .filter_map(|rest| rest.split("```").next())
+        .filter(|block| block.starts_with("Layout("))
+        .collect();
+    assert!(!layouts.is_empty());
+    for layout in layouts {
+        let path = file(&folder, "board.ron", layout);
+        run(["layout", "check", &path]).done();
+        assert!(run(["layout", "show", &path]).done().out.ends_with('\n'));
+    }
+}
+
+#[test]
+fn the_picture_of_the_readme_is_that_of_the_layout() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.svg");
+    run(["layout", "show", "qwerty-arc", "--svg", text(&path)]).done();
+    let drawn = std::fs::read_to_string(path).unwrap();
+    let shown = std::fs::read_to_string(root("docs/qwerty-arc.svg")).unwrap();
+    assert!(drawn == shown, "draw docs/qwerty-arc.svg again");
+}
+
+#[test]
+fn layouts_are_listed_in_columns() {
+    let list = run(["layout", "list"]).done().out;
+    let places: Vec<usize> = list
+        .lines()
+        .map(|line| {
+            let (name, _) = line.split_once(' ').unwrap();
+            line.len() - line[name.len()..].trim_start().len()
+        })
+        .collect();
+    assert!(
+        places.len() >= 5 && places.iter().all(|place| *place == places[0]),
+        "{list}"
+    );
+}
+
+#[test]
+fn completions_and_manual_pages_come_out() {
+    for (shell, word) in [
+        ("bash", "complete -F _ademan"),
+        ("zsh", "#compdef ademan"),
+        ("fish", "complete -c ademan"),
+    ] {
+        let script = run(["completions", shell]).done().out;
+        assert!(script.contains(word), "{shell}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let pages = folder.path().join("man1");
+    run(["man", text(&pages)]).done();
+    for page in ["ademan.1", "ademan-demo.1", "ademan-layout-check.1"] {
+        let page = std::fs::read_to_string(pages.join(page)).unwrap();
+        assert!(page.contains(".SH NAME"), "{page}");
+    }
+}
+
+#[test]
+fn every_help_has_an_example() {
+    let commands = [
+        "demo",
+        "run",
+        "record",
+        "replay",
+        "trace",
+        "layout check",
+        "layout list",
+        "layout show",
+        "completions",
+        "man",
+    ];
+    for command in commands {
+        let help = run(command.split(' ').chain(["--help"])).done().out;
+        assert!(help.contains("Example"), "{command}: {help}");
+        assert!(
+            help.contains(&format!("ademan {command} "))
+                || help.contains(&format!("ademan {command}\n")),
+            "{command}: {help}"
+        );
+    }
+}
+
+#[test]
+fn the_examples_run() {
+    let folder = Path::new(env!("CARGO_BIN_EXE_ademan")).with_file_name("examples");
+    for (example, lines) in [
+        ("custom_source", 6),
+        ("custom_control", 3),
+        ("replay_to_stdout", 24),
+    ] {
+        let program = folder.join(example);
+        if !program.exists() {
+            println!("SKIPPED: {example} is not built; `cargo test` builds it");
+            continue;
+        }
+        let ended: Ended = Command::new(program).output().unwrap().into();
+        assert_eq!(ended.done().out.lines().count(), lines, "{example}");
+    }
+}

@@ -1,0 +1,65 @@
+//! The real binary, as a person or a script meets it: messages, exit codes, files.
+
+mod files;
+mod signals;
+mod terminal;
+mod traces;
+mod wrong_use;
+
+use std::ffi::OsStr;
+use std::io::Write;
+use std::process::{Command, Output, Stdio};
+
+/// The program, on a machine without a desktop.
+fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ademan"));
+    command
+        .args(arguments)
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env("RUST_BACKTRACE", "0")
+        .stdin(Stdio::null());
+    command
+}
+
+/// What was left when it had ended.
+struct Ended {
+    code: Option<i32>,
+    out: String,
+    err: String,
+}
+
+impl Ended {
+    /// It did its job.
+    fn done(self) -> Self {
+        assert_eq!(self.code, Some(0), "{}{}", self.out, self.err);
+        self
+    }
+}
+
+impl From<Output> for Ended {
+    fn from(output: Output) -> Self {
+        Self {
+            code: output.status.code(),
+            out: String::from_utf8(output.stdout).expect("it writes UTF-8"),
+            err: String::from_utf8(output.stderr).expect("it writes UTF-8"),
+        }
+    }
+}
+
+fn run(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
+    ademan(arguments).output().expect("it starts").into()
+}
+
+/// A path in words that go between other words.
+fn text(path: &std::path::Path) -> &str {
+    path.to_str().expect("the path is UTF-8")
+}
+
+/// A file with this in it.
+fn file(folder: &tempfile::TempDir, name: &str, content: impl AsRef<[u8]>) -> String {
+    let path = folder.path().join(name);
+    let mut file = std::fs::File::create(&path).unwrap();
+    file.write_all(content.as_ref()).unwrap();
+    text(&path).to_owned()
+}

@@ -1,0 +1,111 @@
+//! Ends in good order, and waiting for a device.
+#![cfg(unix)]
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpListener;
+use std::process::{Child, Command, Stdio};
+
+use super::ademan;
+
+/// A program that ends with the test.
+struct Running(Child);
+
+impl Running {
+    fn start(arguments: &[&str]) -> Self {
+        let child = ademan(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn();
+        Self(child.unwrap())
+    }
+
+    fn signal(&self, name: &str) {
+        let pid = self.0.id().to_string();
+        let sent = Command::new("kill").args(["-s", name, &pid]).status();
+        assert!(sent.unwrap().success());
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+fn line(reader: &mut impl BufRead) -> String {
+    let mut line = String::new();
+    reader.read_line(&mut line).unwrap();
+    line
+}
+
+#[test]
+fn a_run_that_is_asked_to_end_lets_go_of_all_keys_and_is_done() {
+    for signal in ["INT", "TERM", "HUP"] {
+        let text = "typist:a text that takes longer than anybody waits";
+        let mut run = Running::start(&["run", "--source", text, "--armed"]);
+        let mut out = BufReader::new(run.0.stdout.take().unwrap());
+        assert!(line(&mut out).contains("down A"));
+        run.signal(signal);
+        let mut rest = String::new();
+        out.read_to_string(&mut rest).unwrap();
+        assert_eq!(
+            rest.matches("up ").count(),
+            rest.matches("down ").count() + 1,
+            "{rest}"
+        );
+        assert_eq!(run.0.wait().unwrap().code(), Some(0), "{signal}");
+    }
+}
+
+#[test]
+fn a_demo_that_is_asked_to_end_has_not_done_its_job() {
+    let mut demo = Running::start(&["demo"]);
+    let mut out = BufReader::new(demo.0.stdout.take().unwrap());
+    line(&mut out);
+    demo.signal("INT");
+    assert_eq!(demo.0.wait().unwrap().code(), Some(1));
+    let mut err = String::new();
+    demo.0
+        .stderr
+        .take()
+        .unwrap()
+        .read_to_string(&mut err)
+        .unwrap();
+    assert!(err.contains("interrupted before all was typed"), "{err}");
+}
+
+#[test]
+fn a_device_that_is_not_there_yet_is_waited_for_and_said_to_be_once() {
+    // A port that was free a moment ago is free now.
+    let address = TcpListener::bind("127.0.0.1:0")
+        .unwrap()
+        .local_addr()
+        .unwrap();
+    let source = format!("tcp:{address}");
+    let mut run = Running::start(&["run", "--wait", "--source", &source]);
+    let mut err = BufReader::new(run.0.stderr.take().unwrap());
+    let waiting = line(&mut err);
+    assert!(
+        waiting.starts_with("waiting: cannot open tcp:"),
+        "{waiting}"
+    );
+    assert!(waiting.ends_with("Ctrl-C ends\n"), "{waiting}");
+    std::thread::sleep(std::time::Duration::from_millis(700));
+
+    let listener = TcpListener::bind(address).unwrap();
+    let (mut glove, _) = listener.accept().unwrap();
+    glove.write_all(&[0; 10]).unwrap();
+    assert!(line(&mut err).starts_with("found tcp:"));
+    run.signal("INT");
+    assert_eq!(run.0.wait().unwrap().code(), Some(0));
+}
+
+#[test]
+fn waiting_for_a_device_ends_with_ctrl_c() {
+    let mut run = Running::start(&["run", "--wait", "--source", "serial:/dev/no-such-glove"]);
+    let mut err = BufReader::new(run.0.stderr.take().unwrap());
+    assert!(line(&mut err).contains("there is no such port"));
+    run.signal("INT");
+    assert_eq!(run.0.wait().unwrap().code(), Some(0));
+}

@@ -1,0 +1,104 @@
+//! The demo in a terminal: `script` of util-linux makes one.
+#![cfg(target_os = "linux")]
+
+use std::io::{ErrorKind, Read, Write};
+use std::process::{Command, Stdio};
+use std::sync::mpsc;
+
+const ENTER_ALTERNATE_SCREEN: &str = "\x1b[?1049h";
+const LEAVE_ALTERNATE_SCREEN: &str = "\x1b[?1049l";
+const SHOW_CURSOR: &str = "\x1b[?25h";
+const CTRL_C: &[u8] = b"\x03";
+
+/// What a terminal shows of a demo that gets Ctrl-C once it draws (if so), and its exit code.
+fn demo_in_a_terminal(arguments: &str, interrupt: bool) -> Option<(String, Option<i32>)> {
+    // The pseudo-terminal of `script` has no size of its own.
+    let demo = format!(
+        "stty rows 30 columns 100; exec {} demo {arguments}",
+        env!("CARGO_BIN_EXE_ademan")
+    );
+    let spawned = Command::new("script")
+        .args(["--quiet", "--return", "--command", &demo, "/dev/null"])
+        .env("TERM", "xterm-256color")
+        .env("SHELL", "/bin/sh")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn();
+    let mut script = match spawned {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            println!("SKIPPED: `script` of util-linux is not installed");
+            return None;
+        }
+        spawned => spawned.unwrap(),
+    };
+    let mut keyboard = script.stdin.take().unwrap();
+    let mut screen = script.stdout.take().unwrap();
+    let (shown, pieces) = mpsc::channel();
+    std::thread::spawn(move || {
+        let mut buffer = [0; 4096];
+        while let Ok(length @ 1..) = screen.read(&mut buffer) {
+            let _ = shown.send(buffer[..length].to_vec());
+        }
+    });
+    let mut all = Vec::new();
+    let mut is_asked = !interrupt;
+    for piece in pieces {
+        all.extend(piece);
+        let draws = String::from_utf8_lossy(&all).contains("running");
+        if draws && !is_asked {
+            keyboard.write_all(CTRL_C).unwrap();
+            keyboard.flush().unwrap();
+            is_asked = true;
+        }
+    }
+    let status = script.wait().unwrap();
+    Some((String::from_utf8_lossy(&all).into_owned(), status.code()))
+}
+
+/// The part after the pictures; asserts that there were some.
+fn after_pictures(shown: &str) -> &str {
+    assert!(shown.contains(ENTER_ALTERNATE_SCREEN), "{shown:?}");
+    let (pictures, after) = shown
+        .rsplit_once(LEAVE_ALTERNATE_SCREEN)
+        .expect("the terminal is given back");
+    assert!(pictures.contains('┌'), "{pictures:?}");
+    assert!(
+        shown.rfind(SHOW_CURSOR) > shown.rfind("\x1b[?25l"),
+        "{shown:?}"
+    );
+    after
+}
+
+#[test]
+fn the_demo_draws_and_gives_the_terminal_back() {
+    let Some((shown, code)) = demo_in_a_terminal("--text a", false) else {
+        return;
+    };
+    assert_eq!(code, Some(0), "{shown}");
+    assert!(
+        after_pictures(&shown).contains("typed      \"a\""),
+        "{shown}"
+    );
+}
+
+#[test]
+fn ctrl_c_ends_the_demo_and_gives_the_terminal_back() {
+    let Some((shown, code)) = demo_in_a_terminal("", true) else {
+        return;
+    };
+    assert_eq!(code, Some(1), "{shown}");
+    assert!(
+        after_pictures(&shown).contains("interrupted before all was typed"),
+        "{shown}"
+    );
+}
+
+#[test]
+fn a_transcript_on_the_terminal_is_not_drawn_over() {
+    let Some((shown, code)) = demo_in_a_terminal("--text a --output transcript", false) else {
+        return;
+    };
+    assert_eq!(code, Some(0), "{shown}");
+    assert!(shown.contains("down A"), "{shown}");
+    assert!(!shown.contains(ENTER_ALTERNATE_SCREEN), "{shown}");
+}

@@ -1,0 +1,144 @@
+//! `ademan trace`: one JSON object per line, in the form that the documentation of `trace` gives.
+
+use std::io::{BufRead, BufReader, Read};
+use std::process::Stdio;
+
+use ademan::contact::Phase;
+use ademan::device::KeyCode;
+use ademan::hand::{Dof, Finger, Joint};
+use serde_json::{Map, Value};
+
+use super::{ademan, run};
+
+/// The objects of a stage while `hi` is typed; their times do not go back.
+fn lines(stage: &str) -> Vec<Map<String, Value>> {
+    let ended = run(["trace", stage, "--source", "typist:hi"]).done();
+    assert_eq!(ended.err, "");
+    let lines: Vec<Map<String, Value>> = ended
+        .out
+        .lines()
+        .map(|line| serde_json::from_str(line).expect("each line is an object"))
+        .collect();
+    let times: Vec<u64> = lines
+        .iter()
+        .map(|line| line["time_us"].as_u64().unwrap())
+        .collect();
+    assert!(!times.is_empty());
+    if stage != "touches" {
+        assert!(times.is_sorted(), "{times:?}");
+    }
+    lines
+}
+
+fn numbers(value: &Value) -> Vec<f64> {
+    let values = value.as_array().expect("it is a list");
+    values
+        .iter()
+        .map(|value| value.as_f64().expect("it is a number"))
+        .collect()
+}
+
+#[test]
+fn readings_are_64_channels_in_wire_order() {
+    for line in lines("readings") {
+        let channels = numbers(&line["channels"]);
+        assert_eq!(channels.len(), 64);
+        assert!(channels.iter().all(|count| (0.0..=255.0).contains(count)));
+        assert_eq!(line["full_scale"], 255);
+    }
+}
+
+#[test]
+fn angles_are_radians_by_joint() {
+    for line in lines("angles") {
+        let angles = line["angles"].as_object().unwrap();
+        assert!(angles.contains_key("index-mcp-flexion"), "{angles:?}");
+        for (name, angle) in angles {
+            name.parse::<Dof>().unwrap();
+            assert!(angle.as_f64().unwrap().abs() < 4.0, "{name} {angle}");
+        }
+    }
+}
+
+#[test]
+fn a_pose_is_positions_in_metres_by_joint() {
+    for line in lines("pose") {
+        assert_eq!(line["side"], "right");
+        let positions = line["positions"].as_object().unwrap();
+        assert!(positions.contains_key("index-finger-tip"), "{positions:?}");
+        for (name, position) in positions {
+            name.parse::<Joint>().unwrap();
+            let position = numbers(position);
+            assert_eq!(position.len(), 3);
+            assert!(position.iter().all(|metres| metres.abs() < 1.0), "{name}");
+        }
+        let orientations = line["orientations"].as_object().unwrap();
+        assert_eq!(orientations.len(), positions.len());
+        for (name, orientation) in orientations {
+            let squares: f64 = numbers(orientation).iter().map(|part| part * part).sum();
+            assert!((squares - 1.0).abs() < 1e-4, "{name}");
+        }
+    }
+}
+
+#[test]
+fn touches_name_finger_target_and_phase() {
+    let mut presses = 0;
+    for line in lines("touches") {
+        line["finger"].as_str().unwrap().parse::<Finger>().unwrap();
+        let phase: Phase = line["phase"].as_str().unwrap().parse().unwrap();
+        presses += u32::from(phase == Phase::Pressed);
+        assert!((0.0..=1.0).contains(&line["depth"].as_f64().unwrap()));
+        line["target"].as_u64().unwrap();
+    }
+    assert_eq!(presses, 2);
+}
+
+#[test]
+fn events_are_key_positions_going_down_and_up() {
+    let events: Vec<String> = lines("events")
+        .iter()
+        .map(|line| {
+            let key = line["key"].as_str().unwrap();
+            key.parse::<KeyCode>().unwrap();
+            format!("{} {key}", line["event"].as_str().unwrap())
+        })
+        .collect();
+    assert_eq!(events, ["key-down H", "key-up H", "key-down I", "key-up I"]);
+}
+
+#[test]
+fn a_reader_that_leaves_ends_it_quietly() {
+    let cases = [
+        [
+            "trace",
+            "pose",
+            "--source",
+            "typist:a long text that overflows any pipe",
+        ]
+        .as_slice(),
+        &["run", "--source", "typist:three", "--output", "transcript"],
+        &["layout", "show", "qwerty-flat"],
+        &["demo", "--text", "a"],
+    ];
+    for arguments in cases {
+        let mut child = ademan(arguments)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut first = String::new();
+        BufReader::new(child.stdout.take().unwrap())
+            .read_line(&mut first)
+            .unwrap();
+        assert!(!first.is_empty());
+        let status = child.wait().unwrap();
+        let mut err = String::new();
+        child.stderr.unwrap().read_to_string(&mut err).unwrap();
+        assert_eq!(status.code(), Some(0), "{arguments:?}: {err}");
+        assert!(
+            !err.contains("error") && !err.contains("panicked"),
+            "{arguments:?}: {err}"
+        );
+    }
+}

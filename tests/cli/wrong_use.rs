@@ -1,0 +1,224 @@
+//! Every wrong use says what was tried, what happened and what to do, and exits with 2.
+
+use super::{ademan, file, run};
+
+/// Runs it with the words of `line`, and asserts on the exit code and the words of the message.
+fn refused(line: &str, words: &[&str]) {
+    let ended = run(line.split(' '));
+    assert_eq!(ended.code, Some(2), "`{line}`: {}{}", ended.out, ended.err);
+    for word in words {
+        assert!(
+            ended.err.contains(word),
+            "`{line}` does not say {word:?}: {}",
+            ended.err
+        );
+    }
+    assert!(!ended.err.contains("panicked"), "{}", ended.err);
+}
+
+#[test]
+fn every_wrong_source_is_refused_with_what_to_do() {
+    let cases: [(&str, &[&str]); 15] = [
+        ("run", &["no source is given", "--source", "typist:hello"]),
+        ("trace readings", &["no source is given"]),
+        ("run --source foo", &["starts with one of", "`serial:`"]),
+        ("run --source serail:x", &["did you mean `serial`?"]),
+        ("run --source serial:", &["nothing follows `serial:`"]),
+        (
+            "run --source /dev/ttyUSB0",
+            &["write `serial:/dev/ttyUSB0`"],
+        ),
+        (
+            "run --source serial:/dev/nope",
+            &["cannot open", "there is no such port"],
+        ),
+        (
+            "run --source serial:/dev/x?bod=9600",
+            &["did you mean `baud`?"],
+        ),
+        (
+            "run --source serial:/dev/x?baud=fast",
+            &["such as `baud=115200`"],
+        ),
+        (
+            "run --source file:/nope",
+            &["cannot open file:/nope", "No such file"],
+        ),
+        ("run --source file:/", &["not a regular file"]),
+        (
+            "run --source tcp:127.0.0.1:1",
+            &["check that the converter is on"],
+        ),
+        ("run --source tcp:here", &["write `tcp:HOST:PORT`"]),
+        (
+            "run --source recording:/nope",
+            &["cannot open recording:/nope"],
+        ),
+        ("run --source typist:é", &["cannot type 'é'"]),
+    ];
+    for (line, words) in cases {
+        refused(line, words);
+    }
+}
+
+#[test]
+fn every_wrong_name_is_answered_with_the_right_ones() {
+    let cases: [(&str, &[&str]); 16] = [
+        ("frob", &["unrecognized subcommand 'frob'"]),
+        (
+            "trace angels --source typist:a",
+            &["readings, angles, pose, touches, events"],
+        ),
+        (
+            "run --source typist:a --layout qwert-flat",
+            &["did you mean `qwerty-flat`?"],
+        ),
+        (
+            "run --source typist:a --layout /",
+            &["directory, name a file in it"],
+        ),
+        (
+            "run --source typist:a --layout no.ron",
+            &["no.ron: there is no such file"],
+        ),
+        (
+            "run --source typist:a --glove no",
+            &["no: there is no such file"],
+        ),
+        (
+            "run --source typist:a --output desktp",
+            &["did you mean `desktop`?"],
+        ),
+        (
+            "run --source typist:a --output desktop",
+            &["DISPLAY is not set", "uinput"],
+        ),
+        (
+            "run --source typist:a --output transcript:/no/x",
+            &["`transcript:/no/x`", "No such file"],
+        ),
+        (
+            "run --source typist:a --record /no/x.mcap",
+            &["cannot start a recording at /no/x.mcap"],
+        ),
+        ("run no.ron", &["no.ron: there is no such file"]),
+        ("replay /nope", &["cannot open recording:/nope"]),
+        ("replay /", &["it is a directory, name a file in it"]),
+        ("layout show arrow", &["did you mean `arrows`?"]),
+        (
+            "layout show arrows --svg /no/x.svg",
+            &["cannot write /no/x.svg"],
+        ),
+        ("completions tcsh", &["possible values", "bash"]),
+    ];
+    for (line, words) in cases {
+        refused(line, words);
+    }
+}
+
+#[test]
+fn the_demo_types_only_what_can_be_typed() {
+    let cases: [(&str, &[&str]); 6] = [
+        ("demo --text é", &["cannot type 'é'", "US keymap"]),
+        (
+            "demo --text x --layout numpad",
+            &["cannot type 'x'", "no key X"],
+        ),
+        (
+            "demo --layout arrows",
+            &["no key of `Arrows` writes a character", "--layout"],
+        ),
+        ("demo --baud 0", &["1200"]),
+        ("demo --noise -1", &["0 to 50 counts"]),
+        ("demo --text=", &["nothing to type"]),
+    ];
+    for (line, words) in cases {
+        refused(line, words);
+    }
+}
+
+#[test]
+fn a_wrong_setup_names_its_file_and_where_that_is_known_line_and_column() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases: [(&str, &[&str]); 6] = [
+        (
+            "Setup(\n    layuot: \"arrows\",\n)",
+            &["bad.ron:2:5:", "did you mean `layout`?", "^^^^^^"],
+        ),
+        (
+            "Setup(source: \"tpyist:a\")",
+            &["bad.ron:1:16:", "did you mean `typist`?"],
+        ),
+        (
+            "Setup(source: \"typist:a\"",
+            &["bad.ron:1:", "expected a comma or the closing bracket"],
+        ),
+        (
+            "Setup(stall_ms: 5)",
+            &["bad.ron: ", "`stall_ms` is 20 to 10000, not 5"],
+        ),
+        (
+            "Setup(hand: Measured(hand_length_mm: 1, forearm_length_mm: 250))",
+            &["bad.ron: ", "100 to 300 mm"],
+        ),
+        (
+            "Setup(smoothing: OneEuro(min_cutoff_hz: 0, beta: 0, derivative_cutoff_hz: 1))",
+            &["bad.ron: ", "0.001 to 10000 Hz"],
+        ),
+    ];
+    for (content, words) in cases {
+        let path = file(&folder, "bad.ron", content);
+        refused(&format!("run {path}"), words);
+    }
+}
+
+#[test]
+fn files_that_are_no_recordings_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let empty = file(&folder, "empty.mcap", "");
+    refused(&format!("replay {empty}"), &["the file is empty"]);
+    refused(
+        &format!("record {empty} --source typist:a"),
+        &["there is a file already"],
+    );
+    let text = file(&folder, "text.mcap", "this is a letter, not a recording");
+    refused(&format!("replay {text}"), &["this is no MCAP file"]);
+}
+
+#[test]
+fn all_layouts_are_checked_even_after_a_wrong_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let wrong = file(&folder, "wrong.ron", "Layout(\n    nmae: \"x\",\n)");
+    let ended = run(["layout", "check", &wrong, "numpad", "nope", "arrows"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert_eq!(
+        ended.out,
+        "numpad: right, 17 keys, 1 layer\narrows: right, 4 keys, 1 layer\n"
+    );
+    assert!(
+        ended.err.contains("wrong.ron:2:5: unknown field `nmae`"),
+        "{}",
+        ended.err
+    );
+    assert!(
+        ended.err.contains("nope: there is no such file"),
+        "{}",
+        ended.err
+    );
+    assert!(
+        ended.err.ends_with("error: 2 of 4 files cannot be used\n"),
+        "{}",
+        ended.err
+    );
+}
+
+#[test]
+fn without_a_command_it_shows_what_there_is() {
+    let ended: super::Ended = ademan([""; 0]).output().unwrap().into();
+    assert_eq!(ended.code, Some(2));
+    assert!(
+        ended.err.contains("Begin with `ademan demo`"),
+        "{}",
+        ended.err
+    );
+}
