@@ -36,7 +36,9 @@ const DEVICE_NAME: &str = "Ademan keyboard";
 ///
 /// A sink that is dropped without [`close`](Self::close) lets go of what is down too.
 pub trait Sink: Send {
-    /// Takes the events of one frame, in order. Does not wait for the receiver.
+    /// Takes the events of one frame, in order; there may be none. Does not wait for the receiver.
+    ///
+    /// The error may be about events of earlier frames.
     ///
     /// A sink keeps account of what it has put down, so that a release is never lost: what it could
     /// not deliver it delivers later, or lets go of in [`close`](Self::close). It ignores a second
