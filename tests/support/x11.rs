@@ -3,7 +3,7 @@
 use std::fs;
 use std::io::{BufRead, BufReader, ErrorKind};
 use std::path::PathBuf;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -12,8 +12,10 @@ use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{ConnectionExt, InputFocus, MapState, Window};
 use x11rb::rust_connection::RustConnection;
 
+use super::process::Process;
+
 /// How long anything on a busy machine may take before the test gives up.
-const PATIENCE: Duration = Duration::from_secs(20);
+const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Asks `done` until it says yes; whether it did in time.
 pub fn wait_for(mut done: impl FnMut() -> bool) -> bool {
@@ -25,16 +27,6 @@ pub fn wait_for(mut done: impl FnMut() -> bool) -> bool {
         thread::sleep(Duration::from_millis(5));
     }
     false
-}
-
-/// A process that ends with its owner.
-struct Process(Child);
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
 }
 
 /// `Xvfb` with a watcher connected.
@@ -50,19 +42,18 @@ impl XServer {
     /// Starts a server on a free display, or says why not and gives `None`.
     pub fn start() -> Option<Self> {
         let arguments = "-displayfd 1 -noreset -nolisten tcp -screen 0 800x600x24";
-        let spawned = Command::new("Xvfb")
+        let mut command = Command::new("Xvfb");
+        command
             .args(arguments.split(' '))
             .stdout(Stdio::piped())
-            .stderr(Stdio::null())
-            .spawn();
-        let child = match spawned {
+            .stderr(Stdio::null());
+        let mut process = match Process::start(&mut command) {
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 println!("SKIPPED: Xvfb is not installed");
                 return None;
             }
-            spawned => spawned.expect("Xvfb starts"),
+            started => started.expect("Xvfb starts"),
         };
-        let mut process = Process(child);
         let stdout = process.0.stdout.take().expect("it is piped");
         let mut number = String::new();
         BufReader::new(stdout)
@@ -136,22 +127,22 @@ impl Typewriter {
     pub fn start(server: &XServer) -> Option<Self> {
         let folder = tempfile::tempdir().expect("a folder can be made");
         let script = "stty -icanon -echo; exec cat > typed";
-        let spawned = Command::new("xterm")
+        let mut command = Command::new("xterm");
+        command
             .args(["-e", "sh", "-c", script])
             .env("DISPLAY", server.display())
             .current_dir(folder.path())
-            .stderr(Stdio::null())
-            .spawn();
-        let child = match spawned {
+            .stderr(Stdio::null());
+        let process = match Process::start(&mut command) {
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 println!("SKIPPED: xterm is not installed");
                 return None;
             }
-            spawned => spawned.expect("xterm starts"),
+            started => started.expect("xterm starts"),
         };
         let typewriter = Self {
             folder,
-            _process: Process(child),
+            _process: process,
         };
         let is_seen = || {
             server

@@ -1,0 +1,88 @@
+//! The program itself, as a child that the test can talk to as a system does.
+
+use std::ffi::OsStr;
+use std::io::{BufRead, BufReader};
+use std::process::{Command, ExitStatus, Stdio};
+use std::sync::{Arc, Mutex};
+use std::thread;
+
+use crate::support::process::Process;
+use crate::support::x11::{XServer, wait_for};
+
+/// `ademan`, running on a display.
+pub struct Program {
+    process: Process,
+    said: Arc<Mutex<Vec<String>>>,
+}
+
+impl Program {
+    /// Starts it with these arguments.
+    pub fn start<S: AsRef<OsStr>>(
+        server: &XServer,
+        arguments: impl IntoIterator<Item = S>,
+    ) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_ademan"));
+        command
+            .args(arguments)
+            .env("DISPLAY", server.display())
+            .env_remove("WAYLAND_DISPLAY")
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        let mut process = Process::start(&mut command).expect("the program starts");
+        let stderr = process.0.stderr.take().expect("it is piped");
+        let said = Arc::new(Mutex::new(Vec::new()));
+        let listener = Arc::clone(&said);
+        thread::spawn(move || {
+            for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+                listener.lock().unwrap().push(line);
+            }
+        });
+        Self { process, said }
+    }
+
+    /// What it has said on standard error so far.
+    pub fn said(&self) -> Vec<String> {
+        self.said.lock().unwrap().clone()
+    }
+
+    /// Waits until it has said a line with `part` in it for the `times`th time.
+    pub fn wait_until_it_says(&self, part: &str, times: usize) {
+        let count = || {
+            let said = self.said();
+            said.iter().filter(|line| line.contains(part)).count()
+        };
+        assert!(
+            wait_for(|| count() >= times),
+            "it does not say {part:?}: {:#?}",
+            self.said()
+        );
+    }
+
+    /// Sends it these signals in one go, by their names: `INT`, `TERM`, `HUP`.
+    pub fn signal(&self, signals: &[&str]) {
+        let process = self.process.0.id();
+        let kills: Vec<_> = signals
+            .iter()
+            .map(|signal| format!("kill -s {signal} {process}"))
+            .collect();
+        let mut shell = Command::new("sh");
+        let mut shell = Process::start(shell.args(["-c", &kills.join("; ")])).expect("a shell");
+        shell.0.wait().expect("it ends");
+    }
+
+    /// Whether it still runs.
+    pub fn runs(&mut self) -> bool {
+        self.process.0.try_wait().expect("it is a child").is_none()
+    }
+
+    /// How it ended, once it has.
+    pub fn status(&mut self) -> ExitStatus {
+        assert!(
+            wait_for(|| !self.runs()),
+            "it does not end: {:#?}",
+            self.said()
+        );
+        self.process.0.wait().expect("it has ended")
+    }
+}
