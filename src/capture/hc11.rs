@@ -1,6 +1,6 @@
 //! The packets of the HC11 glove: 64 counts between marks, found in a stream that may be cut anywhere.
 
-use super::Counts;
+use super::{Channels, Counts};
 use crate::names::named_enum;
 
 /// Bytes between the marks of a frame: one per sensor channel, in wire order.
@@ -82,6 +82,14 @@ pub fn encode(framing: Framing, body: &[u8; BODY_BYTES]) -> [u8; FRAME_BYTES] {
     let mut frame = [framing.mark(); FRAME_BYTES];
     frame[framing.body_start()..][..BODY_BYTES].copy_from_slice(body);
     frame
+}
+
+/// The counts that a frame's body carries: one byte for each channel, in wire order.
+pub fn channels(body: &[u8; BODY_BYTES]) -> Channels {
+    Channels {
+        full_scale: u16::from(u8::MAX),
+        counts: body.iter().copied().map(u16::from).collect(),
+    }
 }
 
 /// Finds frames in a stream of bytes. The frames do not depend on how the stream is cut.

@@ -8,10 +8,10 @@ use arrayvec::ArrayVec;
 use super::clock::Clock;
 use super::connect::{Connect, Connection, READ_TIMEOUT};
 use super::garbage::GarbageWatch;
-use super::hc11::{BODY_BYTES, Decoder, FRAME_BYTES};
+use super::hc11::{self, BODY_BYTES, Decoder, FRAME_BYTES};
 use super::search::{BackOff, Finding, Search};
 use super::uri::LineSettings;
-use super::{Capture, CaptureError, Channels, Counts, Reading, Sample, Source};
+use super::{Capture, CaptureError, Counts, Reading, Sample, Source};
 use crate::time::Timestamp;
 
 /// Bytes that one read takes at most.
@@ -231,10 +231,7 @@ impl<C: Connect> Source for LineSource<C> {
 fn reading(body: &[u8; BODY_BYTES]) -> Reading {
     Reading {
         time: Timestamp::default(),
-        sample: Sample::Channels(Channels {
-            full_scale: u16::from(u8::MAX),
-            counts: body.iter().copied().map(u16::from).collect(),
-        }),
+        sample: Sample::Channels(hc11::channels(body)),
     }
 }
 

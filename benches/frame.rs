@@ -1,0 +1,340 @@
+//! Time of one frame of one hand, stage by stage: every figure is that of one reading.
+//!
+//! The readings are those of a simulated person who types on the shipped board; the boards here
+//! have the same keys under the hand and more of them around. A sample is one pass over all
+//! readings, so that rests, strokes and presses have their natural share. `a_nothing` is the cost
+//! of handing a reading over, which is in the figures of `c_` and `g_`.
+
+use std::hint::black_box;
+use std::sync::LazyLock;
+
+use ademan::capture::hc11::{self, BODY_BYTES, Decoder, FRAME_BYTES, Framing};
+use ademan::capture::{LineSettings, Reading, Sample};
+use ademan::contact::surface::{Anchor, Scene, Target};
+use ademan::contact::{ContactTracker, Phase, TargetId, Touch, Touches};
+use ademan::device::keyboard::{KeyAction, KeyBinding, Keyboard};
+use ademan::device::{Events, KeyCode, VirtualDevice};
+use ademan::estimate::{Estimator, EstimatorSettings, JointAngles};
+use ademan::hand::Side;
+use ademan::kinematics::{ArmModel, BoneLengths, HandPose};
+use ademan::pipeline::{Arming, Pipeline};
+use ademan::settings::{Assembly, Setup};
+use ademan::time::Timestamp;
+use divan::Bencher;
+use parry3d::math::{Pose, Rotation, Vec3};
+
+/// Readings of a pass: 12 s at 115 200 baud.
+const FRAMES: usize = 2_048;
+const TEXT: &str = "the quick brown fox jumps over the lazy dog";
+
+fn main() {
+    for board in BOARDS {
+        let presses = typing().presses_on(board);
+        assert_eq!(presses, typing().presses, "presses on {board:?}");
+    }
+    divan::Divan::from_args()
+        .sample_size(FRAMES as u32)
+        .main();
+}
+
+/// How many keys there are, and how they lie.
+#[derive(Clone, Copy, Debug)]
+enum Board {
+    Flat(usize),
+    /// Turned by 30° against the axes of the search tree, so that its boxes overlap.
+    Turned(usize),
+    /// Dealt out to four surfaces in turn.
+    Four(usize),
+}
+
+const BOARDS: [Board; 6] = [
+    Board::Flat(64),
+    Board::Flat(100),
+    Board::Flat(10_000),
+    Board::Turned(100),
+    Board::Turned(10_000),
+    Board::Four(10_000),
+];
+
+impl Board {
+    fn scene(self) -> Scene {
+        let typed_on = &typing().assembly.layout.scene.surfaces()[0];
+        let (Self::Flat(keys) | Self::Turned(keys) | Self::Four(keys)) = self;
+        let mut targets: Vec<Target> = typed_on.targets().map(|(_, target)| *target).collect();
+        targets.extend(keys_around(&targets).take(keys - targets.len()));
+        // It goes along with the elbow, which keeps its place.
+        let world_from_surface = typed_on
+            .world_from_surface(&typing().poses[0])
+            .expect("the arm has an elbow");
+        let mut scene = Scene::new();
+        let mut add = |pose, targets| scene.add(Anchor::World, pose, targets);
+        match self {
+            Self::Flat(_) => {
+                add(world_from_surface, targets);
+            }
+            Self::Turned(_) => {
+                let turn = Pose::from_parts(Vec3::ZERO, Rotation::from_rotation_z(0.5));
+                for target in &mut targets {
+                    target.surface_from_target = turn.inverse() * target.surface_from_target;
+                }
+                add(world_from_surface * turn, targets);
+            }
+            Self::Four(_) => {
+                for first in 0..4 {
+                    let dealt = targets.iter().skip(first).step_by(4);
+                    add(world_from_surface, dealt.copied().collect());
+                }
+            }
+        }
+        scene
+    }
+
+    /// A keyboard that does the same on every key.
+    fn keyboard(self) -> Keyboard {
+        let code: KeyCode = "A".parse().expect("there is such a key");
+        let (Self::Flat(keys) | Self::Turned(keys) | Self::Four(keys)) = self;
+        let binding = |place| KeyBinding {
+            target: TargetId(place as u32),
+            actions: vec![Some(KeyAction::Key(code))],
+            analogue: false,
+        };
+        Keyboard::new((0..keys).map(binding).collect())
+    }
+
+    fn pipeline(self) -> Pipeline {
+        let arming = Arming {
+            at_once: true,
+            ..Arming::default()
+        };
+        Pipeline::new(
+            typing().estimator(),
+            typing().assembly.arm.clone(),
+            self.scene(),
+            vec![Box::new(self.keyboard())],
+            arming,
+        )
+    }
+}
+
+/// Keys at 19 mm around those that there are, the nearest rings first.
+fn keys_around(keys: &[Target]) -> impl Iterator<Item = Target> + use<> {
+    const PITCH: f32 = 0.019;
+    let middle = |key: &Target| key.surface_from_target.translation;
+    let low = keys.iter().map(middle).reduce(Vec3::min).expect("keys");
+    let high = keys.iter().map(middle).reduce(Vec3::max).expect("keys");
+    let columns = ((high.x - low.x) / PITCH).ceil() as i32;
+    let rows = ((high.y - low.y) / PITCH).ceil() as i32;
+    let like = keys[1];
+    (1..).flat_map(move |ring: i32| {
+        let row_of = move |row| (-ring..=columns + ring).map(move |column| (column, row));
+        let is_in_ring = move |&(column, row): &(i32, i32)| {
+            column == -ring || column == columns + ring || row == -ring || row == rows + ring
+        };
+        let places = (-ring..=rows + ring).flat_map(row_of).filter(is_in_ring);
+        places.map(move |(column, row)| {
+            let at = low + Vec3::new(column as f32, row as f32, 0.0) * PITCH;
+            Target {
+                surface_from_target: Pose::from_translation(at),
+                ..like
+            }
+        })
+    })
+}
+
+/// What each stage gets while a person types.
+struct Typing {
+    assembly: Assembly,
+    packets: Vec<[u8; FRAME_BYTES]>,
+    readings: Vec<Reading>,
+    angles: Vec<JointAngles>,
+    poses: Vec<HandPose>,
+    touches: Vec<Touches>,
+    presses: usize,
+}
+
+fn typing() -> &'static Typing {
+    static TYPING: LazyLock<Typing> = LazyLock::new(Typing::record);
+    &TYPING
+}
+
+impl Typing {
+    fn record() -> Self {
+        let assembly = Setup::default().assemble().expect("the default setup");
+        let mut typist = assembly
+            .typist(TEXT, &LineSettings::default(), 0.5, 1)
+            .expect("the text is on the board");
+        let mut typing = Self {
+            assembly,
+            packets: Vec::new(),
+            readings: Vec::new(),
+            angles: Vec::new(),
+            poses: Vec::new(),
+            touches: Vec::new(),
+            presses: 0,
+        };
+        let mut estimator = typing.estimator();
+        let scene = typing.assembly.layout.scene.clone();
+        let mut tracker = ContactTracker::new(&scene);
+        for number in 0..FRAMES {
+            let counts = typist.next_counts().expect("the text is long enough");
+            let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
+            let reading = Reading {
+                time: Timestamp(5_729 * (number as u64 + 1)),
+                sample: Sample::Channels(hc11::channels(&body)),
+            };
+            let angles = estimator.apply(&reading).expect("a hand that can be");
+            let pose = typing.assembly.arm.forward(&angles);
+            let mut touches = Touches::new();
+            tracker.update(&scene, &pose, &mut touches);
+            typing.presses += presses(&touches);
+            typing.packets.push(hc11::encode(Framing::Double06, &body));
+            typing.readings.push(reading);
+            typing.angles.push(angles);
+            typing.poses.push(pose);
+            typing.touches.push(touches);
+        }
+        assert!(typing.presses >= 20, "only {} presses", typing.presses);
+        typing
+    }
+
+    fn estimator(&self) -> Estimator {
+        Estimator::new(self.assembly.glove.map.clone(), EstimatorSettings::default())
+    }
+
+    fn presses_on(&self, board: Board) -> usize {
+        let mut pipeline = board.pipeline();
+        let mut count = 0;
+        for reading in &self.readings {
+            let frame = pipeline.step(reading, &mut Events::new());
+            count += presses(&frame.expect("a hand that can be").touches);
+        }
+        count
+    }
+}
+
+fn presses(touches: &Touches) -> usize {
+    let is_press = |touch: &&Touch| touch.phase == Phase::Pressed;
+    touches.iter().filter(is_press).count()
+}
+
+/// The readings, pass after pass; their times go on.
+struct Readings {
+    readings: Vec<Reading>,
+    next: usize,
+}
+
+impl Readings {
+    fn new() -> Self {
+        Self {
+            readings: typing().readings.clone(),
+            next: 0,
+        }
+    }
+
+    fn next(&mut self) -> &Reading {
+        self.next = (self.next + 1) % FRAMES;
+        let reading = &mut self.readings[self.next];
+        reading.time.0 += 5_729 * FRAMES as u64;
+        black_box(reading)
+    }
+}
+
+/// Hands one item after the other to `stage`, pass after pass.
+fn run<T, R>(bencher: Bencher, items: &[T], mut stage: impl FnMut(&T) -> R) {
+    let mut items = items.iter().cycle();
+    bencher.bench_local(|| items.next().map(|item| stage(black_box(item))));
+}
+
+#[divan::bench]
+fn a_nothing(bencher: Bencher) {
+    let mut readings = Readings::new();
+    bencher.bench_local(|| {
+        black_box(readings.next());
+    });
+}
+
+#[divan::bench]
+fn b_decode(bencher: Bencher) {
+    let mut decoder = Decoder::new(Framing::Double06);
+    run(bencher, &typing().packets, |packet| {
+        decoder.push(packet, &mut |body| {
+            black_box(hc11::channels(body));
+        });
+    });
+}
+
+#[divan::bench]
+fn c_estimate(bencher: Bencher) {
+    let mut readings = Readings::new();
+    let mut estimator = typing().estimator();
+    bencher.bench_local(|| {
+        let _ = black_box(estimator.apply(readings.next()));
+    });
+}
+
+#[divan::bench(args = ["unam", "anthropometric"])]
+fn d_forward_kinematics(bencher: Bencher, arm: &str) {
+    let arm = match arm {
+        "unam" => typing().assembly.arm.clone(),
+        _ => {
+            let bones = BoneLengths::of(0.190, 0.255).expect("a person");
+            ArmModel::anthropometric(Side::Right, &bones).expect("an arm")
+        }
+    };
+    run(bencher, &typing().angles, |angles| {
+        black_box(&arm.forward(angles));
+    });
+}
+
+#[divan::bench(args = BOARDS)]
+fn e_contact(bencher: Bencher, board: Board) {
+    let scene = board.scene();
+    let mut tracker = ContactTracker::new(&scene);
+    let mut touches = Touches::new();
+    run(bencher, &typing().poses, |pose| {
+        touches.clear();
+        tracker.update(&scene, pose, &mut touches);
+        black_box(&touches);
+    });
+}
+
+#[divan::bench]
+fn f_keyboard(bencher: Bencher) {
+    let mut keyboard = Board::Flat(100).keyboard();
+    let mut events = Events::new();
+    let pose = typing().poses[0];
+    run(bencher, &typing().touches, |touches| {
+        events.clear();
+        keyboard.update(&pose, touches, &mut events);
+        black_box(&events);
+    });
+}
+
+#[divan::bench(args = BOARDS)]
+fn g_step(bencher: Bencher, board: Board) {
+    let mut readings = Readings::new();
+    let mut pipeline = board.pipeline();
+    let mut events = Events::new();
+    bencher.bench_local(|| {
+        events.clear();
+        let _ = black_box(&pipeline.step(readings.next(), &mut events));
+        black_box(&events);
+    });
+}
+
+#[divan::bench(args = BOARDS)]
+fn h_bytes_to_events(bencher: Bencher, board: Board) {
+    let mut decoder = Decoder::new(Framing::Double06);
+    let mut pipeline = board.pipeline();
+    let mut events = Events::new();
+    let mut time = Timestamp(0);
+    run(bencher, &typing().packets, |packet| {
+        decoder.push(packet, &mut |body| {
+            time.0 += 5_729;
+            let sample = Sample::Channels(hc11::channels(body));
+            events.clear();
+            let _ = black_box(&pipeline.step(&Reading { time, sample }, &mut events));
+            black_box(&events);
+        });
+    });
+}
