@@ -32,9 +32,7 @@ fn main() {
         let presses = typing().presses_on(board);
         assert_eq!(presses, typing().presses, "presses on {board:?}");
     }
-    divan::Divan::from_args()
-        .sample_size(FRAMES as u32)
-        .main();
+    divan::Divan::from_args().sample_size(FRAMES as u32).main();
 }
 
 /// How many keys there are, and how they lie.
@@ -198,7 +196,10 @@ impl Typing {
     }
 
     fn estimator(&self) -> Estimator {
-        Estimator::new(self.assembly.glove.map.clone(), EstimatorSettings::default())
+        Estimator::new(
+            self.assembly.glove.map.clone(),
+            EstimatorSettings::default(),
+        )
     }
 
     fn presses_on(&self, board: Board) -> usize {

@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use super::channels::ChannelMap;
 use super::limits::JointLimits;
+use super::rows::{Row, Wire, prepare};
 use super::smoothing::{Smoother, Smoothing};
 use super::{JointAngles, Rejection};
-use crate::capture::{Channels, MAX_CHANNELS, Reading, Sample};
+use crate::capture::{Channels, Reading, Sample};
 use crate::hand::{Dof, FingerSet};
 use crate::time::Timestamp;
 
@@ -68,9 +69,11 @@ impl EstimatorSettings {
 #[derive(Clone, Debug)]
 pub struct Estimator {
     map: ChannelMap,
+    channels_needed: usize,
+    rows: Vec<Row>,
+    wires: Vec<Wire>,
     settings: EstimatorSettings,
     smoother: Smoother,
-    rails: [Option<Timestamp>; MAX_CHANNELS],
     last: Option<Measured>,
     candidate: Option<(Measured, u8)>,
 }
@@ -89,11 +92,14 @@ impl Estimator {
     /// When the map has more than [`MAX_ROWS`] rows.
     pub fn new(map: ChannelMap, settings: EstimatorSettings) -> Self {
         assert!(map.rows().len() <= MAX_ROWS, "at most {MAX_ROWS} rows");
+        let (rows, wires) = prepare(&map, settings.limits.as_ref());
         Self {
-            smoother: Smoother::new(settings.smoothing, map.rows().len()),
+            smoother: Smoother::new(settings.smoothing, rows.len()),
+            channels_needed: map.channels_needed(),
             map,
+            rows,
+            wires,
             settings,
-            rails: [None; MAX_CHANNELS],
             last: None,
             candidate: None,
         }
@@ -111,70 +117,61 @@ impl Estimator {
             return Err(Rejection::Shape);
         }
         let time = reading.time;
-        if self.last.is_some_and(|last| time <= last.time) {
+        let last_time = self.last.as_ref().map(|last| last.time);
+        if last_time.is_some_and(|last| time <= last) {
             return Err(Rejection::Stale);
         }
-        let untrusted = self.watch_rails(time, channels);
+        let untrusted = self.watch_wires(time, channels);
         let measured = self.measure(time, channels)?;
         let jumped = self.check_speed(&measured)?;
-        let seconds = self
-            .last
-            .map_or(0.0, |last| time.since(last.time).as_secs_f64());
-        if jumped || seconds > self.settings.gap.as_secs_f64() {
+        let gap = last_time.map_or(Duration::ZERO, |last| time.since(last));
+        if jumped || gap > self.settings.gap {
             self.smoother.reset();
         }
-        self.last = Some(measured);
-        Ok(JointAngles {
-            untrusted,
-            jumped,
-            ..self.smooth(time, channels, seconds)
-        })
+        let measured = self.last.insert(measured);
+        let rows = self.rows.len();
+        let mut smooth = measured.rows;
+        let seconds = gap.as_secs_f64();
+        self.smoother
+            .smooth(&mut smooth[..rows], &self.rows, channels, seconds);
+        let mut angles = JointAngles::at(time);
+        angles.untrusted = untrusted;
+        angles.jumped = jumped;
+        for (row, smooth) in self.rows.iter().zip(smooth) {
+            angles.set(row.dof, row.range.clamp(smooth));
+        }
+        Ok(angles)
     }
 
     fn fits(&self, channels: &Channels) -> bool {
         channels.full_scale == self.map.full_scale()
-            && channels.counts.len() >= self.map.channels_needed()
+            && channels.counts.len() >= self.channels_needed
     }
 
-    /// Keeps account of channels at an end of their range; gives the fingers that hang on one for too long.
-    fn watch_rails(&mut self, time: Timestamp, channels: &Channels) -> FingerSet {
-        let Some(limit) = self.settings.rail else {
-            return FingerSet::NONE;
-        };
+    /// Gives the fingers that hang on a dead wire.
+    fn watch_wires(&mut self, time: Timestamp, channels: &Channels) -> FingerSet {
         let mut untrusted = FingerSet::NONE;
-        for (channel, &count) in channels.counts.iter().enumerate() {
-            if count != 0 && count != channels.full_scale {
-                self.rails[channel] = None;
-                continue;
-            }
-            let since = *self.rails[channel].get_or_insert(time);
-            if time.since(since) >= limit {
-                untrusted = untrusted.union(self.map.fingers_of(channel));
+        let Some(limit) = self.settings.rail else {
+            return untrusted;
+        };
+        for wire in &mut self.wires {
+            wire.watch(time, channels, limit);
+            if wire.is_dead {
+                untrusted = untrusted.union(wire.fingers);
             }
         }
         untrusted
     }
 
-    fn is_railed(&self, time: Timestamp, channel: usize) -> bool {
-        let (Some(limit), Some(since)) = (self.settings.rail, self.rails[channel]) else {
-            return false;
-        };
-        time.since(since) >= limit
-    }
-
     fn measure(&self, time: Timestamp, channels: &Channels) -> Result<Measured, Rejection> {
         let mut rows = [0.0; MAX_ROWS];
-        for (row, angle) in self.map.rows().iter().zip(&mut rows) {
-            let measured = row.line.angle(f64::from(channels.counts[row.channel]));
-            *angle = match self.settings.limits {
+        for (row, angle) in self.rows.iter().zip(&mut rows) {
+            let measured = row.line.angle(row.count(channels));
+            *angle = match row.range.admit(measured) {
                 _ if !measured.is_finite() => return Err(Rejection::NotFinite),
-                None => measured,
-                Some(limits) if self.is_railed(time, row.channel) => {
-                    limits.clamp(row.dof, measured)
-                }
-                Some(limits) => limits
-                    .admit(row.dof, measured)
-                    .ok_or(Rejection::Impossible)?,
+                Some(admitted) => admitted,
+                None if self.wires[row.wire].is_dead => row.range.clamp(measured),
+                None => return Err(Rejection::Impossible),
             };
         }
         Ok(Measured { time, rows })
@@ -182,15 +179,18 @@ impl Estimator {
 
     /// Whether the hand was re-acquired in a new place; an error while that is not sure.
     fn check_speed(&mut self, measured: &Measured) -> Result<bool, Rejection> {
-        let (Some(max_speed), Some(last)) = (self.settings.max_speed, self.last) else {
+        let (Some(max_speed), Some(last)) = (self.settings.max_speed, &self.last) else {
             return Ok(false);
         };
         let rows = self.map.rows().len();
         // Readings that were not believed give the hand no time to get anywhere.
-        let before = self.candidate.map_or(last.time, |(before, _)| before.time);
+        let before = self
+            .candidate
+            .as_ref()
+            .map_or(last.time, |(before, _)| before.time);
         let reach = max_speed * measured.time.since(before).as_secs_f64();
         let is_near = |from: &Measured| from.is_within(reach.max(MIN_REACH), measured, rows);
-        if is_near(&last) {
+        if is_near(last) {
             self.candidate = None;
             return Ok(false);
         }
@@ -205,34 +205,12 @@ impl Estimator {
         self.candidate = None;
         Ok(true)
     }
-
-    fn smooth(&mut self, time: Timestamp, channels: &Channels, seconds: f64) -> JointAngles {
-        let mut counts = [0.0; MAX_CHANNELS];
-        self.smoother.smooth_counts(&channels.counts, &mut counts);
-        let mut angles = JointAngles::at(time);
-        for (place, row) in self.map.rows().iter().enumerate() {
-            let angle = row.line.angle(counts[row.channel]);
-            let angle = match self.settings.limits {
-                Some(limits) => limits.clamp(row.dof, angle),
-                None => angle,
-            };
-            let smooth = self.smoother.smooth_angle(place, angle, seconds);
-            let smooth = match self.settings.limits {
-                Some(limits) => limits.clamp(row.dof, smooth),
-                None => smooth,
-            };
-            angles.set(row.dof, smooth);
-        }
-        angles
-    }
 }
 
 impl Measured {
     /// Whether no row is more than `reach` (radians) away in `other`.
     fn is_within(&self, reach: f64, other: &Self, rows: usize) -> bool {
-        let pairs = self.rows[..rows].iter().zip(&other.rows[..rows]);
-        pairs
-            .into_iter()
-            .all(|(from, to)| (to - from).abs() <= reach)
+        let mut pairs = self.rows[..rows].iter().zip(&other.rows[..rows]);
+        pairs.all(|(from, to)| (to - from).abs() <= reach)
     }
 }

@@ -8,7 +8,33 @@ const GRACE: f64 = 0.1;
 /// The range of every degree of freedom, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits {
-    ranges: [(f64, f64); Dof::COUNT],
+    ranges: [JointRange; Dof::COUNT],
+}
+
+/// The range of one degree of freedom, in radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct JointRange {
+    low: f64,
+    high: f64,
+}
+
+impl JointRange {
+    /// Every finite angle.
+    pub(super) const ANY: Self = Self {
+        low: f64::MIN,
+        high: f64::MAX,
+    };
+
+    pub(super) fn clamp(self, radians: f64) -> f64 {
+        radians.clamp(self.low, self.high)
+    }
+
+    pub(super) fn admit(self, radians: f64) -> Option<f64> {
+        let grace = GRACE * (self.high - self.low);
+        (self.low - grace..=self.high + grace)
+            .contains(&radians)
+            .then(|| self.clamp(radians))
+    }
 }
 
 impl JointLimits {
@@ -19,33 +45,36 @@ impl JointLimits {
     /// end of the published figures, because a glove is never calibrated to the degree. Supination
     /// counts from the palm facing down, which is 70° pronated, so it reaches 70 + 85 = 155°.
     pub fn human() -> Self {
-        let mut ranges = [(0.0, 0.0); Dof::COUNT];
+        let mut ranges = [JointRange::ANY; Dof::COUNT];
         for &dof in Dof::ALL {
             let (low, high) = human_degrees(dof);
-            ranges[dof.index()] = (f64::to_radians(low), f64::to_radians(high));
+            ranges[dof.index()] = JointRange {
+                low: f64::to_radians(low),
+                high: f64::to_radians(high),
+            };
         }
         Self { ranges }
     }
 
     /// The range of `dof` in radians, lowest first.
     pub fn range(&self, dof: Dof) -> (f64, f64) {
+        let range = self.joint(dof);
+        (range.low, range.high)
+    }
+
+    pub(super) fn joint(&self, dof: Dof) -> JointRange {
         self.ranges[dof.index()]
     }
 
     /// The angle brought into the range of `dof`; radians.
     pub fn clamp(&self, dof: Dof, radians: f64) -> f64 {
-        let (low, high) = self.range(dof);
-        radians.clamp(low, high)
+        self.joint(dof).clamp(radians)
     }
 
     /// The angle as far as it can be true: brought into the range when it is outside by at most a
     /// tenth of the range, `None` when it is further out or not a number.
     pub fn admit(&self, dof: Dof, radians: f64) -> Option<f64> {
-        let (low, high) = self.range(dof);
-        let grace = GRACE * (high - low);
-        (low - grace..=high + grace)
-            .contains(&radians)
-            .then(|| radians.clamp(low, high))
+        self.joint(dof).admit(radians)
     }
 }
 

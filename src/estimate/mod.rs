@@ -5,6 +5,7 @@ mod channels;
 mod estimator;
 mod limits;
 mod one_euro;
+mod rows;
 mod smoothing;
 
 pub use calibration::{FitError, Line, divider_resistance};

@@ -13,83 +13,103 @@ pub struct OneEuroSettings {
     pub derivative_cutoff_hz: f64,
 }
 
-/// One filtered value.
+/// Filters values that come together, each by itself.
 ///
 /// The reference form of August 2023 (github.com/casiez/OneEuroFilter): the derivative is taken
 /// against the last *filtered* value, and is 0 for the first sample.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct OneEuro {
     settings: OneEuroSettings,
-    state: Option<State>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct State {
-    value: f64,
-    speed: f64,
+    has_begun: bool,
+    values: Vec<f64>,
+    speeds: Vec<f64>,
 }
 
 impl OneEuro {
-    /// A filter that has seen nothing yet.
-    pub fn new(settings: OneEuroSettings) -> Self {
+    /// A filter for so many values that has seen none yet.
+    pub fn new(settings: OneEuroSettings, values: usize) -> Self {
         Self {
             settings,
-            state: None,
+            has_begun: false,
+            values: vec![0.0; values],
+            speeds: vec![0.0; values],
         }
     }
 
-    /// Forgets what it has seen: the next value comes out as it is.
+    /// Forgets what it has seen: the next values come out as they are.
     pub fn reset(&mut self) {
-        self.state = None;
+        self.has_begun = false;
     }
 
-    /// The filtered value of `value`, which came `seconds` after the one before.
+    /// Filters `values` in place; they came `seconds` after those before.
     ///
-    /// The first value comes out as it is. No time gone by: the last filtered value again.
-    pub fn filter(&mut self, value: f64, seconds: f64) -> f64 {
-        let Some(last) = self.state else {
-            self.state = Some(State { value, speed: 0.0 });
-            return value;
-        };
-        if seconds <= 0.0 {
-            return last.value;
+    /// The first values come out as they are. No time gone by: the last filtered values again.
+    /// Values beyond the number that the filter was made for stay as they are.
+    pub fn filter(&mut self, values: &mut [f64], seconds: f64) {
+        if !self.has_begun {
+            self.begin(values);
+        } else if seconds > 0.0 {
+            self.follow(values, seconds);
         }
-        let slope = (value - last.value) / seconds;
-        let speed = blend(
-            last.speed,
-            slope,
-            self.settings.derivative_cutoff_hz,
-            seconds,
-        );
-        let cutoff_hz = self.settings.min_cutoff_hz + self.settings.beta * speed.abs();
-        let value = blend(last.value, value, cutoff_hz, seconds);
-        self.state = Some(State { value, speed });
-        value
+        for (value, filtered) in values.iter_mut().zip(&self.values) {
+            *value = *filtered;
+        }
+    }
+
+    fn begin(&mut self, values: &[f64]) {
+        self.has_begun = true;
+        self.speeds.fill(0.0);
+        for (filtered, value) in self.values.iter_mut().zip(values) {
+            *filtered = *value;
+        }
+    }
+
+    fn follow(&mut self, values: &[f64], seconds: f64) {
+        let OneEuroSettings {
+            min_cutoff_hz,
+            beta,
+            derivative_cutoff_hz,
+        } = self.settings;
+        let rate = 1.0 / seconds;
+        let speed_share = share(derivative_cutoff_hz, seconds);
+        let state = self.values.iter_mut().zip(&mut self.speeds);
+        for ((filtered, speed), value) in state.zip(values) {
+            let change = value - *filtered;
+            *speed += speed_share * (change * rate - *speed);
+            *filtered += share(min_cutoff_hz + beta * speed.abs(), seconds) * change;
+        }
     }
 }
 
-/// One step of a first-order low-pass: α = 1 / (1 + τ / Δt) with τ = 1 / (2π cutoff).
-fn blend(last: f64, new: f64, cutoff_hz: f64, seconds: f64) -> f64 {
-    let alpha = 1.0 / (1.0 + 1.0 / (TAU * cutoff_hz * seconds));
-    last + alpha * (new - last)
+/// How far one step of a first-order low-pass goes: α = 1 / (1 + τ / Δt) with τ = 1 / (2π cutoff),
+/// written with a single division.
+fn share(cutoff_hz: f64, seconds: f64) -> f64 {
+    1.0 - 1.0 / (1.0 + TAU * cutoff_hz * seconds)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn next(filter: &mut OneEuro, value: f64, seconds: f64) -> f64 {
+        let mut values = [value];
+        filter.filter(&mut values, seconds);
+        values[0]
+    }
+
     #[test]
     fn a_constant_stays_and_a_step_is_approached_without_overshoot() {
-        let mut filter = OneEuro::new(OneEuroSettings {
+        let settings = OneEuroSettings {
             min_cutoff_hz: 1.0,
             beta: 0.5,
             derivative_cutoff_hz: 1.0,
-        });
-        assert_eq!(filter.filter(2.0, 0.0), 2.0);
-        assert_eq!(filter.filter(2.0, 0.01), 2.0);
+        };
+        let mut filter = OneEuro::new(settings, 1);
+        assert_eq!(next(&mut filter, 2.0, 0.0), 2.0);
+        assert_eq!(next(&mut filter, 2.0, 0.01), 2.0);
         let mut last = 2.0;
         for _ in 0..500 {
-            let value = filter.filter(3.0, 0.01);
+            let value = next(&mut filter, 3.0, 0.01);
             assert!(value > last || value > 2.999 && value <= 3.0, "{value}");
             last = value;
         }
@@ -98,12 +118,33 @@ mod tests {
 
     #[test]
     fn no_time_gone_by_changes_nothing() {
-        let mut filter = OneEuro::new(OneEuroSettings {
+        let settings = OneEuroSettings {
             min_cutoff_hz: 1.0,
             beta: 0.0,
             derivative_cutoff_hz: 1.0,
-        });
-        filter.filter(1.0, 0.0);
-        assert_eq!(filter.filter(9.0, 0.0), 1.0);
+        };
+        let mut filter = OneEuro::new(settings, 1);
+        next(&mut filter, 1.0, 0.0);
+        assert_eq!(next(&mut filter, 9.0, 0.0), 1.0);
+    }
+
+    #[test]
+    fn values_that_come_together_do_not_mix_and_a_reset_forgets_all() {
+        let settings = OneEuroSettings {
+            min_cutoff_hz: 1.0,
+            beta: 0.5,
+            derivative_cutoff_hz: 1.0,
+        };
+        let mut both = OneEuro::new(settings, 2);
+        let mut alone = OneEuro::new(settings, 1);
+        for step in 0..20 {
+            let mut values = [f64::from(step), -1.0];
+            both.filter(&mut values, 0.01);
+            assert_eq!(values, [next(&mut alone, f64::from(step), 0.01), -1.0]);
+        }
+        both.reset();
+        let mut values = [5.0, 6.0];
+        both.filter(&mut values, 0.01);
+        assert_eq!(values, [5.0, 6.0]);
     }
 }

@@ -1,7 +1,8 @@
 //! Filters between the calibrated angles and the hand.
 
 use super::one_euro::{OneEuro, OneEuroSettings};
-use crate::capture::MAX_CHANNELS;
+use super::rows::Row;
+use crate::capture::Channels;
 
 /// Which filter smooths a glove's angles.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,72 +27,72 @@ impl Default for Smoothing {
     }
 }
 
-/// The state of the chosen filter: one lane for each row of a channel map.
+/// The chosen filter and what it remembers of each row of a channel map.
 #[derive(Clone, Debug)]
-pub(super) struct Smoother {
-    kind: Smoothing,
-    counts: [Option<f64>; MAX_CHANNELS],
-    lanes: Vec<Lane>,
+pub(super) enum Smoother {
+    Off,
+    Thesis(Vec<Option<Thesis>>),
+    OneEuro(OneEuro),
 }
 
-#[derive(Clone, Debug)]
-enum Lane {
-    Off,
-    Thesis(Option<(f64, f64)>),
-    OneEuro(OneEuro),
+/// What the seed's filters remember of one row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Thesis {
+    count: f64,
+    newer: f64,
+    older: f64,
 }
 
 impl Smoother {
     pub(super) fn new(kind: Smoothing, rows: usize) -> Self {
-        let lane = match kind {
-            Smoothing::Off => Lane::Off,
-            Smoothing::Thesis => Lane::Thesis(None),
-            Smoothing::OneEuro(settings) => Lane::OneEuro(OneEuro::new(settings)),
-        };
-        Self {
-            kind,
-            counts: [None; MAX_CHANNELS],
-            lanes: vec![lane; rows],
+        match kind {
+            Smoothing::Off => Self::Off,
+            Smoothing::Thesis => Self::Thesis(vec![None; rows]),
+            Smoothing::OneEuro(settings) => Self::OneEuro(OneEuro::new(settings, rows)),
         }
     }
 
     pub(super) fn reset(&mut self) {
-        self.counts = [None; MAX_CHANNELS];
-        for lane in &mut self.lanes {
-            match lane {
-                Lane::Off => {}
-                Lane::Thesis(state) => *state = None,
-                Lane::OneEuro(filter) => filter.reset(),
-            }
+        match self {
+            Self::Off => {}
+            Self::Thesis(memory) => memory.fill(None),
+            Self::OneEuro(filter) => filter.reset(),
         }
     }
 
-    /// Smooths the counts of one frame where the filter works on counts: call once a frame.
-    pub(super) fn smooth_counts(&mut self, counts: &[u16], smoothed: &mut [f64; MAX_CHANNELS]) {
-        for (channel, (&count, out)) in counts.iter().zip(smoothed).enumerate() {
-            let count = f64::from(count);
-            *out = match (self.kind, self.counts[channel]) {
-                (Smoothing::Thesis, Some(last)) => (count + last) / 2.0,
-                _ => count,
-            };
-            self.counts[channel] = Some(*out);
+    /// Smooths in place the angles that `rows` tell of `channels`, `seconds` after the frame before.
+    pub(super) fn smooth(
+        &mut self,
+        angles: &mut [f64],
+        rows: &[Row],
+        channels: &Channels,
+        seconds: f64,
+    ) {
+        match self {
+            Self::Off => {}
+            Self::Thesis(memory) => {
+                for ((row, memory), angle) in rows.iter().zip(memory).zip(angles) {
+                    *angle = Thesis::filter(memory, row, row.count(channels));
+                }
+            }
+            Self::OneEuro(filter) => filter.filter(angles, seconds),
         }
     }
+}
 
-    /// Smooths the angle of one row, `seconds` after the frame before.
-    pub(super) fn smooth_angle(&mut self, row: usize, angle: f64, seconds: f64) -> f64 {
-        match &mut self.lanes[row] {
-            Lane::Off => angle,
-            Lane::Thesis(state) => {
-                let (newer, older) = state.unwrap_or((angle, angle));
-                let value = match state {
-                    Some(_) => (angle + newer + older) / 3.0,
-                    None => angle,
-                };
-                *state = Some((value, newer));
-                value
-            }
-            Lane::OneEuro(filter) => filter.filter(angle, seconds),
-        }
+impl Thesis {
+    fn filter(memory: &mut Option<Self>, row: &Row, count: f64) -> f64 {
+        let count = memory.map_or(count, |last| (count + last.count) / 2.0);
+        let angle = row.range.clamp(row.line.angle(count));
+        let (value, newer) = match memory {
+            Some(last) => ((angle + last.newer + last.older) / 3.0, last.newer),
+            None => (angle, angle),
+        };
+        *memory = Some(Self {
+            count,
+            newer: value,
+            older: newer,
+        });
+        value
     }
 }
