@@ -55,6 +55,8 @@ pub struct Pipeline {
     scene: Scene,
     tracker: ContactTracker,
     devices: Vec<Box<dyn VirtualDevice>>,
+    /// The latest, in place: it is too large to be passed around for nothing.
+    frame: Frame,
     arming: Arming,
     state: State,
     last_accepted: Option<Timestamp>,
@@ -73,8 +75,14 @@ impl Pipeline {
         devices: Vec<Box<dyn VirtualDevice>>,
         arming: Arming,
     ) -> Self {
+        let angles = JointAngles::at(Timestamp::default());
         Self {
             tracker: ContactTracker::new(&scene),
+            frame: Frame {
+                angles,
+                pose: arm.forward(&angles),
+                touches: Touches::new(),
+            },
             estimator,
             arm,
             scene,
@@ -92,27 +100,28 @@ impl Pipeline {
     /// Takes one reading and adds to `events` what goes out because of it.
     ///
     /// An error when the reading gives no angles; it is counted, and changes nothing else.
-    pub fn step(&mut self, reading: &Reading, events: &mut Events) -> Result<Frame, Rejection> {
+    pub fn step(&mut self, reading: &Reading, events: &mut Events) -> Result<&Frame, Rejection> {
         self.notice_gap(reading.time, events);
-        let angles = self.estimator.apply(reading).inspect_err(|&reason| {
-            self.rejected[reason.index()] += 1;
-        })?;
-        let pose = self.arm.forward(&angles);
-        let mut touches = Touches::new();
-        self.tracker.update(&self.scene, &pose, &mut touches);
-        self.accepted += 1;
-        self.last_accepted = Some(pose.time);
-        self.arm_when_clear(&pose);
-        if self.state == State::Running {
-            for device in &mut self.devices {
-                device.update(&pose, &touches, events);
-            }
-        }
-        Ok(Frame {
+        let Frame {
             angles,
             pose,
             touches,
-        })
+        } = &mut self.frame;
+        *angles = self.estimator.apply(reading).inspect_err(|&reason| {
+            self.rejected[reason.index()] += 1;
+        })?;
+        *pose = self.arm.forward(angles);
+        touches.clear();
+        self.tracker.update(&self.scene, pose, touches);
+        self.accepted += 1;
+        self.last_accepted = Some(pose.time);
+        self.arm_when_clear();
+        if self.state == State::Running {
+            for device in &mut self.devices {
+                device.update(&self.frame.pose, &self.frame.touches, events);
+            }
+        }
+        Ok(&self.frame)
     }
 
     /// Readings have stayed away for longer than they may: lets go of everything.
@@ -190,7 +199,8 @@ impl Pipeline {
         self.clear_since = None;
     }
 
-    fn arm_when_clear(&mut self, pose: &HandPose) {
+    fn arm_when_clear(&mut self) {
+        let pose = &self.frame.pose;
         match self.state {
             State::Running | State::Stopped => return,
             State::Starting if self.arming.at_once => {

@@ -147,7 +147,8 @@ impl Run<'_> {
 
     fn step(&mut self, reading: Reading, arrived: Instant) -> Result<(), RunError> {
         self.events.clear();
-        let frame = self.pipeline.step(&reading, &mut self.events).ok();
+        let frame = self.pipeline.step(&reading, &mut self.events);
+        let frame = frame.ok().cloned();
         if frame.is_some() {
             self.fed_at = Some(arrived);
         }

@@ -72,9 +72,9 @@ impl Wearer {
             sample: Sample::Channels(channels.clone()),
         };
         let mut events = Events::new();
-        let outcome = self.pipeline.step(&reading, &mut events);
+        let rejection = self.pipeline.step(&reading, &mut events).err();
         self.write(&events);
-        outcome.err()
+        rejection
     }
 
     fn write(&mut self, events: &Events) {
@@ -221,7 +221,7 @@ fn a_stall_ends_every_contact() {
         sample: Sample::Channels(wearer.over.clone()),
     };
     let frame = wearer.pipeline.step(&reading, &mut Events::new());
-    let touches = frame.expect("an able hand").touches;
+    let touches = &frame.expect("an able hand").touches;
     assert!(touches.is_empty(), "{touches:?}");
 }
 

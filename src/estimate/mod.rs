@@ -49,6 +49,11 @@ impl JointAngles {
         self.radians[dof.index()]
     }
 
+    /// All angles in radians, in the order of [`Dof::ALL`]; 0 where the source does not measure.
+    pub fn radians(&self) -> &[f64; Dof::COUNT] {
+        &self.radians
+    }
+
     /// Sets an angle, in radians, and marks it as measured.
     pub fn set(&mut self, dof: Dof, radians: f64) {
         self.radians[dof.index()] = radians;

@@ -1,9 +1,11 @@
 //! An arm as a tree of links, and where each is for given angles.
 
+use arrayvec::ArrayVec;
 use glam::Quat;
 use parry3d::math::{Mat3, Pose, Vec3};
 
 use super::HandPose;
+use super::turns::Turns;
 use crate::estimate::JointAngles;
 use crate::hand::{Dof, Finger, Joint, Side};
 
@@ -115,21 +117,20 @@ impl ArmModel {
     /// `world_from_link` of every link (metres), in the order of [`links`](Self::links).
     ///
     /// An angle that is not known counts as 0.
-    pub fn link_poses(&self, angles: &JointAngles) -> [Pose; MAX_LINKS] {
-        let mut poses = [Pose::IDENTITY; MAX_LINKS];
-        for (place, link) in self.links.iter().enumerate() {
+    pub fn link_poses(&self, angles: &JointAngles) -> ArrayVec<Pose, MAX_LINKS> {
+        let turns = Turns::of(angles);
+        let mut poses = ArrayVec::<Pose, MAX_LINKS>::new();
+        for link in &self.links {
             let parent = match link.parent {
-                Some(parent) => poses[parent],
-                None => self.world_from_root,
+                Some(parent) => &poses[parent],
+                None => &self.world_from_root,
             };
-            let turned = match link.dof {
-                Some(dof) => {
-                    parent.rotation * Quat::from_axis_angle(link.axis, angles.get(dof) as f32)
-                }
+            let rotation = match link.dof {
+                Some(dof) => parent.rotation * turns.about(link.axis, dof),
                 None => parent.rotation,
             };
-            poses[place] =
-                Pose::from_parts(parent.translation + parent.rotation * link.offset, turned);
+            let translation = parent.translation + parent.rotation * link.offset;
+            poses.push(Pose::from_parts(translation, rotation));
         }
         poses
     }

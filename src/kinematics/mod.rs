@@ -3,6 +3,7 @@
 mod anthropometry;
 mod arm_model;
 mod inverse;
+mod turns;
 
 pub use anthropometry::BoneLengths;
 pub use arm_model::{ArmModel, Link, MAX_LINKS, ModelError};
