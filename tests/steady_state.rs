@@ -7,11 +7,19 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use ademan::capture::hc11::{Decoder, Framing, encode};
-use ademan::capture::{Channels, LineSettings, Reading, Sample};
-use ademan::device::Events;
+use ademan::capture::hc11::{self, Decoder, Framing, encode};
+use ademan::capture::{LineSettings, Reading, Sample};
+use ademan::contact::{Phase, TargetId, Touch, Touches};
+use ademan::device::keyboard::Keyboard;
+use ademan::device::{Action, Events, VirtualDevice};
+use ademan::estimate::Rejection;
+use ademan::hand::{Finger, Side};
+use ademan::kinematics::HandPose;
 use ademan::lab::Typist;
-use ademan::settings::Setup;
+use ademan::layout::Layout as Keys;
+use ademan::monitor::State;
+use ademan::pipeline::Pipeline;
+use ademan::settings::{Assembly, Setup};
 use ademan::time::Timestamp;
 
 struct Counting;
@@ -83,10 +91,7 @@ fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
             frames += 1;
             let reading = Reading {
                 time: Timestamp(5_729 * frames),
-                sample: Sample::Channels(Channels {
-                    full_scale: 255,
-                    counts: body.iter().map(|byte| u16::from(*byte)).collect(),
-                }),
+                sample: Sample::Channels(hc11::channels(body)),
             };
             events.clear();
             let _ = std::hint::black_box(pipeline.step(&reading, &mut events));
@@ -102,4 +107,122 @@ fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
     assert_eq!(allocated, 0, "{allocated} allocations in {frames} frames");
     drop(std::hint::black_box(Box::new(0)));
     assert!(allocations() > before, "the allocator counts");
+}
+
+/// The readings of a hand that types `text`, 5.7 ms apart.
+fn readings(assembly: &Assembly, text: &str) -> Vec<Reading> {
+    let typist = assembly.typist(text, &LineSettings::default(), 0.5, 7);
+    let mut typist = typist.expect("the text can be typed");
+    let mut readings = Vec::new();
+    while let Some(counts) = typist.next_counts() {
+        let body = std::array::from_fn(|channel| counts[channel] as u8);
+        readings.push(Reading {
+            time: Timestamp(5_729 * (readings.len() as u64 + 1)),
+            sample: Sample::Channels(hc11::channels(&body)),
+        });
+    }
+    readings
+}
+
+/// Steps through `readings`, their times `later` (microseconds) than they say; how many events came.
+fn play(pipeline: &mut Pipeline, readings: &mut [Reading], later: u64) -> usize {
+    let mut events = Events::new();
+    let mut sent = 0;
+    for reading in readings {
+        reading.time.0 += later;
+        events.clear();
+        let _ = std::hint::black_box(pipeline.step(reading, &mut events));
+        sent += events.len();
+    }
+    sent
+}
+
+#[test]
+fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
+    let setup = Setup::default().assemble().expect("the default setup");
+    let mut typing = readings(&setup, "ab");
+    let mut pipeline = setup.pipeline();
+    let mut impossible = typing[200].clone();
+    let Sample::Channels(channels) = &mut impossible.sample else {
+        panic!("a glove has channels");
+    };
+    channels.counts.fill(250);
+    let mut short = impossible.clone();
+    let Sample::Channels(channels) = &mut short.sample else {
+        panic!("a glove has channels");
+    };
+    channels.counts.truncate(3);
+    let mut far = typing[200].clone();
+    let Sample::Channels(channels) = &mut far.sample else {
+        panic!("a glove has channels");
+    };
+    // The elbow bends by 1 rad.
+    channels.counts[17] += 100;
+    let mut trouble = [
+        typing[0].clone(),
+        impossible,
+        short,
+        far.clone(),
+        far.clone(),
+        far,
+    ];
+    let end = typing.last().expect("there are some").time.0;
+    for (place, reading) in trouble.iter_mut().enumerate().skip(1) {
+        reading.time = Timestamp(end + 5_729 * place as u64);
+    }
+    let mut events = Events::new();
+
+    let before = allocations();
+    let typed = play(&mut pipeline, &mut typing, 0);
+    play(&mut pipeline, &mut trouble, 0);
+    pipeline.stall(&mut events);
+    let stalled = pipeline.state();
+    let typed_again = play(&mut pipeline, &mut typing, 10_000_000);
+    let typed_after_a_gap = play(&mut pipeline, &mut typing, 10_000_000);
+    pipeline.stop(&mut events);
+    let allocated = allocations() - before;
+
+    assert_eq!([typed, typed_again, typed_after_a_gap], [4; 3]);
+    assert_eq!(stalled, State::Stalled);
+    assert_eq!(pipeline.stalls(), 2);
+    for reason in [
+        Rejection::Shape,
+        Rejection::Stale,
+        Rejection::Impossible,
+        Rejection::TooFast,
+    ] {
+        assert!(pipeline.rejected()[reason.index()] > 0, "{reason}");
+    }
+    assert_eq!(allocated, 0);
+}
+
+#[test]
+fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
+    let arrows = Keys::load("arrows").expect("the shipped layout");
+    let mut keyboard = Keyboard::new(arrows.keyboard_bindings());
+    let pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
+    let mut depths = 0;
+
+    let before = allocations();
+    for frame in 0..100_u64 {
+        let touch = |&finger: &Finger| Touch {
+            time: Timestamp(frame * 5_729),
+            finger,
+            target: TargetId(finger.index() as u32 % 4),
+            phase: [Phase::Touched, Phase::Pressed, Phase::Held][(frame % 3) as usize],
+            depth: (frame % 7) as f32 / 7.0,
+        };
+        let touches: Touches = Finger::ALL.iter().map(touch).collect();
+        let mut events = Events::new();
+        keyboard.update(&pose, &touches, &mut events);
+        if frame % 10 == 9 {
+            keyboard.release_all(Timestamp(frame * 5_729), &mut events);
+        }
+        let is_depth = |action| matches!(action, Action::Depth(..));
+        depths += events.iter().filter(|event| is_depth(event.action)).count();
+    }
+    let allocated = allocations() - before;
+
+    assert!(depths > 300, "only {depths} depths");
+    assert_eq!(allocated, 0);
 }

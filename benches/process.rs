@@ -1,0 +1,126 @@
+//! What the whole program costs: start-up to the first frame, and resident memory while it runs.
+//!
+//! Prints a table; needs the `/proc` of Linux for the memory and a Unix for the glove's end of the
+//! line. With `--test` (as `cargo test --benches` does) one start and a short feed.
+
+use std::io::{BufRead, BufReader, Write};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
+use ademan::capture::{LineSettings, open_wire};
+use ademan::lab::Typist;
+use ademan::settings::Setup;
+
+const ADEMAN: &str = env!("CARGO_BIN_EXE_ademan");
+
+fn main() {
+    let is_test = std::env::args().any(|argument| argument == "--test");
+    let (starts, feed) = match is_test {
+        true => (1, Duration::from_millis(300)),
+        false => (21, Duration::from_secs(5)),
+    };
+    let folder = tempfile::tempdir().expect("a folder for the packets");
+    let path = folder.path().join("glove.bin");
+    std::fs::write(&path, packets().concat()).expect("the packets are written");
+
+    println!("process                              median      slowest     goal");
+    row("help (no frame at all)", starts, "", || {
+        time_to_first_line(&["--help"])
+    });
+    let source = format!("file:{}", path.display());
+    row("start to first reading", starts, "50 ms", || {
+        time_to_first_line(&["trace", "readings", "--source", &source])
+    });
+    row("start to first touch of a key", starts, "", || {
+        time_to_first_line(&["trace", "touches", "--source", &source])
+    });
+    memory(feed);
+}
+
+fn row(what: &str, times: usize, goal: &str, mut measure: impl FnMut() -> Duration) {
+    let mut found: Vec<Duration> = (0..times).map(|_| measure()).collect();
+    found.sort_unstable();
+    let millis = |time: Duration| time.as_secs_f64() * 1e3;
+    println!(
+        "{what:32} {:8.2} ms {:9.2} ms     {goal}",
+        millis(found[times / 2]),
+        millis(found[times - 1])
+    );
+}
+
+fn packets() -> Vec<[u8; 66]> {
+    let assembly = Setup::default().assemble().expect("the default setup");
+    let typist = assembly.typist("hello world", &LineSettings::default(), 0.5, 1);
+    let mut typist: Typist = typist.expect("the text is on the board");
+    std::iter::from_fn(|| typist.next_counts())
+        .map(|counts| {
+            let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
+            encode(Framing::Double06, &body)
+        })
+        .collect()
+}
+
+fn start(arguments: &[&str]) -> Child {
+    Command::new(ADEMAN)
+        .args(arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts")
+}
+
+fn time_to_first_line(arguments: &[&str]) -> Duration {
+    let begun = Instant::now();
+    let mut child = start(arguments);
+    let mut line = String::new();
+    let output = child.stdout.take().expect("it is piped");
+    let length = BufReader::new(output).read_line(&mut line);
+    let took = begun.elapsed();
+    assert!(length.is_ok_and(|length| length > 0), "no line came");
+    // It may have ended by itself.
+    let _ = child.kill();
+    let _ = child.wait();
+    took
+}
+
+/// Feeds `ademan run` through a line and reads how much memory it had at most.
+fn memory(feed: Duration) {
+    if !Path::new("/proc/self/status").exists() {
+        println!("resident memory of `run`: SKIPPED: no /proc here");
+        return;
+    }
+    let mut wire = open_wire(LineSettings::default()).expect("a line");
+    let mut child = start(&["run", "--armed", "--source", &wire.source.to_string()]);
+    let begun = Instant::now();
+    'feeding: loop {
+        for packet in packets() {
+            let written = wire.writer.write_all(&packet);
+            if written.is_err() || begun.elapsed() > feed {
+                break 'feeding;
+            }
+            sleep(Duration::from_micros(5_700));
+        }
+    }
+    let status = std::fs::read_to_string(format!("/proc/{}/status", child.id()));
+    let status = status.expect("the program is still running");
+    for (field, what, goal) in [
+        ("VmHWM:", "resident memory of `run`, peak", "12 MB"),
+        ("RssAnon:", "  of that not from files", ""),
+        ("VmData:", "  set aside", ""),
+    ] {
+        let line = status.lines().find(|line| line.starts_with(field));
+        let kilobytes = line.and_then(|line| line.split_whitespace().nth(1)?.parse::<f64>().ok());
+        match kilobytes {
+            Some(kilobytes) => println!(
+                "{what:32} {:8.2} MB                  {goal}",
+                kilobytes / 1e3
+            ),
+            None => println!("{what:32} SKIPPED: no {field} here"),
+        }
+    }
+    let _ = child.kill();
+    let _ = child.wait();
+}
