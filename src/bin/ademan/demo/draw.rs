@@ -78,22 +78,27 @@ impl Stage {
     fn draw_boards(&self, buffer: &mut Buffer, area: Rect, picture: &Picture) {
         let mut corner = area;
         for (number, grid) in self.grids.iter().enumerate() {
-            self.draw_keys(buffer, corner, picture, grid);
+            let is_lit = |cell: &Cell| picture.pressed.contains(&cell.target);
+            let (lit, unlit): (Vec<Cell>, Vec<Cell>) =
+                grid.cells.iter().partition(|cell| is_lit(cell));
+            self.draw_keys(buffer, corner, &unlit, false);
             let tips = picture.fingertips.iter();
             for tip in tips.filter(|tip| tip.board == number) {
                 draw_fingertip(buffer, corner, grid, tip);
             }
+            // A key that is down is not covered by the fingertip that pushes it.
+            self.draw_keys(buffer, corner, &lit, true);
             let below = corner.height.min(grid.rows as u16 + 1);
             corner.y += below;
             corner.height -= below;
         }
     }
 
-    fn draw_keys(&self, buffer: &mut Buffer, area: Rect, picture: &Picture, grid: &Grid) {
-        for cell in &grid.cells {
+    fn draw_keys(&self, buffer: &mut Buffer, area: Rect, cells: &[Cell], lit: bool) {
+        for cell in cells {
             if let (Some(key), Some(place)) = (self.layout.key_of(cell.target), within(area, cell))
             {
-                draw_key(buffer, place, key, picture.pressed.contains(&cell.target));
+                draw_key(buffer, place, key, lit);
             }
         }
     }
@@ -159,22 +164,42 @@ mod tests {
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
 
-    fn shown(columns: u16, rows: u16) -> String {
+    /// A terminal with a picture of `W` going down.
+    fn drawn(columns: u16, rows: u16) -> Terminal<TestBackend> {
         let layout = Layout::load("qwerty-flat").unwrap();
         let stage = Stage {
             grids: layout.grids(),
             presented: "to be typed".into(),
             layout,
         };
+        let down = stage.layout.key("W").unwrap();
         let picture = Picture {
             typed: "to be".into(),
             state: State::Running,
-            pressed: Vec::new(),
-            fingertips: Vec::new(),
+            pressed: vec![down.target],
+            fingertips: vec![OverBoard {
+                finger: Finger::Index,
+                board: 0,
+                along_rows: down.at,
+                height: -0.003,
+            }],
         };
         let mut terminal = Terminal::new(TestBackend::new(columns, rows)).unwrap();
         terminal.draw(|frame| stage.draw(frame, &picture)).unwrap();
-        terminal.backend().to_string()
+        terminal
+    }
+
+    fn shown(columns: u16, rows: u16) -> String {
+        drawn(columns, rows).backend().to_string()
+    }
+
+    #[test]
+    fn a_key_that_is_down_is_lit_and_its_label_stays_to_be_read() {
+        let terminal = drawn(120, 40);
+        let cells = terminal.backend().buffer().content().iter();
+        let lit = cells.filter(|cell| cell.bg == Color::Green);
+        let lit: String = lit.map(|cell| cell.symbol()).collect();
+        assert_eq!(lit, "┌───┐│ W │└───┘");
     }
 
     #[test]
@@ -188,15 +213,15 @@ mod tests {
 
     #[test]
     fn a_window_that_is_too_small_says_so_and_still_shows_the_text() {
-        let picture = shown(70, 14);
-        assert!(picture.contains("needs a window of 70×22"), "{picture}");
+        let picture = shown(64, 14);
+        assert!(picture.contains("needs a window of 66×22"), "{picture}");
         assert!(picture.contains("typed    \"to be\""), "{picture}");
     }
 
     #[test]
     fn no_window_is_too_small() {
         for (columns, rows) in [(0, 0), (1, 1), (5, 3), (300, 2), (2, 300)] {
-            shown(columns, rows);
+            drawn(columns, rows);
         }
     }
 }
