@@ -70,8 +70,8 @@ fn every_wrong_name_is_answered_with_the_right_ones() {
             &["readings, angles, pose, touches, events"],
         ),
         (
-            "run --source typist:a --layout qwert-flat",
-            &["did you mean `qwerty-flat`?"],
+            "run --source typist:a --layout nunpad",
+            &["did you mean `numpad`?"],
         ),
         (
             "run --source typist:a --layout /",
