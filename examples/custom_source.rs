@@ -39,7 +39,7 @@ impl Source for NoddingHand {
                 0.0
             };
             let count = row.line.reading(angle).round();
-            counts[usize::from(row.channel)] = count.clamp(0.0, 255.0) as u16;
+            counts[row.channel] = count.clamp(0.0, 255.0) as u16;
         }
         Ok(Capture::Reading(Reading {
             time: Timestamp::from_seconds(seconds),

@@ -105,9 +105,15 @@ impl Screen {
 impl Drop for Screen {
     fn drop(&mut self) {
         self.pictures = None;
-        if let Some(painter) = self.painter.take()
-            && !matches!(painter.join(), Ok(Ok(())))
-        {
+        let Some(painter) = self.painter.take() else {
+            return;
+        };
+        let painted = painter.join();
+        // A panic has given it back already; twice would put the cursor on top of the message.
+        if !std::thread::panicking() && painted.is_ok() {
+            ratatui::restore();
+        }
+        if !matches!(painted, Ok(Ok(()))) {
             tracing::warn!("the terminal could not be drawn on");
         }
     }
@@ -121,12 +127,6 @@ struct Painter {
 
 impl Painter {
     fn paint(mut self, pictures: &Receiver<Picture>) -> io::Result<()> {
-        let painted = self.paint_all(pictures);
-        ratatui::try_restore()?;
-        painted
-    }
-
-    fn paint_all(&mut self, pictures: &Receiver<Picture>) -> io::Result<()> {
         loop {
             match pictures.recv_timeout(GLANCE) {
                 Ok(picture) => {
