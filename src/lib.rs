@@ -12,6 +12,23 @@
 //!
 //! The modules below stand in the order of that flow.
 //!
+//! All of it in a few lines, with a simulated hand in place of a glove:
+//!
+//! ```
+//! use ademan::{output, runtime::drive, settings::Setup};
+//!
+//! let assembly = Setup::default().assemble()?;
+//! let hand = assembly.open(&"typist:hi".parse()?)?;
+//! let mut sink = output::open("transcript", &assembly.layout.codes())?;
+//! let stop = crossbeam_channel::never();
+//! let mut readings = 0;
+//! drive(hand, &mut assembly.pipeline(), &mut *sink, &stop, &mut |frame| {
+//!     readings += u64::from(frame.reading.is_some());
+//! })?;
+//! assert!(readings > 100);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! **World frame**: right-handed, metres, +X to the wearer's right, +Y up, −Z forward. Angles are in
 //! radians, times in microseconds.
 
