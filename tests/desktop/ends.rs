@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use ademan::capture::hc11::{Framing, encode};
 use tempfile::TempDir;
@@ -11,7 +11,7 @@ use crate::glove::Glove;
 use crate::press::{Press, code};
 use crate::program::Program;
 use crate::support::x11::XServer;
-use crate::{SOON, released_after};
+use crate::{SOON, hold, released_after};
 
 /// The program with a glove whose wearer holds Shift and H down.
 struct Typing {
@@ -34,8 +34,7 @@ impl Typing {
         let source = format!("serial:{}", port.display());
         let program = run(&server, &source);
         program.wait_until_it_says("armed", 1);
-        glove.play(&press.approach);
-        holds_two_keys(&server, &program);
+        hold(&server, &glove, &press, &held_keys());
         Some(Self {
             server,
             program,
@@ -78,15 +77,6 @@ fn run(server: &XServer, source: &str) -> Program {
     Program::start(server, ["run", "--output", "desktop", "--source", source])
 }
 
-fn holds_two_keys(server: &XServer, program: &Program) {
-    assert!(
-        server.wait_for_keys(&held_keys()),
-        "{:?} are down: {:#?}",
-        server.keys_down(),
-        program.said()
-    );
-}
-
 /// A file with what a glove sends until the key has been down for a second.
 fn file_that_ends_in_a_press() -> (TempDir, PathBuf) {
     let press = Press::of("H");
@@ -107,7 +97,7 @@ fn nothing_is_down_after_the_end_of_the_stream() {
     };
     let (_folder, path) = file_that_ends_in_a_press();
     let mut program = run(&server, &format!("file:{}", path.display()));
-    holds_two_keys(&server, &program);
+    assert!(server.wait_for_keys(&held_keys()), "{:#?}", program.said());
     let status = program.status();
     assert_eq!(server.keys_down(), [0; 0]);
     assert_eq!(status.code(), Some(0), "{:#?}", program.said());
@@ -184,17 +174,6 @@ fn nothing_is_down_after_the_bytes_made_no_sense_any_more() {
     let start = Instant::now();
     typing.glove.talk_nonsense();
     typing.stalls(start, "nonsense");
-}
-
-#[test]
-fn a_key_stays_down_as_long_as_the_glove_says_so() {
-    let Some(typing) = Typing::start() else {
-        return;
-    };
-    let start = Instant::now();
-    while start.elapsed() < Duration::from_secs(1) {
-        assert_eq!(typing.server.keys_down(), held_keys());
-    }
 }
 
 #[test]

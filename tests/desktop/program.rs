@@ -46,14 +46,16 @@ impl Program {
         self.said.lock().unwrap().clone()
     }
 
+    /// How many lines with `part` in them it has said so far.
+    pub fn times_said(&self, part: &str) -> usize {
+        let said = self.said.lock().unwrap();
+        said.iter().filter(|line| line.contains(part)).count()
+    }
+
     /// Waits until it has said a line with `part` in it for the `times`th time.
     pub fn wait_until_it_says(&self, part: &str, times: usize) {
-        let count = || {
-            let said = self.said();
-            said.iter().filter(|line| line.contains(part)).count()
-        };
         assert!(
-            wait_for(|| count() >= times),
+            wait_for(|| self.times_said(part) >= times),
             "it does not say {part:?}: {:#?}",
             self.said()
         );

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use crate::glove::Glove;
 use crate::press::{Press, code};
 use crate::program::Program;
-use crate::released_after;
 use crate::support::x11::XServer;
+use crate::{hold, released_after};
 
 /// The wearer has to be seen off all keys for so long; less the time of one packet, by which times are uncertain.
 const NEUTRAL: Duration = Duration::from_millis(300 - 6);
@@ -24,8 +24,7 @@ fn a_finger_that_is_still_on_the_key_presses_nothing_until_the_hand_was_off_all_
     let arguments = ["run", "--output", "desktop", "--source", &source];
     let program = Program::start(&server, arguments);
     program.wait_until_it_says("armed", 1);
-    glove.play(&press.approach);
-    assert!(server.wait_for_keys(&[code("H")]));
+    hold(&server, &glove, &press, &[code("H")]);
 
     let start = Instant::now();
     glove.unplug();
@@ -37,14 +36,14 @@ fn a_finger_that_is_still_on_the_key_presses_nothing_until_the_hand_was_off_all_
         assert_eq!(server.keys_down(), [0; 0]);
     }
 
+    let times_armed = program.times_said("armed");
     let start = Instant::now();
     glove.play(&[press.off()]);
-    program.wait_until_it_says("armed", 2);
+    program.wait_until_it_says("armed", times_armed + 1);
     let took = start.elapsed();
     println!("off all keys: armed after {took:.1?}");
     assert!(took >= NEUTRAL, "{took:?}");
-    glove.play(&press.approach);
-    assert!(server.wait_for_keys(&[code("H")]));
+    hold(&server, &glove, &press, &[code("H")]);
     glove.play(&press.lift);
     assert!(server.wait_for_keys(&[]));
 }

@@ -18,9 +18,14 @@ use super::process::Process;
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Asks `done` until it says yes; whether it did in time.
-pub fn wait_for(mut done: impl FnMut() -> bool) -> bool {
+pub fn wait_for(done: impl FnMut() -> bool) -> bool {
+    wait_up_to(PATIENCE, done)
+}
+
+/// Asks `done` until it says yes, up to a limit; whether it did in time.
+pub fn wait_up_to(limit: Duration, mut done: impl FnMut() -> bool) -> bool {
     let start = Instant::now();
-    while start.elapsed() < PATIENCE {
+    while start.elapsed() < limit {
         if done() {
             return true;
         }
