@@ -1,7 +1,7 @@
 //! What the whole program costs: start-up to the first frame, and resident memory while it runs.
 //!
-//! Prints a table; needs the `/proc` of Linux for the memory and a Unix for the glove's end of the
-//! line. With `--test` (as `cargo test --benches` does) one start and a short feed.
+//! Prints a table; the memory is read from the `/proc` of Linux and told as skipped where there is
+//! none. Without `--bench` (as in `cargo test --benches`) one start and a short feed.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -17,7 +17,7 @@ use ademan::settings::Setup;
 const ADEMAN: &str = env!("CARGO_BIN_EXE_ademan");
 
 fn main() {
-    let is_test = std::env::args().any(|argument| argument == "--test");
+    let is_test = !std::env::args().any(|argument| argument == "--bench");
     let (starts, feed) = match is_test {
         true => (1, Duration::from_millis(300)),
         false => (21, Duration::from_secs(5)),
