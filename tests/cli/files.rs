@@ -241,6 +241,7 @@ fn every_help_has_an_example() {
         "record",
         "replay",
         "trace",
+        "layout new",
         "layout check",
         "layout list",
         "layout show",
@@ -274,4 +275,37 @@ fn the_examples_run() {
         let ended: Ended = Command::new(program).output().unwrap().into();
         assert_eq!(ended.done().out.lines().count(), lines, "{example}");
     }
+}
+
+#[test]
+fn a_layout_of_ones_own_begins_as_a_copy_and_is_not_overwritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine");
+    let said = run(["layout", "new", text(&path), "--from", "numpad"])
+        .done()
+        .out;
+    assert!(said.contains("mine.ron"), "{said}");
+    let written = std::fs::read_to_string(folder.path().join("mine.ron")).unwrap();
+    assert!(written.contains("name: \"mine\""), "{written}");
+    let mine = text(&path).to_owned() + ".ron";
+    assert!(run(["layout", "check", &mine]).done().out.contains("right"));
+    let again = run(["layout", "new", &mine]);
+    assert_eq!(again.code, Some(2));
+    assert!(again.err.contains("File exists"), "{}", again.err);
+}
+
+#[test]
+fn keys_that_the_default_hand_cannot_reach_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let far = "Layout(name: \"far\", boards: [(place: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),\n\
+               rows: [(at_mm: (0, 0), keys: \"N\"), (at_mm: (0, 200), keys: \"F\")])])";
+    let path = file(&folder, "far.ron", far);
+    let ended = run(["layout", "check", &path]);
+    assert_eq!(ended.code, Some(0), "{}", ended.err);
+    assert!(
+        ended.err.contains("cannot press `F`") && ended.err.contains("mm beyond its reach"),
+        "{}",
+        ended.err
+    );
+    assert!(!ended.err.contains("`N`"), "{}", ended.err);
 }

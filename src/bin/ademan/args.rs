@@ -165,7 +165,16 @@ pub struct TraceArgs {
 
 #[derive(Subcommand)]
 pub enum LayoutCommand {
-    /// Say whether files are right, and where they are wrong
+    /// Begin a layout of your own as a copy of another
+    #[command(after_help = "Example: ademan layout new my-board --from qwerty-arc")]
+    New {
+        /// The file to write (.ron is added); an existing one is not overwritten
+        file: PathBuf,
+        /// The layout to begin with: a shipped name or a file
+        #[arg(long, default_value = "qwerty-flat")]
+        from: String,
+    },
+    /// Say whether files are right, where they are wrong, and which keys the default hand cannot reach
     #[command(after_help = "Example: ademan layout check my-board.ron")]
     Check {
         /// Layout files, or names of shipped ones
