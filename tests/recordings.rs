@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Cursor, Read};
 use std::path::Path;
+use std::time::Duration;
 
 use ademan::capture::recording::{RecordedSetup, Replay};
 use ademan::capture::{Capture, CaptureError, Channels, Reading, Sample, Source};
@@ -380,4 +381,15 @@ fn only_its_owner_can_read_a_recording() {
     record(&path);
     let mode = fs::metadata(&path).unwrap().permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
+}
+
+#[test]
+fn a_recording_keeps_the_pace_of_its_source() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("slow.mcap");
+    let period = Duration::from_micros(68_750);
+    let setup = RecordedSetup::default().with_frame_period(Some(period));
+    let recorder = Recorder::create(&path, &setup, TargetNames::default()).unwrap();
+    recorder.finish().unwrap();
+    assert_eq!(Replay::open(&path).unwrap().frame_period(), Some(period));
 }

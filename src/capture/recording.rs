@@ -8,6 +8,7 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
+use std::time::Duration;
 
 use mcap::records::{Metadata, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -32,6 +33,9 @@ pub const SETUP_RECORD: &str = "ademan.setup";
 
 /// The most bytes that one record may have: enough for the largest setup text.
 pub const RECORD_LIMIT: usize = 4 << 20;
+
+/// The kind of the setup text that is the time between two readings, in microseconds.
+const FRAME_PERIOD: &str = "frame-period";
 
 /// The texts that describe how a recording was made: the glove, the arm, the layout, the settings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -61,6 +65,15 @@ impl RecordedSetup {
             text: text.into(),
         });
         self
+    }
+
+    /// Adds the time between two readings of the source, on which the stall limit depends.
+    #[must_use]
+    pub fn with_frame_period(self, period: Option<Duration>) -> Self {
+        match period {
+            Some(period) => self.with(FRAME_PERIOD, "µs", &period.as_micros().to_string()),
+            None => self,
+        }
     }
 
     /// The first text of this kind.
@@ -265,6 +278,12 @@ impl<R: Read + Send> Source for Replay<R> {
 
     fn name(&self) -> &str {
         &self.name
+    }
+
+    /// That of the source that was recorded, where it knew it.
+    fn frame_period(&self) -> Option<Duration> {
+        let microseconds = self.setup.get(FRAME_PERIOD)?.text.parse().ok()?;
+        Some(Duration::from_micros(microseconds))
     }
 
     fn is_live(&self) -> bool {

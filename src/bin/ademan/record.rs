@@ -15,7 +15,7 @@ pub fn run(args: RecordArgs) -> Result<(), Failure> {
     let assembly = setup.assemble()?;
     let stop = signals::stop_requests()?;
     let source = assembly.open(&name)?;
-    let mut recording = Recording::start(&args.file, &assembly, !source.is_live())?;
+    let mut recording = Recording::start(&args.file, &assembly, &*source, !source.is_live())?;
     let mut nowhere = output::open("none", &assembly.layout.codes())?;
     let mut status = Status::default();
     eprintln!("recording to {}, Ctrl-C ends", args.file.display());

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
+use ademan::capture::Source;
 use ademan::monitor::Snapshot;
 use ademan::recorder::{RecordError, Recorder};
 use ademan::settings::Assembly;
@@ -23,15 +24,19 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Begins a recording of this setup. One that `waits` misses nothing, but holds up whoever shows
-    /// it frames: for sources that can wait.
-    pub fn start(path: &Path, assembly: &Assembly, waits: bool) -> Result<Self, Failure> {
-        let mut recorder = Recorder::create(
-            path,
-            &assembly.recorded_setup(),
-            assembly.layout.target_names(),
-        )
-        .map_err(|error| Failure::wrong_use(error.to_string()))?;
+    /// Begins a recording of this setup with this source. One that `waits` misses nothing, but holds
+    /// up whoever shows it frames: for sources that can wait.
+    pub fn start(
+        path: &Path,
+        assembly: &Assembly,
+        source: &dyn Source,
+        waits: bool,
+    ) -> Result<Self, Failure> {
+        let setup = assembly
+            .recorded_setup()
+            .with_frame_period(source.frame_period());
+        let mut recorder = Recorder::create(path, &setup, assembly.layout.target_names())
+            .map_err(|error| Failure::wrong_use(error.to_string()))?;
         let (frames, waiting) = bounded::<Snapshot>(WAITING_FRAMES);
         let writer = std::thread::spawn(move || {
             for frame in waiting {

@@ -25,7 +25,7 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     };
     let mut sink = output::open(&assembly.setup.output, &assembly.layout.codes())?;
     let mut recording = match &args.record {
-        Some(path) => Some(Recording::start(path, &assembly, false)?),
+        Some(path) => Some(Recording::start(path, &assembly, &*source, false)?),
         None => None,
     };
     if source.is_live() {
