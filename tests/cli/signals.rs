@@ -109,3 +109,16 @@ fn waiting_for_a_device_ends_with_ctrl_c() {
     run.signal("INT");
     assert_eq!(run.0.wait().unwrap().code(), Some(0));
 }
+
+#[test]
+fn a_run_goes_on_when_nobody_reads_what_it_says() {
+    let mut child = ademan(["run", "--source", "typist:hi"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stderr.take());
+    let ended = child.wait_with_output().unwrap();
+    assert_eq!(ended.status.code(), Some(0));
+    assert_eq!(String::from_utf8(ended.stdout).unwrap().lines().count(), 4);
+}

@@ -43,7 +43,7 @@ impl Failure {
         if self.is_broken_pipe() {
             return ExitCode::SUCCESS;
         }
-        eprintln!("error: {}", self.error);
+        say!("error: {}", self.error);
         ExitCode::from(self.code)
     }
 

@@ -33,7 +33,7 @@ fn check(files: &[String]) -> Result<(), Failure> {
                 warn_of_reach(file)?;
             }
             Err(error) => {
-                eprintln!("error: {error}");
+                say!("error: {error}");
                 wrong += 1;
             }
         }
@@ -59,7 +59,7 @@ fn warn_of_reach(file: &str) -> Result<(), Failure> {
             true => format!("{:.0} mm beyond its reach", metres * 1e3),
             false => "it is nowhere".into(),
         };
-        eprintln!(
+        say!(
             "warning: {file}: the default hand cannot press `{}`: {far}",
             key.name
         );

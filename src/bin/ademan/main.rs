@@ -1,5 +1,14 @@
 //! The `ademan` command.
 
+/// Says a line on standard error. Where nobody listens any more it goes on: typing does not end
+/// because a log is full.
+macro_rules! say {
+    ($($line:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stderr(), $($line)*);
+    }};
+}
+
 mod args;
 mod demo;
 mod docs;
@@ -52,5 +61,6 @@ fn start_log() {
         .without_time()
         .with_target(false)
         .with_ansi(false)
+        .log_internal_errors(false)
         .init();
 }

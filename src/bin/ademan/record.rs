@@ -18,7 +18,7 @@ pub fn run(args: RecordArgs) -> Result<(), Failure> {
     let mut recording = Recording::start(&args.file, &assembly, &*source, !source.is_live())?;
     let mut nowhere = output::open("none", &assembly.layout.codes())?;
     let mut status = Status::default();
-    eprintln!("recording to {}, Ctrl-C ends", args.file.display());
+    say!("recording to {}, Ctrl-C ends", args.file.display());
     let ended = drive(
         source,
         &mut assembly.pipeline(),
@@ -30,6 +30,6 @@ pub fn run(args: RecordArgs) -> Result<(), Failure> {
         },
     );
     recording.finish()?;
-    eprintln!("{}", status::account(&ended?.tally));
+    say!("{}", status::account(&ended?.tally));
     Ok(())
 }

@@ -31,6 +31,6 @@ pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
         &stop,
         &mut |_| {},
     )?;
-    eprintln!("{}", status::account(&summary.tally));
+    say!("{}", status::account(&summary.tally));
     Ok(())
 }

@@ -29,7 +29,7 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
         None => None,
     };
     if source.is_live() {
-        eprintln!("listening to {name}, Ctrl-C ends");
+        say!("listening to {name}, Ctrl-C ends");
     }
     let mut pipeline = assembly.pipeline();
     let mut status = Status::default();
@@ -41,6 +41,6 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     });
     let recorded = recording.map_or(Ok(()), Recording::finish);
     let summary = ended?;
-    eprintln!("{}", status::account(&summary.tally));
+    say!("{}", status::account(&summary.tally));
     recorded
 }

@@ -62,13 +62,13 @@ pub fn wait_for(
             }
             opened => {
                 if !told.is_empty() && opened.is_ok() {
-                    eprintln!("found {name}");
+                    say!("found {name}");
                 }
                 return opened.map(Some);
             }
         };
         if reason != told {
-            eprintln!("waiting: {reason}; Ctrl-C ends");
+            say!("waiting: {reason}; Ctrl-C ends");
             told = reason;
         }
         if stop.recv_timeout(delay).is_ok() {

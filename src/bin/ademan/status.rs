@@ -17,9 +17,9 @@ impl Status {
         }
         match frame.state {
             State::Starting | State::Stopped => {}
-            State::Paused => eprintln!("paused: hold the hand off all keys for a moment to arm"),
-            State::Running => eprintln!("armed: touches are typed, Ctrl-C ends"),
-            State::Stalled => eprintln!("stalled: no readings, everything is released"),
+            State::Paused => say!("paused: hold the hand off all keys for a moment to arm"),
+            State::Running => say!("armed: touches are typed, Ctrl-C ends"),
+            State::Stalled => say!("stalled: no readings, everything is released"),
         }
     }
 }
