@@ -7,12 +7,13 @@
 
 use std::hint::black_box;
 use std::sync::LazyLock;
+use std::time::Duration;
 
 use ademan::capture::hc11::{self, BODY_BYTES, Decoder, FRAME_BYTES, Framing};
 use ademan::capture::{LineSettings, Reading, Sample};
 use ademan::contact::surface::{Anchor, Scene, Target};
 use ademan::contact::{ContactTracker, Phase, TargetId, Touch, Touches};
-use ademan::device::keyboard::{KeyAction, KeyBinding, Keyboard};
+use ademan::device::keyboard::{Fires, KeyAction, KeyBinding, Keyboard};
 use ademan::device::{Events, KeyCode, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings, JointAngles};
 use ademan::hand::Side;
@@ -95,6 +96,8 @@ impl Board {
             target: TargetId(place as u32),
             actions: vec![Some(KeyAction::Key(code))],
             analogue: false,
+            fires: Fires::Press,
+            repress: Duration::ZERO,
         };
         Keyboard::new((0..keys).map(binding).collect())
     }

@@ -29,7 +29,7 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
         ),
         (
             "xylophone: []".into(),
-            "3:1: unknown field `xylophone`, valid here: place, form, pitch_mm, size_mm, travel_mm, press_share, release_share, analogue, rows, keys",
+            "3:1: unknown field `xylophone`, valid here: place, form, pitch_mm, size_mm, travel_mm, press_share, release_share, repress_ms, analogue, rows, keys",
         ),
         (
             key("lable: \"x\""),
@@ -131,6 +131,59 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
         (
             key("latch: Held"),
             "3:16: `A` cannot have a latch, only modifiers and layers can",
+        ),
+        // What does not go with how a key fires.
+        (
+            key("fires: Relese"),
+            "3:42: unknown value `Relese`, did you mean `Release`?",
+        ),
+        (
+            "keys: [(code: \"ShiftLeft\", at_mm: (0, 0), fires: Release)]".into(),
+            "3:16: `ShiftLeft` cannot fire on release, only keys that are no modifiers can",
+        ),
+        (
+            "keys: [(layer: \"base\", at_mm: (0, 0), hold: (code: \"A\"))]".into(),
+            "3:17: `base` cannot be what a tap of a key with a `hold` does, only keys that are no modifiers can",
+        ),
+        (
+            key("fires: Release, hold: (code: \"B\")"),
+            "3:16: the key `A` cannot have both `fires` and `hold`: a tap of a key with a `hold` fires when it is let go of",
+        ),
+        (
+            key("hold_ms: 300"),
+            "3:16: the key `A` has a `hold_ms` but no `hold`, say what it does when it is held",
+        ),
+        (
+            key("hold: (code: \"B\"), hold_ms: 20"),
+            "3:63: 20 is out of range: a hold time is 50 to 2000 ms",
+        ),
+        (
+            key("hold: (code: \"Shift\")"),
+            "3:49: unknown key `Shift`, did you mean `ShiftLeft`?",
+        ),
+        (
+            key("hold: (layer: \"symbols\")"),
+            "3:50: unknown layer `symbols`",
+        ),
+        (
+            key("hold: (cod: \"B\")"),
+            "3:42: unknown field `cod`, did you mean `code`?",
+        ),
+        (
+            key("hold: ()"),
+            "3:42: the hold has neither a `code` nor a `layer`",
+        ),
+        (
+            key("hold: (code: \"B\", layer: \"base\")"),
+            "3:66: the hold has both a `code` and a `layer`",
+        ),
+        (
+            key("repress_ms: 2001"),
+            "3:47: 2001 is out of range: a re-press delay is 0 to 2000 ms",
+        ),
+        (
+            "repress_ms: -1".into(),
+            "3:13: -1 is out of range: a re-press delay is 0 to 2000 ms",
         ),
         (
             key("label: \"\""),
@@ -247,6 +300,24 @@ fn what_is_wrong_with_layers_is_told_at_its_place() {
         (&many.join(",\n"), "33:9: a layout has at most 31 layers"),
     ] {
         check(&layers(text), expected);
+    }
+    for (key, expected) in [
+        (
+            "(code: \"Q\", fires: Release, at_mm: (0, 0))",
+            "2:26: `AltLeft` cannot fire on release, only keys that are no modifiers can",
+        ),
+        (
+            "(code: \"Q\", hold: (code: \"W\"), at_mm: (0, 0))",
+            "2:26: `AltLeft` cannot be what a tap of a key with a `hold` does, only keys that are no modifiers can",
+        ),
+        (
+            "(layer: \"x\", latch: Lock, name: \"Q\", at_mm: (0, 0))",
+            "2:26: the key `Q` locks the layer `x` and has to unlock it too, so it cannot do something else there",
+        ),
+    ] {
+        let layer = "layers: [\n(name: \"x\", keys: {\"Q\": \"AltLeft\"})]";
+        let text = format!("Layout(name: \"t\", boards: [({PLACE}, keys: [{key}])], {layer})");
+        check(&text, expected);
     }
     let text = board("keys: [(layer: \"symbls\", at_mm: (0, 0))]");
     let text = text.replace(")])", ")], layers: [(name: \"symbols\", keys: {})])");

@@ -3,10 +3,11 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::time::Duration;
 
 use ademan::contact::surface::Shape;
 use ademan::device::KeyCode;
-use ademan::device::keyboard::{KeyAction, Latch};
+use ademan::device::keyboard::{Fires, Hold, KeyAction, Latch};
 use ademan::hand::{Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::layout::{Document, Layout};
@@ -236,6 +237,54 @@ fn a_layer_says_nothing_of_the_keys_that_it_does_not_name() {
 }
 
 #[test]
+fn how_a_key_fires_is_as_the_file_says() {
+    let text = format!(
+        "Layout(name: \"t\", boards: [({PLACE}, repress_ms: 40.5,
+            rows: [(at_mm: (0, 0), keys: \"Q\")],
+            keys: [
+                (code: \"W\", fires: Release, repress_ms: 0, at_mm: (19, 0)),
+                (code: \"E\", fires: Press, at_mm: (38, 0)),
+                (code: \"Space\", hold: (layer: \"x\"), hold_ms: 300, at_mm: (57, 0)),
+                (code: \"F\", hold: (code: \"ShiftLeft\"), at_mm: (76, 0)),
+                (code: \"AltLeft\", latch: Lock, at_mm: (95, 0)),
+                (layer: \"x\", latch: Lock, at_mm: (114, 0)),
+            ])], layers: [(name: \"x\", keys: {{\"Space\": \"1\"}})])"
+    );
+    let layout = Layout::parse(&text, "t.ron").unwrap();
+    let bindings = layout.keyboard_bindings();
+    let hold = |action, after| {
+        Fires::TapOrHold(Hold {
+            action,
+            after: Duration::from_millis(after),
+        })
+    };
+    let shift = KeyAction::Modifier(KeyCode::SHIFT_LEFT, Latch::Held);
+    let fires: Vec<Fires> = bindings.iter().map(|binding| binding.fires).collect();
+    assert_eq!(
+        fires[..5],
+        [
+            Fires::Press,
+            Fires::Release,
+            Fires::Press,
+            hold(KeyAction::Layer(1, Latch::Held), 300),
+            hold(shift, 250),
+        ]
+    );
+    let alt = KeyAction::Modifier(code("AltLeft"), Latch::Lock);
+    assert_eq!(bindings[5].actions, [Some(alt)]);
+    assert_eq!(
+        bindings[6].actions,
+        [Some(KeyAction::Layer(1, Latch::Lock))]
+    );
+    let represses: Vec<u128> = bindings[..3]
+        .iter()
+        .map(|binding| binding.repress.as_micros())
+        .collect();
+    assert_eq!(represses, [40_500, 0, 40_500]);
+    assert!(layout.codes().contains(&KeyCode::SHIFT_LEFT));
+}
+
+#[test]
 fn a_file_goes_before_a_shipped_layout_of_its_name() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(
@@ -359,6 +408,8 @@ fn the_guide_names_every_range_and_default() {
         "release_share" ReleaseShare default;
         "size_mm" Size;
         "at_mm" Distance;
+        "repress_ms" Repress default;
+        "hold_ms" HoldTime default;
     }
 }
 

@@ -197,6 +197,49 @@ fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
 }
 
 #[test]
+fn every_option_of_a_key_allocates_nothing() {
+    let text = r#"Layout(name: "t", boards: [(place: (anchor: elbow), repress_ms: 20, keys: [
+        (code: "A", fires: Release, at_mm: (0, 0)),
+        (code: "B", hold: (code: "ShiftLeft"), hold_ms: 60, at_mm: (20, 0)),
+        (code: "C", hold: (layer: "l"), hold_ms: 2000, at_mm: (40, 0)),
+        (code: "AltLeft", latch: Lock, at_mm: (60, 0)),
+        (layer: "l", latch: Lock, at_mm: (80, 0)),
+    ])], layers: [(name: "l", keys: {"A": "1"})])"#;
+    let keys = Keys::parse(text, "t.ron").expect("a layout");
+    let mut keyboard = Keyboard::new(keys.keyboard_bindings());
+    let mut pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
+    let (mut random, mut sent) = (1_u64, 0);
+
+    let before = allocations();
+    for frame in 0..10_000_u64 {
+        pose.time = Timestamp(frame * 15_000);
+        let touch = |&finger: &Finger| {
+            random = random
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            Touch {
+                time: pose.time,
+                finger,
+                target: TargetId(finger.index() as u32),
+                phase: Phase::ALL[(random >> 33) as usize % Phase::ALL.len()],
+                depth: 0.5,
+            }
+        };
+        let touches: Touches = Finger::ALL.iter().map(touch).collect();
+        let mut events = Events::new();
+        keyboard.update(&pose, &touches, &mut events);
+        if frame % 100 == 99 {
+            keyboard.release_all(pose.time, &mut events);
+        }
+        sent += events.len();
+    }
+    let allocated = allocations() - before;
+
+    assert!(sent > 4_000, "only {sent} events");
+    assert_eq!(allocated, 0);
+}
+
+#[test]
 fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
     let arrows = Keys::load("arrows").expect("the shipped layout");
     let mut keyboard = Keyboard::new(arrows.keyboard_bindings());

@@ -99,13 +99,18 @@ fn is_one_shot_shift(action: KeyAction) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
+    use crate::device::keyboard::Fires;
 
     fn key(number: u32, actions: &[Option<KeyAction>]) -> KeyBinding {
         KeyBinding {
             target: TargetId(number),
             actions: actions.to_vec(),
             analogue: false,
+            fires: Fires::Press,
+            repress: Duration::ZERO,
         }
     }
 

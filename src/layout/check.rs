@@ -1,14 +1,17 @@
 //! A keyboard layout as written → [`Layout`]: names are looked up, boards are laid out in space, and
 //! what does not fit together is refused at its place.
 
+mod fires;
+
 use std::collections::BTreeMap;
+use std::time::Duration;
 
 use parry3d::math::{Pose, Rot3, Vec2};
 
 use super::error::{LayoutError, line_of};
 use super::file::Document;
 use super::keyboard::{BASE_LAYER, Board, Key, Layout, MAX_KEYS, MAX_LAYERS, metres, metres2};
-use super::number::{Distance, PressShare, ReleaseShare, Travel};
+use super::number::{Distance, PressShare, ReleaseShare, Repress, Travel};
 use super::outline::{Outline, first_overlap};
 use super::placement;
 use super::text::Word;
@@ -16,7 +19,7 @@ use super::written::{self, Does, Form};
 use crate::contact::TargetId;
 use crate::contact::surface::{Scene, Target};
 use crate::device::KeyCode;
-use crate::device::keyboard::{KeyAction, Latch};
+use crate::device::keyboard::{Fires, KeyAction, Latch};
 use crate::names::UnknownName;
 
 /// Reads and checks a document.
@@ -70,6 +73,8 @@ struct Draft<'a> {
     press: PressShare,
     release: ReleaseShare,
     analogue: bool,
+    fires: Fires,
+    repress: Repress,
 }
 
 impl<'a> Checked<'a> {
@@ -177,6 +182,8 @@ impl<'a> Checked<'a> {
                 press: board.press_share,
                 release: board.release_share,
                 analogue: board.analogue,
+                fires: Fires::Press,
+                repress: board.repress_ms,
             });
         }
         Ok(())
@@ -194,21 +201,32 @@ impl<'a> Checked<'a> {
             _ => word.0,
         };
         let label = fields.label.as_ref().map(|label| label.0.clone());
+        let action = self.action(key.does, fields.latch)?;
         Ok(Draft {
             word,
             name,
             label,
-            action: match key.does {
-                Does::Code(code) => self.code_action(code, fields.latch)?,
-                Does::Layer(layer) => self.layer_action(layer, fields.latch)?,
-            },
+            action,
             at: metres2(fields.at_mm),
             size: fields.size_mm.unwrap_or(board.size_mm),
             travel: fields.travel_mm.unwrap_or(board.travel_mm),
             press: fields.press_share.unwrap_or(board.press_share),
             release: fields.release_share.unwrap_or(board.release_share),
             analogue: fields.analogue.unwrap_or(board.analogue),
+            fires: self.fires(key, action)?,
+            repress: fields.repress_ms.unwrap_or(board.repress_ms),
         })
+    }
+
+    fn action(
+        &self,
+        does: Does<'a>,
+        latch: Option<written::Latch>,
+    ) -> Result<KeyAction, LayoutError> {
+        match does {
+            Does::Code(code) => self.code_action(code, latch),
+            Does::Layer(layer) => self.layer_action(layer, latch),
+        }
     }
 
     fn code_action(
@@ -293,6 +311,8 @@ impl<'a> Checked<'a> {
             outline,
             actions: vec![Some(draft.action)],
             analogue: draft.analogue,
+            fires: draft.fires,
+            repress: milliseconds(draft.repress.get()),
         });
         Ok(Target {
             shape,
@@ -335,6 +355,7 @@ impl<'a> Checked<'a> {
         for &(name, code) in &written.keys.0 {
             let place = self.place_of(name)?;
             let action = self.code_action(code, None)?;
+            self.refuse_in_layer(&self.keys[place], code, action, layer)?;
             let actions = &mut self.keys[place].actions;
             if actions.len() > layer {
                 let message = format!(
@@ -366,5 +387,11 @@ fn checked_latch(latch: Option<written::Latch>) -> Latch {
     match latch {
         None | Some(written::Latch::Held) => Latch::Held,
         Some(written::Latch::OneShot) => Latch::OneShot,
+        Some(written::Latch::Lock) => Latch::Lock,
     }
+}
+
+/// Milliseconds of a file, to the microsecond.
+fn milliseconds(milliseconds: f64) -> Duration {
+    Duration::from_micros((milliseconds * 1e3).round() as u64)
 }

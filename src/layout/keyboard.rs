@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 use std::ops::Range;
+use std::time::Duration;
 
 use parry3d::math::Vec2;
 
@@ -12,7 +13,7 @@ use super::{check, number};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::device::KeyCode;
-use crate::device::keyboard::{KeyAction, KeyBinding};
+use crate::device::keyboard::{Fires, Hold, KeyAction, KeyBinding};
 use crate::trace::TargetNames;
 
 /// The most keys that a layout has.
@@ -73,6 +74,10 @@ pub struct Key {
     pub actions: Vec<Option<KeyAction>>,
     /// Whether the depth of the press goes out too.
     pub analogue: bool,
+    /// When what it does takes effect.
+    pub fires: Fires,
+    /// For how long after it came up it does not press again.
+    pub repress: Duration,
 }
 
 impl Board {
@@ -96,6 +101,14 @@ impl Key {
     pub fn action(&self, layer: usize) -> Option<KeyAction> {
         let own = self.actions.get(layer).copied().flatten();
         own.or_else(|| self.actions.first().copied().flatten())
+    }
+
+    /// What it does when it is held, if that is something else than what a tap does.
+    pub fn held(&self) -> Option<KeyAction> {
+        match self.fires {
+            Fires::TapOrHold(Hold { action, .. }) => Some(action),
+            Fires::Press | Fires::Release => None,
+        }
     }
 }
 
@@ -131,6 +144,8 @@ impl Layout {
                 target: key.target,
                 actions: key.actions.clone(),
                 analogue: key.analogue,
+                fires: key.fires,
+                repress: key.repress,
             })
             .collect()
     }
@@ -144,9 +159,9 @@ impl Layout {
     pub fn codes(&self) -> BTreeSet<KeyCode> {
         self.keys
             .iter()
-            .flat_map(|key| &key.actions)
+            .flat_map(|key| key.actions.iter().copied().chain([key.held()]))
             .filter_map(|action| match action {
-                Some(KeyAction::Key(code) | KeyAction::Modifier(code, _)) => Some(*code),
+                Some(KeyAction::Key(code) | KeyAction::Modifier(code, _)) => Some(code),
                 Some(KeyAction::Layer(..)) | None => None,
             })
             .collect()

@@ -62,6 +62,10 @@ measures! {
     PressShare = "a press share", 0.05 ..= 1.0, "", or 0.5;
     /// The part of the travel at which a key counts as let go again.
     ReleaseShare = "a release share", 0.0 ..= 0.95, "", or 0.25;
+    /// For how long after it came up a key does not press again, in milliseconds.
+    Repress = "a re-press delay", 0.0 ..= 2000.0, " ms", or 0.0;
+    /// How long a key is pressed before it counts as held, in milliseconds.
+    HoldTime = "a hold time", 50.0 ..= 2000.0, " ms", or 250.0;
     /// A turn about the vertical, in degrees.
     Bearing = "a bearing", -180.0 ..= 180.0, "°", or 0.0;
     /// A slope, in degrees.

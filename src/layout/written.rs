@@ -6,7 +6,8 @@
 use serde::Deserialize;
 
 use super::number::{
-    Bearing, Distance, Pitch, PressShare, Radius, ReleaseShare, Size, Tilt, Travel,
+    Bearing, Distance, HoldTime, Pitch, PressShare, Radius, ReleaseShare, Repress, Size, Tilt,
+    Travel,
 };
 use super::text::{Label, Pairs, Word};
 
@@ -55,6 +56,9 @@ pub struct Board<'a> {
     /// Where in the travel keys let go that do not say it themselves.
     #[serde(default)]
     pub release_share: ReleaseShare,
+    /// How soon keys press again that do not say it themselves.
+    #[serde(default)]
+    pub repress_ms: Repress,
     /// Whether the depth of keys goes out that do not say it themselves.
     #[serde(default)]
     pub analogue: bool,
@@ -154,7 +158,7 @@ pub struct Key<'a> {
     pub fields: KeyFields<'a>,
 }
 
-/// What a key does in the base layer.
+/// What a key does in the base layer, or when it is held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Does<'a> {
     /// Sends a key code.
@@ -202,12 +206,24 @@ pub struct KeyFields<'a> {
     /// Where in the travel it lets go.
     #[serde(default)]
     pub release_share: Option<ReleaseShare>,
+    /// How soon it presses again.
+    #[serde(default)]
+    pub repress_ms: Option<Repress>,
     /// Whether its depth goes out.
     #[serde(default)]
     pub analogue: Option<bool>,
     /// How long a modifier or layer stays in force.
     #[serde(default)]
     pub latch: Option<Latch>,
+    /// When it sends its code.
+    #[serde(default)]
+    pub fires: Option<Fires>,
+    /// What it does when it is held instead of tapped.
+    #[serde(borrow, default)]
+    pub hold: Option<Hold<'a>>,
+    /// How long it is pressed before it counts as held.
+    #[serde(default)]
+    pub hold_ms: Option<HoldTime>,
 }
 
 impl<'a> TryFrom<KeyFields<'a>> for Key<'a> {
@@ -231,6 +247,45 @@ pub enum Latch {
     Held,
     /// For the next key.
     OneShot,
+    /// Until the next tap.
+    Lock,
+}
+
+/// When a key sends its code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+pub enum Fires {
+    /// When it is pressed.
+    Press,
+    /// When it is let go of.
+    Release,
+}
+
+/// What a key does when it is held.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "HoldFields<'a>", bound(deserialize = "'de: 'a"))]
+pub struct Hold<'a>(pub Does<'a>);
+
+/// A hold as it is written.
+#[derive(Debug, Deserialize)]
+#[serde(rename = "Hold", deny_unknown_fields)]
+struct HoldFields<'a> {
+    #[serde(borrow, default)]
+    code: Option<Word<'a>>,
+    #[serde(borrow, default)]
+    layer: Option<Word<'a>>,
+}
+
+impl<'a> TryFrom<HoldFields<'a>> for Hold<'a> {
+    type Error = &'static str;
+
+    fn try_from(fields: HoldFields<'a>) -> Result<Self, Self::Error> {
+        match (fields.code, fields.layer) {
+            (Some(code), None) => Ok(Self(Does::Code(code))),
+            (None, Some(layer)) => Ok(Self(Does::Layer(layer))),
+            (None, None) => Err("the hold has neither a `code` nor a `layer`"),
+            (Some(_), Some(_)) => Err("the hold has both a `code` and a `layer`"),
+        }
+    }
 }
 
 /// What keys do while the layer is in force.

@@ -1,6 +1,7 @@
 //! Gestures over a board, script in, transcript out: contact stage and keyboard together.
 
 mod keys;
+mod options;
 mod rig;
 mod scenes;
 mod taps;

@@ -1,8 +1,9 @@
 //! A board, a hand and a tiny language to move its fingertips: script in, transcript out.
 //!
 //! A board is a text: keys in a row apart by spaces, rows by `/`. A key is its name; `a|1` has the
-//! key 1 on layer 1, `~a` tells its depth, `*shift` is a one-shot, `layer1` switches to layer 1;
-//! `*shift#S` is called `S` in scripts.
+//! key 1 on layer 1, `~a` tells its depth, `*shift` is a one-shot, `!shift` locks, `layer1` switches
+//! to layer 1; `^a` fires on release, `a>shift` is Shift when it is held for 200 ms, `a%50` does not
+//! press again for 50 ms; `*shift#S` is called `S` in scripts.
 //!
 //! A script is a list of frames, 10 ms each:
 //! - `index@q:down` moves a fingertip over the middle of `q`, 4 mm deep; `:up` 6 mm above the
@@ -15,12 +16,13 @@
 
 use ademan::contact::surface::{Anchor, Scene, Shape, Target};
 use ademan::contact::{ContactTracker, TargetId, Touches};
-use ademan::device::keyboard::{KeyAction, KeyBinding, Keyboard, Latch};
+use ademan::device::keyboard::{Fires, Hold, KeyAction, KeyBinding, Keyboard, Latch};
 use ademan::device::{Action, Events, KeyCode, VirtualDevice};
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
+use std::time::Duration;
 
 pub const PITCH: f32 = 0.019;
 pub const HALF: f32 = 0.008;
@@ -67,8 +69,9 @@ impl Rig {
                 bindings.push(binding(key, TargetId(targets.len() as u32)));
                 let pose = Pose::from_translation(middle);
                 targets.push(key_target(Shape::Box(Vec2::splat(HALF)), pose));
-                let name = key.rsplit('#').next().unwrap().split('|').next().unwrap();
-                names.push(name.trim_start_matches(['*', '~']).to_owned());
+                let name = key.rsplit('#').next().unwrap();
+                let name = name.split(['|', '>', '%']).next().unwrap();
+                names.push(name.trim_start_matches(['*', '!', '~', '^']).to_owned());
             }
         }
         let mut scene = Scene::new();
@@ -222,18 +225,35 @@ impl Rig {
 }
 
 fn binding(key: &str, target: TargetId) -> KeyBinding {
+    let (key, repress) = key.split_once('%').unwrap_or((key, "0"));
+    let (key, hold) = match key.split_once('>') {
+        Some((key, hold)) => (key, action(hold)),
+        None => (key, None),
+    };
+    let fires = match hold {
+        Some(action) => Fires::TapOrHold(Hold {
+            action,
+            after: Duration::from_millis(200),
+        }),
+        None if key.starts_with('^') => Fires::Release,
+        None => Fires::Press,
+    };
+    let actions = key.trim_start_matches(['~', '^']).split('|');
     KeyBinding {
         target,
-        actions: key.trim_start_matches('~').split('|').map(action).collect(),
+        actions: actions.map(action).collect(),
         analogue: key.starts_with('~'),
+        fires,
+        repress: Duration::from_millis(repress.parse().unwrap()),
     }
 }
 
 fn action(key: &str) -> Option<KeyAction> {
     let key = key.split('#').next().unwrap();
-    let (name, latch) = match key.strip_prefix('*') {
-        Some(name) => (name, Latch::OneShot),
-        None => (key, Latch::Held),
+    let (name, latch) = match key.split_at(1) {
+        ("*", name) => (name, Latch::OneShot),
+        ("!", name) => (name, Latch::Lock),
+        _ => (key, Latch::Held),
     };
     if let Some(layer) = name.strip_prefix("layer") {
         return Some(KeyAction::Layer(layer.parse().unwrap(), latch));

@@ -14,6 +14,9 @@ use crate::rig::{PITCH, RADIUS, Random, Rig, world_from_board};
 const BOARD: &str = "q w e r t y u i o p|1 / a s d f g ~h j k l *shift / \
                      z x c v b n m *layer1 shift layer1 / 1 2 3 4 5 6 7 *ctrl 9 q";
 
+const OPTIONS: &str = "q w>shift ^e r%300 t y>layer1 u i>x o p|1 / a s ^d|2 f g ~h j>ctrl k l !shift / \
+                       z x c v b n m !layer1 shift layer1 / 1 2 ^3 4>q 5 6%200 7 *ctrl 9 q";
+
 /// The fingers' pads over the board (metres); each hurries from place to place.
 struct Wanderer {
     pads: [Vec3; Finger::COUNT],
@@ -118,9 +121,9 @@ impl Held {
 
 #[test]
 fn presses_and_releases_alternate_whatever_the_fingers_do() {
-    for seed in 0..8 {
+    for (seed, board) in (0..8).flat_map(|seed| [(seed, BOARD), (seed, OPTIONS)]) {
         let mut random = Random(seed);
-        let mut rig = Rig::new(BOARD);
+        let mut rig = Rig::new(board);
         let mut wanderer = Wanderer::new(&mut random);
         let (mut latches, mut held) = (Latches::default(), Held::default());
         let mut touches = Touches::new();
@@ -149,7 +152,7 @@ fn presses_and_releases_alternate_whatever_the_fingers_do() {
         let mut events = Events::new();
         rig.keyboard.release_all(Timestamp(time), &mut events);
         held.take(&events);
-        assert_eq!(held.down, [], "seed {seed}");
+        assert_eq!(held.down, [], "seed {seed} on {board}");
         let presses: u32 = held.counts.values().sum();
         assert!(presses > 1_000, "only {presses} presses");
         assert!(held.counts.len() > 30, "only {:?}", held.counts);

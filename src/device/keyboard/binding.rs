@@ -1,0 +1,75 @@
+//! What the keys of a keyboard do.
+
+use std::time::Duration;
+
+use crate::contact::TargetId;
+use crate::device::KeyCode;
+
+/// What one key of a layout does.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KeyBinding {
+    /// The target that stands for the key.
+    pub target: TargetId,
+    /// What pressing it does in each layer, base layer first. `None`, or a list that ends before
+    /// the layer, does what the base layer says.
+    pub actions: Vec<Option<KeyAction>>,
+    /// Whether the depth of the press goes out too.
+    pub analogue: bool,
+    /// When what it does takes effect.
+    pub fires: Fires,
+    /// For how long after it came up it does not press again, by the times of the touches; a press
+    /// that comes sooner is no press at all. Zero lets every press through.
+    pub repress: Duration,
+}
+
+/// When a key does what its actions say.
+///
+/// Kinds other than `Press` are for actions that are [`KeyAction::Key`]; the others are in force
+/// from the press whatever stands here. The action is settled at the press, and nothing of it goes
+/// out before it fires. A press that is cancelled before that does nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fires {
+    /// From the press on, as long as it is pressed.
+    Press,
+    /// When it is let go of: the code goes down and up at once.
+    Release,
+    /// By how long it is pressed.
+    TapOrHold(Hold),
+}
+
+/// What a key does when it is held instead of tapped.
+///
+/// Let go of sooner than `after`, the key is tapped: its code goes down and up at once. Once the
+/// time of a frame is `after` past the press, or at once when another key is pressed, `action` is in
+/// force instead, until the key is let go of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hold {
+    /// What it does when held; latches count as [`Latch::Held`].
+    pub action: KeyAction,
+    /// How long it is pressed before it counts as held.
+    pub after: Duration,
+}
+
+/// What pressing a key does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeyAction {
+    /// Holds a key down as long as it is pressed; the receiver repeats.
+    Key(KeyCode),
+    /// Holds a modifier key down.
+    Modifier(KeyCode, Latch),
+    /// Switches to another layer: its place, 0 for the base layer.
+    Layer(usize, Latch),
+}
+
+/// How long a modifier or layer stays in force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Latch {
+    /// As long as its key is pressed.
+    Held,
+    /// A tap puts it in force for the next key only, a second tap takes that back; held while
+    /// another key is pressed it is as `Held`.
+    OneShot,
+    /// In force while it is pressed, and after a tap until the next tap; held while another key is
+    /// pressed it is as `Held`. Of several locked layers the last counts.
+    Lock,
+}

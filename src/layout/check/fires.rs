@@ -1,0 +1,77 @@
+//! When keys fire, as written → checked.
+
+use super::{Checked, milliseconds};
+use crate::device::keyboard::{Fires, Hold, KeyAction, Latch};
+use crate::layout::LayoutError;
+use crate::layout::keyboard::Key;
+use crate::layout::text::Word;
+use crate::layout::written;
+
+impl<'a> Checked<'a> {
+    /// When a key fires whose action in the base layer is `action`.
+    pub(super) fn fires(
+        &self,
+        key: &written::Key<'a>,
+        action: KeyAction,
+    ) -> Result<Fires, LayoutError> {
+        let fields = &key.fields;
+        let word = key.does.word().0;
+        let refuse = |message: String| Err(self.document.error(word, message));
+        if fields.hold.is_none() && fields.hold_ms.is_some() {
+            return refuse(format!(
+                "the key `{word}` has a `hold_ms` but no `hold`, say what it does when it is held"
+            ));
+        }
+        if fields.hold.is_some() && fields.fires.is_some() {
+            return refuse(format!(
+                "the key `{word}` cannot have both `fires` and `hold`: a tap of a key with a `hold` \
+                 fires when it is let go of"
+            ));
+        }
+        let fires = match (fields.hold, fields.fires) {
+            (Some(hold), _) => Fires::TapOrHold(Hold {
+                action: self.action(hold.0, None)?,
+                after: milliseconds(fields.hold_ms.unwrap_or_default().get()),
+            }),
+            (None, Some(written::Fires::Release)) => Fires::Release,
+            (None, Some(written::Fires::Press) | None) => return Ok(Fires::Press),
+        };
+        self.refuse_unless_code(word, action, fires)?;
+        Ok(fires)
+    }
+
+    /// Refuses what a key cannot do in a layer.
+    pub(super) fn refuse_in_layer(
+        &self,
+        key: &Key,
+        code: Word<'a>,
+        action: KeyAction,
+        layer: usize,
+    ) -> Result<(), LayoutError> {
+        if key.action(0) == Some(KeyAction::Layer(layer, Latch::Lock)) {
+            let message = format!(
+                "the key `{}` locks the layer `{}` and has to unlock it too, so it cannot do \
+                 something else there",
+                key.name, self.layers[layer]
+            );
+            return Err(self.document.error(code.0, message));
+        }
+        self.refuse_unless_code(code.0, action, key.fires)
+    }
+
+    /// Modifiers and layers are in force from the press on.
+    fn refuse_unless_code(
+        &self,
+        word: &str,
+        action: KeyAction,
+        fires: Fires,
+    ) -> Result<(), LayoutError> {
+        let cannot = match (action, fires) {
+            (KeyAction::Key(_), _) | (_, Fires::Press) => return Ok(()),
+            (_, Fires::Release) => "fire on release",
+            (_, Fires::TapOrHold(_)) => "be what a tap of a key with a `hold` does",
+        };
+        let message = format!("`{word}` cannot {cannot}, only keys that are no modifiers can");
+        Err(self.document.error(word, message))
+    }
+}
