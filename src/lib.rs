@@ -49,3 +49,4 @@ pub mod pipeline;
 pub mod lab;
 pub mod settings;
 pub mod runtime;
+pub mod reload;

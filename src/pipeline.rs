@@ -45,6 +45,38 @@ pub struct Frame {
     pub touches: Touches,
 }
 
+/// What there is to be touched, and what comes of it.
+pub struct Controls {
+    scene: Scene,
+    tracker: ContactTracker,
+    devices: Vec<Box<dyn VirtualDevice>>,
+}
+
+impl Controls {
+    /// Controls that have not seen a hand yet: a fingertip that is in one of them at first has to come
+    /// out before it touches anything.
+    pub fn new(scene: Scene, devices: Vec<Box<dyn VirtualDevice>>) -> Self {
+        Self {
+            tracker: ContactTracker::new(&scene),
+            scene,
+            devices,
+        }
+    }
+
+    fn is_clear(&self, pose: &HandPose) -> bool {
+        self.tracker.is_clear(&self.scene, pose)
+    }
+
+    /// Ends every touch and lets go of everything.
+    fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        let mut cancelled = Touches::new();
+        self.tracker.reset(time, &mut cancelled);
+        for device in &mut self.devices {
+            device.release_all(time, events);
+        }
+    }
+}
+
 /// The way from a reading to events.
 ///
 /// [`step`](Self::step) does not allocate, block, fail or read a clock: the same readings in give the
@@ -52,9 +84,7 @@ pub struct Frame {
 pub struct Pipeline {
     estimator: Estimator,
     arm: ArmModel,
-    scene: Scene,
-    tracker: ContactTracker,
-    devices: Vec<Box<dyn VirtualDevice>>,
+    controls: Controls,
     /// The latest, in place: it is too large to be passed around for nothing.
     frame: Frame,
     arming: Arming,
@@ -77,7 +107,6 @@ impl Pipeline {
     ) -> Self {
         let angles = JointAngles::at(Timestamp::default());
         Self {
-            tracker: ContactTracker::new(&scene),
             frame: Frame {
                 angles,
                 pose: arm.forward(&angles),
@@ -85,8 +114,7 @@ impl Pipeline {
             },
             estimator,
             arm,
-            scene,
-            devices,
+            controls: Controls::new(scene, devices),
             arming,
             state: State::Starting,
             last_accepted: None,
@@ -107,17 +135,18 @@ impl Pipeline {
             pose,
             touches,
         } = &mut self.frame;
+        let controls = &mut self.controls;
         *angles = self.estimator.apply(reading).inspect_err(|&reason| {
             self.rejected[reason.index()] += 1;
         })?;
         *pose = self.arm.forward(angles);
         touches.clear();
-        self.tracker.update(&self.scene, pose, touches);
+        controls.tracker.update(&controls.scene, pose, touches);
         self.accepted += 1;
         self.last_accepted = Some(pose.time);
         self.arm_when_clear();
         if self.state == State::Running {
-            for device in &mut self.devices {
+            for device in &mut self.controls.devices {
                 device.update(&self.frame.pose, &self.frame.touches, events);
             }
         }
@@ -139,6 +168,18 @@ impl Pipeline {
     pub fn stop(&mut self, events: &mut Events) {
         let time = self.last_accepted.unwrap_or_default();
         self.let_go(time, State::Stopped, events);
+    }
+
+    /// Lets go of everything and puts `controls` in force; those that were, let go of, are in its place
+    /// afterwards.
+    ///
+    /// An engine that is running stays so: a fingertip that is in one of the new controls has to come out
+    /// first. One that waits for a hand off all controls waits for one that is off the new ones.
+    pub fn replace(&mut self, controls: &mut Controls, events: &mut Events) {
+        let time = self.last_accepted.unwrap_or_default();
+        self.controls.release_all(time, events);
+        self.clear_since = None;
+        std::mem::swap(&mut self.controls, controls);
     }
 
     /// What the engine is doing.
@@ -190,11 +231,7 @@ impl Pipeline {
     }
 
     fn let_go(&mut self, time: Timestamp, state: State, events: &mut Events) {
-        let mut cancelled = Touches::new();
-        self.tracker.reset(time, &mut cancelled);
-        for device in &mut self.devices {
-            device.release_all(time, events);
-        }
+        self.controls.release_all(time, events);
         self.state = state;
         self.clear_since = None;
     }
@@ -210,7 +247,7 @@ impl Pipeline {
             State::Starting => self.state = State::Paused,
             State::Paused | State::Stalled => {}
         }
-        if !self.tracker.is_clear(&self.scene, pose) {
+        if !self.controls.is_clear(pose) {
             self.clear_since = None;
             return;
         }

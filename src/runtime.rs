@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, never, select};
+use crossbeam_channel::{Receiver, Sender, never, select};
 use hdrhistogram::Histogram;
 
 use crate::capture::{Arrival, CaptureError, Captured, Counts, Reading, Source, on_thread};
@@ -10,7 +10,7 @@ use crate::contact::Touches;
 use crate::device::Events;
 use crate::monitor::{Snapshot, Tally};
 use crate::output::{OutputError, Sink};
-use crate::pipeline::{Frame, Pipeline};
+use crate::pipeline::{Controls, Frame, Pipeline};
 
 /// Why a run ended before its source did.
 #[derive(Debug, thiserror::Error)]
@@ -33,8 +33,38 @@ pub struct Summary {
     pub latency_ns: Histogram<u64>,
 }
 
-/// Takes readings from `source` through `pipeline` to `sink`, until the source ends or something
-/// comes in on `stop`.
+/// What a run hears from outside, between two frames.
+///
+/// A receiver of stops alone is one of these: nothing is replaced then.
+#[derive(Clone, Debug)]
+pub struct Commands {
+    /// Whatever comes in here ends the run.
+    pub stop: Receiver<()>,
+    /// Other controls, put in force after those that are were let go of.
+    pub replace: Receiver<Replacement>,
+}
+
+impl From<&Receiver<()>> for Commands {
+    fn from(stop: &Receiver<()>) -> Self {
+        Self {
+            stop: stop.clone(),
+            replace: never(),
+        }
+    }
+}
+
+/// Controls that are ready to be put in force.
+pub struct Replacement {
+    /// The new ones.
+    pub controls: Box<Controls>,
+    /// Takes the old ones, let go of, when the new ones are in force: whoever holds the other end frees
+    /// them, so that the loop need not. Should have room for them; where it has none they are freed in
+    /// the loop.
+    pub replaced: Sender<Box<Controls>>,
+}
+
+/// Takes readings from `source` through `pipeline` to `sink`, until the source ends or `commands` say
+/// so.
 ///
 /// `observe` sees a copy of every frame; it must not wait. Whatever the end, also a panic, the sink
 /// is closed, which lets go of everything. A live source whose readings stay away for longer than the
@@ -43,7 +73,7 @@ pub fn drive(
     source: impl Source + 'static,
     pipeline: &mut Pipeline,
     sink: &mut dyn Sink,
-    stop: &Receiver<()>,
+    commands: impl Into<Commands>,
     observe: &mut dyn FnMut(&Snapshot),
 ) -> Result<Summary, RunError> {
     let captured = on_thread(source)?;
@@ -59,7 +89,7 @@ pub fn drive(
         source: Counts::default(),
         latency_ns: new_histogram(),
     };
-    let ended = run.until_over(stop);
+    let ended = run.until_over(&mut commands.into());
     let closed = run.finish();
     ended?;
     closed?;
@@ -94,7 +124,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn until_over(&mut self, stop: &Receiver<()>) -> Result<(), RunError> {
+    fn until_over(&mut self, commands: &mut Commands) -> Result<(), RunError> {
         loop {
             let deadline = match self.fed_at {
                 Some(fed_at) if self.captured.is_live() && self.pipeline.is_fed() => {
@@ -103,7 +133,15 @@ impl Run<'_> {
                 _ => never(),
             };
             let over = select! {
-                recv(stop) -> _ => true,
+                recv(commands.stop) -> _ => true,
+                recv(commands.replace) -> replacement => {
+                    match replacement {
+                        Ok(replacement) => self.replace(replacement)?,
+                        // Nobody can send any more; a closed channel would wake the loop for ever.
+                        Err(_) => commands.replace = never(),
+                    }
+                    false
+                }
                 recv(deadline) -> _ => {
                     self.stall()?;
                     false
@@ -167,6 +205,16 @@ impl Run<'_> {
         self.fed_at = None;
         self.deliver()?;
         self.show(None, None);
+        Ok(())
+    }
+
+    fn replace(&mut self, replacement: Replacement) -> Result<(), RunError> {
+        let mut controls = replacement.controls;
+        self.events.clear();
+        self.pipeline.replace(&mut controls, &mut self.events);
+        self.deliver()?;
+        self.show(None, None);
+        let _ = replacement.replaced.try_send(controls);
         Ok(())
     }
 

@@ -8,12 +8,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::capture::recording::{RecordedSetup, Replay};
 use crate::capture::{self, CaptureError, LineSettings, Source, SourceName};
+use crate::device::VirtualDevice;
 use crate::device::keyboard::Keyboard;
 use crate::estimate::{Estimator, EstimatorSettings, OneEuroSettings, Smoothing};
 use crate::kinematics::{ArmModel, BoneLengths};
 use crate::lab::{self, TypingHand, Typist, TypistError, TypistSettings};
 use crate::layout::{Document, Glove, Key, Layout, LayoutError};
-use crate::pipeline::{Arming, Pipeline};
+use crate::pipeline::{Arming, Controls, Pipeline};
 
 /// A setup as its file says it; every field has a default that works.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -202,6 +203,15 @@ impl Setup {
     }
 }
 
+/// The controls of a layout, to be put in the place of others.
+pub fn controls(layout: &Layout) -> Controls {
+    Controls::new(layout.scene.clone(), devices(layout))
+}
+
+fn devices(layout: &Layout) -> Vec<Box<dyn VirtualDevice>> {
+    vec![Box::new(Keyboard::new(layout.keyboard_bindings()))]
+}
+
 /// A setup with all that it names, checked.
 #[derive(Clone, Debug)]
 pub struct Assembly {
@@ -256,12 +266,11 @@ impl Assembly {
 
     /// A pipeline that has seen nothing yet.
     pub fn pipeline(&self) -> Pipeline {
-        let keyboard = Keyboard::new(self.layout.keyboard_bindings());
         Pipeline::new(
             Estimator::new(self.glove.map.clone(), self.estimator),
             self.arm.clone(),
             self.layout.scene.clone(),
-            vec![Box::new(keyboard)],
+            devices(&self.layout),
             self.arming,
         )
     }

@@ -22,6 +22,7 @@ const FLOW: &[&str] = &[
     "lab",
     "settings",
     "runtime",
+    "reload",
 ];
 
 /// Modules that work between a reading and its events.
@@ -142,8 +143,15 @@ fn stages_know_no_clock_no_lock_and_no_thread() {
 }
 
 #[test]
-fn only_the_two_ends_the_runtime_and_a_played_glove_call_a_clock() {
-    let allowed = ["capture/", "output/", "runtime.rs", "lab/player.rs", "bin/"];
+fn only_the_two_ends_the_runtime_a_watched_file_and_a_played_glove_call_a_clock() {
+    let allowed = [
+        "capture/",
+        "output/",
+        "runtime.rs",
+        "reload.rs",
+        "lab/player.rs",
+        "bin/",
+    ];
     for (file, text) in sources() {
         let may = allowed.iter().any(|place| file.starts_with(place));
         assert!(

@@ -4,9 +4,10 @@ use ademan::capture::{Capture, Channels, LineSettings, Reading, Sample, Source};
 use ademan::contact::Phase;
 use ademan::device::{Action, Events, KeyCode};
 use ademan::estimate::Rejection;
+use ademan::layout::Layout;
 use ademan::monitor::State;
 use ademan::pipeline::Pipeline;
-use ademan::settings::Setup;
+use ademan::settings::{Setup, controls};
 use ademan::time::Timestamp;
 
 /// A wearer whose hand is over the H key or pushes it in, 100 readings a second.
@@ -105,6 +106,14 @@ impl Wearer {
 
     fn wait(&mut self, milliseconds: u64) {
         self.time_ms += milliseconds;
+    }
+
+    /// Puts another layout in force: where it was H it is D.
+    fn switch_to_dvorak(&mut self) {
+        let layout = Layout::load("dvorak-flat").expect("the shipped layout");
+        let mut events = Events::new();
+        self.pipeline.replace(&mut controls(&layout), &mut events);
+        self.write(&events);
     }
 
     fn said(&mut self) -> String {
@@ -290,6 +299,53 @@ fn the_end_lets_go_of_everything() {
     wearer.push_down(300);
     assert_eq!(wearer.pipeline.state(), State::Stopped);
     assert_eq!(wearer.said(), "down H");
+}
+
+#[test]
+fn a_new_layout_lets_go_first_and_a_finger_in_a_key_of_it_has_to_leave() {
+    let mut wearer = Wearer::armed();
+    wearer.push_down(300);
+    let last = wearer.time_ms;
+    wearer.switch_to_dvorak();
+    assert_eq!(wearer.said(), format!("down H, up H at {last}"));
+    assert_eq!(wearer.pipeline.state(), State::Running);
+    wearer.push_down(1_000);
+    assert_eq!(wearer.said(), "", "the finger has not left the key");
+    wearer.stay_over(300);
+    wearer.push_down(300);
+    assert_eq!(wearer.said(), "down D");
+}
+
+#[test]
+fn a_new_layout_while_no_key_is_down_is_typed_on_at_once() {
+    let mut wearer = Wearer::armed();
+    wearer.switch_to_dvorak();
+    assert_eq!(wearer.said(), "");
+    wearer.stay_over(10);
+    wearer.push_down(300);
+    assert_eq!(wearer.said(), "down D");
+}
+
+#[test]
+fn a_paused_hand_has_to_be_seen_off_all_keys_of_a_new_layout() {
+    let mut wearer = Wearer::new(&Setup::default());
+    wearer.stay_over(250);
+    wearer.switch_to_dvorak();
+    wearer.stay_over(300);
+    assert_eq!(wearer.pipeline.state(), State::Paused);
+    wearer.stay_over(10);
+    assert_eq!(wearer.pipeline.state(), State::Running);
+}
+
+#[test]
+fn a_hundred_new_layouts_while_a_key_is_held_let_go_of_it_once() {
+    let mut wearer = Wearer::armed();
+    wearer.push_down(300);
+    for _ in 0..100 {
+        wearer.push_down(10);
+        wearer.switch_to_dvorak();
+    }
+    assert_eq!(wearer.said().matches(", up H").count(), 1);
 }
 
 #[test]

@@ -19,13 +19,14 @@ use ademan::lab::Typist;
 use ademan::layout::Layout as Keys;
 use ademan::monitor::State;
 use ademan::pipeline::Pipeline;
-use ademan::settings::{Assembly, Setup};
+use ademan::settings::{Assembly, Setup, controls};
 use ademan::time::Timestamp;
 
 struct Counting;
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+    static FREES: Cell<u64> = const { Cell::new(0) };
 }
 
 fn count() {
@@ -41,6 +42,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
+        FREES.with(|frees| frees.set(frees.get() + 1));
         // SAFETY: the caller keeps the contract.
         unsafe { System.dealloc(block, layout) }
     }
@@ -57,6 +59,10 @@ static ALLOCATOR: Counting = Counting;
 
 fn allocations() -> u64 {
     ALLOCATIONS.with(Cell::get)
+}
+
+fn frees() -> u64 {
+    FREES.with(Cell::get)
 }
 
 /// The bytes of a glove that types.
@@ -237,6 +243,27 @@ fn every_option_of_a_key_allocates_nothing() {
 
     assert!(sent > 4_000, "only {sent} events");
     assert_eq!(allocated, 0);
+}
+
+#[test]
+fn a_new_layout_costs_the_loop_no_allocation_and_nothing_is_freed_in_it() {
+    let setup = Setup::default().assemble().expect("the default setup");
+    let mut typing = readings(&setup, "ab");
+    let mut pipeline = setup.pipeline();
+    let typed = play(&mut pipeline, &mut typing, 0);
+    let dvorak = Keys::load("dvorak-flat").expect("the shipped layout");
+    let mut others = controls(&dvorak);
+    let mut events = Events::new();
+
+    let before = (allocations(), frees());
+    pipeline.replace(&mut others, &mut events);
+    let typed_again = play(&mut pipeline, &mut typing, 10_000_000);
+    let after = (allocations(), frees());
+
+    assert_eq!([typed, typed_again], [4; 2]);
+    assert_eq!(after, before);
+    drop(others);
+    assert!(frees() > after.1, "the old ones are with who replaced them");
 }
 
 #[test]

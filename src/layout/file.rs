@@ -14,6 +14,9 @@ use crate::names;
 /// The largest file that is read, in bytes: 1 MiB.
 pub const MAX_BYTES: u64 = 1 << 20;
 
+/// What is wrong with a directory.
+const IS_DIRECTORY: &str = "this is a directory, name a file in it";
+
 /// What some editors put in front of a text in UTF-8.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
@@ -68,9 +71,23 @@ impl Document {
         match (kind, shipped_document(name)) {
             (Ok(false), _) => Self::read(&path, name),
             (_, Some(document)) => Ok(document),
-            (Ok(true), None) => Err(of_file("this is a directory, name a file in it".into())),
+            (Ok(true), None) => Err(of_file(IS_DIRECTORY.into())),
             (Err(error), None) if is_absence(&error) => Err(of_file(not_found(name))),
             (Err(error), None) => Err(of_file(format!("cannot read the file: {error}"))),
+        }
+    }
+
+    /// Reads the regular file at this path; no shipped one takes its place when it is not there.
+    pub fn at(path: &str) -> Result<Self, LayoutError> {
+        let of_file = |message: String| LayoutError::of_file(path, message);
+        match fs::metadata(path) {
+            Ok(metadata) if metadata.is_dir() => Err(of_file(IS_DIRECTORY.into())),
+            Ok(metadata) if !metadata.is_file() => {
+                Err(of_file("this is not a regular file".into()))
+            }
+            Ok(_) => Self::read(Path::new(path), path),
+            Err(error) if is_absence(&error) => Err(of_file("there is no such file".into())),
+            Err(error) => Err(of_file(format!("cannot read the file: {error}"))),
         }
     }
 

@@ -102,6 +102,12 @@ pub enum OutputError {
 /// The names that [`open`] knows.
 pub const NAMES: [&str; 4] = ["transcript", "desktop", "uinput", "none"];
 
+/// Whether an output of this name has just the keys that it was opened with, so that a layout with
+/// others needs a new one.
+pub fn has_fixed_keys(name: &str) -> bool {
+    name == "uinput"
+}
+
 /// Opens an output by its name.
 ///
 /// - `transcript`: lines on the standard output; `transcript:PATH`: in a file, which is written anew

@@ -16,6 +16,7 @@ mod failure;
 mod layouts;
 mod record;
 mod recording;
+mod reload;
 mod replay;
 mod run;
 mod setup;

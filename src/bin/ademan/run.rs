@@ -1,13 +1,15 @@
 //! `ademan run`: the real thing.
 
 use ademan::output;
-use ademan::runtime::drive;
+use ademan::reload::Watcher;
+use ademan::runtime::{Commands, drive};
+use crossbeam_channel::never;
 
 use crate::args::RunArgs;
 use crate::failure::Failure;
 use crate::recording::Recording;
 use crate::status::{self, Status};
-use crate::{setup, signals};
+use crate::{reload, setup, signals};
 
 pub fn run(args: RunArgs) -> Result<(), Failure> {
     let mut setup = setup::read(args.setup.as_deref(), args.parts)?;
@@ -31,9 +33,14 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     if source.is_live() {
         say!("listening to {name}, Ctrl-C ends");
     }
+    let watcher = reload::watch(&assembly, args.record.is_some())?;
+    let commands = Commands {
+        stop,
+        replace: watcher.as_ref().map_or_else(never, Watcher::replacements),
+    };
     let mut pipeline = assembly.pipeline();
     let mut status = Status::default();
-    let ended = drive(source, &mut pipeline, &mut *sink, &stop, &mut |frame| {
+    let ended = drive(source, &mut pipeline, &mut *sink, commands, &mut |frame| {
         status.show(frame);
         if let Some(recording) = &mut recording {
             recording.show(frame);
