@@ -10,7 +10,8 @@
 //!                                                           └──Snapshot, try_send, dropped when full──▶ display, recorder, trace
 //! ```
 //!
-//! The modules below stand in the order of that flow.
+//! The modules below stand in the order of that flow. What changes while a run is on, such as a layout
+//! that is saved, is built outside the loop and put in force between two frames: [`reload`].
 //!
 //! All of it in a few lines, with a simulated hand in place of a glove:
 //!

@@ -21,6 +21,9 @@ use tempfile::TempDir;
 /// How long anything on a busy machine may take before the test gives up.
 const PATIENCE: Duration = Duration::from_secs(30);
 
+/// How long the hand takes to be seen in another posture.
+const MOVE: Duration = Duration::from_millis(500);
+
 type Posture = [u8; BODY_BYTES];
 
 /// The glove with the index finger over the H key, and with the key pushed in.
@@ -66,10 +69,13 @@ impl Run {
     fn with_held_key(arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join("my.ron"), shipped("qwerty-flat")).expect("a file");
+        // A machine that holds the hand up for a moment shall not end the press.
+        let setup = "Setup(layout: \"my.ron\", stall_ms: 10000)";
+        std::fs::write(folder.path().join("setup.ron"), setup).expect("a file");
         let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
         let source = format!("tcp:{}", listener.local_addr().expect("an address"));
         let mut program = Command::new(env!("CARGO_BIN_EXE_ademan"))
-            .args(["run", "--layout", "my.ron", "--source", &source])
+            .args(["run", "setup.ron", "--source", &source])
             .args(arguments)
             .current_dir(folder.path())
             .stdout(Stdio::piped())
@@ -143,7 +149,7 @@ impl Drop for Run {
 fn wear(listener: &TcpListener, posture: &Mutex<Posture>) {
     let (mut line, _) = listener.accept().expect("the program connects");
     loop {
-        let packet = encode(Framing::Double06, &*posture.lock().expect("no panic"));
+        let packet = encode(Framing::Double06, &posture.lock().expect("no panic"));
         if line.write_all(&packet).is_err() {
             return;
         }
@@ -176,10 +182,10 @@ fn a_saved_layout_lets_go_of_the_held_key_and_is_typed_on() {
     assert!(elapsed < Duration::from_secs(1), "{elapsed:?}");
     assert_eq!(run.told(), "my.ron: in force from now on");
 
-    thread::sleep(Duration::from_millis(300));
+    thread::sleep(MOVE);
     assert!(run.typed.is_empty(), "the finger has not left the key");
     run.lift();
-    thread::sleep(Duration::from_millis(300));
+    thread::sleep(MOVE);
     run.push_down();
     assert_eq!(run.typed(), "down D");
 }
@@ -204,7 +210,7 @@ fn a_broken_file_is_told_with_its_place_and_the_held_key_stays_held() {
 
     run.save(&shipped("dvorak-flat"));
     assert_eq!(run.told(), "my.ron: in force from now on");
-    thread::sleep(Duration::from_millis(300));
+    thread::sleep(MOVE);
     run.push_down();
     assert_eq!(run.typed(), "down D");
 }
@@ -221,7 +227,7 @@ fn a_hundred_saves_in_a_second_end_on_the_last_one_and_no_key_is_stuck() {
     // A machine that holds the test up between two saves sees more than one new layout.
     while run.told.recv_timeout(Duration::from_secs(2)).is_ok() {}
     run.lift();
-    thread::sleep(Duration::from_millis(300));
+    thread::sleep(MOVE);
     run.push_down();
     assert_eq!(run.typed(), "down D");
     run.lift();

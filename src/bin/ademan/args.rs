@@ -94,7 +94,7 @@ pub struct SetupArgs {
 
 #[derive(ClapArgs)]
 #[command(
-    after_help = "Examples:\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n  ademan run my-setup.ron --wait\n\nIt starts paused, and types once the hand was seen off all keys for 300 ms. Ctrl-C lets go of everything and ends."
+    after_help = "Examples:\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n  ademan run my-setup.ron --wait\n\nIt starts paused, and types once the hand was seen off all keys for 300 ms. A layout file that is saved meanwhile is used at once. Ctrl-C lets go of everything and ends."
 )]
 pub struct RunArgs {
     /// A setup file, such as examples/setup.ron; the flags below go before what it says
