@@ -54,9 +54,9 @@ impl Limits {
 
 fn tell(report: Report) {
     match report {
-        Report::Replaced(layout) => eprintln!("{}: in force from now on", layout.file),
-        Report::Wrong(error) => eprintln!("{error}\nthe layout in force stays"),
-        Report::Refused(reason) => eprintln!("{reason}"),
+        Report::Replaced(layout) => say!("{}: in force from now on", layout.file),
+        Report::Wrong(error) => say!("{error}\nthe layout in force stays"),
+        Report::Refused(reason) => say!("{reason}"),
     }
 }
 
