@@ -12,6 +12,9 @@ use crate::monitor::{Snapshot, Tally};
 use crate::output::{OutputError, Sink};
 use crate::pipeline::{Controls, Frame, Pipeline};
 
+/// Where nothing is expected the loop wakes up once an hour, for nothing.
+const FOR_EVER: Duration = Duration::from_secs(3600);
+
 /// Why a run ended before its source did.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
@@ -87,6 +90,7 @@ pub fn drive(
         events: Events::new(),
         fed_at: None,
         source: Counts::default(),
+        untaken: 0,
         latency_ns: new_histogram(),
     };
     let ended = run.until_over(&mut commands.into());
@@ -120,18 +124,14 @@ struct Run<'a> {
     events: Events,
     fed_at: Option<Instant>,
     source: Counts,
+    /// Readings that still waited when the run ended.
+    untaken: u64,
     latency_ns: Histogram<u64>,
 }
 
 impl Run<'_> {
     fn until_over(&mut self, commands: &mut Commands) -> Result<(), RunError> {
         loop {
-            let deadline = match self.fed_at {
-                Some(fed_at) if self.captured.is_live() && self.pipeline.is_fed() => {
-                    crossbeam_channel::at(fed_at + self.pipeline.stall_limit())
-                }
-                _ => never(),
-            };
             let over = select! {
                 recv(commands.stop) -> _ => true,
                 recv(commands.replace) -> replacement => {
@@ -142,19 +142,33 @@ impl Run<'_> {
                     }
                     false
                 }
-                recv(deadline) -> _ => {
-                    self.stall()?;
-                    false
-                }
                 recv(self.captured.arrivals()) -> arrival => match arrival {
                     Ok(arrival) => self.take(arrival)?,
                     // Only after an end or a failure, and those were the last that was taken.
                     Err(_) => true,
                 },
+                // Only when nothing has arrived: a reading that waits is no stall.
+                default(self.patience()) => {
+                    if self.patience().is_zero() {
+                        self.stall()?;
+                    }
+                    false
+                }
             };
             if over {
                 return Ok(());
             }
+        }
+    }
+
+    /// How long a live source may stay silent from now on until it has stalled.
+    fn patience(&self) -> Duration {
+        match self.fed_at {
+            Some(fed_at) if self.captured.is_live() && self.pipeline.is_fed() => {
+                let deadline = fed_at + self.pipeline.stall_limit();
+                deadline.saturating_duration_since(Instant::now())
+            }
+            _ => FOR_EVER,
         }
     }
 
@@ -219,6 +233,12 @@ impl Run<'_> {
     }
 
     fn finish(&mut self) -> Result<(), RunError> {
+        for arrival in self.captured.arrivals().try_iter() {
+            if let Arrival::Reading { counts, .. } = arrival {
+                self.source = counts;
+                self.untaken += 1;
+            }
+        }
         self.events.clear();
         self.pipeline.stop(&mut self.events);
         let sent = self.deliver();
@@ -234,8 +254,12 @@ impl Run<'_> {
     }
 
     fn tally(&self) -> Tally {
+        let superseded = self.source.superseded + self.untaken;
         Tally {
-            source: self.source,
+            source: Counts {
+                superseded,
+                ..self.source
+            },
             accepted: self.pipeline.accepted(),
             rejected: self.pipeline.rejected(),
             stalls: self.pipeline.stalls(),

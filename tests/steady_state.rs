@@ -19,6 +19,7 @@ use ademan::lab::Typist;
 use ademan::layout::Layout as Keys;
 use ademan::monitor::State;
 use ademan::pipeline::Pipeline;
+use ademan::runtime::drive;
 use ademan::settings::{Assembly, Setup, controls};
 use ademan::time::Timestamp;
 
@@ -295,4 +296,27 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
 
     assert!(depths > 300, "only {depths} depths");
     assert_eq!(allocated, 0);
+}
+
+#[test]
+fn the_loop_around_a_frame_allocates_nothing() {
+    let assembly = Setup::default().assemble().expect("the default setup");
+    let typist = assembly.typist("loop", &LineSettings::default(), 0.0, 0);
+    let mut nowhere = ademan::output::open("none", &assembly.layout.codes()).expect("nowhere");
+    let mut pipeline = assembly.pipeline();
+    let (mut frames, mut at_start, mut at_end) = (0, 0, 0);
+    let observe = &mut |_: &ademan::monitor::Snapshot| {
+        frames += 1;
+        match frames {
+            // By then every queue has met the thread that it wakes.
+            100 => at_start = allocations(),
+            500 => at_end = allocations(),
+            _ => {}
+        }
+    };
+    let stop = crossbeam_channel::never();
+    let source = typist.expect("the text can be typed");
+    drive(source, &mut pipeline, &mut *nowhere, &stop, observe).expect("a run");
+    assert!(frames > 500);
+    assert_eq!(at_end - at_start, 0, "in 400 frames");
 }

@@ -200,7 +200,7 @@ pub struct Counts {
     pub resyncs: u64,
     /// Readings that came out.
     pub readings: u64,
-    /// Readings that were replaced by a newer one before anybody took them.
+    /// Readings that were replaced by a newer one before anybody took them, or still waited at the end.
     pub superseded: u64,
     /// Times that the device was lost.
     pub losses: u64,
