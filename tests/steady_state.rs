@@ -301,7 +301,7 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
 #[test]
 fn the_loop_around_a_frame_allocates_nothing() {
     let assembly = Setup::default().assemble().expect("the default setup");
-    let typist = assembly.typist("loop", &LineSettings::default(), 0.0, 0);
+    let typist = assembly.typist("loops", &LineSettings::default(), 0.0, 0);
     let mut nowhere = ademan::output::open("none", &assembly.layout.codes()).expect("nowhere");
     let mut pipeline = assembly.pipeline();
     let (mut frames, mut at_start, mut at_end) = (0, 0, 0);
