@@ -79,7 +79,7 @@ pub enum SmoothingChoice {
     Default,
     /// None.
     Off,
-    /// The filters of the seed, corrected.
+    /// The filters of the thesis that the glove comes from, corrected.
     Thesis,
     /// 1-Euro, tuned by hand.
     OneEuro {

@@ -123,9 +123,9 @@ fn every_key_of_every_shipped_keyboard_can_be_tapped_and_no_other_key_is_hit() {
 }
 
 #[test]
-fn the_filters_of_the_seed_and_none_at_all_do_as_well() {
-    let text = "Filters of the seed.";
-    // At 14.5 frames a second the seed's filters take half a second to follow a stroke.
+fn the_filters_of_the_thesis_and_none_at_all_do_as_well() {
+    let text = "Filters of the thesis.";
+    // At 14.5 frames a second its filters take half a second to follow a stroke.
     let cases = [
         (SmoothingChoice::Thesis, 115_200),
         (SmoothingChoice::Off, 115_200),

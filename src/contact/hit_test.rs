@@ -135,6 +135,7 @@ mod tests {
     use parry3d::math::{Pose, Rotation, Vec2};
 
     use super::*;
+    use crate::contact::stroke::tests::assert_close;
     use crate::contact::surface::{Anchor, Scene, Shape};
 
     const KEY: Shape = Shape::Box(Vec2::new(0.008, 0.006));
@@ -146,14 +147,6 @@ mod tests {
             press_share: 0.5,
             release_share: 0.25,
         }
-    }
-
-    fn assert_close(found: Option<f32>, expected: Option<f32>, what: &str) {
-        let is_close = match (found, expected) {
-            (Some(found), Some(expected)) => (found - expected).abs() < 1e-5,
-            _ => found == expected,
-        };
-        assert!(is_close, "{what}: {found:?}, expected {expected:?}");
     }
 
     #[test]

@@ -102,7 +102,7 @@ impl Stroke {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     const KEY: Shape = Shape::Box(Vec2::new(0.008, 0.006));
@@ -116,7 +116,7 @@ mod tests {
         }
     }
 
-    fn assert_close(found: Option<f32>, expected: Option<f32>, what: &str) {
+    pub(in crate::contact) fn assert_close(found: Option<f32>, expected: Option<f32>, what: &str) {
         let is_close = match (found, expected) {
             (Some(found), Some(expected)) => (found - expected).abs() < 1e-5,
             _ => found == expected,

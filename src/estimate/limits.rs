@@ -81,7 +81,7 @@ impl JointLimits {
 fn human_degrees(dof: Dof) -> (f64, f64) {
     match dof {
         Dof::ShoulderZ | Dof::ShoulderY | Dof::ShoulderX => (-180.0, 180.0),
-        // It carries nothing, and the seed's glove turns it more than twice as far as the forearm.
+        // It carries nothing, and the glove's table turns it more than twice as far as the forearm.
         Dof::ForearmSecondBone => (-360.0, 360.0),
         Dof::ElbowFlexion => (0.0, 145.0),
         Dof::ForearmSupination => (-20.0, 155.0),

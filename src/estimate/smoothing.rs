@@ -9,7 +9,7 @@ use crate::capture::Channels;
 pub enum Smoothing {
     /// None: every count shows.
     Off,
-    /// The filters of the seed, corrected: the mean of this and the last smoothed count of each
+    /// The filters of the thesis that the glove comes from, corrected: the mean of this and the last smoothed count of each
     /// channel, then y = (x + y₁ + y₂) / 3 on each angle, its state its own.
     Thesis,
     /// A 1-Euro filter on each angle; `beta` in Hz per rad/s.
@@ -35,7 +35,7 @@ pub(super) enum Smoother {
     OneEuro(OneEuro),
 }
 
-/// What the seed's filters remember of one row.
+/// What the thesis's filters remember of one row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Thesis {
     count: f64,

@@ -121,7 +121,7 @@ fn maya_value(row: &Value, value: f64) -> f64 {
     line.angle(value)
 }
 
-/// Calibration and filters, frame by frame; the seed's own forms are written out here, for comparison.
+/// Calibration and filters, frame by frame; the forms of the glove's own programs are written out here, for comparison.
 pub fn pipeline(file: &Value) -> usize {
     let mut cases = 0;
     for case in list(&file["cases"]) {
@@ -146,7 +146,7 @@ fn corrected(case: &Value, tolerance: f64) {
     }
 }
 
-/// The servers of the seed: signed-byte slip, integer mean, feedback shared by all rows of a channel.
+/// The servers of the glove's own programs: signed-byte slip, integer mean, feedback shared by all rows of a channel.
 fn as_coded(case: &Value, tolerance: &Value) {
     let name = text(&case["name"]);
     let rows = glove().full_map.rows().to_vec();
