@@ -192,11 +192,6 @@ impl Pipeline {
         self.last_accepted.is_some()
     }
 
-    /// When the last accepted reading was complete.
-    pub fn last_accepted(&self) -> Option<Timestamp> {
-        self.last_accepted
-    }
-
     /// How long readings may stay away.
     pub fn stall_limit(&self) -> Duration {
         self.arming.stall

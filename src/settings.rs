@@ -312,9 +312,9 @@ impl Assembly {
     pub fn out_of_reach(&self) -> Vec<(&Key, f64)> {
         let hand = TypingHand::new(&self.arm, &self.glove.map);
         let scene = &self.layout.scene;
-        let lacking = |key: &'_ Key| hand.lacks(scene, key.target);
         let keys = self.layout.keys.iter();
-        keys.filter_map(|key| Some((key, lacking(key)?))).collect()
+        keys.filter_map(|key| Some((key, hand.stroke(scene, key.target).err()?)))
+            .collect()
     }
 
     /// Opens a source.

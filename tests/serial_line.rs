@@ -3,6 +3,8 @@
 
 #[path = "../src/capture/test_random.rs"]
 mod random;
+#[path = "support/source.rs"]
+mod source;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -16,6 +18,7 @@ use ademan::capture::{
 };
 use random::Random;
 use serialport::{SerialPort, TTYPort};
+use source::next_within;
 
 /// Longer than anything here takes on a busy machine.
 const LIMIT: Duration = Duration::from_secs(60);
@@ -92,16 +95,8 @@ fn body(sample: &Sample) -> Vec<u8> {
     }
 }
 
-/// Asks until something else than quiet comes.
 fn next(source: &mut dyn Source) -> Result<Capture, CaptureError> {
-    let start = Instant::now();
-    while start.elapsed() < LIMIT {
-        match source.next() {
-            Ok(Capture::Quiet) => {}
-            news => return news,
-        }
-    }
-    panic!("nothing came");
+    next_within(source, LIMIT)
 }
 
 fn next_body(source: &mut dyn Source) -> Vec<u8> {

@@ -1,5 +1,8 @@
 //! A serial line behind a TCP converter, on the loopback address.
 
+#[path = "support/source.rs"]
+mod source;
+
 use std::io::Write;
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
@@ -7,6 +10,7 @@ use std::time::{Duration, Instant};
 use ademan::capture::hc11::{BODY_BYTES, FRAME_BYTES, Framing, encode};
 use ademan::capture::wire::open_tcp_wire;
 use ademan::capture::{Capture, CaptureError, LineSettings, Sample, Source, SourceName, open};
+use source::next_within;
 
 /// Longer than anything here takes on a busy machine.
 const LIMIT: Duration = Duration::from_secs(60);
@@ -28,16 +32,8 @@ fn stream(first: u8, frames: u8) -> Vec<u8> {
         .collect()
 }
 
-/// Asks until something else than quiet comes.
 fn next(source: &mut dyn Source) -> Result<Capture, CaptureError> {
-    let start = Instant::now();
-    while start.elapsed() < LIMIT {
-        match source.next() {
-            Ok(Capture::Quiet) => {}
-            news => return news,
-        }
-    }
-    panic!("nothing came");
+    next_within(source, LIMIT)
 }
 
 /// The first count of the next reading.

@@ -167,7 +167,7 @@ impl<C: Connect> LineSource<C> {
 
     fn start_search(&mut self) -> Search {
         let back_off = self.back_off.clone();
-        self.back_off.next();
+        self.back_off.next_interval();
         Search::start(self.connector.clone(), back_off)
     }
 

@@ -48,6 +48,7 @@ use crate::time::Timestamp;
 pub use pace::Paced;
 #[cfg(unix)]
 pub use pty::open_wire;
+pub use search::BackOff;
 pub use thread::{Arrival, Captured, on_thread};
 pub use uri::{LineSettings, Protocol, SourceName};
 pub use wire::Wire;

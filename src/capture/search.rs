@@ -8,13 +8,13 @@ use super::connect::{Connect, Connection, Refusal};
 
 /// The intervals between attempts: 0.1 s, doubling to 2 s.
 #[derive(Clone, Debug)]
-pub(super) struct BackOff(Duration);
+pub struct BackOff(Duration);
 
 impl BackOff {
     const LONGEST: Duration = Duration::from_secs(2);
 
     /// The time to wait before the next attempt.
-    pub fn next(&mut self) -> Duration {
+    pub fn next_interval(&mut self) -> Duration {
         let interval = self.0;
         self.0 = (interval * 2).min(Self::LONGEST);
         interval
@@ -84,7 +84,7 @@ fn search(
     findings: &Sender<Finding>,
 ) {
     let mut told = None;
-    while stopped.recv_timeout(back_off.next()) == Err(RecvTimeoutError::Timeout) {
+    while stopped.recv_timeout(back_off.next_interval()) == Err(RecvTimeoutError::Timeout) {
         let finding = match connector.connect() {
             Ok(connection) => Finding::Found(connection),
             Err(Refusal::Unusable(reason)) if told.as_ref() != Some(&reason) => {
@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn the_interval_doubles_up_to_two_seconds() {
         let mut back_off = BackOff::default();
-        let intervals = [(); 7].map(|()| back_off.next().as_millis());
+        let intervals = [(); 7].map(|()| back_off.next_interval().as_millis());
         assert_eq!(intervals, [100, 200, 400, 800, 1600, 2000, 2000]);
     }
 }

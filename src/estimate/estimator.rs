@@ -68,7 +68,7 @@ impl EstimatorSettings {
 /// Turns the counts of a glove into joint angles.
 #[derive(Clone, Debug)]
 pub struct Estimator {
-    map: ChannelMap,
+    full_scale: u16,
     channels_needed: usize,
     rows: Vec<Row>,
     wires: Vec<Wire>,
@@ -96,18 +96,13 @@ impl Estimator {
         Self {
             smoother: Smoother::new(settings.smoothing, rows.len()),
             channels_needed: map.channels_needed(),
-            map,
+            full_scale: map.full_scale(),
             rows,
             wires,
             settings,
             last: None,
             candidate: None,
         }
-    }
-
-    /// The channel map.
-    pub fn map(&self) -> &ChannelMap {
-        &self.map
     }
 
     /// The angles that a reading tells, or why it tells none; then nothing is remembered of it.
@@ -144,8 +139,7 @@ impl Estimator {
     }
 
     fn fits(&self, channels: &Channels) -> bool {
-        channels.full_scale == self.map.full_scale()
-            && channels.counts.len() >= self.channels_needed
+        channels.full_scale == self.full_scale && channels.counts.len() >= self.channels_needed
     }
 
     /// Gives the fingers that hang on a dead wire.
@@ -182,7 +176,7 @@ impl Estimator {
         let (Some(max_speed), Some(last)) = (self.settings.max_speed, &self.last) else {
             return Ok(false);
         };
-        let rows = self.map.rows().len();
+        let rows = self.rows.len();
         // Readings that were not believed give the hand no time to get anywhere.
         let before = self
             .candidate

@@ -67,8 +67,18 @@ impl TypingHand {
         angles_of(&self.controls, values, &self.resting)
     }
 
-    /// How the fingertip presses a key; `None` when the target or its anchor is not there.
-    pub fn stroke(&self, scene: &Scene, target: TargetId) -> Option<KeyStroke> {
+    /// How the fingertip presses a key, or how far beyond the hand's reach that is, in metres: infinitely
+    /// far when the target or its anchor is not there.
+    pub fn stroke(&self, scene: &Scene, target: TargetId) -> Result<KeyStroke, f64> {
+        let stroke = self.way(scene, target).ok_or(f64::INFINITY)?;
+        let distance = self.reach(stroke.bottom, &self.rest()).distance;
+        match distance > REACH_ERROR {
+            true => Err(distance),
+            false => Ok(stroke),
+        }
+    }
+
+    fn way(&self, scene: &Scene, target: TargetId) -> Option<KeyStroke> {
         let (surface, target) = scene.target(target)?;
         let world_from_surface = surface.world_from_surface(&self.resting_pose)?;
         let world_from_target = world_from_surface * target.surface_from_target;
@@ -78,15 +88,6 @@ impl TypingHand {
             hover: at(HOVER),
             bottom: at(-depth(target)),
         })
-    }
-
-    /// How far beyond the hand's reach the target is, in metres; `None` when the hand can press it.
-    pub fn lacks(&self, scene: &Scene, target: TargetId) -> Option<f64> {
-        let Some(stroke) = self.stroke(scene, target) else {
-            return Some(f64::INFINITY);
-        };
-        let distance = self.reach(stroke.bottom, &self.rest()).distance;
-        (distance > REACH_ERROR).then_some(distance)
     }
 }
 

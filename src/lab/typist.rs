@@ -18,6 +18,7 @@ use crate::time::Timestamp;
 
 /// The hand is shown off all keys for so long at the start, and again at the end.
 const SHOW: Duration = Duration::from_millis(600);
+
 /// Who types, and how.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TypistSettings {
@@ -97,11 +98,6 @@ impl Typist {
         Ok(typist)
     }
 
-    /// How long it takes, in frames.
-    pub fn frames(&self) -> u64 {
-        self.moves.iter().map(|step| u64::from(step.frames)).sum()
-    }
-
     /// The counts of the glove in the next frame, or `None` when all is typed.
     pub fn next_counts(&mut self) -> Option<ArrayVec<u16, MAX_CHANNELS>> {
         let step = *self.moves.get(self.current)?;
@@ -146,15 +142,10 @@ impl Typist {
     fn plan(&mut self, scene: &Scene, taps: &[Tap]) -> Result<(), TypistError> {
         let mut place: Option<Vec3> = None;
         for tap in taps {
-            if let Some(metres) = self.hand.lacks(scene, tap.target) {
-                return Err(TypistError::OutOfReach {
-                    key: tap.target,
-                    metres,
-                });
-            }
-            let Some(KeyStroke { hover, bottom }) = self.hand.stroke(scene, tap.target) else {
-                continue;
-            };
+            let key = tap.target;
+            let stroke = self.hand.stroke(scene, key);
+            let KeyStroke { hover, bottom } =
+                stroke.map_err(|metres| TypistError::OutOfReach { key, metres })?;
             match place {
                 None => self.rest(hover, SHOW),
                 Some(from) => self.go(from, hover, travel_time(from.distance(hover)), 5),

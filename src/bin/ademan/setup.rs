@@ -1,17 +1,11 @@
 //! From arguments to a setup that is ready to run.
 
-use std::time::Duration;
-
-use ademan::capture::{CaptureError, Paced, Source, SourceName};
+use ademan::capture::{BackOff, CaptureError, Paced, Source, SourceName};
 use ademan::settings::{Assembly, Setup, SetupError};
 use crossbeam_channel::Receiver;
 
 use crate::args::SetupArgs;
 use crate::failure::Failure;
-
-/// The time before a device that is not there is looked for again, at first and after some attempts.
-const SHORTEST_DELAY: Duration = Duration::from_millis(100);
-const LONGEST_DELAY: Duration = Duration::from_secs(2);
 
 /// The setup of a file, or the default one, with the flags over it.
 pub fn read(file: Option<&str>, flags: SetupArgs) -> Result<Setup, Failure> {
@@ -54,7 +48,7 @@ pub fn wait_for(
     stop: &Receiver<()>,
 ) -> Result<Option<Box<dyn Source>>, SetupError> {
     let mut told = String::new();
-    let mut delay = SHORTEST_DELAY;
+    let mut back_off = BackOff::default();
     loop {
         let reason = match open_at_its_pace(assembly, name) {
             Err(SetupError::Capture(error @ CaptureError::Open { .. })) if is_device(name) => {
@@ -71,10 +65,9 @@ pub fn wait_for(
             say!("waiting: {reason}; Ctrl-C ends");
             told = reason;
         }
-        if stop.recv_timeout(delay).is_ok() {
+        if stop.recv_timeout(back_off.next_interval()).is_ok() {
             return Ok(None);
         }
-        delay = (2 * delay).min(LONGEST_DELAY);
     }
 }
 

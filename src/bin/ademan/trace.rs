@@ -6,7 +6,6 @@ use ademan::monitor::Snapshot;
 use ademan::output;
 use ademan::runtime::drive;
 use ademan::trace::{Stage, TargetNames};
-use crossbeam_channel::{bounded, select};
 
 use crate::args::TraceArgs;
 use crate::failure::Failure;
@@ -20,12 +19,7 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
     let assembly = setup.assemble()?;
     let source = assembly.open(&name)?;
     let mut nowhere = output::open("none", &assembly.layout.codes())?;
-    let (reader_left, stop) = bounded(1);
-    let asked = signals::stop_requests()?;
-    let stop_sender = reader_left.clone();
-    std::thread::spawn(move || {
-        select! { recv(asked) -> _ => { let _ = stop_sender.try_send(()); } }
-    });
+    let (stopper, stop) = signals::stopper()?;
     let mut lines = Lines {
         stage: args.stage,
         names: assembly.layout.target_names(),
@@ -43,7 +37,7 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
             if written.is_ok() {
                 written = lines.write(frame);
                 if written.is_err() {
-                    let _ = reader_left.try_send(());
+                    stopper.ask();
                 }
             }
         },
