@@ -12,13 +12,13 @@ use std::time::Duration;
 use ademan::capture::hc11::{self, BODY_BYTES, Decoder, FRAME_BYTES, Framing};
 use ademan::capture::{LineSettings, Reading, Sample};
 use ademan::contact::surface::{Anchor, Scene, Target};
-use ademan::contact::{ContactTracker, Phase, TargetId, Touch, Touches};
+use ademan::contact::{ContactTracker, Phase, TargetId, TargetNames, Touch, Touches};
 use ademan::device::keyboard::{Fires, KeyAction, KeyBinding, Keyboard};
 use ademan::device::{Events, KeyCode, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings, JointAngles};
 use ademan::hand::Side;
 use ademan::kinematics::{ArmModel, BoneLengths, HandPose};
-use ademan::pipeline::{Arming, Pipeline};
+use ademan::pipeline::{Arming, Controls, Pipeline};
 use ademan::settings::{Assembly, Setup};
 use ademan::time::Timestamp;
 use divan::Bencher;
@@ -110,8 +110,11 @@ impl Board {
         Pipeline::new(
             typing().estimator(),
             typing().assembly.arm.clone(),
-            self.scene(),
-            vec![Box::new(self.keyboard())],
+            Controls::new(
+                self.scene(),
+                TargetNames::default(),
+                vec![Box::new(self.keyboard())],
+            ),
             arming,
         )
     }

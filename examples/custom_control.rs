@@ -11,7 +11,7 @@ use ademan::device::{Action, Events, OutputEvent, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::kinematics::HandPose;
 use ademan::output;
-use ademan::pipeline::{Arming, Pipeline};
+use ademan::pipeline::{Arming, Controls, Pipeline};
 use ademan::runtime::drive;
 use ademan::settings::Setup;
 use ademan::time::Timestamp;
@@ -63,8 +63,11 @@ fn main() -> anyhow::Result<()> {
     let mut pipeline = Pipeline::new(
         Estimator::new(assembly.glove.map.clone(), EstimatorSettings::default()),
         assembly.arm.clone(),
-        assembly.layout.scene.clone(),
-        vec![Box::new(DrumPad::default())],
+        Controls::new(
+            assembly.layout.scene.clone(),
+            assembly.layout.target_names(),
+            vec![Box::new(DrumPad::default())],
+        ),
         Arming::default(),
     );
     let hand = assembly.open(&"typist:159".parse()?)?;

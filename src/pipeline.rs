@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use crate::capture::Reading;
-use crate::contact::Touches;
 use crate::contact::surface::Scene;
 use crate::contact::tracker::ContactTracker;
+use crate::contact::{TargetNames, Touches};
 use crate::device::{Events, VirtualDevice};
 use crate::estimate::{Estimator, JointAngles, Rejection};
 use crate::kinematics::{ArmModel, HandPose};
@@ -48,6 +48,7 @@ pub struct Frame {
 /// What there is to be touched, and what comes of it.
 pub struct Controls {
     scene: Scene,
+    names: TargetNames,
     tracker: ContactTracker,
     devices: Vec<Box<dyn VirtualDevice>>,
 }
@@ -55,10 +56,13 @@ pub struct Controls {
 impl Controls {
     /// Controls that have not seen a hand yet: a fingertip that is in one of them at first has to come
     /// out before it touches anything.
-    pub fn new(scene: Scene, devices: Vec<Box<dyn VirtualDevice>>) -> Self {
+    ///
+    /// `names` are those of the targets, for outputs that write them.
+    pub fn new(scene: Scene, names: TargetNames, devices: Vec<Box<dyn VirtualDevice>>) -> Self {
         Self {
             tracker: ContactTracker::new(&scene),
             scene,
+            names,
             devices,
         }
     }
@@ -98,13 +102,7 @@ pub struct Pipeline {
 
 impl Pipeline {
     /// A pipeline that has seen nothing yet.
-    pub fn new(
-        estimator: Estimator,
-        arm: ArmModel,
-        scene: Scene,
-        devices: Vec<Box<dyn VirtualDevice>>,
-        arming: Arming,
-    ) -> Self {
+    pub fn new(estimator: Estimator, arm: ArmModel, controls: Controls, arming: Arming) -> Self {
         let angles = JointAngles::at(Timestamp::default());
         Self {
             frame: Frame {
@@ -114,7 +112,7 @@ impl Pipeline {
             },
             estimator,
             arm,
-            controls: Controls::new(scene, devices),
+            controls,
             arming,
             state: State::Starting,
             last_accepted: None,
@@ -180,6 +178,11 @@ impl Pipeline {
         self.controls.release_all(time, events);
         self.clear_since = None;
         std::mem::swap(&mut self.controls, controls);
+    }
+
+    /// What the targets are called.
+    pub fn names(&self) -> &TargetNames {
+        &self.controls.names
     }
 
     /// What the engine is doing.

@@ -15,10 +15,11 @@ use mcap::{McapError, WriteOptions, Writer};
 use crate::capture::recording::{
     ENCODING, FORMAT, FORMAT_RECORD, RECORD_LIMIT, RecordedSetup, SETUP_RECORD,
 };
+use crate::contact::TargetNames;
 use crate::monitor::Snapshot;
 use crate::output;
 use crate::time::Timestamp;
-use crate::trace::{Stage, TargetNames};
+use crate::trace::Stage;
 
 /// The program that a recording says it comes from.
 const LIBRARY: &str = concat!("ademan ", env!("CARGO_PKG_VERSION"));

@@ -93,6 +93,7 @@ pub fn drive(
         untaken: 0,
         latency_ns: new_histogram(),
     };
+    run.sink.0.rename(run.pipeline.names());
     let ended = run.until_over(&mut commands.into());
     let closed = run.finish();
     ended?;
@@ -227,6 +228,7 @@ impl Run<'_> {
         self.events.clear();
         self.pipeline.replace(&mut controls, &mut self.events);
         self.deliver()?;
+        self.sink.0.rename(self.pipeline.names());
         self.show(None, None);
         let _ = replacement.replaced.try_send(controls);
         Ok(())

@@ -205,7 +205,7 @@ impl Setup {
 
 /// The controls of a layout, to be put in the place of others.
 pub fn controls(layout: &Layout) -> Controls {
-    Controls::new(layout.scene.clone(), devices(layout))
+    Controls::new(layout.scene.clone(), layout.target_names(), devices(layout))
 }
 
 fn devices(layout: &Layout) -> Vec<Box<dyn VirtualDevice>> {
@@ -269,8 +269,7 @@ impl Assembly {
         Pipeline::new(
             Estimator::new(self.glove.map.clone(), self.estimator),
             self.arm.clone(),
-            self.layout.scene.clone(),
-            devices(&self.layout),
+            controls(&self.layout),
             self.arming,
         )
     }

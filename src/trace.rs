@@ -16,8 +16,8 @@
 use serde::{Serialize, Serializer};
 
 use crate::capture::recording;
-use crate::contact::{Phase, TargetId, Touch};
-use crate::device::{Action, KeyCode, OutputEvent};
+use crate::contact::{Phase, TargetName, TargetNames, Touch};
+use crate::device::{Action, Axis, KeyCode, OutputEvent, Request};
 use crate::estimate::JointAngles;
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
@@ -39,31 +39,6 @@ named_enum! {
         /// What went out.
         Events = "events",
     }
-}
-
-/// What the targets of a scene are called, in the order of their numbers.
-#[derive(Clone, Debug, Default)]
-pub struct TargetNames(Vec<String>);
-
-impl TargetNames {
-    /// Target number `i` is called `names[i]`.
-    pub fn new(names: impl IntoIterator<Item = String>) -> Self {
-        Self(names.into_iter().collect())
-    }
-
-    fn form(&self, target: TargetId) -> TargetForm<'_> {
-        match self.0.get(target.0 as usize) {
-            Some(name) => TargetForm::Name(name),
-            None => TargetForm::Number(target),
-        }
-    }
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum TargetForm<'a> {
-    Name(&'a str),
-    Number(TargetId),
 }
 
 impl Stage {
@@ -196,7 +171,7 @@ fn orientations<S: Serializer>(pose: &&HandPose, serializer: S) -> Result<S::Ok,
 struct TouchForm<'a> {
     time_us: Timestamp,
     finger: Finger,
-    target: TargetForm<'a>,
+    target: TargetName<'a>,
     phase: Phase,
     depth: f32,
 }
@@ -206,7 +181,7 @@ impl<'a> TouchForm<'a> {
         Self {
             time_us: touch.time,
             finger: touch.finger,
-            target: names.form(touch.target),
+            target: names.of(touch.target),
             phase: touch.phase,
             depth: touch.depth,
         }
@@ -225,21 +200,58 @@ struct EventForm<'a> {
 enum ActionForm<'a> {
     KeyDown { key: KeyCode },
     KeyUp { key: KeyCode },
-    Depth { target: TargetForm<'a>, depth: f32 },
+    Write { character: char },
+    MoveBy { x: i32, y: i32 },
+    MoveTo { x: f32, y: f32 },
+    Scroll { x: i32, y: i32 },
+    Axis { axis: Axis, value: f32 },
+    Depth { target: TargetName<'a>, depth: f32 },
+    Value { target: TargetName<'a>, value: f32 },
+    Select { target: TargetName<'a> },
+    Unselect { target: TargetName<'a> },
+    Pause,
+    Profile { profile: u8 },
+    NextProfile,
+    Recentre,
+}
+
+impl<'a> ActionForm<'a> {
+    fn of(action: Action, names: &'a TargetNames) -> Self {
+        match action {
+            Action::KeyDown(key) => Self::KeyDown { key },
+            Action::KeyUp(key) => Self::KeyUp { key },
+            Action::Write(character) => Self::Write { character },
+            Action::MoveBy(x, y) => Self::MoveBy { x, y },
+            Action::MoveTo(x, y) => Self::MoveTo { x, y },
+            Action::Scroll(x, y) => Self::Scroll { x, y },
+            Action::Axis(axis, value) => Self::Axis { axis, value },
+            Action::Depth(target, depth) => Self::Depth {
+                target: names.of(target),
+                depth,
+            },
+            Action::Value(target, value) => Self::Value {
+                target: names.of(target),
+                value,
+            },
+            Action::Select(target) => Self::Select {
+                target: names.of(target),
+            },
+            Action::Unselect(target) => Self::Unselect {
+                target: names.of(target),
+            },
+            Action::Ask(Request::Pause) => Self::Pause,
+            Action::Ask(Request::Profile(profile)) => Self::Profile { profile },
+            Action::Ask(Request::NextProfile) => Self::NextProfile,
+            Action::Ask(Request::Recentre) => Self::Recentre,
+        }
+    }
 }
 
 impl<'a> EventForm<'a> {
     fn of(event: &OutputEvent, names: &'a TargetNames) -> Self {
         Self {
             time_us: event.time,
-            action: match event.action {
-                Action::KeyDown(key) => ActionForm::KeyDown { key },
-                Action::KeyUp(key) => ActionForm::KeyUp { key },
-                Action::Depth(target, depth) => ActionForm::Depth {
-                    target: names.form(target),
-                    depth,
-                },
-            },
+            action: ActionForm::of(event.action, names),
         }
     }
 }
@@ -248,7 +260,7 @@ impl<'a> EventForm<'a> {
 mod tests {
     use super::*;
     use crate::capture::{Channels, Reading, Sample};
-    use crate::contact::Touches;
+    use crate::contact::{TargetId, Touches};
     use crate::device::Events;
     use crate::hand::{Dof, Joint};
     use crate::monitor::{State, Tally};
@@ -294,6 +306,15 @@ mod tests {
                 event(Action::KeyUp(q)),
                 event(Action::KeyDown(q)),
                 event(Action::Depth(TargetId(7), 0.1)),
+                event(Action::Write('é')),
+                event(Action::MoveBy(-3, 4)),
+                event(Action::MoveTo(0.5, 1.0)),
+                event(Action::Scroll(0, 120)),
+                event(Action::Axis(Axis::LeftX, -0.5)),
+                event(Action::Value(TargetId(7), 0.25)),
+                event(Action::Select(TargetId(8))),
+                event(Action::Ask(Request::Profile(1))),
+                event(Action::Ask(Request::Pause)),
             ]),
             tally: Tally::default(),
         }
@@ -333,6 +354,15 @@ mod tests {
                 r#"{"time_us":12400,"event":"key-up","key":"Q"}"#,
                 r#"{"time_us":12400,"event":"key-down","key":"Q"}"#,
                 r#"{"time_us":12400,"event":"depth","target":"key 7","depth":0.1}"#,
+                r#"{"time_us":12400,"event":"write","character":"é"}"#,
+                r#"{"time_us":12400,"event":"move-by","x":-3,"y":4}"#,
+                r#"{"time_us":12400,"event":"move-to","x":0.5,"y":1.0}"#,
+                r#"{"time_us":12400,"event":"scroll","x":0,"y":120}"#,
+                r#"{"time_us":12400,"event":"axis","axis":"LeftX","value":-0.5}"#,
+                r#"{"time_us":12400,"event":"value","target":"key 7","value":0.25}"#,
+                r#"{"time_us":12400,"event":"select","target":8}"#,
+                r#"{"time_us":12400,"event":"profile","profile":1}"#,
+                r#"{"time_us":12400,"event":"pause"}"#,
             ],
         ];
         for (stage, expected) in Stage::ALL.iter().zip(expected) {

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use ademan::capture::recording::{RecordedSetup, Replay};
 use ademan::capture::{Capture, CaptureError, Channels, Reading, Sample, Source};
+use ademan::contact::TargetNames;
 use ademan::contact::{Phase, TargetId, Touch, Touches};
 use ademan::device::{Action, Events, OutputEvent};
 use ademan::estimate::JointAngles;
@@ -16,7 +17,6 @@ use ademan::kinematics::HandPose;
 use ademan::monitor::{Snapshot, State, Tally};
 use ademan::recorder::Recorder;
 use ademan::time::Timestamp;
-use ademan::trace::TargetNames;
 use parry3d::math::{Pose, Vec3};
 
 const READINGS: u64 = 40;

@@ -329,6 +329,8 @@ struct Records<R> {
     start: u64,
     /// Where the last whole record ends.
     whole: u64,
+    /// Whether the record with the checksum over all data was there.
+    is_checked: bool,
 }
 
 impl<R: Read> Records<R> {
@@ -343,6 +345,7 @@ impl<R: Read> Records<R> {
             fed: 0,
             start: 0,
             whole: 0,
+            is_checked: false,
         }
     }
 
@@ -376,12 +379,15 @@ impl<R: Read> Records<R> {
         self.start = self.whole;
         loop {
             match self.reader.next_event() {
-                None => return Err(Stop::Finished),
+                None if self.is_checked => return Err(Stop::Finished),
+                // A record with a damaged length can swallow the checksum and end where another begins.
+                None => return Err(Stop::Malformed("the end of the data is missing".into())),
                 // The reader asks for no byte more than a record has, so what it has been given
                 // when it gives a record ends where the record ends.
                 Some(Ok(LinearReadEvent::Record { opcode, data })) => {
                     let content = content(opcode, data);
                     self.whole = self.fed;
+                    self.is_checked |= opcode == op::DATA_END;
                     return content;
                 }
                 Some(Ok(LinearReadEvent::ReadRequest(size))) => {

@@ -4,7 +4,9 @@ pub mod surface;
 pub mod stroke;
 pub mod hit_test;
 pub mod tracker;
+mod target_names;
 
+pub use target_names::{TargetName, TargetNames};
 pub use tracker::ContactTracker;
 
 use arrayvec::ArrayVec;

@@ -1,4 +1,4 @@
-//! Keys as positions: Linux event codes with the names of the W3C UI Events `code` values.
+//! Keys as positions, and the buttons of mice and gamepads: Linux event codes with names.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,13 +7,26 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::names::UnknownName;
 
-/// The position of a key, as its Linux event code (`KEY_*` of `input-event-codes.h`).
+/// The position of a key, or a button of a mouse or gamepad: whatever can be down, as its Linux event
+/// code (`KEY_*` and `BTN_*` of `input-event-codes.h`).
 ///
 /// A position is not a character: what the receiver writes for it is up to the receiver's keymap.
 /// Names are the `code` values of the W3C UI Events specification; letters and digits go without
-/// their prefix (`Q`, `1`), which is accepted when read (`KeyQ`, `Digit1`).
+/// their prefix (`Q`, `1`), which is accepted when read (`KeyQ`, `Digit1`). Buttons begin with `Mouse`
+/// or `Pad`; those of a gamepad are named by their place on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct KeyCode(u16);
+
+/// What kind of device has a code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeyKind {
+    /// A keyboard.
+    Key,
+    /// A mouse.
+    Mouse,
+    /// A gamepad.
+    Pad,
+}
 
 struct Key {
     code: u16,
@@ -154,6 +167,28 @@ const KEYS: &[Key] = &[
     key(164, "MediaPlayPause", "Play", None, None),
     key(165, "MediaTrackPrevious", "Prev", None, None),
     key(166, "MediaStop", "Stop", None, None),
+    key(272, "MouseLeft", "Left", None, None),
+    key(273, "MouseRight", "Right", None, None),
+    key(274, "MouseMiddle", "Middle", None, None),
+    key(275, "MouseBack", "Back", None, None),
+    key(276, "MouseForward", "Fwd", None, None),
+    key(304, "PadSouth", "South", None, None),
+    key(305, "PadEast", "East", None, None),
+    key(307, "PadNorth", "North", None, None),
+    key(308, "PadWest", "West", None, None),
+    key(310, "PadL1", "L1", None, None),
+    key(311, "PadR1", "R1", None, None),
+    key(312, "PadL2", "L2", None, None),
+    key(313, "PadR2", "R2", None, None),
+    key(314, "PadSelect", "Select", None, None),
+    key(315, "PadStart", "Start", None, None),
+    key(316, "PadMode", "Mode", None, None),
+    key(317, "PadL3", "L3", None, None),
+    key(318, "PadR3", "R3", None, None),
+    key(544, "PadUp", "↑", None, None),
+    key(545, "PadDown", "↓", None, None),
+    key(546, "PadLeft", "←", None, None),
+    key(547, "PadRight", "→", None, None),
 ];
 
 impl KeyCode {
@@ -174,7 +209,7 @@ impl KeyCode {
         self.0
     }
 
-    /// The X11 key code: the event code + 8.
+    /// The X11 key code of a key: the event code + 8.
     pub const fn x11_code(self) -> u16 {
         self.0 + 8
     }
@@ -203,6 +238,15 @@ impl KeyCode {
                 .filter(move |key| key.us_character(shifted) == Some(character))
                 .map(move |key| (key, shifted))
         })
+    }
+
+    /// What kind of device has it.
+    pub const fn kind(self) -> KeyKind {
+        match self.0 {
+            0..0x110 => KeyKind::Key,
+            0x110..0x120 => KeyKind::Mouse,
+            _ => KeyKind::Pad,
+        }
     }
 
     /// Whether this is a modifier key.
@@ -271,6 +315,18 @@ mod tests {
         for key in KeyCode::all() {
             assert_eq!(key.name().parse::<KeyCode>(), Ok(key));
             assert_eq!(KeyCode::from_event_code(key.event_code()), Some(key));
+        }
+    }
+
+    #[test]
+    fn every_code_belongs_to_the_kind_of_device_that_its_name_says() {
+        for key in KeyCode::all() {
+            let by_name = match key.name() {
+                name if name.starts_with("Mouse") => KeyKind::Mouse,
+                name if name.starts_with("Pad") => KeyKind::Pad,
+                _ => KeyKind::Key,
+            };
+            assert_eq!(key.kind(), by_name, "{key}");
         }
     }
 

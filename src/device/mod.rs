@@ -9,7 +9,9 @@ use crate::time::Timestamp;
 pub mod keyboard;
 pub mod keycode;
 
-pub use keycode::KeyCode;
+pub use keycode::{KeyCode, KeyKind};
+
+use crate::names::named_enum;
 
 /// Something for the operating system or a peer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,15 +23,87 @@ pub struct OutputEvent {
 }
 
 /// What an output is to do.
+///
+/// What goes down comes up, and an axis that left 0 comes back to it, when the hand is lost, the layout
+/// changes or the run ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Action {
-    /// A key goes down.
+    /// A key or button goes down.
     KeyDown(KeyCode),
-    /// A key comes up.
+    /// A key or button comes up.
     KeyUp(KeyCode),
-    /// How far a control is pushed in, 0..=1; for outputs that know analogue controls.
+    /// A character is written, whichever keys the receiver's keymap has for it.
+    Write(char),
+    /// The pointer moves by so many pixels to the right and down.
+    MoveBy(i32, i32),
+    /// The pointer goes to this place on the screen: 0..=1 from left to right and from top to bottom.
+    MoveTo(f32, f32),
+    /// The wheel turns: to the right and up (away from the wearer), in 120ths of a click.
+    Scroll(i32, i32),
+    /// A stick, trigger or 6-DoF axis stands there: −1..=1; 0 is its rest, triggers stay at 0 or above.
+    Axis(Axis, f32),
+    /// How far a target is pushed in, 0..=1; for outputs that know analogue controls.
     Depth(TargetId, f32),
+    /// Where a control stands that keeps its place, such as a slider: 0..=1 of its range.
+    Value(TargetId, f32),
+    /// A target in space is selected.
+    Select(TargetId),
+    /// It no longer is.
+    Unselect(TargetId),
+    /// Something for the engine itself.
+    Ask(Request),
+}
+
+/// What a control can ask of the engine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// Let nothing out any more; the same again ends that.
+    Pause,
+    /// Put another layout of the setup in force: its place.
+    Profile(u8),
+    /// The same with the one after the one in force; after the last comes the first.
+    NextProfile,
+    /// Bring the boards to where the hand is.
+    Recentre,
+}
+
+named_enum! {
+    /// An axis of a gamepad or of a 6-DoF device. X runs to the right, Y up on a stick and away from
+    /// the wearer on a 6-DoF device, Z up; turns are right-handed about the axis.
+    pub enum Axis ("axis") {
+        /// The left stick, sideways.
+        LeftX = "LeftX",
+        /// The left stick, up and down.
+        LeftY = "LeftY",
+        /// The right stick, sideways.
+        RightX = "RightX",
+        /// The right stick, up and down.
+        RightY = "RightY",
+        /// The left trigger.
+        LeftTrigger = "LeftTrigger",
+        /// The right trigger.
+        RightTrigger = "RightTrigger",
+        /// Displacement to the right.
+        MoveX = "MoveX",
+        /// Displacement away from the wearer.
+        MoveY = "MoveY",
+        /// Displacement up.
+        MoveZ = "MoveZ",
+        /// Turn about X.
+        TurnX = "TurnX",
+        /// Turn about Y.
+        TurnY = "TurnY",
+        /// Turn about Z.
+        TurnZ = "TurnZ",
+    }
+}
+
+impl Axis {
+    /// Whether a gamepad has it; otherwise a 6-DoF device does.
+    pub const fn is_of_gamepad(self) -> bool {
+        self.index() < Self::MoveX.index()
+    }
 }
 
 /// The events of one frame: releases first, presses second.

@@ -11,10 +11,10 @@ use super::file::{self, Document};
 use super::outline::Outline;
 use super::{check, number};
 use crate::contact::TargetId;
+use crate::contact::TargetNames;
 use crate::contact::surface::Scene;
 use crate::device::KeyCode;
 use crate::device::keyboard::{Fires, Hold, KeyAction, KeyBinding};
-use crate::trace::TargetNames;
 
 /// The most keys that a layout has.
 pub const MAX_KEYS: usize = 10_000;

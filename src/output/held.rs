@@ -14,8 +14,8 @@ pub struct Held {
 }
 
 impl Held {
-    /// More keys than [`KeyCode`] knows.
-    pub const CAPACITY: usize = 128;
+    /// More codes than [`KeyCode`] knows.
+    pub const CAPACITY: usize = 160;
 
     /// Notes that `key` goes down. `false`, and nothing noted, when it is down already.
     pub fn press(&mut self, key: KeyCode) -> bool {

@@ -6,6 +6,7 @@ use std::io::{self, BufWriter};
 use std::path::Path;
 use std::time::Duration;
 
+use crate::contact::TargetNames;
 use crate::device::{KeyCode, OutputEvent};
 use crate::names::UnknownName;
 
@@ -45,6 +46,9 @@ pub trait Sink: Send {
     /// down of a key and an up of what is not down.
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError>;
 
+    /// Takes the names of the targets of events to come, for outputs that write them.
+    fn rename(&mut self, _: &TargetNames) {}
+
     /// Lets go of everything that is still down and waits, at most a second, until all is delivered.
     fn close(&mut self) -> Result<(), OutputError>;
 
@@ -57,6 +61,10 @@ pub trait Sink: Send {
 impl Sink for Box<dyn Sink> {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
         (**self).send(events)
+    }
+
+    fn rename(&mut self, names: &TargetNames) {
+        (**self).rename(names);
     }
 
     fn close(&mut self) -> Result<(), OutputError> {

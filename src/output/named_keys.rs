@@ -116,13 +116,14 @@ pub const OF_MACOS: &[(u16, u32)] = &[
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::device::KeyKind;
 
     fn missing(extra: &[(u16, u32)]) -> Vec<&'static str> {
         let has = |key: &KeyCode| {
             named(*key).is_some() || extra.iter().any(|(code, _)| *code == key.event_code())
         };
         KeyCode::all()
-            .filter(|key| !has(key))
+            .filter(|key| key.kind() == KeyKind::Key && !has(key))
             .map(KeyCode::name)
             .collect()
     }

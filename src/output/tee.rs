@@ -1,6 +1,7 @@
 //! One stream of events to several outputs.
 
 use super::{OutputError, Sink};
+use crate::contact::TargetNames;
 use crate::device::OutputEvent;
 
 /// Sends every event to each of its outputs.
@@ -30,6 +31,12 @@ impl Tee {
 impl Sink for Tee {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
         self.each(|sink| sink.send(events))
+    }
+
+    fn rename(&mut self, names: &TargetNames) {
+        for sink in &mut self.0 {
+            sink.rename(names);
+        }
     }
 
     /// Closes every output, one after the other.

@@ -1,8 +1,8 @@
 //! Events as lines of text.
 //!
 //! One line per event: the time in milliseconds with three decimals, right-aligned to 12 places,
-//! then what happened. Names are those of [`KeyCode`]; a target is its number; a depth has three
-//! decimals.
+//! then what happened. Keys and buttons have the names of [`KeyCode`], targets those of the layout (its
+//! number where a target has none). Depths and values have three decimals, places on the screen four.
 //!
 //! ```text
 //!     1234.567 down Q
@@ -15,7 +15,8 @@ use std::io::{self, Write};
 
 use super::held::Held;
 use super::{OutputError, Sink};
-use crate::device::{Action, KeyCode, OutputEvent};
+use crate::contact::TargetNames;
+use crate::device::{Action, KeyCode, OutputEvent, Request};
 use crate::time::Timestamp;
 
 /// An output that writes one line per event and is flushed after each frame.
@@ -24,6 +25,7 @@ use crate::time::Timestamp;
 /// what is not down and a second down are not written.
 pub struct Transcript<W: Write + Send> {
     name: String,
+    names: TargetNames,
     writer: W,
     held: Held,
     last: Timestamp,
@@ -35,6 +37,7 @@ impl<W: Write + Send> Transcript<W> {
     pub fn new(name: impl Into<String>, writer: W) -> Self {
         Self {
             name: name.into(),
+            names: TargetNames::default(),
             writer,
             held: Held::default(),
             last: Timestamp::default(),
@@ -46,13 +49,13 @@ impl<W: Write + Send> Transcript<W> {
         let accepted = match event.action {
             Action::KeyDown(key) => self.held.press(key),
             Action::KeyUp(key) => self.held.release(key),
-            Action::Depth(..) => true,
+            _ => true,
         };
         if !accepted {
             return Ok(());
         }
         self.last = self.last.max(event.time);
-        writeln!(self.writer, "{}", Line(event))
+        writeln!(self.writer, "{}", Line(event, &self.names))
     }
 
     fn release_all(&mut self) -> io::Result<()> {
@@ -94,6 +97,10 @@ impl<W: Write + Send> Sink for Transcript<W> {
             .map_err(|error| self.failure(&error))
     }
 
+    fn rename(&mut self, names: &TargetNames) {
+        self.names = names.clone();
+    }
+
     /// Writes an up line, at the time of the last event, for everything that is still down.
     fn close(&mut self) -> Result<(), OutputError> {
         self.release_all().map_err(|error| self.failure(&error))
@@ -109,16 +116,29 @@ impl<W: Write + Send> Drop for Transcript<W> {
 }
 
 /// One event as its line, without the line end.
-struct Line<'a>(&'a OutputEvent);
+struct Line<'a>(&'a OutputEvent, &'a TargetNames);
 
 impl fmt::Display for Line<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Timestamp(micros) = self.0.time;
+        let name = |target| self.1.of(target);
         write!(f, "{:>8}.{:03} ", micros / 1_000, micros % 1_000)?;
         match self.0.action {
             Action::KeyDown(key) => write!(f, "down {key}"),
             Action::KeyUp(key) => write!(f, "up   {key}"),
-            Action::Depth(target, depth) => write!(f, "depth {} {depth:.3}", target.0),
+            Action::Write(character) => write!(f, "write {character:?}"),
+            Action::MoveBy(x, y) => write!(f, "move {x:+} {y:+}"),
+            Action::MoveTo(x, y) => write!(f, "place {x:.4} {y:.4}"),
+            Action::Scroll(x, y) => write!(f, "scroll {x:+} {y:+}"),
+            Action::Axis(axis, value) => write!(f, "axis {axis} {value:+.3}"),
+            Action::Depth(target, depth) => write!(f, "depth {} {depth:.3}", name(target)),
+            Action::Value(target, value) => write!(f, "value {} {value:.3}", name(target)),
+            Action::Select(target) => write!(f, "select {}", name(target)),
+            Action::Unselect(target) => write!(f, "unselect {}", name(target)),
+            Action::Ask(Request::Pause) => f.write_str("pause"),
+            Action::Ask(Request::Profile(place)) => write!(f, "profile {place}"),
+            Action::Ask(Request::NextProfile) => f.write_str("next profile"),
+            Action::Ask(Request::Recentre) => f.write_str("recentre"),
         }
     }
 }
@@ -175,6 +195,16 @@ mod tests {
         transcript.send(&[down(9, "ShiftLeft")]).unwrap();
         let text = "    1234.567 down Q\n    1240.250 depth 3 0.512\n    1300.001 up   Q\n";
         assert_eq!(page.text(), format!("{text}       0.009 down ShiftLeft\n"));
+
+        let page = Page::default();
+        let mut transcript = Transcript::new("transcript", page.clone());
+        transcript.rename(&TargetNames::new(["Volume".to_owned()]));
+        let value = OutputEvent {
+            time: Timestamp(1_000),
+            action: Action::Value(TargetId(0), 0.25),
+        };
+        transcript.send(&[value]).unwrap();
+        assert_eq!(page.text(), "       1.000 value Volume 0.250\n");
     }
 
     #[test]

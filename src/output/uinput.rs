@@ -159,7 +159,7 @@ fn translate(action: Action, held: &mut Held) -> Option<InputEvent> {
     let (key, value) = match action {
         Action::KeyDown(key) => held.press(key).then_some((key, 1))?,
         Action::KeyUp(key) => held.release(key).then_some((key, 0))?,
-        Action::Depth(..) => return None,
+        _ => return None,
     };
     Some(InputEvent::new(EventType::KEY.0, key.event_code(), value))
 }

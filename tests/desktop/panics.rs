@@ -13,7 +13,7 @@ use ademan::device::{Events, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::kinematics::HandPose;
 use ademan::output::Desktop;
-use ademan::pipeline::{Arming, Pipeline};
+use ademan::pipeline::{Arming, Controls, Pipeline};
 use ademan::runtime::{RunError, drive};
 use ademan::settings::Setup;
 use ademan::time::Timestamp;
@@ -78,8 +78,11 @@ fn pipeline(fuse: Fuse) -> Pipeline {
     Pipeline::new(
         Estimator::new(assembly.glove.map.clone(), EstimatorSettings::default()),
         assembly.arm.clone(),
-        assembly.layout.scene.clone(),
-        vec![Box::new(Fused(keyboard, fuse))],
+        Controls::new(
+            assembly.layout.scene.clone(),
+            assembly.layout.target_names(),
+            vec![Box::new(Fused(keyboard, fuse))],
+        ),
         Arming::default(),
     )
 }

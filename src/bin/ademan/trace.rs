@@ -2,10 +2,11 @@
 
 use std::io::{self, BufWriter, Write};
 
+use ademan::contact::TargetNames;
 use ademan::monitor::Snapshot;
 use ademan::output;
 use ademan::runtime::drive;
-use ademan::trace::{Stage, TargetNames};
+use ademan::trace::Stage;
 
 use crate::args::TraceArgs;
 use crate::failure::Failure;

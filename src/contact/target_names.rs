@@ -1,0 +1,46 @@
+//! What targets are called.
+
+use std::fmt;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::TargetId;
+
+/// What the targets of a scene are called, in the order of their numbers. Copies are cheap.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct TargetNames(Arc<[String]>);
+
+/// A target by its name, or by its number where it has none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(untagged)]
+pub enum TargetName<'a> {
+    /// The name.
+    Name(&'a str),
+    /// The number.
+    Number(TargetId),
+}
+
+impl TargetNames {
+    /// Target number `i` is called `names[i]`.
+    pub fn new(names: impl IntoIterator<Item = String>) -> Self {
+        Self(names.into_iter().collect())
+    }
+
+    /// What a target is called.
+    pub fn of(&self, target: TargetId) -> TargetName<'_> {
+        match self.0.get(target.0 as usize) {
+            Some(name) => TargetName::Name(name),
+            None => TargetName::Number(target),
+        }
+    }
+}
+
+impl fmt::Display for TargetName<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Name(name) => f.pad(name),
+            Self::Number(TargetId(number)) => number.fmt(f),
+        }
+    }
+}
