@@ -5,7 +5,7 @@
 
 use std::hint::black_box;
 
-use ademan::contact::surface::{Anchor, Scene, Shape, Target};
+use ademan::contact::surface::{Anchor, Scene, Shape, TREMBLE, Target};
 use ademan::contact::{ContactTracker, Touches};
 use ademan::hand::{Finger, Joint, Side};
 use ademan::kinematics::HandPose;
@@ -34,6 +34,7 @@ fn scene(keys: u32) -> Scene {
             travel: 0.004,
             press_share: 0.5,
             release_share: 0.25,
+            margin: TREMBLE,
         }
     };
     let flat = Rotation::from_rotation_x(-std::f32::consts::FRAC_PI_2);

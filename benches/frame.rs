@@ -13,8 +13,8 @@ use ademan::capture::hc11::{self, BODY_BYTES, Decoder, FRAME_BYTES, Framing};
 use ademan::capture::{LineSettings, Reading, Sample};
 use ademan::contact::surface::{Anchor, Scene, Target};
 use ademan::contact::{ContactTracker, Phase, TargetId, TargetNames, Touch, Touches};
-use ademan::device::keyboard::{Fires, KeyAction, KeyBinding, Keyboard};
-use ademan::device::{Events, KeyCode, VirtualDevice};
+use ademan::device::keyboard::{Fires, KeyBinding, Keyboard};
+use ademan::device::{Events, KeyAction, KeyCode, Out, Seen, Switchboard, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings, JointAngles};
 use ademan::hand::Side;
 use ademan::kinematics::{ArmModel, BoneLengths, HandPose};
@@ -308,11 +308,21 @@ fn e_contact(bencher: Bencher, board: Board) {
 #[divan::bench]
 fn f_keyboard(bencher: Bencher) {
     let mut keyboard = Board::Flat(100).keyboard();
+    let mut switchboard = Switchboard::default();
     let mut events = Events::new();
     let pose = typing().poses[0];
     run(bencher, &typing().touches, |touches| {
         events.clear();
-        keyboard.update(&pose, touches, &mut events);
+        let seen = Seen {
+            angles: &typing().angles[0],
+            pose: &pose,
+            touches,
+        };
+        let mut out = Out {
+            switchboard: &mut switchboard,
+            events: &mut events,
+        };
+        keyboard.update(&seen, &mut out);
         black_box(&events);
     });
 }

@@ -6,10 +6,9 @@
 
 use std::collections::BTreeMap;
 
-use ademan::contact::{Phase, TargetId, Touch};
-use ademan::device::{Action, Events, OutputEvent, VirtualDevice};
+use ademan::contact::{Phase, TargetId};
+use ademan::device::{Action, Out, Seen, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings};
-use ademan::kinematics::HandPose;
 use ademan::output;
 use ademan::pipeline::{Arming, Controls, Pipeline};
 use ademan::runtime::drive;
@@ -26,8 +25,8 @@ struct DrumPad {
 }
 
 impl VirtualDevice for DrumPad {
-    fn update(&mut self, _: &HandPose, touches: &[Touch], events: &mut Events) {
-        for touch in touches {
+    fn update(&mut self, seen: &Seen, out: &mut Out) {
+        for touch in seen.touches {
             match touch.phase {
                 Phase::Touched => {
                     self.touched.insert(touch.target, touch.time);
@@ -38,10 +37,7 @@ impl VirtualDevice for DrumPad {
                     };
                     let seconds = touch.time.since(touched).as_secs_f32();
                     let hardness = (touch.depth / seconds / HARDEST).min(1.0);
-                    events.push(OutputEvent {
-                        time: touch.time,
-                        action: Action::Depth(touch.target, hardness),
-                    });
+                    out.tell(touch.time, Action::Depth(touch.target, hardness));
                 }
                 _ => {}
             }
@@ -49,7 +45,7 @@ impl VirtualDevice for DrumPad {
     }
 
     /// A pad holds nothing down.
-    fn release_all(&mut self, _: Timestamp, _: &mut Events) {
+    fn release_all(&mut self, _: Timestamp, _: &mut Out) {
         self.touched.clear();
     }
 }

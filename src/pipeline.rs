@@ -6,7 +6,7 @@ use crate::capture::Reading;
 use crate::contact::surface::Scene;
 use crate::contact::tracker::ContactTracker;
 use crate::contact::{TargetNames, Touches};
-use crate::device::{Events, VirtualDevice};
+use crate::device::{Events, Out, Seen, Switchboard, VirtualDevice};
 use crate::estimate::{Estimator, JointAngles, Rejection};
 use crate::kinematics::{ArmModel, HandPose};
 use crate::monitor::State;
@@ -50,6 +50,7 @@ pub struct Controls {
     scene: Scene,
     names: TargetNames,
     tracker: ContactTracker,
+    switchboard: Switchboard,
     devices: Vec<Box<dyn VirtualDevice>>,
 }
 
@@ -63,7 +64,31 @@ impl Controls {
             tracker: ContactTracker::new(&scene),
             scene,
             names,
+            switchboard: Switchboard::default(),
             devices,
+        }
+    }
+
+    /// The same with texts that keys write; see [`TextId`](crate::device::TextId).
+    pub fn with_texts(self, texts: Vec<String>) -> Self {
+        Self {
+            switchboard: Switchboard::new(texts),
+            ..self
+        }
+    }
+
+    fn update(&mut self, frame: &Frame, events: &mut Events) {
+        let seen = Seen {
+            angles: &frame.angles,
+            pose: &frame.pose,
+            touches: &frame.touches,
+        };
+        let mut out = Out {
+            switchboard: &mut self.switchboard,
+            events,
+        };
+        for device in &mut self.devices {
+            device.update(&seen, &mut out);
         }
     }
 
@@ -75,8 +100,13 @@ impl Controls {
     fn release_all(&mut self, time: Timestamp, events: &mut Events) {
         let mut cancelled = Touches::new();
         self.tracker.reset(time, &mut cancelled);
+        self.switchboard.release_all(time, events);
+        let mut out = Out {
+            switchboard: &mut self.switchboard,
+            events,
+        };
         for device in &mut self.devices {
-            device.release_all(time, events);
+            device.release_all(time, &mut out);
         }
     }
 }
@@ -144,9 +174,7 @@ impl Pipeline {
         self.last_accepted = Some(pose.time);
         self.arm_when_clear();
         if self.state == State::Running {
-            for device in &mut self.controls.devices {
-                device.update(&self.frame.pose, &self.frame.touches, events);
-            }
+            self.controls.update(&self.frame, events);
         }
         Ok(&self.frame)
     }

@@ -6,7 +6,7 @@
 //! | `readings` | reading | `{"time_us":12500,"full_scale":255,"channels":[3,141]}` |
 //! | `angles` | frame | `{"time_us":12500,"angles":{"index-mcp-flexion":0.12}}` |
 //! | `pose` | frame | `{"time_us":12500,"side":"right","positions":{"wrist":[x,y,z]},"orientations":{"wrist":[x,y,z,w]}}` |
-//! | `touches` | touch | `{"time_us":12400,"finger":"index","target":"Q","phase":"pressed","depth":0.5}` |
+//! | `touches` | touch | `{"time_us":12400,"side":"right","finger":"index","target":"Q","phase":"pressed","depth":0.5,"at":[0.001,-0.002]}` |
 //! | `events` | event | `{"time_us":12400,"event":"key-down","key":"Q"}`, `{"time_us":12400,"event":"depth","target":"ArrowUp","depth":0.5}` |
 //!
 //! Times are microseconds, channels in wire order, angles radians of the joints that the source
@@ -170,20 +170,24 @@ fn orientations<S: Serializer>(pose: &&HandPose, serializer: S) -> Result<S::Ok,
 #[derive(Serialize)]
 struct TouchForm<'a> {
     time_us: Timestamp,
+    side: Side,
     finger: Finger,
     target: TargetName<'a>,
     phase: Phase,
     depth: f32,
+    at: [f32; 2],
 }
 
 impl<'a> TouchForm<'a> {
     fn of(touch: &Touch, names: &'a TargetNames) -> Self {
         Self {
             time_us: touch.time,
+            side: touch.side,
             finger: touch.finger,
             target: names.of(touch.target),
             phase: touch.phase,
             depth: touch.depth,
+            at: touch.at.to_array(),
         }
     }
 }
@@ -264,7 +268,7 @@ mod tests {
     use crate::device::Events;
     use crate::hand::{Dof, Joint};
     use crate::monitor::{State, Tally};
-    use parry3d::math::{Pose, Vec3};
+    use parry3d::math::{Pose, Vec2, Vec3};
     use serde_json::Value;
     use std::convert::Infallible;
 
@@ -283,10 +287,12 @@ mod tests {
         pose.set(Joint::Wrist, wrist);
         let touch = Touch {
             time: Timestamp(12_400),
+            side: Side::Left,
             finger: Finger::Index,
             target: TargetId(7),
             phase: Phase::Pressed,
             depth: 0.5,
+            at: Vec2::new(0.25, -0.5),
         };
         let event = |action| OutputEvent {
             time: Timestamp(12_400),
@@ -348,7 +354,7 @@ mod tests {
                 r#"{"time_us":12500,"side":"right","positions":{"wrist":[0.1,-0.25,1e-7]},"orientations":{"wrist":[0.0,0.0,0.0,1.0]}}"#,
             ],
             &[
-                r#"{"time_us":12400,"finger":"index","target":"key 7","phase":"pressed","depth":0.5}"#,
+                r#"{"time_us":12400,"side":"left","finger":"index","target":"key 7","phase":"pressed","depth":0.5,"at":[0.25,-0.5]}"#,
             ],
             &[
                 r#"{"time_us":12400,"event":"key-up","key":"Q"}"#,

@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use ademan::contact::surface::Shape;
 use ademan::device::KeyCode;
-use ademan::device::keyboard::{Fires, Hold, KeyAction, Latch};
+use ademan::device::keyboard::{Fires, Hold};
+use ademan::device::{KeyAction, Latch};
 use ademan::hand::{Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::layout::{Document, Layout};

@@ -17,7 +17,7 @@ use ademan::kinematics::HandPose;
 use ademan::monitor::{Snapshot, State, Tally};
 use ademan::recorder::Recorder;
 use ademan::time::Timestamp;
-use parry3d::math::{Pose, Vec3};
+use parry3d::math::{Pose, Vec2, Vec3};
 
 const READINGS: u64 = 40;
 
@@ -42,10 +42,12 @@ fn snapshot(number: u64) -> Snapshot {
     pose.set(Joint::Wrist, wrist);
     let touch = Touch {
         time,
+        side: Side::Right,
         finger: Finger::Index,
         target: TargetId(3),
         phase: Phase::Held,
         depth: 0.25,
+        at: Vec2::new(0.001, -0.002),
     };
     let event = OutputEvent {
         time,

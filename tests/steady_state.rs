@@ -11,8 +11,8 @@ use ademan::capture::hc11::{self, Decoder, Framing, encode};
 use ademan::capture::{LineSettings, Reading, Sample};
 use ademan::contact::{Phase, TargetId, Touch, Touches};
 use ademan::device::keyboard::Keyboard;
-use ademan::device::{Action, Events, VirtualDevice};
-use ademan::estimate::Rejection;
+use ademan::device::{Action, Events, Out, Seen, Switchboard, VirtualDevice};
+use ademan::estimate::{JointAngles, Rejection};
 use ademan::hand::{Finger, Side};
 use ademan::kinematics::HandPose;
 use ademan::lab::Typist;
@@ -22,6 +22,7 @@ use ademan::pipeline::Pipeline;
 use ademan::runtime::drive;
 use ademan::settings::{Assembly, Setup, controls};
 use ademan::time::Timestamp;
+use parry3d::math::Vec2;
 
 struct Counting;
 
@@ -203,6 +204,43 @@ fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
     assert_eq!(allocated, 0);
 }
 
+fn update(
+    keyboard: &mut Keyboard,
+    switchboard: &mut Switchboard,
+    pose: &HandPose,
+    touches: &[Touch],
+    events: &mut Events,
+) {
+    let seen = Seen {
+        angles: &JointAngles::at(pose.time),
+        pose,
+        touches,
+    };
+    keyboard.update(
+        &seen,
+        &mut Out {
+            switchboard,
+            events,
+        },
+    );
+}
+
+fn release_all(
+    keyboard: &mut Keyboard,
+    switchboard: &mut Switchboard,
+    time: Timestamp,
+    events: &mut Events,
+) {
+    switchboard.release_all(time, events);
+    keyboard.release_all(
+        time,
+        &mut Out {
+            switchboard,
+            events,
+        },
+    );
+}
+
 #[test]
 fn every_option_of_a_key_allocates_nothing() {
     let text = r#"Layout(name: "t", boards: [(place: (anchor: elbow), repress_ms: 20, keys: [
@@ -214,6 +252,7 @@ fn every_option_of_a_key_allocates_nothing() {
     ])], layers: [(name: "l", keys: {"A": "1"})])"#;
     let keys = Keys::parse(text, "t.ron").expect("a layout");
     let mut keyboard = Keyboard::new(keys.keyboard_bindings());
+    let mut switchboard = Switchboard::default();
     let mut pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
     let (mut random, mut sent) = (1_u64, 0);
 
@@ -226,17 +265,25 @@ fn every_option_of_a_key_allocates_nothing() {
                 .wrapping_add(1);
             Touch {
                 time: pose.time,
+                side: Side::Right,
                 finger,
                 target: TargetId(finger.index() as u32),
                 phase: Phase::ALL[(random >> 33) as usize % Phase::ALL.len()],
                 depth: 0.5,
+                at: Vec2::ZERO,
             }
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
         let mut events = Events::new();
-        keyboard.update(&pose, &touches, &mut events);
+        update(
+            &mut keyboard,
+            &mut switchboard,
+            &pose,
+            &touches,
+            &mut events,
+        );
         if frame % 100 == 99 {
-            keyboard.release_all(pose.time, &mut events);
+            release_all(&mut keyboard, &mut switchboard, pose.time, &mut events);
         }
         sent += events.len();
     }
@@ -271,6 +318,7 @@ fn a_new_layout_costs_the_loop_no_allocation_and_nothing_is_freed_in_it() {
 fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
     let arrows = Keys::load("arrows").expect("the shipped layout");
     let mut keyboard = Keyboard::new(arrows.keyboard_bindings());
+    let mut switchboard = Switchboard::default();
     let pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
     let mut depths = 0;
 
@@ -278,16 +326,29 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
     for frame in 0..100_u64 {
         let touch = |&finger: &Finger| Touch {
             time: Timestamp(frame * 5_729),
+            side: Side::Right,
             finger,
             target: TargetId(finger.index() as u32 % 4),
             phase: [Phase::Touched, Phase::Pressed, Phase::Held][(frame % 3) as usize],
             depth: (frame % 7) as f32 / 7.0,
+            at: Vec2::ZERO,
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
         let mut events = Events::new();
-        keyboard.update(&pose, &touches, &mut events);
+        update(
+            &mut keyboard,
+            &mut switchboard,
+            &pose,
+            &touches,
+            &mut events,
+        );
         if frame % 10 == 9 {
-            keyboard.release_all(Timestamp(frame * 5_729), &mut events);
+            release_all(
+                &mut keyboard,
+                &mut switchboard,
+                Timestamp(frame * 5_729),
+                &mut events,
+            );
         }
         let is_depth = |action| matches!(action, Action::Depth(..));
         depths += events.iter().filter(|event| is_depth(event.action)).count();

@@ -136,7 +136,7 @@ mod tests {
 
     use super::*;
     use crate::contact::stroke::tests::assert_close;
-    use crate::contact::surface::{Anchor, Scene, Shape};
+    use crate::contact::surface::{Anchor, Scene, Shape, TREMBLE};
 
     const KEY: Shape = Shape::Box(Vec2::new(0.008, 0.006));
     fn target(shape: Shape, surface_from_target: Pose) -> Target {
@@ -146,6 +146,7 @@ mod tests {
             travel: 0.004,
             press_share: 0.5,
             release_share: 0.25,
+            margin: TREMBLE,
         }
     }
 

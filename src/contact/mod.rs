@@ -10,9 +10,10 @@ pub use target_names::{TargetName, TargetNames};
 pub use tracker::ContactTracker;
 
 use arrayvec::ArrayVec;
+use parry3d::math::Vec2;
 use serde::{Deserialize, Serialize};
 
-use crate::hand::Finger;
+use crate::hand::{Finger, Side};
 use crate::names::named_enum;
 use crate::time::Timestamp;
 
@@ -26,6 +27,8 @@ pub struct TargetId(pub u32);
 pub struct Touch {
     /// When it happened, between the frame before and this one.
     pub time: Timestamp,
+    /// Of which hand.
+    pub side: Side,
     /// Whose fingertip.
     pub finger: Finger,
     /// On what.
@@ -35,6 +38,9 @@ pub struct Touch {
     /// How far this fingertip pushes the target in, as a share of its travel: 0..=1; 0 once it has
     /// left or was cancelled.
     pub depth: f32,
+    /// Where on the target's front the fingertip is, in metres from its middle along the target's own X
+    /// and Y; where it was last when it is no longer seen.
+    pub at: Vec2,
 }
 
 named_enum! {
@@ -45,7 +51,7 @@ named_enum! {
         Touched = "touched",
         /// It went past the press share of the travel.
         Pressed = "pressed",
-        /// It stays on the target; only the depth is new. At most one a frame and finger.
+        /// It stays on the target; only its place and depth are new. At most one a frame and finger.
         Held = "held",
         /// It came back above the release share.
         Released = "released",

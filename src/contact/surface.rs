@@ -5,7 +5,7 @@ use parry3d::math::{Pose, Vec2, Vec3};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 
 use super::TargetId;
-use crate::hand::Joint;
+use crate::hand::{Joint, Side};
 use crate::kinematics::HandPose;
 
 /// The outline of a target's front, in metres, about its middle.
@@ -33,7 +33,15 @@ pub struct Target {
     pub press_share: f32,
     /// The share of the travel at which it counts as let go again, 0 or more.
     pub release_share: f32,
+    /// Metres by which the outline is wider for a fingertip that is on it: [`TREMBLE`] for what is
+    /// only pushed, more for a handle that is held on to while it moves.
+    pub margin: f32,
 }
+
+/// The least that a fingertip on a target may be beside its outline, in metres, so that a tremble at
+/// the edge does not cancel. An unsupported arm sways 0.5–2 mm below 2 Hz, a fingertip trembles
+/// 0.02–0.1 mm (Arch Neurol 1982;39:358).
+pub const TREMBLE: f32 = 0.002;
 
 /// Metres by which the box around a front is thicker than the front on every side.
 ///
@@ -47,13 +55,15 @@ const SKIN: f32 = 1e-5;
 pub enum Anchor {
     /// The world's origin.
     World,
-    /// A joint's position; the surface goes along with it and keeps the world's axes.
+    /// A joint's position of the hand that touches; the surface goes along with it and keeps the
+    /// world's axes.
     Joint(Joint),
 }
 
 /// A group of targets that moves as one.
 #[derive(Clone, Debug)]
 pub struct Surface {
+    side: Option<Side>,
     anchor: Anchor,
     anchor_from_surface: Pose,
     first: u32,
@@ -62,8 +72,12 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Where the surface is for this pose of the hand; `None` when its anchor is not known.
+    /// Where the surface is for this pose of the hand; `None` when its anchor is not known, or when it
+    /// is there for the other hand.
     pub fn world_from_surface(&self, pose: &HandPose) -> Option<Pose> {
+        if self.side.is_some_and(|side| side != pose.side) {
+            return None;
+        }
         let origin = match self.anchor {
             Anchor::World => Vec3::ZERO,
             Anchor::Joint(joint) => pose.position(joint)?,
@@ -110,9 +124,21 @@ impl Scene {
         Self::default()
     }
 
-    /// Adds a surface; its targets get the next ids, in order. Returns the id of the first.
+    /// Adds a surface for either hand; its targets get the next ids, in order. Returns the id of the
+    /// first.
     pub fn add(
         &mut self,
+        anchor: Anchor,
+        anchor_from_surface: Pose,
+        targets: Vec<Target>,
+    ) -> TargetId {
+        self.add_for(None, anchor, anchor_from_surface, targets)
+    }
+
+    /// As [`add`](Self::add), for one hand only where `side` names one.
+    pub fn add_for(
+        &mut self,
+        side: Option<Side>,
         anchor: Anchor,
         anchor_from_surface: Pose,
         targets: Vec<Target>,
@@ -121,6 +147,7 @@ impl Scene {
         let boxes: Vec<Aabb> = targets.iter().map(front_box).collect();
         self.count += targets.len() as u32;
         self.surfaces.push(Surface {
+            side,
             anchor,
             anchor_from_surface,
             first,
@@ -180,6 +207,7 @@ mod tests {
                     travel: 0.004,
                     press_share: 0.5,
                     release_share: 0.25,
+                    margin: TREMBLE,
                 }
             };
             let mut scene = Scene::new();

@@ -1,21 +1,16 @@
 //! What each fingertip does on which target, followed from frame to frame.
 
-use parry3d::math::Vec3;
+use parry3d::math::{Vec2, Vec3};
 
 use super::hit_test::{self, Crossing};
 use super::stroke::{self, Stroke};
 use super::surface::{Scene, Shape, Target};
 use super::{Phase, TargetId, Touch, Touches};
-use crate::hand::Finger;
+use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
 
-/// Metres by which the outline of a target is wider for a fingertip that is on it, so that a
-/// tremble at the edge does not cancel. An unsupported arm sways 0.5–2 mm below 2 Hz, a fingertip
-/// trembles 0.02–0.1 mm (Arch Neurol 1982;39:358).
-pub const SIDEWAYS_MARGIN: f32 = 0.002;
-
-/// Follows five fingertips over the targets of one scene.
+/// Follows the five fingertips of one hand over the targets of one scene.
 ///
 /// Between two frames each fingertip is taken to move in a straight line at constant speed in the
 /// frame of each surface, so nothing is missed between frames and events carry times between them.
@@ -25,12 +20,14 @@ pub const SIDEWAYS_MARGIN: f32 = 0.002;
 ///   to come out and in again.
 /// - It is on one target at most: the first that it comes in through, on a tie the one whose middle
 ///   is nearest. It stays latched to that target, however deep it goes.
-/// - It goes out through the front (`Left`), or sideways by more than [`SIDEWAYS_MARGIN`]
+/// - It goes out through the front (`Left`), or sideways by more than the target's margin
 ///   (`Cancelled`). After that it touches nothing until it has been in front of the target's plane
 ///   again, or further beside the target than the target is wide.
 /// - Two fingertips may be on one target; each has its own touches.
 #[derive(Clone, Debug)]
 pub struct ContactTracker {
+    /// The hand that was followed last.
+    side: Side,
     time: Timestamp,
     /// One for each surface of the scene.
     tracks: Vec<Track>,
@@ -57,6 +54,8 @@ struct Contact {
     is_pressed: bool,
     /// The share of the travel that was told last.
     depth: f32,
+    /// The place on the front that was told last, in metres.
+    at: Vec2,
 }
 
 /// A target and the number of its surface, which spares the search for it.
@@ -70,6 +69,7 @@ impl ContactTracker {
     /// A tracker for `scene` that has not seen the hand yet.
     pub fn new(scene: &Scene) -> Self {
         Self {
+            side: Side::Right,
             time: Timestamp::default(),
             tracks: vec![Track::default(); scene.surfaces().len()],
             fingers: [FingerState::default(); Finger::COUNT],
@@ -84,7 +84,9 @@ impl ContactTracker {
     /// and a jump of the hand cancel the touches concerned at the time of the pose.
     pub fn update(&mut self, scene: &Scene, pose: &HandPose, touches: &mut Touches) {
         self.locate(scene, pose);
+        self.side = pose.side;
         let mut step = Step {
+            side: pose.side,
             scene,
             tracks: &self.tracks,
             radius: pose.tip_radius,
@@ -102,7 +104,13 @@ impl ContactTracker {
     pub fn reset(&mut self, time: Timestamp, touches: &mut Touches) {
         for (state, &finger) in self.fingers.iter_mut().zip(Finger::ALL) {
             if let Some(contact) = state.contact {
-                push(touches, time, finger, contact.place, Phase::Cancelled, 0.0);
+                push(
+                    touches,
+                    time,
+                    (self.side, finger),
+                    Phase::Cancelled,
+                    &contact,
+                );
             }
         }
         self.fingers = [FingerState::default(); Finger::COUNT];
@@ -168,24 +176,29 @@ fn believed_fingertip(pose: &HandPose, finger: Finger) -> Option<Vec3> {
 fn push(
     touches: &mut Touches,
     time: Timestamp,
-    finger: Finger,
-    place: Place,
+    (side, finger): (Side, Finger),
     phase: Phase,
-    depth: f32,
+    contact: &Contact,
 ) {
     // There is room for 6 a finger, and a finger has 5 at most: released, left, touched, pressed,
     // and held or cancelled.
     let _ = touches.try_push(Touch {
         time,
+        side,
         finger,
-        target: place.target,
+        target: contact.place.target,
         phase,
-        depth,
+        depth: match phase {
+            Phase::Left | Phase::Cancelled => 0.0,
+            _ => contact.depth,
+        },
+        at: contact.at,
     });
 }
 
 /// What the fingers need to know about one frame.
 struct Step<'a> {
+    side: Side,
     scene: &'a Scene,
     tracks: &'a [Track],
     radius: f32,
@@ -232,9 +245,9 @@ impl<'a> Step<'a> {
         first.map(|(place, crossing)| (place, crossing.share))
     }
 
-    fn tell(&mut self, share: f32, finger: Finger, place: Place, phase: Phase, depth: f32) {
+    fn tell(&mut self, share: f32, finger: Finger, phase: Phase, contact: &Contact) {
         let time = self.start.toward(self.end, share);
-        push(self.touches, time, finger, place, phase, depth);
+        push(self.touches, time, (self.side, finger), phase, contact);
     }
 }
 
@@ -253,12 +266,16 @@ impl FingerState {
         let Some((place, share)) = step.first_crossing(finger, since) else {
             return;
         };
-        step.tell(share, finger, place, Phase::Touched, 0.0);
+        let Some((_, stroke)) = step.stroke(place, finger) else {
+            return;
+        };
         let contact = Contact {
             place,
             is_pressed: false,
             depth: 0.0,
+            at: stroke.at(share).truncate(),
         };
+        step.tell(share, finger, Phase::Touched, &contact);
         self.follow(contact, finger, share, step);
     }
 
@@ -274,11 +291,11 @@ impl FingerState {
         let place = contact.place;
         self.contact = None;
         let Some((target, stroke)) = step.stroke(place, finger) else {
-            step.tell(1.0, finger, place, Phase::Cancelled, 0.0);
+            step.tell(1.0, finger, Phase::Cancelled, &contact);
             return Some(1.0);
         };
         let slides_off = stroke
-            .leaves_sideways(target.shape, SIDEWAYS_MARGIN)
+            .leaves_sideways(target.shape, target.margin)
             .map(|share| share.max(since));
         let (turn, phase, level) = if contact.is_pressed {
             let depth = target.release_share * target.travel;
@@ -296,24 +313,29 @@ impl FingerState {
         if let Some(share) = turn.map(|share| share.max(since))
             && is_before_sliding_off(share)
         {
-            step.tell(share, finger, place, phase, level);
             contact.is_pressed = phase == Phase::Pressed;
             contact.depth = level;
+            contact.at = stroke.at(share).truncate();
+            step.tell(share, finger, phase, &contact);
         }
         let leaves = stroke.rises_to(0.0).map(|share| share.max(since));
         if let Some(share) = leaves.filter(|&share| is_before_sliding_off(share)) {
-            step.tell(share, finger, place, Phase::Left, 0.0);
+            contact.at = stroke.at(share).truncate();
+            step.tell(share, finger, Phase::Left, &contact);
             return Some(share);
         }
         if let Some(share) = slides_off {
-            step.tell(share, finger, place, Phase::Cancelled, 0.0);
+            contact.at = stroke.at(share).truncate();
+            step.tell(share, finger, Phase::Cancelled, &contact);
             self.slid_off = Some(place);
             return Some(share);
         }
         let depth = (-stroke.to.z / target.travel).clamp(0.0, 1.0);
-        if depth != contact.depth {
-            step.tell(1.0, finger, place, Phase::Held, depth);
+        let at = stroke.to.truncate();
+        if depth != contact.depth || at != contact.at {
             contact.depth = depth;
+            contact.at = at;
+            step.tell(1.0, finger, Phase::Held, &contact);
         }
         self.contact = Some(contact);
         None

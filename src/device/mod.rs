@@ -3,15 +3,17 @@
 use arrayvec::ArrayVec;
 
 use crate::contact::{TargetId, Touch};
+use crate::estimate::JointAngles;
 use crate::kinematics::HandPose;
+use crate::names::named_enum;
 use crate::time::Timestamp;
 
-pub mod keyboard;
 pub mod keycode;
+pub mod switchboard;
+pub mod keyboard;
 
 pub use keycode::{KeyCode, KeyKind};
-
-use crate::names::named_enum;
+pub use switchboard::{KeyAction, Latch, Owner, Switchboard, TextId};
 
 /// Something for the operating system or a peer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -108,15 +110,71 @@ impl Axis {
 
 /// The events of one frame: releases first, presses second.
 ///
-/// Five fingers can each end one press and begin another in a frame, each with a modifier around
-/// it, and tell a depth: 5 × (2 + 2 + 1), and as many again for letting go of everything.
-pub type Events = ArrayVec<OutputEvent, 64>;
+/// Ten fingers can each end one press and begin another in a frame, each with a modifier around it:
+/// 10 × (2 + 2), tell a depth and a value: 10 × 2, a text has at most 32 characters, and everything that
+/// is down, at most 48 codes, can be let go of after that.
+pub type Events = ArrayVec<OutputEvent, 192>;
+
+/// What a device sees of one hand in one frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// The angles of its joints.
+    pub angles: &'a JointAngles,
+    /// Where it is, and since when.
+    pub pose: &'a HandPose,
+    /// What its fingertips did, in order of time for each finger.
+    pub touches: &'a [Touch],
+}
+
+/// Where a device puts what comes of it.
+#[derive(Debug)]
+pub struct Out<'a> {
+    /// What is down; shared by all devices of a layout.
+    pub switchboard: &'a mut Switchboard,
+    /// What goes out in this frame.
+    pub events: &'a mut Events,
+}
+
+impl Out<'_> {
+    /// Begins a press, see [`Switchboard::press`]; whether it found room.
+    pub fn press(&mut self, owner: Owner, action: KeyAction, time: Timestamp) -> bool {
+        let is_pressed = self.switchboard.press(owner, action, time, self.events);
+        self.switchboard.settle(time, self.events);
+        is_pressed
+    }
+
+    /// Ends the press of this owner, who let go.
+    pub fn end(&mut self, owner: Owner, time: Timestamp) {
+        self.switchboard.end(|other| other == owner);
+        self.switchboard.settle(time, self.events);
+    }
+
+    /// Ends the press of this owner, who was lost or slid off.
+    pub fn cancel(&mut self, owner: Owner, time: Timestamp) {
+        self.switchboard.cancel(|other| other == owner);
+        self.switchboard.settle(time, self.events);
+    }
+
+    /// Begins a press and ends it at once; whether it found room.
+    pub fn tap(&mut self, owner: Owner, action: KeyAction, time: Timestamp) -> bool {
+        let is_pressed = self.press(owner, action, time);
+        self.end(owner, time);
+        is_pressed
+    }
+
+    /// Tells of something that is neither down nor up; `false` when there is no room for it.
+    pub fn tell(&mut self, time: Timestamp, action: Action) -> bool {
+        self.switchboard.tell(time, action, self.events)
+    }
+}
 
 /// A virtual device: it hears of every touch and says what should go out.
 pub trait VirtualDevice: Send {
-    /// Takes the touches of one frame; `touches` are in order of time for each finger.
-    fn update(&mut self, pose: &HandPose, touches: &[Touch], events: &mut Events);
+    /// Takes one frame of one hand.
+    fn update(&mut self, seen: &Seen, out: &mut Out);
 
-    /// Lets go of everything at `time`: tracking lost, paused, layout changed, exit.
-    fn release_all(&mut self, time: Timestamp, events: &mut Events);
+    /// Lets go of everything at `time`: tracking lost, paused, layout changed, exit. What is pressed on
+    /// the switchboard is ended there for all devices at once; what is left are values that spring back,
+    /// and what the device remembers.
+    fn release_all(&mut self, time: Timestamp, out: &mut Out);
 }

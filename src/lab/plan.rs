@@ -1,8 +1,8 @@
 //! Which keys have to be tapped, one after the other, so that a text comes out.
 
 use crate::contact::TargetId;
-use crate::device::KeyCode;
-use crate::device::keyboard::{KeyAction, KeyBinding, Latch};
+use crate::device::keyboard::KeyBinding;
+use crate::device::{KeyAction, KeyCode, Latch};
 
 /// One tap of one key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -10,16 +10,18 @@ use parry3d::math::{Pose, Rot3, Vec2};
 
 use super::error::{LayoutError, line_of};
 use super::file::Document;
-use super::keyboard::{BASE_LAYER, Board, Key, Layout, MAX_KEYS, MAX_LAYERS, metres, metres2};
+use super::keyboard::{
+    BASE_LAYER, Board, Key, Layout, MAX_KEYS, MAX_LAYERS, label, metres, metres2,
+};
 use super::number::{Distance, PressShare, ReleaseShare, Repress, Travel};
 use super::outline::{Outline, first_overlap};
 use super::placement;
 use super::text::Word;
 use super::written::{self, Does, Form};
 use crate::contact::TargetId;
-use crate::contact::surface::{Scene, Target};
-use crate::device::KeyCode;
-use crate::device::keyboard::{Fires, KeyAction, Latch};
+use crate::contact::surface::{Scene, TREMBLE, Target};
+use crate::device::keyboard::Fires;
+use crate::device::{KeyAction, KeyCode, Latch};
 use crate::names::UnknownName;
 
 /// Reads and checks a document.
@@ -30,6 +32,7 @@ pub(super) fn layout(document: Document) -> Result<Layout, LayoutError> {
         boards,
         keys,
         layers,
+        texts,
         ..
     } = Checked::of(&document, &written)?;
     Ok(Layout {
@@ -39,6 +42,7 @@ pub(super) fn layout(document: Document) -> Result<Layout, LayoutError> {
         boards,
         keys,
         layers,
+        texts,
         file: document.file.clone(),
         text: document.text.clone(),
     })
@@ -55,6 +59,7 @@ struct Checked<'a> {
     boards: Vec<Board>,
     keys: Vec<Key>,
     layers: Vec<String>,
+    texts: Vec<String>,
     /// Name of a key → its place in `keys`.
     places: BTreeMap<&'a str, usize>,
     /// Where each key stands in the file.
@@ -85,6 +90,7 @@ impl<'a> Checked<'a> {
             boards: Vec::new(),
             keys: Vec::new(),
             layers: vec![BASE_LAYER.to_owned()],
+            texts: Vec::new(),
             places: BTreeMap::new(),
             words: Vec::new(),
         };
@@ -323,14 +329,12 @@ impl<'a> Checked<'a> {
             travel: metres(draft.travel.get()),
             press_share: press as f32,
             release_share: release as f32,
+            margin: TREMBLE,
         })
     }
 
     fn default_label(&self, action: KeyAction) -> String {
-        match action {
-            KeyAction::Key(code) | KeyAction::Modifier(code, _) => code.label().to_owned(),
-            KeyAction::Layer(layer, _) => self.layers[layer].clone(),
-        }
+        label(action, &self.layers, &self.texts).to_owned()
     }
 
     fn refuse_overlaps(&self, first: usize) -> Result<(), LayoutError> {

@@ -13,8 +13,8 @@ use super::{check, number};
 use crate::contact::TargetId;
 use crate::contact::TargetNames;
 use crate::contact::surface::Scene;
-use crate::device::KeyCode;
-use crate::device::keyboard::{Fires, Hold, KeyAction, KeyBinding};
+use crate::device::keyboard::{Fires, Hold, KeyBinding};
+use crate::device::{KeyAction, KeyCode, Request, TextId};
 
 /// The most keys that a layout has.
 pub const MAX_KEYS: usize = 10_000;
@@ -44,6 +44,8 @@ pub struct Layout {
     pub keys: Vec<Key>,
     /// Names of the layers, [`BASE_LAYER`] first.
     pub layers: Vec<String>,
+    /// The texts that keys write, in the order of their [`TextId`]s.
+    pub texts: Vec<String>,
 }
 
 /// A group of keys that moves as one.
@@ -162,7 +164,7 @@ impl Layout {
             .flat_map(|key| key.actions.iter().copied().chain([key.held()]))
             .filter_map(|action| match action {
                 Some(KeyAction::Key(code) | KeyAction::Modifier(code, _)) => Some(code),
-                Some(KeyAction::Layer(..)) | None => None,
+                _ => None,
             })
             .collect()
     }
@@ -189,10 +191,26 @@ impl Layout {
         if layer == 0 {
             return Some(&key.label);
         }
-        match (*key.actions.get(layer)?)? {
-            KeyAction::Key(code) | KeyAction::Modifier(code, _) => Some(code.label()),
-            KeyAction::Layer(target, _) => self.layers.get(target).map(String::as_str),
-        }
+        Some(label(
+            (*key.actions.get(layer)?)?,
+            &self.layers,
+            &self.texts,
+        ))
+    }
+}
+
+/// What is drawn on a key that does this and says nothing else.
+pub(super) fn label<'a>(action: KeyAction, layers: &'a [String], texts: &'a [String]) -> &'a str {
+    let of = |list: &'a [String], place: usize| list.get(place).map_or("?", String::as_str);
+    match action {
+        KeyAction::Key(code) | KeyAction::Modifier(code, _) => code.label(),
+        KeyAction::Layer(layer, _) => of(layers, layer),
+        KeyAction::Write(TextId(text)) => of(texts, text.into()),
+        KeyAction::Ask(Request::Pause) => "Pause",
+        KeyAction::Ask(Request::Profile(_) | Request::NextProfile) => "Profile",
+        KeyAction::Ask(Request::Recentre) => "Centre",
+        KeyAction::Clutch => "Clutch",
+        KeyAction::Precision => "Slow",
     }
 }
 

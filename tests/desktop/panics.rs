@@ -7,11 +7,9 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use ademan::capture::{Capture, CaptureError, Source};
-use ademan::contact::Touch;
 use ademan::device::keyboard::Keyboard;
-use ademan::device::{Events, VirtualDevice};
+use ademan::device::{Out, Seen, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings};
-use ademan::kinematics::HandPose;
 use ademan::output::Desktop;
 use ademan::pipeline::{Arming, Controls, Pipeline};
 use ademan::runtime::{RunError, drive};
@@ -53,14 +51,14 @@ impl Source for Fused<Hand> {
 }
 
 impl VirtualDevice for Fused<Keyboard> {
-    fn update(&mut self, pose: &HandPose, touches: &[Touch], events: &mut Events) {
+    fn update(&mut self, seen: &Seen, out: &mut Out) {
         self.1.check();
-        self.0.update(pose, touches, events);
+        self.0.update(seen, out);
     }
 
-    fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+    fn release_all(&mut self, time: Timestamp, out: &mut Out) {
         self.1.check();
-        self.0.release_all(time, events);
+        self.0.release_all(time, out);
     }
 }
 

@@ -1,9 +1,10 @@
 //! What keys do: modifiers, layers, one-shots, depth, letting go.
 
 use ademan::contact::{Phase, TargetId, Touch};
-use ademan::device::{Action, Events, VirtualDevice};
-use ademan::hand::Finger;
+use ademan::device::{Action, Events};
+use ademan::hand::{Finger, Side};
 use ademan::time::Timestamp;
+use parry3d::math::Vec2;
 
 use crate::rig::{Rig, simulate, simulate_keys};
 
@@ -211,10 +212,12 @@ fn of_two_fingers_on_an_analogue_key_the_deeper_counts() {
 fn touch(time: u64, finger: Finger, target: u32, phase: Phase) -> Touch {
     Touch {
         time: Timestamp(time),
+        side: Side::Right,
         finger,
         target: TargetId(target),
         phase,
         depth: 0.5,
+        at: Vec2::ZERO,
     }
 }
 
@@ -223,7 +226,7 @@ fn a_release_counts_only_from_the_finger_and_target_that_pressed() {
     let mut rig = Rig::new("q w");
     let mut hear = |touches: &[Touch]| {
         let mut events = Events::new();
-        rig.keyboard.update(&rig.pose, touches, &mut events);
+        rig.update(&rig.pose.clone(), touches, &mut events);
         events.iter().map(|event| event.action).collect::<Vec<_>>()
     };
     let q = "Q".parse().unwrap();
@@ -250,7 +253,7 @@ fn a_finger_that_presses_a_second_key_has_let_go_of_the_first() {
     let mut events = Events::new();
     for target in [0, 1] {
         let touch = touch(1, Finger::Index, target, Phase::Pressed);
-        rig.keyboard.update(&rig.pose, &[touch], &mut events);
+        rig.update(&rig.pose.clone(), &[touch], &mut events);
     }
     let [q, w] = ["Q", "W"].map(|name| name.parse().unwrap());
     let actions: Vec<Action> = events.iter().map(|event| event.action).collect();
@@ -270,7 +273,7 @@ fn when_there_is_no_room_presses_are_dropped_and_releases_are_not() {
     let mut crowded = |touches: &[Touch], room: usize| {
         let mut events = Events::new();
         (room..events.capacity()).for_each(|_| events.push(filler));
-        rig.keyboard.update(&rig.pose, touches, &mut events);
+        rig.update(&rig.pose.clone(), touches, &mut events);
         let sent = events.iter().filter(|event| **event != filler);
         sent.map(|event| format!("{:?}", event.action))
             .collect::<Vec<_>>()

@@ -1,9 +1,10 @@
 //! Options of keys: locks, firing on release, re-press delay, tap or hold.
 
 use ademan::contact::{Phase, TargetId, Touch};
-use ademan::device::{Events, VirtualDevice};
-use ademan::hand::Finger;
+use ademan::device::Events;
+use ademan::hand::{Finger, Side};
 use ademan::time::Timestamp;
+use parry3d::math::Vec2;
 
 use crate::rig::{Rig, simulate, simulate_keys};
 
@@ -327,10 +328,12 @@ fn without_room_nothing_fires_and_nothing_stays_down() {
     let mut rig = Rig::new("q>shift ^w");
     let touch = |time: u64, finger: Finger, target: u32, phase: Phase| Touch {
         time: Timestamp(time),
+        side: Side::Right,
         finger,
         target: TargetId(target),
         phase,
         depth: 0.5,
+        at: Vec2::ZERO,
     };
     let mut crowded = |now: u64, touches: &[Touch], room: usize| {
         let filler = ademan::device::OutputEvent {
@@ -340,7 +343,7 @@ fn without_room_nothing_fires_and_nothing_stays_down() {
         let mut events = Events::new();
         (room..events.capacity()).for_each(|_| events.push(filler));
         rig.pose.time = Timestamp(now);
-        rig.keyboard.update(&rig.pose, touches, &mut events);
+        rig.update(&rig.pose.clone(), touches, &mut events);
         events.iter().filter(|event| **event != filler).count()
     };
     let (index, middle) = (Finger::Index, Finger::Middle);

@@ -14,10 +14,13 @@
 //! - `lost:index`, `doubt:index`, `trust:index`: not known, not to be believed, believed again.
 //! - `jump`: the hand is re-acquired; `reset`: the tracker forgets; `release`: the keyboard lets go.
 
-use ademan::contact::surface::{Anchor, Scene, Shape, Target};
-use ademan::contact::{ContactTracker, TargetId, Touches};
-use ademan::device::keyboard::{Fires, Hold, KeyAction, KeyBinding, Keyboard, Latch};
-use ademan::device::{Action, Events, KeyCode, VirtualDevice};
+use ademan::contact::surface::{Anchor, Scene, Shape, TREMBLE, Target};
+use ademan::contact::{ContactTracker, TargetId, Touch, Touches};
+use ademan::device::keyboard::{Fires, Hold, KeyBinding, Keyboard};
+use ademan::device::{
+    Action, Events, KeyAction, KeyCode, Latch, Out, Seen, Switchboard, VirtualDevice,
+};
+use ademan::estimate::JointAngles;
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::time::Timestamp;
@@ -45,6 +48,7 @@ pub fn key_target(shape: Shape, surface_from_target: Pose) -> Target {
         travel: TRAVEL,
         press_share: 0.5,
         release_share: 0.25,
+        margin: TREMBLE,
     }
 }
 
@@ -52,6 +56,7 @@ pub struct Rig {
     pub scene: Scene,
     pub tracker: ContactTracker,
     pub keyboard: Keyboard,
+    pub switchboard: Switchboard,
     pub pose: HandPose,
     /// What is pushed by a script: pad points in the board's frame.
     pads: [Option<Vec3>; Finger::COUNT],
@@ -79,6 +84,7 @@ impl Rig {
         Self {
             tracker: ContactTracker::new(&scene),
             keyboard: Keyboard::new(bindings),
+            switchboard: Switchboard::default(),
             scene,
             pose: HandPose::at(Timestamp(0), Side::Right, RADIUS),
             pads: [None; Finger::COUNT],
@@ -131,7 +137,7 @@ impl Rig {
             }
             None if order == "release" => {
                 let mut events = Events::new();
-                self.keyboard.release_all(self.pose.time, &mut events);
+                self.release_all(self.pose.time, &mut events);
                 self.write(&events);
             }
             None => panic!("unknown order {order}"),
@@ -175,9 +181,39 @@ impl Rig {
         self.hear(&touches);
     }
 
+    /// Shows the keyboard one frame.
+    pub fn update(&mut self, pose: &HandPose, touches: &[Touch], events: &mut Events) {
+        let seen = Seen {
+            angles: &JointAngles::at(pose.time),
+            pose,
+            touches,
+        };
+        let switchboard = &mut self.switchboard;
+        self.keyboard.update(
+            &seen,
+            &mut Out {
+                switchboard,
+                events,
+            },
+        );
+    }
+
+    /// Lets go of everything, as the engine does.
+    pub fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        self.switchboard.release_all(time, events);
+        let switchboard = &mut self.switchboard;
+        self.keyboard.release_all(
+            time,
+            &mut Out {
+                switchboard,
+                events,
+            },
+        );
+    }
+
     fn hear(&mut self, touches: &Touches) {
         let mut events = Events::new();
-        self.keyboard.update(&self.pose, touches, &mut events);
+        self.update(&self.pose.clone(), touches, &mut events);
         self.write(&events);
     }
 

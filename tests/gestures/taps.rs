@@ -1,7 +1,7 @@
 //! Fast taps at slow frame rates: nothing is missed, and times lie between the frames.
 
 use ademan::contact::{Phase, Touches};
-use ademan::device::{Action, Events, VirtualDevice};
+use ademan::device::{Action, Events};
 use ademan::hand::{Finger, Joint};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec3};
@@ -20,7 +20,7 @@ fn show(rig: &mut Rig, seconds: f64, pad: Vec3, touches: &mut Touches, events: &
     touches.clear();
     rig.tracker.update(&rig.scene, &rig.pose, touches);
     events.clear();
-    rig.keyboard.update(&rig.pose, touches, events);
+    rig.update(&rig.pose.clone(), touches, events);
 }
 
 /// Height of the pad over the board: down at `speed`, at once up again, lowest at time 0.

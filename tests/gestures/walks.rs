@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use ademan::contact::{Phase, TargetId, Touch, Touches};
-use ademan::device::{Action, Events, KeyCode, VirtualDevice};
+use ademan::device::{Action, Events, KeyCode};
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::time::Timestamp;
@@ -138,7 +138,7 @@ fn presses_and_releases_alternate_whatever_the_fingers_do() {
                 rig.tracker.reset(pose.time, &mut touches);
             }
             if random.once_in(500) {
-                rig.keyboard.release_all(pose.time, &mut events);
+                rig.release_all(pose.time, &mut events);
                 held.take(&events);
                 assert_eq!(held.down, []);
                 events.clear();
@@ -146,11 +146,11 @@ fn presses_and_releases_alternate_whatever_the_fingers_do() {
             rig.tracker.update(&rig.scene, &pose, &mut touches);
             assert!(touches.len() <= 25, "{touches:?}");
             touches.iter().for_each(|touch| latches.take(touch));
-            rig.keyboard.update(&pose, &touches, &mut events);
+            rig.update(&pose, &touches, &mut events);
             held.take(&events);
         }
         let mut events = Events::new();
-        rig.keyboard.release_all(Timestamp(time), &mut events);
+        rig.release_all(Timestamp(time), &mut events);
         held.take(&events);
         assert_eq!(held.down, [], "seed {seed} on {board}");
         let presses: u32 = held.counts.values().sum();

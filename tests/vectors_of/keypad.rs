@@ -1,5 +1,5 @@
 use ademan::contact::hit_test::pressed_by;
-use ademan::contact::surface::{Shape, Target};
+use ademan::contact::surface::{Shape, TREMBLE, Target};
 use parry3d::math::{Pose, Vec2, Vec3};
 use serde_json::Value;
 
@@ -52,6 +52,7 @@ fn button(xz: &[f64], half: f64, height: f64) -> Target {
         travel: height as f32,
         press_share: 0.5,
         release_share: 0.25,
+        margin: TREMBLE,
     }
 }
 

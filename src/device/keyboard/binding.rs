@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use crate::contact::TargetId;
-use crate::device::KeyCode;
+use crate::device::KeyAction;
 
 /// What one key of a layout does.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,28 +48,4 @@ pub struct Hold {
     pub action: KeyAction,
     /// How long it is pressed before it counts as held.
     pub after: Duration,
-}
-
-/// What pressing a key does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum KeyAction {
-    /// Holds a key down as long as it is pressed; the receiver repeats.
-    Key(KeyCode),
-    /// Holds a modifier key down.
-    Modifier(KeyCode, Latch),
-    /// Switches to another layer: its place, 0 for the base layer.
-    Layer(usize, Latch),
-}
-
-/// How long a modifier or layer stays in force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Latch {
-    /// As long as its key is pressed.
-    Held,
-    /// A tap puts it in force for the next key only, a second tap takes that back; held while
-    /// another key is pressed it is as `Held`.
-    OneShot,
-    /// In force while it is pressed, and after a tap until the next tap; held while another key is
-    /// pressed it is as `Held`. Of several locked layers the last counts.
-    Lock,
 }

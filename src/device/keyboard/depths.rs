@@ -2,8 +2,9 @@
 
 use arrayvec::ArrayVec;
 
+use super::FINGERS;
 use crate::contact::{Phase, TargetId, Touch};
-use crate::device::{Action, Events, OutputEvent};
+use crate::device::{Action, Out};
 use crate::hand::Finger;
 use crate::time::Timestamp;
 
@@ -11,15 +12,15 @@ use crate::time::Timestamp;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Depths {
     /// The target that each finger pushes in, and its share of the travel.
-    fingers: [Option<(TargetId, f32)>; Finger::COUNT],
+    fingers: [Option<(TargetId, f32)>; FINGERS],
     /// The depths other than 0 that went out last: a target for each finger.
-    told: ArrayVec<(TargetId, f32), { Finger::COUNT }>,
+    told: ArrayVec<(TargetId, f32), FINGERS>,
 }
 
 impl Depths {
     /// Takes note of a touch of an analogue target.
     pub(super) fn take(&mut self, touch: &Touch) {
-        let finger = &mut self.fingers[touch.finger.index()];
+        let finger = &mut self.fingers[touch.side.index() * Finger::COUNT + touch.finger.index()];
         let is_on_it = finger.is_some_and(|(target, _)| target == touch.target);
         match touch.phase {
             Phase::Touched | Phase::Pressed => *finger = Some((touch.target, touch.depth)),
@@ -34,17 +35,14 @@ impl Depths {
 
     /// Forgets every finger.
     pub(super) fn forget(&mut self) {
-        self.fingers = Default::default();
+        self.fingers = [None; FINGERS];
     }
 
     /// Sends each depth that is new, those that became 0 first. What finds no room is tried again
     /// next time.
-    pub(super) fn tell(&mut self, time: Timestamp, events: &mut Events) {
+    pub(super) fn tell(&mut self, time: Timestamp, out: &mut Out) {
         let fingers = self.fingers;
-        let mut send = |target: TargetId, depth: f32| {
-            let action = Action::Depth(target, depth);
-            events.try_push(OutputEvent { time, action }).is_ok()
-        };
+        let mut send = |target: TargetId, depth: f32| out.tell(time, Action::Depth(target, depth));
         self.told
             .retain(|(target, _)| deepest(&fingers, *target) > 0.0 || !send(*target, 0.0));
         for &(target, _) in fingers.iter().flatten() {

@@ -1,7 +1,8 @@
 //! When keys fire, as written → checked.
 
 use super::{Checked, milliseconds};
-use crate::device::keyboard::{Fires, Hold, KeyAction, Latch};
+use crate::device::keyboard::{Fires, Hold};
+use crate::device::{KeyAction, Latch};
 use crate::layout::LayoutError;
 use crate::layout::keyboard::Key;
 use crate::layout::text::Word;
