@@ -8,8 +8,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::capture::recording::{RecordedSetup, Replay};
 use crate::capture::{self, CaptureError, LineSettings, Source, SourceName};
-use crate::device::VirtualDevice;
-use crate::device::keyboard::Keyboard;
 use crate::estimate::{Estimator, EstimatorSettings, OneEuroSettings, Smoothing};
 use crate::kinematics::{ArmModel, BoneLengths};
 use crate::lab::{self, TypingHand, Typist, TypistError, TypistSettings};
@@ -205,11 +203,12 @@ impl Setup {
 
 /// The controls of a layout, to be put in the place of others.
 pub fn controls(layout: &Layout) -> Controls {
-    Controls::new(layout.scene.clone(), layout.target_names(), devices(layout))
-}
-
-fn devices(layout: &Layout) -> Vec<Box<dyn VirtualDevice>> {
-    vec![Box::new(Keyboard::new(layout.keyboard_bindings()))]
+    Controls::new(
+        layout.scene.clone(),
+        layout.target_names(),
+        layout.devices(),
+    )
+    .with_texts(layout.texts.clone())
 }
 
 /// A setup with all that it names, checked.
@@ -300,7 +299,7 @@ impl Assembly {
             TypistError::OutOfReach { key, metres } => SetupError::Value(format!(
                 "cannot type on {}: key `{}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make it smaller",
                 self.layout.file,
-                self.layout.key_of(key).map_or("?", |key| &key.name),
+                self.layout.key_of(key).map_or("?", |key| &key.front.name),
                 metres * 1e3,
             )),
             error => error.into(),
@@ -312,7 +311,7 @@ impl Assembly {
         let hand = TypingHand::new(&self.arm, &self.glove.map);
         let scene = &self.layout.scene;
         let keys = self.layout.keys.iter();
-        keys.filter_map(|key| Some((key, hand.stroke(scene, key.target).err()?)))
+        keys.filter_map(|key| Some((key, hand.stroke(scene, key.front.target).err()?)))
             .collect()
     }
 

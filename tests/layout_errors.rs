@@ -29,7 +29,7 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
         ),
         (
             "xylophone: []".into(),
-            "3:1: unknown field `xylophone`, valid here: place, form, pitch_mm, size_mm, travel_mm, press_share, release_share, repress_ms, analogue, rows, keys",
+            "3:1: unknown field `xylophone`, valid here: place, form, pitch_mm, size_mm, travel_mm, press_share, release_share, repress_ms, analogue, rows, keys, toggles",
         ),
         (
             key("lable: \"x\""),
@@ -396,7 +396,10 @@ fn ten_thousand_keys_are_a_layout_and_one_more_is_not() {
         10_000
     );
     let error = refusal(&keys(10_001));
-    assert_eq!(error.message(), "a layout has at most 10000 keys");
+    assert_eq!(
+        error.message(),
+        "a layout has at most 10000 keys and other controls"
+    );
     assert_eq!(error.line(), Some(10_004));
 }
 

@@ -124,13 +124,13 @@ fn the_keys_of_a_flat_board_are_where_the_file_says() {
                 -0.04 + y * 1e-3 * up,
                 right * sin - forward * cos,
             );
-            let (front, normal) = in_the_world(&layout, &key.name, Vec3::new(1.0, 2.0, 3.0));
+            let (front, normal) = in_the_world(&layout, &key.front.name, Vec3::new(1.0, 2.0, 3.0));
             let error = (front - Vec3::new(1.0, 2.0, 3.0) - expected).length();
-            assert!(error < 1e-6, "{}: {front} for {expected}", key.name);
+            assert!(error < 1e-6, "{}: {front} for {expected}", key.front.name);
             let upright = Vec3::new(-up * sin, along, up * cos);
-            assert!((normal - upright).length() < 1e-6, "{}", key.name);
+            assert!((normal - upright).length() < 1e-6, "{}", key.front.name);
         }
-        let (_, space) = layout.scene.target(layout.keys[3].target).unwrap();
+        let (_, space) = layout.scene.target(layout.keys[3].front.target).unwrap();
         assert_eq!((space.shape, space.travel), (Shape::Disc(0.006), 0.006));
     }
 }
@@ -142,17 +142,29 @@ fn the_rows_of_an_arc_board_go_round_the_elbow() {
     let elbow = Vec3::new(0.0, 0.0, -0.2);
     let bearing = 35_f32.to_radians();
     for key in &layout.keys {
-        let (front, normal) = in_the_world(&layout, &key.name, elbow);
+        let (front, normal) = in_the_world(&layout, &key.front.name, elbow);
         let from_elbow = front - elbow;
         let radius = from_elbow.x.hypot(from_elbow.z);
-        assert!((radius - (0.32 + key.at.y)).abs() < 1e-6, "{}", key.name);
+        assert!(
+            (radius - (0.32 + key.front.at.y)).abs() < 1e-6,
+            "{}",
+            key.front.name
+        );
         let angle = from_elbow.x.atan2(-from_elbow.z) - bearing;
-        assert!((angle * radius - key.at.x).abs() < 1e-6, "{}", key.name);
+        assert!(
+            (angle * radius - key.front.at.x).abs() < 1e-6,
+            "{}",
+            key.front.name
+        );
         assert!((from_elbow.y + 0.045).abs() < 1e-6);
         assert!((normal - Vec3::Y).length() < 1e-6);
-        assert!((key.outline.rotation + angle).abs() < 1e-6, "{}", key.name);
-        assert!((board.along_rows(key.outline.middle) - key.at).length() < 1e-6);
-        assert!(angle.abs() < 25_f32.to_radians(), "{}", key.name);
+        assert!(
+            (key.front.outline.rotation + angle).abs() < 1e-6,
+            "{}",
+            key.front.name
+        );
+        assert!((board.along_rows(key.front.outline.middle) - key.front.at).length() < 1e-6);
+        assert!(angle.abs() < 25_f32.to_radians(), "{}", key.front.name);
     }
 }
 
@@ -160,7 +172,7 @@ fn the_rows_of_an_arc_board_go_round_the_elbow() {
 fn in_the_world(layout: &Layout, name: &str, elbow: Vec3) -> (Vec3, Vec3) {
     let mut pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
     pose.set(Joint::Elbow, Pose::from_translation(elbow));
-    let target = layout.key(name).unwrap().target;
+    let target = layout.key(name).unwrap().front.target;
     let (surface, target) = layout.scene.target(target).unwrap();
     let world_from_target = surface.world_from_surface(&pose).unwrap() * target.surface_from_target;
     (
@@ -204,8 +216,8 @@ fn several_boards_share_one_list_of_keys() {
     let text = format!("Layout(name: \"t\", boards: [{one}, {two}])");
     let layout = Layout::parse(&text, "t.ron").unwrap();
     let key = layout.key("c").unwrap();
-    assert_eq!((key.target.0, key.label.as_str()), (2, "x"));
-    assert_eq!(key.at, Vec2::new(0.001, 0.002));
+    assert_eq!((key.front.target.0, key.front.label.as_str()), (2, "x"));
+    assert_eq!(key.front.at, Vec2::new(0.001, 0.002));
     assert_eq!(layout.board_of(key), &layout.boards[1]);
     assert_eq!(layout.boards[0].keys, 0..2);
     assert_eq!(layout.scene.surfaces().len(), 2);
@@ -417,7 +429,7 @@ fn the_guide_names_every_range_and_default() {
 #[test]
 fn labels_of_a_national_board_stand_on_the_positions_of_its_keys() {
     let board = Layout::load("azerty-flat").expect("a shipped layout");
-    let label = |name: &str| board.key(name).expect("a key").label.clone();
+    let label = |name: &str| board.key(name).expect("a key").front.label.clone();
     assert_eq!(
         [label("Q"), label("A"), label("3"), label("E")],
         ["A", "Q", "\"", "E"]

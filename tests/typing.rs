@@ -98,7 +98,9 @@ fn every_key_of_every_shipped_keyboard_can_be_tapped_and_no_other_key_is_hit() {
     for (name, layout) in Layout::shipped().expect("shipped layouts are right") {
         let assembly = assembly(name);
         // There and back, so that every key is reached from more than one side.
-        let keys = layout.keys.iter().map(|key| Tap { target: key.target });
+        let keys = layout.keys.iter().map(|key| Tap {
+            target: key.front.target,
+        });
         let taps: Vec<Tap> = keys.clone().chain(keys.rev()).collect();
         let settings = TypistSettings {
             name: name.into(),
@@ -194,7 +196,7 @@ fn a_key_out_of_reach_is_named_with_how_far_it_is() {
     let names: Vec<&str> = assembly
         .out_of_reach()
         .iter()
-        .map(|(key, _)| key.name.as_str())
+        .map(|(key, _)| key.front.name.as_str())
         .collect();
     assert!(
         names.contains(&"1") && !names.contains(&"Space"),

@@ -12,6 +12,7 @@ use arrayvec::ArrayVec;
 use self::bounces::Bounces;
 use self::depths::Depths;
 use self::waiting::Waiting;
+use super::places::Places;
 use super::{KeyAction, Out, Owner, Seen, VirtualDevice};
 use crate::contact::{MOST_TOUCHES, Phase, TargetId, Touch};
 use crate::hand::{Finger, FingerSet, Side};
@@ -28,8 +29,7 @@ use crate::time::Timestamp;
 #[derive(Clone, Debug)]
 pub struct Keyboard {
     bindings: Vec<KeyBinding>,
-    /// For each target id the place of its binding.
-    places: Vec<Option<u32>>,
+    places: Places,
     /// Presses of which it is not known yet what they do, in order of pressing.
     waiting: ArrayVec<Waiting, FINGERS>,
     bounces: Bounces,
@@ -54,28 +54,17 @@ impl Keyboard {
     /// A keyboard with nothing pressed. Of several bindings for one target the first counts;
     /// targets without a binding do nothing.
     pub fn new(bindings: Vec<KeyBinding>) -> Self {
-        let count = bindings.iter().map(|binding| binding.target.0 as usize + 1);
-        let mut places = vec![None; count.max().unwrap_or(0)];
-        for (place, binding) in bindings.iter().enumerate().rev() {
-            places[binding.target.0 as usize] = Some(place as u32);
-        }
         Self {
             bounces: Bounces::new(bindings.len()),
+            places: Places::new(bindings.iter().map(|binding| binding.target)),
             bindings,
-            places,
             waiting: ArrayVec::new(),
             depths: Depths::default(),
         }
     }
 
-    /// The place of a target's binding.
-    fn place(&self, target: TargetId) -> Option<usize> {
-        let place = (*self.places.get(target.0 as usize)?)?;
-        Some(place as usize)
-    }
-
     fn binding(&self, target: TargetId) -> Option<&KeyBinding> {
-        self.bindings.get(self.place(target)?)
+        self.bindings.get(self.places.of(target)?)
     }
 
     /// What a target does in a layer.
@@ -88,7 +77,7 @@ impl Keyboard {
     fn press(&mut self, touch: &Touch, out: &mut Out) {
         let owner = Owner::of(touch);
         self.lift(touch, out);
-        let Some(place) = self.place(touch.target) else {
+        let Some(place) = self.places.of(touch.target) else {
             return;
         };
         let KeyBinding { fires, repress, .. } = self.bindings[place];
@@ -113,10 +102,10 @@ impl Keyboard {
 
     /// A finger that presses a second target has let go of the first, told or not.
     fn lift(&mut self, touch: &Touch, out: &mut Out) {
-        let is_key = |target: TargetId| matches!(self.places.get(target.0 as usize), Some(Some(_)));
+        let places = &self.places;
         let is_of_finger = |owner: Owner| match owner {
             Owner::Touch(side, finger, target) => {
-                (side, finger) == (touch.side, touch.finger) && is_key(target)
+                (side, finger) == (touch.side, touch.finger) && places.of(target).is_some()
             }
             Owner::Part(..) => false,
         };
@@ -127,7 +116,7 @@ impl Keyboard {
     /// Ends a press; one that is cancelled does not count as tapped.
     fn end(&mut self, touch: &Touch, out: &mut Out) {
         let owner = Owner::of(touch);
-        if let Some(place) = self.place(touch.target)
+        if let Some(place) = self.places.of(touch.target)
             && (self.is_pending(owner) || out.switchboard.has_press_of(owner))
         {
             self.bounces.came_up(place, touch.time);

@@ -10,7 +10,10 @@ use crate::time::Timestamp;
 
 pub mod keycode;
 pub mod switchboard;
+mod places;
+pub mod drive;
 pub mod keyboard;
+pub mod toggle;
 
 pub use keycode::{KeyCode, KeyKind};
 pub use switchboard::{KeyAction, Latch, Owner, Switchboard, TextId};

@@ -2,26 +2,25 @@
 //! what does not fit together is refused at its place.
 
 mod fires;
+mod keys;
 
 use std::collections::BTreeMap;
 use std::time::Duration;
 
 use parry3d::math::{Pose, Rot3, Vec2};
 
+use super::controls::Control;
 use super::error::{LayoutError, line_of};
 use super::file::Document;
-use super::keyboard::{
-    BASE_LAYER, Board, Key, Layout, MAX_KEYS, MAX_LAYERS, label, metres, metres2,
-};
-use super::number::{Distance, PressShare, ReleaseShare, Repress, Travel};
+use super::keyboard::{BASE_LAYER, Board, Front, Key, Layout, MAX_LAYERS, MAX_TARGETS, metres};
+use super::number::{Distance, PressShare, ReleaseShare, Travel};
 use super::outline::{Outline, first_overlap};
 use super::placement;
 use super::text::Word;
-use super::written::{self, Does, Form};
+use super::written::{self, Form};
 use crate::contact::TargetId;
-use crate::contact::surface::{Scene, TREMBLE, Target};
-use crate::device::keyboard::Fires;
-use crate::device::{KeyAction, KeyCode, Latch};
+use crate::contact::surface::{Scene, Target};
+use crate::device::KeyCode;
 use crate::names::UnknownName;
 
 /// Reads and checks a document.
@@ -31,8 +30,10 @@ pub(super) fn layout(document: Document) -> Result<Layout, LayoutError> {
         scene,
         boards,
         keys,
+        controls,
         layers,
         texts,
+        profiles,
         ..
     } = Checked::of(&document, &written)?;
     Ok(Layout {
@@ -41,8 +42,10 @@ pub(super) fn layout(document: Document) -> Result<Layout, LayoutError> {
         scene,
         boards,
         keys,
+        controls,
         layers,
         texts,
+        profiles,
         file: document.file.clone(),
         text: document.text.clone(),
     })
@@ -53,46 +56,62 @@ fn one_line(word: Word) -> String {
 }
 
 /// What has been checked so far.
-struct Checked<'a> {
-    document: &'a Document,
+pub(super) struct Checked<'a> {
+    pub(super) document: &'a Document,
+    /// The layout's name.
+    name: Word<'a>,
     scene: Scene,
     boards: Vec<Board>,
     keys: Vec<Key>,
+    pub(super) controls: Vec<Control>,
     layers: Vec<String>,
     texts: Vec<String>,
+    profiles: Vec<String>,
     /// Name of a key → its place in `keys`.
     places: BTreeMap<&'a str, usize>,
-    /// Where each key stands in the file.
-    words: Vec<&'a str>,
+    /// Name of a front → of what kind it is, and where it stands in the file.
+    names: BTreeMap<&'a str, (&'static str, &'a str)>,
+    /// The targets of the board that is being added.
+    targets: Vec<Target>,
+    /// Its fronts: where each is, of what kind, its name, and where it stands in the file.
+    placed: Vec<(Outline, &'static str, &'a str, &'a str)>,
 }
 
-/// A key before it has its place in the scene; rows and single keys both become this.
-struct Draft<'a> {
-    word: Word<'a>,
-    name: &'a str,
-    label: Option<String>,
-    action: KeyAction,
-    at: Vec2,
-    size: written::Outline,
-    travel: Travel,
-    press: PressShare,
-    release: ReleaseShare,
-    analogue: bool,
-    fires: Fires,
-    repress: Repress,
+/// A front before it has its place on its board.
+pub(super) struct Spot<'a> {
+    /// What kind of control it is, for messages.
+    pub what: &'static str,
+    /// Where it stands in the file.
+    pub word: Word<'a>,
+    pub name: &'a str,
+    pub label: String,
+    pub at: Vec2,
+    /// How far it is turned in the plane of the board, in radians, counter-clockwise.
+    pub turn: f32,
+    pub size: written::Outline,
+    pub travel: Travel,
+    pub press: PressShare,
+    pub release: ReleaseShare,
+    /// See [`Target::margin`].
+    pub margin: f32,
 }
 
 impl<'a> Checked<'a> {
     fn of(document: &'a Document, written: &written::Layout<'a>) -> Result<Self, LayoutError> {
         let mut checked = Self {
             document,
+            name: written.name,
             scene: Scene::new(),
             boards: Vec::new(),
             keys: Vec::new(),
+            controls: Vec::new(),
             layers: vec![BASE_LAYER.to_owned()],
             texts: Vec::new(),
+            profiles: Vec::new(),
             places: BTreeMap::new(),
-            words: Vec::new(),
+            names: BTreeMap::new(),
+            targets: Vec::new(),
+            placed: Vec::new(),
         };
         for layer in &written.layers {
             checked.name_layer(layer.name)?;
@@ -102,18 +121,18 @@ impl<'a> Checked<'a> {
             if checked
                 .boards
                 .last()
-                .is_some_and(|board| board.keys.is_empty())
+                .is_some_and(|board| board.keys.is_empty() && board.controls.is_empty())
             {
                 let message = format!("board {} has no keys", checked.boards.len());
                 return Err(document.error(written.name.0, message));
             }
         }
-        if checked.keys.is_empty() {
+        if checked.boards.is_empty() {
             return Err(document.error(written.name.0, "the layout has no keys"));
         }
         for (name, label) in &written.labels.0 {
             let place = checked.place_of(*name)?;
-            checked.keys[place].label.clone_from(&label.0);
+            checked.keys[place].front.label.clone_from(&label.0);
         }
         for (place, layer) in written.layers.iter().enumerate() {
             checked.fill_layer(place + 1, layer)?;
@@ -146,19 +165,23 @@ impl<'a> Checked<'a> {
         for key in &board.keys {
             drafts.push(self.draft_key(board, key)?);
         }
-        let first = self.keys.len();
-        let targets = drafts
-            .into_iter()
-            .map(|draft| self.add_key(&board.form, draft))
-            .collect::<Result<Vec<Target>, _>>()?;
-        self.refuse_overlaps(first)?;
+        let (first_key, first_control) = (self.keys.len(), self.controls.len());
+        for draft in drafts {
+            self.add_key(&board.form, draft)?;
+        }
+        for toggle in &board.toggles {
+            self.add_toggle(board, toggle)?;
+        }
+        self.refuse_overlaps()?;
         self.scene.add(
             placement::anchor(board.place.anchor),
             placement::anchor_from_board(board),
-            targets,
+            std::mem::take(&mut self.targets),
         );
+        self.placed.clear();
         self.boards.push(Board {
-            keys: first..self.keys.len(),
+            keys: first_key..self.keys.len(),
+            controls: first_control..self.controls.len(),
             pitch: metres(board.pitch_mm.get()),
             radius: match board.form {
                 Form::Flat => None,
@@ -168,187 +191,78 @@ impl<'a> Checked<'a> {
         Ok(())
     }
 
-    fn draft_row(
-        &self,
-        board: &written::Board<'a>,
-        row: &written::Row<'a>,
-        drafts: &mut Vec<Draft<'a>>,
-    ) -> Result<(), LayoutError> {
-        let pitch = metres(row.pitch_mm.unwrap_or(board.pitch_mm).get());
-        for (column, code) in row.keys.0.split_whitespace().enumerate() {
-            let word = Word(code);
-            drafts.push(Draft {
-                word,
-                name: self.code(word)?.name(),
-                label: None,
-                action: self.code_action(word, None)?,
-                at: metres2(row.at_mm) + Vec2::X * (pitch * column as f32),
-                size: row.size_mm.unwrap_or(board.size_mm),
-                travel: board.travel_mm,
-                press: board.press_share,
-                release: board.release_share,
-                analogue: board.analogue,
-                fires: Fires::Press,
-                repress: board.repress_ms,
-            });
-        }
-        Ok(())
-    }
-
-    fn draft_key(
-        &self,
-        board: &written::Board<'a>,
-        key: &written::Key<'a>,
-    ) -> Result<Draft<'a>, LayoutError> {
-        let fields = &key.fields;
-        let word = fields.name.unwrap_or(key.does.word());
-        let name = match (fields.name, key.does) {
-            (None, Does::Code(code)) => self.code(code)?.name(),
-            _ => word.0,
-        };
-        let label = fields.label.as_ref().map(|label| label.0.clone());
-        let action = self.action(key.does, fields.latch)?;
-        Ok(Draft {
-            word,
-            name,
-            label,
-            action,
-            at: metres2(fields.at_mm),
-            size: fields.size_mm.unwrap_or(board.size_mm),
-            travel: fields.travel_mm.unwrap_or(board.travel_mm),
-            press: fields.press_share.unwrap_or(board.press_share),
-            release: fields.release_share.unwrap_or(board.release_share),
-            analogue: fields.analogue.unwrap_or(board.analogue),
-            fires: self.fires(key, action)?,
-            repress: fields.repress_ms.unwrap_or(board.repress_ms),
-        })
-    }
-
-    fn action(
-        &self,
-        does: Does<'a>,
-        latch: Option<written::Latch>,
-    ) -> Result<KeyAction, LayoutError> {
-        match does {
-            Does::Code(code) => self.code_action(code, latch),
-            Does::Layer(layer) => self.layer_action(layer, latch),
-        }
-    }
-
-    fn code_action(
-        &self,
-        word: Word<'a>,
-        latch: Option<written::Latch>,
-    ) -> Result<KeyAction, LayoutError> {
-        let code = self.code(word)?;
-        match latch {
-            _ if code.is_modifier() => Ok(KeyAction::Modifier(code, checked_latch(latch))),
-            None => Ok(KeyAction::Key(code)),
-            Some(_) => {
-                let message =
-                    format!("`{code}` cannot have a latch, only modifiers and layers can");
-                Err(self.document.error(word.0, message))
-            }
-        }
-    }
-
-    fn layer_action(
-        &self,
-        word: Word<'a>,
-        latch: Option<written::Latch>,
-    ) -> Result<KeyAction, LayoutError> {
-        let Some(layer) = self.layers.iter().position(|layer| layer == word.0) else {
-            let names = self.layers.iter().map(String::as_str);
-            let error = UnknownName::new("layer", word.0, names);
-            return Err(self.document.error(word.0, error));
-        };
-        Ok(KeyAction::Layer(layer, checked_latch(latch)))
-    }
-
-    fn code(&self, word: Word<'a>) -> Result<KeyCode, LayoutError> {
-        word.0
-            .parse()
-            .map_err(|error: UnknownName| self.document.error(word.0, error))
-    }
-
-    fn add_key(&mut self, form: &Form, draft: Draft<'a>) -> Result<Target, LayoutError> {
-        let error = |message: String| self.document.error(draft.word.0, message);
-        let name = draft.name;
-        if self.keys.len() == MAX_KEYS {
-            return Err(error(format!("a layout has at most {MAX_KEYS} keys")));
-        }
-        if let Some(&place) = self.places.get(name) {
-            let line = line_of(&self.document.text, self.words[place]);
+    /// Puts a front on the board that is being added.
+    pub(in crate::layout) fn put(
+        &mut self,
+        form: &Form,
+        spot: Spot<'a>,
+    ) -> Result<Front, LayoutError> {
+        let Spot { what, name, .. } = spot;
+        let error = |message: String| self.document.error(spot.word.0, message);
+        let place = self.scene.len() + self.targets.len();
+        if place == MAX_TARGETS {
             return Err(error(format!(
-                "there is a key `{name}` already in line {line}, give this one a `name` of its own"
+                "a layout has at most {MAX_TARGETS} keys and other controls"
             )));
         }
-        if draft.at.abs().max_element() > metres(*Distance::RANGE.end()) {
+        if let Some((what, word)) = self.names.get(name) {
+            let line = line_of(&self.document.text, word);
             return Err(error(format!(
-                "the key `{name}` lies more than {} mm from the middle of its board",
+                "there is a {what} `{name}` already in line {line}, give this one a `name` of its own"
+            )));
+        }
+        if spot.at.abs().max_element() > metres(*Distance::RANGE.end()) {
+            return Err(error(format!(
+                "the {what} `{name}` lies more than {} mm from the middle of its board",
                 Distance::RANGE.end()
             )));
         }
-        let (press, release) = (draft.press.get(), draft.release.get());
+        let (press, release) = (spot.press.get(), spot.release.get());
         if press <= release {
             return Err(error(format!(
-                "the press_share {press} of the key `{name}` must be more than its release_share {release}"
+                "the press_share {press} of the {what} `{name}` must be more than its release_share {release}"
             )));
         }
-        let shape = placement::shape(draft.size);
-        let outline = match placement::outline(form, draft.at, shape) {
-            Some(outline) => outline,
-            None => {
-                return Err(error(format!(
-                    "the key `{name}` lies beyond the ends of its arc"
-                )));
-            }
+        let shape = placement::shape(spot.size);
+        let Some(mut outline) = placement::outline(form, spot.at, shape) else {
+            return Err(error(format!(
+                "the {what} `{name}` lies beyond the ends of its arc"
+            )));
         };
-        let place = self.keys.len();
-        self.places.insert(name, place);
-        self.words.push(draft.word.0);
-        self.keys.push(Key {
-            name: name.to_owned(),
-            label: draft
-                .label
-                .unwrap_or_else(|| self.default_label(draft.action)),
-            target: TargetId(place as u32),
-            at: draft.at,
-            outline,
-            actions: vec![Some(draft.action)],
-            analogue: draft.analogue,
-            fires: draft.fires,
-            repress: milliseconds(draft.repress.get()),
-        });
-        Ok(Target {
+        outline.rotation += spot.turn;
+        self.names.insert(name, (what, spot.word.0));
+        self.placed.push((outline, what, name, spot.word.0));
+        self.targets.push(Target {
             shape,
             surface_from_target: Pose::from_parts(
                 outline.middle.extend(0.0),
                 Rot3::from_rotation_z(outline.rotation),
             ),
-            travel: metres(draft.travel.get()),
+            travel: metres(spot.travel.get()),
             press_share: press as f32,
             release_share: release as f32,
-            margin: TREMBLE,
+            margin: spot.margin,
+        });
+        Ok(Front {
+            name: name.to_owned(),
+            label: spot.label,
+            target: TargetId(place as u32),
+            at: spot.at,
+            outline,
         })
     }
 
-    fn default_label(&self, action: KeyAction) -> String {
-        label(action, &self.layers, &self.texts).to_owned()
-    }
-
-    fn refuse_overlaps(&self, first: usize) -> Result<(), LayoutError> {
-        let keys = &self.keys[first..];
-        let outlines: Vec<Outline> = keys.iter().map(|key| key.outline).collect();
+    fn refuse_overlaps(&self) -> Result<(), LayoutError> {
+        let outlines: Vec<Outline> = self.placed.iter().map(|placed| placed.0).collect();
         let Some((a, b)) = first_overlap(&outlines) else {
             return Ok(());
         };
-        let line = line_of(&self.document.text, self.words[first + a]);
-        let message = format!(
-            "the key `{}` overlaps the key `{}` of line {line}",
-            keys[b].name, keys[a].name
-        );
-        Err(self.document.error(self.words[first + b], message))
+        let (_, what, name, word) = self.placed[b];
+        let (_, other, other_name, other_word) = self.placed[a];
+        let line = line_of(&self.document.text, other_word);
+        let message =
+            format!("the {what} `{name}` overlaps the {other} `{other_name}` of line {line}");
+        Err(self.document.error(word, message))
     }
 
     fn fill_layer(
@@ -384,14 +298,6 @@ impl<'a> Checked<'a> {
             let message = format!("this layout has no such key: {error}");
             self.document.error(name.0, message)
         })
-    }
-}
-
-fn checked_latch(latch: Option<written::Latch>) -> Latch {
-    match latch {
-        None | Some(written::Latch::Held) => Latch::Held,
-        Some(written::Latch::OneShot) => Latch::OneShot,
-        Some(written::Latch::Lock) => Latch::Lock,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use parry3d::math::Vec2;
 
-use super::keyboard::{Board, Key, Layout};
+use super::keyboard::{Board, Front, Layout};
 use crate::contact::TargetId;
 use crate::contact::surface::Shape;
 
@@ -21,7 +21,7 @@ pub struct Grid {
     pub columns: usize,
     /// Height in characters.
     pub rows: usize,
-    /// The keys, in the order of the file.
+    /// The keys, then the other controls, each in the order of the file.
     pub cells: Vec<Cell>,
     /// The left and far corner, in metres along and across the rows.
     corner: Vec2,
@@ -29,10 +29,10 @@ pub struct Grid {
     step: Vec2,
 }
 
-/// A key on a [`Grid`].
+/// A key or other control on a [`Grid`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
-    /// The key's target.
+    /// Its target.
     pub target: TargetId,
     /// Characters from the left of the grid.
     pub column: usize,
@@ -47,21 +47,21 @@ pub struct Cell {
 }
 
 impl Grid {
-    fn of(board: &Board, keys: &[Key]) -> Self {
-        let half = |key: &Key| key.outline.half_extents();
-        let narrowest = keys
+    fn of(board: &Board, fronts: &[&Front]) -> Self {
+        let half = |front: &Front| front.outline.half_extents();
+        let narrowest = fronts
             .iter()
-            .map(|key| half(key).x)
+            .map(|front| half(front).x)
             .fold(f32::INFINITY, f32::min);
         // Keys grow into the gaps between them, so that neighbours touch on the grid.
         let gap = (board.pitch / 2.0 - narrowest).max(0.0);
-        let low = keys
+        let low = fronts
             .iter()
-            .map(|key| key.at - half(key) - gap)
+            .map(|front| front.at - half(front) - gap)
             .reduce(Vec2::min);
-        let high = keys
+        let high = fronts
             .iter()
-            .map(|key| key.at + half(key) + gap)
+            .map(|front| front.at + half(front) + gap)
             .reduce(Vec2::max);
         let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
         let size = high - low;
@@ -72,28 +72,28 @@ impl Grid {
         let mut grid = Self {
             columns: 0,
             rows: 0,
-            cells: Vec::with_capacity(keys.len()),
+            cells: Vec::with_capacity(fronts.len()),
             corner: Vec2::new(low.x, high.y),
             step,
         };
-        for key in keys {
-            grid.add(key, half(key) + gap);
+        for front in fronts {
+            grid.add(front, half(front) + gap);
         }
         grid
     }
 
-    fn add(&mut self, key: &Key, half: Vec2) {
+    fn add(&mut self, front: &Front, half: Vec2) {
         let count = |length: f32| length.round().max(0.0) as usize;
-        let from = (key.at + Vec2::new(-half.x, half.y) - self.corner) / self.step;
-        let to = (key.at + Vec2::new(half.x, -half.y) - self.corner) / self.step;
+        let from = (front.at + Vec2::new(-half.x, half.y) - self.corner) / self.step;
+        let to = (front.at + Vec2::new(half.x, -half.y) - self.corner) / self.step;
         let (column, row) = (count(from.x), count(-from.y));
         let cell = Cell {
-            target: key.target,
+            target: front.target,
             column,
             row,
             width: count(to.x).saturating_sub(column).max(1),
             height: count(-to.y).saturating_sub(row).max(1),
-            round: matches!(key.outline.shape, Shape::Disc(_)),
+            round: matches!(front.outline.shape, Shape::Disc(_)),
         };
         self.columns = self.columns.max(cell.column + cell.width);
         self.rows = self.rows.max(cell.row + cell.height);
@@ -101,7 +101,7 @@ impl Grid {
     }
 
     /// The character, by column and row, in which a point along and across the rows lies (metres, as
-    /// [`Key::at`]); `None` beyond the edges.
+    /// [`Front::at`]); `None` beyond the edges.
     pub fn character_at(&self, at: Vec2) -> Option<(usize, usize)> {
         let place = (at - self.corner) / self.step;
         if place.x < 0.0 || place.y > 0.0 {
@@ -114,7 +114,7 @@ impl Grid {
     fn draw(&self, layout: &Layout) -> String {
         let mut canvas = vec![vec![' '; self.columns]; self.rows];
         for cell in &self.cells {
-            let label = layout.key_of(cell.target).map_or("", |key| &key.label);
+            let label = layout.front(cell.target).map_or("", |front| &front.label);
             cell.draw(label, &mut canvas);
         }
         let line =
@@ -158,7 +158,7 @@ impl Layout {
     pub fn grids(&self) -> Vec<Grid> {
         self.boards
             .iter()
-            .map(|board| Grid::of(board, &self.keys[board.keys.clone()]))
+            .map(|board| Grid::of(board, &self.fronts(board).collect::<Vec<_>>()))
             .collect()
     }
 
@@ -171,7 +171,13 @@ impl Layout {
             let changes: Vec<String> = self
                 .keys
                 .iter()
-                .filter_map(|key| Some(format!("{} {}", key.label, self.label_in(key, layer)?)))
+                .filter_map(|key| {
+                    Some(format!(
+                        "{} {}",
+                        key.front.label,
+                        self.label_in(key, layer)?
+                    ))
+                })
                 .collect();
             text.push_str(&format!("\n{name}: {}\n", changes.join(", ")));
         }

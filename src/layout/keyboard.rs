@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use parry3d::math::Vec2;
 
+use super::controls::{self, Control};
 use super::error::LayoutError;
 use super::file::{self, Document};
 use super::outline::Outline;
@@ -14,10 +15,10 @@ use crate::contact::TargetId;
 use crate::contact::TargetNames;
 use crate::contact::surface::Scene;
 use crate::device::keyboard::{Fires, Hold, KeyBinding};
-use crate::device::{KeyAction, KeyCode, Request, TextId};
+use crate::device::{KeyAction, KeyCode, Request, TextId, VirtualDevice};
 
-/// The most keys that a layout has.
-pub const MAX_KEYS: usize = 10_000;
+/// The most targets that a layout has: keys and other controls.
+pub const MAX_TARGETS: usize = 10_000;
 
 /// The most layers that a layout has, with the base layer.
 pub const MAX_LAYERS: usize = 32;
@@ -40,10 +41,15 @@ pub struct Layout {
     pub scene: Scene,
     /// The boards, in the order of the file.
     pub boards: Vec<Board>,
-    /// The keys, in the order of their targets: key `i` is `TargetId(i)`.
+    /// The keys, in the order of their targets.
     pub keys: Vec<Key>,
+    /// The other controls, in the order of the boards that they are on.
+    pub controls: Vec<Control>,
     /// Names of the layers, [`BASE_LAYER`] first.
     pub layers: Vec<String>,
+    /// The names of other layouts of the setup that keys put in force, in the order of
+    /// [`Request::Profile`]'s places.
+    pub profiles: Vec<String>,
     /// The texts that keys write, in the order of their [`TextId`]s.
     pub texts: Vec<String>,
 }
@@ -53,16 +59,18 @@ pub struct Layout {
 pub struct Board {
     /// Its keys, as places in [`Layout::keys`].
     pub keys: Range<usize>,
+    /// Its other controls, as places in [`Layout::controls`].
+    pub controls: Range<usize>,
     /// From key to key in a row, in metres.
     pub pitch: f32,
     /// The radius of the arcs along which its rows run, in metres, at y = 0; `None` when they are straight.
     pub radius: Option<f32>,
 }
 
-/// One key.
+/// What is seen of a control: the front of one of its targets.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Key {
-    /// What it is called in layers and messages; no two keys have the same name.
+pub struct Front {
+    /// What it is called in layers and messages; no two of a layout have the same name.
     pub name: String,
     /// What is drawn on it.
     pub label: String,
@@ -72,6 +80,13 @@ pub struct Key {
     pub at: Vec2,
     /// Where that is in the plane of the board; differs from `at` where rows are arcs.
     pub outline: Outline,
+}
+
+/// One key.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// What is seen of it.
+    pub front: Front,
     /// What pressing it does in each layer, base layer first; see [`KeyBinding::actions`].
     pub actions: Vec<Option<KeyAction>>,
     /// Whether the depth of the press goes out too.
@@ -143,7 +158,7 @@ impl Layout {
         self.keys
             .iter()
             .map(|key| KeyBinding {
-                target: key.target,
+                target: key.front.target,
                 actions: key.actions.clone(),
                 analogue: key.analogue,
                 fires: key.fires,
@@ -152,9 +167,31 @@ impl Layout {
             .collect()
     }
 
-    /// What the targets are called: the names of the keys.
+    /// What is seen of the keys and then of the other controls of a board.
+    pub fn fronts(&self, board: &Board) -> impl Iterator<Item = &Front> {
+        let keys = self.keys[board.keys.clone()].iter().map(|key| &key.front);
+        let controls = self.controls[board.controls.clone()].iter();
+        keys.chain(controls.flat_map(|control| &control.fronts))
+    }
+
+    /// What is seen of a target.
+    pub fn front(&self, target: TargetId) -> Option<&Front> {
+        if let Some(key) = self.key_of(target) {
+            return Some(&key.front);
+        }
+        let mut fronts = self.controls.iter().flat_map(|control| &control.fronts);
+        fronts.find(|front| front.target == target)
+    }
+
+    /// What the targets are called.
     pub fn target_names(&self) -> TargetNames {
-        TargetNames::new(self.keys.iter().map(|key| key.name.clone()))
+        let fronts = self.boards.iter().flat_map(|board| self.fronts(board));
+        TargetNames::new(fronts.map(|front| front.name.clone()))
+    }
+
+    /// The devices that take the touches of the controls.
+    pub fn devices(&self) -> Vec<Box<dyn VirtualDevice>> {
+        controls::devices(self)
     }
 
     /// Every key code that the layout can ever send, modifiers included.
@@ -171,25 +208,33 @@ impl Layout {
 
     /// The key with this name.
     pub fn key(&self, name: &str) -> Option<&Key> {
-        self.keys.iter().find(|key| key.name == name)
+        self.keys.iter().find(|key| key.front.name == name)
     }
 
     /// The key that a target stands for.
     pub fn key_of(&self, target: TargetId) -> Option<&Key> {
-        self.keys.get(target.0 as usize)
+        let place = self
+            .keys
+            .binary_search_by_key(&target, |key| key.front.target);
+        self.keys.get(place.ok()?)
     }
 
     /// The board that a key is on.
     pub fn board_of(&self, key: &Key) -> &Board {
-        let place = key.target.0 as usize;
-        let found = self.boards.iter().find(|board| board.keys.contains(&place));
+        let target = key.front.target;
+        let is_of = |board: &&Board| {
+            self.keys[board.keys.clone()]
+                .iter()
+                .any(|key| key.front.target == target)
+        };
+        let found = self.boards.iter().find(is_of);
         found.expect("every key is made with its board")
     }
 
     /// What is drawn on a key while a layer is in force; `None` where the layer leaves the key as it is.
     pub fn label_in<'a>(&'a self, key: &'a Key, layer: usize) -> Option<&'a str> {
         if layer == 0 {
-            return Some(&key.label);
+            return Some(&key.front.label);
         }
         Some(label(
             (*key.actions.get(layer)?)?,

@@ -2,6 +2,7 @@
 
 mod arm;
 mod check;
+mod controls;
 mod draw;
 mod error;
 pub mod file;
@@ -16,11 +17,12 @@ mod syntax;
 mod text;
 mod written;
 
+pub use controls::{Control, Kind};
 pub use draw::{Cell, Grid};
 pub use error::LayoutError;
 pub use file::{Document, parse};
 pub use glove::Glove;
-pub use keyboard::{Board, Key, Layout};
+pub use keyboard::{Board, Front, Key, Layout};
 pub use outline::Outline;
 pub use over::OverBoard;
 pub use text::{Label, Pairs, Word};

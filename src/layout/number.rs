@@ -66,6 +66,12 @@ measures! {
     Repress = "a re-press delay", 0.0 ..= 2000.0, " ms", or 0.0;
     /// How long a key is pressed before it counts as held, in milliseconds.
     HoldTime = "a hold time", 50.0 ..= 2000.0, " ms", or 250.0;
+    /// Clicks of a wheel for the whole range of a control.
+    Clicks = "a number of clicks", -1000.0 ..= 1000.0, "";
+    /// Pixels for the whole range of a control.
+    Pixels = "a distance on the screen", -20000.0 ..= 20000.0, " px";
+    /// Steps of a whole range.
+    Steps = "a number of steps", 1.0 ..= 1000.0, "";
     /// A turn about the vertical, in degrees.
     Bearing = "a bearing", -180.0 ..= 180.0, "°", or 0.0;
     /// A slope, in degrees.

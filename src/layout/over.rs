@@ -13,7 +13,7 @@ pub struct OverBoard {
     pub board: usize,
     /// Whose fingertip.
     pub finger: Finger,
-    /// Where it is along and across the board's rows, in metres, as [`Key::at`](super::Key::at).
+    /// Where it is along and across the board's rows, in metres, as [`Front::at`](super::Front::at).
     pub along_rows: Vec2,
     /// How far the fingertip's pad is in front of the keys, in metres; negative when it pushes in.
     pub height: f32,

@@ -4,7 +4,7 @@ use std::fmt::{self, Write};
 
 use parry3d::math::Vec2;
 
-use super::keyboard::{Board, Key, Layout};
+use super::keyboard::{Board, Front, Layout};
 use crate::contact::surface::Shape;
 
 /// White space around the boards and between them, in millimetres.
@@ -62,8 +62,8 @@ impl Layout {
                 r#"<g transform="translate({left:.2} {:.2})">"#,
                 top + high.y
             )?;
-            for key in &self.keys[board.keys.clone()] {
-                self.write_key(svg, key)?;
+            for front in self.fronts(board) {
+                self.write_front(svg, front)?;
             }
             writeln!(svg, "</g>")?;
             top += high.y - low.y + MARGIN;
@@ -71,9 +71,9 @@ impl Layout {
         writeln!(svg, "</svg>")
     }
 
-    /// The corners of the rectangle around a board's keys, in millimetres; a point for a board without keys.
+    /// The corners of the rectangle around what is on a board, in millimetres.
     fn bounds(&self, board: &Board) -> (Vec2, Vec2) {
-        let outlines = || self.keys[board.keys.clone()].iter().map(|key| key.outline);
+        let outlines = || self.fronts(board).map(|front| front.outline);
         let low = outlines()
             .map(|it| it.middle - it.reach())
             .reduce(Vec2::min);
@@ -86,18 +86,18 @@ impl Layout {
         )
     }
 
-    fn write_key(&self, svg: &mut String, key: &Key) -> fmt::Result {
-        let middle = key.outline.middle * 1e3;
-        let half = key.outline.half_extents() * 1e3;
-        let degrees = -key.outline.rotation.to_degrees();
+    fn write_front(&self, svg: &mut String, front: &Front) -> fmt::Result {
+        let middle = front.outline.middle * 1e3;
+        let half = front.outline.half_extents() * 1e3;
+        let degrees = -front.outline.rotation.to_degrees();
         write!(
             svg,
             r#"<g transform="translate({:.2} {:.2}) rotate({degrees:.2})"><title>{}</title>"#,
             middle.x,
             -middle.y,
-            escaped(&key.name)
+            escaped(&front.name)
         )?;
-        match key.outline.shape {
+        match front.outline.shape {
             Shape::Disc(_) => write!(svg, r#"<circle class="key" r="{:.2}"/>"#, half.x)?,
             Shape::Box(_) => write!(
                 svg,
@@ -109,17 +109,18 @@ impl Layout {
                 half.min_element().min(2.0)
             )?,
         }
-        let letters = (2.6 * half.x / key.label.chars().count() as f32)
+        let letters = (2.6 * half.x / front.label.chars().count() as f32)
             .min(half.y)
             .min(LETTERS);
         write!(
             svg,
             r#"<text class="label" y="{:.2}" font-size="{letters:.2}">{}</text>"#,
             letters * HALF_CAPITAL,
-            escaped(&key.label)
+            escaped(&front.label)
         )?;
+        let key = self.key_of(front.target);
         let layers: Vec<&str> = (1..self.layers.len())
-            .filter_map(|layer| self.label_in(key, layer))
+            .filter_map(|layer| self.label_in(key?, layer))
             .collect();
         if !layers.is_empty() {
             write!(

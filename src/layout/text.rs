@@ -48,6 +48,14 @@ impl<'de: 'a, 'a> Deserialize<'de> for Word<'a> {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Label(pub String);
 
+impl Label {
+    /// What is drawn on a control with this label, or else with this name.
+    pub fn or_name(label: &Option<Self>, name: Word) -> String {
+        let label = label.as_ref().map(|label| label.0.clone());
+        label.unwrap_or_else(|| name.0.to_owned())
+    }
+}
+
 impl<'de> Deserialize<'de> for Label {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;

@@ -5,6 +5,7 @@
 
 use serde::Deserialize;
 
+use super::controls::toggle::Toggle;
 use super::number::{
     Bearing, Distance, HoldTime, Pitch, PressShare, Radius, ReleaseShare, Repress, Size, Tilt,
     Travel,
@@ -68,6 +69,9 @@ pub struct Board<'a> {
     /// Keys one by one.
     #[serde(borrow, default)]
     pub keys: Vec<Key<'a>>,
+    /// Toggle switches.
+    #[serde(borrow, default)]
+    pub toggles: Vec<Toggle<'a>>,
 }
 
 /// Where a board is: its point (0, 0) seen from the anchor.
@@ -154,24 +158,44 @@ pub struct Row<'a> {
 pub struct Key<'a> {
     /// What it does.
     pub does: Does<'a>,
+    /// What names it.
+    pub word: Word<'a>,
     /// All the rest.
     pub fields: KeyFields<'a>,
 }
 
-/// What a key does in the base layer, or when it is held.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What a press does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Does<'a> {
-    /// Sends a key code.
-    Code(Word<'a>),
+    /// Holds a key or button down.
+    #[serde(borrow)]
+    Key(Word<'a>),
     /// Switches to a layer.
     Layer(Word<'a>),
+    /// Writes a text.
+    Write(Word<'a>),
+    /// Puts another layout of the setup in force.
+    Profile(Word<'a>),
+    /// The same with the next one.
+    NextProfile,
+    /// Lets nothing out until it is pressed again.
+    Pause,
+    /// Brings the boards to where the hand is.
+    Recentre,
+    /// Holds the pointer still.
+    Clutch,
+    /// Makes the pointer slow.
+    Precision,
 }
 
 impl<'a> Does<'a> {
-    /// The code or layer.
-    pub fn word(self) -> Word<'a> {
+    /// What is named.
+    pub fn word(self) -> Option<Word<'a>> {
         match self {
-            Self::Code(word) | Self::Layer(word) => word,
+            Self::Key(word) | Self::Layer(word) | Self::Write(word) | Self::Profile(word) => {
+                Some(word)
+            }
+            _ => None,
         }
     }
 }
@@ -186,6 +210,9 @@ pub struct KeyFields<'a> {
     /// The layer that it switches to.
     #[serde(borrow, default)]
     pub layer: Option<Word<'a>>,
+    /// What else it does.
+    #[serde(borrow, default)]
+    pub does: Option<Does<'a>>,
     /// What it is called in layers and messages; else the code or layer.
     #[serde(borrow, default)]
     pub name: Option<Word<'a>>,
@@ -230,13 +257,18 @@ impl<'a> TryFrom<KeyFields<'a>> for Key<'a> {
     type Error = &'static str;
 
     fn try_from(fields: KeyFields<'a>) -> Result<Self, Self::Error> {
-        let does = match (fields.code, fields.layer) {
-            (Some(code), None) => Does::Code(code),
-            (None, Some(layer)) => Does::Layer(layer),
-            (None, None) => return Err("the key has neither a `code` nor a `layer`"),
-            (Some(_), Some(_)) => return Err("the key has both a `code` and a `layer`"),
+        let does = match (fields.code, fields.layer, fields.does) {
+            (Some(code), None, None) => Does::Key(code),
+            (None, Some(layer), None) => Does::Layer(layer),
+            (None, None, Some(does)) => does,
+            (None, None, None) => return Err("the key has neither a `code` nor a `layer`"),
+            (Some(_), Some(_), _) => return Err("the key has both a `code` and a `layer`"),
+            (_, _, Some(_)) => return Err("the key has a `does` beside its `code` or `layer`"),
         };
-        Ok(Self { does, fields })
+        let Some(word) = fields.name.or(does.word()) else {
+            return Err("a key that does this needs a `name`");
+        };
+        Ok(Self { does, word, fields })
     }
 }
 
@@ -280,7 +312,7 @@ impl<'a> TryFrom<HoldFields<'a>> for Hold<'a> {
 
     fn try_from(fields: HoldFields<'a>) -> Result<Self, Self::Error> {
         match (fields.code, fields.layer) {
-            (Some(code), None) => Ok(Self(Does::Code(code))),
+            (Some(code), None) => Ok(Self(Does::Key(code))),
             (None, Some(layer)) => Ok(Self(Does::Layer(layer))),
             (None, None) => Err("the hold has neither a `code` nor a `layer`"),
             (Some(_), Some(_)) => Err("the hold has both a `code` and a `layer`"),

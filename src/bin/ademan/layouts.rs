@@ -61,7 +61,7 @@ fn warn_of_reach(file: &str) -> Result<(), Failure> {
         };
         say!(
             "warning: {file}: the default hand cannot press `{}`: {far}",
-            key.name
+            key.front.name
         );
     }
     Ok(())

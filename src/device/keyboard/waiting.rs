@@ -24,7 +24,8 @@ impl Waiting {
         time: Timestamp,
     ) -> Option<Self> {
         let hold = match (action, fires) {
-            (KeyAction::Modifier(..) | KeyAction::Layer(..), _) | (_, Fires::Press) => return None,
+            (action, _) if acts_while_pressed(action) => return None,
+            (_, Fires::Press) => return None,
             (_, Fires::Release) => None,
             (_, Fires::TapOrHold(Hold { action, after })) => {
                 Some((time + after, while_pressed(action)))
@@ -36,6 +37,14 @@ impl Waiting {
             hold,
         })
     }
+}
+
+/// Whether there is nothing to wait for: it means something only as long as it is pressed.
+fn acts_while_pressed(action: KeyAction) -> bool {
+    !matches!(
+        action,
+        KeyAction::Key(_) | KeyAction::Write(_) | KeyAction::Ask(_)
+    )
 }
 
 fn while_pressed(action: KeyAction) -> KeyAction {

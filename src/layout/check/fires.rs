@@ -11,13 +11,14 @@ use crate::layout::written;
 impl<'a> Checked<'a> {
     /// When a key fires whose action in the base layer is `action`.
     pub(super) fn fires(
-        &self,
+        &mut self,
         key: &written::Key<'a>,
         action: KeyAction,
     ) -> Result<Fires, LayoutError> {
         let fields = &key.fields;
-        let word = key.does.word().0;
-        let refuse = |message: String| Err(self.document.error(word, message));
+        let word = key.word.0;
+        let document = self.document;
+        let refuse = |message: String| Err(document.error(word, message));
         if fields.hold.is_none() && fields.hold_ms.is_some() {
             return refuse(format!(
                 "the key `{word}` has a `hold_ms` but no `hold`, say what it does when it is held"
@@ -53,7 +54,7 @@ impl<'a> Checked<'a> {
             let message = format!(
                 "the key `{}` locks the layer `{}` and has to unlock it too, so it cannot do \
                  something else there",
-                key.name, self.layers[layer]
+                key.front.name, self.layers[layer]
             );
             return Err(self.document.error(code.0, message));
         }
@@ -68,7 +69,8 @@ impl<'a> Checked<'a> {
         fires: Fires,
     ) -> Result<(), LayoutError> {
         let cannot = match (action, fires) {
-            (KeyAction::Key(_), _) | (_, Fires::Press) => return Ok(()),
+            (KeyAction::Key(_) | KeyAction::Write(_) | KeyAction::Ask(_), _)
+            | (_, Fires::Press) => return Ok(()),
             (_, Fires::Release) => "fire on release",
             (_, Fires::TapOrHold(_)) => "be what a tap of a key with a `hold` does",
         };

@@ -2,7 +2,7 @@
 
 use ademan::contact::TargetId;
 use ademan::hand::Finger;
-use ademan::layout::{Cell, Grid, Key, Layout, OverBoard};
+use ademan::layout::{Cell, Front, Grid, Layout, OverBoard};
 use ademan::monitor::State;
 use ratatui::Frame;
 use ratatui::buffer::Buffer;
@@ -96,9 +96,9 @@ impl Stage {
 
     fn draw_keys(&self, buffer: &mut Buffer, area: Rect, cells: &[Cell], lit: bool) {
         for cell in cells {
-            if let (Some(key), Some(place)) = (self.layout.key_of(cell.target), within(area, cell))
+            if let (Some(front), Some(place)) = (self.layout.front(cell.target), within(area, cell))
             {
-                draw_key(buffer, place, key, lit);
+                draw_front(buffer, place, front, lit);
             }
         }
     }
@@ -130,7 +130,7 @@ fn draw_fingertip(buffer: &mut Buffer, area: Rect, grid: &Grid, tip: &OverBoard)
     buffer.set_string(spot.0, spot.1, mark, style);
 }
 
-fn draw_key(buffer: &mut Buffer, place: Rect, key: &Key, lit: bool) {
+fn draw_front(buffer: &mut Buffer, place: Rect, front: &Front, lit: bool) {
     let style = match lit {
         true => Style::new()
             .fg(Color::Black)
@@ -141,7 +141,7 @@ fn draw_key(buffer: &mut Buffer, place: Rect, key: &Key, lit: bool) {
     let block = Block::bordered().style(style);
     let inside = block.inner(place);
     block.render(place, buffer);
-    Line::from(key.label.as_str())
+    Line::from(front.label.as_str())
         .style(style)
         .centered()
         .render(inside, buffer);
@@ -176,11 +176,11 @@ mod tests {
         let picture = Picture {
             typed: "to be".into(),
             state: State::Running,
-            pressed: vec![down.target],
+            pressed: vec![down.front.target],
             fingertips: vec![OverBoard {
                 finger: Finger::Index,
                 board: 0,
-                along_rows: down.at,
+                along_rows: down.front.at,
                 height: -0.003,
             }],
         };

@@ -1,0 +1,141 @@
+//! What the value of a slider, knob or lever drives.
+
+use super::{Action, Axis, KeyAction, Out, Owner};
+use crate::contact::TargetId;
+use crate::time::Timestamp;
+
+/// A click of the wheel in the units of [`Action::Scroll`].
+const CLICK: f32 = 120.0;
+
+/// What a value of 0..=1 drives, beside being told as it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Drive {
+    /// Nothing else.
+    Told,
+    /// An axis: a trigger stands at the value, any other from −1 at 0 to 1 at 1.
+    Axis(Axis),
+    /// The wheel: this many clicks to the right for the whole range; negative the other way.
+    ScrollX(f32),
+    /// The wheel: this many clicks up for the whole range; negative the other way.
+    ScrollY(f32),
+    /// The pointer: this many pixels to the right for the whole range; negative the other way.
+    MoveX(f32),
+    /// The pointer: this many pixels up for the whole range; negative the other way.
+    MoveY(f32),
+    /// Taps at each step of the way.
+    Taps {
+        /// At each step up.
+        more: KeyAction,
+        /// At each step down.
+        less: KeyAction,
+        /// How many steps the whole range has, at least 1.
+        steps: u16,
+    },
+}
+
+/// A value that drives something.
+#[derive(Clone, Debug)]
+pub(super) struct Driver {
+    target: TargetId,
+    drive: Drive,
+    value: f32,
+    /// What of the value has been driven: whole units, pixels or steps.
+    driven: i32,
+    /// Where the axis stands.
+    axis: f32,
+}
+
+impl Driver {
+    /// One that stands at `value` and has told nothing yet; `target` is what the value is told of.
+    pub(super) fn new(target: TargetId, drive: Drive, value: f32) -> Self {
+        let mut driver = Self {
+            target,
+            drive,
+            value,
+            driven: 0,
+            axis: 0.0,
+        };
+        driver.driven = driver.units(value);
+        driver
+    }
+
+    /// Where it stands.
+    pub(super) fn value(&self) -> f32 {
+        self.value
+    }
+
+    /// Brings it to a value, 0..=1 where it has ends; tells and drives what that changes. A value that is
+    /// not a number changes nothing. What finds no room is made up for at the next change.
+    pub(super) fn set(&mut self, value: f32, time: Timestamp, out: &mut Out) {
+        if !value.is_finite() {
+            return;
+        }
+        if value != self.value && out.tell(time, Action::Value(self.target, value)) {
+            self.value = value;
+        }
+        self.drive_to(value, time, out);
+    }
+
+    /// Lets the axis spring back to 0; the value stays where it is.
+    pub(super) fn rest(&mut self, time: Timestamp, out: &mut Out) {
+        if let Drive::Axis(axis) = self.drive {
+            self.stand_at(axis, 0.0, time, out);
+        }
+    }
+
+    fn drive_to(&mut self, value: f32, time: Timestamp, out: &mut Out) {
+        let (units, behind) = (self.units(value), self.units(value) - self.driven);
+        let is_driven = match self.drive {
+            Drive::Told => true,
+            Drive::Axis(axis) => {
+                let is_trigger = matches!(axis, Axis::LeftTrigger | Axis::RightTrigger);
+                let place = if is_trigger { value } else { 2.0 * value - 1.0 };
+                self.stand_at(axis, place.clamp(-1.0, 1.0), time, out);
+                true
+            }
+            Drive::Taps { more, less, .. } => return self.tap(more, less, behind, time, out),
+            _ if behind == 0 => true,
+            Drive::ScrollX(_) => out.tell(time, Action::Scroll(behind, 0)),
+            Drive::ScrollY(_) => out.tell(time, Action::Scroll(0, behind)),
+            Drive::MoveX(_) => out.tell(time, Action::MoveBy(behind, 0)),
+            Drive::MoveY(_) => out.tell(time, Action::MoveBy(0, -behind)),
+        };
+        if is_driven {
+            self.driven = units;
+        }
+    }
+
+    fn stand_at(&mut self, axis: Axis, place: f32, time: Timestamp, out: &mut Out) {
+        if place != self.axis && out.tell(time, Action::Axis(axis, place)) {
+            self.axis = place;
+        }
+    }
+
+    fn tap(
+        &mut self,
+        more: KeyAction,
+        less: KeyAction,
+        behind: i32,
+        time: Timestamp,
+        out: &mut Out,
+    ) {
+        let owner = Owner::Part(self.target, 0);
+        let action = if behind > 0 { more } else { less };
+        for _ in 0..behind.abs() {
+            if !out.tap(owner, action, time) {
+                return;
+            }
+            self.driven += behind.signum();
+        }
+    }
+
+    fn units(&self, value: f32) -> i32 {
+        let whole = match self.drive {
+            Drive::Told | Drive::Axis(_) => 0.0,
+            Drive::ScrollX(clicks) | Drive::ScrollY(clicks) => clicks * CLICK,
+            Drive::MoveX(pixels) | Drive::MoveY(pixels) => pixels,
+            Drive::Taps { steps, .. } => f32::from(steps),
+        };
+        (value * whole).round() as i32
+    }
+}

@@ -1,0 +1,224 @@
+//! Keys, in rows and one by one, as written → checked.
+
+use parry3d::math::Vec2;
+
+use super::{Checked, Spot, milliseconds};
+use crate::contact::surface::TREMBLE;
+use crate::device::keyboard::Fires;
+use crate::device::{KeyAction, KeyCode, Latch, Request, TextId};
+use crate::layout::LayoutError;
+use crate::layout::keyboard::{Key, label, metres, metres2};
+use crate::layout::number::{PressShare, ReleaseShare, Repress, Travel};
+use crate::layout::text::Word;
+use crate::layout::written::{self, Does, Form};
+use crate::names::UnknownName;
+
+/// The longest text that a key writes, in characters.
+const LONGEST_TEXT: usize = 32;
+
+/// A key before it has its place in the scene; rows and single keys both become this.
+pub(super) struct Draft<'a> {
+    word: Word<'a>,
+    name: &'a str,
+    label: Option<String>,
+    action: KeyAction,
+    at: Vec2,
+    size: written::Outline,
+    travel: Travel,
+    press: PressShare,
+    release: ReleaseShare,
+    analogue: bool,
+    fires: Fires,
+    repress: Repress,
+}
+
+impl<'a> Checked<'a> {
+    pub(super) fn draft_row(
+        &self,
+        board: &written::Board<'a>,
+        row: &written::Row<'a>,
+        drafts: &mut Vec<Draft<'a>>,
+    ) -> Result<(), LayoutError> {
+        let pitch = metres(row.pitch_mm.unwrap_or(board.pitch_mm).get());
+        for (column, code) in row.keys.0.split_whitespace().enumerate() {
+            let word = Word(code);
+            drafts.push(Draft {
+                word,
+                name: self.code(word)?.name(),
+                label: None,
+                action: self.code_action(word, None)?,
+                at: metres2(row.at_mm) + Vec2::X * (pitch * column as f32),
+                size: row.size_mm.unwrap_or(board.size_mm),
+                travel: board.travel_mm,
+                press: board.press_share,
+                release: board.release_share,
+                analogue: board.analogue,
+                fires: Fires::Press,
+                repress: board.repress_ms,
+            });
+        }
+        Ok(())
+    }
+
+    pub(super) fn draft_key(
+        &mut self,
+        board: &written::Board<'a>,
+        key: &written::Key<'a>,
+    ) -> Result<Draft<'a>, LayoutError> {
+        let fields = &key.fields;
+        let word = key.word;
+        let name = match (fields.name, key.does) {
+            (None, Does::Key(code)) => self.code(code)?.name(),
+            _ => word.0,
+        };
+        let label = fields.label.as_ref().map(|label| label.0.clone());
+        let action = self.action(key.does, fields.latch)?;
+        Ok(Draft {
+            word,
+            name,
+            label,
+            action,
+            at: metres2(fields.at_mm),
+            size: fields.size_mm.unwrap_or(board.size_mm),
+            travel: fields.travel_mm.unwrap_or(board.travel_mm),
+            press: fields.press_share.unwrap_or(board.press_share),
+            release: fields.release_share.unwrap_or(board.release_share),
+            analogue: fields.analogue.unwrap_or(board.analogue),
+            fires: self.fires(key, action)?,
+            repress: fields.repress_ms.unwrap_or(board.repress_ms),
+        })
+    }
+
+    /// What a press does; `latch` is for modifiers and layers only.
+    pub(in crate::layout) fn action(
+        &mut self,
+        does: Does<'a>,
+        latch: Option<written::Latch>,
+    ) -> Result<KeyAction, LayoutError> {
+        let action = match does {
+            Does::Key(code) => return self.code_action(code, latch),
+            Does::Layer(layer) => return self.layer_action(layer, latch),
+            Does::Write(text) => KeyAction::Write(self.text(text)?),
+            Does::Profile(name) => KeyAction::Ask(Request::Profile(self.profile(name)?)),
+            Does::NextProfile => KeyAction::Ask(Request::NextProfile),
+            Does::Pause => KeyAction::Ask(Request::Pause),
+            Does::Recentre => KeyAction::Ask(Request::Recentre),
+            Does::Clutch => KeyAction::Clutch,
+            Does::Precision => KeyAction::Precision,
+        };
+        match latch {
+            None => Ok(action),
+            Some(_) => {
+                let place = does.word().unwrap_or(self.name).0;
+                let message = "only modifiers and layers can have a latch";
+                Err(self.document.error(place, message))
+            }
+        }
+    }
+
+    fn text(&mut self, word: Word<'a>) -> Result<TextId, LayoutError> {
+        let length = word.0.chars().count();
+        if length > LONGEST_TEXT {
+            let message = format!("a key writes at most {LONGEST_TEXT} characters, not {length}");
+            return Err(self.document.error(word.0, message));
+        }
+        let place = place_in(&mut self.texts, word.0);
+        let place = place.try_into().expect("there are at most 10 000 keys");
+        Ok(TextId(place))
+    }
+
+    fn profile(&mut self, word: Word<'a>) -> Result<u8, LayoutError> {
+        let place = place_in(&mut self.profiles, word.0);
+        place.try_into().map_err(|_| {
+            let message = "a layout names at most 256 profiles";
+            self.document.error(word.0, message)
+        })
+    }
+
+    pub(super) fn code_action(
+        &self,
+        word: Word<'a>,
+        latch: Option<written::Latch>,
+    ) -> Result<KeyAction, LayoutError> {
+        let code = self.code(word)?;
+        match latch {
+            _ if code.is_modifier() => Ok(KeyAction::Modifier(code, checked_latch(latch))),
+            None => Ok(KeyAction::Key(code)),
+            Some(_) => {
+                let message =
+                    format!("`{code}` cannot have a latch, only modifiers and layers can");
+                Err(self.document.error(word.0, message))
+            }
+        }
+    }
+
+    fn layer_action(
+        &self,
+        word: Word<'a>,
+        latch: Option<written::Latch>,
+    ) -> Result<KeyAction, LayoutError> {
+        let Some(layer) = self.layers.iter().position(|layer| layer == word.0) else {
+            let names = self.layers.iter().map(String::as_str);
+            let error = UnknownName::new("layer", word.0, names);
+            return Err(self.document.error(word.0, error));
+        };
+        Ok(KeyAction::Layer(layer, checked_latch(latch)))
+    }
+
+    fn code(&self, word: Word<'a>) -> Result<KeyCode, LayoutError> {
+        word.0
+            .parse()
+            .map_err(|error: UnknownName| self.document.error(word.0, error))
+    }
+
+    pub(super) fn add_key(&mut self, form: &Form, draft: Draft<'a>) -> Result<(), LayoutError> {
+        let front = self.put(
+            form,
+            Spot {
+                what: "key",
+                word: draft.word,
+                name: draft.name,
+                label: draft
+                    .label
+                    .unwrap_or_else(|| self.default_label(draft.action)),
+                at: draft.at,
+                turn: 0.0,
+                size: draft.size,
+                travel: draft.travel,
+                press: draft.press,
+                release: draft.release,
+                margin: TREMBLE,
+            },
+        )?;
+        self.places.insert(draft.name, self.keys.len());
+        self.keys.push(Key {
+            front,
+            actions: vec![Some(draft.action)],
+            analogue: draft.analogue,
+            fires: draft.fires,
+            repress: milliseconds(draft.repress.get()),
+        });
+        Ok(())
+    }
+
+    fn default_label(&self, action: KeyAction) -> String {
+        label(action, &self.layers, &self.texts).to_owned()
+    }
+}
+
+/// The place of `text` in a list, at whose end it is put if it is new.
+fn place_in(list: &mut Vec<String>, text: &str) -> usize {
+    let found = list.iter().position(|other| other == text);
+    found.unwrap_or_else(|| {
+        list.push(text.to_owned());
+        list.len() - 1
+    })
+}
+
+fn checked_latch(latch: Option<written::Latch>) -> Latch {
+    match latch {
+        None | Some(written::Latch::Held) => Latch::Held,
+        Some(written::Latch::OneShot) => Latch::OneShot,
+        Some(written::Latch::Lock) => Latch::Lock,
+    }
+}

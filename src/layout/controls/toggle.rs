@@ -1,0 +1,81 @@
+//! Toggle switches as written → checked.
+
+use serde::Deserialize;
+
+use super::{Control, Kind};
+use crate::contact::surface::TREMBLE;
+use crate::device::toggle::{self, ToggleOutput};
+use crate::layout::LayoutError;
+use crate::layout::check::{Checked, Spot};
+use crate::layout::keyboard::metres2;
+use crate::layout::number::Distance;
+use crate::layout::text::{Label, Word};
+use crate::layout::written::{Board, Does, Outline};
+
+/// A toggle switch as it stands in the file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Toggle<'a> {
+    /// What it is called.
+    #[serde(borrow)]
+    pub name: Word<'a>,
+    /// What is drawn on it; else its name.
+    #[serde(default)]
+    pub label: Option<Label>,
+    /// Its middle.
+    pub at_mm: (Distance, Distance),
+    /// Its outline; else as the board says.
+    #[serde(default)]
+    pub size_mm: Option<Outline>,
+    /// What is pressed as long as it is on.
+    #[serde(borrow, default)]
+    pub holds: Option<Does<'a>>,
+    /// What is tapped at each change.
+    #[serde(borrow, default)]
+    pub taps: Option<Does<'a>>,
+}
+
+impl<'a> Checked<'a> {
+    /// Adds a toggle switch to the board that is being added.
+    pub(in crate::layout) fn add_toggle(
+        &mut self,
+        board: &Board<'a>,
+        written: &Toggle<'a>,
+    ) -> Result<(), LayoutError> {
+        let name = written.name;
+        let output = match (written.holds, written.taps) {
+            (None, None) => ToggleOutput::Told,
+            (Some(does), None) => ToggleOutput::Holds(self.action(does, None)?),
+            (None, Some(does)) => ToggleOutput::Taps(self.action(does, None)?),
+            (Some(_), Some(_)) => {
+                let message = format!(
+                    "the toggle switch `{}` has both `holds` and `taps`, leave one of them out",
+                    name.0
+                );
+                return Err(self.document.error(name.0, message));
+            }
+        };
+        let front = self.put(
+            &board.form,
+            Spot {
+                what: "toggle switch",
+                word: name,
+                name: name.0,
+                label: Label::or_name(&written.label, name),
+                at: metres2(written.at_mm),
+                turn: 0.0,
+                size: written.size_mm.unwrap_or(board.size_mm),
+                travel: board.travel_mm,
+                press: board.press_share,
+                release: board.release_share,
+                margin: TREMBLE,
+            },
+        )?;
+        let target = front.target;
+        self.controls.push(Control {
+            fronts: vec![front],
+            kind: Kind::Toggle(toggle::Toggle { target, output }),
+        });
+        Ok(())
+    }
+}
