@@ -184,6 +184,7 @@ impl Typing {
             let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
             let reading = Reading {
                 time: Timestamp(5_729 * (number as u64 + 1)),
+                side: None,
                 sample: Sample::Channels(hc11::channels(&body)),
             };
             let angles = estimator.apply(&reading).expect("a hand that can be");
@@ -350,7 +351,14 @@ fn h_bytes_to_events(bencher: Bencher, board: Board) {
             time.0 += 5_729;
             let sample = Sample::Channels(hc11::channels(body));
             events.clear();
-            let _ = black_box(&pipeline.step(&Reading { time, sample }, &mut events));
+            let _ = black_box(&pipeline.step(
+                &Reading {
+                    time,
+                    side: None,
+                    sample,
+                },
+                &mut events,
+            ));
             black_box(&events);
         });
     });

@@ -43,6 +43,7 @@ impl Source for NoddingHand {
         }
         Ok(Capture::Reading(Reading {
             time: Timestamp::from_seconds(seconds),
+            side: None,
             sample: Sample::Channels(Channels {
                 full_scale: self.map.full_scale(),
                 counts: counts.into(),

@@ -12,6 +12,16 @@ named_enum! {
     }
 }
 
+impl Side {
+    /// The one that it is not.
+    pub const fn other(self) -> Self {
+        match self {
+            Self::Left => Self::Right,
+            Self::Right => Self::Left,
+        }
+    }
+}
+
 named_enum! {
     /// A finger; the order is the one in which a tie between two fingers is decided.
     pub enum Finger ("finger") {

@@ -30,6 +30,8 @@ named_enum! {
 pub struct Snapshot {
     /// What the engine was doing after the frame.
     pub state: State,
+    /// The place of the layout that the frame's touches and events are of, in the setup.
+    pub profile: usize,
     /// What came in; `None` when something else than a reading woke the engine (a stall, the end).
     pub reading: Option<Reading>,
     /// What the estimator made of it.

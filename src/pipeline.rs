@@ -1,12 +1,16 @@
 //! Stages 2 to 5 for one frame: a reading in, events out.
 
+mod controls;
+mod hand;
+
+pub use controls::Controls;
+
 use std::time::Duration;
 
+use self::hand::Hand;
 use crate::capture::Reading;
-use crate::contact::surface::Scene;
-use crate::contact::tracker::ContactTracker;
 use crate::contact::{TargetNames, Touches};
-use crate::device::{Events, Out, Seen, Switchboard, VirtualDevice};
+use crate::device::{Action, Events, Request};
 use crate::estimate::{Estimator, JointAngles, Rejection};
 use crate::kinematics::{ArmModel, HandPose};
 use crate::monitor::State;
@@ -45,85 +49,21 @@ pub struct Frame {
     pub touches: Touches,
 }
 
-/// What there is to be touched, and what comes of it.
-pub struct Controls {
-    scene: Scene,
-    names: TargetNames,
-    tracker: ContactTracker,
-    switchboard: Switchboard,
-    devices: Vec<Box<dyn VirtualDevice>>,
-}
-
-impl Controls {
-    /// Controls that have not seen a hand yet: a fingertip that is in one of them at first has to come
-    /// out before it touches anything.
-    ///
-    /// `names` are those of the targets, for outputs that write them.
-    pub fn new(scene: Scene, names: TargetNames, devices: Vec<Box<dyn VirtualDevice>>) -> Self {
-        Self {
-            tracker: ContactTracker::new(&scene),
-            scene,
-            names,
-            switchboard: Switchboard::default(),
-            devices,
-        }
-    }
-
-    /// The same with texts that keys write; see [`TextId`](crate::device::TextId).
-    pub fn with_texts(self, texts: Vec<String>) -> Self {
-        Self {
-            switchboard: Switchboard::new(texts),
-            ..self
-        }
-    }
-
-    fn update(&mut self, frame: &Frame, events: &mut Events) {
-        let seen = Seen {
-            angles: &frame.angles,
-            pose: &frame.pose,
-            touches: &frame.touches,
-        };
-        let mut out = Out {
-            switchboard: &mut self.switchboard,
-            events,
-        };
-        for device in &mut self.devices {
-            device.update(&seen, &mut out);
-        }
-    }
-
-    fn is_clear(&self, pose: &HandPose) -> bool {
-        self.tracker.is_clear(&self.scene, pose)
-    }
-
-    /// Ends every touch and lets go of everything.
-    fn release_all(&mut self, time: Timestamp, events: &mut Events) {
-        let mut cancelled = Touches::new();
-        self.tracker.reset(time, &mut cancelled);
-        self.switchboard.release_all(time, events);
-        let mut out = Out {
-            switchboard: &mut self.switchboard,
-            events,
-        };
-        for device in &mut self.devices {
-            device.release_all(time, &mut out);
-        }
-    }
-}
-
 /// The way from a reading to events.
 ///
 /// [`step`](Self::step) does not allocate, block, fail or read a clock: the same readings in give the
 /// same events out.
 pub struct Pipeline {
-    estimator: Estimator,
-    arm: ArmModel,
-    controls: Controls,
-    /// The latest, in place: it is too large to be passed around for nothing.
-    frame: Frame,
+    /// One or two.
+    hands: Vec<Hand>,
+    /// The controls of each layout of the setup; at least one.
+    profiles: Vec<Controls>,
+    /// The place of the controls in force.
+    profile: usize,
     arming: Arming,
     state: State,
-    last_accepted: Option<Timestamp>,
+    /// The latest time that a hand was seen.
+    time: Timestamp,
     clear_since: Option<Timestamp>,
     accepted: u64,
     rejected: [u64; Rejection::COUNT],
@@ -131,21 +71,15 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// A pipeline that has seen nothing yet.
+    /// A pipeline for one hand that has seen nothing yet.
     pub fn new(estimator: Estimator, arm: ArmModel, controls: Controls, arming: Arming) -> Self {
-        let angles = JointAngles::at(Timestamp::default());
         Self {
-            frame: Frame {
-                angles,
-                pose: arm.forward(&angles),
-                touches: Touches::new(),
-            },
-            estimator,
-            arm,
-            controls,
+            hands: vec![Hand::new(estimator, arm)],
+            profiles: vec![controls],
+            profile: 0,
             arming,
             state: State::Starting,
-            last_accepted: None,
+            time: Timestamp::default(),
             clear_since: None,
             accepted: 0,
             rejected: [0; Rejection::COUNT],
@@ -153,64 +87,108 @@ impl Pipeline {
         }
     }
 
+    /// The same for the other hand too. A reading goes to the hand of its [side](Reading::side); one
+    /// without, and one of a side that no hand has, to the first.
+    #[must_use]
+    pub fn with_other_hand(mut self, estimator: Estimator, arm: ArmModel) -> Self {
+        self.hands.truncate(1);
+        self.hands.push(Hand::new(estimator, arm));
+        self
+    }
+
+    /// The same with further layouts, of which one at a time is in force; the first that the pipeline was
+    /// made with is number 0.
+    #[must_use]
+    pub fn with_profiles(mut self, further: impl IntoIterator<Item = Controls>) -> Self {
+        self.profiles.extend(further);
+        self
+    }
+
     /// Takes one reading and adds to `events` what goes out because of it.
     ///
     /// An error when the reading gives no angles; it is counted, and changes nothing else.
     pub fn step(&mut self, reading: &Reading, events: &mut Events) -> Result<&Frame, Rejection> {
-        self.notice_gap(reading.time, events);
+        let place = self.hand_of(reading);
+        self.notice_gaps(place, reading.time, events);
+        let (hand, controls) = (&mut self.hands[place], &mut self.profiles[self.profile]);
         let Frame {
             angles,
             pose,
             touches,
-        } = &mut self.frame;
-        let controls = &mut self.controls;
-        *angles = self.estimator.apply(reading).inspect_err(|&reason| {
+        } = &mut hand.frame;
+        *angles = hand.estimator.apply(reading).inspect_err(|&reason| {
             self.rejected[reason.index()] += 1;
         })?;
-        *pose = self.arm.forward(angles);
-        touches.clear();
-        controls.tracker.update(&controls.scene, pose, touches);
+        *pose = hand.arm.forward(angles);
+        controls.touch(pose, touches);
         self.accepted += 1;
-        self.last_accepted = Some(pose.time);
-        self.arm_when_clear();
+        self.time = self.time.max(pose.time);
+        hand.last_accepted = Some(pose.time);
+        self.arm_when_clear(place);
         if self.state == State::Running {
-            self.controls.update(&self.frame, events);
+            self.profiles[self.profile].update(&self.hands[place].frame, events);
+            self.take_requests(events);
         }
-        Ok(&self.frame)
+        Ok(&self.hands[place].frame)
     }
 
     /// Readings have stayed away for longer than they may: lets go of everything.
     ///
     /// The hand has to be seen off all controls before anything is pressed again.
     pub fn stall(&mut self, events: &mut Events) {
-        let Some(last) = self.last_accepted.take() else {
+        let last = self.hands.iter().filter_map(|hand| hand.last_accepted);
+        let Some(last) = last.max() else {
             return;
         };
+        for hand in &mut self.hands {
+            hand.last_accepted = None;
+        }
         self.stalls += 1;
         self.let_go(last + self.arming.stall, State::Stalled, events);
     }
 
     /// The end: lets go of everything, for good.
     pub fn stop(&mut self, events: &mut Events) {
-        let time = self.last_accepted.unwrap_or_default();
-        self.let_go(time, State::Stopped, events);
+        self.let_go(self.time, State::Stopped, events);
     }
 
-    /// Lets go of everything and puts `controls` in force; those that were, let go of, are in its place
-    /// afterwards.
+    /// Lets go of everything and puts `controls` in the place of those of a layout of the setup; those
+    /// that were, let go of, are in its place afterwards. A place that there is not changes nothing.
     ///
     /// An engine that is running stays so: a fingertip that is in one of the new controls has to come out
     /// first. One that waits for a hand off all controls waits for one that is off the new ones.
-    pub fn replace(&mut self, controls: &mut Controls, events: &mut Events) {
-        let time = self.last_accepted.unwrap_or_default();
-        self.controls.release_all(time, events);
-        self.clear_since = None;
-        std::mem::swap(&mut self.controls, controls);
+    pub fn replace(&mut self, profile: usize, controls: &mut Controls, events: &mut Events) {
+        if profile >= self.profiles.len() {
+            return;
+        }
+        if profile == self.profile {
+            self.profiles[profile].release_all(self.time, events);
+            self.clear_since = None;
+        }
+        std::mem::swap(&mut self.profiles[profile], controls);
     }
 
-    /// What the targets are called.
+    /// Lets go of everything and puts another layout of the setup in force; a place that there is not
+    /// changes nothing.
+    pub fn switch_to(&mut self, profile: usize, events: &mut Events) {
+        if profile == self.profile || profile >= self.profiles.len() {
+            return;
+        }
+        self.profiles[self.profile].release_all(self.time, events);
+        self.clear_since = None;
+        self.profile = profile;
+        // What it remembers is of another time.
+        self.profiles[profile].release_all(self.time, events);
+    }
+
+    /// The place of the layout in force.
+    pub fn profile(&self) -> usize {
+        self.profile
+    }
+
+    /// What the targets of the layout in force are called.
     pub fn names(&self) -> &TargetNames {
-        &self.controls.names
+        self.profiles[self.profile].names()
     }
 
     /// What the engine is doing.
@@ -220,7 +198,7 @@ impl Pipeline {
 
     /// Whether readings are expected: one came, and none has been missed since.
     pub fn is_fed(&self) -> bool {
-        self.last_accepted.is_some()
+        self.hands.iter().any(|hand| hand.last_accepted.is_some())
     }
 
     /// How long readings may stay away.
@@ -248,22 +226,39 @@ impl Pipeline {
         self.stalls
     }
 
-    /// The readings' own times tell of a stall too, so that a recording of one repeats it.
-    fn notice_gap(&mut self, time: Timestamp, events: &mut Events) {
-        let gap = self.last_accepted.map(|last| time.since(last));
-        if gap.is_some_and(|gap| gap > self.arming.stall) {
-            self.stall(events);
+    /// The place of the hand that a reading is of.
+    fn hand_of(&self, reading: &Reading) -> usize {
+        let is_of = |hand: &Hand| Some(hand.side()) == reading.side;
+        self.hands.iter().position(is_of).unwrap_or(0)
+    }
+
+    /// The readings' own times tell of a stall too, so that a recording of one repeats it. A hand that
+    /// stays away while the other is seen is noticed by this as well.
+    fn notice_gaps(&mut self, place: usize, time: Timestamp, events: &mut Events) {
+        let limit = self.arming.stall;
+        let is_late = |hand: &Hand| {
+            hand.last_accepted
+                .is_some_and(|last| time.since(last) > limit)
+        };
+        if !self.hands.iter().any(is_late) {
+            return;
+        }
+        // The hand that is seen now is expected to be seen again.
+        let now = self.hands[place].last_accepted;
+        let was_late = is_late(&self.hands[place]);
+        self.stall(events);
+        if !was_late {
+            self.hands[place].last_accepted = now;
         }
     }
 
     fn let_go(&mut self, time: Timestamp, state: State, events: &mut Events) {
-        self.controls.release_all(time, events);
+        self.profiles[self.profile].release_all(time, events);
         self.state = state;
         self.clear_since = None;
     }
 
-    fn arm_when_clear(&mut self) {
-        let pose = &self.frame.pose;
+    fn arm_when_clear(&mut self, place: usize) {
         match self.state {
             State::Running | State::Stopped => return,
             State::Starting if self.arming.at_once => {
@@ -273,13 +268,36 @@ impl Pipeline {
             State::Starting => self.state = State::Paused,
             State::Paused | State::Stalled => {}
         }
-        if !self.controls.is_clear(pose) {
+        let hand = &mut self.hands[place];
+        hand.is_clear = self.profiles[self.profile].is_clear(&hand.frame.pose);
+        let is_in_the_way = |hand: &Hand| hand.last_accepted.is_some() && !hand.is_clear;
+        if self.hands.iter().any(is_in_the_way) {
             self.clear_since = None;
             return;
         }
-        let since = *self.clear_since.get_or_insert(pose.time);
-        if pose.time.since(since) >= self.arming.neutral {
+        let since = *self.clear_since.get_or_insert(self.time);
+        if self.time.since(since) >= self.arming.neutral {
             self.state = State::Running;
+        }
+    }
+
+    /// Does what controls asked for in this frame.
+    fn take_requests(&mut self, events: &mut Events) {
+        for place in 0..events.len() {
+            let Action::Ask(request) = events[place].action else {
+                continue;
+            };
+            match request {
+                Request::Profile(named) => {
+                    if let Some(profile) = self.profiles[self.profile].profile(named) {
+                        self.switch_to(profile, events);
+                    }
+                }
+                Request::NextProfile => {
+                    self.switch_to((self.profile + 1) % self.profiles.len(), events);
+                }
+                Request::Pause | Request::Recentre => {}
+            }
         }
     }
 }

@@ -53,7 +53,7 @@ pub struct Recorder {
     path: PathBuf,
     writer: Option<Writer<BufWriter<File>>>,
     channels: [Channel; Stage::COUNT],
-    names: TargetNames,
+    names: Vec<TargetNames>,
     buffer: Vec<u8>,
 }
 
@@ -65,11 +65,12 @@ struct Channel {
 
 impl Recorder {
     /// Starts a recording at `path`, readable for its owner only, where there must be no file yet.
-    /// `setup` is written at its start; `names` are those of the targets.
+    /// `setup` is written at its start; `names` are those of the targets of each layout of the
+    /// setup.
     pub fn create(
         path: &Path,
         setup: &RecordedSetup,
-        names: TargetNames,
+        names: Vec<TargetNames>,
     ) -> Result<Self, RecordError> {
         let refuse = |reason: String| RecordError::Create {
             path: path.to_owned(),

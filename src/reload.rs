@@ -87,6 +87,7 @@ fn replace(layout: &Layout, loop_end: &Sender<Replacement>, ended: &Receiver<()>
     let (replaced, old) = bounded(1);
     let replacement = Replacement {
         controls: Box::new(settings::controls(layout)),
+        profile: 0,
         replaced,
     };
     // There is room: the one before is in force.

@@ -60,6 +60,8 @@ impl From<&Receiver<()>> for Commands {
 pub struct Replacement {
     /// The new ones.
     pub controls: Box<Controls>,
+    /// The place of the layout whose controls they are.
+    pub profile: usize,
     /// Takes the old ones, let go of, when the new ones are in force: whoever holds the other end frees
     /// them, so that the loop need not. Should have room for them; where it has none they are freed in
     /// the loop.
@@ -84,6 +86,7 @@ pub fn drive(
     pipeline.set_stall_limit(pipeline.stall_limit().max(3 * period));
     let mut run = Run {
         captured,
+        profile: pipeline.profile(),
         pipeline,
         sink: Closing(sink),
         observe,
@@ -120,6 +123,8 @@ impl Drop for Closing<'_> {
 struct Run<'a> {
     captured: Captured,
     pipeline: &'a mut Pipeline,
+    /// The place of the layout whose names the sink has.
+    profile: usize,
     sink: Closing<'a>,
     observe: &'a mut dyn FnMut(&Snapshot),
     events: Events,
@@ -226,7 +231,8 @@ impl Run<'_> {
     fn replace(&mut self, replacement: Replacement) -> Result<(), RunError> {
         let mut controls = replacement.controls;
         self.events.clear();
-        self.pipeline.replace(&mut controls, &mut self.events);
+        self.pipeline
+            .replace(replacement.profile, &mut controls, &mut self.events);
         self.deliver()?;
         self.sink.0.rename(self.pipeline.names());
         self.show(None, None);
@@ -268,6 +274,7 @@ impl Run<'_> {
         }
     }
 
+    /// Shows what happened, and takes note when another layout is in force from now on.
     fn show(&mut self, reading: Option<Reading>, frame: Option<Frame>) {
         let (angles, pose, touches) = match frame {
             Some(frame) => (Some(frame.angles), Some(frame.pose), frame.touches),
@@ -275,6 +282,7 @@ impl Run<'_> {
         };
         let snapshot = Snapshot {
             state: self.pipeline.state(),
+            profile: self.profile,
             reading,
             angles,
             pose,
@@ -283,6 +291,10 @@ impl Run<'_> {
             tally: self.tally(),
         };
         (self.observe)(&snapshot);
+        if self.profile != self.pipeline.profile() {
+            self.profile = self.pipeline.profile();
+            self.sink.0.rename(self.pipeline.names());
+        }
     }
 }
 

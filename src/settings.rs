@@ -1,18 +1,20 @@
 //! The setup: source, glove, hand, layout and output, as a file names them and as they are used.
 
+mod assembly;
+
+pub use assembly::{Assembly, Profile, Worn, controls};
+
 use std::path::Path;
 use std::time::Duration;
 
-use ron::ser::PrettyConfig;
 use serde::{Deserialize, Serialize};
 
-use crate::capture::recording::{RecordedSetup, Replay};
-use crate::capture::{self, CaptureError, LineSettings, Source, SourceName};
-use crate::estimate::{Estimator, EstimatorSettings, OneEuroSettings, Smoothing};
-use crate::kinematics::{ArmModel, BoneLengths};
-use crate::lab::{self, TypingHand, Typist, TypistError, TypistSettings};
-use crate::layout::{Document, Glove, Key, Layout, LayoutError};
-use crate::pipeline::{Arming, Controls, Pipeline};
+use crate::capture::{CaptureError, SourceName};
+use crate::estimate::{OneEuroSettings, Smoothing};
+use crate::kinematics::BoneLengths;
+use crate::lab::TypistError;
+use crate::layout::{Document, LayoutError};
+use crate::pipeline::Arming;
 
 /// A setup as its file says it; every field has a default that works.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,8 +26,12 @@ pub struct Setup {
     pub glove: String,
     /// The arm that wears it.
     pub hand: Hand,
+    /// The other hand, where two are used.
+    pub other_hand: Option<OtherHand>,
     /// The layout: a shipped name or a file.
     pub layout: String,
+    /// Further layouts, one of which can take the place of the first while tracking.
+    pub profiles: Vec<NamedLayout>,
     /// Where events go: `transcript`, `desktop`, `uinput` or `none`.
     pub output: String,
     /// The filter on the angles.
@@ -35,6 +41,38 @@ pub struct Setup {
     pub stall_ms: u32,
     /// Whether the first reading arms, instead of a hand that is seen off all keys.
     pub armed: bool,
+}
+
+/// A second glove and who wears it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "OtherHand", default, deny_unknown_fields)]
+pub struct OtherHand {
+    /// Where its readings come from; `None` where the first source has both hands.
+    pub source: Option<SourceName>,
+    /// The glove: a shipped name or a file.
+    pub glove: String,
+    /// The arm that wears it.
+    pub hand: Hand,
+}
+
+impl Default for OtherHand {
+    fn default() -> Self {
+        Self {
+            source: None,
+            glove: "unam-hc11-left".into(),
+            hand: Hand::Model("unam".into()),
+        }
+    }
+}
+
+/// A layout and what keys, gestures and commands call it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "Profile", deny_unknown_fields)]
+pub struct NamedLayout {
+    /// What it is called; the layout that is in force at first is called `main`.
+    pub name: String,
+    /// A shipped name or a file.
+    pub layout: String,
 }
 
 /// The arm that wears the glove.
@@ -113,7 +151,9 @@ impl Default for Setup {
             source: None,
             glove: "unam-hc11".into(),
             hand: Hand::Model("unam".into()),
+            other_hand: None,
             layout: "qwerty-flat".into(),
+            profiles: Vec::new(),
             output: "transcript".into(),
             smoothing: SmoothingChoice::Default,
             stall_ms: 200,
@@ -139,8 +179,17 @@ impl Setup {
         };
         seen_from_folder(&mut setup.glove);
         seen_from_folder(&mut setup.layout);
-        if let Hand::Model(name) = &mut setup.hand {
-            seen_from_folder(name);
+        for profile in &mut setup.profiles {
+            seen_from_folder(&mut profile.layout);
+        }
+        if let Some(other) = &mut setup.other_hand {
+            seen_from_folder(&mut other.glove);
+        }
+        let other = setup.other_hand.as_mut().map(|other| &mut other.hand);
+        for hand in [Some(&mut setup.hand), other].into_iter().flatten() {
+            if let Hand::Model(name) = hand {
+                seen_from_folder(name);
+            }
         }
         Ok(setup)
     }
@@ -149,18 +198,15 @@ impl Setup {
     fn check(&self) -> Result<(), SetupError> {
         self.smoothing()?;
         self.arming()?;
+        if let Some(other) = &self.other_hand {
+            other.hand.bones()?;
+        }
         self.hand.bones().map(drop)
     }
 
     /// Reads all files that the setup names.
     pub fn assemble(self) -> Result<Assembly, SetupError> {
-        let glove = Document::open(&self.glove)?;
-        let arm = match &self.hand {
-            Hand::Model(name) => Some(Document::open(name)?),
-            Hand::Measured { .. } => None,
-        };
-        let layout = Document::open(&self.layout)?;
-        Assembly::new(self, glove, arm, layout)
+        Assembly::new(self, &|_, name| Document::open(name))
     }
 
     fn smoothing(&self) -> Result<Smoothing, SetupError> {
@@ -200,177 +246,3 @@ impl Setup {
         })
     }
 }
-
-/// The controls of a layout, to be put in the place of others.
-pub fn controls(layout: &Layout) -> Controls {
-    Controls::new(
-        layout.scene.clone(),
-        layout.target_names(),
-        layout.devices(),
-    )
-    .with_texts(layout.texts.clone())
-}
-
-/// A setup with all that it names, checked.
-#[derive(Clone, Debug)]
-pub struct Assembly {
-    /// The setup.
-    pub setup: Setup,
-    /// The glove.
-    pub glove: Glove,
-    /// The arm that wears it.
-    pub arm: ArmModel,
-    /// The layout.
-    pub layout: Layout,
-    documents: Vec<(&'static str, Document)>,
-    estimator: EstimatorSettings,
-    arming: Arming,
-}
-
-impl Assembly {
-    fn new(
-        setup: Setup,
-        glove: Document,
-        arm: Option<Document>,
-        layout: Document,
-    ) -> Result<Self, SetupError> {
-        let glove_used = Glove::parse(&glove)?;
-        let arm_used = match (setup.hand.bones()?, &arm) {
-            (Some(bones), _) => ArmModel::anthropometric(glove_used.side, &bones)
-                .map_err(|error| SetupError::Value(error.to_string()))?,
-            (None, Some(arm)) => ArmModel::parse(arm)?,
-            (None, None) => return Err(SetupError::Value("the arm model is missing".into())),
-        };
-        let estimator = EstimatorSettings {
-            smoothing: setup.smoothing()?,
-            ..EstimatorSettings::default()
-        };
-        let arming = setup.arming()?;
-        let layout_used = Layout::parse(&layout.text, &layout.file)?;
-        let documents = [
-            Some((GLOVE, glove)),
-            arm.map(|arm| (ARM, arm)),
-            Some((LAYOUT, layout)),
-        ];
-        Ok(Self {
-            glove: glove_used,
-            arm: arm_used,
-            layout: layout_used,
-            documents: documents.into_iter().flatten().collect(),
-            estimator,
-            arming,
-            setup,
-        })
-    }
-
-    /// A pipeline that has seen nothing yet.
-    pub fn pipeline(&self) -> Pipeline {
-        Pipeline::new(
-            Estimator::new(self.glove.map.clone(), self.estimator),
-            self.arm.clone(),
-            controls(&self.layout),
-            self.arming,
-        )
-    }
-
-    /// A simulated hand that types `text` on this layout with this glove, at the pace of `line`.
-    pub fn typist(
-        &self,
-        text: &str,
-        line: &LineSettings,
-        noise_counts: f64,
-        seed: u64,
-    ) -> Result<Typist, SetupError> {
-        let settings = TypistSettings {
-            name: format!("typist:{text}"),
-            frame_period: line.frame_period(),
-            noise_counts,
-            seed,
-        };
-        let taps = lab::taps(text, &self.layout.keyboard_bindings());
-        let taps = taps.map_err(TypistError::from)?;
-        let (scene, arm, map) = (&self.layout.scene, &self.arm, &self.glove.map);
-        Typist::new(&settings, &taps, scene, arm, map).map_err(|error| self.named(error))
-    }
-
-    /// An error of the typist, with the key's name instead of its number.
-    fn named(&self, error: TypistError) -> SetupError {
-        match error {
-            TypistError::OutOfReach { key, metres } => SetupError::Value(format!(
-                "cannot type on {}: key `{}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make it smaller",
-                self.layout.file,
-                self.layout.key_of(key).map_or("?", |key| &key.front.name),
-                metres * 1e3,
-            )),
-            error => error.into(),
-        }
-    }
-
-    /// The keys that the simulated hand cannot press, and how far beyond its reach each is, in metres.
-    pub fn out_of_reach(&self) -> Vec<(&Key, f64)> {
-        let hand = TypingHand::new(&self.arm, &self.glove.map);
-        let scene = &self.layout.scene;
-        let keys = self.layout.keys.iter();
-        keys.filter_map(|key| Some((key, hand.stroke(scene, key.front.target).err()?)))
-            .collect()
-    }
-
-    /// Opens a source.
-    pub fn open(&self, source: &SourceName) -> Result<Box<dyn Source>, SetupError> {
-        match source {
-            SourceName::Recording { path } => Ok(Box::new(Replay::open(path)?)),
-            SourceName::Typist { text } => Ok(Box::new(self.typist(
-                text,
-                &LineSettings::default(),
-                0.0,
-                0,
-            )?)),
-            _ => Ok(capture::open(source)?),
-        }
-    }
-
-    /// The texts behind this setup: what a recording needs to be replayed as it was.
-    pub fn recorded_setup(&self) -> RecordedSetup {
-        let setup = ron::ser::to_string_pretty(&self.setup, PrettyConfig::new().struct_names(true))
-            .expect("a setup is plain data");
-        let settings = RecordedSetup::default().with(SETTINGS, "settings", &setup);
-        self.documents
-            .iter()
-            .fold(settings, |recorded, (kind, document)| {
-                recorded.with(kind, &document.file, &document.text)
-            })
-    }
-
-    /// The setup behind a recording; a glove or a layout that is named goes before the recorded one.
-    pub fn recorded(
-        recorded: &RecordedSetup,
-        glove: Option<&str>,
-        layout: Option<&str>,
-    ) -> Result<Self, SetupError> {
-        let document = |kind: &str| {
-            let entry = recorded.get(kind)?;
-            Some(Document::new(entry.name.as_str(), entry.text.as_str()))
-        };
-        let setup: Setup = match document(SETTINGS) {
-            Some(settings) => settings.parse()?,
-            None => Setup::default(),
-        };
-        let named = |kind, given: Option<&str>, name: &str| match (given, document(kind)) {
-            (Some(name), _) => Document::open(name),
-            (None, Some(document)) => Ok(document),
-            (None, None) => Document::open(name),
-        };
-        let glove = named(GLOVE, glove, &setup.glove)?;
-        let layout = named(LAYOUT, layout, &setup.layout)?;
-        let arm = match &setup.hand {
-            Hand::Model(name) => Some(named(ARM, None, name)?),
-            Hand::Measured { .. } => None,
-        };
-        Self::new(setup, glove, arm, layout)
-    }
-}
-
-const SETTINGS: &str = "settings";
-const GLOVE: &str = "glove";
-const ARM: &str = "arm";
-const LAYOUT: &str = "layout";

@@ -70,6 +70,7 @@ impl Wearer {
     fn feed(&mut self, channels: &Channels) -> Option<Rejection> {
         let reading = Reading {
             time: Timestamp(self.time_ms * 1_000),
+            side: None,
             sample: Sample::Channels(channels.clone()),
         };
         let mut events = Events::new();
@@ -112,7 +113,8 @@ impl Wearer {
     fn switch_to_dvorak(&mut self) {
         let layout = Layout::load("dvorak-flat").expect("the shipped layout");
         let mut events = Events::new();
-        self.pipeline.replace(&mut controls(&layout), &mut events);
+        self.pipeline
+            .replace(0, &mut controls(&layout), &mut events);
         self.write(&events);
     }
 
@@ -227,6 +229,7 @@ fn a_stall_ends_every_contact() {
     wearer.wait(1_000);
     let reading = Reading {
         time: Timestamp(wearer.time_ms * 1_000),
+        side: None,
         sample: Sample::Channels(wearer.over.clone()),
     };
     let frame = wearer.pipeline.step(&reading, &mut Events::new());

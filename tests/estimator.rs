@@ -45,6 +45,7 @@ impl Wearer {
     fn reading(&self) -> Reading {
         Reading {
             time: Timestamp(self.time_ms * 1_000),
+            side: None,
             sample: Sample::Channels(Channels {
                 full_scale: 255,
                 counts: self.counts.into_iter().collect(),

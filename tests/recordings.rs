@@ -8,7 +8,6 @@ use std::time::Duration;
 
 use ademan::capture::recording::{RecordedSetup, Replay};
 use ademan::capture::{Capture, CaptureError, Channels, Reading, Sample, Source};
-use ademan::contact::TargetNames;
 use ademan::contact::{Phase, TargetId, Touch, Touches};
 use ademan::device::{Action, Events, OutputEvent};
 use ademan::estimate::JointAngles;
@@ -25,6 +24,7 @@ fn reading(number: u64) -> Reading {
     let count = |channel: u64| (number * 31 + channel * 7) as u16 % 256;
     Reading {
         time: Timestamp(number * 5_729),
+        side: None,
         sample: Sample::Channels(Channels {
             full_scale: 255,
             counts: (0..64).map(count).collect(),
@@ -54,6 +54,7 @@ fn snapshot(number: u64) -> Snapshot {
         action: Action::KeyDown("Q".parse().unwrap()),
     };
     Snapshot {
+        profile: 0,
         state: State::Running,
         reading: Some(reading),
         angles: Some(angles),
@@ -71,7 +72,7 @@ fn setup() -> RecordedSetup {
 }
 
 fn record(path: &Path) {
-    let mut recorder = Recorder::create(path, &setup(), TargetNames::default()).unwrap();
+    let mut recorder = Recorder::create(path, &setup(), Vec::new()).unwrap();
     for number in 0..READINGS {
         recorder.write(&snapshot(number)).unwrap();
     }
@@ -284,7 +285,7 @@ fn a_file_without_readings_and_one_of_another_format_are_refused() {
 fn a_reading_that_no_sensor_gives_ends_the_replay_at_its_place() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
-    let mut recorder = Recorder::create(&path, &setup(), TargetNames::default()).unwrap();
+    let mut recorder = Recorder::create(&path, &setup(), Vec::new()).unwrap();
     let mut impossible = snapshot(1);
     let mut reading_of_it = reading(1);
     let Sample::Channels(channels) = &mut reading_of_it.sample else {
@@ -346,7 +347,7 @@ fn a_file_that_is_there_is_not_written_over() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     fs::write(&path, "mine").unwrap();
-    let error = Recorder::create(&path, &setup(), TargetNames::default())
+    let error = Recorder::create(&path, &setup(), Vec::new())
         .err()
         .unwrap()
         .to_string();
@@ -358,7 +359,7 @@ fn a_file_that_is_there_is_not_written_over() {
 fn a_recording_that_is_not_finished_is_readable_up_to_the_last_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
-    let mut recorder = Recorder::create(&path, &setup(), TargetNames::default()).unwrap();
+    let mut recorder = Recorder::create(&path, &setup(), Vec::new()).unwrap();
     recorder.write(&snapshot(0)).unwrap();
     let (found, _) = readings(Replay::open(&path).unwrap());
     assert_eq!(found, [reading(0)]);
@@ -373,7 +374,7 @@ fn a_setup_that_could_not_be_read_back_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let setup = RecordedSetup::default().with("layout", "huge", &"x".repeat(5 << 20));
-    let error = Recorder::create(&path, &setup, TargetNames::default())
+    let error = Recorder::create(&path, &setup, Vec::new())
         .err()
         .unwrap()
         .to_string();
@@ -402,7 +403,7 @@ fn a_recording_keeps_the_pace_of_its_source() {
     let path = folder.path().join("slow.mcap");
     let period = Duration::from_micros(68_750);
     let setup = RecordedSetup::default().with_frame_period(Some(period));
-    let recorder = Recorder::create(&path, &setup, TargetNames::default()).unwrap();
+    let recorder = Recorder::create(&path, &setup, Vec::new()).unwrap();
     recorder.finish().unwrap();
     assert_eq!(Replay::open(&path).unwrap().frame_period(), Some(period));
 }

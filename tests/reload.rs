@@ -39,6 +39,7 @@ fn postures() -> (Posture, Posture) {
         over.get_or_insert(posture);
         let reading = Reading {
             time: Timestamp(5_729 * frame),
+            side: None,
             sample: Sample::Channels(hc11::channels(&posture)),
         };
         let frame = pipeline.step(&reading, &mut Events::new());

@@ -99,6 +99,7 @@ fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
             frames += 1;
             let reading = Reading {
                 time: Timestamp(5_729 * frames),
+                side: None,
                 sample: Sample::Channels(hc11::channels(body)),
             };
             events.clear();
@@ -126,6 +127,7 @@ fn readings(assembly: &Assembly, text: &str) -> Vec<Reading> {
         let body = std::array::from_fn(|channel| counts[channel] as u8);
         readings.push(Reading {
             time: Timestamp(5_729 * (readings.len() as u64 + 1)),
+            side: None,
             sample: Sample::Channels(hc11::channels(&body)),
         });
     }
@@ -304,7 +306,7 @@ fn a_new_layout_costs_the_loop_no_allocation_and_nothing_is_freed_in_it() {
     let mut events = Events::new();
 
     let before = (allocations(), frees());
-    pipeline.replace(&mut others, &mut events);
+    pipeline.replace(0, &mut others, &mut events);
     let typed_again = play(&mut pipeline, &mut typing, 10_000_000);
     let after = (allocations(), frees());
 

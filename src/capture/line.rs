@@ -231,6 +231,7 @@ impl<C: Connect> Source for LineSource<C> {
 fn reading(body: &[u8; BODY_BYTES]) -> Reading {
     Reading {
         time: Timestamp::default(),
+        side: None,
         sample: Sample::Channels(hc11::channels(body)),
     }
 }

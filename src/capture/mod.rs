@@ -32,6 +32,7 @@ mod file;
 pub mod recording;
 pub mod pace;
 pub mod thread;
+mod both;
 pub mod wire;
 #[cfg(unix)]
 mod pty;
@@ -43,8 +44,10 @@ use std::time::Duration;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
+use crate::hand::Side;
 use crate::time::Timestamp;
 
+pub use both::Both;
 pub use pace::Paced;
 #[cfg(unix)]
 pub use pty::open_wire;
@@ -102,6 +105,9 @@ pub struct Reading {
     /// When it was complete.
     #[serde(rename = "time_us")]
     pub time: Timestamp,
+    /// Of which hand it is, where a source has both; else of the only one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub side: Option<Side>,
     /// The values.
     #[serde(flatten)]
     pub sample: Sample,

@@ -105,6 +105,7 @@ mod tests {
             }
             Ok(Capture::Reading(Reading {
                 time: Timestamp(self.0.remove(0) * 1000),
+                side: None,
                 sample: Sample::Channels(Channels {
                     full_scale: 255,
                     counts: Default::default(),

@@ -250,6 +250,7 @@ mod tests {
     fn reading(number: u64) -> Capture {
         Capture::Reading(Reading {
             time: Timestamp(number),
+            side: None,
             sample: Sample::Channels(Channels {
                 full_scale: 255,
                 counts: Default::default(),

@@ -99,6 +99,23 @@ impl ArmModel {
         Pose::from_parts(Vec3::ZERO, Quat::from_mat3(&axes))
     }
 
+    /// The same arm where it is of that side, else its mirror image: the thumb is on the other side, and
+    /// flexion still goes towards the palm.
+    #[must_use]
+    pub fn for_side(mut self, side: Side) -> Self {
+        if self.side == side {
+            return self;
+        }
+        self.side = side;
+        for link in &mut self.links {
+            link.offset.z = -link.offset.z;
+            // A mirror turns the sense of a rotation round, and the axis itself as well as it lies in
+            // the mirror's plane or not.
+            link.axis = Vec3::new(-link.axis.x, -link.axis.y, link.axis.z);
+        }
+        self
+    }
+
     /// Which arm it is.
     pub fn side(&self) -> Side {
         self.side

@@ -186,7 +186,11 @@ impl Source for Typist {
             full_scale: self.map.full_scale(),
             counts,
         });
-        Ok(Capture::Reading(Reading { time, sample }))
+        Ok(Capture::Reading(Reading {
+            time,
+            side: None,
+            sample,
+        }))
     }
 
     fn name(&self) -> &str {

@@ -173,7 +173,8 @@ impl<'a> Checked<'a> {
             self.add_toggle(board, toggle)?;
         }
         self.refuse_overlaps()?;
-        self.scene.add(
+        self.scene.add_for(
+            board.hand,
             placement::anchor(board.place.anchor),
             placement::anchor_from_board(board),
             std::mem::take(&mut self.targets),

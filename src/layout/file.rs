@@ -31,6 +31,7 @@ macro_rules! shipped {
 const SHIPPED: &[(&str, &str)] = shipped! {
     "arms/unam"
     "gloves/unam-hc11"
+    "gloves/unam-hc11-left"
     "keyboards/arrows"
     "keyboards/azerty-flat"
     "keyboards/colemak-flat"
@@ -39,6 +40,8 @@ const SHIPPED: &[(&str, &str)] = shipped! {
     "keyboards/qwerty-arc"
     "keyboards/qwerty-flat"
     "keyboards/qwerty-flat-22"
+    "keyboards/qwerty-two-arc"
+    "keyboards/qwerty-two-flat"
     "keyboards/qwertz-flat"
     "keyboards/spanish-flat"
 };

@@ -89,7 +89,8 @@ impl Layout {
     fn write_front(&self, svg: &mut String, front: &Front) -> fmt::Result {
         let middle = front.outline.middle * 1e3;
         let half = front.outline.half_extents() * 1e3;
-        let degrees = -front.outline.rotation.to_degrees();
+        // A difference, as a negated 0 would be drawn as −0.
+        let degrees = 0.0 - front.outline.rotation.to_degrees();
         write!(
             svg,
             r#"<g transform="translate({:.2} {:.2}) rotate({degrees:.2})"><title>{}</title>"#,

@@ -11,6 +11,7 @@ use super::number::{
     Travel,
 };
 use super::text::{Label, Pairs, Word};
+use crate::hand::Side;
 
 /// The whole file.
 #[derive(Debug, Deserialize)]
@@ -39,6 +40,9 @@ pub struct Layout<'a> {
 pub struct Board<'a> {
     /// Where it is.
     pub place: Place,
+    /// The hand that it is there for; either unless said.
+    #[serde(default)]
+    pub hand: Option<Side>,
     /// Whether its rows are straight.
     #[serde(default)]
     pub form: Form,

@@ -62,6 +62,7 @@ pub fn code(name: &str) -> u16 {
 pub fn reading(time: Timestamp, posture: &Posture) -> Reading {
     Reading {
         time,
+        side: None,
         sample: Sample::Channels(Channels {
             full_scale: 255,
             counts: posture.iter().copied().map(u16::from).collect(),

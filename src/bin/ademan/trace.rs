@@ -23,7 +23,7 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
     let (stopper, stop) = signals::stopper()?;
     let mut lines = Lines {
         stage: args.stage,
-        names: assembly.layout.target_names(),
+        names: assembly.target_names(),
         out: BufWriter::new(io::stdout().lock()),
         flush: source.is_live(),
         buffer: Vec::new(),
@@ -51,7 +51,7 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
 
 struct Lines<W: Write> {
     stage: Stage,
-    names: TargetNames,
+    names: Vec<TargetNames>,
     out: BufWriter<W>,
     flush: bool,
     buffer: Vec<u8>,

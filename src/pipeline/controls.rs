@@ -1,0 +1,105 @@
+//! What there is to be touched, and what comes of it.
+
+use super::Frame;
+use crate::contact::surface::Scene;
+use crate::contact::{ContactTracker, TargetNames, Touches};
+use crate::device::{Events, Out, Seen, Switchboard, VirtualDevice};
+use crate::hand::Side;
+use crate::kinematics::HandPose;
+use crate::time::Timestamp;
+
+/// The controls of one layout, for both hands.
+pub struct Controls {
+    scene: Scene,
+    names: TargetNames,
+    trackers: [ContactTracker; Side::COUNT],
+    switchboard: Switchboard,
+    devices: Vec<Box<dyn VirtualDevice>>,
+    /// Which layout of the setup each place of a [`Request::Profile`](crate::device::Request) means.
+    profiles: Vec<usize>,
+}
+
+impl Controls {
+    /// Controls that have not seen a hand yet: a fingertip that is in one of them at first has to come
+    /// out before it touches anything.
+    ///
+    /// `names` are those of the targets, for outputs that write them.
+    pub fn new(scene: Scene, names: TargetNames, devices: Vec<Box<dyn VirtualDevice>>) -> Self {
+        Self {
+            trackers: [ContactTracker::new(&scene), ContactTracker::new(&scene)],
+            scene,
+            names,
+            switchboard: Switchboard::default(),
+            devices,
+            profiles: Vec::new(),
+        }
+    }
+
+    /// The same with texts that keys write; see [`TextId`](crate::device::TextId).
+    #[must_use]
+    pub fn with_texts(self, texts: Vec<String>) -> Self {
+        Self {
+            switchboard: Switchboard::new(texts),
+            ..self
+        }
+    }
+
+    /// The same with the layouts of the setup that its keys put in force: place `i` of a
+    /// [`Request::Profile`](crate::device::Request) means layout `profiles[i]`.
+    #[must_use]
+    pub fn with_profiles(self, profiles: Vec<usize>) -> Self {
+        Self { profiles, ..self }
+    }
+
+    /// What the targets are called.
+    pub fn names(&self) -> &TargetNames {
+        &self.names
+    }
+
+    /// The layout of the setup that the place in a request means.
+    pub(super) fn profile(&self, place: u8) -> Option<usize> {
+        self.profiles.get(usize::from(place)).copied()
+    }
+
+    /// Follows the fingertips of one hand.
+    pub(super) fn touch(&mut self, pose: &HandPose, touches: &mut Touches) {
+        touches.clear();
+        self.trackers[pose.side.index()].update(&self.scene, pose, touches);
+    }
+
+    /// Whether the hand is seen off all controls.
+    pub(super) fn is_clear(&self, pose: &HandPose) -> bool {
+        self.trackers[pose.side.index()].is_clear(&self.scene, pose)
+    }
+
+    /// Shows the devices one frame of one hand.
+    pub(super) fn update(&mut self, frame: &Frame, events: &mut Events) {
+        let seen = Seen {
+            angles: &frame.angles,
+            pose: &frame.pose,
+            touches: &frame.touches,
+        };
+        let mut out = Out {
+            switchboard: &mut self.switchboard,
+            events,
+        };
+        for device in &mut self.devices {
+            device.update(&seen, &mut out);
+        }
+    }
+
+    /// Ends every touch and lets go of everything.
+    pub(super) fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        for tracker in &mut self.trackers {
+            tracker.reset(time, &mut Touches::new());
+        }
+        self.switchboard.release_all(time, events);
+        let mut out = Out {
+            switchboard: &mut self.switchboard,
+            events,
+        };
+        for device in &mut self.devices {
+            device.release_all(time, &mut out);
+        }
+    }
+}

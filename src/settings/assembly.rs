@@ -1,0 +1,361 @@
+//! A setup with all that it names, read and checked.
+
+use ron::ser::PrettyConfig;
+
+use super::{Hand, OtherHand, Setup, SetupError};
+use crate::capture::recording::{RecordedSetup, Replay};
+use crate::capture::{self, Both, LineSettings, Source, SourceName};
+use crate::contact::TargetNames;
+use crate::estimate::{Estimator, EstimatorSettings};
+use crate::hand::Side;
+use crate::kinematics::ArmModel;
+use crate::lab::{self, TypingHand, Typist, TypistError, TypistSettings};
+use crate::layout::{Document, Glove, Key, Layout, LayoutError};
+use crate::names::UnknownName;
+use crate::pipeline::{Arming, Controls, Pipeline};
+
+/// What the layout that is in force at first is called.
+const MAIN: &str = "main";
+
+/// A setup with all that it names, checked.
+#[derive(Clone, Debug)]
+pub struct Assembly {
+    /// The setup.
+    pub setup: Setup,
+    /// The glove.
+    pub glove: Glove,
+    /// The arm that wears it.
+    pub arm: ArmModel,
+    /// The glove and arm of the other hand.
+    pub other: Option<Worn>,
+    /// The layout that is in force at first.
+    pub layout: Layout,
+    /// The further layouts, in the order of the setup.
+    pub profiles: Vec<Profile>,
+    documents: Vec<(String, Document)>,
+    estimator: EstimatorSettings,
+    arming: Arming,
+}
+
+/// A glove and the arm that wears it.
+#[derive(Clone, Debug)]
+pub struct Worn {
+    /// The glove.
+    pub glove: Glove,
+    /// The arm.
+    pub arm: ArmModel,
+}
+
+/// A layout and what it is called in its setup.
+#[derive(Clone, Debug)]
+pub struct Profile {
+    /// What keys, gestures and commands call it.
+    pub name: String,
+    /// The layout.
+    pub layout: Layout,
+}
+
+/// Gives the document of a kind and name.
+type Read<'a> = &'a dyn Fn(&str, &str) -> Result<Document, LayoutError>;
+
+/// What a recording calls the files behind a setup.
+mod kind {
+    pub const SETTINGS: &str = "settings";
+    pub const GLOVE: &str = "glove";
+    pub const ARM: &str = "arm";
+    pub const OTHER_GLOVE: &str = "other-glove";
+    pub const OTHER_ARM: &str = "other-arm";
+    pub const LAYOUT: &str = "layout";
+
+    /// That of a further layout.
+    pub fn of_profile(name: &str) -> String {
+        format!("layout:{name}")
+    }
+}
+
+/// Reads documents and keeps them.
+struct Reader<'a> {
+    read: Read<'a>,
+    documents: Vec<(String, Document)>,
+}
+
+impl Reader<'_> {
+    fn read(&mut self, kind: &str, name: &str) -> Result<Document, LayoutError> {
+        let document = (self.read)(kind, name)?;
+        self.documents.push((kind.into(), document.clone()));
+        Ok(document)
+    }
+
+    fn layout(&mut self, kind: &str, name: &str) -> Result<Layout, LayoutError> {
+        Layout::of(self.read(kind, name)?)
+    }
+
+    fn worn(
+        &mut self,
+        (glove_kind, arm_kind): (&str, &str),
+        glove: &str,
+        hand: &Hand,
+    ) -> Result<Worn, SetupError> {
+        let glove = Glove::parse(&self.read(glove_kind, glove)?)?;
+        let arm = match hand {
+            Hand::Model(name) => ArmModel::parse(&self.read(arm_kind, name)?)?.for_side(glove.side),
+            Hand::Measured { .. } => {
+                let bones = hand.bones()?.expect("it is measured");
+                ArmModel::anthropometric(glove.side, &bones)
+                    .map_err(|error| SetupError::Value(error.to_string()))?
+            }
+        };
+        Ok(Worn { glove, arm })
+    }
+}
+
+impl Assembly {
+    pub(super) fn new(setup: Setup, read: Read) -> Result<Self, SetupError> {
+        let mut reader = Reader {
+            read,
+            documents: Vec::new(),
+        };
+        let kinds = (kind::GLOVE, kind::ARM);
+        let Worn { glove, arm } = reader.worn(kinds, &setup.glove, &setup.hand)?;
+        let other = match &setup.other_hand {
+            Some(other) => Some(other_hand(&mut reader, other, &glove)?),
+            None => None,
+        };
+        let layout = reader.layout(kind::LAYOUT, &setup.layout)?;
+        let mut profiles: Vec<Profile> = Vec::new();
+        for named in &setup.profiles {
+            let is_taken = profiles.iter().any(|other| other.name == named.name);
+            if named.name == MAIN || is_taken {
+                let message = format!("there is a profile `{}` already", named.name);
+                return Err(SetupError::Value(message));
+            }
+            profiles.push(Profile {
+                name: named.name.clone(),
+                layout: reader.layout(&kind::of_profile(&named.name), &named.layout)?,
+            });
+        }
+        let assembly = Self {
+            glove,
+            arm,
+            other,
+            layout,
+            profiles,
+            documents: reader.documents,
+            estimator: EstimatorSettings {
+                smoothing: setup.smoothing()?,
+                ..EstimatorSettings::default()
+            },
+            arming: setup.arming()?,
+            setup,
+        };
+        for layout in assembly.layouts() {
+            assembly.places_of_profiles(layout)?;
+        }
+        Ok(assembly)
+    }
+
+    /// All layouts, the one that is in force at first before the others.
+    pub fn layouts(&self) -> impl Iterator<Item = &Layout> {
+        let further = self.profiles.iter().map(|profile| &profile.layout);
+        std::iter::once(&self.layout).chain(further)
+    }
+
+    /// What the layouts are called, in the same order.
+    pub fn profile_names(&self) -> impl Iterator<Item = &str> {
+        let further = self.profiles.iter().map(|profile| profile.name.as_str());
+        std::iter::once(MAIN).chain(further)
+    }
+
+    /// What the targets of each layout are called, in the same order.
+    pub fn target_names(&self) -> Vec<TargetNames> {
+        self.layouts().map(Layout::target_names).collect()
+    }
+
+    /// The controls of a layout that is or takes the place of one of this setup's.
+    pub fn controls(&self, layout: &Layout) -> Result<Controls, SetupError> {
+        let profiles = self.places_of_profiles(layout)?;
+        Ok(controls(layout).with_profiles(profiles))
+    }
+
+    /// Which layouts of the setup a layout names.
+    fn places_of_profiles(&self, layout: &Layout) -> Result<Vec<usize>, SetupError> {
+        let place = |name: &String| {
+            let found = self.profile_names().position(|other| other == name);
+            found.ok_or_else(|| {
+                let error = UnknownName::new("profile", name, self.profile_names());
+                SetupError::Value(format!(
+                    "{}: {error}; list it under `profiles` of the setup",
+                    layout.file
+                ))
+            })
+        };
+        layout.profiles.iter().map(place).collect()
+    }
+
+    /// A pipeline that has seen nothing yet.
+    pub fn pipeline(&self) -> Pipeline {
+        let controls = |layout| {
+            self.controls(layout)
+                .expect("the profiles were looked up when the setup was assembled")
+        };
+        let estimator = |glove: &Glove| Estimator::new(glove.map.clone(), self.estimator);
+        let pipeline = Pipeline::new(
+            estimator(&self.glove),
+            self.arm.clone(),
+            controls(&self.layout),
+            self.arming,
+        );
+        let further = self
+            .profiles
+            .iter()
+            .map(|profile| controls(&profile.layout));
+        let pipeline = pipeline.with_profiles(further);
+        match &self.other {
+            Some(other) => pipeline.with_other_hand(estimator(&other.glove), other.arm.clone()),
+            None => pipeline,
+        }
+    }
+
+    /// A simulated hand that types `text` on this layout with this glove, at the pace of `line`.
+    pub fn typist(
+        &self,
+        text: &str,
+        line: &LineSettings,
+        noise_counts: f64,
+        seed: u64,
+    ) -> Result<Typist, SetupError> {
+        let settings = TypistSettings {
+            name: format!("typist:{text}"),
+            frame_period: line.frame_period(),
+            noise_counts,
+            seed,
+        };
+        let taps = lab::taps(text, &self.layout.keyboard_bindings());
+        let taps = taps.map_err(TypistError::from)?;
+        let (scene, arm, map) = (&self.layout.scene, &self.arm, &self.glove.map);
+        Typist::new(&settings, &taps, scene, arm, map).map_err(|error| self.named(error))
+    }
+
+    /// An error of the typist, with the key's name instead of its number.
+    fn named(&self, error: TypistError) -> SetupError {
+        match error {
+            TypistError::OutOfReach { key, metres } => SetupError::Value(format!(
+                "cannot type on {}: key `{}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make it smaller",
+                self.layout.file,
+                self.layout.key_of(key).map_or("?", |key| &key.front.name),
+                metres * 1e3,
+            )),
+            error => error.into(),
+        }
+    }
+
+    /// The keys that the simulated hand cannot press, and how far beyond its reach each is, in metres.
+    pub fn out_of_reach(&self) -> Vec<(&Key, f64)> {
+        let scene = &self.layout.scene;
+        let sides = [self.glove.side, self.glove.side.other()];
+        let hands = sides.map(|side| self.typing_hand(side));
+        let out_of_reach = |target| {
+            let ways = hands.iter().map(|hand| hand.stroke(scene, target));
+            ways.map(Result::err)
+                .reduce(|one, other| Some(one?.min(other?)))?
+        };
+        let keys = self.layout.keys.iter();
+        keys.filter_map(|key| Some((key, out_of_reach(key.front.target)?)))
+            .collect()
+    }
+
+    /// The simulated hand of a side: with the glove of this setup where there is one for it, else in a
+    /// mirror.
+    fn typing_hand(&self, side: Side) -> TypingHand {
+        match &self.other {
+            Some(other) if other.glove.side == side => {
+                TypingHand::new(&other.arm, &other.glove.map)
+            }
+            _ => TypingHand::new(&self.arm.clone().for_side(side), &self.glove.map),
+        }
+    }
+
+    /// Opens a source, and that of the other hand where the setup names one.
+    pub fn open(&self, source: &SourceName) -> Result<Box<dyn Source>, SetupError> {
+        let first = self.open_one(source)?;
+        let other = self.setup.other_hand.as_ref();
+        let (Some(name), Some(worn)) = (other.and_then(|hand| hand.source.as_ref()), &self.other)
+        else {
+            return Ok(first);
+        };
+        let other = self.open_one(name)?;
+        let hands = [(self.glove.side, first), (worn.glove.side, other)];
+        Ok(Box::new(Both::start(hands)?))
+    }
+
+    fn open_one(&self, source: &SourceName) -> Result<Box<dyn Source>, SetupError> {
+        match source {
+            SourceName::Recording { path } => Ok(Box::new(Replay::open(path)?)),
+            SourceName::Typist { text } => Ok(Box::new(self.typist(
+                text,
+                &LineSettings::default(),
+                0.0,
+                0,
+            )?)),
+            _ => Ok(capture::open(source)?),
+        }
+    }
+
+    /// The texts behind this setup: what a recording needs to be replayed as it was.
+    pub fn recorded_setup(&self) -> RecordedSetup {
+        let setup = ron::ser::to_string_pretty(&self.setup, PrettyConfig::new().struct_names(true))
+            .expect("a setup is plain data");
+        let settings = RecordedSetup::default().with(kind::SETTINGS, "settings", &setup);
+        self.documents
+            .iter()
+            .fold(settings, |recorded, (kind, document)| {
+                recorded.with(kind, &document.file, &document.text)
+            })
+    }
+
+    /// The setup behind a recording; a glove or a layout that is named goes before the recorded one.
+    pub fn recorded(
+        recorded: &RecordedSetup,
+        glove: Option<&str>,
+        layout: Option<&str>,
+    ) -> Result<Self, SetupError> {
+        let document = |kind: &str| {
+            let entry = recorded.get(kind)?;
+            Some(Document::new(entry.name.as_str(), entry.text.as_str()))
+        };
+        let setup: Setup = match document(kind::SETTINGS) {
+            Some(settings) => settings.parse()?,
+            None => Setup::default(),
+        };
+        Self::new(setup, &|kind, name| {
+            let given = match kind {
+                kind::GLOVE => glove,
+                kind::LAYOUT => layout,
+                _ => None,
+            };
+            match (given, document(kind)) {
+                (Some(name), _) => Document::open(name),
+                (None, Some(document)) => Ok(document),
+                (None, None) => Document::open(name),
+            }
+        })
+    }
+}
+
+/// The controls of a layout that is alone in its setup.
+pub fn controls(layout: &Layout) -> Controls {
+    let (scene, names) = (layout.scene.clone(), layout.target_names());
+    Controls::new(scene, names, layout.devices()).with_texts(layout.texts.clone())
+}
+
+fn other_hand(reader: &mut Reader, other: &OtherHand, first: &Glove) -> Result<Worn, SetupError> {
+    let kinds = (kind::OTHER_GLOVE, kind::OTHER_ARM);
+    let worn = reader.worn(kinds, &other.glove, &other.hand)?;
+    if worn.glove.side == first.side {
+        return Err(SetupError::Value(format!(
+            "both gloves are for the {} hand, `other_hand` is for the other one",
+            first.side
+        )));
+    }
+    Ok(worn)
+}
