@@ -14,7 +14,8 @@ named_enum! {
     pub enum State ("state") {
         /// No reading has come in yet.
         Starting = "starting",
-        /// Readings come in; nothing goes out until the hand is seen off all controls.
+        /// Nothing goes out: until the hand is seen off all controls, or until a pause that somebody
+        /// asked for is ended.
         Paused = "paused",
         /// Touches become events.
         Running = "running",
@@ -32,6 +33,8 @@ pub struct Snapshot {
     pub state: State,
     /// The place of the layout that the frame's touches and events are of, in the setup.
     pub profile: usize,
+    /// Whether it is paused because somebody asked for it, and not because it waits for the hand.
+    pub is_paused: bool,
     /// What came in; `None` when something else than a reading woke the engine (a stall, the end).
     pub reading: Option<Reading>,
     /// What the estimator made of it.

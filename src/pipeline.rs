@@ -10,7 +10,7 @@ use std::time::Duration;
 use self::hand::Hand;
 use crate::capture::Reading;
 use crate::contact::{TargetNames, Touches};
-use crate::device::{Action, Events, Request};
+use crate::device::{Action, Events, OutputEvent, Request};
 use crate::estimate::{Estimator, JointAngles, Rejection};
 use crate::kinematics::{ArmModel, HandPose};
 use crate::monitor::State;
@@ -64,6 +64,8 @@ pub struct Pipeline {
     state: State,
     /// The latest time that a hand was seen.
     time: Timestamp,
+    /// Whether a pause was asked for; the state below it goes on, but never to `Running`.
+    is_paused: bool,
     clear_since: Option<Timestamp>,
     accepted: u64,
     rejected: [u64; Rejection::COUNT],
@@ -80,6 +82,7 @@ impl Pipeline {
             arming,
             state: State::Starting,
             time: Timestamp::default(),
+            is_paused: false,
             clear_since: None,
             accepted: 0,
             rejected: [0; Rejection::COUNT],
@@ -128,6 +131,8 @@ impl Pipeline {
         if self.state == State::Running {
             self.profiles[self.profile].update(&self.hands[place].frame, events);
             self.take_requests(events);
+        } else if self.is_paused {
+            self.listen_for_the_end_of_the_pause(place);
         }
         Ok(&self.hands[place].frame)
     }
@@ -145,6 +150,31 @@ impl Pipeline {
         }
         self.stalls += 1;
         self.let_go(last + self.arming.stall, State::Stalled, events);
+    }
+
+    /// Lets go of everything; nothing goes out until [`resume`](Self::resume), whatever happens to the
+    /// readings or the controls meanwhile.
+    pub fn pause(&mut self, events: &mut Events) {
+        if self.is_paused || self.state == State::Stopped {
+            return;
+        }
+        self.is_paused = true;
+        let below = match self.state {
+            State::Stalled => State::Stalled,
+            _ => State::Paused,
+        };
+        self.let_go(self.time, below, events);
+    }
+
+    /// Ends a pause: from now on the hand has to be seen off all controls before anything is pressed
+    /// again, also where the first reading would have armed. Without a pause it does nothing.
+    pub fn resume(&mut self) {
+        self.is_paused = false;
+    }
+
+    /// Whether a pause was asked for and has not been ended.
+    pub fn is_paused(&self) -> bool {
+        self.is_paused
     }
 
     /// The end: lets go of everything, for good.
@@ -193,7 +223,10 @@ impl Pipeline {
 
     /// What the engine is doing.
     pub fn state(&self) -> State {
-        self.state
+        match self.is_paused && self.state != State::Stopped {
+            true => State::Paused,
+            false => self.state,
+        }
     }
 
     /// Whether readings are expected: one came, and none has been missed since.
@@ -259,6 +292,9 @@ impl Pipeline {
     }
 
     fn arm_when_clear(&mut self, place: usize) {
+        if self.is_paused {
+            return;
+        }
         match self.state {
             State::Running | State::Stopped => return,
             State::Starting if self.arming.at_once => {
@@ -296,8 +332,22 @@ impl Pipeline {
                 Request::NextProfile => {
                     self.switch_to((self.profile + 1) % self.profiles.len(), events);
                 }
-                Request::Pause | Request::Recentre => {}
+                Request::Pause => self.pause(events),
+                Request::Recentre => {}
             }
+        }
+    }
+
+    /// In a pause the controls are played as ever, for nothing: only the one that ends it counts.
+    fn listen_for_the_end_of_the_pause(&mut self, place: usize) {
+        let mut unheard = Events::new();
+        let controls = &mut self.profiles[self.profile];
+        controls.update(&self.hands[place].frame, &mut unheard);
+        let is_end = |event: &OutputEvent| event.action == Action::Ask(Request::Pause);
+        if unheard.iter().any(is_end) {
+            self.resume();
+            unheard.clear();
+            self.profiles[self.profile].release_all(self.time, &mut unheard);
         }
     }
 }

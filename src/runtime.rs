@@ -283,6 +283,7 @@ impl Run<'_> {
         let snapshot = Snapshot {
             state: self.pipeline.state(),
             profile: self.profile,
+            is_paused: self.pipeline.is_paused(),
             reading,
             angles,
             pose,

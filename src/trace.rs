@@ -106,9 +106,19 @@ impl Stage {
             Self::Events => snapshot
                 .events
                 .iter()
-                .try_for_each(|event| take(event.time, json(&EventForm::of(event, names), buffer))),
+                .try_for_each(|event| take(event.time, event_json(event, names, buffer))),
         }
     }
+}
+
+/// One object of the stage [`Stage::Events`], without a line end. `names` are those of the targets,
+/// `buffer` is room to write in; what is in it is lost.
+pub fn event_json<'a>(
+    event: &OutputEvent,
+    names: &TargetNames,
+    buffer: &'a mut Vec<u8>,
+) -> &'a [u8] {
+    json(&EventForm::of(event, names), buffer)
 }
 
 fn json<'a>(value: &impl Serialize, buffer: &'a mut Vec<u8>) -> &'a [u8] {
@@ -304,6 +314,7 @@ mod tests {
         Snapshot {
             state: State::Running,
             profile: 0,
+            is_paused: false,
             reading: Some(Reading {
                 time,
                 side: None,

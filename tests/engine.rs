@@ -369,3 +369,104 @@ fn every_reading_is_accounted_for() {
     assert_eq!(wearer.pipeline.rejected().iter().sum::<u64>(), rejected);
     assert!(rejected > 100);
 }
+
+impl Wearer {
+    fn pause(&mut self) {
+        let mut events = Events::new();
+        self.pipeline.pause(&mut events);
+        self.write(&events);
+    }
+
+    /// Lifts the finger and pushes the key down again.
+    fn type_once(&mut self) {
+        self.stay_over(400);
+        self.push_down(100);
+    }
+}
+
+#[test]
+fn a_pause_lets_go_and_nothing_goes_out_until_it_is_ended_and_the_hand_was_off() {
+    let mut wearer = Wearer::armed();
+    wearer.push_down(100);
+    wearer.pause();
+    assert_eq!(wearer.said(), "down H, up H at 500");
+    wearer.pause();
+    wearer.type_once();
+    assert_eq!(wearer.pipeline.state(), State::Paused);
+
+    wearer.pipeline.resume();
+    wearer.push_down(400);
+    assert_eq!(wearer.pipeline.state(), State::Paused);
+    wearer.stay_over(290);
+    wearer.push_down(100);
+    assert_eq!(wearer.said(), "", "not off all keys for long enough");
+    wearer.type_once();
+    assert_eq!(wearer.said(), "down H");
+}
+
+#[test]
+fn a_stall_while_paused_stays_paused_and_a_pause_while_stalled_is_one_too() {
+    let mut wearer = Wearer::armed();
+    wearer.pause();
+    wearer.wait(1_000);
+    wearer.pipeline.stall(&mut Events::new());
+    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.pipeline.stalls(), 1);
+    wearer.type_once();
+    assert_eq!(wearer.said(), "");
+
+    wearer.pipeline.stall(&mut Events::new());
+    wearer.pipeline.resume();
+    assert_eq!(wearer.pipeline.state(), State::Stalled);
+    wearer.pause();
+    wearer.type_once();
+    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.said(), "");
+    wearer.pipeline.resume();
+    wearer.type_once();
+    assert_eq!(wearer.said(), "down H");
+}
+
+#[test]
+fn a_pause_outlasts_a_new_layout_and_ends_with_the_run() {
+    let mut wearer = Wearer::armed();
+    wearer.pause();
+    wearer.switch_to_dvorak();
+    wearer.type_once();
+    assert_eq!(wearer.said(), "");
+    wearer.pipeline.resume();
+    wearer.type_once();
+    assert_eq!(wearer.said(), "down D");
+
+    wearer.pause();
+    wearer.pipeline.stop(&mut Events::new());
+    assert_eq!(wearer.pipeline.state(), State::Stopped);
+    wearer.pause();
+    assert_eq!(wearer.pipeline.state(), State::Stopped);
+}
+
+#[test]
+fn a_pause_before_the_first_reading_holds_though_that_would_arm() {
+    let setup = Setup {
+        armed: true,
+        ..Setup::default()
+    };
+    let mut wearer = Wearer::new(&setup);
+    wearer.pause();
+    wearer.type_once();
+    wearer.pipeline.resume();
+    wearer.push_down(100);
+    assert_eq!(wearer.said(), "");
+    wearer.type_once();
+    assert_eq!(wearer.said(), "down H");
+}
+
+#[test]
+fn ending_no_pause_does_not_let_go() {
+    let mut wearer = Wearer::armed();
+    wearer.push_down(100);
+    wearer.pipeline.resume();
+    wearer.push_down(100);
+    assert_eq!(wearer.said(), "down H");
+    assert_eq!(wearer.pipeline.state(), State::Running);
+}

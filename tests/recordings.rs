@@ -56,6 +56,7 @@ fn snapshot(number: u64) -> Snapshot {
     Snapshot {
         profile: 0,
         state: State::Running,
+        is_paused: false,
         reading: Some(reading),
         angles: Some(angles),
         pose: Some(pose),
