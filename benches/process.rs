@@ -66,6 +66,7 @@ fn packets() -> Vec<[u8; 66]> {
 fn start(arguments: &[&str]) -> Child {
     Command::new(ADEMAN)
         .args(arguments)
+        .env_remove("XDG_RUNTIME_DIR")
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()

@@ -41,7 +41,7 @@ fn replay(path: &Path) -> anyhow::Result<()> {
 fn record(text: &str, path: &Path) -> anyhow::Result<()> {
     let assembly = Setup::default().assemble()?;
     let hand = assembly.open(&format!("typist:{text}").parse()?)?;
-    let mut recorder = Recorder::create(path, &assembly.recorded_setup(), assembly.target_names())?;
+    let mut recorder = Recorder::create(path, &assembly.recorded_setup())?;
     let mut written = Ok(());
     let mut nowhere = output::open("none", &assembly.layout.codes())?;
     let never = crossbeam_channel::never();

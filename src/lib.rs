@@ -11,7 +11,8 @@
 //! ```
 //!
 //! The modules below stand in the order of that flow. What changes while a run is on, such as a layout
-//! that is saved, is built outside the loop and put in force between two frames: [`reload`].
+//! that is saved, is built outside the loop and put in force between two frames: [`reload`]. Other programs ask
+//! a run for things, and hear what happens in it, on a socket: [`control`].
 //!
 //! All of it in a few lines, with a simulated hand in place of a glove:
 //!
@@ -51,3 +52,4 @@ pub mod lab;
 pub mod settings;
 pub mod runtime;
 pub mod reload;
+pub mod control;

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::capture::{Counts, Reading};
-use crate::contact::Touches;
+use crate::contact::{TargetNames, Touches};
 use crate::device::Events;
 use crate::estimate::{JointAngles, Rejection};
 use crate::kinematics::HandPose;
@@ -33,6 +33,8 @@ pub struct Snapshot {
     pub state: State,
     /// The place of the layout that the frame's touches and events are of, in the setup.
     pub profile: usize,
+    /// What its targets are called.
+    pub names: TargetNames,
     /// Whether it is paused because somebody asked for it, and not because it waits for the hand.
     pub is_paused: bool,
     /// What came in; `None` when something else than a reading woke the engine (a stall, the end).

@@ -211,6 +211,11 @@ impl Pipeline {
         self.profiles[profile].release_all(self.time, events);
     }
 
+    /// How many layouts the setup has.
+    pub fn profiles(&self) -> usize {
+        self.profiles.len()
+    }
+
     /// The place of the layout in force.
     pub fn profile(&self) -> usize {
         self.profile

@@ -15,7 +15,6 @@ use mcap::{McapError, WriteOptions, Writer};
 use crate::capture::recording::{
     ENCODING, FORMAT, FORMAT_RECORD, RECORD_LIMIT, RecordedSetup, SETUP_RECORD,
 };
-use crate::contact::TargetNames;
 use crate::monitor::Snapshot;
 use crate::output;
 use crate::time::Timestamp;
@@ -53,7 +52,6 @@ pub struct Recorder {
     path: PathBuf,
     writer: Option<Writer<BufWriter<File>>>,
     channels: [Channel; Stage::COUNT],
-    names: Vec<TargetNames>,
     buffer: Vec<u8>,
 }
 
@@ -65,13 +63,8 @@ struct Channel {
 
 impl Recorder {
     /// Starts a recording at `path`, readable for its owner only, where there must be no file yet.
-    /// `setup` is written at its start; `names` are those of the targets of each layout of the
-    /// setup.
-    pub fn create(
-        path: &Path,
-        setup: &RecordedSetup,
-        names: Vec<TargetNames>,
-    ) -> Result<Self, RecordError> {
+    /// `setup` is written at its start.
+    pub fn create(path: &Path, setup: &RecordedSetup) -> Result<Self, RecordError> {
         let refuse = |reason: String| RecordError::Create {
             path: path.to_owned(),
             reason,
@@ -91,7 +84,6 @@ impl Recorder {
             path: path.to_owned(),
             writer: Some(writer),
             channels,
-            names,
             buffer: Vec::new(),
         })
     }
@@ -123,7 +115,7 @@ impl Recorder {
             return Err(McapError::AttemptedWriteAfterFailure);
         };
         for (stage, channel) in Stage::ALL.iter().zip(&mut self.channels) {
-            stage.each(snapshot, &self.names, &mut self.buffer, |time, json| {
+            stage.each(snapshot, &mut self.buffer, |time, json| {
                 let header = channel.header(time);
                 writer.write_to_known_channel(&header, json)
             })?;

@@ -2,16 +2,17 @@
 
 mod watched_file;
 
+use std::fmt;
 use std::io;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded, select};
+use crossbeam_channel::{Receiver, Sender, bounded, select};
 
 use self::watched_file::WatchedFile;
 use crate::layout::{Layout, LayoutError};
+use crate::pipeline::Controls;
 use crate::runtime::Replacement;
-use crate::settings;
 
 /// How often the file is looked at. One look costs a few microseconds, works on every file system, and
 /// sees a file that an editor puts in the place of the old one as well as one that is written to.
@@ -28,71 +29,109 @@ pub enum Report {
     Refused(String),
 }
 
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Replaced(layout) => write!(f, "{}: in force from now on", layout.file),
+            Self::Wrong(error) => write!(f, "{error}\nthe layout in force stays"),
+            Self::Refused(reason) => f.write_str(reason),
+        }
+    }
+}
+
+/// Takes the text of a report: `Ok` when the layout is in force. Closed when the run ends before that.
+pub type Asker = Sender<Result<String, String>>;
+
+/// Requests that wait while a layout is put in force: one for each client of a control socket.
+const WAITING_ASKERS: usize = 16;
+
 /// Watches a layout file on a thread of its own, until it is dropped.
 pub struct Watcher {
-    replacements: Receiver<Replacement>,
+    askers: Sender<Asker>,
     _end: Sender<()>,
 }
 
 impl Watcher {
-    /// Watches the file at `path`, from which `layout` was read.
+    /// Watches the file at `path`, from which `layout` was read, the layout number `profile` of the setup.
     ///
-    /// A file that is saved with another content comes out of [`replacements`](Self::replacements) at most
-    /// 0.2 s later if it is right and `accept` takes it. Saves in quick succession count as the last of
+    /// A file that is saved with another content comes out of the other end of `replacements` at most
+    /// 0.2 s later if it is right and `accept` makes controls of it. Saves in quick succession count as the last of
     /// them; while they go on for longer than 2 s, each 2 s as one. `report` hears what became of each
     /// save, in order; of a replacement when it is in force. Two saves in one tick of the file system's
     /// clock, 2 s on FAT, look like one where their lengths are the same.
     pub fn start(
         path: &str,
         layout: &Layout,
-        accept: impl Fn(&Layout) -> Result<(), String> + Send + 'static,
+        profile: usize,
+        replacements: Sender<Replacement>,
+        accept: impl Fn(&Layout) -> Result<Controls, String> + Send + 'static,
         mut report: impl FnMut(Report) + Send + 'static,
     ) -> io::Result<Self> {
         let mut file = WatchedFile::new(path, &layout.text, Instant::now());
-        let (sender, replacements) = bounded(1);
         let (end, ended) = bounded(0);
+        let (askers, asked) = bounded::<Asker>(WAITING_ASKERS);
         let watch = move || {
-            while ended.recv_timeout(PERIOD) == Err(RecvTimeoutError::Timeout) {
-                let outcome = match file.look(Instant::now()) {
+            loop {
+                let (found, asker) = select! {
+                    recv(ended) -> _ => return,
+                    recv(asked) -> asker => match asker {
+                        Ok(asker) => (Some(file.read_now()), Some(asker)),
+                        Err(_) => return,
+                    },
+                    default(PERIOD) => (file.look(Instant::now()), None),
+                };
+                let outcome = match found {
                     None => continue,
                     Some(Err(error)) => Report::Wrong(error),
                     Some(Ok(layout)) => match accept(&layout) {
                         Err(reason) => Report::Refused(reason),
-                        Ok(()) if !replace(&layout, &sender, &ended) => return,
-                        Ok(()) => {
+                        Ok(controls) => {
+                            if !replace(controls, profile, &replacements, &ended) {
+                                return;
+                            }
                             file.is_in_force(&layout.text);
                             Report::Replaced(layout)
                         }
                     },
                 };
+                if let Some(asker) = asker {
+                    let text = outcome.to_string();
+                    let is_in_force = matches!(outcome, Report::Replaced(_));
+                    // Whoever asked may have gone away.
+                    let _ = asker.try_send(if is_in_force { Ok(text) } else { Err(text) });
+                }
                 report(outcome);
             }
         };
         // It is not waited for: a file system that hangs must not hold up the end of a run.
         thread::Builder::new().name("layout".into()).spawn(watch)?;
-        Ok(Self {
-            replacements,
-            _end: end,
-        })
+        Ok(Self { askers, _end: end })
     }
 
-    /// Where the layouts come out that are to be put in force; closed when the watch is over.
-    pub fn replacements(&self) -> Receiver<Replacement> {
-        self.replacements.clone()
+    /// Where to ask for the file to be read at once, also if it has not been saved.
+    pub fn askers(&self) -> Sender<Asker> {
+        self.askers.clone()
     }
 }
 
-/// Hands a layout to the loop and waits until it is in force; whether it is. Frees the old one.
-fn replace(layout: &Layout, loop_end: &Sender<Replacement>, ended: &Receiver<()>) -> bool {
+/// Hands controls to the loop and waits until they are in force; whether they are. Frees the old ones.
+fn replace(
+    controls: Controls,
+    profile: usize,
+    loop_end: &Sender<Replacement>,
+    ended: &Receiver<()>,
+) -> bool {
     let (replaced, old) = bounded(1);
     let replacement = Replacement {
-        controls: Box::new(settings::controls(layout)),
-        profile: 0,
+        controls: Box::new(controls),
+        profile,
         replaced,
     };
-    // There is room: the one before is in force.
-    if loop_end.try_send(replacement).is_err() {
-        return false;
+    select! {
+        send(loop_end, replacement) -> sent => if sent.is_err() {
+            return false;
+        },
+        recv(ended) -> _ => return false,
     }
     select! {
         recv(old) -> old => old.is_ok(),
@@ -104,6 +143,8 @@ fn replace(layout: &Layout, loop_end: &Sender<Replacement>, ended: &Receiver<()>
 mod tests {
     use super::*;
     use crate::reload::watched_file::tests::text;
+    use crate::settings;
+    use crossbeam_channel::RecvTimeoutError;
     use std::fs;
 
     /// What the watcher reports, with a loop that puts in force what comes.
@@ -115,8 +156,9 @@ mod tests {
         let layout = Layout::load(path).unwrap();
         let (sender, reports) = crossbeam_channel::unbounded();
         let report = move |report| sender.send(report).unwrap();
-        let watcher = Watcher::start(path, &layout, accept, report).unwrap();
-        let replacements = watcher.replacements();
+        let (replace, replacements) = bounded::<Replacement>(1);
+        let accept = move |layout: &Layout| accept(layout).map(|()| settings::controls(layout));
+        let watcher = Watcher::start(path, &layout, 0, replace, accept, report).unwrap();
         thread::spawn(move || {
             for replacement in replacements {
                 let _ = replacement.replaced.send(replacement.controls);
@@ -176,6 +218,36 @@ mod tests {
     }
 
     #[test]
+    fn whoever_asks_for_the_file_is_told_what_became_of_it_also_when_it_was_not_saved() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ron");
+        fs::write(&path, text("A")).unwrap();
+        let (watcher, reports) = watch(&path, |layout| match layout.name.as_str() {
+            "C" => Err("no C".into()),
+            _ => Ok(()),
+        });
+        let ask = || {
+            let (asker, told) = bounded(1);
+            watcher.askers().send(asker).unwrap();
+            let told = told.recv_timeout(PATIENCE_OF_TEST).unwrap();
+            reports.recv_timeout(PATIENCE_OF_TEST).unwrap();
+            told.map_err(|text| text.replace(&path.display().to_string(), "a.ron"))
+        };
+        let in_force = format!("{}: in force from now on", path.display());
+        assert_eq!(ask(), Ok(in_force.clone()));
+        assert_eq!(ask(), Ok(in_force));
+        fs::write(&path, text("C")).unwrap();
+        assert_eq!(ask(), Err("no C".into()));
+        fs::write(&path, text("Entre")).unwrap();
+        let error = ask().unwrap_err();
+        assert!(
+            error.starts_with("a.ron:3:35: unknown key `Entre`"),
+            "{error}"
+        );
+        assert!(error.ends_with("\nthe layout in force stays"), "{error}");
+    }
+
+    #[test]
     fn the_watch_is_over_when_the_watcher_is_dropped() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.ron");
@@ -194,9 +266,12 @@ mod tests {
         let layout = Layout::load(path.to_str().unwrap()).unwrap();
         let (sender, reports) = bounded::<Report>(1);
         let report = move |report| sender.send(report).unwrap();
-        let watcher = Watcher::start(path.to_str().unwrap(), &layout, |_| Ok(()), report).unwrap();
-        fs::write(&path, text("B")).unwrap();
-        while watcher.replacements.is_empty() {
+        let (replace, replacements) = bounded::<Replacement>(1);
+        let accept = |layout: &Layout| Ok(settings::controls(layout));
+        let path = path.to_str().unwrap();
+        let watcher = Watcher::start(path, &layout, 0, replace, accept, report).unwrap();
+        fs::write(path, text("B")).unwrap();
+        while replacements.is_empty() {
             thread::sleep(Duration::from_millis(5));
         }
         drop(watcher);

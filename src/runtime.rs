@@ -1,16 +1,20 @@
 //! Drives a pipeline, live or from a recording: one loop for both.
 
+mod call;
+
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, Sender, never, select};
 use hdrhistogram::Histogram;
 
 use crate::capture::{Arrival, CaptureError, Captured, Counts, Reading, Source, on_thread};
-use crate::contact::Touches;
+use crate::contact::{TargetNames, Touches};
 use crate::device::Events;
 use crate::monitor::{Snapshot, Tally};
 use crate::output::{OutputError, Sink};
 use crate::pipeline::{Controls, Frame, Pipeline};
+
+pub use call::{Answer, Call, Calls, Order, Refusal, RunState, calls};
 
 /// Where nothing is expected the loop wakes up once an hour, for nothing.
 const FOR_EVER: Duration = Duration::from_secs(3600);
@@ -45,6 +49,8 @@ pub struct Commands {
     pub stop: Receiver<()>,
     /// Other controls, put in force after those that are were let go of.
     pub replace: Receiver<Replacement>,
+    /// Orders that are answered.
+    pub calls: Receiver<Call>,
 }
 
 impl From<&Receiver<()>> for Commands {
@@ -52,6 +58,7 @@ impl From<&Receiver<()>> for Commands {
         Self {
             stop: stop.clone(),
             replace: never(),
+            calls: never(),
         }
     }
 }
@@ -87,6 +94,7 @@ pub fn drive(
     let mut run = Run {
         captured,
         profile: pipeline.profile(),
+        names: pipeline.names().clone(),
         pipeline,
         sink: Closing(sink),
         observe,
@@ -96,7 +104,7 @@ pub fn drive(
         untaken: 0,
         latency_ns: new_histogram(),
     };
-    run.sink.0.rename(run.pipeline.names());
+    run.rename();
     let ended = run.until_over(&mut commands.into());
     let closed = run.finish();
     ended?;
@@ -123,8 +131,9 @@ impl Drop for Closing<'_> {
 struct Run<'a> {
     captured: Captured,
     pipeline: &'a mut Pipeline,
-    /// The place of the layout whose names the sink has.
+    /// The place of the layout that the sink was told of last, and what its targets are called.
     profile: usize,
+    names: TargetNames,
     sink: Closing<'a>,
     observe: &'a mut dyn FnMut(&Snapshot),
     events: Events,
@@ -146,6 +155,15 @@ impl Run<'_> {
                         // Nobody can send any more; a closed channel would wake the loop for ever.
                         Err(_) => commands.replace = never(),
                     }
+                    self.stall_if_overdue()?;
+                    false
+                }
+                recv(commands.calls) -> call => {
+                    match call {
+                        Ok(call) => self.answer(call)?,
+                        Err(_) => commands.calls = never(),
+                    }
+                    self.stall_if_overdue()?;
                     false
                 }
                 recv(self.captured.arrivals()) -> arrival => match arrival {
@@ -153,11 +171,8 @@ impl Run<'_> {
                     // Only after an end or a failure, and those were the last that was taken.
                     Err(_) => true,
                 },
-                // Only when nothing has arrived: a reading that waits is no stall.
                 default(self.patience()) => {
-                    if self.patience().is_zero() {
-                        self.stall()?;
-                    }
+                    self.stall_if_overdue()?;
                     false
                 }
             };
@@ -219,6 +234,15 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Also after every command: those who never cease to ask do not put off a stall.
+    fn stall_if_overdue(&mut self) -> Result<(), RunError> {
+        // A reading that waits is no stall.
+        if self.captured.arrivals().is_empty() && self.patience().is_zero() {
+            self.stall()?;
+        }
+        Ok(())
+    }
+
     fn stall(&mut self) -> Result<(), RunError> {
         self.events.clear();
         self.pipeline.stall(&mut self.events);
@@ -234,10 +258,62 @@ impl Run<'_> {
         self.pipeline
             .replace(replacement.profile, &mut controls, &mut self.events);
         self.deliver()?;
-        self.sink.0.rename(self.pipeline.names());
         self.show(None, None);
+        self.rename();
         let _ = replacement.replaced.try_send(controls);
         Ok(())
+    }
+
+    fn answer(&mut self, call: Call) -> Result<(), RunError> {
+        let answer = match call.order {
+            Order::State => Ok(Answer::State(self.state())),
+            Order::Pause => self.pause().map(|()| Ok(Answer::Done))?,
+            Order::Resume => {
+                self.pipeline.resume();
+                self.show(None, None);
+                Ok(Answer::Done)
+            }
+            Order::Profile(place) => self.switch_to(place.into()).map(|()| Ok(Answer::Done))?,
+            Order::NextProfile => {
+                let next = (self.pipeline.profile() + 1) % self.pipeline.profiles();
+                self.switch_to(next).map(|()| Ok(Answer::Done))?
+            }
+            order => self.place(order),
+        };
+        // Nobody waits for whoever went away.
+        let _ = call.answer.try_send(answer);
+        Ok(())
+    }
+
+    fn pause(&mut self) -> Result<(), RunError> {
+        self.events.clear();
+        self.pipeline.pause(&mut self.events);
+        self.deliver()?;
+        self.show(None, None);
+        Ok(())
+    }
+
+    fn switch_to(&mut self, profile: usize) -> Result<(), RunError> {
+        self.events.clear();
+        self.pipeline.switch_to(profile, &mut self.events);
+        self.deliver()?;
+        self.show(None, None);
+        Ok(())
+    }
+
+    /// Orders about where the boards are.
+    fn place(&mut self, order: Order) -> Result<Answer, Refusal> {
+        Err(Refusal::NotThereYet(order.name()))
+    }
+
+    fn state(&self) -> RunState {
+        RunState {
+            state: self.pipeline.state(),
+            is_paused: self.pipeline.is_paused(),
+            profile: self.pipeline.profile() as u8,
+            tally: self.tally(),
+            refused_presses: self.sink.0.refused_presses(),
+        }
     }
 
     fn finish(&mut self) -> Result<(), RunError> {
@@ -283,6 +359,7 @@ impl Run<'_> {
         let snapshot = Snapshot {
             state: self.pipeline.state(),
             profile: self.profile,
+            names: self.names.clone(),
             is_paused: self.pipeline.is_paused(),
             reading,
             angles,
@@ -293,9 +370,15 @@ impl Run<'_> {
         };
         (self.observe)(&snapshot);
         if self.profile != self.pipeline.profile() {
-            self.profile = self.pipeline.profile();
-            self.sink.0.rename(self.pipeline.names());
+            self.rename();
         }
+    }
+
+    /// From now on what is told is of the layout in force.
+    fn rename(&mut self) {
+        self.profile = self.pipeline.profile();
+        self.names = self.pipeline.names().clone();
+        self.sink.0.rename(&self.names);
     }
 }
 

@@ -76,16 +76,14 @@ impl Stage {
     }
 
     /// Hands each of the stage's values in `snapshot` to `take`: its time, and its JSON without a
-    /// line end. `names` are those of the targets of each layout of the setup, `buffer` is room to write in; what is in it is lost.
+    /// line end. `buffer` is room to write in; what is in it is lost.
     pub fn each<E>(
         self,
         snapshot: &Snapshot,
-        names: &[TargetNames],
         buffer: &mut Vec<u8>,
         mut take: impl FnMut(Timestamp, &[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let unnamed = TargetNames::default();
-        let names = names.get(snapshot.profile).unwrap_or(&unnamed);
+        let names = &snapshot.names;
         match self {
             Self::Readings => snapshot
                 .reading
@@ -314,6 +312,7 @@ mod tests {
         Snapshot {
             state: State::Running,
             profile: 0,
+            names: names(),
             is_paused: false,
             reading: Some(Reading {
                 time,
@@ -348,7 +347,7 @@ mod tests {
 
     fn lines(stage: Stage, snapshot: &Snapshot) -> Vec<String> {
         let mut lines = Vec::new();
-        let Ok(()) = stage.each(snapshot, &[names()], &mut Vec::new(), |time, json| {
+        let Ok(()) = stage.each(snapshot, &mut Vec::new(), |time, json| {
             let line = String::from_utf8(json.to_vec()).unwrap();
             let object: Value = serde_json::from_str(&line).unwrap();
             assert_eq!(object["time_us"], time.0, "{line}");
@@ -425,8 +424,7 @@ mod tests {
 
     #[test]
     fn an_error_of_whoever_takes_the_lines_comes_back() {
-        let outcome =
-            Stage::Events.each(&snapshot(), &[names()], &mut Vec::new(), |_, _| Err("full"));
+        let outcome = Stage::Events.each(&snapshot(), &mut Vec::new(), |_, _| Err("full"));
         assert_eq!(outcome, Err("full"));
     }
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use ademan::capture::recording::{RecordedSetup, Replay};
 use ademan::capture::{Capture, CaptureError, Channels, Reading, Sample, Source};
-use ademan::contact::{Phase, TargetId, Touch, Touches};
+use ademan::contact::{Phase, TargetId, TargetNames, Touch, Touches};
 use ademan::device::{Action, Events, OutputEvent};
 use ademan::estimate::JointAngles;
 use ademan::hand::{Dof, Finger, Joint, Side};
@@ -55,6 +55,7 @@ fn snapshot(number: u64) -> Snapshot {
     };
     Snapshot {
         profile: 0,
+        names: TargetNames::default(),
         state: State::Running,
         is_paused: false,
         reading: Some(reading),
@@ -73,7 +74,7 @@ fn setup() -> RecordedSetup {
 }
 
 fn record(path: &Path) {
-    let mut recorder = Recorder::create(path, &setup(), Vec::new()).unwrap();
+    let mut recorder = Recorder::create(path, &setup()).unwrap();
     for number in 0..READINGS {
         recorder.write(&snapshot(number)).unwrap();
     }
@@ -286,7 +287,7 @@ fn a_file_without_readings_and_one_of_another_format_are_refused() {
 fn a_reading_that_no_sensor_gives_ends_the_replay_at_its_place() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
-    let mut recorder = Recorder::create(&path, &setup(), Vec::new()).unwrap();
+    let mut recorder = Recorder::create(&path, &setup()).unwrap();
     let mut impossible = snapshot(1);
     let mut reading_of_it = reading(1);
     let Sample::Channels(channels) = &mut reading_of_it.sample else {
@@ -348,10 +349,7 @@ fn a_file_that_is_there_is_not_written_over() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     fs::write(&path, "mine").unwrap();
-    let error = Recorder::create(&path, &setup(), Vec::new())
-        .err()
-        .unwrap()
-        .to_string();
+    let error = Recorder::create(&path, &setup()).err().unwrap().to_string();
     assert!(error.ends_with("there is a file already; choose another name or remove it"));
     assert_eq!(fs::read(&path).unwrap(), b"mine");
 }
@@ -360,7 +358,7 @@ fn a_file_that_is_there_is_not_written_over() {
 fn a_recording_that_is_not_finished_is_readable_up_to_the_last_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
-    let mut recorder = Recorder::create(&path, &setup(), Vec::new()).unwrap();
+    let mut recorder = Recorder::create(&path, &setup()).unwrap();
     recorder.write(&snapshot(0)).unwrap();
     let (found, _) = readings(Replay::open(&path).unwrap());
     assert_eq!(found, [reading(0)]);
@@ -375,10 +373,7 @@ fn a_setup_that_could_not_be_read_back_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let setup = RecordedSetup::default().with("layout", "huge", &"x".repeat(5 << 20));
-    let error = Recorder::create(&path, &setup, Vec::new())
-        .err()
-        .unwrap()
-        .to_string();
+    let error = Recorder::create(&path, &setup).err().unwrap().to_string();
     assert!(
         error.contains("the layout huge has 5242890 bytes"),
         "{error}"
@@ -404,7 +399,7 @@ fn a_recording_keeps_the_pace_of_its_source() {
     let path = folder.path().join("slow.mcap");
     let period = Duration::from_micros(68_750);
     let setup = RecordedSetup::default().with_frame_period(Some(period));
-    let recorder = Recorder::create(&path, &setup, Vec::new()).unwrap();
+    let recorder = Recorder::create(&path, &setup).unwrap();
     recorder.finish().unwrap();
     assert_eq!(Replay::open(&path).unwrap().frame_period(), Some(period));
 }

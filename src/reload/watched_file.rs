@@ -76,6 +76,11 @@ impl WatchedFile {
         found
     }
 
+    /// What is in the file, whether it is left alone or not.
+    pub fn read_now(&self) -> Result<Layout, LayoutError> {
+        Document::at(&self.path).and_then(Layout::of)
+    }
+
     fn read(&self) -> Option<Result<Layout, LayoutError>> {
         match Document::at(&self.path) {
             Ok(document) if document.text == self.text => None,

@@ -5,7 +5,6 @@ use ron::ser::PrettyConfig;
 use super::{Hand, OtherHand, Setup, SetupError};
 use crate::capture::recording::{RecordedSetup, Replay};
 use crate::capture::{self, Both, LineSettings, Source, SourceName};
-use crate::contact::TargetNames;
 use crate::estimate::{Estimator, EstimatorSettings};
 use crate::hand::Side;
 use crate::kinematics::ArmModel;
@@ -164,11 +163,6 @@ impl Assembly {
     pub fn profile_names(&self) -> impl Iterator<Item = &str> {
         let further = self.profiles.iter().map(|profile| profile.name.as_str());
         std::iter::once(MAIN).chain(further)
-    }
-
-    /// What the targets of each layout are called, in the same order.
-    pub fn target_names(&self) -> Vec<TargetNames> {
-        self.layouts().map(Layout::target_names).collect()
     }
 
     /// The controls of a layout that is or takes the place of one of this setup's.

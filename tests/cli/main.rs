@@ -17,6 +17,7 @@ fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
         .args(arguments)
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
+        .env_remove("XDG_RUNTIME_DIR")
         .env("RUST_BACKTRACE", "0")
         .stdin(Stdio::null());
     command

@@ -26,6 +26,7 @@ impl Program {
             .args(arguments)
             .env("DISPLAY", server.display())
             .env_remove("WAYLAND_DISPLAY")
+            .env_remove("XDG_RUNTIME_DIR")
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped());

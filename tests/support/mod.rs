@@ -4,4 +4,5 @@
 #![allow(dead_code)]
 
 pub mod process;
+pub mod run;
 pub mod x11;

@@ -26,6 +26,8 @@ pub enum Command {
     Demo(DemoArgs),
     /// Type with a glove
     Run(RunArgs),
+    /// Ask a run for something: how it is, to pause, to read its layout again, to end
+    Ctl(CtlArgs),
     /// Record a source, and what every stage makes of it, without typing
     Record(RecordArgs),
     /// Play a recording through the same way again
@@ -113,6 +115,72 @@ pub struct RunArgs {
     /// Type from the first reading on, without waiting for the hand to be off all keys
     #[arg(long)]
     pub armed: bool,
+    /// The socket for `ademan ctl`, or `off`; in $XDG_RUNTIME_DIR unless said
+    #[arg(long, value_name = "PATH|off")]
+    pub control: Option<PathBuf>,
+}
+
+#[derive(ClapArgs)]
+#[command(
+    after_help = "Examples:\n  ademan ctl state\n  ademan ctl pause\n  ademan ctl nudge 0 0 -5\n  ademan ctl subscribe --json\n\nThe exit code is 0 if it is done, 1 if it is refused and 2 if no run can be reached."
+)]
+pub struct CtlArgs {
+    #[command(subcommand)]
+    pub request: CtlRequest,
+    /// The socket of the run; that of `ademan run` without --control unless said
+    #[arg(long, global = true, value_name = "PATH")]
+    pub socket: Option<PathBuf>,
+    /// Print the answer as it comes: JSON
+    #[arg(long, global = true)]
+    pub json: bool,
+}
+
+#[derive(Subcommand)]
+pub enum CtlRequest {
+    /// Say how the run is
+    State,
+    /// Let go of everything and type nothing
+    Pause,
+    /// Go on, once the hand was seen off all keys
+    Resume,
+    /// Read the layout file again
+    Reload,
+    /// Put another layout of the setup in force
+    Profile {
+        /// Its name
+        name: String,
+    },
+    /// Put the layout after the one in force there
+    NextProfile,
+    /// Bring the boards to where the hand is
+    Recentre,
+    /// Move the boards, in mm: to the right, up, towards you
+    #[command(allow_negative_numbers = true)]
+    Nudge {
+        /// To the right
+        x_mm: f64,
+        /// Up
+        y_mm: f64,
+        /// Towards you
+        z_mm: f64,
+    },
+    /// Turn the boards: the far edge rises
+    #[command(allow_negative_numbers = true)]
+    Tilt {
+        /// By so many degrees
+        deg: f64,
+    },
+    /// Make the boards larger or smaller
+    Scale {
+        /// So many times as large
+        factor: f64,
+    },
+    /// Write where the boards are into the layout file
+    Save,
+    /// Print what happens, what is typed included, until the run ends
+    Subscribe,
+    /// Let go of everything and end the run
+    Stop,
 }
 
 #[derive(ClapArgs)]

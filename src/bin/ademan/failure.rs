@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use ademan::capture::CaptureError;
+use ademan::control::ControlError;
 use ademan::layout::LayoutError;
 use ademan::output::OutputError;
 use ademan::runtime::RunError;
@@ -92,6 +93,16 @@ impl From<OutputError> for Failure {
         let code = match error {
             OutputError::Open { .. } | OutputError::Name(_) => USE,
             _ => JOB,
+        };
+        Self::new(error, code)
+    }
+}
+
+impl From<ControlError> for Failure {
+    fn from(error: ControlError) -> Self {
+        let code = match error {
+            ControlError::Answer { .. } => JOB,
+            _ => USE,
         };
         Self::new(error, code)
     }

@@ -10,6 +10,8 @@ macro_rules! say {
 }
 
 mod args;
+mod control;
+mod ctl;
 mod demo;
 mod docs;
 mod failure;
@@ -44,6 +46,7 @@ fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Demo(args) => demo::run(&args),
         Command::Run(args) => run::run(args),
+        Command::Ctl(args) => ctl::run(&args),
         Command::Record(args) => record::run(args),
         Command::Replay(args) => replay::run(&args),
         Command::Trace(args) => trace::run(&args),

@@ -35,7 +35,7 @@ impl Recording {
         let setup = assembly
             .recorded_setup()
             .with_frame_period(source.frame_period());
-        let mut recorder = Recorder::create(path, &setup, assembly.target_names())
+        let mut recorder = Recorder::create(path, &setup)
             .map_err(|error| Failure::wrong_use(error.to_string()))?;
         let (frames, waiting) = bounded::<Snapshot>(WAITING_FRAMES);
         let writer = std::thread::spawn(move || {

@@ -2,12 +2,16 @@
 
 use std::collections::BTreeSet;
 use std::path::Path;
+use std::sync::Arc;
 
+use ademan::control::Reporter;
 use ademan::device::KeyCode;
 use ademan::layout::Layout;
 use ademan::output;
 use ademan::reload::{Report, Watcher};
+use ademan::runtime::Replacement;
 use ademan::settings::Assembly;
+use crossbeam_channel::Sender;
 
 use crate::failure::Failure;
 
@@ -18,19 +22,40 @@ struct Limits {
     is_recorded: bool,
 }
 
-/// Watches the layout of a setup; `None` for a shipped one, which is not saved.
-pub fn watch(assembly: &Assembly, is_recorded: bool) -> Result<Option<Watcher>, Failure> {
-    let path = &assembly.setup.layout;
-    if !Path::new(path).is_file() {
-        return Ok(None);
-    }
+/// Watches the layouts of a setup, but for shipped ones, which are not saved; they come out of the other
+/// end of `replacements`. What becomes of them is said on standard error, and to `reporter`.
+pub fn watch(
+    assembly: &Assembly,
+    is_recorded: bool,
+    replacements: &Sender<Replacement>,
+    reporter: Option<&Reporter>,
+) -> Result<Vec<Watcher>, Failure> {
     let has_fixed_keys = output::has_fixed_keys(&assembly.setup.output);
-    let limits = Limits {
+    let assembly = Arc::new(assembly.clone());
+    let limits = Arc::new(Limits {
         keys: has_fixed_keys.then(|| assembly.layout.codes()),
         is_recorded,
+    });
+    let is_file = |(_, layout): &(usize, &Layout)| Path::new(&layout.file).is_file();
+    let watch = |(profile, layout): (usize, &Layout)| {
+        let (limits, setup) = (limits.clone(), assembly.clone());
+        let accept = move |layout: &Layout| {
+            limits.accept(layout)?;
+            setup.controls(layout).map_err(|error| error.to_string())
+        };
+        let mut reporter = reporter.cloned();
+        let tell = move |outcome: Report| {
+            say!("{outcome}");
+            if let Some(reporter) = &mut reporter {
+                reporter.report(&outcome);
+            }
+        };
+        let replacements = replacements.clone();
+        let file = &layout.file;
+        Watcher::start(file, layout, profile, replacements, accept, tell)
     };
-    let accept = move |layout: &Layout| limits.accept(layout);
-    Ok(Some(Watcher::start(path, &assembly.layout, accept, tell)?))
+    let layouts = assembly.layouts().enumerate().filter(is_file);
+    Ok(layouts.map(watch).collect::<Result<_, _>>()?)
 }
 
 impl Limits {
@@ -49,14 +74,6 @@ impl Limits {
             )),
             None => Ok(()),
         }
-    }
-}
-
-fn tell(report: Report) {
-    match report {
-        Report::Replaced(layout) => say!("{}: in force from now on", layout.file),
-        Report::Wrong(error) => say!("{error}\nthe layout in force stays"),
-        Report::Refused(reason) => say!("{reason}"),
     }
 }
 

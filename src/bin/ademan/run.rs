@@ -1,15 +1,16 @@
 //! `ademan run`: the real thing.
 
+use ademan::control::Control;
 use ademan::output;
 use ademan::reload::Watcher;
-use ademan::runtime::{Commands, drive};
-use crossbeam_channel::never;
+use ademan::runtime::{self, Commands, drive};
+use crossbeam_channel::bounded;
 
 use crate::args::RunArgs;
 use crate::failure::Failure;
 use crate::recording::Recording;
 use crate::status::{self, Status};
-use crate::{reload, setup, signals};
+use crate::{control, reload, setup, signals};
 
 pub fn run(args: RunArgs) -> Result<(), Failure> {
     let mut setup = setup::read(args.setup.as_deref(), args.parts)?;
@@ -17,7 +18,17 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     setup.armed |= args.armed;
     let name = setup::source_name(&setup)?;
     let assembly = setup.assemble()?;
-    let stop = signals::stop_requests()?;
+    let (stopper, stop) = signals::stopper()?;
+    let (calls, called) = runtime::calls();
+    let mut control = control::open(args.control.as_deref())?;
+    let mut reporter = control.as_ref().map(Control::reporter);
+    let (replace, replacements) = bounded(1);
+    let is_recorded = args.record.is_some();
+    let watchers = reload::watch(&assembly, is_recorded, &replace, reporter.as_ref())?;
+    if let Some(control) = &mut control {
+        let reload = watchers.iter().map(Watcher::askers).collect();
+        control.serve(control::desk(&assembly, calls, reload, stopper))?;
+    }
     let source = match args.wait {
         true => setup::wait_for(&assembly, &name, &stop)?,
         false => Some(setup::open_at_its_pace(&assembly, &name)?),
@@ -33,15 +44,21 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     if source.is_live() {
         say!("listening to {name}, Ctrl-C ends");
     }
-    let watcher = reload::watch(&assembly, args.record.is_some())?;
+    if control.is_none() && args.control.is_none() {
+        say!("no control socket: XDG_RUNTIME_DIR names no folder; --control PATH makes one");
+    }
     let commands = Commands {
         stop,
-        replace: watcher.as_ref().map_or_else(never, Watcher::replacements),
+        replace: replacements,
+        calls: called,
     };
     let mut pipeline = assembly.pipeline();
     let mut status = Status::default();
     let ended = drive(source, &mut pipeline, &mut *sink, commands, &mut |frame| {
         status.show(frame);
+        if let Some(reporter) = &mut reporter {
+            reporter.show(frame);
+        }
         if let Some(recording) = &mut recording {
             recording.show(frame);
         }

@@ -6,17 +6,21 @@ use ademan::monitor::{Snapshot, State, Tally};
 /// Says on standard error what the engine is doing, whenever that changes.
 #[derive(Default)]
 pub struct Status {
-    last: Option<State>,
+    last: Option<(State, bool)>,
 }
 
 impl Status {
     /// Takes a frame.
     pub fn show(&mut self, frame: &Snapshot) {
-        if self.last.replace(frame.state) == Some(frame.state) {
+        let now = (frame.state, frame.is_paused);
+        if self.last.replace(now) == Some(now) {
             return;
         }
         match frame.state {
             State::Starting | State::Stopped => {}
+            State::Paused if frame.is_paused => {
+                say!("paused: everything is released, `ademan ctl resume` goes on");
+            }
             State::Paused => say!("paused: hold the hand off all keys for a moment to arm"),
             State::Running => say!("armed: touches are typed, Ctrl-C ends"),
             State::Stalled => say!("stalled: no readings, everything is released"),

@@ -2,7 +2,6 @@
 
 use std::io::{self, BufWriter, Write};
 
-use ademan::contact::TargetNames;
 use ademan::monitor::Snapshot;
 use ademan::output;
 use ademan::runtime::drive;
@@ -23,7 +22,6 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
     let (stopper, stop) = signals::stopper()?;
     let mut lines = Lines {
         stage: args.stage,
-        names: assembly.target_names(),
         out: BufWriter::new(io::stdout().lock()),
         flush: source.is_live(),
         buffer: Vec::new(),
@@ -51,7 +49,6 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
 
 struct Lines<W: Write> {
     stage: Stage,
-    names: Vec<TargetNames>,
     out: BufWriter<W>,
     flush: bool,
     buffer: Vec<u8>,
@@ -60,11 +57,10 @@ struct Lines<W: Write> {
 impl<W: Write> Lines<W> {
     fn write(&mut self, frame: &Snapshot) -> io::Result<()> {
         let (out, flush) = (&mut self.out, self.flush);
-        self.stage
-            .each(frame, &self.names, &mut self.buffer, |_, json| {
-                out.write_all(json)?;
-                out.write_all(b"\n")?;
-                if flush { out.flush() } else { Ok(()) }
-            })
+        self.stage.each(frame, &mut self.buffer, |_, json| {
+            out.write_all(json)?;
+            out.write_all(b"\n")?;
+            if flush { out.flush() } else { Ok(()) }
+        })
     }
 }

@@ -1,0 +1,50 @@
+//! The control socket of a run.
+
+use std::path::{Path, PathBuf};
+
+use ademan::control::{self, Control, Desk, Profile};
+use ademan::reload::Asker;
+use ademan::runtime::Calls;
+use ademan::settings::Assembly;
+use crossbeam_channel::Sender;
+
+use crate::failure::Failure;
+use crate::signals::Stopper;
+
+/// Opens the socket that `--control` names, or the usual one; `None` for `off`, and where there is no
+/// usual one.
+pub fn open(place: Option<&Path>) -> Result<Option<Control>, Failure> {
+    let path: Option<PathBuf> = match place {
+        Some(off) if off == "off" => None,
+        Some(path) => Some(path.into()),
+        None => control::default_path(),
+    };
+    Ok(path.map(|path| Control::open(&path)).transpose()?)
+}
+
+/// Who does what clients of a run ask for.
+pub fn desk(
+    assembly: &Assembly,
+    calls: Calls,
+    reload: Vec<Sender<Asker>>,
+    stopper: Stopper,
+) -> Desk {
+    Desk {
+        profiles: assembly
+            .profile_names()
+            .zip(assembly.layouts())
+            .map(|(name, layout)| Profile {
+                name: name.to_owned(),
+                file: layout.file.clone(),
+            })
+            .collect(),
+        calls,
+        reload,
+        stop: Box::new(move || {
+            // A second request to the bell would end the program at once.
+            if !stopper.is_asked() {
+                stopper.ask();
+            }
+        }),
+    }
+}

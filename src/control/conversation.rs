@@ -1,0 +1,242 @@
+//! A conversation with one client: a line is heard, a line is said; in between, news.
+
+use std::io::{self, BufRead, BufReader, ErrorKind, Write};
+use std::net::Shutdown;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded, select};
+
+use super::answer::{self, Line};
+use super::news::{Subscribers, Subscription};
+use super::request::{LONGEST_LINE, Request};
+use super::server::Desk;
+use super::socket::Stream;
+use crate::runtime::{Answer, Call, Order};
+
+/// How long a client may take nothing of what is said to it.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// How long whoever does what was asked for may take to say so.
+const ANSWER_LIMIT: Duration = Duration::from_secs(2);
+
+const OVER: &str = "the run is over";
+const BUSY: &str = "too much has been asked for that is not done yet";
+const LATE: &str = "nothing came of it within 2 s: the run waits for its source or its output; it will do it as soon as it can";
+
+/// Talks with a client until it goes away or does not listen any more.
+pub(super) fn hold(stream: Stream, mouth: Mouth, desk: &Desk, subscribers: &Subscribers) {
+    let mut conversation = Conversation {
+        mouth: Arc::new(mouth),
+        names: desk
+            .profiles
+            .iter()
+            .map(|profile| profile.name.clone())
+            .collect(),
+        desk,
+        subscribers,
+        goes_on: None,
+    };
+    let mut ear = Ear::of(stream);
+    while let Ok(Some(heard)) = ear.next_line()
+        && conversation.reply(heard).is_ok()
+    {}
+    conversation.mouth.shut();
+}
+
+struct Conversation<'a> {
+    mouth: Arc<Mouth>,
+    desk: &'a Desk,
+    names: Vec<String>,
+    subscribers: &'a Subscribers,
+    /// Ends the news when it is dropped.
+    goes_on: Option<Sender<()>>,
+}
+
+impl Conversation<'_> {
+    fn reply(&mut self, heard: Heard) -> io::Result<()> {
+        let line = match heard {
+            Heard::TooLong => {
+                let error = format!("a line is {LONGEST_LINE} bytes at most");
+                return self.mouth.say(&answer::refused(&error));
+            }
+            Heard::Line(line) => line,
+        };
+        match Request::parse(line, &self.names) {
+            Err(error) => self.mouth.say(&answer::refused(&error)),
+            Ok(Request::Order(order)) => self.mouth.say(&self.order(order)),
+            Ok(Request::Reload) => self.mouth.say(&self.reload()),
+            Ok(Request::Subscribe) => self.subscribe(),
+            Ok(Request::Stop) => {
+                // First, as the end of the program is the end of this too.
+                let said = self.mouth.say(&answer::done(None));
+                (self.desk.stop)();
+                said
+            }
+        }
+    }
+
+    fn order(&self, order: Order) -> Line {
+        let (answer, answered) = bounded(1);
+        match outcome(self.desk.calls.try_send(Call { order, answer }), &answered) {
+            Err(error) => answer::refused(error),
+            Ok(Err(refusal)) => answer::refused(&refusal.to_string()),
+            Ok(Ok(Answer::Done)) => answer::done(None),
+            Ok(Ok(Answer::State(run))) => answer::state(&run, &self.desk.profiles),
+        }
+    }
+
+    fn reload(&self) -> Line {
+        if self.desk.reload.is_empty() {
+            return answer::refused(
+                "the layout comes with the program: there is no file of yours to read again",
+            );
+        }
+        let mut texts = Vec::new();
+        for reload in &self.desk.reload {
+            let (asker, told) = bounded(1);
+            match outcome(reload.try_send(asker), &told) {
+                Err(error) => return answer::refused(error),
+                Ok(Err(text)) => return answer::refused(&text),
+                Ok(Ok(text)) => texts.push(text),
+            }
+        }
+        answer::done(Some(&texts.join("\n")))
+    }
+
+    fn subscribe(&mut self) -> io::Result<()> {
+        if self.goes_on.is_some() {
+            return self
+                .mouth
+                .say(&answer::refused("you have subscribed already"));
+        }
+        let subscription = self.subscribers.add();
+        // Before any news, so that it is told from them by its place.
+        self.mouth.say(&answer::done(None))?;
+        let (goes_on, over) = bounded(0);
+        let mouth = self.mouth.clone();
+        thread::Builder::new()
+            .name("control news".into())
+            .spawn(move || pass_on(&subscription, &mouth, &over))?;
+        self.goes_on = Some(goes_on);
+        Ok(())
+    }
+}
+
+/// What came of something that was handed to another thread, or why nothing did.
+fn outcome<T, A>(
+    sent: Result<(), TrySendError<T>>,
+    answered: &Receiver<A>,
+) -> Result<A, &'static str> {
+    match sent {
+        Err(TrySendError::Full(_)) => return Err(BUSY),
+        Err(TrySendError::Disconnected(_)) => return Err(OVER),
+        Ok(()) => {}
+    }
+    answered
+        .recv_timeout(ANSWER_LIMIT)
+        .map_err(|error| match error {
+            RecvTimeoutError::Timeout => LATE,
+            RecvTimeoutError::Disconnected => OVER,
+        })
+}
+
+/// Says the news until the conversation is over or nobody listens.
+fn pass_on(subscription: &Subscription, mouth: &Mouth, over: &Receiver<()>) {
+    loop {
+        let line = select! {
+            recv(subscription.lines) -> line => line.ok(),
+            recv(over) -> _ => None,
+        };
+        let Some(line) = line else {
+            return;
+        };
+        let missed = subscription.take_missed();
+        let told = match missed {
+            0 => Ok(()),
+            count => mouth.say(&answer::missed_news(count)),
+        };
+        if told.and_then(|()| mouth.say(&line)).is_err() {
+            return;
+        }
+    }
+}
+
+/// Where lines are said to a client.
+pub(super) struct Mouth(Mutex<Stream>);
+
+impl Mouth {
+    /// That of a stream; the stream stays to be read.
+    pub fn of(stream: &Stream) -> io::Result<Self> {
+        let stream = stream.try_clone()?;
+        stream.set_write_timeout(Some(PATIENCE))?;
+        Ok(Self(Mutex::new(stream)))
+    }
+
+    /// Says a whole line. A client that takes nothing for 1 s, or is gone, is cut off: that is an error.
+    pub fn say(&self, line: &Line) -> io::Result<()> {
+        let mut stream = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let written = stream.write_all(format!("{line}\n").as_bytes());
+        if written.is_err() {
+            let _ = stream.shutdown(Shutdown::Both);
+        }
+        written
+    }
+
+    fn shut(&self) {
+        let stream = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let _ = stream.shutdown(Shutdown::Both);
+    }
+}
+
+/// What a client said.
+enum Heard<'a> {
+    /// A line without its end.
+    Line(&'a [u8]),
+    /// A line that is longer than one can be; none of it was kept.
+    TooLong,
+}
+
+/// Hears a client, line by line.
+struct Ear {
+    reader: BufReader<Stream>,
+    line: Vec<u8>,
+}
+
+impl Ear {
+    fn of(stream: Stream) -> Self {
+        Self {
+            reader: BufReader::new(stream),
+            line: Vec::with_capacity(LONGEST_LINE),
+        }
+    }
+
+    /// Waits for a line; `None` when no more come. What has no line end is none.
+    fn next_line(&mut self) -> io::Result<Option<Heard<'_>>> {
+        self.line.clear();
+        let mut is_too_long = false;
+        loop {
+            let bytes = match self.reader.fill_buf() {
+                Ok([]) => return Ok(None),
+                Ok(bytes) => bytes,
+                Err(error) if error.kind() == ErrorKind::Interrupted => continue,
+                Err(error) => return Err(error),
+            };
+            let end = bytes.iter().position(|&byte| byte == b'\n');
+            let part = &bytes[..end.unwrap_or(bytes.len())];
+            is_too_long |= self.line.len() + part.len() > LONGEST_LINE;
+            if !is_too_long {
+                self.line.extend_from_slice(part);
+            }
+            let used = part.len() + usize::from(end.is_some());
+            self.reader.consume(used);
+            if end.is_some() {
+                return Ok(Some(match is_too_long {
+                    true => Heard::TooLong,
+                    false => Heard::Line(&self.line),
+                }));
+            }
+        }
+    }
+}

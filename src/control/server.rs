@@ -1,0 +1,160 @@
+//! The server's end: accepts clients, and has a thread for each.
+
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::Duration;
+
+use crossbeam_channel::Sender;
+
+use super::conversation::{self, Mouth};
+use super::news::{Reporter, Subscribers, Untold, tell_all};
+use super::socket::{Listener, Stream};
+use super::{ControlError, Profile, answer};
+use crate::reload::Asker;
+use crate::runtime::Calls;
+
+/// Clients at a time.
+const MOST_CLIENTS: usize = 16;
+
+/// How long no client is accepted after that failed for want of something, such as file numbers.
+const RECOVERY: Duration = Duration::from_millis(100);
+
+/// Who does what clients ask for.
+pub struct Desk {
+    /// The layouts of the setup, in order.
+    pub profiles: Vec<Profile>,
+    /// The run.
+    pub calls: Calls,
+    /// Who reads the layout files again: one for each layout that is in a file.
+    pub reload: Vec<Sender<Asker>>,
+    /// Asks for the end of the run; more than once if a client does.
+    pub stop: Box<dyn Fn() + Send + Sync>,
+}
+
+/// A control socket. It is taken away when this is dropped; clients then hear no more.
+pub struct Control {
+    listener: Arc<Listener>,
+    reporter: Reporter,
+    untold: Option<Untold>,
+    is_over: Arc<AtomicBool>,
+}
+
+impl Control {
+    /// Takes the socket at `path`; clients wait until it is [served](Self::serve).
+    ///
+    /// It is its owner's alone from the first instant on. One that a dead owner has left is taken over; one
+    /// of a run that is alive is refused.
+    pub fn open(path: &Path) -> Result<Self, ControlError> {
+        let listener = Arc::new(Listener::open(path)?);
+        let (reporter, untold) = Reporter::new();
+        Ok(Self {
+            listener,
+            reporter,
+            untold: Some(untold),
+            is_over: Arc::default(),
+        })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        self.listener.path()
+    }
+
+    /// Takes what happens in the run, for clients that ask for it.
+    pub fn reporter(&self) -> Reporter {
+        self.reporter.clone()
+    }
+
+    /// Serves clients from now on, on threads of its own. Only the first call does so.
+    pub fn serve(&mut self, desk: Desk) -> io::Result<()> {
+        let Some(untold) = self.untold.take() else {
+            return Ok(());
+        };
+        let reception = Reception {
+            listener: self.listener.clone(),
+            is_over: self.is_over.clone(),
+            subscribers: untold.subscribers.clone(),
+            desk: Arc::new(desk),
+            clients: Arc::default(),
+        };
+        spawn("control news", move || tell_all(&untold))?;
+        spawn("control", move || reception.work())
+    }
+}
+
+impl Drop for Control {
+    fn drop(&mut self) {
+        self.is_over.store(true, Ordering::Relaxed);
+        self.listener.close();
+    }
+}
+
+struct Reception {
+    listener: Arc<Listener>,
+    is_over: Arc<AtomicBool>,
+    subscribers: Subscribers,
+    desk: Arc<Desk>,
+    clients: Arc<AtomicUsize>,
+}
+
+impl Reception {
+    fn work(&self) {
+        loop {
+            let accepted = self.listener.accept();
+            if self.is_over.load(Ordering::Relaxed) {
+                return;
+            }
+            let started = accepted.and_then(|stream| self.welcome(stream));
+            match started {
+                Ok(()) => {}
+                Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
+                    tracing::warn!("the control socket: {error}");
+                }
+                Err(_) => thread::sleep(RECOVERY),
+            }
+        }
+    }
+
+    fn welcome(&self, stream: Stream) -> io::Result<()> {
+        let mouth = Mouth::of(&stream)?;
+        let Some(seat) = Seat::take(&self.clients) else {
+            let full = format!("{MOST_CLIENTS} clients are here already, come back later");
+            // Nothing else is in its way; whether the client hears it is up to the client.
+            let _ = mouth.say(&answer::refused(&full));
+            return Ok(());
+        };
+        let (desk, subscribers) = (self.desk.clone(), self.subscribers.clone());
+        spawn("control client", move || {
+            conversation::hold(stream, mouth, &desk, &subscribers);
+            drop(seat);
+        })
+    }
+}
+
+/// One of the places for clients, free again when it is dropped.
+struct Seat(Arc<AtomicUsize>);
+
+impl Seat {
+    fn take(taken: &Arc<AtomicUsize>) -> Option<Self> {
+        let seat = Self(taken.clone());
+        let before = taken.fetch_add(1, Ordering::Relaxed);
+        (before < MOST_CLIENTS).then_some(seat)
+    }
+}
+
+impl Drop for Seat {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
+    // They are not waited for: a client that hangs must not hold up the end of a run.
+    thread::Builder::new()
+        .name(name.into())
+        .spawn(work)
+        .map(drop)
+}

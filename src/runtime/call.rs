@@ -1,0 +1,101 @@
+//! What can be asked of a run, and what it answers.
+
+use crossbeam_channel::{Receiver, Sender, bounded};
+
+use crate::monitor::{State, Tally};
+
+/// Calls that wait for a run which is busy: one for each client of a control socket.
+const WAITING_CALLS: usize = 16;
+
+/// Something that a run is to do between two frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Order {
+    /// Say how it is.
+    State,
+    /// Let go of everything and let nothing out.
+    Pause,
+    /// Go on, once the hand was seen off all controls.
+    Resume,
+    /// Put another layout of the setup in force: its place among them.
+    Profile(u8),
+    /// The same with the one after the one in force; after the last comes the first.
+    NextProfile,
+    /// Bring the boards to where the hand is.
+    Recentre,
+    /// Move the boards by so many metres to the right, up and towards the wearer (the axes of the world).
+    Nudge([f32; 3]),
+    /// Turn the boards by so many radians about the axis that runs to the right: the far edge rises.
+    Tilt(f32),
+    /// Make the boards so many times as large.
+    Scale(f32),
+    /// Write where the boards are into the layout file.
+    Save,
+}
+
+impl Order {
+    /// What it is called where it is asked for.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::State => "state",
+            Self::Pause => "pause",
+            Self::Resume => "resume",
+            Self::Profile(_) => "profile",
+            Self::NextProfile => "next-profile",
+            Self::Recentre => "recentre",
+            Self::Nudge(_) => "nudge",
+            Self::Tilt(_) => "tilt",
+            Self::Scale(_) => "scale",
+            Self::Save => "save",
+        }
+    }
+}
+
+/// What a run answers to an order that it has obeyed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Answer {
+    /// It is done.
+    Done,
+    /// How the run is.
+    State(RunState),
+}
+
+/// How a run is, between two frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunState {
+    /// What the engine is doing.
+    pub state: State,
+    /// Whether it is paused because somebody asked for it.
+    pub is_paused: bool,
+    /// The place of the layout in force among those of the setup.
+    pub profile: u8,
+    /// The account of all readings so far.
+    pub tally: Tally,
+    /// Presses that the output did not take because it was busy.
+    pub refused_presses: u64,
+}
+
+/// Why a run does not do what it was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Refusal {
+    /// No run can do that so far.
+    #[error("`{0}` is not there yet")]
+    NotThereYet(&'static str),
+}
+
+/// An order, and where its answer goes.
+#[derive(Clone, Debug)]
+pub struct Call {
+    /// What is to be done.
+    pub order: Order,
+    /// Takes the answer. Should have room for it: the run does not wait.
+    pub answer: Sender<Result<Answer, Refusal>>,
+}
+
+/// Where calls to a run are put.
+pub type Calls = Sender<Call>;
+
+/// A way for calls: the end to put them in, and the one for [`Commands`](super::Commands). Those that come
+/// while a run is busy wait, up to 16; they are obeyed in order, also when nobody waits for an answer any more.
+pub fn calls() -> (Calls, Receiver<Call>) {
+    bounded(WAITING_CALLS)
+}

@@ -1,0 +1,137 @@
+//! What a run is asked between two frames.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use ademan::capture::{Capture, CaptureError, Counts, LineSettings, Source};
+use ademan::lab::Typist;
+use ademan::monitor::{Snapshot, State};
+use ademan::output;
+use ademan::runtime::{Answer, Call, Calls, Commands, Order, Refusal, calls, drive};
+use ademan::settings::Setup;
+use crossbeam_channel::{Receiver, bounded, never};
+
+/// A glove that says nothing any more after so many readings.
+struct FallsSilent {
+    hand: Typist,
+    readings: u64,
+    most: u64,
+}
+
+impl Source for FallsSilent {
+    fn next(&mut self) -> Result<Capture, CaptureError> {
+        if self.readings == self.most {
+            thread::sleep(Duration::from_millis(5));
+            return Ok(Capture::Quiet);
+        }
+        self.readings += 1;
+        self.hand.next()
+    }
+
+    fn name(&self) -> &str {
+        "falls silent"
+    }
+
+    fn is_live(&self) -> bool {
+        true
+    }
+
+    fn counts(&self) -> Counts {
+        Counts {
+            readings: self.readings,
+            ..Counts::default()
+        }
+    }
+}
+
+/// Runs until `observe` says that it is over, with somebody at the other end of the calls.
+fn run(asker: impl FnOnce(Calls) + Send + 'static, mut observe: impl FnMut(&Snapshot) -> bool) {
+    let assembly = Setup::default().assemble().expect("the default setup");
+    let hand = assembly.typist("asked", &LineSettings::default(), 0.0, 0);
+    let source = FallsSilent {
+        hand: hand.expect("it can be typed"),
+        readings: 0,
+        most: 10,
+    };
+    let mut nowhere = output::open("none", &assembly.layout.codes()).expect("nowhere");
+    let (end, stop) = bounded(1);
+    let (sender, called) = calls();
+    let commands = Commands {
+        stop,
+        replace: never(),
+        calls: called,
+    };
+    thread::spawn(move || asker(sender));
+    let mut pipeline = assembly.pipeline();
+    drive(
+        source,
+        &mut pipeline,
+        &mut *nowhere,
+        commands,
+        &mut |frame| {
+            if observe(frame) {
+                let _ = end.try_send(());
+            }
+        },
+    )
+    .expect("a run");
+}
+
+fn ask(calls: &Calls, order: Order) -> Receiver<Result<Answer, Refusal>> {
+    let (answer, answered) = bounded(1);
+    // The run may be over.
+    let _ = calls.send(Call { order, answer });
+    answered
+}
+
+#[test]
+fn somebody_who_never_ceases_to_ask_does_not_put_off_a_stall() {
+    let begun = Instant::now();
+    let never_ceases = |calls: Calls| {
+        let send = || {
+            let (order, answer) = (Order::Resume, bounded(1).0);
+            calls.send(Call { order, answer })
+        };
+        thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| while send().is_ok() {});
+            }
+        });
+    };
+    let mut has_stalled = false;
+    run(never_ceases, |frame| {
+        // The run is slower than they are, so that there is always somebody who waits.
+        thread::sleep(Duration::from_millis(1));
+        has_stalled |= frame.state == State::Stalled;
+        has_stalled || begun.elapsed() > Duration::from_secs(10)
+    });
+    assert!(has_stalled);
+}
+
+#[test]
+fn orders_are_answered_and_obeyed_in_order_also_when_nobody_waits_for_the_answer() {
+    let (told, answers) = bounded(8);
+    let asker = move |calls: Calls| {
+        drop(ask(&calls, Order::Pause));
+        for order in [Order::State, Order::Save, Order::Resume, Order::State] {
+            told.send(ask(&calls, order).recv())
+                .expect("somebody reads");
+        }
+    };
+    let mut resumed = false;
+    let mut was_paused = false;
+    run(asker, |frame| {
+        was_paused |= frame.is_paused;
+        resumed |= was_paused && !frame.is_paused;
+        resumed
+    });
+    let state = answers.recv().expect("an answer").expect("the run goes on");
+    assert!(
+        matches!(state, Ok(Answer::State(run)) if run.is_paused && run.state == State::Paused),
+        "{state:?}"
+    );
+    let saved = answers.recv().expect("an answer").expect("the run goes on");
+    assert_eq!(saved, Err(Refusal::NotThereYet("save")));
+    let resumed = answers.recv().expect("an answer").expect("the run goes on");
+    assert_eq!(resumed, Ok(Answer::Done));
+}
