@@ -67,7 +67,7 @@ fn main() -> anyhow::Result<()> {
         Arming::default(),
     );
     let hand = assembly.open(&"typist:159".parse()?)?;
-    let mut sink = output::open("transcript", &assembly.layout.codes())?;
+    let mut sink = output::open("transcript", &assembly.needs())?;
     let never = crossbeam_channel::never();
     drive(hand, &mut pipeline, &mut *sink, &never, &mut |_| {})?;
     Ok(())

@@ -71,7 +71,7 @@ fn main() -> anyhow::Result<()> {
         map: assembly.glove.map.clone(),
         frame: 0,
     };
-    let mut sink = output::open("transcript", &assembly.layout.codes())?;
+    let mut sink = output::open("transcript", &assembly.needs())?;
     let never = crossbeam_channel::never();
     drive(
         hand,

@@ -25,7 +25,7 @@ fn main() -> anyhow::Result<()> {
 fn replay(path: &Path) -> anyhow::Result<()> {
     let recording = Replay::open(path)?;
     let assembly = Assembly::recorded(recording.setup(), None, None)?;
-    let mut sink = output::open("transcript", &assembly.layout.codes())?;
+    let mut sink = output::open("transcript", &assembly.needs())?;
     let never = crossbeam_channel::never();
     drive(
         recording,
@@ -43,7 +43,7 @@ fn record(text: &str, path: &Path) -> anyhow::Result<()> {
     let hand = assembly.open(&format!("typist:{text}").parse()?)?;
     let mut recorder = Recorder::create(path, &assembly.recorded_setup())?;
     let mut written = Ok(());
-    let mut nowhere = output::open("none", &assembly.layout.codes())?;
+    let mut nowhere = output::open("none", &assembly.needs())?;
     let never = crossbeam_channel::never();
     drive(
         hand,

@@ -21,7 +21,7 @@
 //!
 //! let assembly = Setup::default().assemble()?;
 //! let hand = assembly.open(&"typist:hi".parse()?)?;
-//! let mut sink = output::open("transcript", &assembly.layout.codes())?;
+//! let mut sink = output::open("transcript", &assembly.needs())?;
 //! let stop = crossbeam_channel::never();
 //! let mut readings = 0;
 //! drive(hand, &mut assembly.pipeline(), &mut *sink, &stop, &mut |frame| {

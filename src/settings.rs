@@ -32,7 +32,7 @@ pub struct Setup {
     pub layout: String,
     /// Further layouts, one of which can take the place of the first while tracking.
     pub profiles: Vec<NamedLayout>,
-    /// Where events go: `transcript`, `desktop`, `uinput` or `none`.
+    /// Where events go: `transcript`, `desktop`, `uinput`, `none`, or several of them with commas between.
     pub output: String,
     /// The filter on the angles.
     pub smoothing: SmoothingChoice,

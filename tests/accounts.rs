@@ -63,7 +63,7 @@ fn balance(tally: &Tally) -> (u64, u64) {
 
 fn run(is_live: bool, stop_at: Option<u64>) -> Summary {
     let assembly = Setup::default().assemble().expect("the default setup");
-    let mut nowhere = output::open("none", &assembly.layout.codes()).expect("nowhere");
+    let mut nowhere = output::open("none", &assembly.needs()).expect("nowhere");
     let (sender, stop) = bounded(1);
     let stop = if stop_at.is_some() { stop } else { never() };
     let source = trembling(&assembly, is_live);

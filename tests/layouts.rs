@@ -62,7 +62,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
 fn the_flat_boards_write_every_printable_character_with_and_without_shift() {
     for name in ["qwerty-flat", "qwerty-flat-22"] {
         let layout = Layout::load(name).unwrap();
-        let codes = layout.codes();
+        let codes = layout.needs().codes;
         for character in (' '..='~').chain(['\n', '\t']) {
             assert!(writes(&codes, character), "{name}: {character:?}");
         }
@@ -73,7 +73,7 @@ fn the_flat_boards_write_every_printable_character_with_and_without_shift() {
 #[test]
 fn the_arc_board_writes_every_printable_character_with_its_layer() {
     let layout = Layout::load("qwerty-arc").unwrap();
-    let codes = layout.codes();
+    let codes = layout.needs().codes;
     for character in ' '..='~' {
         assert!(writes(&codes, character), "{character:?}");
     }
@@ -244,7 +244,7 @@ fn a_layer_says_nothing_of_the_keys_that_it_does_not_name() {
     let shift = Some(KeyAction::Modifier(KeyCode::SHIFT_LEFT, Latch::Held));
     assert_eq!(bindings[1].actions, [key("W"), key("1"), shift]);
     let expected: BTreeSet<KeyCode> = ["Q", "W", "1", "2", "ShiftLeft"].map(code).into();
-    assert_eq!(layout.codes(), expected);
+    assert_eq!(layout.needs().codes, expected);
     assert_eq!(layout.label_in(&layout.keys[0], 1), None);
     assert_eq!(layout.label_in(&layout.keys[1], 2), Some("⇧"));
 }
@@ -294,7 +294,7 @@ fn how_a_key_fires_is_as_the_file_says() {
         .map(|binding| binding.repress.as_micros())
         .collect();
     assert_eq!(represses, [40_500, 0, 40_500]);
-    assert!(layout.codes().contains(&KeyCode::SHIFT_LEFT));
+    assert!(layout.needs().codes.contains(&KeyCode::SHIFT_LEFT));
 }
 
 #[test]

@@ -365,7 +365,7 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
 fn the_loop_around_a_frame_allocates_nothing() {
     let assembly = Setup::default().assemble().expect("the default setup");
     let typist = assembly.typist("loops", &LineSettings::default(), 0.0, 0);
-    let mut nowhere = ademan::output::open("none", &assembly.layout.codes()).expect("nowhere");
+    let mut nowhere = ademan::output::open("none", &assembly.needs()).expect("nowhere");
     let mut pipeline = assembly.pipeline();
     let (mut frames, mut at_start, mut at_end) = (0, 0, 0);
     let observe = &mut |_: &ademan::monitor::Snapshot| {

@@ -1,6 +1,6 @@
 //! What the value of a slider, knob or lever drives.
 
-use super::{Action, Axis, KeyAction, Out, Owner};
+use super::{Action, Axis, KeyAction, Need, Needs, Out, Owner};
 use crate::contact::TargetId;
 use crate::time::Timestamp;
 
@@ -31,6 +31,21 @@ pub enum Drive {
         /// How many steps the whole range has, at least 1.
         steps: u16,
     },
+}
+
+impl Drive {
+    /// Adds what an output must be able to carry for it.
+    pub fn add_needs(self, needs: &mut Needs) {
+        match self {
+            Self::Told => {}
+            Self::Axis(axis) => needs.insert(Need::Axis(axis)),
+            Self::ScrollX(_) | Self::ScrollY(_) => needs.insert(Need::Scroll),
+            Self::MoveX(_) | Self::MoveY(_) => needs.insert(Need::Move),
+            Self::Taps { more, less, .. } => {
+                needs.extend([more, less].into_iter().filter_map(KeyAction::need));
+            }
+        }
+    }
 }
 
 /// A value that drives something.

@@ -13,7 +13,7 @@ use self::bounces::Bounces;
 use self::depths::Depths;
 use self::waiting::Waiting;
 use super::places::Places;
-use super::{KeyAction, Out, Owner, Seen, VirtualDevice};
+use super::{KeyAction, Needs, Out, Owner, Seen, VirtualDevice};
 use crate::contact::{MOST_TOUCHES, Phase, TargetId, Touch};
 use crate::hand::{Finger, FingerSet, Side};
 use crate::time::Timestamp;
@@ -181,6 +181,17 @@ impl Keyboard {
 }
 
 impl VirtualDevice for Keyboard {
+    fn add_needs(&self, needs: &mut Needs) {
+        for binding in &self.bindings {
+            let held = match binding.fires {
+                Fires::TapOrHold(Hold { action, .. }) => Some(action),
+                _ => None,
+            };
+            let actions = binding.actions.iter().copied().flatten().chain(held);
+            needs.extend(actions.filter_map(KeyAction::need));
+        }
+    }
+
     fn update(&mut self, seen: &Seen, out: &mut Out) {
         // Releases that found no room in the frame before.
         out.switchboard.settle(out.switchboard.time(), out.events);

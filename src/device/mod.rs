@@ -9,6 +9,7 @@ use crate::names::named_enum;
 use crate::time::Timestamp;
 
 pub mod keycode;
+pub mod needs;
 pub mod switchboard;
 mod places;
 pub mod drive;
@@ -16,6 +17,7 @@ pub mod keyboard;
 pub mod toggle;
 
 pub use keycode::{KeyCode, KeyKind};
+pub use needs::{Need, Needs};
 pub use switchboard::{KeyAction, Latch, Owner, Switchboard, TextId};
 
 /// Something for the operating system or a peer.
@@ -173,6 +175,10 @@ impl Out<'_> {
 
 /// A virtual device: it hears of every touch and says what should go out.
 pub trait VirtualDevice: Send {
+    /// Adds everything that it can ever send to an output, so that an output which cannot carry it is
+    /// refused before anything is sent.
+    fn add_needs(&self, needs: &mut Needs);
+
     /// Takes one frame of one hand.
     fn update(&mut self, seen: &Seen, out: &mut Out);
 

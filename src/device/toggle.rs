@@ -1,7 +1,7 @@
 //! Toggle switches: one poke turns one on, the next turns it off.
 
 use super::places::Places;
-use super::{Action, KeyAction, Out, Owner, Seen, VirtualDevice};
+use super::{Action, KeyAction, Needs, Out, Owner, Seen, VirtualDevice};
 use crate::contact::{Phase, TargetId};
 use crate::time::Timestamp;
 
@@ -70,6 +70,14 @@ fn value(target: TargetId, is_on: bool) -> Action {
 }
 
 impl VirtualDevice for Toggles {
+    fn add_needs(&self, needs: &mut Needs) {
+        let actions = self.toggles.iter().map(|(toggle, _)| match toggle.output {
+            ToggleOutput::Told => None,
+            ToggleOutput::Holds(action) | ToggleOutput::Taps(action) => action.need(),
+        });
+        needs.extend(actions.flatten());
+    }
+
     fn update(&mut self, seen: &Seen, out: &mut Out) {
         for touch in seen.touches {
             if touch.phase == Phase::Pressed

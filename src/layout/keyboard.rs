@@ -1,6 +1,5 @@
 //! A keyboard layout, checked, in SI units.
 
-use std::collections::BTreeSet;
 use std::ops::Range;
 use std::time::Duration;
 
@@ -15,7 +14,7 @@ use crate::contact::TargetId;
 use crate::contact::TargetNames;
 use crate::contact::surface::Scene;
 use crate::device::keyboard::{Fires, Hold, KeyBinding};
-use crate::device::{KeyAction, KeyCode, Request, TextId, VirtualDevice};
+use crate::device::{KeyAction, Needs, Request, TextId, VirtualDevice};
 
 /// The most targets that a layout has: keys and other controls.
 pub const MAX_TARGETS: usize = 10_000;
@@ -194,16 +193,13 @@ impl Layout {
         controls::devices(self)
     }
 
-    /// Every key code that the layout can ever send, modifiers included.
-    pub fn codes(&self) -> BTreeSet<KeyCode> {
-        self.keys
-            .iter()
-            .flat_map(|key| key.actions.iter().copied().chain([key.held()]))
-            .filter_map(|action| match action {
-                Some(KeyAction::Key(code) | KeyAction::Modifier(code, _)) => Some(code),
-                _ => None,
-            })
-            .collect()
+    /// Everything that the layout can ever send, modifiers included.
+    pub fn needs(&self) -> Needs {
+        let mut needs = Needs::default();
+        for device in self.devices() {
+            device.add_needs(&mut needs);
+        }
+        needs
     }
 
     /// The key with this name.

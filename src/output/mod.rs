@@ -1,26 +1,30 @@
 //! 6 · [`OutputEvent`] → the operating system or a peer.
 
-use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter};
 use std::path::Path;
 use std::time::Duration;
 
 use crate::contact::TargetNames;
-use crate::device::{KeyCode, OutputEvent};
+use crate::device::{Needs, OutputEvent};
 use crate::names::UnknownName;
 
+mod deflected;
 pub mod desktop;
+mod display;
 pub mod held;
+mod motion;
 pub mod named_keys;
-pub mod tee;
+mod reach;
+pub mod router;
 pub mod transcript;
 #[cfg(target_os = "linux")]
 pub mod uinput;
 mod worker;
 
 pub use desktop::Desktop;
-pub use tee::Tee;
+pub use reach::Reach;
+pub use router::Router;
 pub use transcript::Transcript;
 
 /// How often an output tries again what the operating system did not take.
@@ -28,10 +32,6 @@ const RETRIES: usize = 3;
 
 /// How long it waits before it tries again.
 const RETRY_PAUSE: Duration = Duration::from_millis(10);
-
-/// What the virtual keyboard is called in lists of devices.
-#[cfg(target_os = "linux")]
-const DEVICE_NAME: &str = "Ademan keyboard";
 
 /// Where events go.
 ///
@@ -46,14 +46,26 @@ pub trait Sink: Send {
     /// down of a key and an up of what is not down.
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError>;
 
+    /// What it can carry; the rest is not sent to it where there is another output.
+    fn reach(&self) -> Reach {
+        Reach::All
+    }
+
     /// Takes the names of the targets of events to come, for outputs that write them.
     fn rename(&mut self, _: &TargetNames) {}
 
     /// Lets go of everything that is still down and waits, at most a second, until all is delivered.
     fn close(&mut self) -> Result<(), OutputError>;
 
-    /// Presses that were not passed on: there was no room for them, or the output lacks the key.
+    /// Presses and characters that were not passed on: there was no room for them, or the output lacks
+    /// the key.
     fn refused_presses(&self) -> u64 {
+        0
+    }
+
+    /// Motions of the pointer and turns of the wheel for which there was no room: later ones took their
+    /// place.
+    fn superseded_motions(&self) -> u64 {
         0
     }
 }
@@ -61,6 +73,10 @@ pub trait Sink: Send {
 impl Sink for Box<dyn Sink> {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
         (**self).send(events)
+    }
+
+    fn reach(&self) -> Reach {
+        (**self).reach()
     }
 
     fn rename(&mut self, names: &TargetNames) {
@@ -73,6 +89,10 @@ impl Sink for Box<dyn Sink> {
 
     fn refused_presses(&self) -> u64 {
         (**self).refused_presses()
+    }
+
+    fn superseded_motions(&self) -> u64 {
+        (**self).superseded_motions()
     }
 }
 
@@ -110,21 +130,85 @@ pub enum OutputError {
 /// The names that [`open`] knows.
 pub const NAMES: [&str; 4] = ["transcript", "desktop", "uinput", "none"];
 
-/// Whether an output of this name has just the keys that it was opened with, so that a layout with
-/// others needs a new one.
-pub fn has_fixed_keys(name: &str) -> bool {
-    name == "uinput"
-}
-
-/// Opens an output by its name.
+/// Opens outputs by their names, separated by commas.
 ///
 /// - `transcript`: lines on the standard output; `transcript:PATH`: in a file, which is written anew
-///   and, where it is created, is for its owner's eyes only.
-/// - `desktop`: key presses on the desktop of the session.
-/// - `uinput`: a keyboard of its own that has just the keys `codes` (Linux).
+///   and, where it is created, is for its owner's eyes only. No comma is in the path.
+/// - `desktop`: keys, characters and a pointer on the desktop of the session.
+/// - `uinput`: devices of their own that have just what is needed (Linux).
 /// - `none`: nowhere.
-pub fn open(name: &str, codes: &BTreeSet<KeyCode>) -> Result<Box<dyn Sink>, OutputError> {
-    if let Some(path) = name.strip_prefix("transcript:") {
+///
+/// With several, each kind of action goes to the first that can carry it: see [`Router`]. Transcripts
+/// hear everything, and count as carrying it only where there are none but transcripts. When something
+/// that is needed cannot be carried, nothing is opened.
+pub fn open(names: &str, needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+    let (parts, reaches) = parts(names)?;
+    if let Some(reason) = reach::refusal(&parts, &reaches, needs) {
+        return Err(OutputError::Open {
+            output: names.into(),
+            reason,
+        });
+    }
+    let open_share = |(place, name): (usize, &&str)| {
+        let needs = reach::share(&reaches, place, needs);
+        open_one(name, &needs)
+    };
+    let mut sinks: Vec<_> = parts
+        .iter()
+        .enumerate()
+        .map(open_share)
+        .collect::<Result<_, _>>()?;
+    Ok(match sinks.len() {
+        1 => sinks.remove(0),
+        _ => Box::new(Router::new(sinks)),
+    })
+}
+
+/// Whether outputs that were opened for a layout that needs `opened` take one that needs `needs`; if
+/// not, why, and what to do. Devices of the kernel have what they were made with and nothing else.
+pub fn can_take(names: &str, opened: &Needs, needs: &Needs) -> Result<(), String> {
+    let (parts, reaches) = parts(names).map_err(|error| error.to_string())?;
+    if let Some(reason) = reach::refusal(&parts, &reaches, needs) {
+        return Err(reason);
+    }
+    let is_new = |(place, reach): (usize, &Reach)| {
+        let share = reach::share(&reaches, place, needs);
+        let new = share.iter().find(|need| !opened.has(*need));
+        new.filter(|_| *reach == Reach::Uinput)
+    };
+    match reaches.iter().enumerate().find_map(is_new) {
+        None => Ok(()),
+        Some(need) => Err(format!(
+            "the output `uinput` was opened without {need}; start again to use it"
+        )),
+    }
+}
+
+/// Whether one of these outputs writes on the standard output.
+pub fn is_on_stdout(names: &str) -> bool {
+    names.split(',').any(|name| name.trim() == "transcript")
+}
+
+/// The single names, and what each can carry.
+fn parts(names: &str) -> Result<(Vec<&str>, Vec<Reach>), OutputError> {
+    let parts: Vec<_> = names.split(',').map(str::trim).collect();
+    let reach_of = |name: &&str| match *name {
+        "transcript" => Ok(Reach::Record),
+        name if name.starts_with(TO_FILE) => Ok(Reach::Record),
+        "desktop" => Ok(Reach::Desktop),
+        "uinput" => Ok(Reach::Uinput),
+        "none" => Ok(Reach::All),
+        name => Err(UnknownName::new("output", name, NAMES)),
+    };
+    let reaches = parts.iter().map(reach_of).collect::<Result<_, _>>()?;
+    Ok((parts, reaches))
+}
+
+/// How the name of a transcript in a file begins.
+const TO_FILE: &str = "transcript:";
+
+fn open_one(name: &str, needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+    if let Some(path) = name.strip_prefix(TO_FILE) {
         let file = create_transcript(Path::new(path)).map_err(|error| OutputError::Open {
             output: name.into(),
             reason: error.to_string(),
@@ -134,7 +218,7 @@ pub fn open(name: &str, codes: &BTreeSet<KeyCode>) -> Result<Box<dyn Sink>, Outp
     Ok(match name {
         "transcript" => Box::new(Transcript::new(name, BufWriter::new(io::stdout()))),
         "desktop" => Box::new(Desktop::open(None)?),
-        "uinput" => open_uinput(codes)?,
+        "uinput" => open_uinput(needs)?,
         "none" => Box::new(Nowhere),
         _ => return Err(UnknownName::new("output", name, NAMES).into()),
     })
@@ -171,12 +255,12 @@ pub fn private(options: &mut OpenOptions) -> &mut OpenOptions {
 }
 
 #[cfg(target_os = "linux")]
-fn open_uinput(codes: &BTreeSet<KeyCode>) -> Result<Box<dyn Sink>, OutputError> {
-    Ok(Box::new(uinput::Uinput::open(DEVICE_NAME, codes)?))
+fn open_uinput(needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+    Ok(Box::new(uinput::Uinput::open("Ademan", needs)?))
 }
 
 #[cfg(not(target_os = "linux"))]
-fn open_uinput(_: &BTreeSet<KeyCode>) -> Result<Box<dyn Sink>, OutputError> {
+fn open_uinput(_: &Needs) -> Result<Box<dyn Sink>, OutputError> {
     Err(OutputError::Open {
         output: "uinput".into(),
         reason: "it is a part of Linux; use the output `desktop`".into(),
@@ -186,11 +270,12 @@ fn open_uinput(_: &BTreeSet<KeyCode>) -> Result<Box<dyn Sink>, OutputError> {
 /// What a desktop is, by operating system.
 #[cfg(all(unix, not(target_os = "macos")))]
 mod platform {
-    use super::desktop;
+    use super::display;
+    use crate::device::KeyCode;
     use enigo::{Enigo, NewConError, Settings};
     use std::{env, thread, time::Duration};
 
-    pub use desktop::by_position as inject;
+    pub use display::by_position as inject;
 
     /// A compositor drops keys that come before it has seen the new keyboard.
     const WAYLAND_SETTLES: Duration = Duration::from_millis(200);
@@ -213,6 +298,10 @@ mod platform {
             }
         }
         Enigo::new(&settings)
+    }
+
+    pub fn has(_: KeyCode) -> bool {
+        true
     }
 
     pub fn no_display(display: Option<&str>) -> String {
@@ -247,6 +336,10 @@ mod platform {
         named_keys::by_name(enigo, key, direction, OF_SYSTEM)
     }
 
+    pub fn has(key: KeyCode) -> bool {
+        named_keys::has(key, OF_SYSTEM)
+    }
+
     pub fn no_display(_: Option<&str>) -> String {
         "there is no desktop to press keys on; start this from a graphical session".into()
     }
@@ -255,29 +348,30 @@ mod platform {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::device::Action;
+    use crate::device::{Action, KeyCode, Need};
     use crate::time::Timestamp;
 
     pub(super) fn key(name: &str) -> KeyCode {
         name.parse().unwrap()
     }
 
-    pub(super) fn down(micros: u64, name: &str) -> OutputEvent {
+    pub(super) fn event(micros: u64, action: Action) -> OutputEvent {
         OutputEvent {
             time: Timestamp(micros),
-            action: Action::KeyDown(key(name)),
+            action,
         }
+    }
+
+    pub(super) fn down(micros: u64, name: &str) -> OutputEvent {
+        event(micros, Action::KeyDown(key(name)))
     }
 
     pub(super) fn up(micros: u64, name: &str) -> OutputEvent {
-        OutputEvent {
-            time: Timestamp(micros),
-            action: Action::KeyUp(key(name)),
-        }
+        event(micros, Action::KeyUp(key(name)))
     }
 
     fn error(name: &str) -> String {
-        open(name, &BTreeSet::new()).err().unwrap().to_string()
+        open(name, &Needs::default()).err().unwrap().to_string()
     }
 
     #[test]
@@ -294,7 +388,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("typed.txt");
         let name = format!("transcript:{}", path.display());
-        let mut sink = open(&name, &BTreeSet::new()).unwrap();
+        let mut sink = open(&name, &Needs::default()).unwrap();
         sink.send(&[down(1_000, "A")]).unwrap();
         sink.close().unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
@@ -314,16 +408,72 @@ mod tests {
 
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("typed.txt");
-        open(&format!("transcript:{}", path.display()), &BTreeSet::new()).unwrap();
+        open(&format!("transcript:{}", path.display()), &Needs::default()).unwrap();
         let mode = std::fs::metadata(&path).unwrap().permissions().mode();
         assert_eq!(mode & 0o777, 0o600);
     }
 
     #[test]
     fn nothing_comes_of_the_output_none() {
-        let mut sink = open("none", &BTreeSet::new()).unwrap();
+        let mut sink = open("none", &Needs::default()).unwrap();
         sink.send(&[down(1, "A")]).unwrap();
         sink.close().unwrap();
         assert_eq!(sink.refused_presses(), 0);
+    }
+
+    #[test]
+    fn two_transcripts_hear_the_same_and_what_one_cannot_open_opens_none() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name).display().to_string();
+        let (a, b) = (path("a"), path("b"));
+        let mut sink = open(
+            &format!("transcript:{a}, transcript:{b}"),
+            &Needs::default(),
+        )
+        .unwrap();
+        sink.send(&[down(1_000, "A"), up(1_000, "A")]).unwrap();
+        sink.close().unwrap();
+        let text = |path| std::fs::read_to_string(path).unwrap();
+        assert_eq!(text(&a), "       1.000 down A\n       1.000 up   A\n");
+        assert_eq!(text(&a), text(&b));
+        assert!(error("none,desktp").starts_with("unknown output `desktp`"));
+    }
+
+    #[test]
+    fn an_output_that_cannot_carry_what_is_needed_is_refused_before_it_is_opened() {
+        let pad = Needs::from_iter([Need::Code(key("A")), Need::Code(key("PadSouth"))]);
+        let folder = tempfile::tempdir().unwrap();
+        let record = folder.path().join("record");
+        let names = format!("transcript:{},desktop", record.display());
+        let error = open(&names, &pad).err().unwrap().to_string();
+        let reason =
+            "`desktop` has no gamepad, and the layout needs `PadSouth`; add the output `uinput`";
+        assert!(error.contains(reason), "{error}");
+        assert!(!record.exists());
+    }
+
+    #[test]
+    fn devices_of_the_kernel_take_no_layout_that_needs_more_than_they_have() {
+        let needs = |names: &[&str]| -> Needs {
+            let codes = names.iter().map(|name| Need::Code(key(name)));
+            codes.collect()
+        };
+        let opened = needs(&["A", "B"]);
+        assert_eq!(can_take("uinput", &opened, &needs(&["B"])), Ok(()));
+        assert_eq!(
+            can_take("uinput", &opened, &needs(&["B", "Z"])).unwrap_err(),
+            "the output `uinput` was opened without `Z`; start again to use it"
+        );
+        assert_eq!(can_take("desktop,uinput", &opened, &needs(&["Z"])), Ok(()));
+        let refused = can_take("desktop", &opened, &needs(&["PadSouth"])).unwrap_err();
+        assert!(refused.starts_with("`desktop` has no gamepad"), "{refused}");
+        let pad = needs(&["PadSouth"]);
+        assert_eq!(can_take("desktop,none", &opened, &pad), Ok(()));
+    }
+
+    #[test]
+    fn a_transcript_on_the_standard_output_is_found_among_others() {
+        assert!(is_on_stdout("desktop, transcript"));
+        assert!(!is_on_stdout("desktop,transcript:path"));
     }
 }

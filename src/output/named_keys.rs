@@ -15,16 +15,22 @@ pub fn by_name(
     direction: Direction,
     extra: &[(u16, u32)],
 ) -> InputResult<()> {
-    let of_system = |extra: &[(u16, u32)]| {
-        let (_, code) = extra.iter().find(|(code, _)| *code == key.event_code())?;
-        Some(Key::Other(*code))
-    };
-    let Some(named) = of_system(extra).or_else(|| named(key)) else {
+    let Some(key) = of_system(key, extra).or_else(|| named(key)) else {
         return Err(InputError::InvalidInput(
             "this system has no such key; leave it out of the layout",
         ));
     };
-    enigo.key(named, direction)
+    enigo.key(key, direction)
+}
+
+/// Whether there is a key to press for this one.
+pub fn has(key: KeyCode, extra: &[(u16, u32)]) -> bool {
+    of_system(key, extra).or_else(|| named(key)).is_some()
+}
+
+fn of_system(key: KeyCode, extra: &[(u16, u32)]) -> Option<Key> {
+    let (_, code) = extra.iter().find(|(code, _)| *code == key.event_code())?;
+    Some(Key::Other(*code))
 }
 
 /// The key by the name that `enigo` has for it on every system, or by its US character.
@@ -119,11 +125,8 @@ mod tests {
     use crate::device::KeyKind;
 
     fn missing(extra: &[(u16, u32)]) -> Vec<&'static str> {
-        let has = |key: &KeyCode| {
-            named(*key).is_some() || extra.iter().any(|(code, _)| *code == key.event_code())
-        };
         KeyCode::all()
-            .filter(|key| key.kind() == KeyKind::Key && !has(key))
+            .filter(|key| key.kind() == KeyKind::Key && !has(*key, extra))
             .map(KeyCode::name)
             .collect()
     }

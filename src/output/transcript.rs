@@ -13,10 +13,11 @@
 use std::fmt;
 use std::io::{self, Write};
 
+use super::deflected::Deflected;
 use super::held::Held;
-use super::{OutputError, Sink};
+use super::{OutputError, Reach, Sink};
 use crate::contact::TargetNames;
-use crate::device::{Action, KeyCode, OutputEvent, Request};
+use crate::device::{Action, OutputEvent, Request};
 use crate::time::Timestamp;
 
 /// An output that writes one line per event and is flushed after each frame.
@@ -28,6 +29,7 @@ pub struct Transcript<W: Write + Send> {
     names: TargetNames,
     writer: W,
     held: Held,
+    deflected: Deflected,
     last: Timestamp,
     failed: bool,
 }
@@ -40,6 +42,7 @@ impl<W: Write + Send> Transcript<W> {
             names: TargetNames::default(),
             writer,
             held: Held::default(),
+            deflected: Deflected::default(),
             last: Timestamp::default(),
             failed: false,
         }
@@ -49,6 +52,10 @@ impl<W: Write + Send> Transcript<W> {
         let accepted = match event.action {
             Action::KeyDown(key) => self.held.press(key),
             Action::KeyUp(key) => self.held.release(key),
+            Action::Axis(axis, value) => {
+                self.deflected.note(axis, value);
+                true
+            }
             _ => true,
         };
         if !accepted {
@@ -59,18 +66,16 @@ impl<W: Write + Send> Transcript<W> {
     }
 
     fn release_all(&mut self) -> io::Result<()> {
-        while let Some(key) = self.next_release() {
+        while let Some(action) = self.next_release() {
             let time = self.last;
-            self.write(&OutputEvent {
-                time,
-                action: Action::KeyUp(key),
-            })?;
+            self.write(&OutputEvent { time, action })?;
         }
         self.writer.flush()
     }
 
-    fn next_release(&self) -> Option<KeyCode> {
-        self.held.release_order().next()
+    fn next_release(&self) -> Option<Action> {
+        let up = self.held.release_order().next().map(Action::KeyUp);
+        up.or_else(|| self.deflected.axes().next().map(Deflected::back_to_rest))
     }
 
     fn failure(&mut self, error: &io::Error) -> OutputError {
@@ -97,11 +102,16 @@ impl<W: Write + Send> Sink for Transcript<W> {
             .map_err(|error| self.failure(&error))
     }
 
+    fn reach(&self) -> Reach {
+        Reach::Record
+    }
+
     fn rename(&mut self, names: &TargetNames) {
         self.names = names.clone();
     }
 
-    /// Writes an up line, at the time of the last event, for everything that is still down.
+    /// Writes, at the time of the last event, an up line for everything that is still down and a line
+    /// for every axis that has to come back to 0.
     fn close(&mut self) -> Result<(), OutputError> {
         self.release_all().map_err(|error| self.failure(&error))
     }
@@ -147,7 +157,8 @@ impl fmt::Display for Line<'_> {
 mod tests {
     use super::*;
     use crate::contact::TargetId;
-    use crate::output::tests::{down, up};
+    use crate::device::Axis;
+    use crate::output::tests::{down, event, up};
     use std::sync::{Arc, Mutex};
 
     #[derive(Clone, Default)]
@@ -219,6 +230,29 @@ mod tests {
         drop(transcript);
         let ups: Vec<_> = page.text().lines().skip(2).map(str::to_owned).collect();
         assert_eq!(ups, ["       2.000 up   A", "       2.000 up   ShiftLeft"]);
+    }
+
+    #[test]
+    fn closing_brings_back_the_axes_that_are_away_from_their_rest() {
+        let page = Page::default();
+        let mut transcript = Transcript::new("transcript", page.clone());
+        let axis = |axis, value| event(3_000, Action::Axis(axis, value));
+        let frame = [
+            axis(Axis::LeftX, -0.5),
+            axis(Axis::LeftY, 0.25),
+            axis(Axis::LeftY, 0.0),
+            down(3_000, "PadSouth"),
+        ];
+        transcript.send(&frame).unwrap();
+        transcript.close().unwrap();
+        transcript.close().unwrap();
+        let text = page.text();
+        let ends: Vec<_> = text.lines().skip(4).collect();
+        let expected = [
+            "       3.000 up   PadSouth",
+            "       3.000 axis LeftX +0.000",
+        ];
+        assert_eq!(ends, expected);
     }
 
     #[test]

@@ -1,137 +1,107 @@
-//! A keyboard device made by the Linux kernel's `uinput` module.
+//! Devices made by the Linux kernel's `uinput` module: keyboard, mouse, pointer, gamepad.
 //!
 //! What the program presses goes through the kernel like the keys of any keyboard: X11, Wayland and
 //! the console take it alike. When the program ends in any way, even killed, the kernel removes the
-//! device and lets go of its keys (`uinput_destroy_device`, `input_dev_release_keys`).
+//! devices and lets go of their keys (`uinput_destroy_device`, `input_dev_release_keys`).
 
-use std::collections::BTreeSet;
+mod declared;
+mod node;
+mod part;
+
 use std::io;
-use std::thread;
 
-use arrayvec::ArrayVec;
-use evdev::uinput::VirtualDevice;
-use evdev::{AttributeSet, EventType, InputEvent};
+use declared::Declared;
+pub use node::{KernelNode, Node};
+use part::Part;
 
-use super::held::Held;
-use super::{OutputError, RETRIES, RETRY_PAUSE, Sink};
-use crate::device::{Action, KeyCode, OutputEvent};
+use super::{OutputError, Reach, Sink};
+use crate::device::{Action, Need, Needs, OutputEvent};
 
 const OUTPUT: &str = "uinput";
 
-/// The longest name of a device, in bytes: `UINPUT_MAX_NAME_SIZE` less what ends it.
-const NAME_LIMIT: usize = 78;
+/// The longest name of the devices, in bytes: `UINPUT_MAX_NAME_SIZE` less what ends it and what each
+/// adds to it.
+const NAME_LIMIT: usize = 78 - " keyboard".len();
 
 /// Device not configured and no such device: what opening the node gives when nothing is behind it.
 const NOTHING_BEHIND_NODE: [i32; 2] = [6, 19];
 
-/// The events of one frame as the kernel takes them: every key at most once down and once up.
-type Frame = ArrayVec<InputEvent, { 2 * Held::CAPACITY }>;
-
-/// Takes frames of events; the kernel's device, or a stand-in for it.
-pub trait Node: Send {
-    /// Delivers the events of one frame and what ends a frame.
-    fn emit(&mut self, events: &[InputEvent]) -> io::Result<()>;
-}
-
-impl Node for VirtualDevice {
-    fn emit(&mut self, events: &[InputEvent]) -> io::Result<()> {
-        VirtualDevice::emit(self, events)
-    }
-}
-
-/// An output that is a keyboard of its own, with just the keys of a layout.
+/// An output that is devices of its own, with just what a layout needs.
 ///
-/// It does not repeat keys: whoever receives them does.
-pub struct Uinput<N: Node = VirtualDevice> {
-    node: N,
-    declared: AttributeSet<evdev::KeyCode>,
-    held: Held,
+/// Each is made only when it is needed, and gets the events of a frame in one system call. The
+/// keyboard does not repeat keys: whoever receives them does.
+pub struct Uinput<N: Node = KernelNode> {
+    needs: Needs,
+    parts: Vec<Part<N>>,
     refused: u64,
 }
 
 impl Uinput {
-    /// Makes a keyboard called `name` (at most 78 bytes) that has the keys `codes` and no others.
-    pub fn open(name: &str, codes: &BTreeSet<KeyCode>) -> Result<Self, OutputError> {
+    /// Makes the devices that `needs` ask for; their names are `name` (at most 69 bytes) and what they
+    /// are: `Ademan keyboard`, `Ademan mouse`, `Ademan pointer`, `Ademan gamepad`.
+    pub fn open(name: &str, needs: &Needs) -> Result<Self, OutputError> {
         let refuse = |reason: String| OutputError::Open {
             output: OUTPUT.into(),
             reason,
         };
         if name.is_empty() || name.len() > NAME_LIMIT || name.contains('\0') {
             return Err(refuse(format!(
-                "`{name}` does not do as the name of a device: give 1 to {NAME_LIMIT} bytes"
+                "`{name}` does not do as the name of devices: give 1 to {NAME_LIMIT} bytes"
             )));
         }
-        let declared = declared(codes);
-        let node = VirtualDevice::builder()
-            .and_then(|builder| builder.name(name).with_keys(&declared)?.build())
-            .map_err(|error| refuse(open_reason(&error)))?;
-        Ok(Self::on(node, declared))
+        let node = |declared: &Declared| {
+            KernelNode::open(&format!("{name} {}", declared.kind.name()), declared)
+        };
+        Self::on(needs, node).map_err(|error| refuse(open_reason(&error)))
     }
 }
 
 impl<N: Node> Uinput<N> {
-    fn on(node: N, declared: AttributeSet<evdev::KeyCode>) -> Self {
-        Self {
-            node,
-            declared,
-            held: Held::default(),
+    /// On nodes that `open` makes.
+    fn on(needs: &Needs, open: impl Fn(&Declared) -> io::Result<N>) -> io::Result<Self> {
+        let part = |declared: Declared| Ok(Part::new(declared.clone(), open(&declared)?));
+        let parts: io::Result<_> = Declared::of(needs).into_iter().map(part).collect();
+        Ok(Self {
+            needs: needs.clone(),
+            parts: parts?,
             refused: 0,
-        }
+        })
     }
 
-    /// Delivers a frame; when that fails, what may still be down stays in the account.
-    fn deliver(&mut self, frame: &Frame, before: &Held) -> Result<(), OutputError> {
-        if frame.is_empty() {
-            return Ok(());
+    /// The device for an action; none for one that is not among the needs.
+    fn part_for(&mut self, action: Action) -> Option<&mut Part<N>> {
+        let need = Need::of(action).filter(|need| self.needs.has(*need))?;
+        self.parts.iter_mut().find(|part| part.declared.has(need))
+    }
+
+    /// Does something with every device, and tells the first failure.
+    fn each(&mut self, call: impl Fn(&mut Part<N>) -> io::Result<()>) -> io::Result<()> {
+        let mut outcome = Ok(());
+        for part in &mut self.parts {
+            outcome = outcome.and(call(part));
         }
-        let mut outcome = self.node.emit(frame);
-        for _ in 0..RETRIES {
-            if outcome.is_ok() {
-                break;
-            }
-            thread::sleep(RETRY_PAUSE);
-            outcome = self.node.emit(frame);
-        }
-        outcome.map_err(|error| {
-            for key in before.release_order() {
-                self.held.press(key);
-            }
-            OutputError::Send {
-                output: OUTPUT.into(),
-                reason: error.to_string(),
-            }
-        })
+        outcome
     }
 }
 
 impl<N: Node> Sink for Uinput<N> {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
-        let before = self.held.clone();
-        let mut frame = Frame::new();
+        let mut outcome = Ok(());
         for event in events {
-            if let Action::KeyDown(key) = event.action
-                && !self.declared.contains(kernel_code(key))
-            {
-                self.refused += 1;
-                continue;
-            }
-            // Fewer events than places: a frame of a device has at most 64.
-            if let Some(event) = translate(event.action, &mut self.held)
-                && frame.try_push(event).is_err()
-            {
-                break;
+            match self.part_for(event.action) {
+                Some(part) => outcome = outcome.and(part.take(event.action)),
+                None => self.refused += u64::from(matches!(event.action, Action::KeyDown(_))),
             }
         }
-        self.deliver(&frame, &before)
+        outcome.and(self.each(Part::deliver)).map_err(failed)
+    }
+
+    fn reach(&self) -> Reach {
+        Reach::Uinput
     }
 
     fn close(&mut self) -> Result<(), OutputError> {
-        let before = self.held.clone();
-        let frame: Frame = before
-            .release_order()
-            .filter_map(|key| translate(Action::KeyUp(key), &mut self.held))
-            .collect();
-        self.deliver(&frame, &before)
+        self.each(Part::let_go).map_err(failed)
     }
 
     fn refused_presses(&self) -> u64 {
@@ -145,23 +115,11 @@ impl<N: Node> Drop for Uinput<N> {
     }
 }
 
-/// The keys that the device is to have.
-fn declared(codes: &BTreeSet<KeyCode>) -> AttributeSet<evdev::KeyCode> {
-    codes.iter().map(|&key| kernel_code(key)).collect()
-}
-
-fn kernel_code(key: KeyCode) -> evdev::KeyCode {
-    evdev::KeyCode(key.event_code())
-}
-
-/// What the kernel is told of an action; `None` when it changes nothing about what is down.
-fn translate(action: Action, held: &mut Held) -> Option<InputEvent> {
-    let (key, value) = match action {
-        Action::KeyDown(key) => held.press(key).then_some((key, 1))?,
-        Action::KeyUp(key) => held.release(key).then_some((key, 0))?,
-        _ => return None,
-    };
-    Some(InputEvent::new(EventType::KEY.0, key.event_code(), value))
+fn failed(error: io::Error) -> OutputError {
+    OutputError::Send {
+        output: OUTPUT.into(),
+        reason: error.to_string(),
+    }
 }
 
 /// Why the node cannot be opened and what to do about it.
@@ -188,50 +146,62 @@ fn open_reason(error: &io::Error) -> String {
 mod tests {
     use super::*;
     use crate::contact::TargetId;
-    use crate::output::tests::{down, key, up};
+    use crate::device::Axis;
+    use crate::output::tests::{down, event, key, up};
+    use evdev::InputEvent;
     use std::sync::{Arc, Mutex};
 
-    /// Keeps what it is given, after failing as often as it is told to.
+    /// Keeps what its devices are given, after failing as often as it is told to.
     #[derive(Clone, Default)]
     struct Desk(Arc<Mutex<(usize, Vec<String>)>>);
 
+    /// A device on a desk.
+    struct Stand(Desk, &'static str);
+
     impl Desk {
-        fn failing(times: usize) -> Self {
-            Self(Arc::new(Mutex::new((times, Vec::new()))))
-        }
-
         fn frames(&self) -> Vec<String> {
-            self.0.lock().unwrap().1.clone()
+            std::mem::take(&mut self.0.lock().unwrap().1)
         }
 
-        fn keyboard(&self, codes: &[&str]) -> Uinput<Self> {
-            let codes = codes.iter().map(|name| key(name)).collect();
-            Uinput::on(self.clone(), declared(&codes))
+        fn fails(&self, times: usize) {
+            self.0.lock().unwrap().0 = times;
+        }
+
+        fn devices(&self, needs: &[Need]) -> Uinput<Stand> {
+            let needs = needs.iter().copied().collect();
+            let stand = |declared: &Declared| Ok(Stand(self.clone(), declared.kind.name()));
+            Uinput::on(&needs, stand).unwrap()
+        }
+
+        fn keyboard(&self, codes: &[&str]) -> Uinput<Stand> {
+            let codes: Vec<_> = codes.iter().map(|name| code(name)).collect();
+            self.devices(&codes)
         }
     }
 
-    impl Node for Desk {
+    impl Node for Stand {
         fn emit(&mut self, events: &[InputEvent]) -> io::Result<()> {
-            let (failures, frames) = &mut *self.0.lock().unwrap();
+            let (failures, frames) = &mut *self.0.0.lock().unwrap();
             if *failures > 0 {
                 *failures -= 1;
                 return Err(io::ErrorKind::WouldBlock.into());
             }
-            let of_event = |event: &InputEvent| format!("{}={}", event.code(), event.value());
-            frames.push(events.iter().map(of_event).collect::<Vec<_>>().join(" "));
+            let of_event = |event: &InputEvent| {
+                let kind = ["syn", "key", "rel", "abs"][usize::from(event.event_type().0)];
+                format!("{kind} {}={}", event.code(), event.value())
+            };
+            let events: Vec<_> = events.iter().map(of_event).collect();
+            frames.push(format!("{}: {}", self.1, events.join(", ")));
             Ok(())
         }
     }
 
-    #[test]
-    fn only_the_keys_of_the_layout_are_declared() {
-        let codes = declared(&BTreeSet::from([key("Q"), key("ArrowUp")]));
-        let codes: Vec<_> = codes.iter().map(|code| code.0).collect();
-        assert_eq!(codes, [16, 103]);
+    fn code(name: &str) -> Need {
+        Need::Code(key(name))
     }
 
     #[test]
-    fn a_frame_goes_out_as_one_and_a_key_that_is_not_declared_does_not() {
+    fn a_frame_goes_out_as_one_and_a_key_that_is_not_needed_does_not() {
         let desk = Desk::default();
         let mut keyboard = desk.keyboard(&["ShiftLeft", "A"]);
         keyboard
@@ -239,17 +209,83 @@ mod tests {
             .unwrap();
         keyboard.send(&[up(2, "MetaLeft")]).unwrap();
         keyboard.send(&[up(3, "A")]).unwrap();
-        assert_eq!(desk.frames(), ["42=1 30=1", "30=0"]);
+        assert_eq!(
+            desk.frames(),
+            ["keyboard: key 42=1, key 30=1", "keyboard: key 30=0"]
+        );
         assert_eq!(keyboard.refused_presses(), 1);
     }
 
     #[test]
-    fn a_depth_is_nothing_to_a_keyboard() {
-        let mut held = Held::default();
-        assert_eq!(
-            translate(Action::Depth(TargetId(1), 0.5), &mut held).map(|event| event.code()),
-            None
-        );
+    fn each_device_gets_its_part_of_a_frame() {
+        let desk = Desk::default();
+        let mut devices = desk.devices(&[
+            code("A"),
+            code("MouseLeft"),
+            code("PadEast"),
+            Need::Move,
+            Need::Place,
+            Need::Axis(Axis::LeftY),
+        ]);
+        let frame = [
+            event(1, Action::MoveTo(1.0, 0.0)),
+            down(1, "MouseLeft"),
+            down(1, "PadEast"),
+            event(1, Action::Axis(Axis::LeftY, 1.0)),
+            down(1, "A"),
+            event(1, Action::MoveBy(-3, 0)),
+            event(1, Action::Depth(TargetId(1), 0.5)),
+        ];
+        devices.send(&frame).unwrap();
+        let expected = [
+            "keyboard: key 30=1",
+            "mouse: key 272=1, rel 0=-3",
+            "pointer: abs 0=65535, abs 1=0",
+            "gamepad: key 305=1, abs 1=-32767",
+        ];
+        assert_eq!(desk.frames(), expected);
+        devices.close().unwrap();
+        let expected = [
+            "keyboard: key 30=0",
+            "mouse: key 272=0",
+            "gamepad: key 305=0, abs 1=0",
+        ];
+        assert_eq!(desk.frames(), expected);
+    }
+
+    #[test]
+    fn the_wheel_tells_fine_turns_and_the_clicks_that_they_complete() {
+        let desk = Desk::default();
+        let mut mouse = desk.devices(&[Need::Scroll]);
+        for turn in [(0, 60), (0, 90), (-240, 0), (0, -150)] {
+            mouse
+                .send(&[event(1, Action::Scroll(turn.0, turn.1))])
+                .unwrap();
+        }
+        let expected = [
+            "mouse: rel 11=60",
+            "mouse: rel 11=90, rel 8=1",
+            "mouse: rel 12=-240, rel 6=-2",
+            "mouse: rel 11=-150, rel 8=-1",
+        ];
+        assert_eq!(desk.frames(), expected);
+    }
+
+    #[test]
+    fn what_is_no_number_or_not_needed_does_not_move_anything() {
+        let desk = Desk::default();
+        let mut devices = desk.devices(&[Need::Place, Need::Axis(Axis::LeftX)]);
+        let frame = [
+            event(1, Action::MoveTo(f32::NAN, 0.5)),
+            event(1, Action::MoveBy(5, 5)),
+            event(1, Action::Axis(Axis::TurnX, 1.0)),
+            event(1, Action::Axis(Axis::LeftY, 1.0)),
+            event(1, Action::Write('a')),
+        ];
+        devices.send(&frame).unwrap();
+        devices.close().unwrap();
+        assert_eq!(desk.frames(), [""; 0]);
+        assert_eq!(devices.refused_presses(), 0);
     }
 
     #[test]
@@ -262,32 +298,65 @@ mod tests {
         keyboard.close().unwrap();
         keyboard.send(&[down(2, "A")]).unwrap();
         drop(keyboard);
-        assert_eq!(
-            desk.frames(),
-            ["42=1 30=1 48=1", "48=0 30=0 42=0", "30=1", "30=0"]
-        );
+        let expected = [
+            "keyboard: key 42=1, key 30=1, key 48=1",
+            "keyboard: key 48=0, key 30=0, key 42=0",
+            "keyboard: key 30=1",
+            "keyboard: key 30=0",
+        ];
+        assert_eq!(desk.frames(), expected);
     }
 
     #[test]
     fn a_frame_is_tried_four_times_and_a_release_that_failed_is_not_forgotten() {
         let desk = Desk::default();
-        let mut keyboard = desk.keyboard(&["A"]);
-        desk.0.lock().unwrap().0 = 3;
-        keyboard.send(&[down(1, "A")]).unwrap();
-        desk.0.lock().unwrap().0 = 4;
-        let error = keyboard.send(&[up(2, "A")]).unwrap_err();
+        let mut pad = desk.devices(&[code("PadSouth"), Need::Axis(Axis::LeftX)]);
+        let stick = |value| event(1, Action::Axis(Axis::LeftX, value));
+        desk.fails(3);
+        pad.send(&[down(1, "PadSouth"), stick(-1.0)]).unwrap();
+        desk.fails(4);
+        let error = pad.send(&[up(2, "PadSouth"), stick(0.0)]).unwrap_err();
         assert!(error.to_string().starts_with("the output `uinput` failed"));
-        keyboard.close().unwrap();
-        assert_eq!(desk.frames(), ["30=1", "30=0"]);
+        pad.close().unwrap();
+        let expected = [
+            "gamepad: key 304=1, abs 0=-32767",
+            "gamepad: key 304=0, abs 0=0",
+        ];
+        assert_eq!(desk.frames(), expected);
     }
 
     #[test]
     fn a_press_that_failed_is_let_go_of_because_nobody_knows_whether_it_arrived() {
-        let desk = Desk::failing(4);
+        let desk = Desk::default();
         let mut keyboard = desk.keyboard(&["A"]);
+        desk.fails(4);
         keyboard.send(&[down(1, "A")]).unwrap_err();
         keyboard.close().unwrap();
-        assert_eq!(desk.frames(), ["30=0"]);
+        assert_eq!(desk.frames(), ["keyboard: key 30=0"]);
+    }
+
+    #[test]
+    fn a_device_that_fails_does_not_keep_the_others_from_releases() {
+        let desk = Desk::default();
+        let mut devices = desk.devices(&[code("A"), code("PadSouth")]);
+        devices.send(&[down(1, "A"), down(1, "PadSouth")]).unwrap();
+        desk.frames();
+        desk.fails(4);
+        devices.close().unwrap_err();
+        assert_eq!(desk.frames(), ["gamepad: key 304=0"]);
+        devices.close().unwrap();
+        assert_eq!(desk.frames(), ["keyboard: key 30=0"]);
+    }
+
+    #[test]
+    fn a_frame_of_any_length_arrives_whole() {
+        let desk = Desk::default();
+        let mut keyboard = desk.keyboard(&["A"]);
+        let frame: Vec<_> = (0..500).flat_map(|_| [down(1, "A"), up(1, "A")]).collect();
+        keyboard.send(&frame).unwrap();
+        let frames = desk.frames().join(" ");
+        assert_eq!(frames.matches("key 30=1").count(), 500);
+        assert_eq!(frames.matches("key 30=0").count(), 500);
     }
 
     #[test]
@@ -303,21 +372,34 @@ mod tests {
 
     #[test]
     fn a_name_that_is_too_long_is_refused() {
-        let error = Uinput::open(&"k".repeat(79), &BTreeSet::new())
+        let error = Uinput::open(&"k".repeat(70), &Needs::default())
             .err()
             .unwrap();
-        assert!(error.to_string().contains("1 to 78 bytes"), "{error}");
+        assert!(error.to_string().contains("1 to 69 bytes"), "{error}");
     }
 
     #[test]
-    fn the_kernel_takes_the_device_where_there_is_one() {
+    fn the_kernel_takes_every_device_where_there_is_one() {
         let node = std::fs::OpenOptions::new().write(true).open("/dev/uinput");
         if let Err(error) = node {
             println!("SKIPPED: /dev/uinput cannot be written here: {error}");
             return;
         }
-        let mut keyboard = Uinput::open("Ademan test", &BTreeSet::from([key("F12")])).unwrap();
-        keyboard.send(&[down(1, "F12"), up(2, "F12")]).unwrap();
-        keyboard.close().unwrap();
+        let needs = [
+            code("F12"),
+            code("PadSouth"),
+            Need::Move,
+            Need::Place,
+            Need::Scroll,
+            Need::Axis(Axis::LeftX),
+        ];
+        let mut devices = Uinput::open("Ademan test", &Needs::from_iter(needs)).unwrap();
+        let frame = [
+            down(1, "F12"),
+            event(1, Action::Axis(Axis::LeftX, 0.5)),
+            up(2, "F12"),
+        ];
+        devices.send(&frame).unwrap();
+        devices.close().unwrap();
     }
 }

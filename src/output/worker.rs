@@ -1,6 +1,7 @@
 //! The thread behind an output that may be slow: it follows orders, tries again, and lets go of
 //! everything at the end.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
 use std::thread;
 
@@ -8,20 +9,25 @@ use crossbeam_channel::Receiver;
 use enigo::Direction;
 
 use super::held::Held;
+use super::motion::Impulse;
 use super::{RETRIES, RETRY_PAUSE};
 use crate::device::KeyCode;
 
-/// Puts keys down and up; one end of a connection to a display, or a stand-in for it.
+/// Puts keys and buttons down and up, and does what leaves nothing down; one end of a connection to a display, or a stand-in for it.
 pub trait Injector {
     /// Puts `key` down or up; `Ok` only when the display has taken it.
     fn inject(&mut self, key: KeyCode, direction: Direction) -> Result<(), String>;
+
+    /// Does something that is over then.
+    fn perform(&mut self, impulse: Impulse) -> Result<(), String>;
 }
 
-/// What the loop wants of a key.
+/// What the loop wants.
 #[derive(Clone, Copy)]
-pub struct Order {
-    pub key: KeyCode,
-    pub direction: Direction,
+pub enum Order {
+    Press(KeyCode),
+    Release(KeyCode),
+    Once(Impulse),
 }
 
 /// What the thread has to say; each is said once.
@@ -50,7 +56,10 @@ impl<'a, C: Injector> Worker<'a, C> {
     /// Follows orders until there will be no more, then lets go of everything.
     pub fn work(mut self, queue: &Receiver<Order>, mut connect: impl FnMut() -> Result<C, String>) {
         for order in queue {
-            self.follow(order);
+            // What is down is to come up even when whatever leads to the display panics.
+            if catch_unwind(AssertUnwindSafe(|| self.follow(order))).is_err() {
+                self.fail("the connection to the display panicked");
+            }
         }
         self.release_all();
         if self.held.is_empty() {
@@ -67,16 +76,27 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
     }
 
-    fn follow(&mut self, Order { key, direction }: Order) {
-        if direction == Direction::Release {
-            return self.release(key);
+    fn follow(&mut self, order: Order) {
+        match order {
+            Order::Release(key) => self.release(key),
+            _ if self.report.failure.get().is_some() => {}
+            Order::Press(key) => {
+                // Noted first: a press that failed may have arrived all the same.
+                self.held.press(key);
+                self.inject(key, Direction::Press);
+            }
+            // Tried once: what failed may have arrived, and a second one would be one too many.
+            Order::Once(impulse) => {
+                if let Err(reason) = self.injector.perform(impulse) {
+                    self.fail(&reason);
+                }
+            }
         }
-        if self.report.failure.get().is_some() {
-            return;
-        }
-        // Noted first: a press that failed may have arrived all the same.
-        self.held.press(key);
-        self.inject(key, direction);
+    }
+
+    /// Tells of a failure; the first one counts.
+    fn fail(&self, reason: &str) {
+        let _ = self.report.failure.set(reason.into());
     }
 
     fn release(&mut self, key: KeyCode) {
@@ -107,7 +127,7 @@ impl<'a, C: Injector> Worker<'a, C> {
             outcome = self.injector.inject(key, direction);
         }
         if let Err(reason) = &outcome {
-            let _ = self.report.failure.set(reason.clone());
+            self.fail(reason);
         }
         outcome.is_ok()
     }

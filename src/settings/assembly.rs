@@ -5,6 +5,7 @@ use ron::ser::PrettyConfig;
 use super::{Hand, OtherHand, Setup, SetupError};
 use crate::capture::recording::{RecordedSetup, Replay};
 use crate::capture::{self, Both, LineSettings, Source, SourceName};
+use crate::device::Needs;
 use crate::estimate::{Estimator, EstimatorSettings};
 use crate::hand::Side;
 use crate::kinematics::ArmModel;
@@ -163,6 +164,15 @@ impl Assembly {
     pub fn profile_names(&self) -> impl Iterator<Item = &str> {
         let further = self.profiles.iter().map(|profile| profile.name.as_str());
         std::iter::once(MAIN).chain(further)
+    }
+
+    /// Everything that the layouts can ever send.
+    pub fn needs(&self) -> Needs {
+        let mut needs = Needs::default();
+        for layout in self.layouts() {
+            needs.extend(layout.needs().iter());
+        }
+        needs
     }
 
     /// The controls of a layout that is or takes the place of one of this setup's.

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use ademan::capture::{Capture, CaptureError, Source};
-use ademan::output::{Desktop, Tee, open};
+use ademan::output::{Desktop, Router, open};
 use ademan::runtime::drive;
 use ademan::settings::Setup;
 use ademan::time::Timestamp;
@@ -73,10 +73,10 @@ fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("transcript");
     let assembly = Setup::default().assemble().expect("the default setup");
-    let codes = assembly.layout.codes();
-    let mut sink = Tee::new(vec![
+    let needs = assembly.needs();
+    let mut sink = Router::new(vec![
         Box::new(Desktop::open(Some(server.display())).expect("the server is there")),
-        open(&format!("transcript:{}", path.display()), &codes).expect("a new file"),
+        open(&format!("transcript:{}", path.display()), &needs).expect("a new file"),
     ]);
     let hand = Hand::that_holds(&Press::of("h"), Duration::from_millis(1500));
     let mut pipeline = assembly.pipeline();

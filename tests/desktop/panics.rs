@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use ademan::capture::{Capture, CaptureError, Source};
 use ademan::device::keyboard::Keyboard;
-use ademan::device::{Out, Seen, VirtualDevice};
+use ademan::device::{Needs, Out, Seen, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::output::Desktop;
 use ademan::pipeline::{Arming, Controls, Pipeline};
@@ -51,6 +51,10 @@ impl Source for Fused<Hand> {
 }
 
 impl VirtualDevice for Fused<Keyboard> {
+    fn add_needs(&self, needs: &mut Needs) {
+        self.0.add_needs(needs);
+    }
+
     fn update(&mut self, seen: &Seen, out: &mut Out) {
         self.1.check();
         self.0.update(seen, out);

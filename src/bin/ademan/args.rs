@@ -68,7 +68,8 @@ pub struct DemoArgs {
     /// Bits per second on the simulated serial line
     #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
     pub baud: u32,
-    /// Where events go besides the screen: none, transcript, transcript:PATH, desktop or uinput
+    /// Where events go besides the screen: none, transcript, transcript:PATH, desktop or uinput, or
+    /// several of them, as in desktop,uinput
     #[arg(long, default_value = "none")]
     pub output: String,
     /// Noise on every channel of the glove, as a standard deviation in counts
@@ -103,7 +104,8 @@ pub struct RunArgs {
     pub setup: Option<String>,
     #[command(flatten)]
     pub parts: SetupArgs,
-    /// Where events go: transcript, transcript:PATH, desktop, uinput or none
+    /// Where events go: transcript, transcript:PATH, desktop, uinput or none, or several of them, as in
+    /// desktop,uinput: each kind of event goes to the first that can carry it, and all to transcripts
     #[arg(long)]
     pub output: Option<String>,
     /// Also record everything to this file (it will hold what you type)
@@ -208,7 +210,7 @@ pub struct ReplayArgs {
     /// The layout, instead of the recorded one
     #[arg(long)]
     pub layout: Option<String>,
-    /// Where events go; only by name do they reach the desktop
+    /// Where events go, as of `ademan run`; only by name do they reach the desktop
     #[arg(long, default_value = "transcript")]
     pub output: String,
     /// How many times as fast as it was; as fast as possible unless said

@@ -16,7 +16,7 @@ pub fn run(args: RecordArgs) -> Result<(), Failure> {
     let stop = signals::stop_requests()?;
     let source = assembly.open(&name)?;
     let mut recording = Recording::start(&args.file, &assembly, &*source, !source.is_live())?;
-    let mut nowhere = output::open("none", &assembly.layout.codes())?;
+    let mut nowhere = output::open("none", &assembly.needs())?;
     let mut status = Status::default();
     say!("recording to {}, Ctrl-C ends", args.file.display());
     let ended = drive(

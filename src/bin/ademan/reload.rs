@@ -1,11 +1,10 @@
 //! The layout of a run, replaced when its file is saved.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
 use ademan::control::Reporter;
-use ademan::device::KeyCode;
+use ademan::device::Needs;
 use ademan::layout::Layout;
 use ademan::output;
 use ademan::reload::{Report, Watcher};
@@ -17,8 +16,9 @@ use crate::failure::Failure;
 
 /// What a run cannot do with another layout.
 struct Limits {
-    /// The keys of an output that has no others.
-    keys: Option<BTreeSet<KeyCode>>,
+    output: String,
+    /// What the output was opened for.
+    opened: Needs,
     is_recorded: bool,
 }
 
@@ -30,10 +30,10 @@ pub fn watch(
     replacements: &Sender<Replacement>,
     reporter: Option<&Reporter>,
 ) -> Result<Vec<Watcher>, Failure> {
-    let has_fixed_keys = output::has_fixed_keys(&assembly.setup.output);
     let assembly = Arc::new(assembly.clone());
     let limits = Arc::new(Limits {
-        keys: has_fixed_keys.then(|| assembly.layout.codes()),
+        output: assembly.setup.output.clone(),
+        opened: assembly.needs(),
         is_recorded,
     });
     let is_file = |(_, layout): &(usize, &Layout)| Path::new(&layout.file).is_file();
@@ -66,14 +66,8 @@ impl Limits {
                 "{file}: not used, as a recording is of one layout; start again to use it"
             ));
         }
-        let codes = layout.codes();
-        let lacking = |keys: &BTreeSet<KeyCode>| codes.difference(keys).next().copied();
-        match self.keys.as_ref().and_then(lacking) {
-            Some(key) => Err(format!(
-                "{file}: not used, as the output was opened without the key `{key}`; start again to use it"
-            )),
-            None => Ok(()),
-        }
+        output::can_take(&self.output, &self.opened, &layout.needs())
+            .map_err(|reason| format!("{file}: not used, as {reason}"))
     }
 }
 
@@ -88,25 +82,27 @@ mod tests {
         Layout::parse(&text, "a.ron").unwrap()
     }
 
-    #[test]
-    fn an_output_with_fixed_keys_takes_layouts_with_no_others() {
-        let limits = Limits {
-            keys: Some(layout("A B C").codes()),
+    fn limits(output: &str) -> Limits {
+        Limits {
+            output: output.into(),
+            opened: layout("A B C").needs(),
             is_recorded: false,
-        };
+        }
+    }
+
+    #[test]
+    fn devices_of_the_kernel_take_layouts_that_need_no_more_than_they_have() {
+        let limits = limits("uinput");
         assert_eq!(limits.accept(&layout("C A")), Ok(()));
         assert_eq!(
             limits.accept(&layout("A Z")).unwrap_err(),
-            "a.ron: not used, as the output was opened without the key `Z`; start again to use it"
+            "a.ron: not used, as the output `uinput` was opened without `Z`; start again to use it"
         );
     }
 
     #[test]
-    fn an_output_without_fixed_keys_takes_every_layout_unless_it_is_recorded() {
-        let mut limits = Limits {
-            keys: None,
-            is_recorded: false,
-        };
+    fn a_desktop_takes_every_layout_of_keys_unless_it_is_recorded() {
+        let mut limits = limits("desktop");
         assert_eq!(limits.accept(&layout("Z")), Ok(()));
         limits.is_recorded = true;
         assert_eq!(

@@ -18,7 +18,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
         args.glove.as_deref(),
         args.layout.as_deref(),
     )?;
-    let mut sink = output::open(&args.output, &assembly.layout.codes())?;
+    let mut sink = output::open(&args.output, &assembly.needs())?;
     let stop = signals::stop_requests()?;
     let source: Box<dyn Source> = match args.speed {
         Some(speed) => Box::new(Paced::new(replay, speed)),

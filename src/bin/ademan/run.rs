@@ -36,7 +36,7 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let Some(source) = source else {
         return Ok(());
     };
-    let mut sink = output::open(&assembly.setup.output, &assembly.layout.codes())?;
+    let mut sink = output::open(&assembly.setup.output, &assembly.needs())?;
     let mut recording = match &args.record {
         Some(path) => Some(Recording::start(path, &assembly, &*source, false)?),
         None => None,

@@ -18,7 +18,7 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
     let name = setup::source_name(&setup)?;
     let assembly = setup.assemble()?;
     let source = assembly.open(&name)?;
-    let mut nowhere = output::open("none", &assembly.layout.codes())?;
+    let mut nowhere = output::open("none", &assembly.needs())?;
     let (stopper, stop) = signals::stopper()?;
     let mut lines = Lines {
         stage: args.stage,

@@ -1,6 +1,6 @@
 //! What a press does.
 
-use crate::device::{KeyCode, Request};
+use crate::device::{KeyCode, Need, Request};
 
 /// What pressing a key does, or switching on anything else that can be on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +19,17 @@ pub enum KeyAction {
     Clutch,
     /// Makes the pointer slow.
     Precision,
+}
+
+impl KeyAction {
+    /// What an output must be able to carry for it; `None` for what stays within the engine.
+    pub const fn need(self) -> Option<Need> {
+        match self {
+            Self::Key(code) | Self::Modifier(code, _) => Some(Need::Code(code)),
+            Self::Write(_) => Some(Need::Write),
+            Self::Layer(..) | Self::Ask(_) | Self::Clutch | Self::Precision => None,
+        }
+    }
 }
 
 /// The place of a text in the list of its [`Switchboard`](super::Switchboard).

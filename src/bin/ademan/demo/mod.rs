@@ -38,7 +38,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     let text = text::to_type(args.text.as_deref(), &assembly.layout)?;
     let typist = assembly.typist(&text, &line, args.noise, args.seed)?;
     let (stopper, asked) = signals::stopper()?;
-    let mut sink = output::open(&assembly.setup.output, &assembly.layout.codes())?;
+    let mut sink = output::open(&assembly.setup.output, &assembly.needs())?;
     let wire = open_wire(line)
         .map_err(|error| Failure::job(format!("cannot open a simulated serial line: {error}")))?;
     writeln!(
@@ -49,7 +49,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     )?;
     let source = capture::open(&wire.source)?;
     let (stop_sender, stop) = bounded(1);
-    let mut screen = match io::stdout().is_terminal() && args.output != "transcript" {
+    let mut screen = match io::stdout().is_terminal() && !output::is_on_stdout(&args.output) {
         true => Screen::open(&assembly.layout, &text, stopper),
         false => Screen::closed(&assembly.layout),
     };
