@@ -1,4 +1,4 @@
-//! Keys on a real X server, read by a program that knows nothing of this one.
+//! Keys, characters and a pointer on a real X server, seen by programs that know nothing of this one.
 
 mod support;
 
@@ -7,9 +7,11 @@ use std::thread;
 use ademan::device::{Action, KeyCode, OutputEvent};
 use ademan::output::{Desktop, OutputError, Sink};
 use ademan::time::Timestamp;
-use support::x11::{Typewriter, XServer, wait_for};
+use support::x11::{Field, Typewriter, XServer, wait_for};
 
 const NO_KEYS: [u16; 0] = [];
+
+const NO_BUTTONS: [u8; 0] = [];
 
 fn key(name: &str) -> KeyCode {
     name.parse().unwrap()
@@ -135,4 +137,104 @@ fn a_server_that_dies_is_an_error_and_not_a_hang() {
     let error = outcome.unwrap_err();
     assert!(matches!(error, OutputError::Send { .. }), "{error}");
     sink.close().unwrap_err();
+}
+
+#[test]
+fn characters_that_no_key_has_arrive_in_a_terminal() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let Some(typewriter) = Typewriter::start(&server) else {
+        return;
+    };
+    let text = "é ñß Łж€ aé!";
+    let mut sink = open(&server);
+    for character in text.chars() {
+        sink.send(&[event(Action::Write(character))]).unwrap();
+    }
+    sink.send(&[down("A"), up("A")]).unwrap();
+    sink.close().unwrap();
+    let expected = format!("{text}a");
+    assert_eq!(typewriter.typed(&expected), expected);
+    assert_eq!(server.keys_down(), NO_KEYS);
+}
+
+#[test]
+fn the_pointer_goes_by_ways_and_to_places() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut sink = open(&server);
+    let places = [
+        (Action::MoveTo(0.0, 0.0), (0, 0)),
+        (Action::MoveTo(1.0, 1.0), (799, 599)),
+        (Action::MoveTo(0.5, 0.25), (400, 150)),
+        (Action::MoveBy(-30, 7), (370, 157)),
+        (Action::MoveBy(i32::MAX, i32::MIN), (799, 0)),
+    ];
+    for (action, place) in places {
+        sink.send(&[event(action)]).unwrap();
+        assert!(
+            server.wait_for_pointer(place),
+            "{action:?}: {:?}",
+            server.pointer()
+        );
+    }
+}
+
+#[test]
+fn buttons_a_drag_and_the_wheel_arrive_in_order() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let field = Field::open(&server);
+    let mut sink = open(&server);
+    sink.send(&[
+        event(Action::MoveTo(0.0, 0.0)),
+        event(Action::MoveBy(20, 10)),
+    ])
+    .unwrap();
+    sink.send(&[
+        down("MouseLeft"),
+        event(Action::MoveBy(5, 5)),
+        up("MouseLeft"),
+    ])
+    .unwrap();
+    for button in ["MouseMiddle", "MouseRight", "MouseBack", "MouseForward"] {
+        sink.send(&[down(button), up(button)]).unwrap();
+    }
+    let turns = [(0, 120), (0, -60), (0, -60), (240, 0), (-120, 0)];
+    sink.send(&turns.map(|(x, y)| event(Action::Scroll(x, y))))
+        .unwrap();
+    sink.close().unwrap();
+    let heard: Vec<_> = field.heard("up 6 at 25,15");
+    let start = heard.iter().position(|line| line == "move to 20,10");
+    let clicks = [2, 3, 8, 9, 4, 5, 7, 7, 6];
+    let clicked =
+        clicks.map(|button| ["down", "up"].map(|what| format!("{what} {button} at 25,15")));
+    let dragged = ["down 1 at 20,10", "drag to 25,15", "up 1 at 25,15"].map(str::to_owned);
+    let expected: Vec<_> = dragged
+        .into_iter()
+        .chain(clicked.into_iter().flatten())
+        .collect();
+    assert_eq!(heard[start.expect("it moved there") + 1..], expected);
+}
+
+#[test]
+fn no_button_is_down_after_closing_nor_after_a_drop() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    for closes in [true, false] {
+        let mut sink = open(&server);
+        sink.send(&[down("MouseLeft"), down("MouseRight"), down("A")])
+            .unwrap();
+        assert!(wait_for(|| server.buttons_down() == [1, 3]));
+        if closes {
+            sink.close().unwrap();
+        }
+        drop(sink);
+        assert_eq!(server.buttons_down(), NO_BUTTONS);
+        assert_eq!(server.keys_down(), NO_KEYS);
+    }
 }

@@ -146,9 +146,3 @@ fn press_button(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputR
     };
     enigo.button(button, direction)
 }
-
-/// Presses the key in this place, whatever the keymap writes for it: X11 key codes, which Wayland
-/// shares.
-pub fn by_position(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputResult<()> {
-    enigo.raw(key.x11_code(), direction)
-}

@@ -270,12 +270,9 @@ fn open_uinput(_: &Needs) -> Result<Box<dyn Sink>, OutputError> {
 /// What a desktop is, by operating system.
 #[cfg(all(unix, not(target_os = "macos")))]
 mod platform {
-    use super::display;
     use crate::device::KeyCode;
-    use enigo::{Enigo, NewConError, Settings};
+    use enigo::{Direction, Enigo, InputResult, Keyboard, NewConError, Settings};
     use std::{env, thread, time::Duration};
-
-    pub use display::by_position as inject;
 
     /// A compositor drops keys that come before it has seen the new keyboard.
     const WAYLAND_SETTLES: Duration = Duration::from_millis(200);
@@ -298,6 +295,12 @@ mod platform {
             }
         }
         Enigo::new(&settings)
+    }
+
+    /// Presses the key in this place, whatever the keymap writes for it: X11 key codes, which Wayland
+    /// shares.
+    pub fn inject(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputResult<()> {
+        enigo.raw(key.x11_code(), direction)
     }
 
     pub fn has(_: KeyCode) -> bool {

@@ -1,4 +1,5 @@
-//! An X server of the test's own, a program that takes keys, and somebody who watches the keyboard.
+//! An X server of the test's own, a program that takes keys, a window that takes what a mouse does, and
+//! somebody who watches keyboard and pointer.
 
 use std::fs;
 use std::io::{BufRead, BufReader, ErrorKind};
@@ -9,7 +10,11 @@ use std::time::{Duration, Instant};
 
 use tempfile::TempDir;
 use x11rb::connection::Connection;
-use x11rb::protocol::xproto::{ConnectionExt, InputFocus, MapState, Window};
+use x11rb::protocol::Event;
+use x11rb::protocol::xproto::{
+    ButtonPressEvent, ConnectionExt, CreateWindowAux, EventMask, InputFocus, KeyButMask, MapState,
+    QueryPointerReply, Window, WindowClass,
+};
 use x11rb::rust_connection::RustConnection;
 
 use super::process::Process;
@@ -91,6 +96,31 @@ impl XServer {
         wait_for(|| self.keys_down() == codes)
     }
 
+    /// Where the pointer is, in pixels from the left and from the top.
+    pub fn pointer(&self) -> (i16, i16) {
+        let reply = self.query_pointer();
+        (reply.root_x, reply.root_y)
+    }
+
+    /// Waits until the pointer is there; whether it came.
+    pub fn wait_for_pointer(&self, place: (i16, i16)) -> bool {
+        wait_for(|| self.pointer() == place)
+    }
+
+    /// Which of the buttons left (1), middle (2) and right (3) are down, as the server sees it.
+    pub fn buttons_down(&self) -> Vec<u8> {
+        let mask = u16::from(self.query_pointer().mask);
+        let is_down = |button: &u8| mask & (u16::from(KeyButMask::BUTTON1) << (button - 1)) != 0;
+        (1..=3).filter(is_down).collect()
+    }
+
+    fn query_pointer(&self) -> QueryPointerReply {
+        let root = self.watcher.setup().roots[0].root;
+        let reply = self.watcher.query_pointer(root);
+        let reply = reply.expect("the server is there").reply();
+        reply.expect("the server answers")
+    }
+
     /// Ends the server as a crash would.
     pub fn kill(&mut self) {
         self.process.0.kill().expect("it runs");
@@ -121,6 +151,73 @@ impl XServer {
     }
 }
 
+/// A window over the whole screen that hears what a mouse does.
+pub struct Field {
+    connection: RustConnection,
+}
+
+impl Field {
+    /// Opens one on the server.
+    pub fn open(server: &XServer) -> Self {
+        let (connection, screen) = x11rb::connect(Some(server.display())).expect("it answers");
+        let root = &connection.setup().roots[screen];
+        let window = connection.generate_id().expect("a number for it");
+        let heard = EventMask::BUTTON_PRESS | EventMask::BUTTON_RELEASE | EventMask::POINTER_MOTION;
+        let (width, height) = (root.width_in_pixels, root.height_in_pixels);
+        let settings = CreateWindowAux::new()
+            .override_redirect(1)
+            .event_mask(heard);
+        connection
+            .create_window(
+                x11rb::COPY_DEPTH_FROM_PARENT,
+                window,
+                root.root,
+                0,
+                0,
+                width,
+                height,
+                0,
+                WindowClass::INPUT_OUTPUT,
+                x11rb::COPY_FROM_PARENT,
+                &settings,
+            )
+            .expect("the server is there");
+        connection.map_window(window).expect("the server is there");
+        connection.flush().expect("the server is there");
+        assert!(wait_for(|| server.is_seen(window)), "the window is seen");
+        Self { connection }
+    }
+
+    /// What it has heard since it was last asked, once it has heard `last` or no more comes: `down 1 at 3,4`, `up 1 at 3,4`, `move to 3,4` and, with the left button down, `drag to 3,4`.
+    pub fn heard(&self, last: &str) -> Vec<String> {
+        let mut heard = Vec::new();
+        wait_for(|| {
+            while let Some(event) = self.connection.poll_for_event().expect("it is there") {
+                heard.extend(line(&event));
+            }
+            heard.last().is_some_and(|line| line == last)
+        });
+        heard
+    }
+}
+
+fn line(event: &Event) -> Option<String> {
+    let button = |what: &str, event: &ButtonPressEvent| {
+        let (x, y) = (event.event_x, event.event_y);
+        Some(format!("{what} {} at {x},{y}", event.detail))
+    };
+    match event {
+        Event::ButtonPress(event) => button("down", event),
+        Event::ButtonRelease(event) => button("up", event),
+        Event::MotionNotify(event) => {
+            let is_drag = event.state.contains(KeyButMask::BUTTON1);
+            let what = if is_drag { "drag" } else { "move" };
+            Some(format!("{what} to {},{}", event.event_x, event.event_y))
+        }
+        _ => None,
+    }
+}
+
 /// An `xterm` that has the focus and writes the bytes that are typed into a file.
 pub struct Typewriter {
     folder: TempDir,
@@ -134,8 +231,9 @@ impl Typewriter {
         let script = "stty -icanon -echo; exec cat > typed";
         let mut command = Command::new("xterm");
         command
-            .args(["-e", "sh", "-c", script])
+            .args(["-u8", "-e", "sh", "-c", script])
             .env("DISPLAY", server.display())
+            .env("LC_ALL", "C.UTF-8")
             .current_dir(folder.path())
             .stderr(Stdio::null());
         let process = match Process::start(&mut command) {

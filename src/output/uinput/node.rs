@@ -26,7 +26,7 @@ const EVENT_BYTES: usize = size_of::<InputEvent>();
 
 /// Takes frames of events.
 pub trait Node: Send {
-    /// Delivers the events of one frame, at most [`FRAME`], and what ends a frame, in one go.
+    /// Delivers the events of one frame, at most 320, and what ends a frame, in one go.
     fn emit(&mut self, events: &[InputEvent]) -> io::Result<()>;
 }
 
