@@ -142,13 +142,8 @@ pub const NAMES: [&str; 4] = ["transcript", "desktop", "uinput", "none"];
 /// hear everything, and count as carrying it only where there are none but transcripts. When something
 /// that is needed cannot be carried, nothing is opened.
 pub fn open(names: &str, needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+    check(names, needs)?;
     let (parts, reaches) = parts(names)?;
-    if let Some(reason) = reach::refusal(&parts, &reaches, needs) {
-        return Err(OutputError::Open {
-            output: names.into(),
-            reason,
-        });
-    }
     let open_share = |(place, name): (usize, &&str)| {
         let needs = reach::share(&reaches, place, needs);
         open_one(name, &needs)
@@ -162,6 +157,18 @@ pub fn open(names: &str, needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
         1 => sinks.remove(0),
         _ => Box::new(Router::new(sinks)),
     })
+}
+
+/// Whether [`open`] would find an output for all that is needed; nothing is opened.
+pub fn check(names: &str, needs: &Needs) -> Result<(), OutputError> {
+    let (parts, reaches) = parts(names)?;
+    match reach::refusal(&parts, &reaches, needs) {
+        None => Ok(()),
+        Some(reason) => Err(OutputError::Open {
+            output: names.into(),
+            reason,
+        }),
+    }
 }
 
 /// Whether outputs that were opened for a layout that needs `opened` take one that needs `needs`; if

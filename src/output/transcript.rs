@@ -1,8 +1,9 @@
 //! Events as lines of text.
 //!
 //! One line per event: the time in milliseconds with three decimals, right-aligned to 12 places,
-//! then what happened. Keys and buttons have the names of [`KeyCode`](crate::device::KeyCode), targets those of the layout (its
-//! number where a target has none). Depths and values have three decimals, places on the screen four.
+//! then what happened. Keys and buttons have the names of [`KeyCode`](crate::device::KeyCode), targets
+//! those of the layout (its number where a target has none). Depths and values have three decimals,
+//! places on the screen four.
 //!
 //! ```text
 //!     1234.567 down Q

@@ -17,6 +17,26 @@ fn refused(line: &str, words: &[&str]) {
 }
 
 #[test]
+fn an_output_that_lacks_what_the_layout_needs_is_refused_before_the_glove_is_looked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    let board =
+        "[(place: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"A PadSouth MouseLeft\")])]";
+    let layout = format!("Layout(name: \"pad\", boards: {board})");
+    let layout = file(&folder, "pad.ron", layout);
+    let run = format!("run --wait --source serial:/dev/nope --layout {layout} --output");
+    let reason = "`desktop` has no gamepad, and the layout needs `PadSouth`";
+    refused(
+        &format!("{run} desktop"),
+        &[reason, "add the output `uinput`: `desktop,uinput`"],
+    );
+    refused(&format!("{run} transcript,desktop"), &[reason]);
+    refused(
+        &format!("{run} none,desktop,none,desktp"),
+        &["did you mean `desktop`?"],
+    );
+}
+
+#[test]
 fn every_wrong_source_is_refused_with_what_to_do() {
     let cases: [(&str, &[&str]); 15] = [
         ("run", &["no source is given", "--source", "typist:hello"]),

@@ -18,6 +18,8 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     setup.armed |= args.armed;
     let name = setup::source_name(&setup)?;
     let assembly = setup.assemble()?;
+    let needs = assembly.needs();
+    output::check(&assembly.setup.output, &needs)?;
     let (stopper, stop) = signals::stopper()?;
     let (calls, called) = runtime::calls();
     let mut control = control::open(args.control.as_deref())?;
@@ -36,7 +38,7 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let Some(source) = source else {
         return Ok(());
     };
-    let mut sink = output::open(&assembly.setup.output, &assembly.needs())?;
+    let mut sink = output::open(&assembly.setup.output, &needs)?;
     let mut recording = match &args.record {
         Some(path) => Some(Recording::start(path, &assembly, &*source, false)?),
         None => None,
