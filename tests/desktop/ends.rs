@@ -2,7 +2,7 @@
 
 use std::io::Write;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{Framing, encode};
 use tempfile::TempDir;
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 use crate::glove::Glove;
 use crate::press::{Press, code};
 use crate::program::Program;
-use crate::support::x11::XServer;
+use crate::support::x11::{XServer, wait_for, wait_up_to};
 use crate::{SOON, hold, released_after};
 
 /// The program with a glove whose wearer holds Shift and H down.
@@ -188,4 +188,44 @@ fn a_display_that_died_ends_it_with_an_error_at_the_next_key() {
     typing
         .program
         .wait_until_it_says("error: the output `desktop` failed", 1);
+}
+
+/// The default layout with the left mouse button in the place of H.
+fn layout_with_a_button() -> (TempDir, PathBuf) {
+    let (folder, path) = new_file("button.ron");
+    let board = include_str!("../../layouts/keyboards/qwerty-flat.ron");
+    let with_button = board.replace(" G H J ", " G MouseLeft J ");
+    assert_ne!(board, with_button);
+    std::fs::write(&path, with_button).expect("room on the disk");
+    (folder, path)
+}
+
+#[test]
+fn no_button_is_down_after_the_system_asked_it_to_end() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let (folder, layout) = layout_with_a_button();
+    let port = folder.path().join("glove");
+    let press = Press::of("h");
+    let glove = Glove::plug_in(&port, press.off());
+    let (source, layout) = (format!("serial:{}", port.display()), layout.display());
+    let outputs = format!("transcript:{}/record,desktop", folder.path().display());
+    let layout = layout.to_string();
+    let arguments = [
+        "run", "--output", &outputs, "--source", &source, "--layout", &layout,
+    ];
+    let mut program = Program::start(&server, arguments);
+    program.wait_until_it_says("armed", 1);
+    let is_held = || {
+        glove.play(&press.approach);
+        wait_up_to(Duration::from_secs(5), || server.buttons_down() == [1])
+    };
+    assert!(wait_for(is_held), "{:#?}", program.said());
+    program.signal(&["TERM"]);
+    assert_eq!(program.status().code(), Some(0));
+    assert_eq!(server.buttons_down(), [0; 0]);
+    let record = std::fs::read_to_string(folder.path().join("record")).expect("a transcript");
+    let events: Vec<_> = record.lines().map(|line| &line[13..]).collect();
+    assert_eq!(events.last(), Some(&"up   MouseLeft"), "{events:?}");
 }
