@@ -23,7 +23,7 @@ fn an_output_that_lacks_what_the_layout_needs_is_refused_before_the_glove_is_loo
         "[(place: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"A PadSouth MouseLeft\")])]";
     let layout = format!("Layout(name: \"pad\", boards: {board})");
     let layout = file(&folder, "pad.ron", layout);
-    let run = format!("run --wait --source serial:/dev/nope --layout {layout} --output");
+    let run = format!("run --source serial:/dev/nope --layout {layout} --output");
     let reason = "`desktop` has no gamepad, and the layout needs `PadSouth`";
     refused(
         &format!("{run} desktop"),

@@ -168,8 +168,7 @@ fn pad(needs: &Needs) -> Option<Declared> {
     Some(pad)
 }
 
-/// The kernel's axis of a gamepad, with its ends (`Documentation/input/gamepad.rst`: triggers on Z
-/// and RZ are those of drivers before it, which games know).
+/// The kernel's axis of a gamepad, with its ends: where its driver `xpad` has them, which games know.
 pub fn range(axis: Axis) -> Range {
     let stick = |code| (code, -STICK - 1, STICK);
     let trigger = |code| (code, 0, TRIGGER);
