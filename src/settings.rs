@@ -1,6 +1,7 @@
 //! The setup: source, glove, hand, layout and output, as a file names them and as they are used.
 
 mod assembly;
+mod simulated;
 
 pub use assembly::{Assembly, Profile, Worn, controls};
 

@@ -53,7 +53,7 @@ fn run(asker: impl FnOnce(Calls) + Send + 'static, mut observe: impl FnMut(&Snap
         readings: 0,
         most: 10,
     };
-    let mut nowhere = output::open("none", &assembly.layout.codes()).expect("nowhere");
+    let mut nowhere = output::open("none", &assembly.needs()).expect("nowhere");
     let (end, stop) = bounded(1);
     let (sender, called) = calls();
     let commands = Commands {

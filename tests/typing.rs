@@ -5,7 +5,7 @@ use std::num::NonZeroU32;
 use ademan::capture::{Capture, LineSettings, Source};
 use ademan::contact::{Phase, TargetId};
 use ademan::device::Events;
-use ademan::lab::{Tap, Typist, TypistSettings, UsKeymap};
+use ademan::lab::{Order, Typist, TypistSettings, UsKeymap};
 use ademan::layout::Layout;
 use ademan::settings::{Assembly, Hand, Setup, SmoothingChoice};
 
@@ -98,10 +98,9 @@ fn every_key_of_every_shipped_keyboard_can_be_tapped_and_no_other_key_is_hit() {
     for (name, layout) in Layout::shipped().expect("shipped layouts are right") {
         let assembly = assembly(name);
         // There and back, so that every key is reached from more than one side.
-        let keys = layout.keys.iter().map(|key| Tap {
-            target: key.front.target,
-        });
-        let taps: Vec<Tap> = keys.clone().chain(keys.rev()).collect();
+        let keys = layout.keys.iter().map(|key| key.front.target);
+        let wanted: Vec<TargetId> = keys.clone().chain(keys.rev()).collect();
+        let taps: Vec<Order> = wanted.iter().copied().map(Order::tap).collect();
         let settings = TypistSettings {
             name: name.into(),
             frame_period: line(115_200).frame_period(),
@@ -119,7 +118,6 @@ fn every_key_of_every_shipped_keyboard_can_be_tapped_and_no_other_key_is_hit() {
             &assembly,
             hand.unwrap_or_else(|error| panic!("{name}: {error}")),
         );
-        let wanted: Vec<TargetId> = taps.iter().map(|tap| tap.target).collect();
         assert_eq!(pressed, wanted, "{name}");
     }
 }

@@ -65,7 +65,7 @@ use tcp::TcpConnector;
 
 /// Opens a source whose bytes come over a line: `serial:`, `tcp:` or `file:`.
 ///
-/// Recordings and the typist are made by modules of their own; their names are refused.
+/// Recordings and the simulated hand are made by modules of their own; their names are refused.
 pub fn open(name: &SourceName) -> Result<Box<dyn Source>, CaptureError> {
     let text = name.to_string();
     match name {
@@ -81,11 +81,13 @@ pub fn open(name: &SourceName) -> Result<Box<dyn Source>, CaptureError> {
             let connector = FileConnector::new(path);
             Ok(Box::new(LineSource::open(text, *line, connector)?))
         }
-        SourceName::Recording { .. } | SourceName::Typist { .. } => Err(CaptureError::Name {
-            text,
-            reason: "it is not a line of bytes; use a `serial:`, `tcp:` or `file:` source"
-                .to_owned(),
-        }),
+        SourceName::Recording { .. } | SourceName::Typist { .. } | SourceName::Script { .. } => {
+            Err(CaptureError::Name {
+                text,
+                reason: "it is not a line of bytes; use a `serial:`, `tcp:` or `file:` source"
+                    .to_owned(),
+            })
+        }
     }
 }
 

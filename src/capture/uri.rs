@@ -21,13 +21,14 @@ use crate::names::{UnknownName, named_enum, nearest};
 /// | `file:PATH[?OPTIONS]` | the raw bytes of a line, in a file |
 /// | `recording:PATH` | a recording made by this program |
 /// | `typist:TEXT` | a simulated hand that types the text |
+/// | `script:FILE` | a simulated hand that plays a script, in a file or as it stands |
 ///
 /// Options are `key=value` pairs joined by `&`: `protocol` (`hc11`, the default), `framing` (`double06`, the
 /// default, or `hash`) and `baud` (bits per second, from 1; 115200 unless said otherwise).
 ///
 /// They start at the last `?` after which everything reads as such pairs; any other `?` belongs to the path. A file whose
-/// name ends like options is named by adding an option: `file:what?a=b?protocol=hc11`. What follows `recording:`
-/// and `typist:` is taken as it stands.
+/// name ends like options is named by adding an option: `file:what?a=b?protocol=hc11`. What follows `recording:`,
+/// `typist:` and `script:` is taken as it stands.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum SourceName {
@@ -62,6 +63,11 @@ pub enum SourceName {
         /// What it types.
         text: String,
     },
+    /// A simulated hand that plays a script.
+    Script {
+        /// The file with the script, or the script itself.
+        script: String,
+    },
 }
 
 /// What is spoken on a line of bytes.
@@ -85,7 +91,7 @@ named_enum! {
     }
 }
 
-const SCHEMES: [&str; 5] = ["serial", "tcp", "file", "recording", "typist"];
+const SCHEMES: [&str; 6] = ["serial", "tcp", "file", "recording", "typist", "script"];
 
 named_enum! {
     enum Key ("option") {
@@ -187,6 +193,9 @@ fn parse(text: &str) -> Result<SourceName, String> {
         }
         "recording" => Ok(SourceName::Recording { path: rest.into() }),
         "typist" => Ok(SourceName::Typist { text: rest.into() }),
+        "script" => Ok(SourceName::Script {
+            script: rest.into(),
+        }),
         unknown => Err(UnknownName::new("kind of source", unknown, SCHEMES).to_string()),
     }
 }
@@ -257,6 +266,7 @@ impl fmt::Display for SourceName {
             Self::File { path, line } => write!(f, "file:{}{line}", path.display()),
             Self::Recording { path } => write!(f, "recording:{}", path.display()),
             Self::Typist { text } => write!(f, "typist:{text}"),
+            Self::Script { script } => write!(f, "script:{script}"),
         }
     }
 }
@@ -345,6 +355,12 @@ mod tests {
                 "typist:really? a=b & c: d",
                 SourceName::Typist {
                     text: "really? a=b & c: d".into(),
+                },
+            ),
+            (
+                "script:tap Q; wait 5",
+                SourceName::Script {
+                    script: "tap Q; wait 5".into(),
                 },
             ),
         ];

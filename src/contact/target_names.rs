@@ -27,6 +27,17 @@ impl TargetNames {
         Self(names.into_iter().collect())
     }
 
+    /// The target that is called so.
+    pub fn find(&self, name: &str) -> Option<TargetId> {
+        let place = self.0.iter().position(|other| other == name)?;
+        Some(TargetId(place as u32))
+    }
+
+    /// The names, in the order of the targets.
+    pub fn iter(&self) -> impl Iterator<Item = &str> {
+        self.0.iter().map(String::as_str)
+    }
+
     /// What a target is called.
     pub fn of(&self, target: TargetId) -> TargetName<'_> {
         match self.0.get(target.0 as usize) {

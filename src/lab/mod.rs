@@ -1,15 +1,22 @@
 //! Simulated people who play the devices, and scores of what came out.
 
+mod movement;
+mod order;
 mod plan;
+mod planner;
 mod player;
 mod receiver;
 mod score;
+mod script;
 mod typing_hand;
 mod typist;
 
-pub use plan::{PlanError, Tap, taps};
+pub use order::{Order, Spot};
+pub use plan::{PlanError, taps};
+pub use planner::{Reason, Refusal};
 pub use player::{Played, play};
 pub use receiver::UsKeymap;
 pub use score::{TypingScore, error_rate, words_per_minute};
+pub use script::Script;
 pub use typing_hand::{KeyStroke, TypingHand};
 pub use typist::{Typist, TypistError, TypistSettings};

@@ -1,15 +1,9 @@
 //! Which keys have to be tapped, one after the other, so that a text comes out.
 
+use super::order::Order;
 use crate::contact::TargetId;
 use crate::device::keyboard::KeyBinding;
 use crate::device::{KeyAction, KeyCode, Latch};
-
-/// One tap of one key.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Tap {
-    /// The key.
-    pub target: TargetId,
-}
 
 /// Why a text cannot be typed with one finger on a layout.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,7 +28,12 @@ pub enum PlanError {
 
 /// The taps that type `text` on these keys for a receiver with a US keymap, one finger at a time:
 /// Shift and layers go by their one-shot keys.
-pub fn taps(text: &str, keys: &[KeyBinding]) -> Result<Vec<Tap>, PlanError> {
+pub fn taps(text: &str, keys: &[KeyBinding]) -> Result<Vec<Order>, PlanError> {
+    let taps = targets(text, keys)?;
+    Ok(taps.into_iter().map(Order::tap).collect())
+}
+
+fn targets(text: &str, keys: &[KeyBinding]) -> Result<Vec<TargetId>, PlanError> {
     let mut taps = Vec::new();
     for character in text.chars() {
         let ways = KeyCode::for_us_character(character);
@@ -57,7 +56,7 @@ fn why_not(character: char, keys: &[KeyBinding]) -> PlanError {
 }
 
 /// The taps for a key, with a one-shot Shift before it where that goes with it.
-fn way_to(code: KeyCode, shifted: bool, keys: &[KeyBinding]) -> Option<Vec<Tap>> {
+fn way_to(code: KeyCode, shifted: bool, keys: &[KeyBinding]) -> Option<Vec<TargetId>> {
     let mut way = match shifted {
         true => vec![tapped(keys, is_one_shot_shift)?],
         false => Vec::new(),
@@ -67,7 +66,7 @@ fn way_to(code: KeyCode, shifted: bool, keys: &[KeyBinding]) -> Option<Vec<Tap>>
 }
 
 /// The taps that press `code`: its key, or the key of a layer that has it and then its key there.
-fn way_without_shift(code: KeyCode, keys: &[KeyBinding]) -> Option<Vec<Tap>> {
+fn way_without_shift(code: KeyCode, keys: &[KeyBinding]) -> Option<Vec<TargetId>> {
     if let Some(tap) = tapped(keys, |action| action == KeyAction::Key(code)) {
         return Some(vec![tap]);
     }
@@ -79,15 +78,15 @@ fn way_without_shift(code: KeyCode, keys: &[KeyBinding]) -> Option<Vec<Tap>> {
         let key = keys
             .iter()
             .find(|key| key.actions.get(layer) == Some(&Some(KeyAction::Key(code))))?;
-        Some(vec![to_layer, Tap { target: key.target }])
+        Some(vec![to_layer, key.target])
     })
 }
 
 /// The first key whose action in the base layer is wanted.
-fn tapped(keys: &[KeyBinding], wanted: impl Fn(KeyAction) -> bool) -> Option<Tap> {
+fn tapped(keys: &[KeyBinding], wanted: impl Fn(KeyAction) -> bool) -> Option<TargetId> {
     keys.iter()
         .find(|key| key.actions.first().copied().flatten().is_some_and(&wanted))
-        .map(|key| Tap { target: key.target })
+        .map(|key| key.target)
 }
 
 fn is_one_shot_shift(action: KeyAction) -> bool {
@@ -132,22 +131,20 @@ mod tests {
         ]
     }
 
-    fn targets(text: &str) -> Result<Vec<u32>, PlanError> {
-        Ok(taps(text, &board())?
-            .iter()
-            .map(|tap| tap.target.0)
-            .collect())
+    fn numbers(text: &str) -> Result<Vec<u32>, PlanError> {
+        let taps = targets(text, &board())?;
+        Ok(taps.iter().map(|target| target.0).collect())
     }
 
     #[test]
     fn capitals_go_by_shift_and_what_is_in_a_layer_by_its_key() {
-        assert_eq!(targets("qQ1!"), Ok(vec![0, 1, 0, 2, 0, 1, 2, 0]));
+        assert_eq!(numbers("qQ1!"), Ok(vec![0, 1, 0, 2, 0, 1, 2, 0]));
     }
 
     #[test]
     fn what_cannot_be_typed_is_named() {
-        assert_eq!(targets("é"), Err(PlanError::NotOnAnyKeyboard('é')));
-        let missing = targets("w").unwrap_err().to_string();
+        assert_eq!(numbers("é"), Err(PlanError::NotOnAnyKeyboard('é')));
+        let missing = numbers("w").unwrap_err().to_string();
         assert!(
             missing.contains("'w'") && missing.contains("key W"),
             "{missing}"

@@ -7,10 +7,8 @@ use crate::capture::recording::{RecordedSetup, Replay};
 use crate::capture::{self, Both, LineSettings, Source, SourceName};
 use crate::device::Needs;
 use crate::estimate::{Estimator, EstimatorSettings};
-use crate::hand::Side;
 use crate::kinematics::ArmModel;
-use crate::lab::{self, TypingHand, Typist, TypistError, TypistSettings};
-use crate::layout::{Document, Glove, Key, Layout, LayoutError};
+use crate::layout::{Document, Glove, Layout, LayoutError};
 use crate::names::UnknownName;
 use crate::pipeline::{Arming, Controls, Pipeline};
 
@@ -220,65 +218,6 @@ impl Assembly {
         }
     }
 
-    /// A simulated hand that types `text` on this layout with this glove, at the pace of `line`.
-    pub fn typist(
-        &self,
-        text: &str,
-        line: &LineSettings,
-        noise_counts: f64,
-        seed: u64,
-    ) -> Result<Typist, SetupError> {
-        let settings = TypistSettings {
-            name: format!("typist:{text}"),
-            frame_period: line.frame_period(),
-            noise_counts,
-            seed,
-        };
-        let taps = lab::taps(text, &self.layout.keyboard_bindings());
-        let taps = taps.map_err(TypistError::from)?;
-        let (scene, arm, map) = (&self.layout.scene, &self.arm, &self.glove.map);
-        Typist::new(&settings, &taps, scene, arm, map).map_err(|error| self.named(error))
-    }
-
-    /// An error of the typist, with the key's name instead of its number.
-    fn named(&self, error: TypistError) -> SetupError {
-        match error {
-            TypistError::OutOfReach { key, metres } => SetupError::Value(format!(
-                "cannot type on {}: key `{}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make it smaller",
-                self.layout.file,
-                self.layout.key_of(key).map_or("?", |key| &key.front.name),
-                metres * 1e3,
-            )),
-            error => error.into(),
-        }
-    }
-
-    /// The keys that the simulated hand cannot press, and how far beyond its reach each is, in metres.
-    pub fn out_of_reach(&self) -> Vec<(&Key, f64)> {
-        let scene = &self.layout.scene;
-        let sides = [self.glove.side, self.glove.side.other()];
-        let hands = sides.map(|side| self.typing_hand(side));
-        let out_of_reach = |target| {
-            let ways = hands.iter().map(|hand| hand.stroke(scene, target));
-            ways.map(Result::err)
-                .reduce(|one, other| Some(one?.min(other?)))?
-        };
-        let keys = self.layout.keys.iter();
-        keys.filter_map(|key| Some((key, out_of_reach(key.front.target)?)))
-            .collect()
-    }
-
-    /// The simulated hand of a side: with the glove of this setup where there is one for it, else in a
-    /// mirror.
-    fn typing_hand(&self, side: Side) -> TypingHand {
-        match &self.other {
-            Some(other) if other.glove.side == side => {
-                TypingHand::new(&other.arm, &other.glove.map)
-            }
-            _ => TypingHand::new(&self.arm.clone().for_side(side), &self.glove.map),
-        }
-    }
-
     /// Opens a source, and that of the other hand where the setup names one.
     pub fn open(&self, source: &SourceName) -> Result<Box<dyn Source>, SetupError> {
         let first = self.open_one(source)?;
@@ -297,6 +236,12 @@ impl Assembly {
             SourceName::Recording { path } => Ok(Box::new(Replay::open(path)?)),
             SourceName::Typist { text } => Ok(Box::new(self.typist(
                 text,
+                &LineSettings::default(),
+                0.0,
+                0,
+            )?)),
+            SourceName::Script { script } => Ok(Box::new(self.scripted(
+                script,
                 &LineSettings::default(),
                 0.0,
                 0,

@@ -1,0 +1,118 @@
+//! The simulated hand of a setup: what it types and plays, and what it cannot reach.
+
+use super::{Assembly, SetupError};
+use crate::capture::LineSettings;
+use crate::hand::Side;
+use crate::lab::{
+    self, Order, Reason, Refusal, Script, TypingHand, Typist, TypistError, TypistSettings,
+};
+use crate::layout::Key;
+
+impl Assembly {
+    /// A simulated hand that types `text` on this layout with this glove, at the pace of `line`.
+    pub fn typist(
+        &self,
+        text: &str,
+        line: &LineSettings,
+        noise_counts: f64,
+        seed: u64,
+    ) -> Result<Typist, SetupError> {
+        let orders = lab::taps(text, &self.layout.keyboard_bindings());
+        let orders = orders.map_err(TypistError::from)?;
+        let settings = TypistSettings {
+            name: format!("typist:{text}"),
+            frame_period: line.frame_period(),
+            noise_counts,
+            seed,
+        };
+        self.hand_that_plays(&orders, &settings)
+            .map_err(|error| match self.told(&error) {
+                Some(message) => SetupError::Value(format!(
+                    "cannot type on {}: key {message}; move the board nearer or make it smaller",
+                    self.layout.file,
+                )),
+                None => error.into(),
+            })
+    }
+
+    /// A simulated hand that plays a script, in a file or as it stands, on this layout with this glove,
+    /// at the pace of `line`.
+    pub fn scripted(
+        &self,
+        path_or_text: &str,
+        line: &LineSettings,
+        noise_counts: f64,
+        seed: u64,
+    ) -> Result<Typist, SetupError> {
+        let script = Script::open(path_or_text, &self.layout.target_names())?;
+        let settings = TypistSettings {
+            name: format!("script:{}", script.file()),
+            frame_period: line.frame_period(),
+            noise_counts,
+            seed,
+        };
+        self.hand_that_plays(script.orders(), &settings)
+            .map_err(|error| match &error {
+                TypistError::Refused(refusal) => {
+                    let message = self.told(&error).unwrap_or_else(|| error.to_string());
+                    script.error(refusal.order, message).into()
+                }
+                TypistError::Plan(_) => error.into(),
+            })
+    }
+
+    fn hand_that_plays(
+        &self,
+        orders: &[Order],
+        settings: &TypistSettings,
+    ) -> Result<Typist, TypistError> {
+        let (scene, arm, map) = (&self.layout.scene, &self.arm, &self.glove.map);
+        Typist::new(settings, orders, scene, arm, map)
+    }
+
+    /// What a person reads of an error about a target: its name instead of its number.
+    fn told(&self, error: &TypistError) -> Option<String> {
+        let TypistError::Refused(Refusal {
+            reason:
+                Reason::OutOfReach {
+                    target: Some(target),
+                    metres,
+                },
+            ..
+        }) = error
+        else {
+            return None;
+        };
+        Some(format!(
+            "`{}` is {:.0} mm out of reach of the simulated hand",
+            self.layout.target_names().of(*target),
+            metres * 1e3,
+        ))
+    }
+
+    /// The keys that the simulated hand cannot press, and how far beyond its reach each is, in metres.
+    pub fn out_of_reach(&self) -> Vec<(&Key, f64)> {
+        let scene = &self.layout.scene;
+        let sides = [self.glove.side, self.glove.side.other()];
+        let hands = sides.map(|side| self.typing_hand(side));
+        let out_of_reach = |target| {
+            let ways = hands.iter().map(|hand| hand.stroke(scene, target));
+            ways.map(Result::err)
+                .reduce(|one, other| Some(one?.min(other?)))?
+        };
+        let keys = self.layout.keys.iter();
+        keys.filter_map(|key| Some((key, out_of_reach(key.front.target)?)))
+            .collect()
+    }
+
+    /// The simulated hand of a side: with the glove of this setup where there is one for it, else in a
+    /// mirror.
+    fn typing_hand(&self, side: Side) -> TypingHand {
+        match &self.other {
+            Some(other) if other.glove.side == side => {
+                TypingHand::new(&other.arm, &other.glove.map)
+            }
+            _ => TypingHand::new(&self.arm.clone().for_side(side), &self.glove.map),
+        }
+    }
+}
