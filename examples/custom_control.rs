@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use ademan::contact::{Phase, TargetId};
-use ademan::device::{Action, Out, Seen, VirtualDevice};
+use ademan::device::{Action, Needs, Out, Seen, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::output;
 use ademan::pipeline::{Arming, Controls, Pipeline};
@@ -25,6 +25,9 @@ struct DrumPad {
 }
 
 impl VirtualDevice for DrumPad {
+    /// What all outputs are told needs no output that can carry it.
+    fn add_needs(&self, _: &mut Needs) {}
+
     fn update(&mut self, seen: &Seen, out: &mut Out) {
         for touch in seen.touches {
             match touch.phase {

@@ -49,7 +49,8 @@ impl Wearer {
         let hand = TypingHand::new(arm, map);
         let stroke = hand.stroke(&layout.scene, target).expect("within reach");
         let tip = if is_down { stroke.bottom } else { stroke.hover };
-        let values = hand.reach(tip, &hand.rest()).values;
+        let mut values = hand.rest();
+        hand.reach(tip, &mut values, &[]);
         let angles = hand.angles(&values);
         channels(map, |dof| angles.get(dof))
     }

@@ -6,6 +6,7 @@ mod plan;
 mod planner;
 mod player;
 mod receiver;
+mod refusal;
 mod score;
 mod script;
 mod typing_hand;
@@ -13,9 +14,9 @@ mod typist;
 
 pub use order::{Order, Spot};
 pub use plan::{PlanError, taps};
-pub use planner::{Reason, Refusal};
 pub use player::{Played, play};
 pub use receiver::UsKeymap;
+pub use refusal::{Reason, Refusal};
 pub use score::{TypingScore, error_rate, words_per_minute};
 pub use script::Script;
 pub use typing_hand::{KeyStroke, TypingHand};

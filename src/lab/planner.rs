@@ -6,6 +6,7 @@ use parry3d::math::Vec3;
 
 use super::movement::{Motion, Movement, Path};
 use super::order::{Order, Spot};
+use super::refusal::{Reason, Refusal};
 use super::typing_hand::{Front, PINCH_ERROR, REACH_ERROR, TypingHand};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
@@ -24,69 +25,6 @@ const SPEED: f64 = 0.25;
 const LEAST_RADIUS: f32 = 0.001;
 /// A way around is looked at this often, in radians, for places that are out of reach.
 const LOOK: f32 = 0.25;
-
-/// An order that cannot be carried out.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("{reason}")]
-pub struct Refusal {
-    /// The place of the order in the list.
-    pub order: usize,
-    /// What is the matter.
-    pub reason: Reason,
-}
-
-/// Why an order cannot be carried out.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Reason {
-    /// A target, or a place in space, is too far away.
-    #[error("{} is {:.0} mm out of reach of the simulated hand", thing(.target), .metres * 1e3)]
-    OutOfReach {
-        /// The target, where there is one.
-        target: Option<TargetId>,
-        /// How far the fingertip stays away, in metres.
-        metres: f64,
-    },
-    /// Only a fingertip that is down can do this.
-    #[error("the fingertip is not down: put a `press` or a `push` before it")]
-    NotDown,
-    /// A way around the middle, from the middle.
-    #[error(
-        "the fingertip is in the middle that it would go around: press beside it, as in `press NAME 10 0`"
-    )]
-    InTheMiddle,
-    /// An angle that the glove has no sensor for.
-    #[error("the glove has no sensor for `{}`{}", .0.text, instead(.0))]
-    NoSensor(UnknownName),
-    /// An angle that the joint or its sensor does not get to.
-    #[error("`{dof}` goes from {low:.0}° to {high:.0}° with this glove, not to {wanted:.0}°")]
-    Angle {
-        /// The angle.
-        dof: Dof,
-        /// What was wanted, in degrees.
-        wanted: f64,
-        /// The least that can be had, in degrees.
-        low: f64,
-        /// The most that can be had, in degrees.
-        high: f64,
-    },
-    /// Thumb and index finger do not meet.
-    #[error("thumb and index finger stay {:.0} mm apart in this posture", .0 * 1e3)]
-    NoPinch(f64),
-}
-
-fn thing(target: &Option<TargetId>) -> String {
-    match target {
-        Some(TargetId(number)) => format!("target {number}"),
-        None => "this place".to_owned(),
-    }
-}
-
-fn instead(name: &UnknownName) -> String {
-    match &name.nearest {
-        Some(name) => format!(", did you mean `{name}`?"),
-        None => String::new(),
-    }
-}
 
 /// What a hand does, and the posture that it begins in.
 pub(super) struct Plan {

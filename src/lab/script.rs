@@ -331,6 +331,15 @@ mod tests {
     }
 
     #[test]
+    fn the_page_about_scripts_has_every_order() {
+        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scripts.md");
+        let page = std::fs::read_to_string(page).expect("the page is there");
+        for form in FORMS {
+            assert!(page.contains(&format!("| `{form}` |")), "{form}");
+        }
+    }
+
+    #[test]
     fn orders_are_read_in_the_units_of_people() {
         let (q, up) = (TargetId(0), TargetId(1));
         let spot = Spot {

@@ -246,8 +246,8 @@ impl TypingHand {
     /// The value of the channel at `place` that shows `radians`, or the range of angles that it can show.
     pub(super) fn value(&self, place: usize, dof: Dof, radians: f64) -> Result<f64, (f64, f64)> {
         let control = &self.controls[place];
-        let lines = control.moves.iter().filter(|(moved, _)| *moved == dof);
-        let Some((_, line)) = lines.last() else {
+        let mut lines = control.moves.iter().rev();
+        let Some((_, line)) = lines.find(|(moved, _)| *moved == dof) else {
             return Err((0.0, 0.0));
         };
         let ends = (line.angle(control.range.0), line.angle(control.range.1));

@@ -7,7 +7,8 @@ use arrayvec::ArrayVec;
 use super::movement::{Motion, Movement};
 use super::order::Order;
 use super::plan::PlanError;
-use super::planner::{self, Refusal};
+use super::planner;
+use super::refusal::Refusal;
 use super::typing_hand::TypingHand;
 use crate::capture::{
     Capture, CaptureError, Channels, Counts, MAX_CHANNELS, Reading, Sample, Source,

@@ -126,8 +126,9 @@ impl<W: Write + Send> Drop for Transcript<W> {
     }
 }
 
-/// One event as its line, without the line end.
-struct Line<'a>(&'a OutputEvent, &'a TargetNames);
+/// One event as its line, without the line end; targets have these names.
+#[derive(Clone, Copy, Debug)]
+pub struct Line<'a>(pub &'a OutputEvent, pub &'a TargetNames);
 
 impl fmt::Display for Line<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

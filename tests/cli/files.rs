@@ -136,6 +136,46 @@ fn the_demo_finds_a_text_for_a_board_of_digits() {
 }
 
 #[test]
+fn the_demo_plays_a_script_and_says_what_went_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = file(
+        &folder,
+        "two keys.txt",
+        "press Numpad1; wait 50\ntap Numpad5 # up and down\n",
+    );
+    let ended = run(["demo", "--layout", "numpad", "--script", &script]).done();
+    let events: Vec<&str> = ended
+        .out
+        .lines()
+        .filter(|line| line.starts_with(' '))
+        .map(|line| &line[13..])
+        .collect();
+    let keys = [
+        "down Numpad1",
+        "up   Numpad1",
+        "down Numpad5",
+        "up   Numpad5",
+    ];
+    assert_eq!(events, keys, "{}", ended.out);
+    for word in ["plays ", "played     4 events", "0 lost", "p99"] {
+        assert!(ended.out.contains(word), "{}", ended.out);
+    }
+}
+
+#[test]
+fn a_script_is_a_source_like_a_typist() {
+    let source = "script:tap ArrowLeft; tap ArrowUp";
+    let ended = run(["trace", "touches", "--layout", "arrows", "--source", source]).done();
+    let pressed = ended
+        .out
+        .lines()
+        .filter(|line| line.contains("\"pressed\""));
+    let pressed: Vec<&str> = pressed.collect();
+    assert_eq!(pressed.len(), 2, "{}", ended.out);
+    assert!(pressed[0].contains("ArrowLeft") && pressed[1].contains("ArrowUp"));
+}
+
+#[test]
 fn the_example_of_a_setup_says_what_is_so_without_it() {
     use ademan::settings::Setup;
     let example = Setup::load(&root("examples/setup.ron")).unwrap();

@@ -38,7 +38,7 @@ fn an_output_that_lacks_what_the_layout_needs_is_refused_before_the_glove_is_loo
 
 #[test]
 fn every_wrong_source_is_refused_with_what_to_do() {
-    let cases: [(&str, &[&str]); 15] = [
+    let cases: [(&str, &[&str]); 17] = [
         ("run", &["no source is given", "--source", "typist:hello"]),
         ("trace readings", &["no source is given"]),
         ("run --source foo", &["starts with one of", "`serial:`"]),
@@ -75,6 +75,14 @@ fn every_wrong_source_is_refused_with_what_to_do() {
             &["cannot open recording:/nope"],
         ),
         ("run --source typist:é", &["cannot type 'é'"]),
+        (
+            "run --source script:tap;tap",
+            &["script:1:1: NAME is missing after this", "`tap NAME [X Y]`"],
+        ),
+        (
+            "run --source script:no.txt",
+            &["no.txt: there is no such file"],
+        ),
     ];
     for (line, words) in cases {
         refused(line, words);
@@ -138,7 +146,7 @@ fn every_wrong_name_is_answered_with_the_right_ones() {
 
 #[test]
 fn the_demo_types_only_what_can_be_typed() {
-    let cases: [(&str, &[&str]); 6] = [
+    let cases: [(&str, &[&str]); 9] = [
         ("demo --text é", &["cannot type 'é'", "US keymap"]),
         (
             "demo --text x --layout numpad",
@@ -151,6 +159,12 @@ fn the_demo_types_only_what_can_be_typed() {
         ("demo --baud 0", &["1200"]),
         ("demo --noise -1", &["0 to 50 counts"]),
         ("demo --text=", &["nothing to type"]),
+        ("demo --text a --script lift", &["cannot be used with"]),
+        ("demo --script tap;Q", &["script:1:1: ", "tap;Q\n", "^^^"]),
+        (
+            "demo --layout arrows --script tap\tQ",
+            &["script:1:5: unknown target `Q`"],
+        ),
     ];
     for (line, words) in cases {
         refused(line, words);

@@ -22,7 +22,7 @@ pub struct Args {
 
 #[derive(Subcommand)]
 pub enum Command {
-    /// Watch a simulated hand type, through the whole way from glove bytes to text
+    /// Watch a simulated hand type or play a script, through the whole way from glove bytes to text
     Demo(DemoArgs),
     /// Type with a glove
     Run(RunArgs),
@@ -56,12 +56,15 @@ pub enum Command {
 
 #[derive(ClapArgs)]
 #[command(
-    after_help = "Examples:\n  ademan demo\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  sleep 3; ademan demo --output desktop     (types into the window that has the focus by then)"
+    after_help = "Examples:\n  ademan demo\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --layout arrows --script 'push ArrowUp 0.6; wait 500; lift; tap ArrowLeft'\n  sleep 3; ademan demo --output desktop     (types into the window that has the focus by then)"
 )]
 pub struct DemoArgs {
     /// What to type: characters of a US keyboard; a text that goes with the layout unless said
     #[arg(long)]
     pub text: Option<String>,
+    /// Play this script instead: a file, or orders such as 'press Q; wait 300; lift' (docs/scripts.md)
+    #[arg(long, value_name = "FILE_OR_TEXT", conflicts_with = "text")]
+    pub script: Option<String>,
     /// The layout: a shipped name (see `ademan layout list`) or a file
     #[arg(long, default_value = "qwerty-flat")]
     pub layout: String,
@@ -83,8 +86,8 @@ pub struct DemoArgs {
 /// Flags that override a setup file.
 #[derive(Clone, ClapArgs)]
 pub struct SetupArgs {
-    /// Where readings come from: serial:PORT, tcp:HOST:PORT, file:PATH, recording:PATH or
-    /// typist:TEXT; lines take ?protocol=hc11&framing=double06&baud=115200
+    /// Where readings come from: serial:PORT, tcp:HOST:PORT, file:PATH, recording:PATH,
+    /// typist:TEXT or script:FILE; lines take ?protocol=hc11&framing=double06&baud=115200
     #[arg(long)]
     pub source: Option<SourceName>,
     /// The glove: a shipped name or a file

@@ -19,12 +19,14 @@ const TEXT_ROWS: u16 = 5;
 pub struct Stage {
     pub layout: Layout,
     pub grids: Vec<Grid>,
-    pub presented: String,
+    /// What the hand is to do, in one line.
+    pub task: String,
 }
 
 /// What one picture shows.
 pub struct Picture {
-    pub typed: String,
+    /// What came out of it so far, in one line.
+    pub outcome: String,
     pub state: State,
     pub pressed: Vec<TargetId>,
     pub fingertips: Vec<OverBoard>,
@@ -51,7 +53,7 @@ impl Stage {
             .then_some((columns, rows + TITLE_ROWS + TEXT_ROWS));
         self.draw_title(frame, picture, cut);
         self.draw_boards(frame.buffer_mut(), board, picture);
-        self.draw_text(frame, text.intersection(window), &picture.typed);
+        self.draw_text(frame, text.intersection(window), &picture.outcome);
     }
 
     /// Columns and rows that all boards take.
@@ -103,10 +105,10 @@ impl Stage {
         }
     }
 
-    fn draw_text(&self, frame: &mut Frame, area: Rect, typed: &str) {
+    fn draw_text(&self, frame: &mut Frame, area: Rect, outcome: &str) {
         let lines = vec![
-            Line::from(format!("to type  {:?}", self.presented)).dim(),
-            Line::from(format!("typed    {typed:?}")).bold(),
+            Line::from(self.task.as_str()).dim(),
+            Line::from(outcome).bold(),
             Line::from("○ fingertip  ● inside a key  lit: down  Ctrl-C ends").dim(),
         ];
         let block = Block::bordered().border_type(BorderType::Rounded);
@@ -169,12 +171,12 @@ mod tests {
         let layout = Layout::load("qwerty-flat").unwrap();
         let stage = Stage {
             grids: layout.grids(),
-            presented: "to be typed".into(),
+            task: "to type  \"to be typed\"".into(),
             layout,
         };
         let down = stage.layout.key("W").unwrap();
         let picture = Picture {
-            typed: "to be".into(),
+            outcome: "typed    \"to be\"".into(),
             state: State::Running,
             pressed: vec![down.front.target],
             fingertips: vec![OverBoard {

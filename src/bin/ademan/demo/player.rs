@@ -15,7 +15,7 @@ pub struct Player {
 }
 
 impl Player {
-    /// Plays all that the typist has to type, and then sends to `over`; so it does when asked to stop.
+    /// Plays all that the hand has to do, and then sends to `over`; so it does when asked to stop.
     pub fn start(
         typist: Typist,
         mut writer: Box<dyn Write + Send>,

@@ -1,4 +1,4 @@
-//! The terminal while the demo types: pictures go out, Ctrl-C comes in.
+//! The terminal while the demo plays: pictures go out, Ctrl-C comes in.
 
 use std::io;
 use std::thread::JoinHandle;
@@ -33,7 +33,7 @@ impl Screen {
     /// Takes over the terminal; what is typed there goes nowhere, but for Ctrl-C, which asks `stopper`.
     ///
     /// A terminal that cannot be taken over shows nothing.
-    pub fn open(layout: &Layout, presented: &str, stopper: Stopper) -> Self {
+    pub fn open(layout: &Layout, task: String, stopper: Stopper) -> Self {
         let mut screen = Self::closed(layout);
         let terminal = match ratatui::try_init() {
             Ok(terminal) => terminal,
@@ -49,7 +49,7 @@ impl Screen {
             stage: Stage {
                 grids: layout.grids(),
                 layout: layout.clone(),
-                presented: presented.to_owned(),
+                task,
             },
             stopper,
         };
@@ -70,7 +70,7 @@ impl Screen {
     }
 
     /// Shows a frame; never waits: a picture that the terminal has no time for is left out.
-    pub fn show(&mut self, frame: &Snapshot, typed: &str) {
+    pub fn show(&mut self, frame: &Snapshot, outcome: impl FnOnce() -> String) {
         let Some(pictures) = &self.pictures else {
             return;
         };
@@ -91,7 +91,7 @@ impl Screen {
         }
         self.last = pose.time;
         let picture = Picture {
-            typed: typed.to_owned(),
+            outcome: outcome(),
             state: frame.state,
             pressed: self.pressed.clone(),
             fingertips: self.layout.over_boards(pose),
