@@ -87,14 +87,17 @@ impl Motion {
             let from = self.values[place];
             values[place] = from + (to - from) * f64::from(share);
         }
-        let distance = match &self.movement.path {
-            Some(path) => hand.reach(path.at(self.tip, share), values, &self.held),
-            None => 0.0,
+        let Some(path) = &self.movement.path else {
+            if self.movement.is_pinched {
+                hand.follow(values);
+            }
+            return 0.0;
         };
-        if self.movement.is_pinched {
-            hand.follow(values);
+        let tip = path.at(self.tip, share);
+        match self.movement.is_pinched {
+            true => hand.reach_pinched(tip, values, &self.held),
+            false => hand.reach(tip, values, &self.held),
         }
-        distance
     }
 }
 

@@ -7,7 +7,7 @@ use parry3d::math::Vec3;
 use super::movement::{Motion, Movement, Path};
 use super::order::{Order, Spot};
 use super::refusal::{Reason, Refusal};
-use super::typing_hand::{Front, PINCH_ERROR, REACH_ERROR, TypingHand};
+use super::typing_hand::{Front, PINCH_GAP, REACH_ERROR, TypingHand};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::hand::{Dof, Finger};
@@ -55,7 +55,7 @@ pub(super) fn plan(
     planner.begin(orders);
     let start = planner.values.clone();
     for (number, order) in orders.iter().enumerate() {
-        let done = planner.order(order);
+        let done = planner.order(order).and_then(|()| planner.check_pinch());
         done.map_err(|reason| Refusal {
             order: number,
             reason,
@@ -319,12 +319,9 @@ impl Planner<'_> {
             return Ok(());
         }
         let mut values = self.values.clone();
-        let distance = match self.place {
+        match self.place {
             Place::Down(_) => self.hand.follow(&mut values),
             Place::Off | Place::Anywhere => self.hand.pinch(&mut values),
-        };
-        if distance > PINCH_ERROR {
-            return Err(Reason::NoPinch(distance));
         }
         let places = 0..values.len();
         let changed: Vec<usize> = places
@@ -340,6 +337,15 @@ impl Planner<'_> {
         self.turn_in_place(turns, time, moves_tip)?;
         self.is_pinched = true;
         Ok(())
+    }
+
+    /// Whether thumb and index finger are together, where they should be.
+    fn check_pinch(&self) -> Result<(), Reason> {
+        let gap = self.hand.gap(&self.values);
+        match self.is_pinched && gap > PINCH_GAP {
+            true => Err(Reason::NoPinch(gap)),
+            false => Ok(()),
+        }
     }
 
     fn unpinch(&mut self, time: Duration) -> Result<(), Reason> {
@@ -407,7 +413,12 @@ impl Planner<'_> {
         };
         let motion = Motion::begin(movement.clone(), &mut self.hand, &self.values);
         self.movements.push(movement);
-        self.walk(&motion, looks(path))
+        // Which thumb follows depends on the whole way.
+        let looks = match self.is_pinched {
+            true => motion.frames(),
+            false => looks(path),
+        };
+        self.walk(&motion, looks)
     }
 
     /// Looks at a movement in so many steps, and frame by frame if one of them is out of reach: a long

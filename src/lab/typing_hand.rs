@@ -23,10 +23,10 @@ pub(super) const REACH_ERROR: f64 = 0.003;
 /// From the middle of one fingertip to the middle of the other in a pinch, in metres: pads of 5 mm
 /// that give way a little.
 const PINCHED: f32 = 0.008;
-/// How far from that it may be, in metres.
-pub(super) const PINCH_ERROR: f64 = 0.004;
+/// Further apart than this, in metres, two fingertips do not pinch.
+pub(super) const PINCH_GAP: f64 = 0.012;
 /// How many times thumb and index finger go towards each other before the pinch is given up.
-const PINCH_ROUNDS: usize = 8;
+const PINCH_ROUNDS: usize = 60;
 
 /// The angles that bring the index fingertip to its place.
 const REACHING: [Dof; 5] = [
@@ -156,6 +156,18 @@ impl TypingHand {
         self.bring(FINGER, places, tip, values)
     }
 
+    /// As [`reach`](Self::reach), with the thumb at the index finger, which moves as little as it can.
+    pub(super) fn reach_pinched(&self, tip: Vec3, values: &mut [f64], held: &[usize]) -> f64 {
+        let meeting = self.places_of(&MEETING);
+        let stiff: Vec<usize> = meeting.chain(held.iter().copied()).collect();
+        let mut distance = self.reach(tip, values, &stiff);
+        if distance > REACH_ERROR / 3.0 {
+            distance = self.reach(tip, values, held);
+        }
+        self.follow(values);
+        distance
+    }
+
     /// Whether pointing moves the channel at `place`.
     pub(super) fn reaches_with(&self, place: usize) -> bool {
         self.places_of(&REACHING).any(|other| other == place)
@@ -167,29 +179,49 @@ impl TypingHand {
     }
 
     /// Brings the tips of thumb and index finger together: the thumb goes to the index finger, which
-    /// meets it as far as it has to. Returns how far from a pinch that stays, in metres.
-    pub(super) fn pinch(&self, values: &mut [f64]) -> f64 {
-        let mut distance = self.follow(values);
-        for _ in 0..PINCH_ROUNDS {
-            if distance < PINCH_ERROR / 2.0 {
-                break;
-            }
-            let Some(goal) = self.beside(Finger::Thumb, FINGER, values) else {
-                return f64::INFINITY;
-            };
-            self.bring(FINGER, self.places_of(&MEETING), goal, values);
-            distance = self.follow(values);
+    /// meets it as far as it has to.
+    pub(super) fn pinch(&self, values: &mut [f64]) {
+        self.close(values);
+        if self.gap(values) < PINCH_GAP {
+            return;
         }
-        distance
+        // Two straight fingers can be stuck beside each other; half bent ones are not.
+        for place in self.places_of(&OPPOSING).chain(self.places_of(&MEETING)) {
+            let (low, high) = self.controls[place].range;
+            values[place] = low.midpoint(high);
+        }
+        self.close(values);
     }
 
-    /// Brings the thumb's tip to that of the index finger, which stays. Returns how far from a pinch
-    /// that stays, in metres.
-    pub(super) fn follow(&self, values: &mut [f64]) -> f64 {
-        let Some(goal) = self.beside(FINGER, Finger::Thumb, values) else {
-            return f64::INFINITY;
-        };
-        self.bring(Finger::Thumb, self.places_of(&OPPOSING), goal, values)
+    fn close(&self, values: &mut [f64]) {
+        self.follow(values);
+        for _ in 0..PINCH_ROUNDS {
+            let Some(goal) = self.beside(Finger::Thumb, FINGER, values) else {
+                return;
+            };
+            if self.gap(values) < PINCH_GAP - 0.002 {
+                return;
+            }
+            self.bring(FINGER, self.places_of(&MEETING), goal, values);
+            self.follow(values);
+        }
+    }
+
+    /// Brings the thumb's tip to that of the index finger, which stays.
+    pub(super) fn follow(&self, values: &mut [f64]) {
+        if let Some(goal) = self.beside(FINGER, Finger::Thumb, values) {
+            self.bring(Finger::Thumb, self.places_of(&OPPOSING), goal, values);
+        }
+    }
+
+    /// From the tip of the thumb to that of the index finger, in metres; infinite where the arm lacks
+    /// one of them.
+    pub(super) fn gap(&self, values: &[f64]) -> f64 {
+        let pose = self.pose(values);
+        let tips = pose.fingertip(Finger::Thumb).zip(pose.fingertip(FINGER));
+        tips.map_or(f64::INFINITY, |(thumb, index)| {
+            f64::from(thumb.distance(index))
+        })
     }
 
     /// Where the tip of `other` is when it touches that of `finger` from the side that it is on.
