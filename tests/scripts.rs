@@ -62,7 +62,11 @@ fn keys(layout: &str, script: &str) -> Vec<String> {
 /// Where the pad of the index finger is in the frame of a key, in each pose, in metres.
 fn on_key(assembly: &Assembly, name: &str, poses: &[HandPose]) -> Vec<Vec3> {
     let key = assembly.layout.key(name).expect("the layout has it");
-    let (surface, target) = assembly.layout.scene.target(key.target).expect("a target");
+    let (surface, target) = assembly
+        .layout
+        .scene
+        .target(key.front.target)
+        .expect("a target");
     let pad = |pose: &HandPose| {
         let world_from_surface = surface.world_from_surface(pose).expect("an elbow");
         let world_from_target = world_from_surface * target.surface_from_target;
