@@ -169,7 +169,10 @@ impl Pipeline {
     /// Ends a pause: from now on the hand has to be seen off all controls before anything is pressed
     /// again, also where the first reading would have armed. Without a pause it does nothing.
     pub fn resume(&mut self) {
-        self.is_paused = false;
+        if std::mem::take(&mut self.is_paused) {
+            // What the controls were played with in the pause went nowhere.
+            self.profiles[self.profile].release_all(self.time, &mut Events::new());
+        }
     }
 
     /// Whether a pause was asked for and has not been ended.
@@ -351,8 +354,6 @@ impl Pipeline {
         let is_end = |event: &OutputEvent| event.action == Action::Ask(Request::Pause);
         if unheard.iter().any(is_end) {
             self.resume();
-            unheard.clear();
-            self.profiles[self.profile].release_all(self.time, &mut unheard);
         }
     }
 }

@@ -117,7 +117,7 @@ fn a_state_names_the_layout_and_accounts_for_every_reading() {
     assert_eq!(state["state"], "running");
     assert_eq!(state["paused"], false);
     assert_eq!(state["layout"], "my.ron");
-    assert_eq!(state["profile"], "QWERTY, 19 mm");
+    assert_eq!(state["profile"], "main");
     let tally = &state["tally"];
     let count = |value: &Value| value.as_u64().expect("it is a count");
     let rejected = tally["rejected"].as_object().expect("by reason");
@@ -133,7 +133,7 @@ fn a_state_names_the_layout_and_accounts_for_every_reading() {
     let (code, out, _) = ctl(&run, &["state"]);
     assert_eq!(code, 0);
     assert!(
-        out.starts_with("state      running\nprofile    QWERTY, 19 mm\nlayout     my.ron\n"),
+        out.starts_with("state      running\nprofile    main\nlayout     my.ron\n"),
         "{out}"
     );
 }
@@ -216,8 +216,8 @@ fn what_no_run_can_do_yet_says_so() {
         (code, err.as_str()),
         (1, "error: `tilt` is not there yet\n")
     );
-    let (code, _, err) = ctl(&run, &["profile", "QWERTY, 91 mm"]);
-    let expected = "error: unknown profile `QWERTY, 91 mm`, did you mean `QWERTY, 19 mm`?\n";
+    let (code, _, err) = ctl(&run, &["profile", "mian"]);
+    let expected = "error: unknown profile `mian`, did you mean `main`?\n";
     assert_eq!((code, err.as_str()), (1, expected));
 }
 

@@ -307,3 +307,23 @@ fn a_setup_with_two_hands_and_profiles_comes_back_out_of_a_recording() {
         Some(&glove.text)
     );
 }
+
+#[test]
+fn a_key_pauses_and_the_same_key_ends_that_and_nothing_of_the_pause_is_left() {
+    let keys = r#"(code: "A", at_mm: (-20, 0)), (does: Pause, name: "pause", at_mm: (0, 0)),
+        (code: "ShiftLeft", latch: OneShot, at_mm: (20, 0))"#;
+    let (_folder, setup) = setup_of(keys, OTHER);
+    let mut wearer = Wearer::of(setup);
+    wearer.go(Side::Right, "A", false);
+    wearer.stay(400);
+    wearer.tap(Side::Right, "pause");
+    assert_eq!(wearer.pipeline.state(), State::Paused);
+    wearer.tap(Side::Right, "ShiftLeft");
+    wearer.tap(Side::Right, "A");
+    assert_eq!(wearer.said(), "Pause", "nothing goes out");
+    wearer.tap(Side::Right, "pause");
+    wearer.stay(400);
+    assert_eq!(wearer.pipeline.state(), State::Running);
+    wearer.tap(Side::Right, "A");
+    assert_eq!(wearer.said(), "+A -A", "without the Shift of the pause");
+}
