@@ -5,9 +5,10 @@ use std::num::NonZeroU32;
 use ademan::capture::{Capture, LineSettings, Source};
 use ademan::contact::{Phase, TargetId};
 use ademan::device::Events;
+use ademan::hand::Side;
 use ademan::lab::{Order, Typist, TypistSettings, UsKeymap};
 use ademan::layout::Layout;
-use ademan::settings::{Assembly, Hand, Setup, SmoothingChoice};
+use ademan::settings::{Assembly, Hand, OtherHand, Setup, SmoothingChoice};
 
 const ALL_OF_ASCII: &str = "The quick brown fox, jumps over\nthe lazy dog! 0123456789\n\
     @#$%^&*()-_=+[]{}\\|;:'\"/?.,<>`~\tend";
@@ -27,6 +28,15 @@ fn with(layout: &str, smoothing: SmoothingChoice) -> Assembly {
     let setup = Setup {
         layout: layout.into(),
         smoothing,
+        ..Setup::default()
+    };
+    setup.assemble().expect("a shipped layout")
+}
+
+fn assembly_for_two_hands(layout: &str) -> Assembly {
+    let setup = Setup {
+        layout: layout.into(),
+        other_hand: Some(OtherHand::default()),
         ..Setup::default()
     };
     setup.assemble().expect("a shipped layout")
@@ -94,9 +104,21 @@ fn every_character_of_ascii_comes_out_on_the_arcs_with_their_layer() {
 }
 
 #[test]
+fn two_hands_type_every_character_of_ascii_on_their_halves() {
+    for layout in ["qwerty-two-flat", "qwerty-two-arc"] {
+        let assembly = assembly_for_two_hands(layout);
+        let typed = type_text(&assembly, ALL_OF_ASCII, 115_200, 0.0);
+        assert_eq!(typed, ALL_OF_ASCII, "{layout}");
+    }
+}
+
+#[test]
 fn every_key_of_every_shipped_keyboard_can_be_tapped_and_no_other_key_is_hit() {
     for (name, layout) in Layout::shipped().expect("shipped layouts are right") {
-        let assembly = assembly(name);
+        let assembly = match layout.is_there_for(Side::Left) {
+            true => assembly_for_two_hands(name),
+            false => assembly(name),
+        };
         // There and back, so that every key is reached from more than one side.
         let keys = layout.keys.iter().map(|key| key.front.target);
         let wanted: Vec<TargetId> = keys.clone().chain(keys.rev()).collect();
@@ -107,13 +129,14 @@ fn every_key_of_every_shipped_keyboard_can_be_tapped_and_no_other_key_is_hit() {
             noise_counts: 0.0,
             seed: 0,
         };
-        let hand = Typist::new(
-            &settings,
-            &taps,
-            &layout.scene,
-            &assembly.arm,
-            &assembly.glove.map,
+        let mut hands = vec![(&assembly.arm, &assembly.glove.map)];
+        hands.extend(
+            assembly
+                .other
+                .iter()
+                .map(|other| (&other.arm, &other.glove.map)),
         );
+        let hand = Typist::with_hands(&settings, &taps, &layout.scene, &hands);
         let (_, pressed) = play(
             &assembly,
             hand.unwrap_or_else(|error| panic!("{name}: {error}")),

@@ -88,6 +88,11 @@ impl Surface {
         ))
     }
 
+    /// The hand that it is there for, where it is not there for either.
+    pub fn side(&self) -> Option<Side> {
+        self.side
+    }
+
     /// The targets, each with its id.
     pub fn targets(&self) -> impl Iterator<Item = (TargetId, &Target)> {
         let first = self.first;

@@ -1,6 +1,7 @@
 //! Simulated people who play the devices, and scores of what came out.
 
 mod movement;
+mod one_hand;
 mod order;
 mod plan;
 mod planner;
@@ -12,6 +13,7 @@ mod script;
 mod typing_hand;
 mod typist;
 
+pub use one_hand::GloveCounts;
 pub use order::{Order, Spot};
 pub use plan::{PlanError, taps};
 pub use player::{Played, play};

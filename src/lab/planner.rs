@@ -31,6 +31,8 @@ pub(super) struct Plan {
     pub(super) hand: TypingHand,
     pub(super) start: Vec<f64>,
     pub(super) movements: Vec<Movement>,
+    /// How many movements there are up to the end of each order; the first is the show at the start.
+    pub(super) ends: Vec<usize>,
 }
 
 /// Plans orders for a hand over the targets of a scene, shown in frames that are `period` apart.
@@ -54,18 +56,21 @@ pub(super) fn plan(
     };
     planner.begin(orders);
     let start = planner.values.clone();
+    let mut ends = Vec::with_capacity(orders.len());
     for (number, order) in orders.iter().enumerate() {
         let done = planner.order(order).and_then(|()| planner.check_pinch());
         done.map_err(|reason| Refusal {
             order: number,
             reason,
         })?;
+        ends.push(planner.movements.len());
     }
     planner.end();
     Ok(Plan {
         hand,
         start,
         movements: planner.movements,
+        ends,
     })
 }
 

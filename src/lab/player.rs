@@ -1,40 +1,36 @@
-//! The simulated glove at the far end of a line, at the line's real pace.
+//! The simulated gloves at the far ends of their lines, at the lines' real pace.
 
 use std::io::{Result, Write};
 use std::time::Instant;
 
 use crossbeam_channel::{Receiver, at, select};
 
-use super::Typist;
+use super::{GloveCounts, Typist};
 use crate::capture::LineSettings;
 use crate::capture::hc11::{BODY_BYTES, encode};
 
 /// What was played.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Played {
-    /// Frames sent.
+    /// Frames sent on each line.
     pub frames: u64,
     /// Whether it was told to end early.
     pub is_interrupted: bool,
 }
 
-/// Writes the packets of a typist to a line until all is typed, or something comes in on `stop`.
+/// Writes the packets of a typist to a line for each hand until all is typed, or something comes in on
+/// `stop`.
 ///
 /// Each packet goes out when its last byte would have left the converter box at the line's baud.
 pub fn play(
     mut typist: Typist,
-    writer: &mut dyn Write,
+    writers: &mut [Box<dyn Write + Send>],
     line: LineSettings,
     stop: &Receiver<()>,
 ) -> Result<Played> {
     let start = Instant::now();
     let mut played = Played::default();
-    while let Some(counts) = typist.next_counts() {
-        let mut body = [0; BODY_BYTES];
-        for (byte, count) in body.iter_mut().zip(counts) {
-            // The converters of this glove have eight bits.
-            *byte = count.min(255) as u8;
-        }
+    while let Some(frame) = typist.next_frame() {
         played.frames += 1;
         let due = start + line.frame_period().mul_f64(played.frames as f64);
         select! {
@@ -42,9 +38,21 @@ pub fn play(
                 played.is_interrupted = true;
                 return Ok(played);
             }
-            recv(at(due)) -> _ => writer.write_all(&encode(line.framing, &body))?,
+            recv(at(due)) -> _ => {}
+        }
+        for (writer, counts) in writers.iter_mut().zip(&frame) {
+            writer.write_all(&encode(line.framing, &body(counts)))?;
         }
     }
-    writer.flush()?;
+    writers.iter_mut().try_for_each(|writer| writer.flush())?;
     Ok(played)
+}
+
+fn body(counts: &GloveCounts) -> [u8; BODY_BYTES] {
+    let mut body = [0; BODY_BYTES];
+    for (byte, count) in body.iter_mut().zip(counts) {
+        // The converters of this glove have eight bits.
+        *byte = (*count).min(255) as u8;
+    }
+    body
 }

@@ -1,20 +1,16 @@
-//! A simulated person who moves the index finger to targets and wears a flex-sensor glove.
+//! A simulated person who moves the index fingers to targets and wears flex-sensor gloves.
 
+use std::collections::VecDeque;
 use std::time::Duration;
 
-use arrayvec::ArrayVec;
-
-use super::movement::{Motion, Movement};
+use super::one_hand::{Did, GloveCounts, OneHand};
 use super::order::Order;
 use super::plan::PlanError;
-use super::planner;
 use super::refusal::Refusal;
-use super::typing_hand::TypingHand;
-use crate::capture::{
-    Capture, CaptureError, Channels, Counts, MAX_CHANNELS, Reading, Sample, Source,
-};
+use crate::capture::{Capture, CaptureError, Channels, Counts, Reading, Sample, Source};
 use crate::contact::surface::Scene;
 use crate::estimate::ChannelMap;
+use crate::hand::Side;
 use crate::kinematics::ArmModel;
 use crate::time::Timestamp;
 
@@ -42,22 +38,42 @@ pub enum TypistError {
     Refused(#[from] Refusal),
 }
 
+impl TypistError {
+    /// The same with the order's place in a longer list, of which `places` were taken.
+    fn renumbered(self, places: &[usize]) -> Self {
+        match self {
+            Self::Refused(refusal) => Self::Refused(Refusal {
+                order: places[refusal.order],
+                ..refusal
+            }),
+            other => other,
+        }
+    }
+}
+
 /// A simulated person at the controls, as a [`Source`] of glove readings.
 ///
-/// Every text and every script is played by it: a list of [`Order`]s, carried out one after the other.
-/// The hand is off all targets for 600 ms at the start and at the end.
+/// Every text and every script is played by it: a list of [`Order`]s, carried out one after the other,
+/// by one hand or by whichever of two a board is there for. The hands are off all targets for 600 ms at
+/// the start and at the end.
 pub struct Typist {
     name: String,
-    full_scale: u16,
-    hand: TypingHand,
-    values: Vec<f64>,
-    movements: std::vec::IntoIter<Movement>,
-    motion: Option<Motion>,
+    /// One or two.
+    hands: Vec<Worn>,
+    /// For each order the place of the hand that carries it out.
+    turns: Vec<usize>,
+    /// How many orders may be played so far, the one that is played included.
+    turn: usize,
     period: Duration,
-    noise_counts: f64,
-    random: fastrand::Rng,
-    frame_of_motion: u32,
     frame: u64,
+    readings: u64,
+    /// Readings of a frame that are still to be told.
+    told_next: VecDeque<Reading>,
+}
+
+struct Worn {
+    side: Side,
+    hand: OneHand,
 }
 
 impl Typist {
@@ -69,79 +85,132 @@ impl Typist {
         arm: &ArmModel,
         map: &ChannelMap,
     ) -> Result<Self, TypistError> {
-        let hand = TypingHand::new(arm, map);
-        let plan = planner::plan(orders, hand, scene, settings.frame_period)?;
+        Self::with_hands(settings, orders, scene, &[(arm, map)])
+    }
+
+    /// Plans these orders in `scene` for one or two arms and their gloves. What is there for neither in
+    /// particular is done by the first.
+    ///
+    /// # Panics
+    /// Without any hand.
+    pub fn with_hands(
+        settings: &TypistSettings,
+        orders: &[Order],
+        scene: &Scene,
+        hands: &[(&ArmModel, &ChannelMap)],
+    ) -> Result<Self, TypistError> {
+        assert!(!hands.is_empty(), "somebody has to play");
+        let sides: Vec<Side> = hands.iter().map(|(arm, _)| arm.side()).collect();
+        let turns = turns(orders, scene, &sides);
+        let worn = |(place, &(arm, map)): (usize, &(&ArmModel, &ChannelMap))| {
+            let own = (0..orders.len()).filter(|&order| turns[order] == place);
+            let own: Vec<usize> = own.collect();
+            let of_hand: Vec<Order> = own.iter().map(|&order| orders[order].clone()).collect();
+            let hand = OneHand::new(settings, &of_hand, scene, arm, map);
+            let hand = hand.map_err(|error| error.renumbered(&own))?;
+            Ok(Worn {
+                side: arm.side(),
+                hand,
+            })
+        };
         Ok(Self {
             name: settings.name.clone(),
-            full_scale: map.full_scale(),
-            hand: plan.hand,
-            values: plan.start,
-            movements: plan.movements.into_iter(),
-            motion: None,
+            hands: hands
+                .iter()
+                .enumerate()
+                .map(worn)
+                .collect::<Result<_, TypistError>>()?,
+            turns,
+            turn: 1,
             period: settings.frame_period,
-            noise_counts: settings.noise_counts,
-            random: fastrand::Rng::with_seed(settings.seed),
-            frame_of_motion: 0,
             frame: 0,
+            readings: 0,
+            told_next: VecDeque::new(),
         })
     }
 
-    /// The counts of the glove in the next frame, or `None` when all is played.
-    pub fn next_counts(&mut self) -> Option<ArrayVec<u16, MAX_CHANNELS>> {
-        if self.motion.is_none() {
-            let movement = self.movements.next()?;
-            self.motion = Some(Motion::begin(movement, &mut self.hand, &self.values));
+    /// How many hands play.
+    pub fn hands(&self) -> usize {
+        self.hands.len()
+    }
+
+    /// The counts of the first glove in the next frame, or `None` when all is played.
+    pub fn next_counts(&mut self) -> Option<GloveCounts> {
+        self.next_frame().map(|mut frame| frame.swap_remove(0))
+    }
+
+    /// The counts of every glove in the next frame, or `None` when all is played.
+    pub fn next_frame(&mut self) -> Option<Vec<GloveCounts>> {
+        let is_last = self.turn >= self.turns.len();
+        let mut is_over = true;
+        for place in 0..self.hands.len() {
+            let allowed = match is_last {
+                true => usize::MAX,
+                false => self.own_orders(place),
+            };
+            is_over &= self.hands[place].hand.go_on(allowed) == Did::Nothing;
         }
-        let motion = self.motion.as_ref()?;
+        if is_over && is_last {
+            return None;
+        }
+        let done = |place: usize| self.hands[place].hand.has_done(self.own_orders(place));
+        if !is_last && (0..self.hands.len()).all(done) {
+            self.turn += 1;
+        }
         self.frame += 1;
-        self.frame_of_motion += 1;
-        let share = self.frame_of_motion as f32 / motion.frames() as f32;
-        motion.step(share, &self.hand, &mut self.values);
-        if self.frame_of_motion == motion.frames() {
-            self.motion = None;
-            self.frame_of_motion = 0;
-        }
-        Some(self.counts())
+        Some(
+            self.hands
+                .iter_mut()
+                .map(|worn| worn.hand.counts())
+                .collect(),
+        )
     }
 
-    /// What the glove's converters make of the posture.
-    fn counts(&mut self) -> ArrayVec<u16, MAX_CHANNELS> {
-        // A channel that nothing is wired to floats; half way keeps it out of the headers' way.
-        let mut counts: ArrayVec<u16, MAX_CHANNELS> =
-            (0..MAX_CHANNELS).map(|_| self.full_scale / 2).collect();
-        for place in 0..self.values.len() {
-            counts[self.hand.channels()[place]] = self.convert(self.values[place]);
-        }
-        counts
+    /// How many of the orders that may be played so far are those of one hand.
+    fn own_orders(&self, place: usize) -> usize {
+        let played = self.turns.iter().take(self.turn);
+        played.filter(|&&hand| hand == place).count()
     }
+}
 
-    /// A converter: noise, rounding, and never quite the end of the range, which means a broken wire.
-    fn convert(&mut self, exact: f64) -> u16 {
-        let noise = match self.noise_counts > 0.0 {
-            true => self.noise_counts * gaussian(&mut self.random),
-            false => 0.0,
-        };
-        (exact + noise)
-            .round()
-            .clamp(1.0, f64::from(self.full_scale - 1)) as u16
-    }
+/// The hand that carries out each order: that for which the board of its target is there, else the first;
+/// an order without a target is for the hand of the one before.
+fn turns(orders: &[Order], scene: &Scene, sides: &[Side]) -> Vec<usize> {
+    let mut hand = 0;
+    let turn = |order: &Order| {
+        if let Some(spot) = order.spot() {
+            let side = scene
+                .target(spot.target)
+                .and_then(|(surface, _)| surface.side());
+            let found = side.and_then(|side| sides.iter().position(|other| *other == side));
+            hand = found.unwrap_or(0);
+        }
+        hand
+    };
+    orders.iter().map(turn).collect()
 }
 
 impl Source for Typist {
     fn next(&mut self) -> Result<Capture, CaptureError> {
-        let time = Timestamp(0) + self.period.mul_f64((self.frame + 1) as f64);
-        let Some(counts) = self.next_counts() else {
+        if self.told_next.is_empty()
+            && let Some(frame) = self.next_frame()
+        {
+            let time = Timestamp(0) + self.period.mul_f64(self.frame as f64);
+            let is_one = self.hands.len() == 1;
+            for (worn, counts) in self.hands.iter().zip(frame) {
+                let full_scale = worn.hand.full_scale();
+                self.told_next.push_back(Reading {
+                    time,
+                    side: (!is_one).then_some(worn.side),
+                    sample: Sample::Channels(Channels { full_scale, counts }),
+                });
+            }
+        }
+        let Some(reading) = self.told_next.pop_front() else {
             return Ok(Capture::End);
         };
-        let sample = Sample::Channels(Channels {
-            full_scale: self.full_scale,
-            counts,
-        });
-        Ok(Capture::Reading(Reading {
-            time,
-            side: None,
-            sample,
-        }))
+        self.readings += 1;
+        Ok(Capture::Reading(reading))
     }
 
     fn name(&self) -> &str {
@@ -158,14 +227,8 @@ impl Source for Typist {
 
     fn counts(&self) -> Counts {
         Counts {
-            readings: self.frame,
+            readings: self.readings,
             ..Counts::default()
         }
     }
-}
-
-/// Standard normal, by Box and Muller.
-fn gaussian(random: &mut fastrand::Rng) -> f64 {
-    let radius = (-2.0 * (1.0 - random.f64()).ln()).sqrt();
-    radius * (std::f64::consts::TAU * random.f64()).cos()
 }

@@ -15,6 +15,7 @@ use crate::contact::TargetNames;
 use crate::contact::surface::Scene;
 use crate::device::keyboard::{Fires, Hold, KeyBinding};
 use crate::device::{KeyAction, Needs, Request, TextId, VirtualDevice};
+use crate::hand::Side;
 
 /// The most targets that a layout has: keys and other controls.
 pub const MAX_TARGETS: usize = 10_000;
@@ -186,6 +187,12 @@ impl Layout {
     pub fn target_names(&self) -> TargetNames {
         let fronts = self.boards.iter().flat_map(|board| self.fronts(board));
         TargetNames::new(fronts.map(|front| front.name.clone()))
+    }
+
+    /// Whether a board is there for this hand and not for the other.
+    pub fn is_there_for(&self, side: Side) -> bool {
+        let mut surfaces = self.scene.surfaces().iter();
+        surfaces.any(|surface| surface.side() == Some(side))
     }
 
     /// The devices that take the touches of the controls.

@@ -28,7 +28,7 @@ impl Assembly {
         self.hand_that_plays(&orders, &settings)
             .map_err(|error| match self.told(&error) {
                 Some(message) => SetupError::Value(format!(
-                    "cannot type on {}: key {message}; move the board nearer or make it smaller",
+                    "cannot type on {}: key {message}",
                     self.layout.file,
                 )),
                 None => error.into(),
@@ -66,8 +66,9 @@ impl Assembly {
         orders: &[Order],
         settings: &TypistSettings,
     ) -> Result<Typist, TypistError> {
-        let (scene, arm, map) = (&self.layout.scene, &self.arm, &self.glove.map);
-        Typist::new(settings, orders, scene, arm, map)
+        let mut hands = vec![(&self.arm, &self.glove.map)];
+        hands.extend(self.other.iter().map(|worn| (&worn.arm, &worn.glove.map)));
+        Typist::with_hands(settings, orders, &self.layout.scene, &hands)
     }
 
     /// What a person reads of an error about a target: its name instead of its number.
@@ -83,11 +84,18 @@ impl Assembly {
         else {
             return None;
         };
-        Some(format!(
-            "`{}` is {:.0} mm out of reach of the simulated hand",
-            self.layout.target_names().of(*target),
-            metres * 1e3,
-        ))
+        let names = self.layout.target_names();
+        let name = names.of(*target);
+        Some(match metres.is_finite() {
+            true => format!(
+                "`{name}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make \
+                 it smaller",
+                metres * 1e3
+            ),
+            false => {
+                format!("`{name}` is there for the other hand; give the setup an `other_hand`")
+            }
+        })
     }
 
     /// The keys that the simulated hand cannot press, and how far beyond its reach each is, in metres.

@@ -9,11 +9,13 @@ mod text;
 use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroU32;
 
-use ademan::capture::{self, LineSettings, open_wire};
+use ademan::capture::{LineSettings, Source, open_wire};
+use ademan::hand::Side;
 use ademan::lab::Played;
+use ademan::layout::Layout;
 use ademan::output;
 use ademan::runtime::{Summary, drive};
-use ademan::settings::Setup;
+use ademan::settings::{Assembly, OtherHand, Setup};
 use crossbeam_channel::bounded;
 
 use crate::args::DemoArgs;
@@ -24,12 +26,14 @@ use screen::Screen;
 use task::Task;
 
 pub fn run(args: &DemoArgs) -> Result<(), Failure> {
+    let layout = Layout::load(&args.layout)?;
     let setup = Setup {
         layout: args.layout.clone(),
         output: args.output.clone(),
+        other_hand: layout.is_there_for(Side::Left).then(OtherHand::default),
         ..Setup::default()
     };
-    let assembly = setup.assemble()?;
+    let mut assembly = setup.assemble()?;
     let line = LineSettings {
         baud: NonZeroU32::new(args.baud)
             .ok_or_else(|| Failure::wrong_use("a baud is more than 0"))?,
@@ -48,22 +52,21 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     };
     let (stopper, asked) = signals::stopper()?;
     let mut sink = output::open(&assembly.setup.output, &assembly.needs())?;
-    let wire = open_wire(line)
-        .map_err(|error| Failure::job(format!("cannot open a simulated serial line: {error}")))?;
+    let (lines, source) = wires(&mut assembly, line, hand.hands())?;
     writeln!(
         io::stdout(),
         "a simulated hand {} on {} over {}",
         task.told(),
         assembly.layout.name,
-        wire.source
+        source.name()
     )?;
-    let source = capture::open(&wire.source)?;
     let (stop_sender, stop) = bounded(1);
     let mut screen = match io::stdout().is_terminal() && !output::is_on_stdout(&args.output) {
         true => Screen::open(&assembly.layout, task.wanted(), stopper),
         false => Screen::closed(&assembly.layout),
     };
-    let player = Player::start(hand, wire.writer, line, asked, stop_sender);
+    let hands = hand.hands() as u64;
+    let player = Player::start(hand, lines, line, asked, stop_sender);
     let ended = drive(
         source,
         &mut assembly.pipeline(),
@@ -78,7 +81,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     let played = player.join()?;
     let is_written = args.output == "transcript";
     task.report(&mut io::stdout().lock(), is_written)?;
-    report(&played, &ended?, &line)?;
+    report(&played, &ended?, &line, hands)?;
     match task.is_done(&played) {
         true => Ok(()),
         false if played.is_interrupted => Err(Failure::job("interrupted before all was played")),
@@ -86,7 +89,27 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     }
 }
 
-fn report(played: &Played, summary: &Summary, line: &LineSettings) -> io::Result<()> {
+/// A line for each hand: the ends that gloves write to, and the source that reads from them.
+fn wires(
+    assembly: &mut Assembly,
+    line: LineSettings,
+    hands: usize,
+) -> Result<(Vec<Box<dyn Write + Send>>, Box<dyn Source>), Failure> {
+    let (mut lines, mut names) = (Vec::new(), Vec::new());
+    for _ in 0..hands {
+        let wire = open_wire(line).map_err(|error| {
+            Failure::job(format!("cannot open a simulated serial line: {error}"))
+        })?;
+        lines.push(wire.writer);
+        names.push(wire.source);
+    }
+    if let Some(other) = &mut assembly.setup.other_hand {
+        other.source = names.pop();
+    }
+    Ok((lines, assembly.open(&names[0])?))
+}
+
+fn report(played: &Played, summary: &Summary, line: &LineSettings, hands: u64) -> io::Result<()> {
     let source = &summary.tally.source;
     let micros = |quantile: f64| summary.latency_ns.value_at_quantile(quantile) as f64 / 1e3;
     let mut out = io::stdout().lock();
@@ -95,10 +118,10 @@ fn report(played: &Played, summary: &Summary, line: &LineSettings) -> io::Result
         "line       {} baud, {:.2} ms a frame: {} frames sent, {} decoded, {} lost",
         line.baud,
         line.frame_period().as_secs_f64() * 1e3,
-        played.frames,
+        hands * played.frames,
         source.readings,
         // The last frame is never confirmed: no header comes after it.
-        (played.frames.saturating_sub(1)).saturating_sub(source.readings),
+        (hands * played.frames.saturating_sub(1)).saturating_sub(source.readings),
     )?;
     writeln!(out, "account    {}", status::account(&summary.tally))?;
     writeln!(

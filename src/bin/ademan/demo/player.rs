@@ -9,27 +9,27 @@ use crossbeam_channel::{Receiver, Sender};
 
 use crate::failure::Failure;
 
-/// A thread that plays the glove. It hands the line back, which stays plugged in until then.
+/// A thread that plays the gloves. It hands their lines back, which stay plugged in until then.
 pub struct Player {
-    thread: JoinHandle<(Box<dyn Write + Send>, std::io::Result<Played>)>,
+    thread: JoinHandle<(Vec<Box<dyn Write + Send>>, std::io::Result<Played>)>,
 }
 
 impl Player {
     /// Plays all that the hand has to do, and then sends to `over`; so it does when asked to stop.
     pub fn start(
         typist: Typist,
-        mut writer: Box<dyn Write + Send>,
+        mut lines: Vec<Box<dyn Write + Send>>,
         line: LineSettings,
         asked: Receiver<()>,
         over: Sender<()>,
     ) -> Self {
         let thread = std::thread::spawn(move || {
-            let played = play(typist, &mut *writer, line, &asked);
+            let played = play(typist, &mut lines, line, &asked);
             // The last frame that counts is still on its way to the source.
             std::thread::sleep(2 * line.frame_period());
             // A full channel means that the end is already known.
             let _ = over.try_send(());
-            (writer, played)
+            (lines, played)
         });
         Self { thread }
     }
@@ -37,7 +37,8 @@ impl Player {
     /// Waits for the end.
     pub fn join(self) -> Result<Played, Failure> {
         let played = self.thread.join();
-        let (_line, played) = played.map_err(|_| Failure::job("the simulated glove broke down"))?;
+        let (_lines, played) =
+            played.map_err(|_| Failure::job("the simulated glove broke down"))?;
         played.map_err(|error| {
             Failure::job(format!(
                 "the simulated glove cannot write to its line: {error}"
