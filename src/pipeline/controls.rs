@@ -3,10 +3,37 @@
 use super::Frame;
 use crate::contact::surface::Scene;
 use crate::contact::{ContactTracker, TargetNames, Touches};
-use crate::device::{Events, Out, Seen, Switchboard, VirtualDevice};
+use crate::device::{Action, Events, Out, OutputEvent, Seen, Switchboard, VirtualDevice};
 use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
+
+/// Brings what comes up before what goes down: each device keeps that order, but one knows nothing of
+/// the next. A code that went down in the same frame stays where it is; times do not go back.
+fn put_releases_first(events: &mut [OutputEvent]) {
+    let is_down = |event: &OutputEvent| matches!(event.action, Action::KeyDown(_));
+    let Some(mut first_down) = events.iter().position(is_down) else {
+        return;
+    };
+    for place in first_down + 1..events.len() {
+        let Action::KeyUp(code) = events[place].action else {
+            continue;
+        };
+        let own = Action::KeyDown(code);
+        if events[first_down..place]
+            .iter()
+            .any(|event| event.action == own)
+        {
+            continue;
+        }
+        events[first_down..=place].rotate_right(1);
+        let time = events[first_down].time;
+        first_down += 1;
+        for event in &mut events[first_down..=place] {
+            event.time = event.time.max(time);
+        }
+    }
+}
 
 /// The controls of one layout, for both hands.
 pub struct Controls {
@@ -83,8 +110,12 @@ impl Controls {
             switchboard: &mut self.switchboard,
             events,
         };
+        let first = out.events.len();
         for device in &mut self.devices {
             device.update(&seen, &mut out);
+        }
+        if self.devices.len() > 1 {
+            put_releases_first(&mut events[first..]);
         }
     }
 
@@ -101,5 +132,43 @@ impl Controls {
         for device in &mut self.devices {
             device.release_all(time, &mut out);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::KeyCode;
+
+    fn event(time: u64, text: &str) -> OutputEvent {
+        let code: KeyCode = text[1..].parse().unwrap();
+        OutputEvent {
+            time: Timestamp(time),
+            action: match text.as_bytes()[0] {
+                b'+' => Action::KeyDown(code),
+                _ => Action::KeyUp(code),
+            },
+        }
+    }
+
+    fn ordered(script: &str) -> String {
+        let words = script.split_whitespace().enumerate();
+        let mut events: Vec<_> = words.map(|(time, word)| event(time as u64, word)).collect();
+        put_releases_first(&mut events);
+        assert!(events.windows(2).all(|pair| pair[0].time <= pair[1].time));
+        let told = events.iter().map(|event| match event.action {
+            Action::KeyDown(code) => format!("+{code}"),
+            Action::KeyUp(code) => format!("-{code}"),
+            _ => unreachable!(),
+        });
+        told.collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn what_comes_up_goes_before_what_goes_down_but_for_its_own_press() {
+        assert_eq!(ordered("+A -B +C -D -A"), "-B -D +A +C -A");
+        assert_eq!(ordered("-A +A -A -B"), "-A -B +A -A");
+        assert_eq!(ordered("+A +B"), "+A +B");
+        assert_eq!(ordered("-A -B"), "-A -B");
     }
 }
