@@ -91,6 +91,16 @@ impl Driver {
         self.drive_to(value, time, out);
     }
 
+    /// Makes it stand at a value from which it goes on: that is told, and nothing of the way there is
+    /// driven, but the axis springs back to 0 until the next [`set`](Self::set).
+    pub(super) fn stand(&mut self, value: f32, time: Timestamp, out: &mut Out) {
+        if value != self.value && out.tell(time, Action::Value(self.target, value)) {
+            self.value = value;
+        }
+        self.driven = self.units(value);
+        self.rest(time, out);
+    }
+
     /// Lets the axis spring back to 0; the value stays where it is.
     pub(super) fn rest(&mut self, time: Timestamp, out: &mut Out) {
         if let Drive::Axis(axis) = self.drive {

@@ -2,15 +2,20 @@
 
 mod binding;
 mod bounces;
+mod chords;
 mod depths;
+mod dwell;
 mod waiting;
 
 pub use self::binding::{Fires, Hold, KeyBinding};
+pub use self::chords::{Chord, MOST_CHORD_KEYS};
 
 use arrayvec::ArrayVec;
 
 use self::bounces::Bounces;
+use self::chords::Chords;
 use self::depths::Depths;
+use self::dwell::Dwell;
 use self::waiting::Waiting;
 use super::places::Places;
 use super::{KeyAction, Needs, Out, Owner, Seen, VirtualDevice};
@@ -32,6 +37,8 @@ pub struct Keyboard {
     places: Places,
     /// Presses of which it is not known yet what they do, in order of pressing.
     waiting: ArrayVec<Waiting, FINGERS>,
+    dwells: ArrayVec<Dwell, FINGERS>,
+    chords: Chords,
     bounces: Bounces,
     depths: Depths,
 }
@@ -59,6 +66,8 @@ impl Keyboard {
             places: Places::new(bindings.iter().map(|binding| binding.target)),
             bindings,
             waiting: ArrayVec::new(),
+            dwells: ArrayVec::new(),
+            chords: Chords::default(),
             depths: Depths::default(),
         }
     }
@@ -75,16 +84,30 @@ impl Keyboard {
     }
 
     fn press(&mut self, touch: &Touch, out: &mut Out) {
-        let owner = Owner::of(touch);
         self.lift(touch, out);
+        self.press_gathered_by(touch.time, out);
         let Some(place) = self.places.of(touch.target) else {
             return;
         };
         let KeyBinding { fires, repress, .. } = self.bindings[place];
-        if self.bounces.is_bounce(place, touch.time, repress) {
+        let is_dwell = matches!(fires, Fires::Dwell(_));
+        if is_dwell || self.bounces.is_bounce(place, touch.time, repress) {
             return;
         }
-        self.hold_for_another_key(touch.time, out);
+        if !self.gather(touch, out) {
+            self.press_gathered(touch.time, out);
+            self.press_alone(touch, touch.time, out);
+        }
+    }
+
+    /// Lets a key that was pressed by a touch act on its own at `time`.
+    fn press_alone(&mut self, touch: &Touch, time: Timestamp, out: &mut Out) {
+        let owner = Owner::of(touch);
+        let Some(binding) = self.binding(touch.target) else {
+            return;
+        };
+        let fires = binding.fires;
+        self.hold_for_another_key(time, out);
         let Some(action) = self.action(touch.target, out.switchboard.layer()) else {
             return;
         };
@@ -95,7 +118,7 @@ impl Keyboard {
             }
             Some(_) => {}
             None => {
-                out.switchboard.press(owner, action, touch.time, out.events);
+                out.press(owner, action, time);
             }
         }
     }
@@ -111,6 +134,7 @@ impl Keyboard {
         };
         out.switchboard.cancel(is_of_finger);
         self.waiting.retain(|press| !is_of_finger(press.owner));
+        self.chords.lift(is_of_finger, out);
     }
 
     /// Ends a press; one that is cancelled does not count as tapped.
@@ -134,6 +158,7 @@ impl Keyboard {
             match touch.phase {
                 Phase::Pressed => self.press(touch, out),
                 phase => {
+                    self.end_in_chords(touch, out);
                     if phase != Phase::Cancelled {
                         self.fire(Owner::of(touch), touch.time, out);
                     }
@@ -190,6 +215,7 @@ impl VirtualDevice for Keyboard {
             let actions = binding.actions.iter().copied().flatten().chain(held);
             needs.extend(actions.filter_map(KeyAction::need));
         }
+        needs.extend(self.chords.actions().filter_map(KeyAction::need));
     }
 
     fn update(&mut self, seen: &Seen, out: &mut Out) {
@@ -199,12 +225,17 @@ impl VirtualDevice for Keyboard {
         for touches in seen.touches.chunks(MOST_TOUCHES) {
             self.take_presses(touches, out);
         }
+        self.take_dwells(seen.touches, out);
+        self.press_gathered_by(seen.pose.time, out);
         self.hold_by(seen.pose.time, out);
+        self.dwell_by(seen.pose.time, out);
         self.take_depths(seen.touches, out);
     }
 
     fn release_all(&mut self, time: Timestamp, out: &mut Out) {
         self.waiting.clear();
+        self.dwells.clear();
+        self.chords.forget();
         self.bounces.forget();
         self.depths.forget();
         self.depths.tell(time, out);

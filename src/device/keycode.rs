@@ -198,6 +198,10 @@ impl KeyCode {
     pub const SHIFT_RIGHT: Self = Self(54);
     /// Backspace.
     pub const BACKSPACE: Self = Self(14);
+    /// The left mouse button.
+    pub const MOUSE_LEFT: Self = Self(272);
+    /// The right mouse button.
+    pub const MOUSE_RIGHT: Self = Self(273);
 
     /// The key with this Linux event code, if it has a name here.
     pub fn from_event_code(code: u16) -> Option<Self> {

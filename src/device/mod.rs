@@ -14,7 +14,10 @@ pub mod switchboard;
 mod places;
 pub mod drive;
 pub mod keyboard;
+pub mod radio;
 pub mod toggle;
+pub mod touch_surface;
+pub mod trigger;
 
 pub use keycode::{KeyCode, KeyKind};
 pub use needs::{Need, Needs};

@@ -1,7 +1,7 @@
 //! Toggle switches: one poke turns one on, the next turns it off.
 
 use super::places::Places;
-use super::{Action, KeyAction, Needs, Out, Owner, Seen, VirtualDevice};
+use super::{Action, KeyAction, Need, Needs, Out, Owner, Seen, VirtualDevice};
 use crate::contact::{Phase, TargetId};
 use crate::time::Timestamp;
 
@@ -24,6 +24,16 @@ pub enum ToggleOutput {
     /// Something is tapped at each change, for a receiver that has the state itself. It stays as it is
     /// when everything is let go of.
     Taps(KeyAction),
+}
+
+impl ToggleOutput {
+    /// What an output must be able to carry for it.
+    pub fn need(self) -> Option<Need> {
+        match self {
+            Self::Told => None,
+            Self::Holds(action) | Self::Taps(action) => action.need(),
+        }
+    }
 }
 
 /// The toggle switches of a layout.
@@ -65,17 +75,15 @@ impl Toggles {
     }
 }
 
-fn value(target: TargetId, is_on: bool) -> Action {
+/// What is told of a target that is on or off.
+pub(super) fn value(target: TargetId, is_on: bool) -> Action {
     Action::Value(target, f32::from(u8::from(is_on)))
 }
 
 impl VirtualDevice for Toggles {
     fn add_needs(&self, needs: &mut Needs) {
-        let actions = self.toggles.iter().map(|(toggle, _)| match toggle.output {
-            ToggleOutput::Told => None,
-            ToggleOutput::Holds(action) | ToggleOutput::Taps(action) => action.need(),
-        });
-        needs.extend(actions.flatten());
+        let toggles = self.toggles.iter();
+        needs.extend(toggles.filter_map(|(toggle, _)| toggle.output.need()));
     }
 
     fn update(&mut self, seen: &Seen, out: &mut Out) {

@@ -1,6 +1,7 @@
 //! A keyboard layout as written → [`Layout`]: names are looked up, boards are laid out in space, and
 //! what does not fit together is refused at its place.
 
+mod chords;
 mod fires;
 mod keys;
 
@@ -21,6 +22,8 @@ use super::written::{self, Form};
 use crate::contact::TargetId;
 use crate::contact::surface::{Scene, Target};
 use crate::device::KeyCode;
+use crate::device::keyboard::Chord;
+use crate::device::trigger::Trigger;
 use crate::names::UnknownName;
 
 /// Reads and checks a document.
@@ -34,6 +37,8 @@ pub(super) fn layout(document: Document) -> Result<Layout, LayoutError> {
         layers,
         texts,
         profiles,
+        chords,
+        triggers,
         ..
     } = Checked::of(&document, &written)?;
     Ok(Layout {
@@ -46,6 +51,9 @@ pub(super) fn layout(document: Document) -> Result<Layout, LayoutError> {
         layers,
         texts,
         profiles,
+        chords,
+        chord_within: milliseconds(written.chord_ms.get()),
+        triggers,
         file: document.file.clone(),
         text: document.text.clone(),
     })
@@ -60,17 +68,19 @@ pub(super) struct Checked<'a> {
     pub(super) document: &'a Document,
     /// The layout's name.
     name: Word<'a>,
-    scene: Scene,
+    pub(super) scene: Scene,
     boards: Vec<Board>,
     keys: Vec<Key>,
     pub(super) controls: Vec<Control>,
     layers: Vec<String>,
     texts: Vec<String>,
     profiles: Vec<String>,
+    chords: Vec<Chord>,
+    pub(super) triggers: Vec<(String, Trigger)>,
     /// Name of a key → its place in `keys`.
     places: BTreeMap<&'a str, usize>,
     /// Name of a front → of what kind it is, and where it stands in the file.
-    names: BTreeMap<&'a str, (&'static str, &'a str)>,
+    pub(super) names: BTreeMap<&'a str, (&'static str, &'a str)>,
     /// The targets of the board that is being added.
     targets: Vec<Target>,
     /// Its fronts: where each is, of what kind, its name, and where it stands in the file.
@@ -108,6 +118,8 @@ impl<'a> Checked<'a> {
             layers: vec![BASE_LAYER.to_owned()],
             texts: Vec::new(),
             profiles: Vec::new(),
+            chords: Vec::new(),
+            triggers: Vec::new(),
             places: BTreeMap::new(),
             names: BTreeMap::new(),
             targets: Vec::new(),
@@ -136,6 +148,13 @@ impl<'a> Checked<'a> {
         }
         for (place, layer) in written.layers.iter().enumerate() {
             checked.fill_layer(place + 1, layer)?;
+        }
+        for chord in &written.chords {
+            checked.add_chord(chord)?;
+        }
+        checked.refuse_idle_keys()?;
+        for trigger in &written.triggers {
+            checked.add_trigger(trigger)?;
         }
         Ok(checked)
     }
@@ -172,6 +191,12 @@ impl<'a> Checked<'a> {
         for toggle in &board.toggles {
             self.add_toggle(board, toggle)?;
         }
+        for radio in &board.radios {
+            self.add_radio(board, radio)?;
+        }
+        for surface in &board.touch_surfaces {
+            self.add_touch_surface(board, surface)?;
+        }
         self.refuse_overlaps()?;
         self.scene.add_for(
             board.hand,
@@ -206,12 +231,7 @@ impl<'a> Checked<'a> {
                 "a layout has at most {MAX_TARGETS} keys and other controls"
             )));
         }
-        if let Some((what, word)) = self.names.get(name) {
-            let line = line_of(&self.document.text, word);
-            return Err(error(format!(
-                "there is a {what} `{name}` already in line {line}, give this one a `name` of its own"
-            )));
-        }
+        self.refuse_second(name, spot.word)?;
         if spot.at.abs().max_element() > metres(*Distance::RANGE.end()) {
             return Err(error(format!(
                 "the {what} `{name}` lies more than {} mm from the middle of its board",
@@ -251,6 +271,18 @@ impl<'a> Checked<'a> {
             at: spot.at,
             outline,
         })
+    }
+
+    /// Refuses a name that is taken.
+    pub(super) fn refuse_second(&self, name: &str, word: Word<'a>) -> Result<(), LayoutError> {
+        let Some((what, other)) = self.names.get(name) else {
+            return Ok(());
+        };
+        let line = line_of(&self.document.text, other);
+        let message = format!(
+            "there is a {what} `{name}` already in line {line}, give this one a `name` of its own"
+        );
+        Err(self.document.error(word.0, message))
     }
 
     fn refuse_overlaps(&self) -> Result<(), LayoutError> {

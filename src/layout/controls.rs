@@ -1,14 +1,20 @@
 //! Controls other than keys: each kind has its form in the file and becomes a device.
 
 mod drives;
+pub mod radio;
 pub mod toggle;
+pub mod touch_surface;
+pub mod trigger;
 
 pub use drives::Drives;
 
 use super::keyboard::{Front, Layout};
 use crate::device::VirtualDevice;
 use crate::device::keyboard::Keyboard;
+use crate::device::radio::Radios;
 use crate::device::toggle::Toggles;
+use crate::device::touch_surface::TouchSurfaces;
+use crate::device::trigger::Triggers;
 
 /// A control that is no key.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,20 +30,39 @@ pub struct Control {
 pub enum Kind {
     /// A toggle switch.
     Toggle(crate::device::toggle::Toggle),
+    /// A radio group.
+    Radio(crate::device::radio::Radio),
+    /// A touch screen or touch pad.
+    TouchSurface(crate::device::touch_surface::TouchSurface),
 }
 
 /// One device for all keys, and one for each other kind of control that the layout has.
 pub(super) fn devices(layout: &Layout) -> Vec<Box<dyn VirtualDevice>> {
-    let mut devices: Vec<Box<dyn VirtualDevice>> =
-        vec![Box::new(Keyboard::new(layout.keyboard_bindings()))];
+    let keyboard =
+        Keyboard::new(layout.keyboard_bindings()).with_chords(&layout.chords, layout.chord_within);
+    let mut devices: Vec<Box<dyn VirtualDevice>> = vec![Box::new(keyboard)];
     let mut toggles = Vec::new();
+    let mut radios = Vec::new();
+    let mut touch_surfaces = Vec::new();
     for control in &layout.controls {
         match &control.kind {
             Kind::Toggle(toggle) => toggles.push(*toggle),
+            Kind::Radio(radio) => radios.push(radio.clone()),
+            Kind::TouchSurface(surface) => touch_surfaces.push(*surface),
         }
     }
     if !toggles.is_empty() {
         devices.push(Box::new(Toggles::new(toggles)));
+    }
+    if !radios.is_empty() {
+        devices.push(Box::new(Radios::new(radios)));
+    }
+    if !touch_surfaces.is_empty() {
+        devices.push(Box::new(TouchSurfaces::new(touch_surfaces)));
+    }
+    if !layout.triggers.is_empty() {
+        let triggers = layout.triggers.iter().map(|(_, trigger)| *trigger);
+        devices.push(Box::new(Triggers::new(triggers)));
     }
     devices
 }

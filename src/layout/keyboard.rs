@@ -13,7 +13,8 @@ use super::{check, number};
 use crate::contact::TargetId;
 use crate::contact::TargetNames;
 use crate::contact::surface::Scene;
-use crate::device::keyboard::{Fires, Hold, KeyBinding};
+use crate::device::keyboard::{Chord, Fires, Hold, KeyBinding};
+use crate::device::trigger::Trigger;
 use crate::device::{KeyAction, Needs, Request, TextId, VirtualDevice};
 use crate::hand::Side;
 
@@ -52,6 +53,13 @@ pub struct Layout {
     pub profiles: Vec<String>,
     /// The texts that keys write, in the order of their [`TextId`]s.
     pub texts: Vec<String>,
+    /// What keys do together.
+    pub chords: Vec<Chord>,
+    /// How long after the first of its keys a chord's last one is pressed at most.
+    pub chord_within: Duration,
+    /// Postures of the hand that do something, each with its name; their targets come after those of
+    /// the scene, in this order.
+    pub triggers: Vec<(String, Trigger)>,
 }
 
 /// A group of keys that moves as one.
@@ -124,7 +132,7 @@ impl Key {
     pub fn held(&self) -> Option<KeyAction> {
         match self.fires {
             Fires::TapOrHold(Hold { action, .. }) => Some(action),
-            Fires::Press | Fires::Release => None,
+            Fires::Press | Fires::Release | Fires::Dwell(_) => None,
         }
     }
 }
@@ -186,7 +194,9 @@ impl Layout {
     /// What the targets are called.
     pub fn target_names(&self) -> TargetNames {
         let fronts = self.boards.iter().flat_map(|board| self.fronts(board));
-        TargetNames::new(fronts.map(|front| front.name.clone()))
+        let fronts = fronts.map(|front| &front.name);
+        let triggers = self.triggers.iter().map(|(name, _)| name);
+        TargetNames::new(fronts.chain(triggers).cloned())
     }
 
     /// Whether a board is there for this hand and not for the other.

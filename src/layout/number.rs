@@ -66,6 +66,20 @@ measures! {
     Repress = "a re-press delay", 0.0 ..= 2000.0, " ms", or 0.0;
     /// How long a key is pressed before it counts as held, in milliseconds.
     HoldTime = "a hold time", 50.0 ..= 2000.0, " ms", or 250.0;
+    /// How long a fingertip rests on a key until it fires, in milliseconds.
+    DwellTime = "a dwell time", 50.0 ..= 5000.0, " ms";
+    /// How long after each other the keys of a chord are pressed at most, in milliseconds.
+    ChordTime = "a chord time", 10.0 ..= 500.0, " ms", or 50.0;
+    /// How fast the pointer goes on a touch pad, in pixels for a millimetre.
+    Speed = "a speed", 0.1 ..= 100.0, " px/mm", or 4.0;
+    /// How much faster the pointer goes when the finger is quick.
+    Acceleration = "an acceleration", 0.0 ..= 10.0, "", or 1.0;
+    /// How far two fingers go for a click of the wheel, in millimetres.
+    ScrollWay = "a way for a click", 1.0 ..= 100.0, " mm", or 8.0;
+    /// An angle of a joint, in degrees.
+    Angle = "an angle", -180.0 ..= 180.0, "°";
+    /// How far apart two fingertips are, in millimetres.
+    Gap = "a gap", 0.0 ..= 200.0, " mm";
     /// Clicks of a wheel for the whole range of a control.
     Clicks = "a number of clicks", -1000.0 ..= 1000.0, "";
     /// Pixels for the whole range of a control.

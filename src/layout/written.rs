@@ -5,10 +5,13 @@
 
 use serde::Deserialize;
 
+use super::controls::radio::Radio;
 use super::controls::toggle::Toggle;
+use super::controls::touch_surface::TouchSurface;
+use super::controls::trigger::Trigger;
 use super::number::{
-    Bearing, Distance, HoldTime, Pitch, PressShare, Radius, ReleaseShare, Repress, Size, Tilt,
-    Travel,
+    Bearing, ChordTime, Distance, DwellTime, HoldTime, Pitch, PressShare, Radius, ReleaseShare,
+    Repress, Size, Tilt, Travel,
 };
 use super::text::{Label, Pairs, Word};
 use crate::hand::Side;
@@ -32,6 +35,15 @@ pub struct Layout<'a> {
     /// What keys do beside the base layer.
     #[serde(borrow, default)]
     pub layers: Vec<Layer<'a>>,
+    /// What keys do together.
+    #[serde(borrow, default)]
+    pub chords: Vec<Chord<'a>>,
+    /// How long after each other they are pressed at most.
+    #[serde(default)]
+    pub chord_ms: ChordTime,
+    /// Postures of the hand that do something.
+    #[serde(borrow, default)]
+    pub triggers: Vec<Trigger<'a>>,
 }
 
 /// A group of controls that moves as one.
@@ -76,6 +88,12 @@ pub struct Board<'a> {
     /// Toggle switches.
     #[serde(borrow, default)]
     pub toggles: Vec<Toggle<'a>>,
+    /// Radio groups.
+    #[serde(borrow, default)]
+    pub radios: Vec<Radio<'a>>,
+    /// Touch surfaces.
+    #[serde(borrow, default)]
+    pub touch_surfaces: Vec<TouchSurface<'a>>,
 }
 
 /// Where a board is: its point (0, 0) seen from the anchor.
@@ -190,6 +208,8 @@ pub enum Does<'a> {
     Clutch,
     /// Makes the pointer slow.
     Precision,
+    /// Nothing but to take part in chords.
+    Nothing,
 }
 
 impl<'a> Does<'a> {
@@ -255,6 +275,9 @@ pub struct KeyFields<'a> {
     /// How long it is pressed before it counts as held.
     #[serde(default)]
     pub hold_ms: Option<HoldTime>,
+    /// How long a fingertip rests on it until it fires.
+    #[serde(default)]
+    pub dwell_ms: Option<DwellTime>,
 }
 
 impl<'a> TryFrom<KeyFields<'a>> for Key<'a> {
@@ -334,4 +357,19 @@ pub struct Layer<'a> {
     /// Name of a key → the key code that it sends in this layer.
     #[serde(borrow)]
     pub keys: Pairs<'a, Word<'a>>,
+}
+
+/// What several keys do together.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Chord<'a> {
+    /// Their names, with blanks between them.
+    #[serde(borrow)]
+    pub keys: Word<'a>,
+    /// What they do.
+    #[serde(borrow)]
+    pub does: Does<'a>,
+    /// How long a modifier or layer stays in force.
+    #[serde(default)]
+    pub latch: Option<Latch>,
 }

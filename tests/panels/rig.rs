@@ -67,11 +67,21 @@ pub fn simulate(controls: &str, script: &str) -> String {
     Rig::on_board(controls).run(script).events()
 }
 
+/// The same with further fields of the layout, such as `triggers: [(…)]`.
+pub fn simulate_layout(controls: &str, fields: &str, script: &str) -> String {
+    Rig::with_fields(controls, fields).run(script).events()
+}
+
 impl Rig {
     /// One flat board that lies in the world.
     pub fn on_board(controls: &str) -> Self {
+        Self::with_fields(controls, "")
+    }
+
+    /// The same with further fields of the layout.
+    pub fn with_fields(controls: &str, fields: &str) -> Self {
         Self::new(&format!(
-            "Layout(name: \"test\", boards: [(place: (anchor: world), {controls})])"
+            "Layout(name: \"test\", boards: [(place: (anchor: world), {controls})], {fields})"
         ))
     }
 

@@ -25,7 +25,7 @@ pub struct KeyBinding {
 /// When a key does what its actions say.
 ///
 /// Kinds other than `Press` are for actions that are [`KeyAction::Key`]; the others are in force
-/// from the press whatever stands here. The action is settled at the press, and nothing of it goes
+/// from the press whatever stands here, except for `Dwell`. The action is settled at the press, and nothing of it goes
 /// out before it fires. A press that is cancelled before that does nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fires {
@@ -35,6 +35,9 @@ pub enum Fires {
     Release,
     /// By how long it is pressed.
     TapOrHold(Hold),
+    /// When a fingertip has been on it for so long, however deep, once each time that it comes: the
+    /// action is that of the layer in force then, and is tapped. Pressing does nothing.
+    Dwell(Duration),
 }
 
 /// What a key does when it is held instead of tapped.

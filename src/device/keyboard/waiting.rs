@@ -25,7 +25,7 @@ impl Waiting {
     ) -> Option<Self> {
         let hold = match (action, fires) {
             (action, _) if acts_while_pressed(action) => return None,
-            (_, Fires::Press) => return None,
+            (_, Fires::Press | Fires::Dwell(_)) => return None,
             (_, Fires::Release) => None,
             (_, Fires::TapOrHold(Hold { action, after })) => {
                 Some((time + after, while_pressed(action)))
@@ -65,7 +65,8 @@ impl Keyboard {
     pub(super) fn is_waiting(&self, touch: &Touch, out: &Out) -> bool {
         let owner = Owner::of(touch);
         let binding = self.binding(touch.target);
-        let would_wait = binding.is_some_and(|binding| binding.fires != Fires::Press);
+        let would_wait = binding.is_some_and(|binding| binding.fires != Fires::Press)
+            || self.chords.is_waiting(touch, owner);
         self.is_pending(owner) || would_wait && !out.switchboard.has_press_of(owner)
     }
 

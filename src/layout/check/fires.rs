@@ -9,16 +9,28 @@ use crate::layout::text::Word;
 use crate::layout::written;
 
 impl<'a> Checked<'a> {
-    /// When a key fires whose action in the base layer is `action`.
+    /// When a key fires whose action in the base layer is `action`; `None` for nothing.
     pub(super) fn fires(
         &mut self,
         key: &written::Key<'a>,
-        action: KeyAction,
+        action: Option<KeyAction>,
     ) -> Result<Fires, LayoutError> {
         let fields = &key.fields;
         let word = key.word.0;
         let document = self.document;
         let refuse = |message: String| Err(document.error(word, message));
+        let Some(action) = action else {
+            let is_plain = fields.fires.is_none()
+                && fields.hold.is_none()
+                && fields.hold_ms.is_none()
+                && fields.dwell_ms.is_none();
+            return match is_plain {
+                true => Ok(Fires::Press),
+                false => refuse(format!(
+                    "the key `{word}` does nothing on its own, so it has no way to fire"
+                )),
+            };
+        };
         if fields.hold.is_none() && fields.hold_ms.is_some() {
             return refuse(format!(
                 "the key `{word}` has a `hold_ms` but no `hold`, say what it does when it is held"
@@ -29,6 +41,22 @@ impl<'a> Checked<'a> {
                 "the key `{word}` cannot have both `fires` and `hold`: a tap of a key with a `hold` \
                  fires when it is let go of"
             ));
+        }
+        if fields.dwell_ms.is_some() && (fields.hold.is_some() || fields.fires.is_some()) {
+            let other = if fields.hold.is_some() {
+                "hold"
+            } else {
+                "fires"
+            };
+            return refuse(format!(
+                "the key `{word}` cannot have both `{other}` and `dwell_ms`: it fires when a fingertip \
+                 rests on it and at nothing else"
+            ));
+        }
+        if let Some(dwell) = fields.dwell_ms {
+            let fires = Fires::Dwell(milliseconds(dwell.get()));
+            self.refuse_unless_code(word, action, fires)?;
+            return Ok(fires);
         }
         let fires = match (fields.hold, fields.fires) {
             (Some(hold), _) => Fires::TapOrHold(Hold {
@@ -69,10 +97,21 @@ impl<'a> Checked<'a> {
         fires: Fires,
     ) -> Result<(), LayoutError> {
         let cannot = match (action, fires) {
+            (
+                KeyAction::Modifier(_, Latch::OneShot | Latch::Lock)
+                | KeyAction::Layer(_, Latch::OneShot | Latch::Lock),
+                Fires::Dwell(_),
+            ) => return Ok(()),
             (KeyAction::Key(_) | KeyAction::Write(_) | KeyAction::Ask(_), _)
             | (_, Fires::Press) => return Ok(()),
             (_, Fires::Release) => "fire on release",
             (_, Fires::TapOrHold(_)) => "be what a tap of a key with a `hold` does",
+            (_, Fires::Dwell(_)) => {
+                let message = format!(
+                    "`{word}` cannot fire by dwelling: it is in force as long as it is pressed only"
+                );
+                return Err(self.document.error(word, message));
+            }
         };
         let message = format!("`{word}` cannot {cannot}, only keys that are no modifiers can");
         Err(self.document.error(word, message))

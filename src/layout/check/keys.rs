@@ -21,7 +21,7 @@ pub(super) struct Draft<'a> {
     word: Word<'a>,
     name: &'a str,
     label: Option<String>,
-    action: KeyAction,
+    action: Option<KeyAction>,
     at: Vec2,
     size: written::Outline,
     travel: Travel,
@@ -46,7 +46,7 @@ impl<'a> Checked<'a> {
                 word,
                 name: self.code(word)?.name(),
                 label: None,
-                action: self.code_action(word, None)?,
+                action: Some(self.code_action(word, None)?),
                 at: metres2(row.at_mm) + Vec2::X * (pitch * column as f32),
                 size: row.size_mm.unwrap_or(board.size_mm),
                 travel: board.travel_mm,
@@ -72,7 +72,10 @@ impl<'a> Checked<'a> {
             _ => word.0,
         };
         let label = fields.label.as_ref().map(|label| label.0.clone());
-        let action = self.action(key.does, fields.latch)?;
+        let action = match (key.does, fields.latch) {
+            (Does::Nothing, None) => None,
+            (does, latch) => Some(self.action(does, latch)?),
+        };
         Ok(Draft {
             word,
             name,
@@ -105,6 +108,10 @@ impl<'a> Checked<'a> {
             Does::Recentre => KeyAction::Ask(Request::Recentre),
             Does::Clutch => KeyAction::Clutch,
             Does::Precision => KeyAction::Precision,
+            Does::Nothing => {
+                let message = "only keys that take part in chords can do nothing on their own";
+                return Err(self.document.error(self.name.0, message));
+            }
         };
         match latch {
             None => Ok(action),
@@ -180,7 +187,7 @@ impl<'a> Checked<'a> {
                 name: draft.name,
                 label: draft
                     .label
-                    .unwrap_or_else(|| self.default_label(draft.action)),
+                    .unwrap_or_else(|| self.default_label(draft.action, draft.name)),
                 at: draft.at,
                 turn: 0.0,
                 size: draft.size,
@@ -193,7 +200,7 @@ impl<'a> Checked<'a> {
         self.places.insert(draft.name, self.keys.len());
         self.keys.push(Key {
             front,
-            actions: vec![Some(draft.action)],
+            actions: vec![draft.action],
             analogue: draft.analogue,
             fires: draft.fires,
             repress: milliseconds(draft.repress.get()),
@@ -201,8 +208,9 @@ impl<'a> Checked<'a> {
         Ok(())
     }
 
-    fn default_label(&self, action: KeyAction) -> String {
-        label(action, &self.layers, &self.texts).to_owned()
+    fn default_label(&self, action: Option<KeyAction>, name: &str) -> String {
+        let label = action.map_or(name, |action| label(action, &self.layers, &self.texts));
+        label.to_owned()
     }
 }
 

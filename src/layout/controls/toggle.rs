@@ -43,18 +43,7 @@ impl<'a> Checked<'a> {
         written: &Toggle<'a>,
     ) -> Result<(), LayoutError> {
         let name = written.name;
-        let output = match (written.holds, written.taps) {
-            (None, None) => ToggleOutput::Told,
-            (Some(does), None) => ToggleOutput::Holds(self.action(does, None)?),
-            (None, Some(does)) => ToggleOutput::Taps(self.action(does, None)?),
-            (Some(_), Some(_)) => {
-                let message = format!(
-                    "the toggle switch `{}` has both `holds` and `taps`, leave one of them out",
-                    name.0
-                );
-                return Err(self.document.error(name.0, message));
-            }
-        };
+        let output = self.toggle_output("toggle switch", name, written.holds, written.taps)?;
         let front = self.put(
             &board.form,
             Spot {
@@ -77,5 +66,27 @@ impl<'a> Checked<'a> {
             kind: Kind::Toggle(toggle::Toggle { target, output }),
         });
         Ok(())
+    }
+
+    /// What goes on with a control of the kind `what` that is on or off.
+    pub(super) fn toggle_output(
+        &mut self,
+        what: &str,
+        name: Word<'a>,
+        holds: Option<Does<'a>>,
+        taps: Option<Does<'a>>,
+    ) -> Result<ToggleOutput, LayoutError> {
+        Ok(match (holds, taps) {
+            (None, None) => ToggleOutput::Told,
+            (Some(does), None) => ToggleOutput::Holds(self.action(does, None)?),
+            (None, Some(does)) => ToggleOutput::Taps(self.action(does, None)?),
+            (Some(_), Some(_)) => {
+                let message = format!(
+                    "the {what} `{}` has both `holds` and `taps`, leave one of them out",
+                    name.0
+                );
+                return Err(self.document.error(name.0, message));
+            }
+        })
     }
 }
