@@ -35,6 +35,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
         [
             "arrows",
             "azerty-flat",
+            "chords-five",
             "colemak-flat",
             "dvorak-flat",
             "numpad",

@@ -34,6 +34,7 @@ const SHIPPED: &[(&str, &str)] = shipped! {
     "gloves/unam-hc11-left"
     "keyboards/arrows"
     "keyboards/azerty-flat"
+    "keyboards/chords-five"
     "keyboards/colemak-flat"
     "keyboards/dvorak-flat"
     "keyboards/numpad"
@@ -44,6 +45,7 @@ const SHIPPED: &[(&str, &str)] = shipped! {
     "keyboards/qwerty-two-flat"
     "keyboards/qwertz-flat"
     "keyboards/spanish-flat"
+    "panels/touch-pad"
 };
 
 /// A file as it was read; errors about it know its name and show its lines.

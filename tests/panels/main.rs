@@ -6,6 +6,7 @@ mod dwells;
 mod errors;
 mod radios;
 mod rig;
+mod shipped;
 mod texts;
 mod toggles;
 mod touch_surfaces;
