@@ -22,7 +22,7 @@ const PERIOD: Duration = Duration::from_millis(50);
 #[derive(Debug)]
 pub enum Report {
     /// It is in force.
-    Replaced(Layout),
+    Replaced(Box<Layout>),
     /// It is not as it should be, or not there; the layout in force stays.
     Wrong(LayoutError),
     /// It is right but cannot be used in this run, for this reason; the layout in force stays.
@@ -90,7 +90,7 @@ impl Watcher {
                                 return;
                             }
                             file.is_in_force(&layout.text);
-                            Report::Replaced(layout)
+                            Report::Replaced(Box::new(layout))
                         }
                     },
                 };

@@ -426,6 +426,13 @@ fn the_guide_names_every_range_and_default() {
         "at_mm" Distance;
         "repress_ms" Repress default;
         "hold_ms" HoldTime default;
+        "dwell_ms" DwellTime;
+        "chord_ms" ChordTime default;
+        "px_per_mm" Speed default;
+        "acceleration" Acceleration default;
+        "scroll_mm" ScrollWay default;
+        "on_deg`, `off_deg" Angle;
+        "on_mm`, `off_mm" Gap;
     }
 }
 

@@ -13,7 +13,7 @@ use ademan::contact::{Phase, TargetId, Touch, Touches};
 use ademan::device::keyboard::Keyboard;
 use ademan::device::{Action, Events, Out, Seen, Switchboard, VirtualDevice};
 use ademan::estimate::{JointAngles, Rejection};
-use ademan::hand::{Finger, Side};
+use ademan::hand::{Dof, Finger, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::lab::Typist;
 use ademan::layout::Layout as Keys;
@@ -22,7 +22,7 @@ use ademan::pipeline::Pipeline;
 use ademan::runtime::drive;
 use ademan::settings::{Assembly, Setup, controls};
 use ademan::time::Timestamp;
-use parry3d::math::Vec2;
+use parry3d::math::{Pose, Vec2, Vec3};
 
 struct Counting;
 
@@ -292,6 +292,79 @@ fn every_option_of_a_key_allocates_nothing() {
     let allocated = allocations() - before;
 
     assert!(sent > 4_000, "only {sent} events");
+    assert_eq!(allocated, 0);
+}
+
+#[test]
+fn controls_and_ways_of_a_hand_allocate_nothing() {
+    let text = r#"Layout(name: "t", boards: [(place: (anchor: elbow),
+        keys: [(code: "A", at_mm: (0, 0)), (code: "B", at_mm: (20, 0)), (code: "C", dwell_ms: 50, at_mm: (40, 0))],
+        radios: [(name: "R", options: [
+            (name: "r0", at_mm: (0, 20), holds: Key("F1")), (name: "r1", at_mm: (20, 20), taps: Key("F2")),
+        ])],
+        touch_surfaces: [
+            (name: "pad", at_mm: (0, 60), size_mm: Box(40, 40), mode: Pad),
+            (name: "screen", at_mm: (50, 60), size_mm: Box(40, 40), mode: Screen),
+        ],
+    )], chords: [(keys: "A B", does: Write("ñandú"))],
+    triggers: [
+        (name: "claw", does: Key("X"), drives: Axis("LeftX"),
+         when: Angle(of: "index-mcp-flexion", on_deg: 50, off_deg: 40, from_deg: 0, full_deg: 90)),
+        (name: "pinch", does: Key("MouseLeft"), when: Pinch(of: "index")),
+    ])"#;
+    let layout = Keys::parse(text, "t.ron").expect("a layout");
+    let targets = layout.scene.len() as u64;
+    let mut devices = layout.devices();
+    let mut switchboard = Switchboard::new(layout.texts.clone());
+    let mut angles = JointAngles::at(Timestamp(0));
+    let mut random = 1_u64;
+    let mut next = |below: u64| {
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1);
+        (random >> 33) % below
+    };
+    let mut sent = 0;
+
+    let before = allocations();
+    for frame in 0..10_000_u64 {
+        let mut pose = HandPose::at(Timestamp(frame * 15_000), Side::Right, 0.005);
+        for tip in [Joint::ThumbTip, Joint::IndexTip] {
+            let place = Vec3::X * next(60) as f32 * 1e-3;
+            pose.set(tip, Pose::from_translation(place));
+        }
+        angles.set(Dof::IndexMcpFlexion, next(90) as f64 / 60.0);
+        let touch = |&finger: &Finger| Touch {
+            time: pose.time,
+            side: Side::Right,
+            finger,
+            target: TargetId(next(targets) as u32),
+            phase: Phase::ALL[next(Phase::COUNT as u64) as usize],
+            depth: 0.5,
+            at: Vec2::new(next(40) as f32, next(40) as f32) * 1e-3,
+        };
+        let touches: Touches = Finger::ALL.iter().map(touch).collect();
+        let seen = Seen {
+            angles: &angles,
+            pose: &pose,
+            touches: &touches,
+        };
+        let mut events = Events::new();
+        let mut out = Out {
+            switchboard: &mut switchboard,
+            events: &mut events,
+        };
+        for device in &mut devices {
+            device.update(&seen, &mut out);
+            if frame % 100 == 99 {
+                device.release_all(pose.time, &mut out);
+            }
+        }
+        sent += events.len();
+    }
+    let allocated = allocations() - before;
+
+    assert!(sent > 10_000, "only {sent} events");
     assert_eq!(allocated, 0);
 }
 

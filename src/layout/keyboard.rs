@@ -107,7 +107,7 @@ pub struct Key {
 
 impl Board {
     /// Where a point in the plane of the board is along and across its rows, in metres: the inverse
-    /// of what bends [`Key::at`] into the middle of [`Key::outline`].
+    /// of what bends [`Front::at`] into the middle of [`Front::outline`].
     pub fn along_rows(&self, point: Vec2) -> Vec2 {
         let Some(at_zero) = self.radius else {
             return point;

@@ -47,7 +47,7 @@ pub enum Fires {
 /// force instead, until the key is let go of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hold {
-    /// What it does when held; latches count as [`Latch::Held`].
+    /// What it does when held; latches count as [`Latch::Held`](crate::device::Latch::Held).
     pub action: KeyAction,
     /// How long it is pressed before it counts as held.
     pub after: Duration,
