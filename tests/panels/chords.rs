@@ -117,8 +117,8 @@ fn losing_a_finger_or_letting_go_of_everything_ends_a_chord() {
 #[test]
 fn a_second_finger_on_a_key_is_no_second_key() {
     assert_eq!(
-        chords("index@J:down&thumb@J:up thumb@J:down t:60ms index@J:up&thumb@J:up"),
-        "down J | up   J"
+        chords("index@J:down&thumb@J:up thumb@J:down t:60ms index@J:up little@A:tap thumb@J:up"),
+        "down J | up   J | down A | up   A"
     );
 }
 

@@ -35,6 +35,19 @@ fn it_fires_at_its_time_between_two_frames() {
 }
 
 #[test]
+fn a_fingertip_that_leaves_right_after_its_time_has_fired_the_key() {
+    assert_eq!(
+        simulate(KEYS, "index@A:up index@A:4 t:290ms index@A:-1"),
+        "down A | up   A"
+    );
+    assert_eq!(
+        simulate(KEYS, "index@A:up index@A:4 t:290ms index@A:-16"),
+        "",
+        "it left before"
+    );
+}
+
+#[test]
 fn pressing_it_deep_is_no_second_time() {
     assert_eq!(
         simulate(

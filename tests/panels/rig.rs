@@ -9,6 +9,7 @@
 //! - `lost:index`, `doubt:index`, `trust:index`: not known, not to be believed, believed again.
 //! - `angle:wrist-flexion=20`: an angle in degrees. `palm=0,30,0`: the hand is turned by so many degrees
 //!   about the world's X, Y and Z. `tip:thumb=10,0,-300`: a fingertip in the world, in mm.
+//! - `jump`: the hand was re-acquired in another place.
 //! - `left`, `right`: of which hand the following is; `release`: everything is let go of.
 
 use std::io::{Result, Write};
@@ -45,6 +46,7 @@ struct Hand {
     /// The centres of the fingertips in the world.
     tips: [Option<Vec3>; Finger::COUNT],
     untrusted: FingerSet,
+    jumped: bool,
     palm: Rotation,
 }
 
@@ -96,6 +98,7 @@ impl Rig {
             angles: JointAngles::at(Timestamp(0)),
             tips: [None; Finger::COUNT],
             untrusted: FingerSet::NONE,
+            jumped: false,
             palm: Rotation::IDENTITY,
         };
         Self {
@@ -176,6 +179,7 @@ impl Rig {
                 let dof = dof.parse().unwrap();
                 self.hand().angles.set(dof, degrees.to_radians());
             }
+            None if order == "jump" => self.hand().jumped = true,
             None if order == "release" => self.release_all(),
             _ => panic!("unknown order {order}"),
         }
@@ -209,6 +213,7 @@ impl Rig {
         let hand = &self.hands[self.side.index()];
         let mut pose = HandPose::at(self.time, self.side, RADIUS);
         pose.untrusted = hand.untrusted;
+        pose.jumped = hand.jumped;
         for joint in [Joint::Elbow, Joint::Wrist] {
             pose.set(joint, Pose::from_parts(Vec3::ZERO, hand.palm));
         }
@@ -226,6 +231,7 @@ impl Rig {
         let pose = self.pose();
         let hand = &mut self.hands[self.side.index()];
         hand.angles.time = self.time;
+        hand.jumped = false;
         let mut touches = Touches::new();
         hand.tracker.update(&self.layout.scene, &pose, &mut touches);
         let seen = Seen {

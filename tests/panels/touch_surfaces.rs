@@ -207,6 +207,22 @@ fn sliding_off_a_pad_or_losing_a_finger_never_clicks() {
 }
 
 #[test]
+fn fingers_from_before_everything_was_let_go_of_do_not_count() {
+    assert_eq!(
+        simulate(PAD, "index@P+0:up index@P+0:1 release middle@P+30:tap"),
+        "down MouseLeft | up   MouseLeft",
+        "one finger, not two"
+    );
+    assert_eq!(
+        simulate(
+            SCREEN,
+            "index@S+0:up index@S+0:1 release ring@S+40:up ring@S+40:1"
+        ),
+        "place 0.5000 0.5000 | place 0.7500 0.5000"
+    );
+}
+
+#[test]
 fn everything_let_go_of_ends_a_drag() {
     let mut rig = Rig::on_board(PAD);
     rig.run("index@P+0:tap index@P+0:1 index@P+13.1:1 release index@P+30:1 index@P+30:up");

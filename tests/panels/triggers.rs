@@ -74,14 +74,22 @@ fn a_finger_that_is_not_believed_lets_go() {
         claw(&format!(
             "{} doubt:index trust:index {}",
             bend(&[0, 70]),
-            bend(&[70, 40, 70])
+            bend(&[70, 55])
         )),
-        "down X | value Claw 1.000 | up   X | value Claw 0.000 | down X | value Claw 1.000"
+        "down X | value Claw 1.000 | up   X | value Claw 0.000"
     );
     assert_eq!(
         claw(&format!("{} doubt:middle", bend(&[0, 70]))),
         "down X | value Claw 1.000",
         "another finger does not matter"
+    );
+}
+
+#[test]
+fn a_jump_of_the_hand_lets_go() {
+    assert_eq!(
+        claw(&format!("{} jump {}", bend(&[0, 70]), bend(&[70, 55]))),
+        "down X | value Claw 1.000 | up   X | value Claw 0.000"
     );
 }
 

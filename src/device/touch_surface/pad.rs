@@ -147,6 +147,9 @@ impl Pad {
     }
 
     fn come(&mut self, touch: &Touch) {
+        let finger = (touch.side, touch.finger);
+        // One that comes again has gone, told or not.
+        self.fingers.retain(|on| on.finger != finger);
         if self.fingers.is_empty() {
             let since_click = self.clicked.take().map(|clicked| touch.time.since(clicked));
             *self = Self {
@@ -158,7 +161,7 @@ impl Pad {
         }
         // Each finger is on one target at most, so there is room.
         let _ = self.fingers.try_push(OnPad {
-            finger: (touch.side, touch.finger),
+            finger,
             start: touch.at,
             at: touch.at,
             followed: touch.at,
