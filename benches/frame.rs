@@ -310,11 +310,13 @@ fn e_contact(bencher: Bencher, board: Board) {
 fn f_keyboard(bencher: Bencher) {
     let mut keyboard = Board::Flat(100).keyboard();
     let mut switchboard = Switchboard::default();
+    let scene = Scene::new();
     let mut events = Events::new();
     let pose = typing().poses[0];
     run(bencher, &typing().touches, |touches| {
         events.clear();
         let seen = Seen {
+            scene: &scene,
             angles: &typing().angles[0],
             pose: &pose,
             touches,

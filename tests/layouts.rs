@@ -46,18 +46,24 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "qwerty-two-flat",
             "qwertz-flat",
             "spanish-flat",
+            "game",
+            "media",
+            "workshop",
         ]
     );
     for (name, layout) in &shipped {
-        let path = format!(
-            "{}/layouts/keyboards/{name}.ron",
-            env!("CARGO_MANIFEST_DIR")
-        );
+        let folder = match layout.controls.is_empty() {
+            true => "keyboards",
+            false => "panels",
+        };
+        let path = format!("{}/layouts/{folder}/{name}.ron", env!("CARGO_MANIFEST_DIR"));
         let from_file = Layout::load(&path).unwrap();
         assert_eq!(from_file.keys, layout.keys, "{name}");
+        assert_eq!(from_file.controls, layout.controls, "{name}");
         assert_eq!(from_file.text, Layout::load(name).unwrap().text, "{name}");
         assert!(!layout.note.is_empty(), "{name}");
-        assert_eq!(layout.keyboard_bindings().len(), layout.scene.len());
+        let fronts = layout.boards.iter().flat_map(|board| layout.fronts(board));
+        assert_eq!(fronts.count(), layout.scene.len(), "{name}");
     }
 }
 

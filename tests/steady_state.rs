@@ -214,6 +214,7 @@ fn update(
     events: &mut Events,
 ) {
     let seen = Seen {
+        scene: &ademan::contact::surface::Scene::new(),
         angles: &JointAngles::at(pose.time),
         pose,
         touches,
@@ -345,6 +346,7 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
         let seen = Seen {
+            scene: &layout.scene,
             angles: &angles,
             pose: &pose,
             touches: &touches,

@@ -34,7 +34,7 @@ pub struct Target {
     /// The share of the travel at which it counts as let go again, 0 or more.
     pub release_share: f32,
     /// Metres by which the outline is wider for a fingertip that is on it: [`TREMBLE`] for what is
-    /// only pushed, more for a handle that is held on to while it moves.
+    /// only pushed, [`STRAY`] or more for a handle that is held on to while it moves.
     pub margin: f32,
 }
 
@@ -42,6 +42,11 @@ pub struct Target {
 /// the edge does not cancel. An unsupported arm sways 0.5–2 mm below 2 Hz, a fingertip trembles
 /// 0.02–0.1 mm (Arch Neurol 1982;39:358).
 pub const TREMBLE: f32 = 0.002;
+
+/// How far a fingertip may be beside the outline of a handle that it drags, in metres: whoever drags
+/// looks at what comes of it and not at the finger. Poke interaction of shipped headsets gives up as far
+/// beside a panel.
+pub const STRAY: f32 = 0.03;
 
 /// Metres by which the box around a front is thicker than the front on every side.
 ///

@@ -54,6 +54,8 @@ pub(super) struct Driver {
     target: TargetId,
     drive: Drive,
     value: f32,
+    /// Where it goes when it is let go of; nowhere when `None`.
+    springs_to: Option<f32>,
     /// What of the value has been driven: whole units, pixels or steps.
     driven: i32,
     /// Where the axis stands.
@@ -67,11 +69,22 @@ impl Driver {
             target,
             drive,
             value,
+            springs_to: None,
             driven: 0,
             axis: 0.0,
         };
         driver.driven = driver.units(value);
         driver
+    }
+
+    /// The same that springs back to a value when it is let go of, at which its axis, if it has one, is 0.
+    pub(super) fn springing_to(self, springs_to: Option<f32>) -> Self {
+        Self { springs_to, ..self }
+    }
+
+    /// Whether it moves when it is let go of.
+    pub(super) fn springs(&self) -> bool {
+        self.springs_to.is_some()
     }
 
     /// Where it stands.
@@ -101,11 +114,19 @@ impl Driver {
         self.rest(time, out);
     }
 
-    /// Lets the axis spring back to 0; the value stays where it is.
-    pub(super) fn rest(&mut self, time: Timestamp, out: &mut Out) {
+    /// Lets the axis spring back to 0; the value stays where it is, unless it springs back too. That taps,
+    /// scrolls and moves nothing, so that a spring works as a ratchet. `false` when there was no room for
+    /// all of it.
+    pub(super) fn rest(&mut self, time: Timestamp, out: &mut Out) -> bool {
         if let Drive::Axis(axis) = self.drive {
             self.stand_at(axis, 0.0, time, out);
         }
+        let value = self.springs_to.unwrap_or(self.value);
+        if value != self.value && out.tell(time, Action::Value(self.target, value)) {
+            self.value = value;
+            self.driven = self.units(value);
+        }
+        self.axis == 0.0 && self.value == value
     }
 
     fn drive_to(&mut self, value: f32, time: Timestamp, out: &mut Out) {
@@ -113,8 +134,11 @@ impl Driver {
         let is_driven = match self.drive {
             Drive::Told => true,
             Drive::Axis(axis) => {
-                let is_trigger = matches!(axis, Axis::LeftTrigger | Axis::RightTrigger);
-                let place = if is_trigger { value } else { 2.0 * value - 1.0 };
+                let place = if axis.is_trigger() {
+                    value
+                } else {
+                    2.0 * value - 1.0
+                };
                 self.stand_at(axis, place.clamp(-1.0, 1.0), time, out);
                 true
             }

@@ -2,6 +2,7 @@
 
 use arrayvec::ArrayVec;
 
+use crate::contact::surface::Scene;
 use crate::contact::{TargetId, Touch};
 use crate::estimate::JointAngles;
 use crate::kinematics::HandPose;
@@ -12,12 +13,18 @@ pub mod keycode;
 pub mod needs;
 pub mod switchboard;
 mod places;
+mod grips;
+mod resting;
+mod steps;
 pub mod drive;
 pub mod keyboard;
 pub mod radio;
 pub mod toggle;
 pub mod touch_surface;
 pub mod trigger;
+pub mod slider;
+pub mod knob;
+pub mod joystick;
 
 pub use keycode::{KeyCode, KeyKind};
 pub use needs::{Need, Needs};
@@ -55,7 +62,8 @@ pub enum Action {
     Axis(Axis, f32),
     /// How far a target is pushed in, 0..=1; for outputs that know analogue controls.
     Depth(TargetId, f32),
-    /// Where a control stands that keeps its place, such as a slider: 0..=1 of its range.
+    /// Where a control stands that keeps its place, such as a slider: 0..=1 of its range; an
+    /// endless knob counts its turns, negative the other way.
     Value(TargetId, f32),
     /// A target in space is selected.
     Select(TargetId),
@@ -114,6 +122,11 @@ impl Axis {
     pub const fn is_of_gamepad(self) -> bool {
         self.index() < Self::MoveX.index()
     }
+
+    /// Whether it goes from 0 to one side only.
+    pub const fn is_trigger(self) -> bool {
+        matches!(self, Self::LeftTrigger | Self::RightTrigger)
+    }
 }
 
 /// The events of one frame: releases first, presses second.
@@ -126,6 +139,8 @@ pub type Events = ArrayVec<OutputEvent, 192>;
 /// What a device sees of one hand in one frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
+    /// Where the controls are.
+    pub scene: &'a Scene,
     /// The angles of its joints.
     pub angles: &'a JointAngles,
     /// Where it is, and since when.

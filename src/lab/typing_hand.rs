@@ -1,7 +1,7 @@
 //! The posture of a hand that points with the index finger, and how it gets to a target.
 
 use arrayvec::ArrayVec;
-use parry3d::math::{Pose, Vec3};
+use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::order::Spot;
 use crate::contact::TargetId;
@@ -293,11 +293,16 @@ impl TypingHand {
     /// How the fingertip presses a key, or how far beyond the hand's reach that is, in metres: infinitely
     /// far when the target or its anchor is not there.
     pub fn stroke(&self, scene: &Scene, target: TargetId) -> Result<KeyStroke, f64> {
+        self.stroke_at(scene, target, Vec2::ZERO)
+    }
+
+    /// The same beside the middle of the target's front: `at` along its own X and Y, in metres.
+    pub fn stroke_at(&self, scene: &Scene, target: TargetId, at: Vec2) -> Result<KeyStroke, f64> {
         let front = self.front(scene, target).ok_or(f64::INFINITY)?;
-        let at = |height| front.tip(Spot::middle(target), height);
+        let tip = |height| front.tip(Spot { target, at }, height);
         let stroke = KeyStroke {
-            hover: at(front.hover),
-            bottom: at(front.bottom),
+            hover: tip(front.hover),
+            bottom: tip(front.bottom),
         };
         let distance = self.reach(stroke.bottom, &mut self.rest(), &[]);
         match distance > REACH_ERROR {

@@ -197,6 +197,21 @@ impl<'a> Checked<'a> {
         for surface in &board.touch_surfaces {
             self.add_touch_surface(board, surface)?;
         }
+        for slider in &board.sliders {
+            self.add_slider(board, slider)?;
+        }
+        for knob in &board.knobs {
+            self.add_knob(board, knob)?;
+        }
+        for lever in &board.levers {
+            self.add_lever(board, lever)?;
+        }
+        for valve in &board.valves {
+            self.add_valve(board, valve)?;
+        }
+        for joystick in &board.joysticks {
+            self.add_joystick(board, joystick)?;
+        }
         self.refuse_overlaps()?;
         self.scene.add_for(
             board.hand,

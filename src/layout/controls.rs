@@ -1,19 +1,27 @@
 //! Controls other than keys: each kind has its form in the file and becomes a device.
 
 mod drives;
+pub mod joystick;
+pub mod knob;
+pub mod lever;
 pub mod radio;
+pub mod slider;
 pub mod toggle;
 pub mod touch_surface;
 pub mod trigger;
+pub mod valve;
 
 pub use drives::Drives;
 
 use super::keyboard::{Front, Layout};
 use crate::device::VirtualDevice;
+use crate::device::joystick::{Joystick, Joysticks};
 use crate::device::keyboard::Keyboard;
-use crate::device::radio::Radios;
-use crate::device::toggle::Toggles;
-use crate::device::touch_surface::TouchSurfaces;
+use crate::device::knob::{Knob, Knobs};
+use crate::device::radio::{Radio, Radios};
+use crate::device::slider::{Slider, Sliders};
+use crate::device::toggle::{Toggle, Toggles};
+use crate::device::touch_surface::{TouchSurface, TouchSurfaces};
 use crate::device::trigger::Triggers;
 
 /// A control that is no key.
@@ -29,11 +37,17 @@ pub struct Control {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Kind {
     /// A toggle switch.
-    Toggle(crate::device::toggle::Toggle),
+    Toggle(Toggle),
     /// A radio group.
-    Radio(crate::device::radio::Radio),
+    Radio(Radio),
     /// A touch screen or touch pad.
-    TouchSurface(crate::device::touch_surface::TouchSurface),
+    TouchSurface(TouchSurface),
+    /// A slider or a lever.
+    Slider(Slider),
+    /// A knob or a valve.
+    Knob(Knob),
+    /// A joystick.
+    Joystick(Joystick),
 }
 
 /// One device for all keys, and one for each other kind of control that the layout has.
@@ -42,13 +56,16 @@ pub(super) fn devices(layout: &Layout) -> Vec<Box<dyn VirtualDevice>> {
         Keyboard::new(layout.keyboard_bindings()).with_chords(&layout.chords, layout.chord_within);
     let mut devices: Vec<Box<dyn VirtualDevice>> = vec![Box::new(keyboard)];
     let mut toggles = Vec::new();
-    let mut radios = Vec::new();
-    let mut touch_surfaces = Vec::new();
+    let (mut radios, mut touch_surfaces) = (Vec::new(), Vec::new());
+    let (mut sliders, mut knobs, mut joysticks) = (Vec::new(), Vec::new(), Vec::new());
     for control in &layout.controls {
         match &control.kind {
             Kind::Toggle(toggle) => toggles.push(*toggle),
             Kind::Radio(radio) => radios.push(radio.clone()),
             Kind::TouchSurface(surface) => touch_surfaces.push(*surface),
+            Kind::Slider(slider) => sliders.push(*slider),
+            Kind::Knob(knob) => knobs.push(*knob),
+            Kind::Joystick(joystick) => joysticks.push(*joystick),
         }
     }
     if !toggles.is_empty() {
@@ -63,6 +80,15 @@ pub(super) fn devices(layout: &Layout) -> Vec<Box<dyn VirtualDevice>> {
     if !layout.triggers.is_empty() {
         let triggers = layout.triggers.iter().map(|(_, trigger)| *trigger);
         devices.push(Box::new(Triggers::new(triggers)));
+    }
+    if !sliders.is_empty() {
+        devices.push(Box::new(Sliders::new(sliders)));
+    }
+    if !knobs.is_empty() {
+        devices.push(Box::new(Knobs::new(knobs)));
+    }
+    if !joysticks.is_empty() {
+        devices.push(Box::new(Joysticks::new(joysticks)));
     }
     devices
 }

@@ -48,7 +48,7 @@ pub struct Cell {
 
 impl Grid {
     fn of(board: &Board, fronts: &[&Front]) -> Self {
-        let half = |front: &Front| front.outline.half_extents();
+        let half = |front: &Front| board.reach_along_rows(front);
         let narrowest = fronts
             .iter()
             .map(|front| half(front).x)

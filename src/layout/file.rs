@@ -45,7 +45,10 @@ const SHIPPED: &[(&str, &str)] = shipped! {
     "keyboards/qwerty-two-flat"
     "keyboards/qwertz-flat"
     "keyboards/spanish-flat"
+    "panels/game"
+    "panels/media"
     "panels/touch-pad"
+    "panels/workshop"
 };
 
 /// A file as it was read; errors about it know its name and show its lines.

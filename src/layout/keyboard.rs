@@ -119,6 +119,18 @@ impl Board {
             radius - at_zero,
         )
     }
+
+    /// Half the width and height of the rectangle along and across the rows around a front, in metres.
+    pub fn reach_along_rows(&self, front: &Front) -> Vec2 {
+        let of_row = self
+            .radius
+            .map_or(0.0, |at_zero| -front.at.x / (at_zero + front.at.y));
+        let straightened = Outline {
+            rotation: front.outline.rotation - of_row,
+            ..front.outline
+        };
+        straightened.reach()
+    }
 }
 
 impl Key {
@@ -154,9 +166,10 @@ impl Layout {
         check::layout(document)
     }
 
-    /// The shipped keyboards by name, each with its layout.
+    /// The shipped keyboards and then the panels by name, each with its layout.
     pub fn shipped() -> Result<Vec<(&'static str, Self)>, LayoutError> {
         file::shipped_names("keyboards")
+            .chain(file::shipped_names("panels"))
             .map(|name| Ok((name, Self::of(Document::shipped(name)?)?)))
             .collect()
     }
@@ -203,6 +216,12 @@ impl Layout {
     pub fn is_there_for(&self, side: Side) -> bool {
         let mut surfaces = self.scene.surfaces().iter();
         surfaces.any(|surface| surface.side() == Some(side))
+    }
+
+    /// Whether a target is a key that chords are played with.
+    pub fn is_of_chord(&self, target: TargetId) -> bool {
+        let mut chords = self.chords.iter();
+        chords.any(|chord| chord.keys.contains(&target))
     }
 
     /// The devices that take the touches of the controls.

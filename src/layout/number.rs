@@ -86,6 +86,24 @@ measures! {
     Pixels = "a distance on the screen", -20000.0 ..= 20000.0, " px";
     /// Steps of a whole range.
     Steps = "a number of steps", 1.0 ..= 1000.0, "";
+    /// A share of the range of a control.
+    Share = "a share", 0.0 ..= 1.0, "";
+    /// How far a control lies turned in the plane of its board, in degrees.
+    Turn = "a turn", -180.0 ..= 180.0, "°", or 0.0;
+    /// How far a knob turns between its ends, in degrees.
+    KnobRange = "the range of a knob", 10.0 ..= 360.0, "°", or 270.0;
+    /// How many full turns a valve has between its ends.
+    Turns = "a number of turns", 0.25 ..= 50.0, "", or 3.0;
+    /// How far a lever turns between its ends, in degrees.
+    Throw = "a throw", 5.0 ..= 170.0, "°", or 60.0;
+    /// How far a joystick goes to each side, in millimetres.
+    Reach = "a reach", 2.0 ..= 200.0, " mm", or 20.0;
+    /// The share of its reach within which a joystick stands in the middle.
+    DeadZone = "a dead zone", 0.0 ..= 0.9, "", or 0.1;
+    /// The exponent of a joystick's way from the dead zone to its end.
+    Curve = "a curve", 1.0 ..= 4.0, "", or 1.0;
+    /// How fast a joystick moves the pointer, in pixels a second.
+    PointerSpeed = "a speed of the pointer", 1.0 ..= 20000.0, " px/s";
     /// A turn about the vertical, in degrees.
     Bearing = "a bearing", -180.0 ..= 180.0, "°", or 0.0;
     /// A slope, in degrees.

@@ -5,10 +5,15 @@
 
 use serde::Deserialize;
 
+use super::controls::joystick::Joystick;
+use super::controls::knob::Knob;
+use super::controls::lever::Lever;
 use super::controls::radio::Radio;
+use super::controls::slider::Slider;
 use super::controls::toggle::Toggle;
 use super::controls::touch_surface::TouchSurface;
 use super::controls::trigger::Trigger;
+use super::controls::valve::Valve;
 use super::number::{
     Bearing, ChordTime, Distance, DwellTime, HoldTime, Pitch, PressShare, Radius, ReleaseShare,
     Repress, Size, Tilt, Travel,
@@ -94,6 +99,21 @@ pub struct Board<'a> {
     /// Touch surfaces.
     #[serde(borrow, default)]
     pub touch_surfaces: Vec<TouchSurface<'a>>,
+    /// Sliders.
+    #[serde(borrow, default)]
+    pub sliders: Vec<Slider<'a>>,
+    /// Knobs.
+    #[serde(borrow, default)]
+    pub knobs: Vec<Knob<'a>>,
+    /// Levers.
+    #[serde(borrow, default)]
+    pub levers: Vec<Lever<'a>>,
+    /// Valves.
+    #[serde(borrow, default)]
+    pub valves: Vec<Valve<'a>>,
+    /// Joysticks.
+    #[serde(borrow, default)]
+    pub joysticks: Vec<Joystick<'a>>,
 }
 
 /// Where a board is: its point (0, 0) seen from the anchor.

@@ -102,6 +102,7 @@ impl Controls {
     /// Shows the devices one frame of one hand.
     pub(super) fn update(&mut self, frame: &Frame, events: &mut Events) {
         let seen = Seen {
+            scene: &self.scene,
             angles: &frame.angles,
             pose: &frame.pose,
             touches: &frame.touches,

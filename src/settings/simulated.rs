@@ -1,12 +1,15 @@
 //! The simulated hand of a setup: what it types and plays, and what it cannot reach.
 
+use parry3d::math::Vec2;
+
 use super::{Assembly, SetupError};
 use crate::capture::LineSettings;
+use crate::contact::TargetId;
 use crate::hand::Side;
 use crate::lab::{
     self, Order, Reason, Refusal, Script, TypingHand, Typist, TypistError, TypistSettings,
 };
-use crate::layout::Key;
+use crate::layout::{Front, Kind};
 
 impl Assembly {
     /// A simulated hand that types `text` on this layout with this glove, at the pace of `line`.
@@ -98,19 +101,40 @@ impl Assembly {
         })
     }
 
-    /// The keys that the simulated hand cannot press, and how far beyond its reach each is, in metres.
-    pub fn out_of_reach(&self) -> Vec<(&Key, f64)> {
-        let scene = &self.layout.scene;
-        let sides = [self.glove.side, self.glove.side.other()];
-        let hands = sides.map(|side| self.typing_hand(side));
-        let out_of_reach = |target| {
-            let ways = hands.iter().map(|hand| hand.stroke(scene, target));
-            ways.map(Result::err)
-                .reduce(|one, other| Some(one?.min(other?)))?
-        };
-        let keys = self.layout.keys.iter();
-        keys.filter_map(|key| Some((key, out_of_reach(key.front.target)?)))
+    /// What the simulated hand cannot press, keys and other controls, and how far beyond its reach each
+    /// is, in metres. Of a slider or lever the ends of its track count too. Keys of chords are left out:
+    /// each is for a finger of its own, and the hand reaches with one only.
+    pub fn out_of_reach(&self) -> Vec<(&Front, f64)> {
+        let hands = [self.glove.side, self.glove.side.other()].map(|side| self.typing_hand(side));
+        let keys = self.layout.keys.iter().map(|key| &key.front);
+        let keys = keys.filter(|front| !self.layout.is_of_chord(front.target));
+        let keys = keys.map(|front| (front, 0.0));
+        let controls = self.layout.controls.iter().flat_map(|control| {
+            let half_length = match &control.kind {
+                Kind::Slider(slider) => slider.half_length,
+                _ => 0.0,
+            };
+            control.fronts.iter().map(move |front| (front, half_length))
+        });
+        keys.chain(controls)
+            .filter_map(|(front, half_length)| {
+                let ends = [-half_length, half_length].map(|x| Vec2::X * x);
+                let beyond = ends.map(|end| self.beyond(&hands, front.target, end));
+                Some((front, beyond.into_iter().flatten().reduce(f64::max)?))
+            })
             .collect()
+    }
+
+    /// How far beyond the reach of the nearer hand a place on a target is, in metres.
+    fn beyond(&self, hands: &[TypingHand], target: TargetId, at: Vec2) -> Option<f64> {
+        let mut nearest = f64::INFINITY;
+        for hand in hands {
+            match hand.stroke_at(&self.layout.scene, target, at) {
+                Ok(_) => return None,
+                Err(distance) => nearest = nearest.min(distance),
+            }
+        }
+        Some(nearest)
     }
 
     /// The simulated hand of a side: with the glove of this setup where there is one for it, else in a

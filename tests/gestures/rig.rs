@@ -184,6 +184,7 @@ impl Rig {
     /// Shows the keyboard one frame.
     pub fn update(&mut self, pose: &HandPose, touches: &[Touch], events: &mut Events) {
         let seen = Seen {
+            scene: &self.scene,
             angles: &JointAngles::at(pose.time),
             pose,
             touches,

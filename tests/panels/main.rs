@@ -4,10 +4,17 @@
 mod chords;
 mod dwells;
 mod errors;
+mod joysticks;
+mod knobs;
+mod levers;
 mod radios;
 mod rig;
 mod shipped;
+mod shipped_handles;
+mod sliders;
 mod texts;
 mod toggles;
 mod touch_surfaces;
 mod triggers;
+mod valves;
+mod wrong_dials;

@@ -235,6 +235,7 @@ impl Rig {
         let mut touches = Touches::new();
         hand.tracker.update(&self.layout.scene, &pose, &mut touches);
         let seen = Seen {
+            scene: &self.layout.scene,
             angles: &hand.angles,
             pose: &pose,
             touches: &touches,

@@ -29,7 +29,11 @@ fn check(files: &[String]) -> Result<(), Failure> {
             Ok(layout) => {
                 let keys = counted(layout.keys.len() as u64, "key");
                 let layers = counted(layout.layers.len() as u64, "layer");
-                writeln!(out, "{file}: right, {keys}, {layers}")?;
+                let others = match layout.controls.len() as u64 {
+                    0 => String::new(),
+                    count => format!("{}, ", counted(count, "other control")),
+                };
+                writeln!(out, "{file}: right, {keys}, {others}{layers}")?;
                 warn_of_reach(file)?;
             }
             Err(error) => {
@@ -47,21 +51,21 @@ fn check(files: &[String]) -> Result<(), Failure> {
     }
 }
 
-/// Names the keys that the default hand cannot press: the file is right all the same.
+/// Names the keys and other controls that the default hand cannot press: the file is right all the same.
 fn warn_of_reach(file: &str) -> Result<(), Failure> {
     let setup = Setup {
         layout: file.into(),
         ..Setup::default()
     };
     let assembly = setup.assemble()?;
-    for (key, metres) in assembly.out_of_reach() {
+    for (front, metres) in assembly.out_of_reach() {
         let far = match metres.is_finite() {
             true => format!("{:.0} mm beyond its reach", metres * 1e3),
             false => "it is nowhere".into(),
         };
         say!(
             "warning: {file}: the default hand cannot press `{}`: {far}",
-            key.front.name
+            front.name
         );
     }
     Ok(())

@@ -13,6 +13,7 @@ use crate::names::UnknownName;
 
 /// What the value of a control drives, beside being told.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub enum Drives<'a> {
     /// An axis by its name.
     #[serde(borrow)]
@@ -26,22 +27,16 @@ pub enum Drives<'a> {
     /// The pointer: pixels up for the whole range.
     MoveY(Pixels),
     /// Taps on the way up and down.
-    #[serde(borrow)]
-    Taps(Taps<'a>),
-}
-
-/// Taps on the way up and down.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Taps<'a> {
-    /// At each step up.
-    #[serde(borrow)]
-    pub more: Does<'a>,
-    /// At each step down.
-    #[serde(borrow)]
-    pub less: Does<'a>,
-    /// How many steps the whole range has.
-    pub steps: Steps,
+    Taps {
+        /// At each step up.
+        #[serde(borrow)]
+        more: Does<'a>,
+        /// At each step down.
+        #[serde(borrow)]
+        less: Does<'a>,
+        /// How many steps the whole range has.
+        steps: Steps,
+    },
 }
 
 impl<'a> Checked<'a> {
@@ -57,7 +52,7 @@ impl<'a> Checked<'a> {
             Some(Drives::ScrollY(clicks)) => Drive::ScrollY(clicks.get() as f32),
             Some(Drives::MoveX(pixels)) => Drive::MoveX(pixels.get() as f32),
             Some(Drives::MoveY(pixels)) => Drive::MoveY(pixels.get() as f32),
-            Some(Drives::Taps(Taps { more, less, steps })) => Drive::Taps {
+            Some(Drives::Taps { more, less, steps }) => Drive::Taps {
                 more: self.action(more, None)?,
                 less: self.action(less, None)?,
                 steps: steps.get() as u16,

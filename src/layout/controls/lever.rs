@@ -1,0 +1,117 @@
+//! Levers as written → checked.
+
+use serde::Deserialize;
+
+use super::Drives;
+use super::slider::TrackSpot;
+use crate::device::drive::Drive;
+use crate::device::slider::{Grab, Slider, Track};
+use crate::layout::LayoutError;
+use crate::layout::check::Checked;
+use crate::layout::keyboard::metres;
+use crate::layout::number::{Distance, Share, Size, Steps, Throw, Turn};
+use crate::layout::text::{Label, Word};
+use crate::layout::written::Board;
+
+/// A lever as it stands in the file.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lever<'a> {
+    /// What it is called.
+    #[serde(borrow)]
+    pub name: Word<'a>,
+    /// What is drawn on it; else its name.
+    #[serde(default)]
+    pub label: Option<Label>,
+    /// Where its hinge is: the middle of the way of its handle.
+    pub at_mm: (Distance, Distance),
+    /// How far its handle goes from one end to the other.
+    pub length_mm: Size,
+    /// The width of its handle's way.
+    #[serde(default)]
+    pub width_mm: Size,
+    /// How far that lies turned, counter-clockwise: 0 runs to the right, 90 away from the wearer.
+    #[serde(default)]
+    pub turn_deg: Turn,
+    /// How far it turns about its hinge from one end to the other.
+    #[serde(default)]
+    pub throw_deg: Throw,
+    /// It catches in one of so many notches beside the first.
+    #[serde(default)]
+    pub notches: Option<Steps>,
+    /// Where it stands at first, and where it springs back to; else upright.
+    #[serde(default)]
+    pub rest: Option<Share>,
+    /// Whether it springs back when it is let go of.
+    #[serde(default)]
+    pub springs: bool,
+    /// What its value drives.
+    #[serde(borrow, default)]
+    pub drives: Option<Drives<'a>>,
+}
+
+impl<'a> Checked<'a> {
+    /// Adds a lever to the board that is being added.
+    pub(in crate::layout) fn add_lever(
+        &mut self,
+        board: &Board<'a>,
+        written: &Lever<'a>,
+    ) -> Result<(), LayoutError> {
+        let drive = self.drive(written.drives)?;
+        let notches = written.notches.map(|notches| notches.get() as u16);
+        let rest = written.rest.map_or(0.5, |rest| rest.get() as f32);
+        if written.springs {
+            self.refuse_spring(written.name, rest, notches, drive)?;
+        }
+        let spot = TrackSpot {
+            what: "lever",
+            name: written.name,
+            label: Label::or_name(&written.label, written.name),
+            at_mm: written.at_mm,
+            length_mm: written.length_mm,
+            width_mm: written.width_mm,
+            turn_deg: written.turn_deg,
+        };
+        self.add_track(board, spot, |target| Slider {
+            target,
+            half_length: metres(written.length_mm.get()) / 2.0,
+            track: Track::Hinged(written.throw_deg.get().to_radians() as f32),
+            grab: Grab::Relative,
+            steps: notches,
+            start: rest,
+            springs: written.springs,
+            drive,
+        })
+    }
+
+    /// A spring brings an axis back to 0, so that is where the lever has to rest.
+    fn refuse_spring(
+        &self,
+        name: Word<'a>,
+        rest: f32,
+        notches: Option<u16>,
+        drive: Drive,
+    ) -> Result<(), LayoutError> {
+        let refuse = |message: String| Err(self.document.error(name.0, message));
+        if let Some(notches) = notches {
+            let notch = rest * f32::from(notches);
+            if (notch - notch.round()).abs() > 1e-3 {
+                return refuse(format!(
+                    "the lever `{}` springs back to {rest}, where none of its {notches} notches is",
+                    name.0
+                ));
+            }
+        }
+        let Drive::Axis(axis) = drive else {
+            return Ok(());
+        };
+        let at_zero = if axis.is_trigger() { 0.0 } else { 0.5 };
+        if rest == at_zero {
+            return Ok(());
+        }
+        refuse(format!(
+            "the lever `{}` springs back to {rest}, where the axis `{axis}` is not at 0, give it `rest: {at_zero}`",
+            name.0
+        ))
+    }
+}

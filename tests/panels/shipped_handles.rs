@@ -1,0 +1,69 @@
+//! The shipped panels.
+
+use ademan::layout::Layout;
+use ademan::settings::Setup;
+
+use crate::rig::Rig;
+
+#[test]
+fn the_default_hand_reaches_everything_on_every_shipped_layout() {
+    for (name, _) in Layout::shipped().unwrap() {
+        let setup = Setup {
+            layout: name.into(),
+            ..Setup::default()
+        };
+        let assembly = setup.assemble().unwrap();
+        let out_of_reach = assembly.out_of_reach();
+        assert!(out_of_reach.is_empty(), "{name}: {out_of_reach:?}");
+    }
+}
+
+#[test]
+fn the_ends_of_a_track_have_to_be_in_reach_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("long.ron");
+    let workshop = Layout::load("workshop").unwrap().text;
+    let long = workshop.replacen("length_mm: 70", "length_mm: 300", 1);
+    assert_ne!(long, workshop);
+    std::fs::write(&path, long).unwrap();
+    let setup = Setup {
+        layout: path.to_str().unwrap().into(),
+        ..Setup::default()
+    };
+    let assembly = setup.assemble().unwrap();
+    let out_of_reach = assembly.out_of_reach();
+    let names: Vec<&str> = out_of_reach
+        .iter()
+        .map(|(front, _)| front.name.as_str())
+        .collect();
+    assert_eq!(names, ["Lift"]);
+}
+
+#[test]
+fn an_output_is_told_the_codes_of_all_controls() {
+    let codes = |name| Layout::load(name).unwrap().needs().codes;
+    for code in [
+        "AudioVolumeUp",
+        "AudioVolumeDown",
+        "AudioVolumeMute",
+        "ArrowLeft",
+    ] {
+        assert!(codes("media").contains(&code.parse().unwrap()), "{code}");
+    }
+    assert!(codes("game").contains(&"PadL3".parse().unwrap()));
+}
+
+#[test]
+fn the_media_panel_turns_the_volume_up_and_seeks() {
+    let media = Layout::load("media").unwrap().text;
+    assert_eq!(
+        Rig::new(&media)
+            .run(
+                "index@Volume+15:up index@Volume+15:down index@Volume+14,-6:down \
+                 index@Volume+14,-6:up index@Seek:up index@Seek:down index@Seek-6:down"
+            )
+            .events(),
+        "value Volume 0.600 | down AudioVolumeUp | up   AudioVolumeUp | \
+         down AudioVolumeUp | up   AudioVolumeUp | value Seek 0.445 | down ArrowLeft | up   ArrowLeft"
+    );
+}

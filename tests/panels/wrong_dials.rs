@@ -1,0 +1,162 @@
+//! Sliders, knobs, levers, valves and joysticks that are written wrong: what is said, and where.
+
+use ademan::layout::Layout;
+
+/// `LINE:COLUMN: message` for a board with these fields in line 2.
+fn refusal(fields: &str) -> String {
+    let text = format!("Layout(name: \"t\", boards: [(place: (anchor: world),\n{fields})])");
+    let error = Layout::parse(&text, "t.ron").expect_err(fields);
+    let (line, column) = (error.line().unwrap(), error.column().unwrap());
+    format!("{line}:{column}: {}", error.message())
+}
+
+#[test]
+fn what_is_wrong_on_a_control_is_told_at_its_place() {
+    let slider =
+        |fields: &str| format!("sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 50, {fields})]");
+    let knob =
+        |fields: &str| format!("knobs: [(name: \"K\", at_mm: (0, 0), diameter_mm: 40, {fields})]");
+    let lever =
+        |fields: &str| format!("levers: [(name: \"L\", at_mm: (0, 0), length_mm: 50, {fields})]");
+    let valve =
+        |fields: &str| format!("valves: [(name: \"V\", at_mm: (0, 0), diameter_mm: 40, {fields})]");
+    let stick = |fields: &str| {
+        format!("joysticks: [(name: \"J\", at_mm: (0, 0), diameter_mm: 40, {fields})]")
+    };
+    let cases = [
+        (
+            slider("steps: 0"),
+            "out of range: a number of steps is 1 to 1000",
+        ),
+        (slider("start: 1.5"), "out of range: a share is 0 to 1"),
+        (slider("start: NaN"), "out of range: a share is 0 to 1"),
+        (
+            slider("turn_deg: 181"),
+            "out of range: a turn is -180 to 180°",
+        ),
+        (
+            slider("grab: Anywere"),
+            "unknown value `Anywere`, did you mean `Anywhere`?",
+        ),
+        (
+            slider("drives: Axis(\"LeftZ\")"),
+            "unknown axis `LeftZ`, did you mean `LeftY`?",
+        ),
+        (
+            slider("drives: ScrolY(1)"),
+            "unknown value `ScrolY`, did you mean `ScrollY`?",
+        ),
+        (slider("drives: Taps(more: Key(\"A\"), steps: 3)"), "`less`"),
+        (
+            slider("drives: Taps(more: Key(\"A\"), less: Key(\"Bee\"), steps: 3)"),
+            "unknown key `Bee`",
+        ),
+        (
+            slider("width_mm: 1e308"),
+            "out of range: a size is 1 to 500 mm",
+        ),
+        (
+            knob("range_deg: 0"),
+            "out of range: the range of a knob is 10 to 360°",
+        ),
+        (
+            knob("endless: true, range_deg: 90"),
+            "the knob `K` is endless and cannot have a `range_deg`",
+        ),
+        (
+            knob("endless: true, start: 0.5"),
+            "the knob `K` is endless and cannot have a `start`: it counts its turns from there",
+        ),
+        (
+            knob("endless: true, drives: Axis(\"LeftX\")"),
+            "the knob `K` is endless and cannot drive an axis, which has ends",
+        ),
+        (
+            lever("throw_deg: 180"),
+            "out of range: a throw is 5 to 170°",
+        ),
+        (
+            lever("springs: true, rest: 0, drives: Axis(\"MoveX\")"),
+            "the lever `L` springs back to 0, where the axis `MoveX` is not at 0, give it `rest: 0.5`",
+        ),
+        (
+            lever("springs: true, drives: Axis(\"LeftTrigger\")"),
+            "the lever `L` springs back to 0.5, where the axis `LeftTrigger` is not at 0, give it `rest: 0`",
+        ),
+        (
+            lever("springs: true, notches: 3"),
+            "the lever `L` springs back to 0.5, where none of its 3 notches is",
+        ),
+        (
+            valve("turns: -1"),
+            "out of range: a number of turns is 0.25 to 50",
+        ),
+        (
+            stick(""),
+            "the joystick `J` does nothing, give it `axes`, `keys`, `press` or `moves_px_per_s`",
+        ),
+        (
+            stick("axes: (\"LeftX\", \"LeftX\")"),
+            "the joystick `J` has the same axis to the side and up, name two",
+        ),
+        (
+            stick("axes: (\"LeftX\", \"RightTrigger\")"),
+            "the joystick `J` goes to both sides of 0, which a trigger cannot",
+        ),
+        (stick("curve: 5"), "out of range: a curve is 1 to 4"),
+        (
+            stick("dead_zone: 1"),
+            "out of range: a dead zone is 0 to 0.9",
+        ),
+        (
+            stick("moves_px_per_s: inf"),
+            "out of range: a speed of the pointer",
+        ),
+        (
+            stick("press: Key(\"A\")"),
+            "the joystick `J` has a `press` and needs a `travel_mm` of at least 10, not 4: else every touch is a push",
+        ),
+        (stick("keys: (up: Key(\"W\"))"), "`down`"),
+    ];
+    for (fields, message) in cases {
+        let told = refusal(&fields);
+        assert!(
+            told.starts_with("2:") && told.contains(message),
+            "{fields}\n{told}"
+        );
+    }
+}
+
+#[test]
+fn controls_that_overlap_or_share_a_name_are_refused() {
+    assert_eq!(
+        refusal(
+            "sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 50)],\nknobs: [(name: \"K\", at_mm: (30, 0), diameter_mm: 40)]"
+        ),
+        "3:17: the knob `K` overlaps the slider `S` of line 2"
+    );
+    assert_eq!(
+        refusal(
+            "levers: [(name: \"S\", at_mm: (0, 0), length_mm: 50)],\nvalves: [(name: \"S\", at_mm: (90, 0), diameter_mm: 40)]"
+        ),
+        "3:18: there is a lever `S` already in line 2, give this one a `name` of its own"
+    );
+}
+
+#[test]
+fn a_turned_slider_overlaps_where_it_lies() {
+    let board = |turn: u32| {
+        format!(
+            "Layout(name: \"t\", boards: [(place: (anchor: world), keys: [(code: \"A\", at_mm: (25, 0))],
+             sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 80, turn_deg: {turn})])])"
+        )
+    };
+    assert!(Layout::parse(&board(0), "t.ron").is_err());
+    let layout = Layout::parse(&board(90), "t.ron").unwrap();
+    let widths: Vec<usize> = layout.grids()[0]
+        .cells
+        .iter()
+        .map(|cell| cell.width)
+        .collect();
+    assert_eq!(widths[0], widths[1], "and is drawn upright");
+}
