@@ -439,6 +439,21 @@ fn the_guide_names_every_range_and_default() {
         "scroll_mm" ScrollWay default;
         "on_deg`, `off_deg" Angle;
         "on_mm`, `off_mm" Gap;
+        "length_mm" Size;
+        "width_mm" Size default;
+        "turn_deg" Turn default;
+        "steps" Steps;
+        "start" Share;
+        "throw_deg" Throw default;
+        "notches" Steps;
+        "rest" Share;
+        "diameter_mm" Size;
+        "range_deg" KnobRange default;
+        "turns" Turns default;
+        "reach_mm" Reach default;
+        "dead_zone" DeadZone default;
+        "curve" Curve default;
+        "moves_px_per_s" PointerSpeed;
     }
 }
 

@@ -11,7 +11,7 @@ use ademan::capture::hc11::{self, Decoder, Framing, encode};
 use ademan::capture::{LineSettings, Reading, Sample};
 use ademan::contact::{Phase, TargetId, Touch, Touches};
 use ademan::device::keyboard::Keyboard;
-use ademan::device::{Action, Events, Out, Seen, Switchboard, VirtualDevice};
+use ademan::device::{Action, Axis, Events, Out, OutputEvent, Seen, Switchboard, VirtualDevice};
 use ademan::estimate::{JointAngles, Rejection};
 use ademan::hand::{Dof, Finger, Joint, Side};
 use ademan::kinematics::HandPose;
@@ -22,7 +22,7 @@ use ademan::pipeline::Pipeline;
 use ademan::runtime::drive;
 use ademan::settings::{Assembly, Setup, controls};
 use ademan::time::Timestamp;
-use parry3d::math::{Pose, Vec2, Vec3};
+use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
 struct Counting;
 
@@ -457,4 +457,108 @@ fn the_loop_around_a_frame_allocates_nothing() {
     drive(source, &mut pipeline, &mut *nowhere, &stop, observe).expect("a run");
     assert!(frames > 500);
     assert_eq!(at_end - at_start, 0, "in 400 frames");
+}
+
+/// Touches, pinches and turns of the hand at random, some frames without room for what they tell, and now
+/// and then everything is let go of: all axes are at 0 then, and nothing is down.
+#[test]
+fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
+    let text = r#"Layout(name: "t", boards: [(place: (anchor: world),
+        sliders: [(name: "a", at_mm: (0, 0), length_mm: 80, drives: Axis("LeftTrigger"))],
+        levers: [(name: "b", at_mm: (0, 40), length_mm: 80, springs: true, drives: Axis("MoveX"))],
+        knobs: [(name: "c", at_mm: (0, 90), diameter_mm: 50, drives: Axis("TurnZ"))],
+        valves: [(name: "d", at_mm: (0, 150), diameter_mm: 50,
+            drives: Taps(more: Key("A"), less: Key("B"), steps: 30))],
+        joysticks: [(name: "e", at_mm: (0, 210), diameter_mm: 50, travel_mm: 20, axes: ("LeftX", "LeftY"),
+            keys: (up: Key("W"), down: Key("S"), left: Key("A"), right: Key("D")),
+            press: Key("E"), moves_px_per_s: 500)])])"#;
+    let layout = Keys::parse(text, "t.ron").expect("a layout");
+    let mut devices = layout.devices();
+    let mut switchboard = Switchboard::default();
+    let mut state = 1_u64;
+    let mut random = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1 << 24) as f32
+    };
+    let mut axes = [0.0_f32; Axis::COUNT];
+    let (mut down, mut sent, mut moved) = (0, 0, 0);
+
+    let before = allocations();
+    for frame in 0..20_000_u64 {
+        let mut pose = HandPose::at(Timestamp(frame * 15_000), Side::Right, 0.005);
+        let turn = Rotation::from_rotation_y(random() - 0.5);
+        pose.set(Joint::Wrist, Pose::from_parts(Vec3::ZERO, turn));
+        for (joint, side) in [(Joint::ThumbTip, -0.5), (Joint::IndexTip, 0.5)] {
+            let apart = if frame % 20 < 10 { 0.01 } else { 0.05 };
+            let tip = Vec3::new(apart * side, 0.02, -0.09);
+            pose.set(joint, Pose::from_translation(tip));
+        }
+        let touches: Touches = Finger::ALL
+            .iter()
+            .map(|&finger| Touch {
+                time: pose.time,
+                side: Side::Right,
+                finger,
+                target: TargetId((random() * 5.0) as u32),
+                phase: Phase::ALL[(random() * Phase::COUNT as f32) as usize],
+                depth: random(),
+                at: Vec2::new(random() - 0.5, random() - 0.5) * 0.1,
+            })
+            .collect();
+        let lets_go = frame % 50 == 49;
+        let mut events = Events::new();
+        if frame % 7 == 0 && !lets_go {
+            // No room for anything but releases.
+            let filler = OutputEvent {
+                time: pose.time,
+                action: Action::Scroll(0, 0),
+            };
+            events.extend(std::iter::repeat_n(filler, events.capacity() - 2));
+        }
+        let mut out = Out {
+            switchboard: &mut switchboard,
+            events: &mut events,
+        };
+        let seen = Seen {
+            scene: &layout.scene,
+            angles: &JointAngles::at(pose.time),
+            pose: &pose,
+            touches: &touches,
+        };
+        for device in &mut devices {
+            device.update(&seen, &mut out);
+        }
+        if lets_go {
+            out.switchboard.release_all(pose.time, out.events);
+            for device in &mut devices {
+                device.release_all(pose.time, &mut out);
+            }
+        }
+        for event in &events {
+            match event.action {
+                Action::KeyDown(_) => down += 1,
+                Action::KeyUp(_) => down -= 1,
+                Action::Axis(axis, place) => {
+                    assert!((-1.0..=1.0).contains(&place), "{axis} {place}");
+                    moved += usize::from(place != axes[axis.index()]);
+                    axes[axis.index()] = place;
+                }
+                _ => {}
+            }
+        }
+        sent += events.len();
+        if lets_go {
+            assert!(axes.iter().all(|place| *place == 0.0), "{axes:?}");
+            assert_eq!(down, 0);
+        }
+    }
+    let allocated = allocations() - before;
+
+    assert!(
+        sent > 20_000 && moved > 2_000,
+        "{sent} events, {moved} of axes"
+    );
+    assert_eq!(allocated, 0);
 }
