@@ -193,6 +193,8 @@ mod tests {
             assert_eq!(found.x, 0.0);
         }
         assert_eq!(joystick(0.0, 1.0).response(Vec2::ZERO), Vec2::ZERO);
+        let almost_straight = stick.response(Vec2::new(1e-8, 1.0));
+        assert_eq!(almost_straight, Vec2::Y, "the other axis stays at 0");
         assert_eq!(stick.response(Vec2::NAN), Vec2::ZERO);
     }
 

@@ -15,7 +15,6 @@ use super::steps::{nearest, step_to};
 use super::{Needs, Out, Seen, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::hand::Side;
-use crate::kinematics::HandPose;
 use crate::time::Timestamp;
 
 /// The share of a knob's radius within which a fingertip turns nothing: so near to the middle a tremble

@@ -116,11 +116,8 @@ impl Sliders {
             Grab::Relative => slider.track.place(driver.value()) * slider.half_length - touch.at.x,
         };
         self.grips.begin(touch, place, ahead);
-        match slider.grab {
-            Grab::Anywhere => self.follow(touch, out),
-            // An axis that went to 0 comes back.
-            Grab::Relative => driver.set(driver.value(), touch.time, out),
-        }
+        // Also where the handle stays: an axis that went to 0 comes back.
+        self.follow(touch, out);
     }
 
     fn follow(&mut self, touch: &Touch, out: &mut Out) {

@@ -77,7 +77,7 @@ fn a_side_presses_at_half_the_throw_and_ends_a_little_nearer() {
         simulate(
             KEYS,
             "index@Stick:up index@Stick:down index@Stick+9:down index@Stick+11:down \
-             index@Stick+9:down index@Stick+7:down"
+             index@Stick+9:down index@Stick+11:down index@Stick+7:down"
         ),
         "down D | up   D"
     );
@@ -110,7 +110,7 @@ fn a_deep_push_presses() {
     assert_eq!(
         simulate(
             PUSHED,
-            "index@Stick:up index@Stick:10 index@Stick:15 index@Stick:12 index@Stick:10 \
+            "index@Stick:up index@Stick:10 index@Stick:15 index@Stick:12 index@Stick:15 index@Stick:10 \
              index@Stick:20 index@Stick:up"
         ),
         "down PadL3 | up   PadL3 | down PadL3 | up   PadL3"

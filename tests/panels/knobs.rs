@@ -69,7 +69,7 @@ fn a_second_finger_on_the_rim_is_ignored() {
         simulate(
             VOLUME,
             "index@Volume+15:up&middle@Volume-15:up index@Volume+15:down&middle@Volume-15:down \
-             middle@Volume+0,15:down index@Volume+0,-15:down"
+             middle@Volume+0,-15:down index@Volume+0,-15:down"
         ),
         "value Volume 0.833"
     );

@@ -29,6 +29,17 @@ fn a_spring_brings_the_lever_back_however_it_is_let_go_of() {
 }
 
 #[test]
+fn a_lever_that_is_pushed_past_its_end_stands_there() {
+    assert_eq!(
+        simulate(
+            LIFT,
+            "index@Lift:up index@Lift:down index@Lift-60:down index@Lift+60:down"
+        ),
+        "value Lift 0.000 | axis MoveZ -1.000 | value Lift 1.000 | axis MoveZ +1.000"
+    );
+}
+
+#[test]
 fn the_value_is_the_angle_and_not_the_way() {
     // Half the angle of 30° to one side is a little more than half the way.
     assert_eq!(

@@ -7,6 +7,7 @@ mod errors;
 mod joysticks;
 mod knobs;
 mod levers;
+mod no_room;
 mod radios;
 mod rig;
 mod shipped;

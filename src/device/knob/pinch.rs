@@ -88,7 +88,7 @@ impl Tips {
 
 /// The knob that the tips close over; its value is not known here, and 0.
 ///
-/// Looks through the fronts around them only, and only when they close. Does not allocate: see
+/// Looks through the fronts less than [`HEIGHT`] from them only, and only when they close. Does not allocate: see
 /// [`first_crossing`](crate::contact::hit_test::first_crossing).
 pub(super) fn knob_under(
     tips: &Tips,
@@ -108,7 +108,7 @@ pub(super) fn knob_under(
                 continue;
             };
             let middle = target.surface_from_target.inverse_transform_point(middle);
-            if middle.z.abs() > HEIGHT || !is_inside(target.shape, middle.truncate(), 0.0) {
+            if !is_inside(target.shape, middle.truncate(), 0.0) {
                 continue;
             }
             return Some(Held {
