@@ -32,7 +32,7 @@ fn a_spring_brings_the_lever_back_however_it_is_let_go_of() {
 fn a_lever_that_is_pushed_past_its_end_stands_there() {
     assert_eq!(
         simulate(
-            LIFT,
+            &LIFT.replace("springs", "throw_deg: 120, springs"),
             "index@Lift:up index@Lift:down index@Lift-60:down index@Lift+60:down"
         ),
         "value Lift 0.000 | axis MoveZ -1.000 | value Lift 1.000 | axis MoveZ +1.000"

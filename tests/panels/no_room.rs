@@ -17,7 +17,7 @@ const STICK: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 3
 /// What happens in a frame: a phase and the place in mm to the right, or nothing.
 type Step = Option<(Phase, f32)>;
 
-/// Where the axis stands after each frame; of the frames, those that are `full` have no room.
+/// Where the axis stands after each frame, to a thousandth; of the frames, those that are `full` have no room.
 fn stands(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
     let text = format!("Layout(name: \"t\", boards: [(place: (anchor: world), {controls})])");
     let layout = Layout::parse(&text, "t.ron").unwrap();
@@ -59,7 +59,7 @@ fn stands(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
                 axis = place;
             }
         }
-        axis
+        (axis * 1e3).round() / 1e3
     };
     steps.iter().enumerate().map(of_frame).collect()
 }
