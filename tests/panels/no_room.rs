@@ -43,6 +43,7 @@ fn stands(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
             at: Vec2::new(x * 1e-3, 0.0),
         });
         let seen = Seen {
+            scene: &layout.scene,
             angles: &JointAngles::at(time),
             pose: &HandPose::at(time, Side::Right, 0.005),
             touches: touches.as_slice(),
