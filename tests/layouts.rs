@@ -48,6 +48,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "spanish-flat",
             "game",
             "media",
+            "switches",
             "touch-pad",
             "workshop",
         ]

@@ -339,7 +339,7 @@ fn a_script_is_a_source_in_a_file_too() {
 
 #[test]
 fn the_example_of_a_script_plays_on_the_arrows() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/arrows.txt");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scripts/arrows.txt");
     let downs_and_ups = [
         "down ArrowUp",
         "up   ArrowUp",

@@ -47,6 +47,7 @@ const SHIPPED: &[(&str, &str)] = shipped! {
     "keyboards/spanish-flat"
     "panels/game"
     "panels/media"
+    "panels/switches"
     "panels/touch-pad"
     "panels/workshop"
 };
