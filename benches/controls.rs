@@ -1,0 +1,153 @@
+//! The cost of a frame of both hands over controls of every kind: two readings in, events out.
+//!
+//! `cargo bench --bench controls`. What counts are ratios of one run: 10 000 controls against 64.
+
+use std::fmt::Write;
+use std::hint::black_box;
+
+use ademan::capture::{Capture, LineSettings, Reading, Source};
+use ademan::device::Events;
+use ademan::lab::Typist;
+use ademan::settings::{Assembly, OtherHand, Setup};
+use divan::Bencher;
+
+fn main() {
+    divan::main();
+}
+
+/// Both halves of a keyboard, 50 keys, within reach; the text needs no others.
+const TYPED: &str = "the quick brown fox jumps over the lazy dog 1234567890";
+const HALVES: [(&str, i32, [&str; 4]); 2] = [
+    (
+        "left",
+        -35,
+        ["1 2 3 4 5", "Q W E R T", "A S D F G", "Z X C V B"],
+    ),
+    (
+        "right",
+        35,
+        [
+            "6 7 8 9 0",
+            "Y U I O P",
+            "H J K L Semicolon",
+            "N M Comma Period Space",
+        ],
+    ),
+];
+
+/// The other controls, in turn; `{name}` and `{at}` stand for what differs.
+const KINDS: [(&str, &str); 7] = [
+    (
+        "toggles",
+        "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), holds: Key(\"F1\"))",
+    ),
+    (
+        "sliders",
+        "(name: \"{name}\", at_mm: {at}, length_mm: 20, drives: ScrollY(10))",
+    ),
+    (
+        "knobs",
+        "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, drives: Axis(\"LeftX\"))",
+    ),
+    (
+        "levers",
+        "(name: \"{name}\", at_mm: {at}, length_mm: 20, springs: true)",
+    ),
+    (
+        "valves",
+        "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, turns: 2)",
+    ),
+    (
+        "joysticks",
+        "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, axes: (\"RightX\", \"RightY\"))",
+    ),
+    (
+        "touch_surfaces",
+        "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), mode: Pad)",
+    ),
+];
+
+/// A layout of so many controls, half of them for each hand: keys within reach, and controls of all kinds
+/// in rows behind them.
+fn layout(controls: usize) -> String {
+    let mut text = "Layout(name: \"bench\", boards: [".to_owned();
+    for (hand, bearing, rows) in HALVES {
+        let _ = write!(
+            text,
+            "(hand: \"{hand}\", place: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, \
+             height_mm: -45), rows: ["
+        );
+        for (row, keys) in rows.iter().enumerate() {
+            let y = 38 - 19 * row as i32;
+            let _ = write!(text, "(at_mm: (-38, {y}), keys: \"{keys}\"),");
+        }
+        text.push_str("],");
+        let others = (controls / 2).saturating_sub(20);
+        for (kind, (list, form)) in KINDS.iter().enumerate() {
+            let _ = write!(text, "{list}: [");
+            for place in (0..others).filter(|place| place % KINDS.len() == kind) {
+                let (column, row) = (place % 80, place / 80);
+                let at = format!("({}, {})", 24 * column as i32 - 960, 80 + 24 * row as i32);
+                let control = form
+                    .replace("{name}", &format!("{hand} {place}"))
+                    .replace("{at}", &at);
+                let _ = write!(text, "{control},");
+            }
+            text.push_str("],");
+        }
+        text.push_str("),");
+    }
+    text.push_str(
+        "], triggers: [(name: \"claw\", does: Key(\"F2\"), when: \
+         Angle(of: \"ring-mcp-flexion\", on_deg: 60, off_deg: 50))])",
+    );
+    text
+}
+
+fn assembly(controls: usize) -> Assembly {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bench.ron");
+    std::fs::write(&path, layout(controls)).expect("a file");
+    let setup = Setup {
+        layout: path.display().to_string(),
+        other_hand: Some(OtherHand::default()),
+        armed: true,
+        ..Setup::default()
+    };
+    setup.assemble().expect("the layout is right")
+}
+
+/// What both hands show while they type, in pairs.
+fn readings(assembly: &Assembly) -> Vec<[Reading; 2]> {
+    let typist = assembly.typist(TYPED, &LineSettings::default(), 0.0, 0);
+    let mut typist: Typist = typist.expect("the text is on the board");
+    let mut next = || match typist.next() {
+        Ok(Capture::Reading(reading)) => Some(reading),
+        _ => None,
+    };
+    std::iter::from_fn(|| Some([next()?, next()?])).collect()
+}
+
+/// Two readings, one of each hand, all the way to events.
+#[divan::bench(args = [64, 100, 10_000])]
+fn both_hands(bencher: Bencher, controls: usize) {
+    let assembly = assembly(controls);
+    let readings = readings(&assembly);
+    let mut pipeline = assembly.pipeline();
+    let mut events = Events::new();
+    let (mut place, mut lap) = (0, 0);
+    let span = readings.last().expect("a text")[0].time.0;
+    bencher.bench_local(|| {
+        for reading in &readings[place] {
+            let mut reading = reading.clone();
+            reading.time.0 += lap * span;
+            events.clear();
+            let _ = black_box(pipeline.step(&reading, &mut events));
+        }
+        place += 1;
+        if place == readings.len() {
+            place = 0;
+            lap += 1;
+        }
+    });
+}
