@@ -82,7 +82,7 @@ fn layout(controls: usize) -> String {
             let _ = write!(text, "(at_mm: (-38, {y}), keys: \"{keys}\"),");
         }
         text.push_str("],");
-        let others = (controls / 2).saturating_sub(20);
+        let others = ((controls - 1) / 2).saturating_sub(20);
         for (kind, (list, form)) in KINDS.iter().enumerate() {
             let _ = write!(text, "{list}: [");
             for place in (0..others).filter(|place| place % KINDS.len() == kind) {
@@ -114,7 +114,7 @@ fn assembly(controls: usize) -> Assembly {
         armed: true,
         ..Setup::default()
     };
-    setup.assemble().expect("the layout is right")
+    setup.assemble().unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What both hands show while they type, in pairs.
