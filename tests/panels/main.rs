@@ -1,6 +1,7 @@
 //! Controls other than keys over a board: script in, transcript out; layout file, contact stage and
 //! devices together.
 
+mod bad_input;
 mod chords;
 mod dwells;
 mod errors;
