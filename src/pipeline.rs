@@ -1,14 +1,21 @@
 //! Stages 2 to 5 for one frame: a reading in, events out.
 
 mod controls;
+mod drifting;
 mod hand;
+mod moves;
 
 pub use controls::Controls;
+pub use moves::Refusal;
 
 use std::time::Duration;
 
+use parry3d::math::Vec3;
+
 use self::hand::Hand;
+use self::moves::Move;
 use crate::capture::Reading;
+use crate::contact::place::Place;
 use crate::contact::{TargetNames, Touches};
 use crate::device::{Action, Events, OutputEvent, Request};
 use crate::estimate::{Estimator, JointAngles, Rejection};
@@ -129,7 +136,9 @@ impl Pipeline {
         hand.last_accepted = Some(pose.time);
         self.arm_when_clear(place);
         if self.state == State::Running {
-            self.profiles[self.profile].update(&self.hands[place].frame, events);
+            let controls = &mut self.profiles[self.profile];
+            controls.update(&self.hands[place].frame, events);
+            controls.drift(&self.hands[place].frame.pose);
             self.take_requests(events);
         } else if self.is_paused {
             self.listen_for_the_end_of_the_pause(place);
@@ -169,10 +178,12 @@ impl Pipeline {
     /// Ends a pause: from now on the hand has to be seen off all controls before anything is pressed
     /// again, also where the first reading would have armed. Without a pause it does nothing.
     pub fn resume(&mut self) {
-        if std::mem::take(&mut self.is_paused) {
-            // What the controls were played with in the pause went nowhere.
-            self.profiles[self.profile].release_all(self.time, &mut Events::new());
+        if !std::mem::take(&mut self.is_paused) {
+            return;
         }
+        // What the controls were played for nothing is not down.
+        self.profiles[self.profile].release_all(self.time, &mut Events::new());
+        self.clear_since = None;
     }
 
     /// Whether a pause was asked for and has not been ended.
@@ -201,6 +212,13 @@ impl Pipeline {
         std::mem::swap(&mut self.profiles[profile], controls);
     }
 
+    /// Puts the boards of `controls` where those of a layout of the setup are, if they are as many.
+    pub fn keep_places(&self, profile: usize, controls: &mut Controls) {
+        if let Some(others) = self.profiles.get(profile) {
+            controls.put_as(others);
+        }
+    }
+
     /// Lets go of everything and puts another layout of the setup in force; a place that there is not
     /// changes nothing.
     pub fn switch_to(&mut self, profile: usize, events: &mut Events) {
@@ -212,6 +230,50 @@ impl Pipeline {
         self.profile = profile;
         // What it remembers is of another time.
         self.profiles[profile].release_all(self.time, events);
+    }
+
+    /// Lets go of everything and moves the boards in force by so many metres along the axes of the world.
+    /// A fingertip that is in a control then has to come out before it touches anything.
+    ///
+    /// All boards stay where they are, and nothing is let go of, if one would be where no file can say.
+    pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), Refusal> {
+        self.profiles[self.profile].refuse(Move::Nudge(by))?;
+        self.release_for_a_move(events);
+        self.profiles[self.profile].shift(Move::Nudge(by));
+        Ok(())
+    }
+
+    /// The same with a turn of each board about its own rows, through its (0, 0): by so many radians the
+    /// far side rises.
+    pub fn tilt(&mut self, by: f32, events: &mut Events) -> Result<(), Refusal> {
+        self.profiles[self.profile].refuse(Move::Tilt(by))?;
+        self.release_for_a_move(events);
+        self.profiles[self.profile].shift(Move::Tilt(by));
+        Ok(())
+    }
+
+    /// The same with the boards that are there for the hand seen last: they are shifted, all alike, so
+    /// that the middle of the nearest one lies below the index fingertip. It is shifted in its own plane:
+    /// the fingertip stays as far in front of its keys as it is. Needs a hand that has not stalled.
+    pub fn recentre(&mut self, events: &mut Events) -> Result<(), Refusal> {
+        let seen = |&place: &usize| {
+            let last = self.hands[place].last_accepted?;
+            (self.time.since(last) <= self.arming.stall).then_some(last)
+        };
+        let hands = (0..self.hands.len()).filter(|place| seen(place).is_some());
+        let place = hands.max_by_key(seen).ok_or(Refusal::NoHand)?;
+        let controls = &self.profiles[self.profile];
+        let by = controls.way_to(&self.hands[place].frame.pose)?;
+        controls.refuse(Move::Bring(by, &self.hands[place].frame.pose))?;
+        self.release_for_a_move(events);
+        let way = Move::Bring(by, &self.hands[place].frame.pose);
+        self.profiles[self.profile].shift(way);
+        Ok(())
+    }
+
+    /// Where the boards in force are.
+    pub fn places(&self) -> impl Iterator<Item = Place> {
+        self.profiles[self.profile].places()
     }
 
     /// How many layouts the setup has.
@@ -293,6 +355,11 @@ impl Pipeline {
         }
     }
 
+    fn release_for_a_move(&mut self, events: &mut Events) {
+        self.profiles[self.profile].release_all(self.time, events);
+        self.clear_since = None;
+    }
+
     fn let_go(&mut self, time: Timestamp, state: State, events: &mut Events) {
         self.profiles[self.profile].release_all(time, events);
         self.state = state;
@@ -341,7 +408,8 @@ impl Pipeline {
                     self.switch_to((self.profile + 1) % self.profiles.len(), events);
                 }
                 Request::Pause => self.pause(events),
-                Request::Recentre => {}
+                // Where it cannot be done the boards stay: nobody waits for an answer.
+                Request::Recentre => drop(self.recentre(events)),
             }
         }
     }

@@ -14,7 +14,8 @@ use crate::monitor::{Snapshot, Tally};
 use crate::output::{OutputError, Sink};
 use crate::pipeline::{Controls, Frame, Pipeline};
 
-pub use call::{Answer, Call, Calls, Order, Refusal, RunState, calls};
+pub use crate::pipeline::Refusal;
+pub use call::{Answer, Call, Calls, Order, Places, RunState, calls};
 
 /// Where nothing is expected the loop wakes up once an hour, for nothing.
 const FOR_EVER: Duration = Duration::from_secs(3600);
@@ -69,6 +70,8 @@ pub struct Replacement {
     pub controls: Box<Controls>,
     /// The place of the layout whose controls they are.
     pub profile: usize,
+    /// Whether their boards go where those in force are; else they go where their file says.
+    pub keeps_places: bool,
     /// Takes the old ones, let go of, when the new ones are in force: whoever holds the other end frees
     /// them, so that the loop need not. Should have room for them; where it has none they are freed in
     /// the loop.
@@ -254,6 +257,10 @@ impl Run<'_> {
 
     fn replace(&mut self, replacement: Replacement) -> Result<(), RunError> {
         let mut controls = replacement.controls;
+        if replacement.keeps_places {
+            let profile = replacement.profile;
+            self.pipeline.keep_places(profile, &mut controls);
+        }
         self.events.clear();
         self.pipeline
             .replace(replacement.profile, &mut controls, &mut self.events);
@@ -278,7 +285,19 @@ impl Run<'_> {
                 let next = (self.pipeline.profile() + 1) % self.pipeline.profiles();
                 self.switch_to(next).map(|()| Ok(Answer::Done))?
             }
-            order => self.place(order),
+            Order::Places => Ok(Answer::Places(Places {
+                profile: self.pipeline.profile() as u8,
+                boards: self.pipeline.places().collect(),
+            })),
+            Order::Nudge(by) => {
+                self.shift(|pipeline, events| pipeline.nudge(by.into(), events))?
+            }
+            Order::Tilt(by) => self.shift(|pipeline, events| pipeline.tilt(by, events))?,
+            Order::Recentre => {
+                // It goes by the hand that is seen now.
+                self.stall_if_overdue()?;
+                self.shift(Pipeline::recentre)?
+            }
         };
         // Nobody waits for whoever went away.
         let _ = call.answer.try_send(answer);
@@ -301,9 +320,16 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Orders about where the boards are.
-    fn place(&mut self, order: Order) -> Result<Answer, Refusal> {
-        Err(Refusal::NotThereYet(order.name()))
+    /// Moves boards, if that can be.
+    fn shift(
+        &mut self,
+        shift: impl FnOnce(&mut Pipeline, &mut Events) -> Result<(), Refusal>,
+    ) -> Result<Result<Answer, Refusal>, RunError> {
+        self.events.clear();
+        let shifted = shift(self.pipeline, &mut self.events);
+        self.deliver()?;
+        self.show(None, None);
+        Ok(shifted.map(|()| Answer::Done))
     }
 
     fn state(&self) -> RunState {

@@ -128,6 +128,15 @@ pub fn is_in_a_target(surface: &Surface, centre: Vec3, radius: f32) -> bool {
     })
 }
 
+/// Whether the pad of a fingertip may be within `reach` metres of a front of `surface`; centre and radius
+/// in the surface's frame (metres). Looks at boxes around the fronts, so it says `true` rather too early.
+pub fn is_near_a_target(surface: &Surface, centre: Vec3, radius: f32, reach: f32) -> bool {
+    let reach = Vec3::splat(radius + reach);
+    let near = Aabb::new(centre - reach, centre + reach);
+    surface.fronts().root_aabb().intersects(&near)
+        && surface.fronts().intersect_aabb(&near).next().is_some()
+}
+
 #[cfg(test)]
 mod tests {
     use std::f32::consts::FRAC_PI_2;

@@ -1,5 +1,6 @@
 //! 4 · [`HandPose`](crate::kinematics::HandPose) → [`Touches`].
 
+pub mod place;
 pub mod surface;
 pub mod stroke;
 pub mod hit_test;

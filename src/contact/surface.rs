@@ -71,6 +71,8 @@ pub struct Surface {
     side: Option<Side>,
     anchor: Anchor,
     anchor_from_surface: Pose,
+    /// The mean of the middles of its fronts, in its own frame.
+    middle: Vec3,
     first: u32,
     targets: Vec<Target>,
     fronts: Bvh,
@@ -96,6 +98,16 @@ impl Surface {
     /// The hand that it is there for, where it is not there for either.
     pub fn side(&self) -> Option<Side> {
         self.side
+    }
+
+    /// Where the surface is in the world's axes around its anchor.
+    pub fn anchor_from_surface(&self) -> Pose {
+        self.anchor_from_surface
+    }
+
+    /// The mean of the middles of its fronts, in its own frame (metres).
+    pub fn middle(&self) -> Vec3 {
+        self.middle
     }
 
     /// The targets, each with its id.
@@ -156,10 +168,12 @@ impl Scene {
         let first = self.count;
         let boxes: Vec<Aabb> = targets.iter().map(front_box).collect();
         self.count += targets.len() as u32;
+        let middles = targets.iter().map(|target| target.surface_from_target.translation);
         self.surfaces.push(Surface {
             side,
             anchor,
             anchor_from_surface,
+            middle: middles.sum::<Vec3>() / (targets.len().max(1) as f32),
             first,
             fronts: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
             targets,
@@ -170,6 +184,16 @@ impl Scene {
     /// The surfaces, in the order in which they were added.
     pub fn surfaces(&self) -> &[Surface] {
         &self.surfaces
+    }
+
+    /// Puts the surface number `place` somewhere else around its anchor; one that there is not stays away.
+    ///
+    /// Whoever follows fingertips over it takes the way of the surface for one of theirs, unless they are
+    /// [reset](super::ContactTracker::reset).
+    pub fn put(&mut self, place: usize, anchor_from_surface: Pose) {
+        if let Some(surface) = self.surfaces.get_mut(place) {
+            surface.anchor_from_surface = anchor_from_surface;
+        }
     }
 
     /// How many targets there are.

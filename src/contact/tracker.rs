@@ -118,11 +118,16 @@ impl ContactTracker {
         self.time = time;
     }
 
+    /// Whether no fingertip touches anything.
+    pub fn is_idle(&self) -> bool {
+        self.fingers.iter().all(|state| state.contact.is_none())
+    }
+
     /// Whether the hand is seen off all targets: no fingertip touches one, none that can be
     /// believed is behind a front (inside its outline, at most 0.1 m deep), and at least one is
     /// seen. Does not allocate.
     pub fn is_clear(&self, scene: &Scene, pose: &HandPose) -> bool {
-        if self.fingers.iter().any(|state| state.contact.is_some()) {
+        if !self.is_idle() {
             return false;
         }
         let mut is_seen = false;
@@ -165,8 +170,9 @@ impl ContactTracker {
     }
 }
 
-/// The centre of a fingertip that a press can come from (world, metres).
-fn believed_fingertip(pose: &HandPose, finger: Finger) -> Option<Vec3> {
+/// The centre of a fingertip that a press can come from (world, metres); `None` where it is not known,
+/// not finite or not to be trusted.
+pub fn believed_fingertip(pose: &HandPose, finger: Finger) -> Option<Vec3> {
     if pose.untrusted.contains(finger) || !pose.tip_radius.is_finite() {
         return None;
     }

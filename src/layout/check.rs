@@ -8,7 +8,7 @@ mod keys;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use parry3d::math::{Pose, Rot3, Vec2};
+use parry3d::math::Vec2;
 
 use super::controls::Control;
 use super::error::{LayoutError, line_of};
@@ -16,7 +16,7 @@ use super::file::Document;
 use super::keyboard::{BASE_LAYER, Board, Front, Key, Layout, MAX_LAYERS, MAX_TARGETS, metres};
 use super::number::{Distance, PressShare, ReleaseShare, Travel};
 use super::outline::{Outline, first_overlap};
-use super::placement;
+use super::placement::{self, Bend, Stance};
 use super::text::Word;
 use super::written::{self, Form};
 use crate::contact::TargetId;
@@ -83,7 +83,9 @@ pub(super) struct Checked<'a> {
     pub(super) names: BTreeMap<&'a str, (&'static str, &'a str)>,
     /// The targets of the board that is being added.
     targets: Vec<Target>,
-    /// Its fronts: where each is, of what kind, its name, and where it stands in the file.
+    /// How many times as large what is on it is.
+    scale: f32,
+    /// Its fronts that are in its plane: where each is, of what kind, its name, and where it stands in the file.
     placed: Vec<(Outline, &'static str, &'a str, &'a str)>,
 }
 
@@ -123,6 +125,7 @@ impl<'a> Checked<'a> {
             places: BTreeMap::new(),
             names: BTreeMap::new(),
             targets: Vec::new(),
+            scale: 1.0,
             placed: Vec::new(),
         };
         for layer in &written.layers {
@@ -177,6 +180,7 @@ impl<'a> Checked<'a> {
     }
 
     fn add_board(&mut self, board: &written::Board<'a>) -> Result<(), LayoutError> {
+        self.scale = board.place.scale.get() as f32;
         let mut drafts = Vec::new();
         for row in &board.rows {
             self.draft_row(board, row, &mut drafts)?;
@@ -223,11 +227,9 @@ impl<'a> Checked<'a> {
         self.boards.push(Board {
             keys: first_key..self.keys.len(),
             controls: first_control..self.controls.len(),
-            pitch: metres(board.pitch_mm.get()),
-            radius: match board.form {
-                Form::Flat => None,
-                Form::Arc { radius_mm } => Some(metres(radius_mm.get())),
-            },
+            pitch: metres(board.pitch_mm.get()) * self.scale,
+            bend: Bend::of(&board.form),
+            drift: board.drift.as_ref().map(placement::drift),
         });
         Ok(())
     }
@@ -237,6 +239,16 @@ impl<'a> Checked<'a> {
         &mut self,
         form: &Form,
         spot: Spot<'a>,
+    ) -> Result<Front, LayoutError> {
+        self.put_freely(form, spot, Stance::default())
+    }
+
+    /// The same with a front that may stand out of its board.
+    fn put_freely(
+        &mut self,
+        form: &Form,
+        spot: Spot<'a>,
+        stance: Stance,
     ) -> Result<Front, LayoutError> {
         let Spot { what, name, .. } = spot;
         let error = |message: String| self.document.error(spot.word.0, message);
@@ -259,21 +271,24 @@ impl<'a> Checked<'a> {
                 "the press_share {press} of the {what} `{name}` must be more than its release_share {release}"
             )));
         }
-        let shape = placement::shape(spot.size);
-        let Some(mut outline) = placement::outline(form, spot.at, shape) else {
-            return Err(error(format!(
-                "the {what} `{name}` lies beyond the ends of its arc"
-            )));
+        let shape = placement::shape(spot.size, self.scale);
+        let bend = Bend::of(form);
+        let at = spot.at * self.scale;
+        let Some(mut outline) = placement::outline(bend, at, shape) else {
+            let ends = match bend {
+                Bend::Rows(_) | Bend::Columns(_) => "more than half a turn round its cylinder",
+                Bend::Flat | Bend::Arc(_) => "beyond the ends of its arc",
+            };
+            return Err(error(format!("the {what} `{name}` lies {ends}")));
         };
-        outline.rotation += spot.turn;
+        outline.rotation += spot.turn + stance.turn.z;
         self.names.insert(name, (what, spot.word.0));
-        self.placed.push((outline, what, name, spot.word.0));
+        if stance.is_in_plane() {
+            self.placed.push((outline, what, name, spot.word.0));
+        }
         self.targets.push(Target {
             shape,
-            surface_from_target: Pose::from_parts(
-                outline.middle.extend(0.0),
-                Rot3::from_rotation_z(outline.rotation),
-            ),
+            surface_from_target: bend.surface_from_spot(&outline) * stance.spot_from_target(),
             travel: metres(spot.travel.get()),
             press_share: press as f32,
             release_share: release as f32,
@@ -283,7 +298,7 @@ impl<'a> Checked<'a> {
             name: name.to_owned(),
             label: spot.label,
             target: TargetId(place as u32),
-            at: spot.at,
+            at,
             outline,
         })
     }

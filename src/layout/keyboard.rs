@@ -3,15 +3,17 @@
 use std::ops::Range;
 use std::time::Duration;
 
-use parry3d::math::Vec2;
+use parry3d::math::{Vec2, Vec3};
 
 use super::controls::{self, Control};
 use super::error::LayoutError;
 use super::file::{self, Document};
 use super::outline::Outline;
+use super::placement::Bend;
 use super::{check, number};
 use crate::contact::TargetId;
 use crate::contact::TargetNames;
+use crate::contact::place::Drift;
 use crate::contact::surface::Scene;
 use crate::device::keyboard::{Chord, Fires, Hold, KeyBinding};
 use crate::device::trigger::Trigger;
@@ -71,8 +73,10 @@ pub struct Board {
     pub controls: Range<usize>,
     /// From key to key in a row, in metres.
     pub pitch: f32,
-    /// The radius of the arcs along which its rows run, in metres, at y = 0; `None` when they are straight.
-    pub radius: Option<f32>,
+    /// How it is bent.
+    pub bend: Bend,
+    /// How it creeps under a resting hand, if at all.
+    pub drift: Option<Drift>,
 }
 
 /// What is seen of a control: the front of one of its targets.
@@ -84,9 +88,11 @@ pub struct Front {
     pub label: String,
     /// Its target in the scene.
     pub target: TargetId,
-    /// Where the file says that its middle is, in metres: x along its row, y away from the wearer.
+    /// Where its middle is along and across the rows, in metres, as the file says, times the scale of its
+    /// board: x along its row, y away from the wearer.
     pub at: Vec2,
-    /// Where that is in the plane of the board; differs from `at` where rows are arcs.
+    /// Where that is in the plane of the board, which a cylinder has where it is unrolled; differs from
+    /// `at` where rows are arcs.
     pub outline: Outline,
 }
 
@@ -109,7 +115,7 @@ impl Board {
     /// Where a point in the plane of the board is along and across its rows, in metres: the inverse
     /// of what bends [`Front::at`] into the middle of [`Front::outline`].
     pub fn along_rows(&self, point: Vec2) -> Vec2 {
-        let Some(at_zero) = self.radius else {
+        let Bend::Arc(at_zero) = self.bend else {
             return point;
         };
         let from_centre = point + Vec2::Y * at_zero;
@@ -122,14 +128,35 @@ impl Board {
 
     /// Half the width and height of the rectangle along and across the rows around a front, in metres.
     pub fn reach_along_rows(&self, front: &Front) -> Vec2 {
-        let of_row = self
-            .radius
-            .map_or(0.0, |at_zero| -front.at.x / (at_zero + front.at.y));
+        let of_row = match self.bend {
+            Bend::Arc(at_zero) => -front.at.x / (at_zero + front.at.y),
+            _ => 0.0,
+        };
         let straightened = Outline {
             rotation: front.outline.rotation - of_row,
             ..front.outline
         };
         straightened.reach()
+    }
+
+    /// Where a point in the board's frame is along and across its rows, and how far in front of the
+    /// board; in metres.
+    pub fn over(&self, point: Vec3) -> Vec3 {
+        let unrolled = |along: f32, radius: f32| {
+            let from_axis = Vec2::new(along, radius - point.z);
+            (from_axis.x.atan2(from_axis.y) * radius, radius - from_axis.length())
+        };
+        match self.bend {
+            Bend::Flat | Bend::Arc(_) => self.along_rows(point.truncate()).extend(point.z),
+            Bend::Rows(radius) => {
+                let (x, height) = unrolled(point.x, radius);
+                Vec3::new(x, point.y, height)
+            }
+            Bend::Columns(radius) => {
+                let (y, height) = unrolled(point.y, radius);
+                Vec3::new(point.x, y, height)
+            }
+        }
     }
 }
 

@@ -56,7 +56,7 @@ measures! {
     Pitch = "a pitch", 1.0 ..= 500.0, " mm", or 19.0;
     /// How far a key goes down, in millimetres.
     Travel = "a travel", 0.2 ..= 50.0, " mm", or 4.0;
-    /// The radius of an arc, in millimetres.
+    /// The radius of an arc or cylinder, in millimetres.
     Radius = "a radius", 20.0 ..= 2000.0, " mm";
     /// The part of the travel at which a key counts as pressed.
     PressShare = "a press share", 0.05 ..= 1.0, "", or 0.5;
@@ -106,6 +106,14 @@ measures! {
     PointerSpeed = "a speed of the pointer", 1.0 ..= 20000.0, " px/s";
     /// A turn about the vertical, in degrees.
     Bearing = "a bearing", -180.0 ..= 180.0, "°", or 0.0;
+    /// How many times as large a board is.
+    Scale = "a scale", 0.25 ..= 4.0, "", or 1.0;
+    /// How fast a board drifts, in millimetres per second.
+    DriftSpeed = "a drift speed", 0.1 ..= 100.0, " mm/s", or 5.0;
+    /// How long a hand rests before a board drifts, in milliseconds.
+    DriftDelay = "a drift delay", 100.0 ..= 60000.0, " ms", or 2000.0;
+    /// How far a board drifts at most, in millimetres.
+    DriftLimit = "a drift limit", 1.0 ..= 500.0, " mm", or 30.0;
     /// A slope, in degrees.
     Tilt = "a tilt", -90.0 ..= 90.0, "°", or 0.0;
 }

@@ -27,15 +27,16 @@ impl Layout {
             let Some(world_from_surface) = surface.world_from_surface(pose) else {
                 continue;
             };
+            let board_over = &self.boards[board];
             for &finger in Finger::ALL {
                 let Some(tip) = pose.fingertip(finger) else {
                     continue;
                 };
-                let at: Vec3 = world_from_surface.inverse_transform_point(tip);
+                let at: Vec3 = board_over.over(world_from_surface.inverse_transform_point(tip));
                 found.push(OverBoard {
                     board,
                     finger,
-                    along_rows: self.boards[board].along_rows(at.truncate()),
+                    along_rows: at.truncate(),
                     height: at.z - pose.tip_radius,
                 });
             }

@@ -15,8 +15,8 @@ use super::controls::touch_surface::TouchSurface;
 use super::controls::trigger::Trigger;
 use super::controls::valve::Valve;
 use super::number::{
-    Bearing, ChordTime, Distance, DwellTime, HoldTime, Pitch, PressShare, Radius, ReleaseShare,
-    Repress, Size, Tilt, Travel,
+    Bearing, ChordTime, Distance, DriftDelay, DriftLimit, DriftSpeed, DwellTime, HoldTime, Pitch,
+    PressShare, Radius, ReleaseShare, Repress, Scale, Size, Tilt, Travel, Turn,
 };
 use super::text::{Label, Pairs, Word};
 use crate::hand::Side;
@@ -60,9 +60,12 @@ pub struct Board<'a> {
     /// The hand that it is there for; either unless said.
     #[serde(default)]
     pub hand: Option<Side>,
-    /// Whether its rows are straight.
+    /// How it is bent.
     #[serde(default)]
     pub form: Form,
+    /// How it creeps under a resting hand; not at all unless said.
+    #[serde(default)]
+    pub drift: Option<Drift>,
     /// From key to key in a row.
     #[serde(default)]
     pub pitch_mm: Pitch,
@@ -125,6 +128,9 @@ pub struct Place {
     /// From straight forward to the right.
     #[serde(default)]
     pub bearing_deg: Bearing,
+    /// To the right of the bearing.
+    #[serde(default)]
+    pub right_mm: Distance,
     /// Along the bearing; what is left out is 0, or the radius of an arc.
     #[serde(default)]
     pub forward_mm: Option<Distance>,
@@ -134,6 +140,24 @@ pub struct Place {
     /// How much the far side is lifted.
     #[serde(default)]
     pub tilt_deg: Tilt,
+    /// How many times as large is what is on the board, about (0, 0).
+    #[serde(default)]
+    pub scale: Scale,
+}
+
+/// How a board creeps under a resting hand.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Drift {
+    /// How fast.
+    #[serde(default)]
+    pub speed_mm_s: DriftSpeed,
+    /// How long the hand rests before.
+    #[serde(default)]
+    pub after_ms: DriftDelay,
+    /// How far at most.
+    #[serde(default)]
+    pub limit_mm: DriftLimit,
 }
 
 /// What a board is fixed to.
@@ -148,18 +172,36 @@ pub enum Anchor {
     Wrist,
 }
 
-/// Whether rows are straight.
+/// How a board is bent.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum Form {
-    /// They are.
+    /// Not at all.
     #[default]
     Flat,
-    /// They go round a point on the wearer's side of the board.
+    /// Its plane is flat, and its rows go round a point on the wearer's side of the board.
     Arc {
         /// From that point to (0, 0).
         radius_mm: Radius,
     },
+    /// It is wrapped around an axis in front of it, which all keys face.
+    Cylinder {
+        /// From the axis to (0, 0).
+        radius_mm: Radius,
+        /// What is bent.
+        #[serde(default)]
+        bends: Bends,
+    },
+}
+
+/// What a cylinder bends.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum Bends {
+    /// The axis runs along the board's Y.
+    #[default]
+    Rows,
+    /// The axis runs along the board's X.
+    Columns,
 }
 
 /// The outline of a key.
@@ -265,6 +307,12 @@ pub struct KeyFields<'a> {
     pub label: Option<Label>,
     /// Its middle.
     pub at_mm: (Distance, Distance),
+    /// How far it stands out of its board.
+    #[serde(default)]
+    pub lift_mm: Distance,
+    /// How it is turned on its board about x, then y, then z.
+    #[serde(default)]
+    pub turn_deg: (Turn, Turn, Turn),
     /// Its outline.
     #[serde(default)]
     pub size_mm: Option<Outline>,

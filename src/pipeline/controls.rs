@@ -1,6 +1,8 @@
 //! What there is to be touched, and what comes of it.
 
 use super::Frame;
+use super::drifting::Drifting;
+use crate::contact::place::Drift;
 use crate::contact::surface::Scene;
 use crate::contact::{ContactTracker, TargetNames, Touches};
 use crate::device::{Action, Events, Out, OutputEvent, Seen, Switchboard, VirtualDevice};
@@ -37,13 +39,14 @@ fn put_releases_first(events: &mut [OutputEvent]) {
 
 /// The controls of one layout, for both hands.
 pub struct Controls {
-    scene: Scene,
+    pub(super) scene: Scene,
     names: TargetNames,
     trackers: [ContactTracker; Side::COUNT],
     switchboard: Switchboard,
     devices: Vec<Box<dyn VirtualDevice>>,
     /// Which layout of the setup each place of a [`Request::Profile`](crate::device::Request) means.
     profiles: Vec<usize>,
+    pub(super) drifting: Drifting,
 }
 
 impl Controls {
@@ -59,6 +62,7 @@ impl Controls {
             switchboard: Switchboard::default(),
             devices,
             profiles: Vec::new(),
+            drifting: Drifting::default(),
         }
     }
 
@@ -76,6 +80,15 @@ impl Controls {
     #[must_use]
     pub fn with_profiles(self, profiles: Vec<usize>) -> Self {
         Self { profiles, ..self }
+    }
+
+    /// The same with boards that creep under a resting hand: board `i` as `drifts[i]` says.
+    #[must_use]
+    pub fn with_drifts(self, drifts: impl IntoIterator<Item = Option<Drift>>) -> Self {
+        Self {
+            drifting: Drifting::new(drifts),
+            ..self
+        }
     }
 
     /// What the targets are called.
@@ -97,6 +110,12 @@ impl Controls {
     /// Whether the hand is seen off all controls.
     pub(super) fn is_clear(&self, pose: &HandPose) -> bool {
         self.trackers[pose.side.index()].is_clear(&self.scene, pose)
+    }
+
+    /// Lets boards creep under a hand that rests.
+    pub(super) fn drift(&mut self, pose: &HandPose) {
+        let is_touched = self.trackers.iter().any(|tracker| !tracker.is_idle());
+        self.drifting.advance(&mut self.scene, pose, is_touched);
     }
 
     /// Shows the devices one frame of one hand.
@@ -125,6 +144,7 @@ impl Controls {
         for tracker in &mut self.trackers {
             tracker.reset(time, &mut Touches::new());
         }
+        self.drifting.forget();
         self.switchboard.release_all(time, events);
         let mut out = Out {
             switchboard: &mut self.switchboard,

@@ -2,7 +2,9 @@
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 
+use crate::contact::place::Place;
 use crate::monitor::{State, Tally};
+use crate::pipeline::Refusal;
 
 /// Calls that wait for a run which is busy: one for each client of a control socket.
 const WAITING_CALLS: usize = 16;
@@ -24,39 +26,30 @@ pub enum Order {
     Recentre,
     /// Move the boards by so many metres to the right, up and towards the wearer (the axes of the world).
     Nudge([f32; 3]),
-    /// Turn the boards by so many radians about the axis that runs to the right: the far edge rises.
+    /// Turn each board by so many radians about its own rows, through its (0, 0): the far side rises.
     Tilt(f32),
-    /// Make the boards so many times as large.
-    Scale(f32),
-    /// Write where the boards are into the layout file.
-    Save,
-}
-
-impl Order {
-    /// What it is called where it is asked for.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::State => "state",
-            Self::Pause => "pause",
-            Self::Resume => "resume",
-            Self::Profile(_) => "profile",
-            Self::NextProfile => "next-profile",
-            Self::Recentre => "recentre",
-            Self::Nudge(_) => "nudge",
-            Self::Tilt(_) => "tilt",
-            Self::Scale(_) => "scale",
-            Self::Save => "save",
-        }
-    }
+    /// Say where the boards are.
+    Places,
 }
 
 /// What a run answers to an order that it has obeyed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Answer {
     /// It is done.
     Done,
     /// How the run is.
     State(RunState),
+    /// Where the boards are.
+    Places(Places),
+}
+
+/// Where the boards of the layout in force are.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Places {
+    /// The place of the layout among those of the setup.
+    pub profile: u8,
+    /// Board by board, in the order of the layout.
+    pub boards: Vec<Place>,
 }
 
 /// How a run is, between two frames.
@@ -72,14 +65,6 @@ pub struct RunState {
     pub tally: Tally,
     /// Presses that the output did not take because it was busy.
     pub refused_presses: u64,
-}
-
-/// Why a run does not do what it was asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Refusal {
-    /// No run can do that so far.
-    #[error("`{0}` is not there yet")]
-    NotThereYet(&'static str),
 }
 
 /// An order, and where its answer goes.

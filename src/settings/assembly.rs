@@ -294,7 +294,9 @@ impl Assembly {
 /// The controls of a layout that is alone in its setup.
 pub fn controls(layout: &Layout) -> Controls {
     let (scene, names) = (layout.scene.clone(), layout.target_names());
-    Controls::new(scene, names, layout.devices()).with_texts(layout.texts.clone())
+    Controls::new(scene, names, layout.devices())
+        .with_texts(layout.texts.clone())
+        .with_drifts(layout.boards.iter().map(|board| board.drift))
 }
 
 fn other_hand(reader: &mut Reader, other: &OtherHand, first: &Glove) -> Result<Worn, SetupError> {

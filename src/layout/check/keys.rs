@@ -1,6 +1,6 @@
 //! Keys, in rows and one by one, as written → checked.
 
-use parry3d::math::Vec2;
+use parry3d::math::{Vec2, Vec3};
 
 use super::{Checked, Spot, milliseconds};
 use crate::contact::surface::TREMBLE;
@@ -8,7 +8,8 @@ use crate::device::keyboard::Fires;
 use crate::device::{KeyAction, KeyCode, Latch, Request, TextId};
 use crate::layout::LayoutError;
 use crate::layout::keyboard::{Key, label, metres, metres2};
-use crate::layout::number::{PressShare, ReleaseShare, Repress, Travel};
+use crate::layout::number::{PressShare, ReleaseShare, Repress, Travel, Turn};
+use crate::layout::placement::Stance;
 use crate::layout::text::Word;
 use crate::layout::written::{self, Does, Form};
 use crate::names::UnknownName;
@@ -23,6 +24,7 @@ pub(super) struct Draft<'a> {
     label: Option<String>,
     action: Option<KeyAction>,
     at: Vec2,
+    stance: Stance,
     size: written::Outline,
     travel: Travel,
     press: PressShare,
@@ -48,6 +50,7 @@ impl<'a> Checked<'a> {
                 label: None,
                 action: Some(self.code_action(word, None)?),
                 at: metres2(row.at_mm) + Vec2::X * (pitch * column as f32),
+                stance: Stance::default(),
                 size: row.size_mm.unwrap_or(board.size_mm),
                 travel: board.travel_mm,
                 press: board.press_share,
@@ -82,6 +85,7 @@ impl<'a> Checked<'a> {
             label,
             action,
             at: metres2(fields.at_mm),
+            stance: self.stance(fields),
             size: fields.size_mm.unwrap_or(board.size_mm),
             travel: fields.travel_mm.unwrap_or(board.travel_mm),
             press: fields.press_share.unwrap_or(board.press_share),
@@ -90,6 +94,15 @@ impl<'a> Checked<'a> {
             fires: self.fires(key, action)?,
             repress: fields.repress_ms.unwrap_or(board.repress_ms),
         })
+    }
+
+    fn stance(&self, fields: &written::KeyFields) -> Stance {
+        let (x, y, z) = fields.turn_deg;
+        let radians = |turn: Turn| turn.get().to_radians() as f32;
+        Stance {
+            lift: metres(fields.lift_mm.get()) * self.scale,
+            turn: Vec3::new(radians(x), radians(y), radians(z)),
+        }
     }
 
     /// What a press does; `latch` is for modifiers and layers only.
@@ -179,7 +192,7 @@ impl<'a> Checked<'a> {
     }
 
     pub(super) fn add_key(&mut self, form: &Form, draft: Draft<'a>) -> Result<(), LayoutError> {
-        let front = self.put(
+        let front = self.put_freely(
             form,
             Spot {
                 what: "key",
@@ -196,6 +209,7 @@ impl<'a> Checked<'a> {
                 release: draft.release,
                 margin: TREMBLE,
             },
+            draft.stance,
         )?;
         self.places.insert(draft.name, self.keys.len());
         self.keys.push(Key {
