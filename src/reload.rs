@@ -1,5 +1,6 @@
 //! A layout that is saved while a run is on: read, checked and built outside the loop.
 
+mod keeper;
 mod watched_file;
 
 use std::fmt;
@@ -7,9 +8,11 @@ use std::io;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, Sender, bounded, select};
+use crossbeam_channel::{Sender, bounded, select};
 
+use self::keeper::{Keeper, Over};
 use self::watched_file::WatchedFile;
+use crate::contact::place::Place;
 use crate::layout::{Layout, LayoutError};
 use crate::pipeline::Controls;
 use crate::runtime::Replacement;
@@ -39,20 +42,52 @@ impl fmt::Display for Report {
     }
 }
 
-/// Takes the text of a report: `Ok` when the layout is in force. Closed when the run ends before that.
+/// Takes what came of an order: `Ok` when it is done. Closed when the run ends before that.
 pub type Asker = Sender<Result<String, String>>;
 
-/// Requests that wait while a layout is put in force: one for each client of a control socket.
-const WAITING_ASKERS: usize = 16;
+/// What whoever looks after a layout is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FileOrder {
+    /// Read the file at once, also if it has not been saved.
+    Reload,
+    /// Make the boards so many times as large as they are, about their (0, 0); they stay where they are.
+    Scale(f32),
+    /// Write these places of the boards into the file, and how large they are.
+    Save(Vec<Place>),
+}
 
-/// Watches a layout file on a thread of its own, until it is dropped.
+/// An order, and where its answer goes.
+#[derive(Clone, Debug)]
+pub struct FileCall {
+    /// What is to be done.
+    pub order: FileOrder,
+    /// Takes the answer. Should have room for it: it is not waited for.
+    pub answer: Asker,
+}
+
+/// Where calls to whoever looks after a layout are put.
+#[derive(Clone, Debug)]
+pub struct FileCalls {
+    /// The layout's place among those of the setup.
+    pub profile: usize,
+    /// Whether it comes with the program, so that there is no file to read or write.
+    pub is_shipped: bool,
+    /// The end to put them in.
+    pub calls: Sender<FileCall>,
+}
+
+/// Calls that wait while a layout is put in force: one for each client of a control socket.
+const WAITING_CALLS: usize = 16;
+
+/// Looks after a layout on a thread of its own, until it is dropped.
 pub struct Watcher {
-    askers: Sender<Asker>,
+    calls: FileCalls,
     _end: Sender<()>,
 }
 
 impl Watcher {
-    /// Watches the file at `path`, from which `layout` was read, the layout number `profile` of the setup.
+    /// Watches the file at `path`, from which `layout` was read, the layout number `profile` of the setup;
+    /// without a path, as of a shipped layout, only what it is asked for changes it.
     ///
     /// A file that is saved with another content comes out of the other end of `replacements` at most
     /// 0.2 s later if it is right and `accept` makes controls of it. Saves in quick succession count as the last of
@@ -60,82 +95,54 @@ impl Watcher {
     /// save, in order; of a replacement when it is in force. Two saves in one tick of the file system's
     /// clock, 2 s on FAT, look like one where their lengths are the same.
     pub fn start(
-        path: &str,
+        path: Option<&str>,
         layout: &Layout,
         profile: usize,
         replacements: Sender<Replacement>,
         accept: impl Fn(&Layout) -> Result<Controls, String> + Send + 'static,
         mut report: impl FnMut(Report) + Send + 'static,
     ) -> io::Result<Self> {
-        let mut file = WatchedFile::new(path, &layout.text, Instant::now());
         let (end, ended) = bounded(0);
-        let (askers, asked) = bounded::<Asker>(WAITING_ASKERS);
+        let (calls, called) = bounded::<FileCall>(WAITING_CALLS);
+        let mut keeper = Keeper {
+            file: path.map(|path| WatchedFile::new(path, &layout.text, Instant::now())),
+            layout: layout.clone(),
+            profile,
+            replacements,
+            ended: ended.clone(),
+            accept,
+        };
+        let period = path.map_or(Duration::from_secs(3600), |_| PERIOD);
         let watch = move || {
             loop {
-                let (found, asker) = select! {
+                let outcome = select! {
                     recv(ended) -> _ => return,
-                    recv(asked) -> asker => match asker {
-                        Ok(asker) => (Some(file.read_now()), Some(asker)),
+                    recv(called) -> call => match call {
+                        Ok(call) => keeper.obey(call),
                         Err(_) => return,
                     },
-                    default(PERIOD) => (file.look(Instant::now()), None),
+                    default(period) => keeper.look(),
                 };
-                let outcome = match found {
-                    None => continue,
-                    Some(Err(error)) => Report::Wrong(error),
-                    Some(Ok(layout)) => match accept(&layout) {
-                        Err(reason) => Report::Refused(reason),
-                        Ok(controls) => {
-                            if !replace(controls, profile, &replacements, &ended) {
-                                return;
-                            }
-                            file.is_in_force(&layout.text);
-                            Report::Replaced(Box::new(layout))
-                        }
-                    },
-                };
-                if let Some(asker) = asker {
-                    let text = outcome.to_string();
-                    let is_in_force = matches!(outcome, Report::Replaced(_));
-                    // Whoever asked may have gone away.
-                    let _ = asker.try_send(if is_in_force { Ok(text) } else { Err(text) });
+                match outcome {
+                    Ok(Some(outcome)) => report(outcome),
+                    Ok(None) => {}
+                    Err(Over) => return,
                 }
-                report(outcome);
             }
         };
         // It is not waited for: a file system that hangs must not hold up the end of a run.
         thread::Builder::new().name("layout".into()).spawn(watch)?;
-        Ok(Self { askers, _end: end })
+        let calls = FileCalls {
+            profile,
+            is_shipped: path.is_none(),
+            calls,
+        };
+        Ok(Self { calls, _end: end })
     }
 
-    /// Where to ask for the file to be read at once, also if it has not been saved.
-    pub fn askers(&self) -> Sender<Asker> {
-        self.askers.clone()
-    }
-}
-
-/// Hands controls to the loop and waits until they are in force; whether they are. Frees the old ones.
-fn replace(
-    controls: Controls,
-    profile: usize,
-    loop_end: &Sender<Replacement>,
-    ended: &Receiver<()>,
-) -> bool {
-    let (replaced, old) = bounded(1);
-    let replacement = Replacement {
-        controls: Box::new(controls),
-        profile,
-        replaced,
-    };
-    select! {
-        send(loop_end, replacement) -> sent => if sent.is_err() {
-            return false;
-        },
-        recv(ended) -> _ => return false,
-    }
-    select! {
-        recv(old) -> old => old.is_ok(),
-        recv(ended) -> _ => false,
+    /// Where to ask for something.
+    pub fn calls(&self) -> FileCalls {
+        self.calls.clone()
     }
 }
 
@@ -144,7 +151,7 @@ mod tests {
     use super::*;
     use crate::reload::watched_file::tests::text;
     use crate::settings;
-    use crossbeam_channel::RecvTimeoutError;
+    use crossbeam_channel::{Receiver, RecvTimeoutError};
     use std::fs;
 
     /// What the watcher reports, with a loop that puts in force what comes.
@@ -158,7 +165,7 @@ mod tests {
         let report = move |report| sender.send(report).unwrap();
         let (replace, replacements) = bounded::<Replacement>(1);
         let accept = move |layout: &Layout| accept(layout).map(|()| settings::controls(layout));
-        let watcher = Watcher::start(path, &layout, 0, replace, accept, report).unwrap();
+        let watcher = Watcher::start(Some(path), &layout, 0, replace, accept, report).unwrap();
         thread::spawn(move || {
             for replacement in replacements {
                 let _ = replacement.replaced.send(replacement.controls);
@@ -228,7 +235,11 @@ mod tests {
         });
         let ask = || {
             let (asker, told) = bounded(1);
-            watcher.askers().send(asker).unwrap();
+            let call = FileCall {
+                order: FileOrder::Reload,
+                answer: asker,
+            };
+            watcher.calls().calls.send(call).unwrap();
             let told = told.recv_timeout(PATIENCE_OF_TEST).unwrap();
             reports.recv_timeout(PATIENCE_OF_TEST).unwrap();
             told.map_err(|text| text.replace(&path.display().to_string(), "a.ron"))
@@ -269,7 +280,7 @@ mod tests {
         let (replace, replacements) = bounded::<Replacement>(1);
         let accept = |layout: &Layout| Ok(settings::controls(layout));
         let path = path.to_str().unwrap();
-        let watcher = Watcher::start(path, &layout, 0, replace, accept, report).unwrap();
+        let watcher = Watcher::start(Some(path), &layout, 0, replace, accept, report).unwrap();
         fs::write(path, text("B")).unwrap();
         while replacements.is_empty() {
             thread::sleep(Duration::from_millis(5));

@@ -113,7 +113,8 @@ fn orders_are_answered_and_obeyed_in_order_also_when_nobody_waits_for_the_answer
     let (told, answers) = bounded(8);
     let asker = move |calls: Calls| {
         drop(ask(&calls, Order::Pause));
-        for order in [Order::State, Order::Save, Order::Resume, Order::State] {
+        let far = Order::Nudge([9.0, 0.0, 0.0]);
+        for order in [Order::State, far, Order::Resume, Order::State] {
             told.send(ask(&calls, order).recv())
                 .expect("somebody reads");
         }
@@ -130,8 +131,8 @@ fn orders_are_answered_and_obeyed_in_order_also_when_nobody_waits_for_the_answer
         matches!(state, Ok(Answer::State(run)) if run.is_paused && run.state == State::Paused),
         "{state:?}"
     );
-    let saved = answers.recv().expect("an answer").expect("the run goes on");
-    assert_eq!(saved, Err(Refusal::NotThereYet("save")));
+    let nudged = answers.recv().expect("an answer").expect("the run goes on");
+    assert_eq!(nudged, Err(Refusal::TooFar(1)));
     let resumed = answers.recv().expect("an answer").expect("the run goes on");
     assert_eq!(resumed, Ok(Answer::Done));
 }

@@ -209,13 +209,74 @@ fn what_is_not_a_request_is_refused_and_the_conversation_goes_on() {
 }
 
 #[test]
-fn what_no_run_can_do_yet_says_so() {
+fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     let run = run();
-    let (code, _, err) = ctl(&run, &["tilt", "-5"]);
-    assert_eq!(
-        (code, err.as_str()),
-        (1, "error: `tilt` is not there yet\n")
-    );
+    let path = run.path();
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).expect("it is ours");
+    let (code, _, err) = ctl(&run, &["save"]);
+    let expected = "error: my.ron: not saved, as nothing was moved\n";
+    assert_eq!((code, err.as_str()), (1, expected));
+    assert!(run.typed.is_empty(), "the key stays held");
+
+    // One key to the left: the rows run 35 degrees to the right of straight to the right.
+    let by = 35.0_f64.to_radians();
+    let (x, z) = (-19.0 * by.cos(), -19.0 * by.sin());
+    let (code, out, err) = ctl(&run, &["nudge", &x.to_string(), "0", &z.to_string()]);
+    assert_eq!((code, out.as_str(), err.as_str()), (0, "done\n", ""));
+    assert_eq!(run.typed(), "up H");
+    thread::sleep(MOVE);
+    assert!(run.typed.is_empty(), "the finger has not left the key");
+    run.lift();
+    thread::sleep(MOVE);
+    run.push_down();
+    assert_eq!(run.typed(), "down J");
+
+    let (code, out, err) = ctl(&run, &["save"]);
+    assert_eq!((code, out.as_str(), err.as_str()), (0, "my.ron: saved\n", ""));
+    let saved = fs::read_to_string(&path).expect("it is there");
+    let before = shipped("qwerty-flat");
+    assert_eq!(saved, before.replace("anchor: elbow", "anchor: elbow, right_mm: -19"));
+    let mode = fs::metadata(&path).expect("it is there").mode();
+    assert_eq!(mode & 0o777, 0o640);
+    thread::sleep(MOVE);
+    assert!(run.typed.is_empty(), "a save lets go of nothing");
+
+    let (code, _, err) = ctl(&run, &["scale", "3"]);
+    let expected = "error: `factor` is 0.5 to 2, not 3\n";
+    assert_eq!((code, err.as_str()), (1, expected));
+    let (code, out, _) = ctl(&run, &["scale", "1.5"]);
+    assert_eq!((code, out.as_str()), (0, "1.5 times as large\n"));
+    assert_eq!(run.typed(), "up J");
+    let (code, _, _) = ctl(&run, &["save"]);
+    assert_eq!(code, 0);
+    let saved = fs::read_to_string(&path).expect("it is there");
+    let fields = "anchor: elbow, right_mm: -19, scale: 1.5";
+    assert!(saved == before.replace("anchor: elbow", fields), "{saved}");
+
+    run.save(&format!("// mine\n{saved}"));
+    run.wait_until_told("my.ron: in force from now on");
+    let (code, _, _) = ctl(&run, &["tilt", "-5"]);
+    assert_eq!(code, 0);
+    fs::write(&path, "no layout").expect("it can be written");
+    let (code, _, err) = ctl(&run, &["save"]);
+    let expected = "error: my.ron: not saved, as the file is not the one in force; `reload` puts it in force\n";
+    assert_eq!((code, err.as_str()), (1, expected));
+    assert_eq!(fs::read_to_string(&path).expect("it is there"), "no layout");
+    let left = fs::read_dir(run.folder.path()).expect("a folder").flatten();
+    let left: Vec<_> = left.map(|entry| entry.file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().starts_with('.')), "{left:?}");
+}
+
+#[test]
+fn what_cannot_be_moved_says_why_and_lets_go_of_nothing() {
+    let run = run();
+    let (code, _, err) = ctl(&run, &["tilt", "-80"]);
+    assert_eq!(code, 0, "{err}");
+    assert_eq!(run.typed(), "up H");
+    let (code, _, err) = ctl(&run, &["tilt", "-80"]);
+    let expected =
+        "error: board 1 would lean over: a tilt is -90 to 90 degrees, so no board was moved\n";
+    assert_eq!((code, err.as_str()), (1, expected));
     let (code, _, err) = ctl(&run, &["profile", "mian"]);
     let expected = "error: unknown profile `mian`, did you mean `main`?\n";
     assert_eq!((code, err.as_str()), (1, expected));

@@ -13,7 +13,9 @@ use super::news::{Subscribers, Subscription};
 use super::request::{LONGEST_LINE, Request};
 use super::server::Desk;
 use super::socket::Stream;
-use crate::runtime::{Answer, Call, Order};
+use crate::contact::place::Place;
+use crate::reload::{FileCall, FileCalls, FileOrder};
+use crate::runtime::{Answer, Call, Order, Places};
 
 /// How long a client may take nothing of what is said to it.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -21,6 +23,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 /// How long whoever does what was asked for may take to say so.
 const ANSWER_LIMIT: Duration = Duration::from_secs(2);
 
+const UNWATCHED: &str = "nobody looks after the layout in force";
 const OVER: &str = "the run is over";
 const BUSY: &str = "too much has been asked for that is not done yet";
 const LATE: &str = "nothing came of it within 2 s: the run waits for its source or its output; it will do it as soon as it can";
@@ -67,6 +70,10 @@ impl Conversation<'_> {
             Err(error) => self.mouth.say(&answer::refused(&error)),
             Ok(Request::Order(order)) => self.mouth.say(&self.order(order)),
             Ok(Request::Reload) => self.mouth.say(&self.reload()),
+            Ok(Request::Scale(factor)) => {
+                self.mouth.say(&self.file_order(|_| FileOrder::Scale(factor)))
+            }
+            Ok(Request::Save) => self.mouth.say(&self.file_order(FileOrder::Save)),
             Ok(Request::Subscribe) => self.subscribe(),
             Ok(Request::Stop) => {
                 // First, as the end of the program is the end of this too.
@@ -78,31 +85,51 @@ impl Conversation<'_> {
     }
 
     fn order(&self, order: Order) -> Line {
-        let (answer, answered) = bounded(1);
-        match outcome(self.desk.calls.try_send(Call { order, answer }), &answered) {
-            Err(error) => answer::refused(error),
-            Ok(Err(refusal)) => answer::refused(&refusal.to_string()),
-            Ok(Ok(Answer::Done)) => answer::done(None),
-            Ok(Ok(Answer::State(run))) => answer::state(&run, &self.desk.profiles),
+        match self.answer(order) {
+            Err(reason) => answer::refused(&reason),
+            Ok(Answer::State(run)) => answer::state(&run, &self.desk.profiles),
+            Ok(Answer::Done | Answer::Places(_)) => answer::done(None),
         }
     }
 
+    /// What the run answers, or why it does not do it.
+    fn answer(&self, order: Order) -> Result<Answer, String> {
+        let (answer, answered) = bounded(1);
+        let sent = self.desk.calls.try_send(Call { order, answer });
+        let answer = outcome(sent, &answered).map_err(str::to_owned)?;
+        answer.map_err(|refusal| refusal.to_string())
+    }
+
     fn reload(&self) -> Line {
-        if self.desk.reload.is_empty() {
-            return answer::refused(
-                "the layout comes with the program: there is no file of yours to read again",
-            );
-        }
         let mut texts = Vec::new();
-        for reload in &self.desk.reload {
-            let (asker, told) = bounded(1);
-            match outcome(reload.try_send(asker), &told) {
-                Err(error) => return answer::refused(error),
-                Ok(Err(text)) => return answer::refused(&text),
-                Ok(Ok(text)) => texts.push(text),
+        for file in self.desk.files.iter().filter(|file| !file.is_shipped) {
+            match ask(file, FileOrder::Reload) {
+                Err(text) => return answer::refused(&text),
+                Ok(text) => texts.push(text),
             }
         }
-        answer::done(Some(&texts.join("\n")))
+        match texts.is_empty() {
+            true => answer::refused(
+                "the layout comes with the program: there is no file of yours to read again",
+            ),
+            false => answer::done(Some(&texts.join("\n"))),
+        }
+    }
+
+    /// An order for whoever looks after the layout in force; it is made of where the boards are.
+    fn file_order(&self, order: impl FnOnce(Vec<Place>) -> FileOrder) -> Line {
+        let asked = self.answer(Order::Places).and_then(|answer| {
+            let Answer::Places(Places { profile, boards }) = answer else {
+                return Err(OVER.to_owned());
+            };
+            let is_in_force = |file: &&FileCalls| file.profile == usize::from(profile);
+            let file = self.desk.files.iter().find(is_in_force).ok_or(UNWATCHED)?;
+            ask(file, order(boards))
+        });
+        match asked {
+            Ok(text) => answer::done(Some(&text)),
+            Err(reason) => answer::refused(&reason),
+        }
     }
 
     fn subscribe(&mut self) -> io::Result<()> {
@@ -122,6 +149,13 @@ impl Conversation<'_> {
         self.goes_on = Some(goes_on);
         Ok(())
     }
+}
+
+/// What came of an order for whoever looks after a layout.
+fn ask(file: &FileCalls, order: FileOrder) -> Result<String, String> {
+    let (answer, answered) = bounded(1);
+    let sent = file.calls.try_send(FileCall { order, answer });
+    outcome(sent, &answered).map_err(str::to_owned)?
 }
 
 /// What came of something that was handed to another thread, or why nothing did.

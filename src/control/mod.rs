@@ -8,10 +8,10 @@
 //! | `reload` | | reads the layout file at once |
 //! | `profile` | `name` | puts another layout of the setup in force |
 //! | `next-profile` | | the one after it |
-//! | `recentre` | | brings the boards to the hand |
+//! | `recentre` | | brings the boards below the index fingertip of the hand seen last |
 //! | `nudge` | `x_mm`, `y_mm`, `z_mm`: −1000..=1000 | moves the boards |
 //! | `tilt` | `deg`: −90..=90 | turns the boards |
-//! | `scale` | `factor`: 0.25..=4 | makes the boards larger or smaller |
+//! | `scale` | `factor`: 0.5..=2 | makes the boards larger or smaller |
 //! | `save` | | writes where the boards are into the layout file |
 //! | `subscribe` | | tells from now on what happens, events included |
 //! | `stop` | | ends the run |

@@ -63,6 +63,10 @@ pub(super) enum Request {
     Order(Order),
     /// For whoever reads the layout file.
     Reload,
+    /// For whoever looks after the layout in force: larger or smaller boards.
+    Scale(f32),
+    /// For the same: where the boards are, into the file.
+    Save,
     /// For the server itself.
     Subscribe,
     /// For whoever ends the run.
@@ -99,10 +103,10 @@ impl Request {
                 Self::Order(Order::Tilt(degrees.to_radians() as f32))
             }
             Ask::Scale => {
-                let factor = written.number(Field::Factor, 0.25, 4.0)?;
-                Self::Order(Order::Scale(factor as f32))
+                let factor = written.number(Field::Factor, 0.5, 2.0)?;
+                Self::Scale(factor as f32)
             }
-            Ask::Save => Self::Order(Order::Save),
+            Ask::Save => Self::Save,
             Ask::Subscribe => Self::Subscribe,
             Ask::Stop => Self::Stop,
         };
@@ -215,8 +219,13 @@ mod tests {
             };
             let request = parse(&format!(r#"{{"ask":"{ask}"{fields}}}"#));
             match request.unwrap() {
-                Request::Order(order) => assert_eq!(order.name(), ask.name()),
+                Request::Order(order) => {
+                    let word = format!("{order:?}").to_lowercase();
+                    assert!(word.starts_with(&ask.name().replace('-', "")), "{word}");
+                }
                 Request::Reload => assert_eq!(ask, Ask::Reload),
+                Request::Scale(factor) => assert_eq!((ask, factor), (Ask::Scale, 1.5)),
+                Request::Save => assert_eq!(ask, Ask::Save),
                 Request::Subscribe => assert_eq!(ask, Ask::Subscribe),
                 Request::Stop => assert_eq!(ask, Ask::Stop),
             }
@@ -261,7 +270,7 @@ mod tests {
             (r#"{"ask":"profile"}"#, "there is no `name`"),
             (
                 r#"{"ask":"scale","factor":0}"#,
-                "`factor` is 0.25 to 4, not 0",
+                "`factor` is 0.5 to 2, not 0",
             ),
             (r#"{"ask":"tilt","deg":1e308}"#, "`deg` is -90 to 90, not 1"),
             (

@@ -7,13 +7,11 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use crossbeam_channel::Sender;
-
 use super::conversation::{self, Mouth};
 use super::news::{Reporter, Subscribers, Untold, tell_all};
 use super::socket::{Listener, Stream};
 use super::{ControlError, Profile, answer};
-use crate::reload::Asker;
+use crate::reload::FileCalls;
 use crate::runtime::Calls;
 
 /// Clients at a time.
@@ -28,8 +26,8 @@ pub struct Desk {
     pub profiles: Vec<Profile>,
     /// The run.
     pub calls: Calls,
-    /// Who reads the layout files again: one for each layout that is in a file.
-    pub reload: Vec<Sender<Asker>>,
+    /// Whoever looks after the layouts: one for each.
+    pub files: Vec<FileCalls>,
     /// Asks for the end of the run; more than once if a client does.
     pub stop: Box<dyn Fn() + Send + Sync>,
 }

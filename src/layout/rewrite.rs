@@ -5,7 +5,7 @@ use std::ops::Range;
 use ron::value::RawValue;
 use serde::Deserialize;
 
-use super::error::LayoutError;
+use super::error::{LayoutError, offset_of};
 use super::file::Document;
 use super::number::{Distance, Tilt};
 use super::placement::anchor_from_board;
@@ -129,7 +129,7 @@ impl<'a> PlacePieces<'a> {
 /// Where a piece of a text is in it, without the blanks and comments around it.
 fn range(text: &str, piece: &RawValue) -> Range<usize> {
     let piece = piece.trim().get_ron();
-    let start = piece.as_ptr() as usize - text.as_ptr() as usize;
+    let start = offset_of(text, piece).expect("it was read from this text");
     start..start + piece.len()
 }
 

@@ -18,7 +18,7 @@ const LONGEST_UNREST: Duration = Duration::from_secs(2);
 /// A file, and what was seen of it so far.
 pub(super) struct WatchedFile {
     path: String,
-    /// What is in force.
+    /// What was in it when it was put in force.
     text: String,
     stamp: Option<Stamp>,
     unrest: Option<Unrest>,
@@ -46,6 +46,16 @@ impl WatchedFile {
                 last: now,
             }),
         }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// What was in it when it was put in force.
+    pub fn text(&self) -> &str {
+        &self.text
     }
 
     /// This content is not found again until another one is in force.

@@ -127,7 +127,7 @@ pub struct RunArgs {
 
 #[derive(ClapArgs)]
 #[command(
-    after_help = "Examples:\n  ademan ctl state\n  ademan ctl pause\n  ademan ctl nudge 0 0 -5\n  ademan ctl subscribe --json\n\nThe exit code is 0 if it is done, 1 if it is refused and 2 if no run can be reached."
+    after_help = "Examples:\n  ademan ctl state\n  ademan ctl pause\n  ademan ctl nudge 0 0 -5 && ademan ctl save\n  ademan ctl subscribe --json\n\nThe exit code is 0 if it is done, 1 if it is refused and 2 if no run can be reached."
 )]
 pub struct CtlArgs {
     #[command(subcommand)]
@@ -157,7 +157,7 @@ pub enum CtlRequest {
     },
     /// Put the layout after the one in force there
     NextProfile,
-    /// Bring the boards to where the hand is
+    /// Bring the boards below the index fingertip of the hand seen last
     Recentre,
     /// Move the boards, in mm: to the right, up, towards you
     #[command(allow_negative_numbers = true)]
@@ -169,7 +169,7 @@ pub enum CtlRequest {
         /// Towards you
         z_mm: f64,
     },
-    /// Turn the boards: the far edge rises
+    /// Turn each board about its own rows: the far edge rises
     #[command(allow_negative_numbers = true)]
     Tilt {
         /// By so many degrees
@@ -177,7 +177,7 @@ pub enum CtlRequest {
     },
     /// Make the boards larger or smaller
     Scale {
-        /// So many times as large
+        /// So many times as large: 0.5 to 2
         factor: f64,
     },
     /// Write where the boards are into the layout file

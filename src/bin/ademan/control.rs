@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use ademan::control::{self, Control, Desk, Profile};
-use ademan::reload::Asker;
+use ademan::reload::FileCalls;
 use ademan::runtime::Calls;
 use ademan::settings::Assembly;
-use crossbeam_channel::Sender;
 
 use crate::failure::Failure;
 use crate::signals::Stopper;
@@ -26,7 +25,7 @@ pub fn open(place: Option<&Path>) -> Result<Option<Control>, Failure> {
 pub fn desk(
     assembly: &Assembly,
     calls: Calls,
-    reload: Vec<Sender<Asker>>,
+    files: Vec<FileCalls>,
     stopper: Stopper,
 ) -> Desk {
     Desk {
@@ -39,7 +38,7 @@ pub fn desk(
             })
             .collect(),
         calls,
-        reload,
+        files,
         stop: Box::new(move || {
             // A second request to the bell would end the program at once.
             if !stopper.is_asked() {

@@ -22,8 +22,8 @@ struct Limits {
     is_recorded: bool,
 }
 
-/// Watches the layouts of a setup, but for shipped ones, which are not saved; they come out of the other
-/// end of `replacements`. What becomes of them is said on standard error, and to `reporter`.
+/// Looks after the layouts of a setup; those that are saved, or made larger or smaller, come out of the
+/// other end of `replacements`. What becomes of them is said on standard error, and to `reporter`.
 pub fn watch(
     assembly: &Assembly,
     is_recorded: bool,
@@ -36,7 +36,6 @@ pub fn watch(
         opened: assembly.needs(),
         is_recorded,
     });
-    let is_file = |(_, layout): &(usize, &Layout)| Path::new(&layout.file).is_file();
     let watch = |(profile, layout): (usize, &Layout)| {
         let (limits, setup) = (limits.clone(), assembly.clone());
         let accept = move |layout: &Layout| {
@@ -51,10 +50,10 @@ pub fn watch(
             }
         };
         let replacements = replacements.clone();
-        let file = &layout.file;
+        let file = Path::new(&layout.file).is_file().then_some(&*layout.file);
         Watcher::start(file, layout, profile, replacements, accept, tell)
     };
-    let layouts = assembly.layouts().enumerate().filter(is_file);
+    let layouts = assembly.layouts().enumerate();
     Ok(layouts.map(watch).collect::<Result<_, _>>()?)
 }
 

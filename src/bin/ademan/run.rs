@@ -28,8 +28,8 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let is_recorded = args.record.is_some();
     let watchers = reload::watch(&assembly, is_recorded, &replace, reporter.as_ref())?;
     if let Some(control) = &mut control {
-        let reload = watchers.iter().map(Watcher::askers).collect();
-        control.serve(control::desk(&assembly, calls, reload, stopper))?;
+        let files = watchers.iter().map(Watcher::calls).collect();
+        control.serve(control::desk(&assembly, calls, files, stopper))?;
     }
     let source = match args.wait {
         true => setup::wait_for(&assembly, &name, &stop)?,

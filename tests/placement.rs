@@ -1,0 +1,483 @@
+//! Where boards are, and how they move while they are in force, through the whole engine.
+
+use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
+use ademan::contact::place::Place;
+use ademan::contact::surface::Scene;
+use ademan::device::{Action, Events};
+use ademan::lab::TypingHand;
+use ademan::layout::Layout;
+use ademan::monitor::State;
+use ademan::pipeline::{Pipeline, Refusal};
+use ademan::settings::{Assembly, NamedLayout, Setup};
+use ademan::time::Timestamp;
+use parry3d::math::Vec3;
+
+/// From key to key, in metres.
+const PITCH: f32 = 0.019;
+
+/// Somebody who shows a reading every 10 ms.
+struct Wearer {
+    assembly: Assembly,
+    pipeline: Pipeline,
+    time_ms: u64,
+    shown: Channels,
+    transcript: Vec<String>,
+}
+
+/// The text of a layout with one board of this form and with these keys.
+fn text(board: &str, keys: &str) -> String {
+    format!(
+        "Layout(name: \"a\", boards: [(place: (anchor: elbow, bearing_deg: 35, forward_mm: 300, \
+         height_mm: -45), {board} rows: [(at_mm: (-38, 0), keys: \"{keys}\")])])"
+    )
+}
+
+fn parsed(text: &str) -> Layout {
+    Layout::parse(text, "a.ron").unwrap_or_else(|error| panic!("{error}"))
+}
+
+impl Wearer {
+    /// A hand off all keys of a layout, and an engine that runs.
+    fn of(text: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.ron");
+        std::fs::write(&path, text).expect("a file");
+        Self::with(Setup {
+            layout: path.display().to_string(),
+            ..Setup::default()
+        })
+    }
+
+    fn with(setup: Setup) -> Self {
+        let assembly = setup.assemble().expect("a setup");
+        let mut wearer = Self {
+            pipeline: assembly.pipeline(),
+            shown: Channels {
+                full_scale: 255,
+                counts: Default::default(),
+            },
+            assembly,
+            time_ms: 0,
+            transcript: Vec::new(),
+        };
+        let first = wearer.assembly.layout.keys[0].front.name.clone();
+        wearer.hover(&first);
+        wearer.stay(400);
+        assert_eq!(wearer.pipeline.state(), State::Running);
+        wearer
+    }
+
+    /// Shows the index fingertip at a place in the world, in metres.
+    fn go(&mut self, tip: Vec3) {
+        let map = &self.assembly.glove.map;
+        let hand = TypingHand::new(&self.assembly.arm, map);
+        let mut values = hand.rest();
+        let miss = hand.reach(tip, &mut values, &[]);
+        assert!(miss < 1e-3, "{tip} is {miss} m out of reach");
+        let angles = hand.angles(&values);
+        let full_scale = map.full_scale();
+        let mut counts: arrayvec::ArrayVec<u16, MAX_CHANNELS> =
+            (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
+        for row in map.rows().iter().rev() {
+            let exact = row.line.reading(angles.get(row.dof)).round();
+            counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
+        }
+        self.shown = Channels { full_scale, counts };
+    }
+
+    /// Where the fingertip is over a key of a scene, and at its bottom.
+    fn over(&self, layout: &Layout, scene: &Scene, key: &str) -> [Vec3; 2] {
+        let target = layout.key(key).expect("a key").front.target;
+        let hand = TypingHand::new(&self.assembly.arm, &self.assembly.glove.map);
+        let stroke = hand.stroke(scene, target).expect("within reach");
+        [stroke.hover, stroke.bottom]
+    }
+
+    /// Over a key, where the file says that it is.
+    fn hover(&mut self, key: &str) {
+        let layout = self.assembly.layout.clone();
+        let [hover, _] = self.over(&layout, &layout.scene, key);
+        self.go(hover);
+    }
+
+    /// Down on a key, where the file says that it is.
+    fn push(&mut self, key: &str) {
+        let layout = self.assembly.layout.clone();
+        let [_, bottom] = self.over(&layout, &layout.scene, key);
+        self.go(bottom);
+    }
+
+    fn stay(&mut self, milliseconds: u64) {
+        for _ in 0..milliseconds / 10 {
+            self.time_ms += 10;
+            let reading = Reading {
+                time: Timestamp(self.time_ms * 1_000),
+                side: None,
+                sample: Sample::Channels(self.shown.clone()),
+            };
+            let mut events = Events::new();
+            let _ = self.pipeline.step(&reading, &mut events);
+            self.write(&events);
+        }
+    }
+
+    /// Taps where the file says that a key is.
+    fn tap(&mut self, key: &str) {
+        self.hover(key);
+        self.stay(200);
+        self.push(key);
+        self.stay(200);
+        self.hover(key);
+        self.stay(200);
+    }
+
+    fn nudge(&mut self, by: Vec3) -> Result<(), Refusal> {
+        let mut events = Events::new();
+        let nudged = self.pipeline.nudge(by, &mut events);
+        self.write(&events);
+        nudged
+    }
+
+    fn place(&self) -> Place {
+        self.pipeline.places().next().expect("a board")
+    }
+
+    fn write(&mut self, events: &Events) {
+        for event in events {
+            self.transcript.push(match event.action {
+                Action::KeyDown(key) => format!("+{key}"),
+                Action::KeyUp(key) => format!("-{key}"),
+                Action::Ask(request) => format!("{request:?}"),
+                other => panic!("{other:?} comes of no key"),
+            });
+        }
+    }
+
+    fn said(&mut self) -> String {
+        std::mem::take(&mut self.transcript).join(" ")
+    }
+}
+
+/// To the right along the rows of a board with the bearing of these tests.
+fn along_rows(distance: f32) -> Vec3 {
+    let bearing = 35.0_f32.to_radians();
+    Vec3::new(bearing.cos(), 0.0, bearing.sin()) * distance
+}
+
+#[test]
+fn a_board_nudged_by_a_pitch_brings_the_next_key_under_the_finger() {
+    let mut wearer = Wearer::of(&text("", "A B C D E"));
+    wearer.tap("B");
+    assert_eq!(wearer.nudge(along_rows(-PITCH)), Ok(()));
+    assert!((wearer.place().right + PITCH).abs() < 1e-6);
+    wearer.tap("B");
+    assert_eq!(wearer.nudge(along_rows(2.0 * PITCH)), Ok(()));
+    wearer.tap("B");
+    assert_eq!(wearer.said(), "+B -B +C -C +A -A");
+}
+
+#[test]
+fn a_held_key_comes_up_before_its_board_moves_and_the_finger_has_to_leave() {
+    let mut wearer = Wearer::of(&text("", "A B C D E"));
+    wearer.hover("B");
+    wearer.stay(200);
+    wearer.push("B");
+    wearer.stay(300);
+    assert_eq!(wearer.said(), "+B");
+    assert_eq!(wearer.nudge(along_rows(-PITCH)), Ok(()));
+    assert_eq!(wearer.said(), "-B");
+    wearer.stay(1_000);
+    assert_eq!(wearer.said(), "", "the finger is in C now");
+    assert_eq!(wearer.pipeline.state(), State::Running);
+    wearer.tap("B");
+    assert_eq!(wearer.said(), "+C -C");
+}
+
+#[test]
+fn a_place_that_no_file_can_say_is_refused_and_nothing_is_let_go_of() {
+    let mut wearer = Wearer::of(&text("", "A B C D E"));
+    wearer.hover("B");
+    wearer.stay(200);
+    wearer.push("B");
+    wearer.stay(300);
+    let place = wearer.place();
+    for far in [1.8, -3.0, f32::NAN, f32::INFINITY] {
+        assert_eq!(
+            wearer.nudge(Vec3::new(0.0, 0.0, -far)),
+            Err(Refusal::TooFar(1))
+        );
+    }
+    let mut events = Events::new();
+    for steep in [1.7, -1.7, f32::NAN] {
+        let tilted = wearer.pipeline.tilt(steep, &mut events);
+        assert_eq!(tilted, Err(Refusal::TooSteep(1)));
+    }
+    assert!(events.is_empty());
+    assert_eq!(wearer.said(), "+B");
+    assert_eq!(wearer.place(), place);
+}
+
+#[test]
+fn a_tilted_board_is_where_a_file_with_that_tilt_puts_it() {
+    let flat = text("", "A B C D E").replace("(-38, 0)", "(-38, 30)");
+    let mut wearer = Wearer::of(&flat);
+    let sloping = parsed(&flat.replace("height_mm", "tilt_deg: 20, height_mm"));
+    let (layout, scene) = (sloping.clone(), &sloping.scene);
+    let [hover, bottom] = wearer.over(&layout, scene, "D");
+    let mut events = Events::new();
+    assert_eq!(wearer.pipeline.tilt(0.2, &mut events), Ok(()));
+    let rest = 20.0_f32.to_radians() - 0.2;
+    assert_eq!(wearer.pipeline.tilt(rest, &mut events), Ok(()));
+    assert!((wearer.place().tilt - 20.0_f32.to_radians()).abs() < 1e-6);
+    for tip in [hover, bottom, hover] {
+        wearer.go(tip);
+        wearer.stay(200);
+    }
+    assert_eq!(wearer.said(), "+D -D");
+}
+
+#[test]
+fn a_board_comes_below_the_index_fingertip_of_a_hand_that_went_elsewhere() {
+    let mut wearer = Wearer::of(&text("", "A B C D E"));
+    wearer.hover("A");
+    wearer.stay(300);
+    let mut events = Events::new();
+    assert_eq!(wearer.pipeline.recentre(&mut events), Ok(()));
+    let place = wearer.place();
+    let [middle, height] = [2.0 * PITCH, -0.045];
+    // A count of the glove is some millimetres at the fingertip.
+    assert!((place.right + middle).abs() < 4e-3, "{place:?}");
+    assert!((place.height - height).abs() < 1e-6, "{place:?}");
+    assert!((place.bearing - 35.0_f32.to_radians()).abs() < 1e-6);
+    wearer.tap("A");
+    assert_eq!(wearer.said(), "+C -C");
+}
+
+#[test]
+fn boards_of_one_hand_keep_their_arrangement_when_they_are_brought_to_it() {
+    let two = text("", "A B C D E").replace(
+        "boards: [",
+        "boards: [(place: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: 100), \
+         keys: [(code: \"Z\", at_mm: (0, 0))]), ",
+    );
+    let mut wearer = Wearer::of(&text("", "A B C D E"));
+    wearer.assembly.layout = parsed(&two);
+    wearer.pipeline = wearer.assembly.pipeline();
+    wearer.hover("A");
+    wearer.stay(600);
+    let before: Vec<Place> = wearer.pipeline.places().collect();
+    assert_eq!(wearer.pipeline.recentre(&mut Events::new()), Ok(()));
+    let after: Vec<Place> = wearer.pipeline.places().collect();
+    let moved = |board: usize| after[board].right - before[board].right;
+    assert!(moved(0) < -0.03, "{}", moved(0));
+    assert!((moved(0) - moved(1)).abs() < 1e-6);
+}
+
+#[test]
+fn a_board_comes_to_no_hand_that_is_not_seen() {
+    let mut wearer = Wearer::of(&text("", "A B C D E"));
+    let mut events = Events::new();
+    wearer.pipeline.stall(&mut events);
+    let refused = wearer.pipeline.recentre(&mut events);
+    assert_eq!(refused, Err(Refusal::NoHand));
+    let unseen = &mut wearer.assembly.pipeline();
+    assert_eq!(unseen.recentre(&mut events), Err(Refusal::NoHand));
+    let left = text("", "A B C D E").replace("boards: [(", "boards: [(hand: left, ");
+    wearer.assembly.layout = parsed(&left);
+    wearer.pipeline = wearer.assembly.pipeline();
+    wearer.stay(100);
+    let refused = wearer.pipeline.recentre(&mut events);
+    assert_eq!(refused, Err(Refusal::NoBoard(ademan::hand::Side::Right)));
+}
+
+#[test]
+fn a_key_brings_its_board_to_the_finger_that_presses_it() {
+    let with_key = text("", "A B C D E").replace(
+        "rows:",
+        "keys: [(does: Recentre, name: \"here\", at_mm: (0, 19))], rows:",
+    );
+    let mut wearer = Wearer::of(&with_key);
+    wearer.hover("here");
+    wearer.stay(200);
+    wearer.push("here");
+    wearer.stay(500);
+    assert_eq!(wearer.said(), "Recentre", "and not C, in which the finger is");
+    wearer.tap("here");
+    assert_eq!(wearer.said(), "+C -C");
+}
+
+#[test]
+fn each_profile_keeps_its_own_moves() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = |name: &str| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, text("", "A B C D E")).expect("a file");
+        path.display().to_string()
+    };
+    let mut wearer = Wearer::with(Setup {
+        layout: file("a.ron"),
+        profiles: vec![NamedLayout {
+            name: "other".into(),
+            layout: file("b.ron"),
+        }],
+        ..Setup::default()
+    });
+    let mut events = Events::new();
+    assert_eq!(wearer.nudge(along_rows(-PITCH)), Ok(()));
+    wearer.pipeline.switch_to(1, &mut events);
+    wearer.tap("B");
+    wearer.pipeline.switch_to(0, &mut events);
+    wearer.tap("B");
+    let mut fresh = wearer.assembly.controls(&wearer.assembly.layout).unwrap();
+    wearer.pipeline.replace(0, &mut fresh, &mut events);
+    wearer.tap("B");
+    assert_eq!(wearer.said(), "+B -B +C -C +B -B");
+}
+
+#[test]
+fn what_was_pushed_in_a_pause_is_not_down_when_it_ends() {
+    let mut wearer = Wearer::of(&text("", "A B C D E"));
+    wearer.hover("B");
+    wearer.stay(200);
+    let mut events = Events::new();
+    wearer.pipeline.pause(&mut events);
+    wearer.push("B");
+    wearer.stay(300);
+    wearer.pipeline.resume();
+    wearer.hover("B");
+    wearer.stay(500);
+    assert_eq!(wearer.said(), "");
+    wearer.tap("B");
+    assert_eq!(wearer.said(), "+B -B");
+}
+
+/// A hand that rests so far above and beside the middle of a board.
+fn rest(wearer: &mut Wearer, right: f32, up: f32) {
+    let layout = wearer.assembly.layout.clone();
+    let [_, bottom] = wearer.over(&layout, &layout.scene, "C");
+    wearer.go(bottom + along_rows(right) + Vec3::Y * up);
+}
+
+/// How far the board of a wearer has crept, along and across its rows.
+fn crept(wearer: &Wearer) -> f32 {
+    let place = wearer.place();
+    (place.right.powi(2) + (place.forward - 0.3).powi(2)).sqrt()
+}
+
+#[test]
+fn a_board_drifts_under_a_resting_hand_and_stops_there() {
+    let drift = "drift: (speed_mm_s: 5, after_ms: 2000),";
+    let mut wearer = Wearer::of(&text(drift, "A B C D E"));
+    rest(&mut wearer, 0.012, 0.03);
+    wearer.stay(1_900);
+    assert_eq!(crept(&wearer), 0.0, "not yet");
+    let mut last = 0.0;
+    for _ in 0..60 {
+        wearer.stay(100);
+        let now = crept(&wearer);
+        assert!(now - last < 0.00051, "{last} to {now} is faster than 5 mm/s");
+        last = now;
+    }
+    let right = wearer.place().right;
+    assert!((right - 0.012).abs() < 4e-3, "{right}");
+    wearer.stay(1_000);
+    assert!((wearer.place().right - right).abs() < 1e-4, "it has arrived");
+    assert!((wearer.place().height + 0.045).abs() < 1e-6);
+    assert_eq!(wearer.said(), "");
+}
+
+#[test]
+fn a_drifting_board_stays_within_its_limit() {
+    let drift = "drift: (speed_mm_s: 50, after_ms: 100, limit_mm: 6),";
+    let mut wearer = Wearer::of(&text(drift, "A B C D E"));
+    for right in [0.03, -0.03, 0.02] {
+        rest(&mut wearer, right, 0.03);
+        for _ in 0..200 {
+            wearer.stay(10);
+            assert!(crept(&wearer) <= 0.006 + 1e-6, "{}", crept(&wearer));
+        }
+        assert!(crept(&wearer) > 0.0059, "{}", crept(&wearer));
+        assert_eq!(wearer.place().right > 0.0, right > 0.0);
+    }
+}
+
+#[test]
+fn a_board_drifts_under_no_finger_that_is_on_or_near_a_key() {
+    let drift = "drift: (speed_mm_s: 50, after_ms: 100),";
+    let mut wearer = Wearer::of(&text(drift, "A B C D E"));
+    wearer.push("A");
+    wearer.stay(3_000);
+    assert_eq!(wearer.said(), "+A");
+    assert_eq!(crept(&wearer), 0.0);
+    rest(&mut wearer, 0.019, 0.008);
+    wearer.stay(3_000);
+    assert_eq!(crept(&wearer), 0.0);
+    let still = text("", "A B C D E");
+    wearer.assembly.layout = parsed(&still);
+    wearer.pipeline = wearer.assembly.pipeline();
+    rest(&mut wearer, 0.012, 0.03);
+    wearer.stay(5_000);
+    assert_eq!(crept(&wearer), 0.0, "off unless said");
+}
+
+#[test]
+fn keys_of_a_cylinder_face_its_axis_and_are_typed() {
+    for (bends, axis) in [("Rows", Vec3::Y), ("Columns", Vec3::X)] {
+        let form = format!("form: Cylinder(radius_mm: 120, bends: {bends}),");
+        let keys = text(&form, "A B C D E").replace(
+            "rows: [",
+            "rows: [(at_mm: (-38, 38), keys: \"Q W E R T\"), ",
+        );
+        let layout = parsed(&keys.replace("C D E\"", "C D F\""));
+        let surface = &layout.scene.surfaces()[0];
+        let board = &layout.boards[0];
+        for key in &layout.keys {
+            let pose = surface.target(key.front.target).unwrap().surface_from_target;
+            let on_axis = Vec3::Z * 0.12 + axis * pose.translation.dot(axis);
+            let facing = on_axis - pose.translation;
+            assert!((facing.length() - 0.12).abs() < 1e-6);
+            assert!((facing.normalize() - pose.rotation * Vec3::Z).length() < 1e-5);
+            let over = board.over(pose.transform_point(Vec3::Z * 0.01));
+            assert!((over - key.front.at.extend(0.01)).length() < 1e-6, "{over}");
+        }
+        let text = layout.text.clone();
+        let mut wearer = Wearer::of(&text);
+        for key in ["B", "D", "W"] {
+            wearer.tap(key);
+        }
+        assert_eq!(wearer.said(), "+B -B +D -D +W -W", "{bends}");
+    }
+}
+
+#[test]
+fn a_key_stands_out_of_its_board_and_turns_as_it_says() {
+    let own = "keys: [(code: \"Z\", at_mm: (0, 60), lift_mm: 12, turn_deg: (30, 0, 90)), \
+               (code: \"Y\", at_mm: (0, 60))], rows:";
+    let layout = parsed(&text("", "A B C D E").replace("rows:", own));
+    let target = layout.key("Z").unwrap().front.target;
+    let pose = layout.scene.target(target).unwrap().1.surface_from_target;
+    assert!((pose.translation - Vec3::new(0.0, 0.06, 0.012)).length() < 1e-6);
+    // About x first: the normal leans to −Y; then about z: to +X.
+    let normal = pose.rotation * Vec3::Z;
+    let expected = Vec3::new(0.5, 0.0, 0.75_f32.sqrt());
+    assert!((normal - expected).length() < 1e-6, "{normal}");
+    let mut wearer = Wearer::of(&layout.text.replace("60)", "30)"));
+    wearer.tap("Z");
+    assert_eq!(wearer.said(), "+Z -Z");
+}
+
+#[test]
+fn a_scale_makes_what_is_on_a_board_larger_and_leaves_the_board_where_it_is() {
+    let once = parsed(&text("form: Arc(radius_mm: 300),", "A B C D E"));
+    let larger = once.text.replace("anchor: elbow,", "anchor: elbow, scale: 1.5,");
+    let larger = parsed(&larger);
+    let origin = |layout: &Layout| layout.scene.surfaces()[0].anchor_from_surface();
+    assert_eq!(origin(&once), origin(&larger));
+    for (key, scaled) in once.keys.iter().zip(&larger.keys) {
+        assert!((key.front.at * 1.5 - scaled.front.at).length() < 1e-6);
+        let (half, large) = (&key.front.outline, &scaled.front.outline);
+        assert!((half.half_extents() * 1.5 - large.half_extents()).length() < 1e-6);
+        let (_, target) = larger.scene.target(scaled.front.target).unwrap();
+        assert_eq!(target.travel, 0.004);
+    }
+}
