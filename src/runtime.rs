@@ -289,9 +289,7 @@ impl Run<'_> {
                 profile: self.pipeline.profile() as u8,
                 boards: self.pipeline.places().collect(),
             })),
-            Order::Nudge(by) => {
-                self.shift(|pipeline, events| pipeline.nudge(by.into(), events))?
-            }
+            Order::Nudge(by) => self.shift(|pipeline, events| pipeline.nudge(by.into(), events))?,
             Order::Tilt(by) => self.shift(|pipeline, events| pipeline.tilt(by, events))?,
             Order::Recentre => {
                 // It goes by the hand that is seen now.

@@ -211,7 +211,9 @@ fn what_is_not_a_request_is_refused_and_the_conversation_goes_on() {
 #[test]
 fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     let run = run();
-    let path = run.path();
+    let (path, linked) = (run.path(), run.folder.path().join("linked.ron"));
+    fs::rename(&path, &linked).expect("it is ours");
+    std::os::unix::fs::symlink(&linked, &path).expect("a link");
     fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).expect("it is ours");
     let (code, _, err) = ctl(&run, &["save"]);
     let expected = "error: my.ron: not saved, as nothing was moved\n";
@@ -232,12 +234,23 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     assert_eq!(run.typed(), "down J");
 
     let (code, out, err) = ctl(&run, &["save"]);
-    assert_eq!((code, out.as_str(), err.as_str()), (0, "my.ron: saved\n", ""));
+    assert_eq!(
+        (code, out.as_str(), err.as_str()),
+        (0, "my.ron: saved\n", "")
+    );
     let saved = fs::read_to_string(&path).expect("it is there");
     let before = shipped("qwerty-flat");
-    assert_eq!(saved, before.replace("anchor: elbow", "anchor: elbow, right_mm: -19"));
+    assert_eq!(
+        saved,
+        before.replace("anchor: elbow", "anchor: elbow, right_mm: -19")
+    );
     let mode = fs::metadata(&path).expect("it is there").mode();
     assert_eq!(mode & 0o777, 0o640);
+    assert!(
+        fs::symlink_metadata(&path)
+            .expect("it is there")
+            .is_symlink()
+    );
     thread::sleep(MOVE);
     assert!(run.typed.is_empty(), "a save lets go of nothing");
 
@@ -250,7 +263,7 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     let (code, _, _) = ctl(&run, &["save"]);
     assert_eq!(code, 0);
     let saved = fs::read_to_string(&path).expect("it is there");
-    let fields = "anchor: elbow, right_mm: -19, scale: 1.5";
+    let fields = "anchor: elbow, scale: 1.5, right_mm: -19";
     assert!(saved == before.replace("anchor: elbow", fields), "{saved}");
 
     run.save(&format!("// mine\n{saved}"));
@@ -264,7 +277,11 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     assert_eq!(fs::read_to_string(&path).expect("it is there"), "no layout");
     let left = fs::read_dir(run.folder.path()).expect("a folder").flatten();
     let left: Vec<_> = left.map(|entry| entry.file_name()).collect();
-    assert!(left.iter().all(|name| !name.to_string_lossy().starts_with('.')), "{left:?}");
+    assert!(
+        left.iter()
+            .all(|name| !name.to_string_lossy().starts_with('.')),
+        "{left:?}"
+    );
 }
 
 #[test]

@@ -81,6 +81,47 @@ fn stream(mut typist: Typist) -> Vec<u8> {
 }
 
 #[test]
+fn boards_that_move_or_drift_allocate_nothing() {
+    let text = "Layout(name: \"a\", boards: [(drift: (after_ms: 100), place: (anchor: elbow, \
+                bearing_deg: 35, forward_mm: 300, height_mm: -145), \
+                rows: [(at_mm: (0, 0), keys: \"A B C\")])])";
+    let mut assembly = Setup::default()
+        .assemble()
+        .expect("the default setup is there");
+    assembly.layout = Keys::parse(text, "a.ron").expect("a layout");
+    let mut pipeline = assembly.pipeline();
+    let mut events = Events::new();
+    let mut step = |pipeline: &mut Pipeline, frame: u64| {
+        let reading = Reading {
+            time: Timestamp(10_000 * frame),
+            side: None,
+            sample: Sample::Channels(hc11::channels(&[128; 64])),
+        };
+        let before = allocations();
+        pipeline.step(&reading, &mut events).expect("an able hand");
+        allocations() - before
+    };
+    let mut allocated = 0;
+    for frame in 1..40 {
+        allocated += step(&mut pipeline, frame);
+    }
+    assert_eq!(pipeline.state(), State::Running);
+    let rest = pipeline.places().next();
+    for frame in 40..100 {
+        allocated += step(&mut pipeline, frame);
+    }
+    assert_ne!(pipeline.places().next(), rest, "it drifts");
+    let mut events = Events::new();
+    let before = allocations();
+    let nudged = pipeline.nudge(Vec3::splat(0.01), &mut events);
+    let tilted = pipeline.tilt(0.1, &mut events);
+    let brought = pipeline.recentre(&mut events);
+    allocated += allocations() - before;
+    assert_eq!([nudged, tilted, brought], [Ok(()); 3]);
+    assert_eq!(allocated, 0);
+}
+
+#[test]
 fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
     let assembly = Setup::default()
         .assemble()

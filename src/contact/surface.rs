@@ -168,7 +168,9 @@ impl Scene {
         let first = self.count;
         let boxes: Vec<Aabb> = targets.iter().map(front_box).collect();
         self.count += targets.len() as u32;
-        let middles = targets.iter().map(|target| target.surface_from_target.translation);
+        let middles = targets
+            .iter()
+            .map(|target| target.surface_from_target.translation);
         self.surfaces.push(Surface {
             side,
             anchor,

@@ -70,9 +70,9 @@ impl Conversation<'_> {
             Err(error) => self.mouth.say(&answer::refused(&error)),
             Ok(Request::Order(order)) => self.mouth.say(&self.order(order)),
             Ok(Request::Reload) => self.mouth.say(&self.reload()),
-            Ok(Request::Scale(factor)) => {
-                self.mouth.say(&self.file_order(|_| FileOrder::Scale(factor)))
-            }
+            Ok(Request::Scale(factor)) => self
+                .mouth
+                .say(&self.file_order(|_| FileOrder::Scale(factor))),
             Ok(Request::Save) => self.mouth.say(&self.file_order(FileOrder::Save)),
             Ok(Request::Subscribe) => self.subscribe(),
             Ok(Request::Stop) => {

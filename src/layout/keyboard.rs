@@ -144,7 +144,10 @@ impl Board {
     pub fn over(&self, point: Vec3) -> Vec3 {
         let unrolled = |along: f32, radius: f32| {
             let from_axis = Vec2::new(along, radius - point.z);
-            (from_axis.x.atan2(from_axis.y) * radius, radius - from_axis.length())
+            (
+                from_axis.x.atan2(from_axis.y) * radius,
+                radius - from_axis.length(),
+            )
         };
         match self.bend {
             Bend::Flat | Bend::Arc(_) => self.along_rows(point.truncate()).extend(point.z),

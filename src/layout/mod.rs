@@ -25,7 +25,7 @@ pub use file::{Document, parse};
 pub use glove::Glove;
 pub use keyboard::{Board, Front, Key, Layout};
 pub use outline::Outline;
+pub use over::OverBoard;
 pub use placement::Bend;
 pub use rewrite::{moved, scaled};
-pub use over::OverBoard;
 pub use text::{Label, Pairs, Word};

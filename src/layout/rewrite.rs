@@ -30,10 +30,30 @@ pub fn moved(document: &Document, places: &[Place]) -> Result<String, LayoutErro
         let is_tilted = tilt != hundredths(written.tilt.to_degrees());
         let fields = &board.place;
         let changes = [
-            distance("right_mm", written.right, place.right, Some(fields.right_mm)),
-            distance("forward_mm", written.forward, place.forward, fields.forward_mm),
-            distance("height_mm", written.height, place.height, Some(fields.height_mm)),
-            is_tilted.then(|| ("tilt_deg", tilt.clamp(*Tilt::RANGE.start(), *Tilt::RANGE.end()))),
+            distance(
+                "right_mm",
+                written.right,
+                place.right,
+                Some(fields.right_mm),
+            ),
+            distance(
+                "forward_mm",
+                written.forward,
+                place.forward,
+                fields.forward_mm,
+            ),
+            distance(
+                "height_mm",
+                written.height,
+                place.height,
+                Some(fields.height_mm),
+            ),
+            is_tilted.then(|| {
+                (
+                    "tilt_deg",
+                    tilt.clamp(*Tilt::RANGE.start(), *Tilt::RANGE.end()),
+                )
+            }),
         ];
         Some(changes.into_iter().flatten().collect())
     })
@@ -136,4 +156,93 @@ fn range(text: &str, piece: &RawValue) -> Range<usize> {
 /// To two decimals; 0 has no sign.
 fn hundredths(value: f32) -> f64 {
     (f64::from(value) * 100.0).round() / 100.0 + 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::Layout;
+
+    const COMMENTED: &str = r#"#![enable(implicit_some)]
+// mine
+Layout(
+    name: "a // no comment", // here
+    boards: [
+        (
+            place: Place( // there
+                anchor: /* the */ elbow /* joint */, // of the arm
+                height_mm: -45.0 /* below */,
+                /* forward_mm: 1, */ forward_mm: Some(300), // ahead
+            ),
+            rows: [(at_mm: (0, 0), keys: "A B")],
+        ),
+        (rows: [(at_mm: (0, 0), keys: "C")], place: (anchor:world)),
+    ],
+)
+"#;
+
+    fn document(text: &str) -> Document {
+        Document::new("a.ron", text)
+    }
+
+    fn places(text: &str) -> Vec<Place> {
+        let layout = Layout::parse(text, "a.ron").unwrap_or_else(|error| panic!("{error}"));
+        let surfaces = layout.scene.surfaces().iter();
+        surfaces
+            .map(|surface| Place::of(&surface.anchor_from_surface()))
+            .collect()
+    }
+
+    #[test]
+    fn only_numbers_change_and_comments_stay() {
+        let mut moved_to = places(COMMENTED);
+        moved_to[0].height = -0.0512;
+        moved_to[0].forward = 0.2;
+        moved_to[1].tilt = 0.5_f32.to_radians();
+        moved_to[1].right = -0.01;
+        let text = moved(&document(COMMENTED), &moved_to).unwrap();
+        let expected = COMMENTED
+            .replace("-45.0 ", "-51.2 ")
+            .replace("Some(300)", "Some(200)")
+            .replace("anchor:world", "anchor:world, right_mm: -10, tilt_deg: 0.5");
+        assert_eq!(text, expected);
+        let larger = scaled(&document(&text), 1.25).unwrap();
+        let twice = scaled(&document(&larger), 1.2).unwrap();
+        let expected = expected
+            .replace("elbow /*", "elbow, scale: 1.5 /*")
+            .replace("anchor:world", "anchor:world, scale: 1.5");
+        assert_eq!(twice, expected);
+    }
+
+    #[test]
+    fn what_was_not_moved_keeps_its_numbers_as_they_are_written() {
+        let text = COMMENTED.replace("-45.0", "-45.00123");
+        assert_eq!(moved(&document(&text), &places(&text)).unwrap(), text);
+    }
+
+    #[test]
+    fn every_place_is_read_back_as_it_was_written() {
+        let mut number = fastrand::Rng::with_seed(11);
+        let mut between = |low: f32, high: f32| low + (high - low) * number.f32();
+        for _ in 0..500 {
+            let bearing = between(-180.0, 180.0);
+            let text =
+                COMMENTED.replace("height_mm", &format!("bearing_deg: {bearing}, height_mm"));
+            let mut wanted = places(&text);
+            for place in &mut wanted {
+                place.right = between(-2.0, 2.0);
+                place.height = between(-2.0, 2.0);
+                place.forward = between(-2.0, 2.0);
+                place.tilt = between(-90.0, 90.0).to_radians();
+            }
+            let written = moved(&document(&text), &wanted).unwrap();
+            for (found, wanted) in places(&written).iter().zip(&wanted) {
+                let off = (found.pose().translation - wanted.pose().translation).abs();
+                assert!(off.max_element() < 1e-5, "{found:?} for {wanted:?}");
+                assert!((found.tilt - wanted.tilt).abs() < 1e-4);
+            }
+            let again = moved(&document(&written), &wanted).unwrap();
+            assert_eq!(again, written, "a second save has nothing to do");
+        }
+    }
 }

@@ -119,6 +119,13 @@ pub struct Board<'a> {
     pub joysticks: Vec<Joystick<'a>>,
 }
 
+impl Board<'_> {
+    /// A length on the board as large as the board is made, in metres.
+    pub fn metres(&self, millimetres: f64) -> f32 {
+        (millimetres * self.place.scale.get() * 1e-3) as f32
+    }
+}
+
 /// Where a board is: its point (0, 0) seen from the anchor.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

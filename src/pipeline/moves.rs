@@ -19,7 +19,9 @@ pub enum Refusal {
     #[error("no hand is seen: hold it where the boards are to go, and ask again")]
     NoHand,
     /// The hand is seen, and its index fingertip is not known.
-    #[error("the index fingertip of the {0} hand cannot be made out, so there is no place to go to")]
+    #[error(
+        "the index fingertip of the {0} hand cannot be made out, so there is no place to go to"
+    )]
     NoFingertip(Side),
     /// The boards are there for the other hand, or their anchor is not known.
     #[error("no board is there for the {0} hand, which was seen last")]

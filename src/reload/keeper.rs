@@ -36,7 +36,10 @@ pub(super) struct Keeper<A> {
 impl<A: Fn(&Layout) -> Result<Controls, String>> Keeper<A> {
     /// Looks whether the file was saved, and puts it in force if so.
     pub fn look(&mut self) -> Result<Option<Report>, Over> {
-        let found = self.file.as_mut().and_then(|file| file.look(Instant::now()));
+        let found = self
+            .file
+            .as_mut()
+            .and_then(|file| file.look(Instant::now()));
         found.map(|found| self.take(found)).transpose()
     }
 
@@ -75,14 +78,18 @@ impl<A: Fn(&Layout) -> Result<Controls, String>> Keeper<A> {
             file.is_in_force(&layout.text);
         }
         self.layout = layout.clone();
-        Ok(Report::Replaced(layout))
+        Ok(Report::Replaced(Box::new(layout)))
     }
 
     fn scale(&mut self, factor: f32) -> Result<Result<String, String>, Over> {
         let layout = layout::scaled(&self.document(), factor)
             .and_then(|text| Layout::parse(&text, &self.layout.file));
         let layout = match layout {
-            Err(error) => return Ok(Err(format!("{error}\nthe boards stay as large as they are"))),
+            Err(error) => {
+                return Ok(Err(format!(
+                    "{error}\nthe boards stay as large as they are"
+                )));
+            }
             Ok(layout) => layout,
         };
         match (self.accept)(&layout) {
@@ -167,4 +174,131 @@ fn write(path: &Path, text: &str) -> io::Result<()> {
         let _ = fs::remove_file(&beside);
     }
     written
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reload::Watcher;
+    use crate::settings;
+    use std::thread;
+    use std::time::Duration;
+
+    const TEXT: &str = "Layout(name: \"a\", boards: [(place: (anchor: elbow), \
+                        rows: [(at_mm: (0, 0), keys: \"A\")])])";
+
+    /// Somebody who looks after a layout, and what a loop that puts in force what comes has of it.
+    struct Bench {
+        watcher: Watcher,
+        in_force: Receiver<bool>,
+    }
+
+    impl Bench {
+        fn new(path: Option<&str>) -> Self {
+            let layout = match path {
+                Some(path) => Layout::load(path).unwrap(),
+                None => Layout::parse(TEXT, "a.ron").unwrap(),
+            };
+            let (replace, replacements) = bounded::<Replacement>(1);
+            let (sender, in_force) = crossbeam_channel::unbounded();
+            thread::spawn(move || {
+                for replacement in replacements {
+                    let _ = sender.send(replacement.keeps_places);
+                    let _ = replacement.replaced.send(replacement.controls);
+                }
+            });
+            let accept = |layout: &Layout| Ok(settings::controls(layout));
+            let watcher = Watcher::start(path, &layout, 0, replace, accept, |_| {}).unwrap();
+            Self { watcher, in_force }
+        }
+
+        fn ask(&self, order: FileOrder) -> Result<String, String> {
+            let (answer, answered) = bounded(1);
+            let call = FileCall { order, answer };
+            self.watcher.calls().calls.send(call).unwrap();
+            answered.recv_timeout(Duration::from_secs(20)).unwrap()
+        }
+    }
+
+    fn up(height: f32) -> FileOrder {
+        FileOrder::Save(vec![Place {
+            height,
+            ..Place::default()
+        }])
+    }
+
+    #[test]
+    fn a_shipped_layout_is_scaled_and_not_saved_nor_read_again() {
+        let bench = Bench::new(None);
+        assert_eq!(bench.ask(up(0.1)), Err(SHIPPED.into()));
+        assert_eq!(bench.ask(FileOrder::Reload), Err(SHIPPED.into()));
+        assert!(bench.in_force.is_empty());
+        assert_eq!(
+            bench.ask(FileOrder::Scale(2.0)),
+            Ok("2 times as large".into())
+        );
+        assert_eq!(
+            bench.in_force.recv(),
+            Ok(true),
+            "its boards stay where they are"
+        );
+        assert!(bench.ask(FileOrder::Scale(2.0)).is_ok());
+        let error = bench.ask(FileOrder::Scale(2.0)).unwrap_err();
+        assert!(
+            error.contains("8 is out of range: a scale is 0.25 to 4"),
+            "{error}"
+        );
+        assert!(
+            error.ends_with("\nthe boards stay as large as they are"),
+            "{error}"
+        );
+        assert!(bench.watcher.calls().is_shipped);
+    }
+
+    #[test]
+    fn a_save_is_not_taken_for_a_change() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ron");
+        fs::write(&path, TEXT).unwrap();
+        let bench = Bench::new(Some(path.to_str().unwrap()));
+        assert!(bench.ask(up(0.1)).is_ok());
+        let saved = fs::read_to_string(&path).unwrap();
+        assert_eq!(saved, TEXT.replace("elbow", "elbow, height_mm: 100"));
+        let again = bench.ask(up(0.1)).unwrap_err();
+        assert!(
+            again.ends_with("not saved, as nothing was moved"),
+            "{again}"
+        );
+        thread::sleep(Duration::from_millis(400));
+        assert!(bench.in_force.is_empty());
+    }
+
+    #[test]
+    fn a_file_that_was_changed_or_may_only_be_read_stays_as_it_is() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ron");
+        fs::write(&path, TEXT).unwrap();
+        let bench = Bench::new(Some(path.to_str().unwrap()));
+        let writable = fs::metadata(&path).unwrap().permissions();
+        let mut readonly = writable.clone();
+        readonly.set_readonly(true);
+        fs::set_permissions(&path, readonly).unwrap();
+        let error = bench.ask(up(0.1)).unwrap_err();
+        assert!(
+            error.ends_with("cannot write the file: it may only be read"),
+            "{error}"
+        );
+        fs::set_permissions(&path, writable).unwrap();
+        fs::write(&path, "no layout").unwrap();
+        let error = bench.ask(up(0.1)).unwrap_err();
+        assert!(
+            error.contains("not saved, as the file is not the one in force"),
+            "{error}"
+        );
+        assert_eq!(fs::read_to_string(&path).unwrap(), "no layout");
+        fs::remove_file(&path).unwrap();
+        let error = bench.ask(up(0.1)).unwrap_err();
+        assert!(error.ends_with("there is no such file"), "{error}");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
 }

@@ -22,12 +22,7 @@ pub fn open(place: Option<&Path>) -> Result<Option<Control>, Failure> {
 }
 
 /// Who does what clients of a run ask for.
-pub fn desk(
-    assembly: &Assembly,
-    calls: Calls,
-    files: Vec<FileCalls>,
-    stopper: Stopper,
-) -> Desk {
+pub fn desk(assembly: &Assembly, calls: Calls, files: Vec<FileCalls>, stopper: Stopper) -> Desk {
     Desk {
         profiles: assembly
             .profile_names()

@@ -8,7 +8,7 @@ use crate::device::joystick;
 use crate::device::{Axis, KeyAction};
 use crate::layout::LayoutError;
 use crate::layout::check::{Checked, Spot};
-use crate::layout::keyboard::{metres, metres2};
+use crate::layout::keyboard::metres2;
 use crate::layout::number::{Curve, DeadZone, Distance, PointerSpeed, Reach, Size, Travel};
 use crate::layout::text::{Label, Word};
 use crate::layout::written::{Board, Does, Outline};
@@ -106,7 +106,7 @@ impl<'a> Checked<'a> {
                 travel.get()
             ));
         }
-        let reach = metres(written.reach_mm.get());
+        let reach = board.metres(written.reach_mm.get());
         let front = self.put(
             &board.form,
             Spot {

@@ -9,7 +9,7 @@ use crate::device::drive::Drive;
 use crate::device::knob::{self, Range};
 use crate::layout::LayoutError;
 use crate::layout::check::{Checked, Spot};
-use crate::layout::keyboard::{metres, metres2};
+use crate::layout::keyboard::metres2;
 use crate::layout::number::{Distance, KnobRange, Share, Size, Steps};
 use crate::layout::text::{Label, Word};
 use crate::layout::written::{Board, Outline};
@@ -81,7 +81,7 @@ impl<'a> Checked<'a> {
         };
         self.add_round(board, spot, |target| knob::Knob {
             target,
-            radius: metres(written.diameter_mm.get()) / 2.0,
+            radius: board.metres(written.diameter_mm.get()) / 2.0,
             range,
             steps: written.steps.map(|steps| steps.get() as u16),
             start: written.start.map_or(0.0, |start| start.get() as f32),

@@ -8,7 +8,6 @@ use crate::device::drive::Drive;
 use crate::device::slider::{Grab, Slider, Track};
 use crate::layout::LayoutError;
 use crate::layout::check::Checked;
-use crate::layout::keyboard::metres;
 use crate::layout::number::{Distance, Share, Size, Steps, Throw, Turn};
 use crate::layout::text::{Label, Word};
 use crate::layout::written::Board;
@@ -74,7 +73,7 @@ impl<'a> Checked<'a> {
         };
         self.add_track(board, spot, |target| Slider {
             target,
-            half_length: metres(written.length_mm.get()) / 2.0,
+            half_length: board.metres(written.length_mm.get()) / 2.0,
             track: Track::Hinged(written.throw_deg.get().to_radians() as f32),
             grab: Grab::Relative,
             steps: notches,

@@ -8,7 +8,7 @@ use crate::contact::surface::STRAY;
 use crate::device::slider::{self, Track};
 use crate::layout::LayoutError;
 use crate::layout::check::{Checked, Spot};
-use crate::layout::keyboard::{metres, metres2};
+use crate::layout::keyboard::metres2;
 use crate::layout::number::{Distance, Share, Size, Steps, Turn};
 use crate::layout::text::{Label, Word};
 use crate::layout::written::{Board, Outline};
@@ -87,7 +87,7 @@ impl<'a> Checked<'a> {
         };
         self.add_track(board, spot, |target| slider::Slider {
             target,
-            half_length: metres(written.length_mm.get()) / 2.0,
+            half_length: board.metres(written.length_mm.get()) / 2.0,
             track: Track::Straight,
             grab: match written.grab {
                 Grab::Anywhere => slider::Grab::Anywhere,

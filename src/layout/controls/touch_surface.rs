@@ -60,7 +60,8 @@ impl<'a> Checked<'a> {
         written: &TouchSurface<'a>,
     ) -> Result<(), LayoutError> {
         let name = written.name;
-        let Shape::Box(half) = placement::shape(written.size_mm) else {
+        let Shape::Box(half) = placement::shape(written.size_mm, board.place.scale.get() as f32)
+        else {
             let message = format!("the touch surface `{}` must be a Box", name.0);
             return Err(self.document.error(name.0, message));
         };

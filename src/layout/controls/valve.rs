@@ -9,7 +9,6 @@ use super::knob::RoundSpot;
 use crate::device::knob::{Knob, Range};
 use crate::layout::LayoutError;
 use crate::layout::check::Checked;
-use crate::layout::keyboard::metres;
 use crate::layout::number::{Distance, Share, Size, Steps, Turns};
 use crate::layout::text::{Label, Word};
 use crate::layout::written::Board;
@@ -59,7 +58,7 @@ impl<'a> Checked<'a> {
         };
         self.add_round(board, spot, |target| Knob {
             target,
-            radius: metres(written.diameter_mm.get()) / 2.0,
+            radius: board.metres(written.diameter_mm.get()) / 2.0,
             range: Range::Between((written.turns.get() * TAU) as f32),
             steps: written.steps.map(|steps| steps.get() as u16),
             start: written.start.map_or(0.0, |start| start.get() as f32),
