@@ -121,7 +121,7 @@ impl Watcher {
                         Ok(call) => keeper.obey(call),
                         Err(_) => return,
                     },
-                    default(period) => keeper.look(),
+                    default(period) => keeper.look(Instant::now()),
                 };
                 match outcome {
                     Ok(Some(outcome)) => report(outcome),

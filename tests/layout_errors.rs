@@ -29,7 +29,7 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
         ),
         (
             "xylophone: []".into(),
-            "3:1: unknown field `xylophone`, valid here: place, hand, form, pitch_mm, size_mm, travel_mm, press_share, release_share, repress_ms, analogue, rows, keys, toggles, radios, touch_surfaces, sliders, knobs, levers, valves, joysticks",
+            "3:1: unknown field `xylophone`, valid here: place, hand, form, drift, pitch_mm, size_mm, travel_mm, press_share, release_share, repress_ms, analogue, rows, keys, toggles, radios, touch_surfaces, sliders, knobs, levers, valves, joysticks",
         ),
         (
             key("lable: \"x\""),

@@ -88,6 +88,10 @@ fn boards_that_move_or_drift_allocate_nothing() {
     let mut assembly = Setup::default()
         .assemble()
         .expect("the default setup is there");
+    let typist = assembly.typist("h", &LineSettings::default(), 0.0, 0);
+    let counts = typist.expect("h can be typed").next_counts();
+    let counts = counts.expect("it begins over the key");
+    let body: [u8; 64] = std::array::from_fn(|channel| counts[channel] as u8);
     assembly.layout = Keys::parse(text, "a.ron").expect("a layout");
     let mut pipeline = assembly.pipeline();
     let mut events = Events::new();
@@ -95,7 +99,7 @@ fn boards_that_move_or_drift_allocate_nothing() {
         let reading = Reading {
             time: Timestamp(10_000 * frame),
             side: None,
-            sample: Sample::Channels(hc11::channels(&[128; 64])),
+            sample: Sample::Channels(hc11::channels(&body)),
         };
         let before = allocations();
         pipeline.step(&reading, &mut events).expect("an able hand");

@@ -35,11 +35,8 @@ pub(super) struct Keeper<A> {
 
 impl<A: Fn(&Layout) -> Result<Controls, String>> Keeper<A> {
     /// Looks whether the file was saved, and puts it in force if so.
-    pub fn look(&mut self) -> Result<Option<Report>, Over> {
-        let found = self
-            .file
-            .as_mut()
-            .and_then(|file| file.look(Instant::now()));
+    pub fn look(&mut self, now: Instant) -> Result<Option<Report>, Over> {
+        let found = self.file.as_mut().and_then(|file| file.look(now));
         found.map(|found| self.take(found)).transpose()
     }
 
