@@ -257,14 +257,16 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     let (code, _, err) = ctl(&run, &["scale", "3"]);
     let expected = "error: `factor` is 0.5 to 2, not 3\n";
     assert_eq!((code, err.as_str()), (1, expected));
+    assert_eq!(ctl(&run, &["nudge", "0", "-1", "0"]).0, 0);
+    assert_eq!(run.typed(), "up J");
     let (code, out, _) = ctl(&run, &["scale", "1.5"]);
     assert_eq!((code, out.as_str()), (0, "1.5 times as large\n"));
-    assert_eq!(run.typed(), "up J");
     let (code, _, _) = ctl(&run, &["save"]);
     assert_eq!(code, 0);
     let saved = fs::read_to_string(&path).expect("it is there");
     let fields = "anchor: elbow, scale: 1.5, right_mm: -19";
-    assert!(saved == before.replace("anchor: elbow", fields), "{saved}");
+    let moved = before.replace("anchor: elbow", fields);
+    assert_eq!(saved, moved.replace("height_mm: -45", "height_mm: -46"));
 
     run.save(&format!("// mine\n{saved}"));
     run.wait_until_told("my.ron: in force from now on");
