@@ -409,7 +409,16 @@ impl Pipeline {
                 }
                 Request::Pause => self.pause(events),
                 // Where it cannot be done the boards stay: nobody waits for an answer.
-                Request::Recentre => drop(self.recentre(events)),
+                Request::Recentre => {
+                    let _ = self.recentre(events);
+                }
+                Request::Nudge(micrometres) => {
+                    let by = micrometres.map(|length| length as f32 * 1e-6);
+                    let _ = self.nudge(Vec3::from_array(by), events);
+                }
+                Request::Tilt(millidegrees) => {
+                    let _ = self.tilt((millidegrees as f32 * 1e-3).to_radians(), events);
+                }
             }
         }
     }

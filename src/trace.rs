@@ -227,6 +227,8 @@ enum ActionForm<'a> {
     Profile { profile: u8 },
     NextProfile,
     Recentre,
+    Nudge { by_mm: [f64; 3] },
+    Tilt { deg: f64 },
 }
 
 impl<'a> ActionForm<'a> {
@@ -257,6 +259,12 @@ impl<'a> ActionForm<'a> {
             Action::Ask(Request::Profile(profile)) => Self::Profile { profile },
             Action::Ask(Request::NextProfile) => Self::NextProfile,
             Action::Ask(Request::Recentre) => Self::Recentre,
+            Action::Ask(Request::Nudge(by)) => Self::Nudge {
+                by_mm: by.map(|length| f64::from(length) / 1e3),
+            },
+            Action::Ask(Request::Tilt(by)) => Self::Tilt {
+                deg: f64::from(by) / 1e3,
+            },
         }
     }
 }
@@ -335,6 +343,8 @@ mod tests {
                 event(Action::Select(TargetId(8))),
                 event(Action::Ask(Request::Profile(1))),
                 event(Action::Ask(Request::Pause)),
+                event(Action::Ask(Request::Nudge([0, -1_500, 2_000]))),
+                event(Action::Ask(Request::Tilt(-5_000))),
             ]),
             tally: Tally::default(),
         }
@@ -383,6 +393,8 @@ mod tests {
                 r#"{"time_us":12400,"event":"select","target":8}"#,
                 r#"{"time_us":12400,"event":"profile","profile":1}"#,
                 r#"{"time_us":12400,"event":"pause"}"#,
+                r#"{"time_us":12400,"event":"nudge","by_mm":[0.0,-1.5,2.0]}"#,
+                r#"{"time_us":12400,"event":"tilt","deg":-5.0}"#,
             ],
         ];
         for (stage, expected) in Stage::ALL.iter().zip(expected) {

@@ -497,3 +497,16 @@ fn a_scale_makes_what_is_on_a_board_larger_and_leaves_the_board_where_it_is() {
         assert_eq!(target.travel, 0.004);
     }
 }
+
+#[test]
+fn keys_move_and_tilt_the_boards_too() {
+    let keys = r#"keys: [(does: Nudge(0, -5, 0), name: "down", at_mm: (0, -30)),
+        (does: Tilt(-2), name: "tilt", at_mm: (30, -30))],"#;
+    let mut wearer = Wearer::of(&text(keys, "A B"));
+    let before = wearer.place();
+    wearer.tap("tilt");
+    assert!((wearer.place().tilt - (before.tilt - 2_f32.to_radians())).abs() < 1e-6);
+    wearer.tap("down");
+    assert!((wearer.place().height - (before.height - 0.005)).abs() < 1e-6);
+    assert_eq!(wearer.said(), "Tilt(-2000) Nudge([0, -5000, 0])");
+}

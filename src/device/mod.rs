@@ -84,6 +84,10 @@ pub enum Request {
     NextProfile,
     /// Bring the boards to where the hand is.
     Recentre,
+    /// Move the boards to the right, up and towards the wearer, in micrometres.
+    Nudge([i32; 3]),
+    /// Lift the far sides of the boards, in thousandths of a degree.
+    Tilt(i32),
 }
 
 named_enum! {

@@ -316,6 +316,8 @@ pub(super) fn label<'a>(action: KeyAction, layers: &'a [String], texts: &'a [Str
         KeyAction::Ask(Request::Pause) => "Pause",
         KeyAction::Ask(Request::Profile(_) | Request::NextProfile) => "Profile",
         KeyAction::Ask(Request::Recentre) => "Centre",
+        KeyAction::Ask(Request::Nudge(_)) => "Move",
+        KeyAction::Ask(Request::Tilt(_)) => "Tilt",
         KeyAction::Clutch => "Clutch",
         KeyAction::Precision => "Slow",
     }

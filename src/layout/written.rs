@@ -256,7 +256,7 @@ pub struct Key<'a> {
 }
 
 /// What a press does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 pub enum Does<'a> {
     /// Holds a key or button down.
     #[serde(borrow)]
@@ -273,6 +273,10 @@ pub enum Does<'a> {
     Pause,
     /// Brings the boards to where the hand is.
     Recentre,
+    /// Moves the boards to the right, up and towards the wearer, in mm.
+    Nudge(Distance, Distance, Distance),
+    /// Lifts the far sides of the boards, in degrees.
+    Tilt(Tilt),
     /// Holds the pointer still.
     Clutch,
     /// Makes the pointer slow.

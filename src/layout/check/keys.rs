@@ -119,6 +119,10 @@ impl<'a> Checked<'a> {
             Does::NextProfile => KeyAction::Ask(Request::NextProfile),
             Does::Pause => KeyAction::Ask(Request::Pause),
             Does::Recentre => KeyAction::Ask(Request::Recentre),
+            Does::Nudge(x, y, z) => KeyAction::Ask(Request::Nudge(
+                [x, y, z].map(|length| thousandths(length.get())),
+            )),
+            Does::Tilt(tilt) => KeyAction::Ask(Request::Tilt(thousandths(tilt.get()))),
             Does::Clutch => KeyAction::Clutch,
             Does::Precision => KeyAction::Precision,
             Does::Nothing => {
@@ -226,6 +230,10 @@ impl<'a> Checked<'a> {
         let label = action.map_or(name, |action| label(action, &self.layers, &self.texts));
         label.to_owned()
     }
+}
+
+fn thousandths(value: f64) -> i32 {
+    (value * 1e3).round() as i32
 }
 
 /// The place of `text` in a list, at whose end it is put if it is new.
