@@ -5,6 +5,7 @@ pub mod surface;
 pub mod stroke;
 pub mod hit_test;
 pub mod tracker;
+pub mod volume;
 mod target_names;
 
 pub use target_names::{TargetName, TargetNames};

@@ -130,7 +130,9 @@ impl ContactTracker {
         if !self.is_idle() {
             return false;
         }
-        let mut is_seen = false;
+        let believed = |&finger: &Finger| believed_fingertip(pose, finger).is_some();
+        // Where there is nothing to touch, no surface has to be known.
+        let mut is_seen = scene.surfaces().is_empty() && Finger::ALL.iter().any(believed);
         for surface in scene.surfaces() {
             let Some(world_from_surface) = surface.world_from_surface(pose) else {
                 continue;

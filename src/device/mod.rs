@@ -11,6 +11,7 @@ use crate::time::Timestamp;
 
 pub mod keycode;
 pub mod needs;
+pub mod pointer;
 pub mod switchboard;
 mod places;
 mod grips;

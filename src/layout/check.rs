@@ -4,6 +4,7 @@
 mod chords;
 mod fires;
 mod keys;
+mod pointing;
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -11,6 +12,7 @@ use std::time::Duration;
 use parry3d::math::Vec2;
 
 use super::controls::Control;
+use super::controls::space::Scenery;
 use super::error::{LayoutError, line_of};
 use super::file::Document;
 use super::keyboard::{BASE_LAYER, Board, Front, Key, Layout, MAX_LAYERS, MAX_TARGETS, metres};
@@ -23,6 +25,7 @@ use crate::contact::TargetId;
 use crate::contact::surface::{Scene, Target};
 use crate::device::KeyCode;
 use crate::device::keyboard::Chord;
+use crate::device::pointer::Settings;
 use crate::device::trigger::Trigger;
 use crate::names::UnknownName;
 
@@ -39,6 +42,8 @@ pub(super) fn layout(document: Document) -> Result<Layout, LayoutError> {
         profiles,
         chords,
         triggers,
+        pointer,
+        spaces,
         ..
     } = Checked::of(&document, &written)?;
     Ok(Layout {
@@ -54,6 +59,8 @@ pub(super) fn layout(document: Document) -> Result<Layout, LayoutError> {
         chords,
         chord_within: milliseconds(written.chord_ms.get()),
         triggers,
+        pointer,
+        spaces,
         file: document.file.clone(),
         text: document.text.clone(),
     })
@@ -77,6 +84,8 @@ pub(super) struct Checked<'a> {
     profiles: Vec<String>,
     chords: Vec<Chord>,
     pub(super) triggers: Vec<(String, Trigger)>,
+    pointer: Option<Settings>,
+    spaces: Vec<Scenery>,
     /// Name of a key → its place in `keys`.
     places: BTreeMap<&'a str, usize>,
     /// Name of a front → of what kind it is, and where it stands in the file.
@@ -122,6 +131,8 @@ impl<'a> Checked<'a> {
             profiles: Vec::new(),
             chords: Vec::new(),
             triggers: Vec::new(),
+            pointer: None,
+            spaces: Vec::new(),
             places: BTreeMap::new(),
             names: BTreeMap::new(),
             targets: Vec::new(),
@@ -142,7 +153,8 @@ impl<'a> Checked<'a> {
                 return Err(document.error(written.name.0, message));
             }
         }
-        if checked.boards.is_empty() {
+        let is_empty = written.pointer.is_none() && written.spaces.is_empty();
+        if checked.boards.is_empty() && is_empty {
             return Err(document.error(written.name.0, "the layout has no keys"));
         }
         for (name, label) in &written.labels.0 {
@@ -159,6 +171,7 @@ impl<'a> Checked<'a> {
         for trigger in &written.triggers {
             checked.add_trigger(trigger)?;
         }
+        checked.add_pointer_and_spaces(written)?;
         Ok(checked)
     }
 

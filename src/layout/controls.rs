@@ -6,6 +6,8 @@ pub mod knob;
 pub mod lever;
 pub mod radio;
 pub mod slider;
+pub mod pointer;
+pub mod space;
 pub mod toggle;
 pub mod touch_surface;
 pub mod trigger;
@@ -18,6 +20,7 @@ use crate::device::VirtualDevice;
 use crate::device::joystick::{Joystick, Joysticks};
 use crate::device::keyboard::Keyboard;
 use crate::device::knob::{Knob, Knobs};
+use crate::device::pointer::Pointer;
 use crate::device::radio::{Radio, Radios};
 use crate::device::slider::{Slider, Sliders};
 use crate::device::toggle::{Toggle, Toggles};
@@ -89,6 +92,11 @@ pub(super) fn devices(layout: &Layout) -> Vec<Box<dyn VirtualDevice>> {
     }
     if !joysticks.is_empty() {
         devices.push(Box::new(Joysticks::new(joysticks)));
+    }
+    if layout.pointer.is_some() || !layout.spaces.is_empty() {
+        let spaces = layout.spaces.iter().map(|scenery| scenery.space.clone());
+        let pointer = Pointer::new(layout.pointer.clone(), spaces.collect());
+        devices.push(Box::new(pointer));
     }
     devices
 }

@@ -1,5 +1,7 @@
 //! A layout in the characters of a terminal.
 
+mod describe;
+
 use parry3d::math::Vec2;
 
 use super::keyboard::{Board, Front, Layout};
@@ -163,10 +165,12 @@ impl Layout {
     }
 
     /// The layout for a terminal: each board with its labels at scale, rows along arcs straightened,
-    /// then what the keys do in each further layer. Ends with a line break.
+    /// then the pointer and the targets in space in words, then what the keys do in each further layer. Ends with a line break.
     pub fn draw(&self) -> String {
-        let boards: Vec<String> = self.grids().iter().map(|grid| grid.draw(self)).collect();
-        let mut text = boards.join("\n");
+        let mut parts: Vec<String> = self.grids().iter().map(|grid| grid.draw(self)).collect();
+        parts.extend(self.pointer.as_ref().map(describe::pointer));
+        parts.extend(self.spaces.iter().map(describe::space));
+        let mut text = parts.join("\n");
         for (layer, name) in self.layers.iter().enumerate().skip(1) {
             let changes: Vec<String> = self
                 .keys

@@ -50,6 +50,11 @@ const SHIPPED: &[(&str, &str)] = shipped! {
     "panels/switches"
     "panels/touch-pad"
     "panels/workshop"
+    "pointers/direct"
+    "pointers/joint"
+    "pointers/rate"
+    "pointers/ray"
+    "pointers/space"
 };
 
 /// A file as it was read; errors about it know its name and show its lines.
@@ -163,11 +168,11 @@ pub fn parse<'a, T: Deserialize<'a>>(text: &'a str, file: &str) -> Result<T, Lay
         })
 }
 
-/// The names of the shipped files in a folder of `layouts/`, without the folder and `.ron`.
-pub fn shipped_names(folder: &str) -> impl Iterator<Item = &'static str> {
-    SHIPPED.iter().filter_map(move |(name, _)| {
-        let (its_folder, short) = name.split_once('/')?;
-        (its_folder == folder).then_some(short)
+/// The names of the shipped layouts, without folders and `.ron`: everything but gloves and arms.
+pub fn shipped_layouts() -> impl Iterator<Item = &'static str> {
+    SHIPPED.iter().filter_map(|(name, _)| {
+        let (folder, short) = name.split_once('/')?;
+        (!matches!(folder, "arms" | "gloves")).then_some(short)
     })
 }
 

@@ -5,6 +5,8 @@ use std::time::Duration;
 
 use parry3d::math::{Vec2, Vec3};
 
+use super::controls::pointer::POINTER;
+use super::controls::space::Scenery;
 use super::controls::{self, Control};
 use super::error::LayoutError;
 use super::file::{self, Document};
@@ -16,6 +18,7 @@ use crate::contact::TargetNames;
 use crate::contact::place::Drift;
 use crate::contact::surface::Scene;
 use crate::device::keyboard::{Chord, Fires, Hold, KeyBinding};
+use crate::device::pointer::Settings;
 use crate::device::trigger::Trigger;
 use crate::device::{KeyAction, Needs, Request, TextId, VirtualDevice};
 use crate::hand::Side;
@@ -62,6 +65,10 @@ pub struct Layout {
     /// Postures of the hand that do something, each with its name; their targets come after those of
     /// the scene, in this order.
     pub triggers: Vec<(String, Trigger)>,
+    /// The arm as a pointer; its target comes after all others but those in space.
+    pub pointer: Option<Settings>,
+    /// Targets in space, each list with its names; they come last.
+    pub spaces: Vec<Scenery>,
 }
 
 /// A group of keys that moves as one.
@@ -196,10 +203,9 @@ impl Layout {
         check::layout(document)
     }
 
-    /// The shipped keyboards and then the panels by name, each with its layout.
+    /// The shipped layouts by name, each with what is in it, folder by folder.
     pub fn shipped() -> Result<Vec<(&'static str, Self)>, LayoutError> {
-        file::shipped_names("keyboards")
-            .chain(file::shipped_names("panels"))
+        file::shipped_layouts()
             .map(|name| Ok((name, Self::of(Document::shipped(name)?)?)))
             .collect()
     }
@@ -237,9 +243,13 @@ impl Layout {
     /// What the targets are called.
     pub fn target_names(&self) -> TargetNames {
         let fronts = self.boards.iter().flat_map(|board| self.fronts(board));
-        let fronts = fronts.map(|front| &front.name);
-        let triggers = self.triggers.iter().map(|(name, _)| name);
-        TargetNames::new(fronts.chain(triggers).cloned())
+        let fronts = fronts.map(|front| front.name.as_str());
+        let triggers = self.triggers.iter().map(|(name, _)| name.as_str());
+        let pointer = self.pointer.as_ref().map(|_| POINTER);
+        let in_space = self.spaces.iter().flat_map(|scenery| &scenery.names);
+        let in_space = in_space.map(String::as_str);
+        let names = fronts.chain(triggers).chain(pointer).chain(in_space);
+        TargetNames::new(names.map(str::to_owned))
     }
 
     /// Whether a board is there for this hand and not for the other.

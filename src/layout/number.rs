@@ -66,7 +66,7 @@ measures! {
     Repress = "a re-press delay", 0.0 ..= 2000.0, " ms", or 0.0;
     /// How long a key is pressed before it counts as held, in milliseconds.
     HoldTime = "a hold time", 50.0 ..= 2000.0, " ms", or 250.0;
-    /// How long a fingertip rests on a key until it fires, in milliseconds.
+    /// How long a fingertip or the cursor rests until it fires, in milliseconds.
     DwellTime = "a dwell time", 50.0 ..= 5000.0, " ms";
     /// How long after each other the keys of a chord are pressed at most, in milliseconds.
     ChordTime = "a chord time", 10.0 ..= 500.0, " ms", or 50.0;
@@ -80,6 +80,32 @@ measures! {
     Angle = "an angle", -180.0 ..= 180.0, "°";
     /// How far apart two fingertips are, in millimetres.
     Gap = "a gap", 0.0 ..= 200.0, " mm";
+    /// A width, height, depth or diameter in space, in millimetres.
+    Extent = "a size in space", 1.0 ..= 2000.0, " mm", or 200.0;
+    /// The exponent of a curve of the pointer.
+    Exponent = "an exponent", 0.2 ..= 5.0, "", or 1.0;
+    /// The share of a displacement that is rest.
+    DeadShare = "a dead share", 0.0 ..= 0.9, "", or 0.15;
+    /// A speed of the cursor, in pixels a second.
+    CursorSpeed = "a speed of the cursor", 0.0 ..= 100000.0, " px/s";
+    /// How many pixels of the cursor a pixel of the hand is.
+    Gain = "a gain", 0.05 ..= 20.0, "";
+    /// How slow a pointer is that is made slow.
+    Factor = "a precision factor", 0.01 ..= 1.0, "", or 0.25;
+    /// How many pixels a screen is wide or high.
+    Screen = "a size of a screen", 2.0 ..= 20000.0, " px";
+    /// The most that a cursor moves in a frame, in pixels.
+    Step = "a largest step", 10.0 ..= 20000.0, " px", or 300.0;
+    /// How far around a place on the screen, in pixels.
+    PointerRadius = "a radius on the screen", 0.0 ..= 1000.0, " px", or 0.0;
+    /// How far the cursor goes for a click of the wheel, in pixels.
+    ScrollPixels = "a way for a click of the wheel", -1000.0 ..= 1000.0, " px";
+    /// How far a fingertip is pushed forward, in millimetres.
+    PushDepth = "a push", 5.0 ..= 200.0, " mm";
+    /// The cutoff of a filter, in hertz.
+    Cutoff = "a cutoff", 0.05 ..= 50.0, " Hz";
+    /// How much a cutoff rises with speed, in hertz per px/s.
+    Steepness = "a steepness", 0.0 ..= 10.0, "";
     /// Clicks of a wheel for the whole range of a control.
     Clicks = "a number of clicks", -1000.0 ..= 1000.0, "";
     /// Pixels for the whole range of a control.

@@ -8,8 +8,10 @@ use serde::Deserialize;
 use super::controls::joystick::Joystick;
 use super::controls::knob::Knob;
 use super::controls::lever::Lever;
+use super::controls::pointer::Pointer;
 use super::controls::radio::Radio;
 use super::controls::slider::Slider;
+use super::controls::space::Space;
 use super::controls::toggle::Toggle;
 use super::controls::touch_surface::TouchSurface;
 use super::controls::trigger::Trigger;
@@ -32,7 +34,7 @@ pub struct Layout<'a> {
     #[serde(borrow, default)]
     pub note: Option<Word<'a>>,
     /// Groups of controls, each of which is fixed to one place.
-    #[serde(borrow)]
+    #[serde(borrow, default)]
     pub boards: Vec<Board<'a>>,
     /// What is drawn on keys that do not say it themselves: key by key.
     #[serde(borrow, default)]
@@ -49,6 +51,12 @@ pub struct Layout<'a> {
     /// Postures of the hand that do something.
     #[serde(borrow, default)]
     pub triggers: Vec<Trigger<'a>>,
+    /// The arm as a pointer.
+    #[serde(borrow, default)]
+    pub pointer: Option<Pointer<'a>>,
+    /// Targets in space.
+    #[serde(borrow, default)]
+    pub spaces: Vec<Space<'a>>,
 }
 
 /// A group of controls that moves as one.

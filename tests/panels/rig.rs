@@ -10,6 +10,7 @@
 //! - `angle:wrist-flexion=20`: an angle in degrees. `palm=0,30,0`: the hand is turned by so many degrees
 //!   about the world's X, Y and Z. `tip:thumb=10,0,-300`: a fingertip in the world, in mm.
 //! - `jump`: the hand was re-acquired in another place.
+//! - `nan:wrist-flexion`: an angle that is no number. `knuckle=0,30,0`: the index MCP joint in the world, in mm.
 //! - `left`, `right`: of which hand the following is; `release`: everything is let go of.
 
 use std::io::{Result, Write};
@@ -48,6 +49,7 @@ struct Hand {
     untrusted: FingerSet,
     jumped: bool,
     palm: Rotation,
+    knuckle: Option<Vec3>,
 }
 
 #[derive(Clone, Default)]
@@ -100,6 +102,7 @@ impl Rig {
             untrusted: FingerSet::NONE,
             jumped: false,
             palm: Rotation::IDENTITY,
+            knuckle: None,
         };
         Self {
             hands: [hand(), hand()],
@@ -162,7 +165,12 @@ impl Rig {
             self.hand().palm = Rotation::from_scaled_axis(degrees);
             return;
         }
+        if let Some(place) = order.strip_prefix("knuckle=") {
+            self.hand().knuckle = Some(numbers(place) * 1e-3);
+            return;
+        }
         match order.split_once(':') {
+            Some(("nan", dof)) => self.hand().angles.set(dof.parse().unwrap(), f64::NAN),
             Some(("lost", name)) => self.hand().tips[finger(name).index()] = None,
             Some(("doubt", name)) => {
                 let hand = self.hand();
@@ -214,6 +222,10 @@ impl Rig {
         let mut pose = HandPose::at(self.time, self.side, RADIUS);
         pose.untrusted = hand.untrusted;
         pose.jumped = hand.jumped;
+        if let Some(knuckle) = hand.knuckle {
+            let knuckle = Pose::from_parts(knuckle, hand.palm);
+            pose.set(Joint::IndexPhalanxProximal, knuckle);
+        }
         for joint in [Joint::Elbow, Joint::Wrist] {
             pose.set(joint, Pose::from_parts(Vec3::ZERO, hand.palm));
         }

@@ -1,0 +1,70 @@
+//! What cannot be drawn on a board, in words.
+
+use crate::contact::volume::{Form, Volume};
+use crate::device::pointer::{By, Gesture, Mode, Moves, Settings};
+use crate::layout::controls::space::Scenery;
+use crate::layout::keyboard::label;
+
+/// A pointer in one line, with the line break.
+pub(super) fn pointer(settings: &Settings) -> String {
+    let mode = match settings.mode {
+        Mode::Joint(_) => "by joint angles",
+        Mode::Direct(_) => "by the index fingertip in a box",
+        Mode::Ray(_) => "by a ray from the hand",
+        Mode::Rate(_) => "by displacement from rest",
+    };
+    let moves = match settings.moves {
+        Moves::To => ", to places on the screen",
+        Moves::By => ", by pixels",
+        Moves::Nothing => "",
+    };
+    let mut line = format!("pointer {mode}{moves}");
+    for &(by, action) in &settings.clicks {
+        let by = match by {
+            By::Gesture(gesture) => self::gesture(gesture),
+            By::Push(_) => "push".into(),
+        };
+        line += &format!(", {by} {}", label(action, &[], &[]));
+    }
+    if let Some((_, action)) = settings.dwell {
+        line += &format!(", dwell {}", label(action, &[], &[]));
+    }
+    if let Some(scroll) = settings.scroll {
+        line += &format!(", {} scrolls", gesture(scroll.by));
+    }
+    if let Some(clutch) = settings.clutch {
+        line += &format!(", moves while {}", gesture(clutch));
+    }
+    if let Some(slow) = settings.slow {
+        line += &format!(", slow while {}", gesture(slow));
+    }
+    line + "\n"
+}
+
+fn gesture(gesture: Gesture) -> String {
+    match gesture {
+        Gesture::Pinch(finger) => format!("{finger} pinch"),
+        Gesture::Flexion(dof, at) => format!("{dof} {:.0}°", at.to_degrees()),
+    }
+}
+
+/// Targets in space, one a line: name, shape, and where the middle is.
+pub(super) fn space(scenery: &Scenery) -> String {
+    let volumes = scenery.space.volumes.iter();
+    let lines = scenery.names.iter().zip(volumes).map(|(name, volume)| {
+        let Volume { middle, form } = volume;
+        let at = *middle * 1e3;
+        let form = match *form {
+            Form::Ball(radius) => format!("ball {:.0} mm", radius * 2e3),
+            Form::Box(half) => {
+                let size = half * 2e3;
+                format!("box {:.0} × {:.0} × {:.0} mm", size.x, size.y, size.z)
+            }
+        };
+        format!(
+            "{name}: {form} at ({:.0}, {:.0}, {:.0}) mm\n",
+            at.x, at.y, at.z
+        )
+    });
+    lines.collect()
+}
