@@ -51,12 +51,18 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "switches",
             "touch-pad",
             "workshop",
+            "direct",
+            "joint",
+            "rate",
+            "ray",
+            "space",
         ]
     );
     for (name, layout) in &shipped {
-        let folder = match layout.controls.is_empty() {
-            true => "keyboards",
-            false => "panels",
+        let folder = match layout {
+            Layout { boards, .. } if boards.is_empty() => "pointers",
+            Layout { controls, .. } if controls.is_empty() => "keyboards",
+            _ => "panels",
         };
         let path = format!("{}/layouts/{folder}/{name}.ron", env!("CARGO_MANIFEST_DIR"));
         let from_file = Layout::load(&path).unwrap();

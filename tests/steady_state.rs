@@ -607,3 +607,76 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
     );
     assert_eq!(allocated, 0);
 }
+
+/// Fingertips and angles at random over a pointer with everything and 1000 targets in space.
+#[test]
+fn a_pointer_and_targets_in_space_allocate_nothing() {
+    let targets: String = (0..1000)
+        .map(|number| {
+            let (x, y, z) = (number % 10, number / 10 % 10, number / 100);
+            let at = format!("({}, {}, {})", x * 20 - 100, y * 20 - 100, z * 20 - 100);
+            format!("(name: \"t{number}\", at_mm: {at}, form: Ball(24), does: Key(\"A\")),")
+        })
+        .collect();
+    let text = format!(
+        r#"Layout(name: "t", pointer: Pointer(
+            mode: Direct(place: (anchor: world), size_mm: (200, 200, 200)),
+            dead_zone_px: 1, precision: Pinch("ring"), clutch: Flexion("wrist-flexion", 30),
+            clicks: [(by: Pinch("index"), does: Key("MouseLeft")), (by: Push(15), does: Key("B"))],
+            scroll: (by: Pinch("little"), px_per_click: 30), z_drives: Axis("MoveZ"),
+            dwell: (ms: 50, radius_px: 400, does: Key("MouseMiddle")),
+        ), spaces: [(place: (anchor: world), targets: [{targets}])])"#
+    );
+    let layout = Keys::parse(&text, "t.ron").expect("a layout");
+    let mut devices = layout.devices();
+    let mut switchboard = Switchboard::default();
+    let mut state = 1_u64;
+    let mut random = move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1 << 24) as f32
+    };
+    let mut sent = [0; 4];
+
+    let before = allocations();
+    for frame in 0..20_000_u64 {
+        let mut pose = HandPose::at(Timestamp(frame * 5_729), Side::Right, 0.005);
+        let mut angles = JointAngles::at(pose.time);
+        angles.set(Dof::WristFlexion, f64::from(random()));
+        for &finger in Finger::ALL {
+            let tip = Vec3::new(random() - 0.5, random() - 0.5, random() - 0.5) * 0.2;
+            pose.set(Joint::tip(finger), Pose::from_translation(tip));
+        }
+        let seen = Seen {
+            scene: &layout.scene,
+            angles: &angles,
+            pose: &pose,
+            touches: &[],
+        };
+        let mut events = Events::new();
+        let mut out = Out {
+            switchboard: &mut switchboard,
+            events: &mut events,
+        };
+        for device in &mut devices {
+            match frame % 1000 {
+                999 => device.release_all(pose.time, &mut out),
+                _ => device.update(&seen, &mut out),
+            }
+        }
+        for event in &events {
+            match event.action {
+                Action::MoveTo(..) => sent[0] += 1,
+                Action::Select(_) => sent[1] += 1,
+                Action::KeyDown(_) => sent[2] += 1,
+                Action::Scroll(..) => sent[3] += 1,
+                _ => {}
+            }
+        }
+    }
+    let allocated = allocations() - before;
+
+    assert!(sent.iter().all(|&count| count > 50), "{sent:?}");
+    assert_eq!(allocated, 0);
+}

@@ -229,4 +229,37 @@ mod tests {
         assert_eq!(place([Vec3::X * 1.1; 2], 0.0), Some(1));
         assert_eq!(place([Vec3::X * 1.3; 2], 0.0), Some(2));
     }
+
+    #[test]
+    fn the_tree_over_many_volumes_stays_shallow_and_finds_what_a_look_at_each_finds() {
+        let place = |number: usize| {
+            let (layer, rest) = (number / 625, number % 625);
+            Vec3::new((rest % 25) as f32, (rest / 25) as f32, layer as f32)
+        };
+        let volume = |number| Volume {
+            middle: place(number),
+            form: match number % 2 {
+                0 => Form::Ball(0.6),
+                _ => Form::Box(Vec3::splat(0.4)),
+            },
+        };
+        let volumes = Volumes::new((0..10_000).map(volume).collect());
+        let depth = volumes.tree.subtree_depth(0);
+        assert!(depth <= 24, "{depth} levels");
+        for number in 0..500 {
+            let from = place(number * 19) + Vec3::new(0.31, 0.23, 0.47);
+            let to = from + Vec3::new(0.9, -1.3, (number % 7) as f32 * 0.3);
+            let each = volumes.iter().enumerate().filter_map(|(place, volume)| {
+                let [share, _] = volume.within([from, to], 0.0)?;
+                let off_middle = from.lerp(to, share).distance(volume.middle);
+                Some(Entry {
+                    place,
+                    share,
+                    off_middle,
+                })
+            });
+            let first = each.reduce(|one, other| if other.beats(&one) { other } else { one });
+            assert_eq!(volumes.first([from, to], 0.0), first, "{number}");
+        }
+    }
 }

@@ -22,6 +22,10 @@ impl<'a> Checked<'a> {
         }
         for space in &written.spaces {
             let scenery = self.space(space, TargetId(next as u32))?;
+            if scenery.names.is_empty() {
+                let message = format!("space {} has no targets", self.spaces.len() + 1);
+                return Err(self.document.error(self.name.0, message));
+            }
             next += scenery.names.len();
             self.spaces.push(scenery);
         }

@@ -1,0 +1,180 @@
+//! What is wrong with pointers and targets in space, told at its place.
+
+use ademan::layout::Layout;
+
+/// `LINE:COLUMN: message` of what is wrong with a layout that has this beside its name, from line 2.
+fn refusal(fields: &str) -> String {
+    let text = format!("Layout(name: \"t\",\n{fields}\n)");
+    let error = Layout::parse(&text, "t.ron").expect_err(&text).to_string();
+    let line = error.lines().next().expect("a line").to_owned();
+    line.strip_prefix("t.ron:").expect("the file").to_owned()
+}
+
+const MODE: &str = "mode: Direct(place: (anchor: world), size_mm: (200, 100, 100))";
+
+fn of_pointer(fields: &str) -> String {
+    refusal(&format!("pointer: Pointer({MODE},\n{fields})"))
+}
+
+fn of_targets(targets: &str) -> String {
+    refusal(&format!(
+        "spaces: [(place: (anchor: world), targets: [\n{targets}\n])]"
+    ))
+}
+
+fn check(cases: &[(&str, &str)], refusal: impl Fn(&str) -> String) {
+    for (fields, expected) in cases {
+        assert_eq!(refusal(fields), *expected, "{fields}");
+    }
+}
+
+#[test]
+fn numbers_out_of_range_are_refused_where_they_stand() {
+    check(
+        &[
+            (
+                "max_step_px: 1e308",
+                "3:14: 1e308 is out of range: a largest step is 10 to 20000 px",
+            ),
+            (
+                "max_step_px: NaN",
+                "3:14: NaN is out of range: a largest step is 10 to 20000 px",
+            ),
+            (
+                "screen_px: (0, 5)",
+                "3:13: 0 is out of range: a size of a screen is 2 to 20000 px",
+            ),
+            (
+                "clicks: [(by: Push(-3), does: Pause)]",
+                "3:20: -3 is out of range: a push is 5 to 200 mm",
+            ),
+            (
+                "precision_factor: inf",
+                "3:19: inf is out of range: a precision factor is 0.01 to 1",
+            ),
+        ],
+        of_pointer,
+    );
+}
+
+#[test]
+fn wrong_names_are_answered_with_the_nearest_right_one() {
+    check(
+        &[
+            (
+                "clutch: Pinch(\"indxe\")",
+                "3:16: unknown finger `indxe`, did you mean `index`?",
+            ),
+            (
+                "clutch: Flexion(\"wrist-flexoin\", 30)",
+                "3:18: unknown degree of freedom `wrist-flexoin`, did you mean `wrist-flexion`?",
+            ),
+            (
+                "clicks: [(by: Pnch(\"index\"), does: Pause)]",
+                "3:15: unknown value `Pnch`, did you mean `Pinch`?",
+            ),
+            (
+                "clicks: [(by: Pinch(\"index\"), does: Key(\"MouseLeff\"))]",
+                "3:42: unknown key `MouseLeff`, did you mean `MouseLeft`?",
+            ),
+            (
+                "z_drives: Axis(\"MoveQ\")",
+                "3:17: unknown axis `MoveQ`, did you mean `MoveZ`?",
+            ),
+        ],
+        of_pointer,
+    );
+}
+
+#[test]
+fn what_does_not_go_together_is_refused_at_the_pointer() {
+    check(
+        &[
+            (
+                "clicks: [(by: Pinch(\"index\"), does: Pause)], clutch: Pinch(\"index\")",
+                "2:1: two gestures are a pinch of the index finger: both would be on together",
+            ),
+            (
+                "precision: Flexion(\"wrist-flexion\", 30), clutch: Flexion(\"wrist-flexion\", 50)",
+                "2:1: two gestures bend `wrist-flexion` the same way: both would be on together",
+            ),
+            (
+                "clutch: Pinch(\"thumb\")",
+                "2:1: the thumb pinches with another finger, name that one",
+            ),
+            (
+                "clutch: Flexion(\"wrist-flexion\", -4)",
+                "2:1: `Flexion` of `wrist-flexion` is 5° or more either way, so that it can go off",
+            ),
+            (
+                "acceleration: [(100, 2)]",
+                "2:1: `acceleration` is for a pointer that `moves: By` pixels",
+            ),
+            (
+                "moves: By, acceleration: [(100, 2), (100, 3)]",
+                "2:1: the speeds of `acceleration` go up from knot to knot",
+            ),
+            (
+                "pinch_mm: (on: 30, off: 25, ready: 40)",
+                "2:1: in `pinch_mm` `on` is less than `off`, and that less than `ready`",
+            ),
+            (
+                "scroll: (by: Pinch(\"ring\"), px_per_click: 0)",
+                "2:1: `px_per_click` is 1 px or more either way",
+            ),
+        ],
+        of_pointer,
+    );
+    assert_eq!(
+        refusal(
+            "// pointer: this is no field\npointer: Pointer(mode: Joint(\n\
+             x: (dof: \"wrist-flexion\", from_deg: 5, to_deg: 5.5), y: (dof: \"wrist-flexion\", from_deg: 5, to_deg: 9)))"
+        ),
+        "3:1: the range of `wrist-flexion` is 1° or more: from_deg is 5, to_deg 5.5"
+    );
+}
+
+#[test]
+fn targets_in_space_have_names_of_their_own_and_a_size() {
+    let ball = "(name: \"A\", at_mm: (0, 0, 0), form: Ball(9)),";
+    check(
+        &[
+            (
+                &format!("{ball}\n{ball}"),
+                "4:9: there is a target `A` already in line 3, give this one a `name` of its own",
+            ),
+            (
+                "(name: \"A\", at_mm: (0, 0, 0), form: Ball(0))",
+                "3:42: 0 is out of range: a size in space is 1 to 2000 mm",
+            ),
+            (
+                "(name: \"A\", at_mm: (0, 0, 0), form: Ball(9), does: Layer(\"x\"))",
+                "3:59: unknown layer `x`",
+            ),
+        ],
+        of_targets,
+    );
+    assert_eq!(
+        refusal(&format!(
+            "pointer: Pointer({MODE}), spaces: [(place: (anchor: world), targets: [\n{}])]",
+            ball.replace('A', "pointer")
+        )),
+        "3:9: there is a target `pointer` already in line 2, give this one a `name` of its own"
+    );
+}
+
+#[test]
+fn a_layout_with_nothing_in_it_is_refused_and_one_with_spaces_only_is_right() {
+    assert_eq!(
+        Layout::parse("Layout(name: \"t\")", "t.ron")
+            .unwrap_err()
+            .to_string()
+            .lines()
+            .next(),
+        Some("t.ron:1:15: the layout has no keys")
+    );
+    assert_eq!(
+        refusal("spaces: [(place: (anchor: world), targets: [])]"),
+        "1:15: space 1 has no targets"
+    );
+}
