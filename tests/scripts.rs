@@ -367,3 +367,62 @@ fn an_angle_that_was_set_stays_near_it_while_the_fingertip_goes_elsewhere() {
         "{bent} m and {free} m over the index fingertip"
     );
 }
+
+#[test]
+fn things_in_space_are_selected_where_the_fingertip_goes() {
+    let script = "point 60 0 -300; point 120 0 -300; point 200 0 -270; point 260 -20 -220; point 160 50 -320";
+    assert_eq!(
+        keys("space", script),
+        [
+            "select Moon",
+            "unselect Moon",
+            "select Earth",
+            "unselect Earth",
+            "select Play",
+            "down MediaPlayPause",
+            "up   MediaPlayPause",
+            "unselect Play",
+            "select Earth",
+            "unselect Earth",
+            "select Door",
+            "unselect Door",
+        ]
+    );
+}
+
+#[test]
+fn the_joints_of_an_arm_point_click_and_scroll() {
+    let played = keys(
+        "joint",
+        "set wrist-deviation 15 & set wrist-flexion 15; pinch; wait 100; unpinch; wait 400; \
+         bend little 70; set wrist-flexion 0; bend little 0",
+    );
+    let place = |event: &str| played.iter().position(|it| it.starts_with(event));
+    let (down, up) = (place("down MouseLeft"), place("up   MouseLeft"));
+    assert_eq!(up, down.map(|down| down + 1), "{played:?}");
+    let place_at = |at: usize| {
+        let words = played[at].split_whitespace().skip(1);
+        words.map(|it| it.parse().unwrap()).collect::<Vec<f32>>()
+    };
+    let clicked_at = place_at(down.expect("a click") - 1);
+    // 27/32 of the way to the right, and 45/60 of the way down.
+    assert!((clicked_at[0] - 27.0 / 32.0).abs() < 0.03, "{clicked_at:?}");
+    assert!((clicked_at[1] - 0.75).abs() < 0.03, "{clicked_at:?}");
+    let scrolled = played
+        .iter()
+        .filter_map(|event| event.strip_prefix("scroll +0 "));
+    let scrolled: f32 = scrolled.map(|clicks| clicks.parse::<f32>().unwrap()).sum();
+    // A quarter of 1080 pixels, 60 a click.
+    assert!((scrolled - 540.0).abs() < 60.0, "{scrolled}");
+}
+
+#[test]
+fn a_target_in_space_is_no_key_to_tap() {
+    let refused = hand(&assembly("space"), "tap Moon")
+        .err()
+        .expect("it is refused");
+    assert!(
+        refused.contains("on no board") && refused.contains("`point X Y Z`"),
+        "{refused}"
+    );
+}

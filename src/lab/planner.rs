@@ -379,6 +379,9 @@ impl Planner<'_> {
     }
 
     fn front(&self, target: TargetId) -> Result<Front, Reason> {
+        if self.scene.target(target).is_none() {
+            return Err(Reason::OnNoBoard);
+        }
         let out_of_reach = Reason::OutOfReach {
             target: Some(target),
             metres: f64::INFINITY,

@@ -25,6 +25,11 @@ pub enum Reason {
         /// How far the fingertip stays away, in metres.
         metres: f64,
     },
+    /// A trigger, or a target in space.
+    #[error(
+        "it is on no board, so nothing taps it: go there with `point X Y Z`, or move what it measures"
+    )]
+    OnNoBoard,
     /// Only a fingertip that is down can do this.
     #[error("the fingertip is not down: put a `press` or a `push` before it")]
     NotDown,
