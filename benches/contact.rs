@@ -6,6 +6,7 @@
 use std::hint::black_box;
 
 use ademan::contact::surface::{Anchor, Scene, Shape, TREMBLE, Target};
+use ademan::contact::volume::{Form, Volume, Volumes};
 use ademan::contact::{ContactTracker, Touches};
 use ademan::hand::{Finger, Joint, Side};
 use ademan::kinematics::HandPose;
@@ -101,4 +102,32 @@ fn crossing(bencher: Bencher, keys: u32) {
         keys,
         &poses(|_, frame| if frame % 2 == 0 { 0.010 } else { -0.005 }),
     );
+}
+
+/// A cursor that wanders through balls in space, 20 mm from middle to middle.
+#[divan::bench(args = [64, 10_000])]
+fn through_space(bencher: Bencher, balls: usize) {
+    let side = (balls as f32).cbrt().ceil() as usize;
+    let ball = |number: usize| Volume {
+        middle: Vec3::new(
+            (number % side) as f32,
+            (number / side % side) as f32,
+            (number / side / side) as f32,
+        ) * 0.02,
+        form: Form::Ball(0.008),
+    };
+    let volumes = Volumes::new((0..balls).map(ball).collect());
+    let place = |frame: usize| {
+        let turn = frame as f32 * 0.01;
+        let wander = Vec3::new(turn.sin(), (1.7 * turn).sin(), (2.3 * turn).sin());
+        (wander + 1.0) * 0.03
+    };
+    let places: Vec<Vec3> = (0..FRAMES).map(place).collect();
+    bencher
+        .counter(ItemsCount::new(FRAMES - 1))
+        .bench_local(|| {
+            for way in places.windows(2) {
+                black_box(volumes.first([way[0], way[1]], 0.0));
+            }
+        });
 }
