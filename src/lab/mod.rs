@@ -16,7 +16,7 @@ mod typist;
 pub use one_hand::GloveCounts;
 pub use order::{Order, Spot};
 pub use plan::{PlanError, taps};
-pub use player::{Played, play};
+pub use player::{Lines, Played, play};
 pub use receiver::UsKeymap;
 pub use refusal::{Reason, Refusal};
 pub use score::{TypingScore, error_rate, words_per_minute};

@@ -18,13 +18,16 @@ pub struct Played {
     pub is_interrupted: bool,
 }
 
+/// The ends of lines that gloves write to, one for each hand.
+pub type Lines = Vec<Box<dyn Write + Send>>;
+
 /// Writes the packets of a typist to a line for each hand until all is typed, or something comes in on
 /// `stop`.
 ///
 /// Each packet goes out when its last byte would have left the converter box at the line's baud.
 pub fn play(
     mut typist: Typist,
-    writers: &mut [Box<dyn Write + Send>],
+    writers: &mut Lines,
     line: LineSettings,
     stop: &Receiver<()>,
 ) -> Result<Played> {

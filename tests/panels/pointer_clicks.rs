@@ -146,6 +146,25 @@ fn a_push_forward_clicks_and_half_the_way_back_ends_it() {
 }
 
 #[test]
+fn a_fingertip_on_its_way_to_another_place_is_no_push_and_a_reach_ends_one() {
+    let push = "clicks: [(by: Push(20), does: Key(\"MouseLeft\"))]";
+    let way = |x: i32, z: i32| {
+        let step = |step: i32| format!("tip:index={},0,{}", 80 + x * step / 8, z * step / 8);
+        (0..=8).map(step).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(
+        play(push, &format!("open {} t:2000ms", way(40, -60))),
+        "",
+        "aside"
+    );
+    assert_eq!(
+        play(push, &format!("open {} t:2000ms", way(0, -90))),
+        "down MouseLeft | up   MouseLeft",
+        "too far"
+    );
+}
+
+#[test]
 fn a_cursor_that_rests_clicks_once_where_it_was_brought_to() {
     let dwell = "dwell: (ms: 300, radius_px: 10, does: Key(\"MouseLeft\"))";
     assert_eq!(play(dwell, "open t:1000ms"), "", "nobody brought it there");

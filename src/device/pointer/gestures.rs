@@ -162,7 +162,7 @@ impl Watched {
                 let (tip, forward) = (sight.tip(Finger::Index), settings.mode.forward());
                 let is_on = self.watch.is_on();
                 (
-                    self.push.measure(tip, forward, is_on, seconds),
+                    self.push.measure(tip, forward, (depth, is_on), seconds),
                     push::levels(depth),
                 )
             }

@@ -11,7 +11,7 @@ use std::num::NonZeroU32;
 
 use ademan::capture::{LineSettings, Source, open_wire};
 use ademan::hand::Side;
-use ademan::lab::Played;
+use ademan::lab::{Lines, Played};
 use ademan::layout::Layout;
 use ademan::output;
 use ademan::runtime::{Summary, drive};
@@ -94,7 +94,7 @@ fn wires(
     assembly: &mut Assembly,
     line: LineSettings,
     hands: usize,
-) -> Result<(Vec<Box<dyn Write + Send>>, Box<dyn Source>), Failure> {
+) -> Result<(Lines, Box<dyn Source>), Failure> {
     let (mut lines, mut names) = (Vec::new(), Vec::new());
     for _ in 0..hands {
         let wire = open_wire(line).map_err(|error| {

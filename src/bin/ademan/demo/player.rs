@@ -1,24 +1,23 @@
 //! The simulated glove of the demo, on a thread of its own.
 
-use std::io::Write;
 use std::thread::JoinHandle;
 
 use ademan::capture::LineSettings;
-use ademan::lab::{Played, Typist, play};
+use ademan::lab::{Lines, Played, Typist, play};
 use crossbeam_channel::{Receiver, Sender};
 
 use crate::failure::Failure;
 
 /// A thread that plays the gloves. It hands their lines back, which stay plugged in until then.
 pub struct Player {
-    thread: JoinHandle<(Vec<Box<dyn Write + Send>>, std::io::Result<Played>)>,
+    thread: JoinHandle<(Lines, std::io::Result<Played>)>,
 }
 
 impl Player {
     /// Plays all that the hand has to do, and then sends to `over`; so it does when asked to stop.
     pub fn start(
         typist: Typist,
-        mut lines: Vec<Box<dyn Write + Send>>,
+        mut lines: Lines,
         line: LineSettings,
         asked: Receiver<()>,
         over: Sender<()>,
