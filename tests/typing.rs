@@ -222,7 +222,7 @@ fn a_key_out_of_reach_is_named_with_how_far_it_is() {
     let names: Vec<&str> = assembly
         .out_of_reach()
         .iter()
-        .map(|(front, _)| front.name.as_str())
+        .map(|(name, _)| *name)
         .collect();
     assert!(
         names.contains(&"1") && !names.contains(&"Space"),

@@ -21,5 +21,5 @@ pub use receiver::UsKeymap;
 pub use refusal::{Reason, Refusal};
 pub use score::{TypingScore, error_rate, words_per_minute};
 pub use script::Script;
-pub use typing_hand::{KeyStroke, TypingHand};
+pub use typing_hand::{KeyStroke, REACH_ERROR, TypingHand};
 pub use typist::{Typist, TypistError, TypistSettings};

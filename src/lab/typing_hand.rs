@@ -19,7 +19,7 @@ const HOVER: f32 = 0.014;
 const OVERTRAVEL: f32 = 0.002;
 /// How far from where it should be the solved fingertip may be before that counts as out of reach,
 /// in metres.
-pub(super) const REACH_ERROR: f64 = 0.003;
+pub const REACH_ERROR: f64 = 0.003;
 /// From the middle of one fingertip to the middle of the other in a pinch, in metres: pads of 5 mm
 /// that give way a little.
 const PINCHED: f32 = 0.008;

@@ -18,6 +18,7 @@ mod syntax;
 mod text;
 mod written;
 
+pub use controls::space::Scenery;
 pub use controls::{Control, Kind};
 pub use draw::{Cell, Grid};
 pub use error::LayoutError;

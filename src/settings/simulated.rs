@@ -7,9 +7,10 @@ use crate::capture::LineSettings;
 use crate::contact::TargetId;
 use crate::hand::Side;
 use crate::lab::{
-    self, Order, Reason, Refusal, Script, TypingHand, Typist, TypistError, TypistSettings,
+    self, Order, REACH_ERROR, Reason, Refusal, Script, TypingHand, Typist, TypistError,
+    TypistSettings,
 };
-use crate::layout::{Front, Kind};
+use crate::layout::{Kind, Scenery};
 
 impl Assembly {
     /// A simulated hand that types `text` on this layout with this glove, at the pace of `line`.
@@ -103,8 +104,9 @@ impl Assembly {
 
     /// What the simulated hand cannot press, keys and other controls, and how far beyond its reach each
     /// is, in metres. Of a slider or lever the ends of its track count too. Keys of chords are left out:
-    /// each is for a finger of its own, and the hand reaches with one only.
-    pub fn out_of_reach(&self) -> Vec<(&Front, f64)> {
+    /// each is for a finger of its own, and the hand reaches with one only. Of targets in space that a
+    /// fingertip selects the middle has to be within reach.
+    pub fn out_of_reach(&self) -> Vec<(&str, f64)> {
         let hands = [self.glove.side, self.glove.side.other()].map(|side| self.typing_hand(side));
         let keys = self.layout.keys.iter().map(|key| &key.front);
         let keys = keys.filter(|front| !self.layout.is_of_chord(front.target));
@@ -120,9 +122,33 @@ impl Assembly {
             .filter_map(|(front, half_length)| {
                 let ends = [-half_length, half_length].map(|x| Vec2::X * x);
                 let beyond = ends.map(|end| self.beyond(&hands, front.target, end));
-                Some((front, beyond.into_iter().flatten().reduce(f64::max)?))
+                let beyond = beyond.into_iter().flatten().reduce(f64::max)?;
+                Some((front.name.as_str(), beyond))
             })
+            .chain(self.spaces_out_of_reach(&hands))
             .collect()
+    }
+
+    /// Targets in space; those that a pointer selects are reached by the pointer.
+    fn spaces_out_of_reach(&self, hands: &[TypingHand]) -> Vec<(&str, f64)> {
+        let mut found = Vec::new();
+        if self.layout.pointer.is_some() {
+            return found;
+        }
+        for Scenery { names, space } in &self.layout.spaces {
+            for (name, volume) in names.iter().zip(space.volumes.iter()) {
+                let beyond = hands.iter().map(|hand| {
+                    let world_from_space = space.frame.world_from_frame(&hand.pose(&hand.rest()));
+                    let tip = world_from_space? * volume.middle;
+                    Some(hand.reach(tip, &mut hand.rest(), &[]))
+                });
+                let nearest = beyond.flatten().fold(f64::INFINITY, f64::min);
+                if nearest > REACH_ERROR {
+                    found.push((name.as_str(), nearest));
+                }
+            }
+        }
+        found
     }
 
     /// How far beyond the reach of the nearer hand a place on a target is, in metres.

@@ -32,10 +32,7 @@ fn the_ends_of_a_track_have_to_be_in_reach_too() {
     };
     let assembly = setup.assemble().unwrap();
     let out_of_reach = assembly.out_of_reach();
-    let names: Vec<&str> = out_of_reach
-        .iter()
-        .map(|(front, _)| front.name.as_str())
-        .collect();
+    let names: Vec<&str> = out_of_reach.iter().map(|(name, _)| *name).collect();
     assert_eq!(names, ["Lift"]);
 }
 
@@ -65,5 +62,27 @@ fn the_media_panel_turns_the_volume_up_and_seeks() {
             .events(),
         "value Volume 0.600 | down AudioVolumeUp | up   AudioVolumeUp | \
          down AudioVolumeUp | up   AudioVolumeUp | value Seek 0.445 | down ArrowLeft | up   ArrowLeft"
+    );
+}
+
+#[test]
+fn a_target_in_space_that_no_fingertip_gets_to_is_out_of_reach() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("far.ron");
+    let space = Layout::load("space").unwrap().text;
+    let far = space.replacen("(120, 0, -300)", "(120, 0, -900)", 1);
+    assert_ne!(far, space);
+    std::fs::write(&path, far).unwrap();
+    let setup = Setup {
+        layout: path.to_str().unwrap().into(),
+        ..Setup::default()
+    };
+    let assembly = setup.assemble().unwrap();
+    let out_of_reach = assembly.out_of_reach();
+    assert_eq!(out_of_reach.len(), 1, "{out_of_reach:?}");
+    let (name, metres) = out_of_reach[0];
+    assert!(
+        name == "Moon" && (0.5..0.7).contains(&metres),
+        "{name} {metres}"
     );
 }

@@ -58,15 +58,12 @@ fn warn_of_reach(file: &str) -> Result<(), Failure> {
         ..Setup::default()
     };
     let assembly = setup.assemble()?;
-    for (front, metres) in assembly.out_of_reach() {
+    for (name, metres) in assembly.out_of_reach() {
         let far = match metres.is_finite() {
             true => format!("{:.0} mm beyond its reach", metres * 1e3),
             false => "it is nowhere".into(),
         };
-        say!(
-            "warning: {file}: the default hand cannot press `{}`: {far}",
-            front.name
-        );
+        say!("warning: {file}: the default hand cannot press `{name}`: {far}");
     }
     Ok(())
 }
