@@ -8,7 +8,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args as ClapArgs, Parser, Subcommand};
 use clap_complete::Shell;
 
-/// Turns a captured hand into a keyboard: glove bytes in, key events out.
+/// Turns a captured hand into any input device: glove bytes in, events out.
 #[derive(Parser)]
 #[command(
     version,
