@@ -10,7 +10,7 @@ mod part;
 
 use std::io;
 
-use declared::Declared;
+use declared::{Declared, Kind};
 pub use node::{KernelNode, Node};
 use part::Part;
 
@@ -33,6 +33,9 @@ const NOTHING_BEHIND_NODE: [i32; 2] = [6, 19];
 pub struct Uinput<N: Node = KernelNode> {
     needs: Needs,
     parts: Vec<Part<N>>,
+    /// Which of mouse and pointer has moved last, and takes the buttons. Whoever reads two devices may hear of
+    /// the button before the place: a click must come from the device that brought the pointer there.
+    leading: Kind,
     refused: u64,
 }
 
@@ -64,14 +67,39 @@ impl<N: Node> Uinput<N> {
         Ok(Self {
             needs: needs.clone(),
             parts: parts?,
+            leading: Kind::Mouse,
             refused: 0,
         })
     }
 
-    /// The device for an action; none for one that is not among the needs.
-    fn part_for(&mut self, action: Action) -> Option<&mut Part<N>> {
-        let need = Need::of(action).filter(|need| self.needs.has(*need))?;
-        self.parts.iter_mut().find(|part| part.declared.has(need))
+    /// Puts an action into the frame of its device; one that is not among the needs is refused.
+    fn take(&mut self, action: Action) -> io::Result<()> {
+        let need = Need::of(action).filter(|need| self.needs.has(*need));
+        let able = |part: &&mut Part<N>| need.is_some_and(|need| part.declared.has(need));
+        let mut able = self.parts.iter_mut().filter(able);
+        if let Action::KeyUp(_) = action {
+            // Those that do not hold it ignore it.
+            return able.try_for_each(|part| part.take(action));
+        }
+        let is_leading = |part: &&mut Part<N>| part.declared.kind == self.leading;
+        match able.max_by_key(is_leading) {
+            Some(part) => part.take(action),
+            None => {
+                self.refused += u64::from(matches!(action, Action::KeyDown(_)));
+                Ok(())
+            }
+        }
+    }
+
+    /// Notes who moves the pointer in a frame, before anything is pressed there.
+    fn note_leading(&mut self, events: &[OutputEvent]) {
+        for event in events {
+            match event.action {
+                Action::MoveBy(..) => self.leading = Kind::Mouse,
+                Action::MoveTo(..) => self.leading = Kind::Pointer,
+                _ => {}
+            }
+        }
     }
 
     /// Does something with every device, and tells the first failure.
@@ -86,12 +114,10 @@ impl<N: Node> Uinput<N> {
 
 impl<N: Node> Sink for Uinput<N> {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
+        self.note_leading(events);
         let mut outcome = Ok(());
         for event in events {
-            match self.part_for(event.action) {
-                Some(part) => outcome = outcome.and(part.take(event.action)),
-                None => self.refused += u64::from(matches!(event.action, Action::KeyDown(_))),
-            }
+            outcome = outcome.and(self.take(event.action));
         }
         outcome.and(self.each(Part::deliver)).map_err(failed)
     }
@@ -249,6 +275,30 @@ mod tests {
             "keyboard: key 30=0",
             "mouse: key 272=0",
             "gamepad: key 305=0, abs 1=0",
+        ];
+        assert_eq!(desk.frames(), expected);
+    }
+
+    #[test]
+    fn a_button_goes_to_the_device_that_moved_last_and_comes_up_where_it_went_down() {
+        let desk = Desk::default();
+        let mut devices = desk.devices(&[code("MouseLeft"), Need::Move, Need::Place]);
+        let frames = [
+            [down(1, "MouseLeft"), event(1, Action::MoveTo(0.0, 1.0))],
+            [up(2, "MouseLeft"), event(2, Action::MoveBy(1, 0))],
+            [event(3, Action::MoveBy(1, 0)), down(3, "MouseLeft")],
+            [event(4, Action::MoveTo(1.0, 1.0)), up(4, "MouseLeft")],
+        ];
+        for frame in frames {
+            devices.send(&frame).unwrap();
+        }
+        let expected = [
+            "pointer: key 272=1, abs 0=0, abs 1=65535",
+            "mouse: rel 0=1",
+            "pointer: key 272=0",
+            "mouse: rel 0=1, key 272=1",
+            "mouse: key 272=0",
+            "pointer: abs 0=65535, abs 1=65535",
         ];
         assert_eq!(desk.frames(), expected);
     }

@@ -56,7 +56,12 @@ impl Machine {
         command.args(["-serial", &format!("file:{}", log.display())]);
         command.args(["-chardev", &chardev("shell"), "-serial", "chardev:shell"]);
         command.args(["-chardev", &chardev("glove")]);
-        command.args(["-chardev", &chardev("monitor"), "-mon", "chardev=monitor,mode=control"]);
+        command.args([
+            "-chardev",
+            &chardev("monitor"),
+            "-mon",
+            "chardev=monitor,mode=control",
+        ]);
         command.stdin(Stdio::null());
         let mut process = Process::start(&mut command).expect("QEMU starts");
         let mut connect = |name: &str| connect(&socket(name), &mut process);
@@ -129,19 +134,18 @@ impl Machine {
     pub fn unplug(&mut self, adapter: &str) {
         self.told.clear();
         self.order(json!({ "execute": "device_del", "arguments": { "id": adapter } }));
-        let is_gone = |told: &Value| {
-            told["event"] == "DEVICE_DELETED" && told["data"]["device"] == *adapter
-        };
+        let is_gone =
+            |told: &Value| told["event"] == "DEVICE_DELETED" && told["data"]["device"] == *adapter;
         while !self.told.iter().any(is_gone) {
             let told = self.hear();
             self.told.push(told);
         }
     }
 
-    /// Copies a file of the machine into the folder that it was started from, and gives its text.
+    /// Copies a file of the machine, or several to one, into the folder that it was started from, and gives the text.
     pub fn keep(&mut self, path: &str) -> String {
         let text = self.run(&format!("cat {path}"));
-        let name = path.rsplit('/').next().unwrap_or(path);
+        let name = path.rsplit('/').next().unwrap_or(path).replace('*', "all");
         fs::write(self.folder.join(name), &text).expect("the folder can be written");
         text
     }
@@ -182,7 +186,10 @@ impl Lines {
     fn next(&mut self) -> String {
         let mut line = Vec::new();
         let read = self.0.read_until(b'\n', &mut line);
-        assert!(read.expect("the machine answers") > 0, "the machine has ended");
+        assert!(
+            read.expect("the machine answers") > 0,
+            "the machine has ended"
+        );
         String::from_utf8_lossy(&line).trim_end().to_owned()
     }
 }

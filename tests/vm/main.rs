@@ -48,12 +48,18 @@ impl Scene {
     fn start_program(&mut self, layout: &str) {
         self.libinput.forget(&mut self.machine);
         self.machine.wait_for("a serial port", |machine| {
-            machine.run("ls /dev/ttyUSB0").starts_with('/').then_some(())
+            machine
+                .run("ls /dev/ttyUSB0")
+                .starts_with('/')
+                .then_some(())
         });
         // A machine that holds the hand up for a moment shall not end a press.
-        let setup = format!("Setup(source: \"serial:/dev/ttyUSB0\", output: \"uinput\", layout: \"{layout}\", stall_ms: 10000)");
+        let setup = format!(
+            "Setup(source: \"serial:/dev/ttyUSB0\", output: \"uinput\", layout: \"{layout}\", stall_ms: 10000)"
+        );
         self.machine.run(&format!("echo '{setup}' >/tmp/setup.ron"));
-        self.machine.run("ademan run /tmp/setup.ron --control off >/tmp/ademan.log 2>&1 &");
+        self.machine
+            .run("ademan run /tmp/setup.ron --control off >/tmp/ademan.log 2>&1 &");
         self.wait_until_said("listening to", 1);
     }
 
@@ -73,10 +79,11 @@ impl Scene {
 
     fn wait_until_said(&mut self, part: &str, times: usize) {
         let count = format!("grep -c '{part}' /tmp/ademan.log");
-        self.machine.wait_for(&format!("the program says `{part}`"), |machine| {
-            let said: usize = machine.run(&count).trim().parse().unwrap_or(0);
-            (said >= times).then_some(())
-        });
+        self.machine
+            .wait_for(&format!("the program says `{part}`"), |machine| {
+                let said: usize = machine.run(&count).trim().parse().unwrap_or(0);
+                (said >= times).then_some(())
+            });
     }
 
     /// Holds the hand off all keys until the program has armed itself, for the `times`th time.
@@ -86,7 +93,10 @@ impl Scene {
     }
 
     fn tell(&self, what: &str) {
-        println!("VM ok: {what} ({:.1} s)", self.start.elapsed().as_secs_f64());
+        println!(
+            "VM ok: {what} ({:.1} s)",
+            self.start.elapsed().as_secs_f64()
+        );
     }
 }
 
@@ -100,5 +110,11 @@ fn a_kernel_and_libinput_hear_the_hand() {
     scene.tell("the kernel runs");
     typing::all(&mut scene);
     devices::all(&mut scene);
-    println!("what libinput said:\n{}", Libinput::log(&mut scene.machine));
+    for log in ["/tmp/ademan.log", "/tmp/evtest-*.log"] {
+        scene.machine.keep(log);
+    }
+    println!("what libinput said:");
+    Libinput::log(&mut scene.machine)
+        .iter()
+        .for_each(|line| println!("{line}"));
 }

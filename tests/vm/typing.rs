@@ -41,7 +41,10 @@ pub fn all(scene: &mut Scene) {
     released(scene, &evtest);
     scene.machine.plug_in("other");
     scene.machine.wait_for("a stranger at its port", |machine| {
-        machine.run("ls /dev/ttyUSB0").starts_with('/').then_some(())
+        machine
+            .run("ls /dev/ttyUSB0")
+            .starts_with('/')
+            .then_some(())
     });
     scene.machine.plug_in("glove");
     scene.wait_until_said("is back as .*/dev/ttyUSB1", 1);
@@ -52,7 +55,9 @@ pub fn all(scene: &mut Scene) {
     hold(scene, &evtest, &press);
     scene.machine.run("killall -KILL ademan");
     released(scene, &evtest);
-    scene.libinput.wait_for(&mut scene.machine, &[&evtest.node, "DEVICE_REMOVED"]);
+    scene
+        .libinput
+        .wait_for(&mut scene.machine, &[&evtest.node, "DEVICE_REMOVED"]);
     scene.tell("the kernel lets go of what a killed program held");
     scene.glove.fall_silent();
     scene.machine.unplug("other");

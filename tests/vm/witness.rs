@@ -19,7 +19,10 @@ impl Heard {
     /// Of `Event: time 1.5, type 1 (EV_KEY), code 35 (KEY_H), value 1`; none of any other line.
     fn of(line: &str) -> Option<Self> {
         let (_, event) = line.split_once(", type ")?;
-        let words: Vec<&str> = event.split([' ', ',', '(', ')']).filter(|word| !word.is_empty()).collect();
+        let words: Vec<&str> = event
+            .split([' ', ',', '(', ')'])
+            .filter(|word| !word.is_empty())
+            .collect();
         let [_, kind, "code", code, name, "value", value] = words[..] else {
             return None;
         };
@@ -43,14 +46,21 @@ impl Evtest {
     /// On the device of this name, once there is one.
     pub fn on(machine: &mut Machine, name: &str, number: usize) -> Self {
         let node = machine.wait_for(&format!("a device {name}"), |machine| {
-            let found = machine.run(&format!("grep -lx '{name}' /sys/class/input/event*/device/name"));
-            let node = found.split('/').find(|part| part.starts_with("event") && *part != "event*");
+            let found = machine.run(&format!(
+                "grep -lx '{name}' /sys/class/input/event*/device/name"
+            ));
+            let node = found
+                .split('/')
+                .find(|part| part.starts_with("event") && *part != "event*");
             node.map(str::to_owned)
         });
         let log = format!("/tmp/evtest-{number}-{}.log", name.replace(' ', "-"));
         machine.run(&format!("evtest /dev/input/{node} >{log} 2>&1 &"));
         machine.wait_for(&format!("evtest on {name}"), |machine| {
-            machine.run(&format!("cat {log}")).contains("Testing ...").then_some(())
+            machine
+                .run(&format!("cat {log}"))
+                .contains("Testing ...")
+                .then_some(())
         });
         Self { node, log }
     }
@@ -80,7 +90,10 @@ impl Libinput {
 
     /// Starts it.
     pub fn start(machine: &mut Machine) -> Self {
-        machine.run(&format!("libinput debug-events --show-keycodes >{} 2>&1 &", Self::LOG));
+        machine.run(&format!(
+            "libinput debug-events --show-keycodes >{} 2>&1 &",
+            Self::LOG
+        ));
         Self { past: 0 }
     }
 
@@ -93,7 +106,9 @@ impl Libinput {
     pub fn lines(&self, machine: &mut Machine) -> Vec<String> {
         let log = machine.run(&format!("tail -n +{} {}", self.past + 1, Self::LOG));
         let words = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
-        log.lines().map(|line| words(line.trim_start_matches('-'))).collect()
+        log.lines()
+            .map(|line| words(line.trim_start_matches('-')))
+            .collect()
     }
 
     /// Waits for a line with all these parts.
@@ -104,8 +119,19 @@ impl Libinput {
         })
     }
 
-    /// The whole log, kept beside that of the kernel.
-    pub fn log(machine: &mut Machine) -> String {
-        machine.keep(Self::LOG)
+    /// What it has said from the start; of many lines about the same, such as motion, the first. All of it is kept
+    /// beside the log of the kernel.
+    pub fn log(machine: &mut Machine) -> Vec<String> {
+        let log = machine.keep(Self::LOG);
+        let mut lines: Vec<String> = log.lines().map(str::to_owned).collect();
+        lines.dedup_by_key(|line| {
+            let subject = line.trim_start_matches(['-', ' ']).split('+').next();
+            let is_motion = line.contains("POINTER_MOTION") || line.contains("POINTER_SCROLL");
+            match is_motion {
+                true => subject.unwrap_or(line).to_owned(),
+                false => line.clone(),
+            }
+        });
+        lines
     }
 }

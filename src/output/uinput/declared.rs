@@ -24,7 +24,7 @@ pub enum Kind {
     Keyboard,
     /// Relative motion, wheel and buttons.
     Mouse,
-    /// Places on the screen, and the buttons where there is no mouse for them.
+    /// Places on the screen, and buttons.
     Pointer,
     /// Sticks, triggers and the buttons of a gamepad.
     Pad,
@@ -135,10 +135,7 @@ fn pointer(needs: &Needs) -> Option<Declared> {
     if !needs.places {
         return None;
     }
-    let has_mouse = needs.moves || needs.scrolls;
-    let mut buttons = of_kind(needs, KeyKind::Mouse);
-    buttons.retain(|_| !has_mouse);
-    let mut pointer = Declared::new(Kind::Pointer, buttons);
+    let mut pointer = Declared::new(Kind::Pointer, of_kind(needs, KeyKind::Mouse));
     declare_two_buttons(&mut pointer);
     let axes = [AbsoluteAxisCode::ABS_X, AbsoluteAxisCode::ABS_Y];
     pointer.absolute = axes.into_iter().map(|axis| (axis, 0, EDGE)).collect();
@@ -150,7 +147,8 @@ fn declare_two_buttons(device: &mut Declared) {
     device.keys.insert(evdev::KeyCode::BTN_RIGHT);
 }
 
-/// With the lowest gamepad button always, which is what makes udev and games take it for one.
+/// With the lowest gamepad button always, which is what makes udev and games take it for one, and with the
+/// next: one button and no axis are too little for udev's `input_id`.
 fn pad(needs: &Needs) -> Option<Declared> {
     let buttons = of_kind(needs, KeyKind::Pad);
     let axes: ArrayVec<_, { Axis::COUNT }> = needs
@@ -164,6 +162,7 @@ fn pad(needs: &Needs) -> Option<Declared> {
     }
     let mut pad = Declared::new(Kind::Pad, buttons);
     pad.keys.insert(evdev::KeyCode::BTN_SOUTH);
+    pad.keys.insert(evdev::KeyCode::BTN_EAST);
     pad.absolute = axes;
     Some(pad)
 }
@@ -228,14 +227,14 @@ mod tests {
                 &[Need::Place, Need::Scroll, code("MouseMiddle")],
                 &[
                     "mouse: 272 273 274 / 0 1 6 8 11 12 / ",
-                    "pointer: 272 273 /  / 0 1",
+                    "pointer: 272 273 274 /  / 0 1",
                 ],
             ),
             (
                 &[Need::Axis(Axis::RightX), Need::Axis(Axis::LeftTrigger)],
-                &["gamepad: 304 /  / 3 2"],
+                &["gamepad: 304 305 /  / 3 2"],
             ),
-            (&[code("PadMode")], &["gamepad: 304 316 /  / "]),
+            (&[code("PadMode")], &["gamepad: 304 305 316 /  / "]),
         ];
         for (needs, devices) in table {
             assert_eq!(declared(needs), devices, "{needs:?}");
@@ -263,15 +262,18 @@ mod tests {
     }
 
     #[test]
-    fn buttons_are_of_the_mouse_where_there_is_one() {
+    fn buttons_are_of_mouse_and_pointer_and_the_rest_of_one_device() {
         let needs = Needs::from_iter([Need::Place, Need::Move, code("MouseLeft")]);
         let devices = Declared::of(&needs);
-        let holder = |need| devices.iter().find(|device| device.has(need));
-        let kind = |need| holder(need).map(|device| device.kind);
-        assert_eq!(kind(code("MouseLeft")), Some(Kind::Mouse));
-        assert_eq!(kind(Need::Move), Some(Kind::Mouse));
-        assert_eq!(kind(Need::Place), Some(Kind::Pointer));
-        assert_eq!(kind(code("A")), None);
-        assert_eq!(kind(Need::Axis(Axis::LeftX)), None);
+        let holders = |need| {
+            let holders = devices.iter().filter(|device| device.has(need));
+            holders.map(|device| device.kind).collect::<Vec<_>>()
+        };
+        let both = [Kind::Mouse, Kind::Pointer];
+        assert_eq!(holders(code("MouseLeft")), both);
+        assert_eq!(holders(Need::Move), [Kind::Mouse]);
+        assert_eq!(holders(Need::Place), [Kind::Pointer]);
+        assert_eq!(holders(code("A")), []);
+        assert_eq!(holders(Need::Axis(Axis::LeftX)), []);
     }
 }
