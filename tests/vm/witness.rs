@@ -55,7 +55,10 @@ impl Evtest {
             node.map(str::to_owned)
         });
         let log = format!("/tmp/evtest-{number}-{}.log", name.replace(' ', "-"));
-        machine.run(&format!("evtest /dev/input/{node} >{log} 2>&1 &"));
+        // At a priority above all else: what a device that goes away says last is for who reads it at once.
+        machine.run(&format!(
+            "chrt -f 50 evtest /dev/input/{node} >{log} 2>&1 &"
+        ));
         machine.wait_for(&format!("evtest on {name}"), |machine| {
             machine
                 .run(&format!("cat {log}"))
