@@ -140,7 +140,11 @@ fn steers(scene: &mut Scene, gamepad: &Evtest) {
     assert!(farthest("ABS_X") > Some(20_000), "to the right: {heard:?}");
     assert!(farthest("ABS_Y") < Some(-20_000), "up: {heard:?}");
     for axis in ["ABS_X", "ABS_Y"] {
-        assert_eq!(of(axis).next_back().map(|event| event.value), Some(0), "{axis}");
+        assert_eq!(
+            of(axis).next_back().map(|event| event.value),
+            Some(0),
+            "{axis}"
+        );
     }
     assert_eq!(
         gamepad.keys(&mut scene.machine),
