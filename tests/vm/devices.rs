@@ -29,6 +29,7 @@ pub fn all(scene: &mut Scene) {
     assert_eq!(keyboard.keys(&mut scene.machine), [(35, true), (35, false)]);
     moves_and_scrolls(scene, &mouse);
     points(scene, &pointer);
+    scene.tell("libinput takes the pointer for one, and a touch moves it before it presses");
     steers(scene, &gamepad);
     scene.end_program();
 
@@ -126,7 +127,6 @@ fn points(scene: &mut Scene, pointer: &Evtest) {
         first("POINTER_MOTION_ABSOLUTE") < first("BTN_LEFT (272) pressed"),
         "{lines:#?}"
     );
-    scene.tell("libinput takes the pointer for one, and a touch moves it before it presses");
 }
 
 fn steers(scene: &mut Scene, gamepad: &Evtest) {
