@@ -94,7 +94,13 @@ fn memory(feed: Duration) {
         return;
     }
     let mut wire = open_wire(LineSettings::default()).expect("a line");
-    let mut child = start(&["run", "--armed", "--source", &wire.source.to_string()]);
+    let mut child = start(&[
+        "run",
+        "--allow-root",
+        "--armed",
+        "--source",
+        &wire.source.to_string(),
+    ]);
     let begun = Instant::now();
     'feeding: loop {
         for packet in packets() {

@@ -37,6 +37,7 @@
 pub mod time;
 pub mod names;
 pub mod hand;
+pub mod access;
 pub mod capture;
 pub mod estimate;
 pub mod kinematics;
@@ -53,3 +54,4 @@ pub mod settings;
 pub mod runtime;
 pub mod reload;
 pub mod control;
+pub mod doctor;

@@ -8,6 +8,7 @@ const FLOW: &[&str] = &[
     "time",
     "names",
     "hand",
+    "access",
     "capture",
     "estimate",
     "kinematics",
@@ -24,13 +25,19 @@ const FLOW: &[&str] = &[
     "runtime",
     "reload",
     "control",
+    "doctor",
 ];
 
 /// Modules that work between a reading and its events.
 const STAGES: &[&str] = &["estimate", "kinematics", "contact", "device", "pipeline"];
 
 /// The only places that may ask for the operating system.
-const MAY_HAVE_CFG: &[&str] = &["capture/mod.rs", "output/mod.rs", "control/mod.rs"];
+const MAY_HAVE_CFG: &[&str] = &[
+    "capture/mod.rs",
+    "output/mod.rs",
+    "control/mod.rs",
+    "doctor/mod.rs",
+];
 
 const LONGEST_FILE: usize = 500;
 
@@ -163,7 +170,7 @@ fn only_the_two_ends_the_runtime_a_watched_file_and_a_played_glove_call_a_clock(
 }
 
 #[test]
-fn only_the_two_ends_and_the_control_socket_ask_for_the_operating_system() {
+fn only_the_two_ends_the_control_socket_and_the_doctor_ask_for_the_operating_system() {
     for (file, text) in sources() {
         let asks = code(&text).contains("cfg(target_os") || code(&text).contains("cfg(unix");
         assert!(

@@ -52,9 +52,8 @@ fn answer(reader: &mut BufReader<UnixStream>) -> Value {
 }
 
 fn ademan(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ademan"));
+    let mut command = support::binary::ademan(arguments);
     command
-        .args(arguments)
         .env_remove("XDG_RUNTIME_DIR")
         .stdin(Stdio::null())
         .stdout(Stdio::piped())

@@ -7,6 +7,7 @@ use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPo
 use super::connect::{Connect, Connection, READ_TIMEOUT, Refusal};
 use super::lists_serial_ports;
 use super::usb::{Choice, KnownDevice, Port, choose_port};
+use crate::access::{self, Denied};
 
 /// Opens a serial port, and finds its device again under another name.
 #[derive(Clone)]
@@ -123,11 +124,9 @@ fn explain(error: &serialport::Error, place: &str, present: &[Port]) -> Refusal 
         ErrorKind::NoDevice if exists => {
             Refusal::Unusable("it is in use by another program, close that one first".to_owned())
         }
-        ErrorKind::Io(std::io::ErrorKind::PermissionDenied) => Refusal::Unusable(format!(
-            "this user may not open it; `ls -l {place}` shows the group that may (usually `dialout` or `uucp`): \
-             join it with `sudo usermod -aG dialout $USER` and log in again, or add the udev rule \
-             `SUBSYSTEM==\"tty\", SUBSYSTEMS==\"usb\", TAG+=\"uaccess\"`"
-        )),
+        ErrorKind::Io(std::io::ErrorKind::PermissionDenied) => {
+            Refusal::Unusable(access::port_denied(place, &Denied::Unknown).to_string())
+        }
         ErrorKind::NoDevice | ErrorKind::Io(std::io::ErrorKind::NotFound) => {
             Refusal::Absent(format!("there is no such port; {}", list(present)))
         }
@@ -195,12 +194,12 @@ mod tests {
             (
                 "/dev/ttyUSB7",
                 io(std::io::ErrorKind::PermissionDenied),
-                "usermod -aG dialout $USER",
+                "sudo usermod --append --groups dialout $USER",
             ),
             (
                 "/dev/ttyUSB7",
                 io(std::io::ErrorKind::PermissionDenied),
-                "udev rule",
+                "`ls -l /dev/ttyUSB7` shows the group",
             ),
             (
                 "/dev/ttyUSB7",

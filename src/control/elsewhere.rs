@@ -41,6 +41,11 @@ impl Listener {
     }
 }
 
+/// None can.
+pub(super) fn fits(path: &Path) -> Result<(), ControlError> {
+    Err(ControlError::open(path, REASON))
+}
+
 /// Refuses.
 pub(super) fn connect(_: &Path) -> io::Result<Stream> {
     Err(io::Error::new(io::ErrorKind::Unsupported, REASON))

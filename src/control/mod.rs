@@ -116,3 +116,8 @@ impl ControlError {
 pub fn default_path() -> Option<PathBuf> {
     socket::default_path()
 }
+
+/// Whether a socket can have this path: it is not too long, and the system has such sockets.
+pub fn fits(path: &Path) -> Result<(), ControlError> {
+    socket::fits(path)
+}

@@ -49,14 +49,7 @@ impl Listener {
     /// Listens at `path`. A folder `ademan` for it is made, for its owner alone, if it is not there. A socket
     /// that a dead owner has left behind is taken over.
     pub fn open(path: &Path) -> Result<Self, ControlError> {
-        let length = path.as_os_str().len();
-        if length > LONGEST_PATH {
-            return Err(ControlError::Long {
-                path: path.into(),
-                length,
-                most: LONGEST_PATH,
-            });
-        }
+        fits(path)?;
         if default_path().is_some_and(|default| default == path) {
             make_private_folder(path)?;
         }
@@ -109,6 +102,19 @@ impl Listener {
         if is_ours {
             let _ = fs::remove_file(&self.path);
         }
+    }
+}
+
+/// Whether a socket can have this path.
+pub(super) fn fits(path: &Path) -> Result<(), ControlError> {
+    let length = path.as_os_str().len();
+    match length > LONGEST_PATH {
+        false => Ok(()),
+        true => Err(ControlError::Long {
+            path: path.into(),
+            length,
+            most: LONGEST_PATH,
+        }),
     }
 }
 

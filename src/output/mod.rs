@@ -27,6 +27,9 @@ pub use reach::Reach;
 pub use router::Router;
 pub use transcript::Transcript;
 
+/// Whether `desktop` speaks the protocols of Wayland; else it reaches only programs that use X11.
+pub const SPEAKS_WAYLAND: bool = cfg!(feature = "wayland");
+
 /// How often an output tries again what the operating system did not take.
 const RETRIES: usize = 3;
 
@@ -277,6 +280,7 @@ fn open_uinput(_: &Needs) -> Result<Box<dyn Sink>, OutputError> {
 /// What a desktop is, by operating system.
 #[cfg(all(unix, not(target_os = "macos")))]
 mod platform {
+    use crate::access;
     use crate::device::KeyCode;
     use enigo::{Direction, Enigo, InputResult, Keyboard, NewConError, Settings};
     use std::{env, thread, time::Duration};
@@ -315,14 +319,10 @@ mod platform {
     }
 
     pub fn no_display(display: Option<&str>) -> String {
-        let what_to_do = "start this from a graphical session, or use the output `uinput`";
         let named = display
             .map(str::to_owned)
             .or_else(|| env::var("DISPLAY").ok());
-        match named {
-            Some(display) => format!("no display answers at `{display}`; {what_to_do}"),
-            None => format!("DISPLAY is not set; {what_to_do}"),
-        }
+        access::no_display(named.as_deref()).to_string()
     }
 }
 

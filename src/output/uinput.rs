@@ -15,6 +15,7 @@ pub use node::{KernelNode, Node};
 use part::Part;
 
 use super::{OutputError, Reach, Sink};
+use crate::access::{self, Denied};
 use crate::device::{Action, Need, Needs, OutputEvent};
 
 const OUTPUT: &str = "uinput";
@@ -148,22 +149,21 @@ fn failed(error: io::Error) -> OutputError {
     }
 }
 
+/// Whether the node is not there, or nothing behind it.
+pub(crate) fn is_absent(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::NotFound
+        || error
+            .raw_os_error()
+            .is_some_and(|code| NOTHING_BEHIND_NODE.contains(&code))
+}
+
 /// Why the node cannot be opened and what to do about it.
 fn open_reason(error: &io::Error) -> String {
-    let absent = error
-        .raw_os_error()
-        .is_some_and(|code| NOTHING_BEHIND_NODE.contains(&code));
-    if absent || error.kind() == io::ErrorKind::NotFound {
-        return "/dev/uinput is not there; load the kernel module: `sudo modprobe uinput` \
-                (at every start: put `uinput` into /etc/modules-load.d/uinput.conf)"
-            .into();
+    if is_absent(error) {
+        return access::uinput_absent().to_string();
     }
     if error.kind() == io::ErrorKind::PermissionDenied {
-        return "no permission to use /dev/uinput; give it to a group of its own: \
-                `sudo groupadd --system uinput`, `sudo usermod --append --groups uinput $USER`, put the line \
-                `KERNEL==\"uinput\", GROUP=\"uinput\", MODE=\"0660\", OPTIONS+=\"static_node=uinput\"` \
-                into /etc/udev/rules.d/60-uinput.rules, and start the machine anew"
-            .into();
+        return access::uinput_denied(&Denied::Unknown).to_string();
     }
     format!("/dev/uinput: {error}")
 }
@@ -415,8 +415,7 @@ mod tests {
         assert!(reason(io::ErrorKind::NotFound).contains("modprobe uinput"));
         assert!(open_reason(&io::Error::from_raw_os_error(19)).contains("modprobe uinput"));
         let denied = reason(io::ErrorKind::PermissionDenied);
-        assert!(denied.contains("KERNEL==\"uinput\", GROUP=\"uinput\""));
-        assert!(!denied.contains("as root"));
+        assert!(denied.contains("ademan setup --print udev"), "{denied}");
         assert_eq!(reason(io::ErrorKind::TimedOut), "/dev/uinput: timed out");
     }
 

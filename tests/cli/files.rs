@@ -285,6 +285,8 @@ fn every_help_has_an_example() {
         "layout check",
         "layout list",
         "layout show",
+        "doctor",
+        "setup",
         "completions",
         "man",
     ];

@@ -1,5 +1,8 @@
 //! The real binary, as a person or a script meets it: messages, exit codes, files.
 
+#[path = "../support/binary.rs"]
+mod binary;
+mod doctor;
 mod files;
 mod signals;
 mod terminal;
@@ -12,9 +15,8 @@ use std::process::{Command, Output, Stdio};
 
 /// The program, on a machine without a desktop.
 fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ademan"));
+    let mut command = binary::ademan(arguments);
     command
-        .args(arguments)
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
         .env_remove("XDG_RUNTIME_DIR")

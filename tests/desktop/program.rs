@@ -6,6 +6,7 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex};
 use std::thread;
 
+use crate::support::binary::ademan;
 use crate::support::process::Process;
 use crate::support::x11::{XServer, wait_for};
 
@@ -21,9 +22,8 @@ impl Program {
         server: &XServer,
         arguments: impl IntoIterator<Item = S>,
     ) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_ademan"));
+        let mut command = ademan(arguments);
         command
-            .args(arguments)
             .env("DISPLAY", server.display())
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("XDG_RUNTIME_DIR")

@@ -3,6 +3,7 @@
 // Each of them uses a part of it.
 #![allow(dead_code)]
 
+pub mod binary;
 pub mod process;
 pub mod run;
 pub mod x11;

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpListener;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::Stdio;
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -18,6 +18,7 @@ use ademan::time::Timestamp;
 use crossbeam_channel::{Receiver, unbounded};
 use tempfile::TempDir;
 
+use super::binary::ademan;
 use super::process::Process;
 
 /// How long anything on a busy machine may take before the test gives up.
@@ -77,9 +78,8 @@ impl Run {
         std::fs::write(folder.path().join("setup.ron"), setup).expect("a file");
         let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
         let source = format!("tcp:{}", listener.local_addr().expect("an address"));
-        let mut command = Command::new(env!("CARGO_BIN_EXE_ademan"));
+        let mut command = ademan(["run", "setup.ron", "--source", &source]);
         command
-            .args(["run", "setup.ron", "--source", &source])
             .args(arguments)
             .current_dir(folder.path())
             .env_remove("XDG_RUNTIME_DIR")

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use ademan::capture::SourceName;
+use ademan::doctor::Trial;
 use ademan::trace::Stage;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args as ClapArgs, Parser, Subcommand};
@@ -37,6 +38,10 @@ pub enum Command {
     /// Check, list and draw layouts
     #[command(subcommand)]
     Layout(LayoutCommand),
+    /// Say what of this machine a setup needs, what is missing, and what mends it
+    Doctor(DoctorArgs),
+    /// Print the files that give a user access to devices, and those that start a run with the session
+    Setup(FilesArgs),
     /// Print a completion script for a shell
     #[command(
         after_help = "Example: ademan completions bash > ~/.local/share/bash-completion/completions/ademan"
@@ -120,6 +125,9 @@ pub struct RunArgs {
     /// Type from the first reading on, without waiting for the hand to be off all keys
     #[arg(long)]
     pub armed: bool,
+    /// Run even as root
+    #[arg(long)]
+    pub allow_root: bool,
     /// The socket for `ademan ctl`, or `off`; in $XDG_RUNTIME_DIR unless said
     #[arg(long, value_name = "PATH|off")]
     pub control: Option<PathBuf>,
@@ -186,6 +194,36 @@ pub enum CtlRequest {
     Subscribe,
     /// Let go of everything and end the run
     Stop,
+}
+
+#[derive(ClapArgs)]
+#[command(
+    after_help = "Examples:\n  ademan doctor --source serial:/dev/ttyUSB0 --output uinput\n  ademan doctor my-setup.ron --json\n  ademan doctor --test desktop\n\nThe exit code is 0 if all that the setup needs is there, and 1 if not."
+)]
+pub struct DoctorArgs {
+    /// A setup file; the flags below go before what it says
+    pub setup: Option<String>,
+    #[command(flatten)]
+    pub parts: SetupArgs,
+    /// Where events are to go, as of `ademan run`
+    #[arg(long)]
+    pub output: Option<String>,
+    /// Use an output for a second so that nothing comes of it: desktop or uinput
+    #[arg(long, value_name = "OUTPUT", value_parser = trial())]
+    pub test: Vec<Trial>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(ClapArgs)]
+#[command(
+    after_help = "Examples:\n  ademan setup --print udev | sudo tee /etc/udev/rules.d/60-ademan.rules\n  ademan setup --print unit > ~/.config/systemd/user/ademan.service"
+)]
+pub struct FilesArgs {
+    /// Which file
+    #[arg(long, value_name = "FILE", default_value = "all", value_parser = PossibleValuesParser::new(crate::files::names()))]
+    pub print: String,
 }
 
 #[derive(ClapArgs)]
@@ -271,6 +309,11 @@ pub enum LayoutCommand {
 fn stage() -> impl TypedValueParser<Value = Stage> {
     PossibleValuesParser::new(Stage::ALL.iter().map(|stage| stage.name()))
         .map(|name| name.parse().expect("it is one of the names of stages"))
+}
+
+fn trial() -> impl TypedValueParser<Value = Trial> {
+    PossibleValuesParser::new(Trial::ALL.iter().map(|trial| trial.name()))
+        .map(|name| name.parse().expect("it is one of the names of trials"))
 }
 
 fn noise(text: &str) -> Result<f64, String> {

@@ -14,7 +14,9 @@ mod control;
 mod ctl;
 mod demo;
 mod docs;
+mod doctor;
 mod failure;
+mod files;
 mod layouts;
 mod record;
 mod recording;
@@ -51,6 +53,8 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Replay(args) => replay::run(&args),
         Command::Trace(args) => trace::run(&args),
         Command::Layout(command) => layouts::run(&command),
+        Command::Doctor(args) => doctor::run(args),
+        Command::Setup(args) => files::print(&args.print),
         Command::Completions { shell } => docs::completions(shell),
         Command::Man { folder } => docs::man(&folder),
     }

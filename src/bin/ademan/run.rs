@@ -1,6 +1,8 @@
 //! `ademan run`: the real thing.
 
+use ademan::access;
 use ademan::control::Control;
+use ademan::doctor;
 use ademan::output;
 use ademan::reload::Watcher;
 use ademan::runtime::{self, Commands, drive};
@@ -13,6 +15,9 @@ use crate::status::{self, Status};
 use crate::{control, reload, setup, signals};
 
 pub fn run(args: RunArgs) -> Result<(), Failure> {
+    if doctor::is_root() && !args.allow_root {
+        return Err(Failure::wrong_use(access::is_root().to_string()));
+    }
     let mut setup = setup::read(args.setup.as_deref(), args.parts)?;
     setup.output = args.output.unwrap_or(setup.output);
     setup.armed |= args.armed;
@@ -47,7 +52,7 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
         say!("listening to {name}, Ctrl-C ends");
     }
     if control.is_none() && args.control.is_none() {
-        say!("no control socket: XDG_RUNTIME_DIR names no folder; --control PATH makes one");
+        say!("{}", access::no_runtime_folder());
     }
     let commands = Commands {
         stop,

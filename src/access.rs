@@ -1,0 +1,218 @@
+//! Why something of the system cannot be used, and the commands that change that: told by whoever meets it,
+//! and by the [doctor](crate::doctor) before anybody does.
+
+use std::fmt;
+
+/// Lets the new rules count without a start of the machine.
+const RULES_COUNT: &str = "sudo udevadm control --reload && sudo udevadm trigger";
+
+/// Gives the nodes of uinput and of USB serial adapters to groups.
+const RULES: &str = "ademan setup --print udev | sudo tee /etc/udev/rules.d/60-ademan.rules";
+
+/// What members of a new group have to do.
+const LOG_IN_AGAIN: &str = "log in again";
+
+/// Why something cannot be used, and what to do about it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Advice {
+    /// What is the matter, in lower case and without a full stop.
+    pub reason: String,
+    /// Lines for a shell, one after the other; there may be none.
+    pub commands: Vec<String>,
+    /// What is to be done after that, or instead where there are no commands; may be empty.
+    pub then: String,
+}
+
+impl Advice {
+    /// Something that no command mends: only what to do.
+    pub fn plain(reason: impl Into<String>, then: impl Into<String>) -> Self {
+        Self {
+            reason: reason.into(),
+            commands: Vec::new(),
+            then: then.into(),
+        }
+    }
+
+    fn with(reason: impl Into<String>, commands: &[&str], then: &str) -> Self {
+        Self {
+            reason: reason.into(),
+            commands: commands.iter().map(|line| (*line).to_owned()).collect(),
+            then: then.into(),
+        }
+    }
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut steps: Vec<_> = self
+            .commands
+            .iter()
+            .map(|line| format!("`{line}`"))
+            .collect();
+        steps.extend((!self.then.is_empty()).then(|| self.then.clone()));
+        match steps.is_empty() {
+            true => write!(f, "{}", self.reason),
+            false => write!(f, "{}; {}", self.reason, steps.join(", ")),
+        }
+    }
+}
+
+/// Who may read and write a device, seen from a user who may not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Denied {
+    /// The members of this group, and this user is none.
+    ToOthersThan(String),
+    /// The members of this group; this user has become one and has not logged in since.
+    UntilLogin(String),
+    /// Its owner only.
+    ToAll,
+    /// Nobody has looked.
+    Unknown,
+}
+
+/// There is no `/dev/uinput`, or nothing behind it: the module is not loaded.
+pub fn uinput_absent() -> Advice {
+    Advice::with(
+        "/dev/uinput is not there; load the kernel module",
+        &[
+            "sudo modprobe uinput",
+            "ademan setup --print modules | sudo tee /etc/modules-load.d/ademan.conf",
+        ],
+        "",
+    )
+}
+
+/// The running kernel has no module `uinput` that could be loaded.
+pub fn uinput_not_in_kernel() -> Advice {
+    Advice::plain(
+        "/dev/uinput is not there, and the running kernel has no module `uinput`",
+        "use a kernel that has it (CONFIG_INPUT_UINPUT; Debian: linux-image-amd64), or the output `desktop`",
+    )
+}
+
+/// The module is loaded and the node is not there.
+pub fn uinput_hidden() -> Advice {
+    Advice::plain(
+        "the module `uinput` is loaded, and /dev/uinput is not there: this is a container",
+        "start the container with `--device /dev/uinput`",
+    )
+}
+
+/// This user may not write to `/dev/uinput`.
+pub fn uinput_denied(denied: &Denied) -> Advice {
+    const WHAT: &str = "no permission to use /dev/uinput";
+    match denied {
+        Denied::ToOthersThan(group) => Advice::with(
+            format!("{WHAT}, which is for the group `{group}`"),
+            &[&join(group)],
+            LOG_IN_AGAIN,
+        ),
+        Denied::UntilLogin(group) => not_yet(WHAT, group),
+        Denied::ToAll | Denied::Unknown => Advice::with(
+            format!("{WHAT}; give it to a group of its own"),
+            &[
+                "sudo groupadd --system --force uinput",
+                &join("uinput"),
+                RULES,
+                RULES_COUNT,
+            ],
+            LOG_IN_AGAIN,
+        ),
+    }
+}
+
+/// This user may not open a serial port.
+pub fn port_denied(port: &str, denied: &Denied) -> Advice {
+    let what = format!("this user may not open {port}");
+    match denied {
+        Denied::ToOthersThan(group) => Advice::with(
+            format!("{what}, which is for the group `{group}`"),
+            &[&join(group)],
+            LOG_IN_AGAIN,
+        ),
+        Denied::UntilLogin(group) => not_yet(&what, group),
+        Denied::ToAll => Advice::with(
+            format!("{what}, which is for its owner only"),
+            &[&join("dialout"), RULES, RULES_COUNT],
+            LOG_IN_AGAIN,
+        ),
+        Denied::Unknown => Advice::with(
+            format!(
+                "{what}; `ls -l {port}` shows the group that may (usually `dialout` or `uucp`): join it"
+            ),
+            &[&join("dialout")],
+            "log in again; `ademan doctor` says more",
+        ),
+    }
+}
+
+/// No X server answers at this `DISPLAY`, or none is named.
+pub fn no_display(display: Option<&str>) -> Advice {
+    let what_to_do = "start this from a graphical session, or use the output `uinput`";
+    match display {
+        Some(display) => Advice::plain(format!("no display answers at `{display}`"), what_to_do),
+        None => Advice::plain("DISPLAY is not set", what_to_do),
+    }
+}
+
+/// There is no folder for the control socket.
+pub fn no_runtime_folder() -> Advice {
+    Advice::plain(
+        "no control socket: XDG_RUNTIME_DIR names no folder",
+        "--control PATH makes one",
+    )
+}
+
+/// The user of this program may do everything.
+pub fn is_root() -> Advice {
+    Advice::plain(
+        "root is not the one to type with a glove: whatever reaches this program could do everything",
+        "start it as yourself (`ademan doctor` says what is missing for that), or insist with --allow-root",
+    )
+}
+
+fn not_yet(what: &str, group: &str) -> Advice {
+    Advice::plain(
+        format!("{what} yet: you have joined its group `{group}`, and this session is older"),
+        LOG_IN_AGAIN,
+    )
+}
+
+fn join(group: &str) -> String {
+    format!("sudo usermod --append --groups {group} $USER")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn advice_is_a_line_with_commands_to_copy() {
+        let group = Denied::ToOthersThan("dialout".into());
+        let later = Denied::UntilLogin("dialout".into());
+        let port = |denied| port_denied("/dev/ttyUSB0", denied).to_string();
+        let expected = [
+            "this user may not open /dev/ttyUSB0, which is for the group `dialout`; \
+             `sudo usermod --append --groups dialout $USER`, log in again",
+            "this user may not open /dev/ttyUSB0 yet: you have joined its group `dialout`, and this session is \
+             older; log in again",
+        ];
+        assert_eq!([port(&group), port(&later)], expected);
+    }
+
+    #[test]
+    fn nobody_is_told_to_be_root() {
+        for denied in [
+            Denied::ToOthersThan("input".into()),
+            Denied::ToAll,
+            Denied::Unknown,
+        ] {
+            for advice in [uinput_denied(&denied), port_denied("/dev/ttyS0", &denied)] {
+                let text = advice.to_string();
+                assert!(!text.contains("as root"), "{text}");
+                assert!(!text.contains("chmod"), "{text}");
+                assert!(text.contains("sudo usermod"), "{text}");
+            }
+        }
+    }
+}

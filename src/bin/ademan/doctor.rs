@@ -1,0 +1,100 @@
+//! `ademan doctor`: what is there, what is missing, and what mends it.
+
+use std::io::{self, Write};
+
+use ademan::doctor::{self, Finding, State, Trial, Wants};
+use ademan::output;
+use serde_json::{Value, json};
+
+use crate::args::DoctorArgs;
+use crate::failure::Failure;
+use crate::setup;
+
+/// What came of trying an output.
+type Tried = (Trial, Result<String, String>);
+
+pub fn run(args: DoctorArgs) -> Result<(), Failure> {
+    let mut setup = setup::read(args.setup.as_deref(), args.parts)?;
+    setup.output = args.output.unwrap_or(setup.output);
+    let wants = Wants::of(&setup);
+    let assembly = setup.assemble()?;
+    output::check(&assembly.setup.output, &assembly.needs())?;
+    let findings = doctor::examine(&doctor::look(&wants), &wants);
+    let tried: Vec<Tried> = args
+        .test
+        .iter()
+        .map(|trial| {
+            let outcome = doctor::try_out(*trial).map_err(|error| error.to_string());
+            (*trial, outcome)
+        })
+        .collect();
+    let is_well =
+        findings.iter().all(Finding::suffices) && tried.iter().all(|(_, outcome)| outcome.is_ok());
+    match args.json {
+        true => writeln!(io::stdout(), "{}", as_json(&findings, &tried, is_well))?,
+        false => io::stdout().write_all(as_text(&findings, &tried).as_bytes())?,
+    }
+    match is_well {
+        true => Ok(()),
+        false => Err(Failure::job(
+            "something that is needed is not there, or does not work",
+        )),
+    }
+}
+
+fn as_json(findings: &[Finding], tried: &[Tried], is_well: bool) -> Value {
+    let tried: Vec<_> = tried
+        .iter()
+        .map(|(trial, outcome)| {
+            let text = outcome.as_ref().unwrap_or_else(|reason| reason);
+            json!({"output": trial, "ok": outcome.is_ok(), "text": text})
+        })
+        .collect();
+    json!({"ok": is_well, "checks": findings, "tests": tried})
+}
+
+/// A line for each check and trial, and after them what to do.
+fn as_text(findings: &[Finding], tried: &[Tried]) -> String {
+    let mut text = String::new();
+    for finding in findings {
+        let needed = if finding.needed { "needed" } else { "" };
+        text += &format!(
+            "{:12} {:12} {:7} {}\n",
+            finding.state.name(),
+            finding.check,
+            needed,
+            finding.text
+        );
+    }
+    for (trial, outcome) in tried {
+        let (state, told) = match outcome {
+            Ok(told) => ("works", told),
+            Err(reason) => ("fails", reason),
+        };
+        text += &format!("{state:12} {:12} {:7} {told}\n", trial.name(), "tested");
+    }
+    for finding in findings {
+        text += &remedy(finding);
+    }
+    text
+}
+
+/// What mends it, as lines to copy; empty where there is nothing to do.
+fn remedy(finding: &Finding) -> String {
+    if finding.fix.is_empty() && finding.then.is_empty() {
+        return String::new();
+    }
+    let whether = match (finding.needed, finding.state) {
+        (true, State::Missing) => ", which is needed",
+        (false, State::Missing) => ", if you want it",
+        _ => "",
+    };
+    let mut text = format!("\n# {}{whether}\n", finding.check);
+    for line in &finding.fix {
+        text += &format!("{line}\n");
+    }
+    if !finding.then.is_empty() {
+        text += &format!("# {}\n", finding.then);
+    }
+    text
+}

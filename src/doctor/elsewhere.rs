@@ -1,0 +1,58 @@
+//! What stands in for the look at a machine where nobody has written one: only what the environment says.
+
+use std::path::Path;
+
+use super::Wants;
+use super::facts::{Compositor, Display, Facts, Node, Runtime, Uinput, User};
+use crate::device::Needs;
+use crate::output::{self, OutputError, SPEAKS_WAYLAND, Sink};
+
+/// Nothing is asked of it here.
+pub(super) struct Environment;
+
+impl Environment {
+    /// Nothing.
+    pub fn of_process() -> Self {
+        Self
+    }
+}
+
+/// What can be said of any machine.
+pub(super) fn look(_: &Path, _: &Environment, wants: &Wants) -> Facts {
+    let unseen = || Node::Odd("this system is not looked at yet; start the run and see".into());
+    Facts {
+        user: User {
+            name: "whoever that is".into(),
+            ..User::default()
+        },
+        ports: wants
+            .ports
+            .iter()
+            .map(|port| (port.clone(), unseen()))
+            .collect(),
+        uinput: Uinput {
+            node: Node::Odd("it is a part of Linux; use the output `desktop`".into()),
+            is_loaded: false,
+            can_be_loaded: None,
+        },
+        display: Display::Unseen("the desktop of this system is seen only by using it".into()),
+        compositor: Compositor::Unset,
+        speaks_wayland: SPEAKS_WAYLAND,
+        runtime: Runtime::Absent,
+    }
+}
+
+/// Nobody knows.
+pub(super) fn is_root() -> bool {
+    false
+}
+
+/// Refuses.
+pub(super) fn open_keyboard(needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+    output::open("uinput", needs)
+}
+
+/// There are none.
+pub(super) fn has_keyboard() -> bool {
+    false
+}

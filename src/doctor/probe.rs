@@ -1,0 +1,295 @@
+//! The look at a Linux machine. Every file is seen from a root folder, `/` but in tests.
+
+use std::ffi::OsString;
+use std::fs::{self, OpenOptions};
+use std::io::ErrorKind;
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+
+use rustix::fs::{Access, AtFlags, CWD, OFlags, accessat};
+use rustix::io::Errno;
+use rustix::process::{getegid, geteuid, getgroups};
+
+use super::facts::{Compositor, Display, Facts, Node, Run, Runtime, Uinput, User};
+use super::{Wants, wayland};
+use crate::access::Denied;
+use crate::device::Needs;
+use crate::output::uinput::{self, is_absent};
+use crate::output::{OutputError, SPEAKS_WAYLAND, Sink};
+
+/// How the device files of USB serial adapters begin.
+const ADAPTERS: [&str; 2] = ["ttyUSB", "ttyACM"];
+
+/// How the name of the keyboard that is made for a trial begins: not as those of a run.
+const NAME: &str = "Ademan doctor";
+
+/// The environment variables that say where things are.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Environment {
+    pub display: Option<String>,
+    pub wayland_display: Option<OsString>,
+    pub runtime_folder: Option<PathBuf>,
+}
+
+impl Environment {
+    /// Those of this process; an empty one counts as not set.
+    pub fn of_process() -> Self {
+        let set = |name| std::env::var_os(name).filter(|value| !value.is_empty());
+        Self {
+            display: set("DISPLAY").map(|value| value.to_string_lossy().into_owned()),
+            wayland_display: set("WAYLAND_DISPLAY"),
+            runtime_folder: set("XDG_RUNTIME_DIR").map(PathBuf::from),
+        }
+    }
+}
+
+/// Looks at everything.
+pub(super) fn look(root: &Path, environment: &Environment, wants: &Wants) -> Facts {
+    let machine = Machine::new(root);
+    Facts {
+        user: machine.user(),
+        ports: machine.ports(wants),
+        uinput: machine.uinput(),
+        display: machine.display(environment.display.as_deref()),
+        compositor: machine.compositor(environment),
+        speaks_wayland: SPEAKS_WAYLAND,
+        runtime: runtime(environment.runtime_folder.as_deref()),
+    }
+}
+
+/// Whether the user of this process may do everything.
+pub(super) fn is_root() -> bool {
+    geteuid().is_root()
+}
+
+/// Makes a keyboard of the kernel.
+pub(super) fn open_keyboard(needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+    Ok(Box::new(uinput::Uinput::open(NAME, needs)?))
+}
+
+/// Whether the kernel has that keyboard, with a node for it.
+pub(super) fn has_keyboard() -> bool {
+    let name = format!("{NAME} keyboard");
+    let Ok(entries) = fs::read_dir("/sys/class/input") else {
+        return false;
+    };
+    entries.flatten().any(|entry| {
+        let has_name = fs::read_to_string(entry.path().join("device/name"))
+            .is_ok_and(|found| found.trim_end() == name);
+        has_name && Path::new("/dev/input").join(entry.file_name()).exists()
+    })
+}
+
+/// A machine below a root folder, and its lists of people.
+struct Machine<'a> {
+    root: &'a Path,
+    /// Lines of `/etc/group`: name, number, members.
+    groups: Vec<(String, u32, Vec<String>)>,
+}
+
+impl<'a> Machine<'a> {
+    fn new(root: &'a Path) -> Self {
+        let text = fs::read_to_string(root.join("etc/group")).unwrap_or_default();
+        let group = |line: &str| {
+            let mut parts = line.split(':');
+            let (name, number) = (parts.next()?, parts.nth(1)?.parse().ok()?);
+            let members = parts.next().unwrap_or("").split(',').map(str::to_owned);
+            Some((name.to_owned(), number, members.collect()))
+        };
+        Self {
+            root,
+            groups: text.lines().filter_map(group).collect(),
+        }
+    }
+
+    /// Where an absolute path is, seen from the root.
+    fn at(&self, path: impl AsRef<Path>) -> PathBuf {
+        let path = path.as_ref();
+        self.root.join(path.strip_prefix("/").unwrap_or(path))
+    }
+
+    fn user(&self) -> User {
+        let number = geteuid().as_raw();
+        let people = fs::read_to_string(self.at("/etc/passwd")).unwrap_or_default();
+        let name = people.lines().find_map(|line| {
+            let mut parts = line.split(':');
+            let name = parts.next()?;
+            (parts.nth(1)?.parse() == Ok(number)).then(|| name.to_owned())
+        });
+        User {
+            name: name.unwrap_or_else(|| number.to_string()),
+            is_root: is_root(),
+            groups: own_groups()
+                .into_iter()
+                .map(|group| self.group_name(group))
+                .collect(),
+        }
+    }
+
+    fn group_name(&self, number: u32) -> String {
+        let found = self.groups.iter().find(|(_, found, _)| *found == number);
+        found.map_or_else(|| number.to_string(), |(name, ..)| name.clone())
+    }
+
+    fn ports(&self, wants: &Wants) -> Vec<(String, Node)> {
+        let mut names = wants.ports.clone();
+        let entries = fs::read_dir(self.at("/dev")).into_iter().flatten();
+        let mut adapters: Vec<_> = entries
+            .flatten()
+            .filter_map(|entry| entry.file_name().into_string().ok())
+            .filter(|name| ADAPTERS.iter().any(|start| name.starts_with(start)))
+            .map(|name| format!("/dev/{name}"))
+            .collect();
+        adapters.sort();
+        names.extend(adapters);
+        let mut seen = Vec::new();
+        names.retain(|name| {
+            let place = fs::canonicalize(self.at(name)).unwrap_or_else(|_| self.at(name));
+            let is_new = !seen.contains(&place);
+            seen.push(place);
+            is_new
+        });
+        let node = |name: String| {
+            let node = self.node(&self.at(&name));
+            (name, node)
+        };
+        names.into_iter().map(node).collect()
+    }
+
+    /// A device file, without opening it.
+    fn node(&self, path: &Path) -> Node {
+        match accessat(
+            CWD,
+            path,
+            Access::READ_OK | Access::WRITE_OK,
+            AtFlags::EACCESS,
+        ) {
+            Ok(()) => Node::Usable,
+            Err(Errno::NOENT) => Node::Absent,
+            Err(Errno::ACCESS | Errno::PERM) => Node::Denied(self.denied(path)),
+            Err(error) => Node::Odd(std::io::Error::from(error).to_string()),
+        }
+    }
+
+    /// To whom a file is open, when not to this user.
+    fn denied(&self, path: &Path) -> Denied {
+        let Ok(metadata) = fs::metadata(path) else {
+            return Denied::Unknown;
+        };
+        let is_for_group = metadata.mode() & 0o060 == 0o060;
+        if !is_for_group || metadata.gid() == 0 || own_groups().contains(&metadata.gid()) {
+            return Denied::ToAll;
+        }
+        let group = self.group_name(metadata.gid());
+        let user = self.user().name;
+        let is_member = |(name, _, members): &(String, u32, Vec<String>)| {
+            *name == group && members.contains(&user)
+        };
+        match self.groups.iter().any(is_member) {
+            true => Denied::UntilLogin(group),
+            false => Denied::ToOthersThan(group),
+        }
+    }
+
+    fn uinput(&self) -> Uinput {
+        let path = self.at("/dev/uinput");
+        // A device comes of it by a request only: opening it does nothing, but shows whether there is something
+        // behind it.
+        let mut options = OpenOptions::new();
+        let options = options
+            .write(true)
+            .custom_flags(OFlags::NONBLOCK.bits() as i32);
+        let node = match options.open(&path) {
+            Ok(_) => Node::Usable,
+            Err(error) if is_absent(&error) => Node::Absent,
+            Err(error) if error.kind() == ErrorKind::PermissionDenied => {
+                Node::Denied(self.denied(&path))
+            }
+            Err(error) => Node::Odd(error.to_string()),
+        };
+        Uinput {
+            node,
+            is_loaded: self.at("/sys/class/misc/uinput").exists(),
+            can_be_loaded: self.has_module("uinput"),
+        }
+    }
+
+    /// Whether the running kernel could load a module.
+    fn has_module(&self, name: &str) -> Option<bool> {
+        let release = fs::read_to_string(self.at("/proc/sys/kernel/osrelease")).ok()?;
+        let folder = self.at("/lib/modules").join(release.trim_end());
+        let list = |file: &str| fs::read_to_string(folder.join(file)).ok();
+        let lists = [list("modules.dep"), list("modules.builtin")];
+        let has = |list: &String| list.contains(&format!("/{name}.ko"));
+        lists[0].as_ref()?;
+        Some(lists.iter().flatten().any(has))
+    }
+
+    fn display(&self, name: Option<&str>) -> Display {
+        let Some(name) = name else {
+            return Display::Unset;
+        };
+        let (host, screen) = name.rsplit_once(':').unwrap_or((name, ""));
+        if !matches!(host, "" | "unix") {
+            return Display::Unseen(format!("`{name}` is on the network"));
+        }
+        let number = screen.split('.').next().unwrap_or_default();
+        let socket = self.at(format!("/tmp/.X11-unix/X{number}"));
+        match UnixStream::connect(socket) {
+            Ok(_) => Display::Listens(name.to_owned()),
+            Err(_) => Display::Silent(name.to_owned()),
+        }
+    }
+
+    fn compositor(&self, environment: &Environment) -> Compositor {
+        let Some(name) = &environment.wayland_display else {
+            return Compositor::Unset;
+        };
+        let folder = environment.runtime_folder.as_deref();
+        let socket = folder.unwrap_or(Path::new("/")).join(name);
+        match wayland::globals(&socket) {
+            Ok((process, globals)) => Compositor::Answers {
+                program: process.and_then(|process| self.program(process)),
+                globals,
+            },
+            Err(error) => Compositor::Silent {
+                socket,
+                reason: error.to_string(),
+            },
+        }
+    }
+
+    fn program(&self, process: i32) -> Option<String> {
+        let name = fs::read_to_string(self.at(format!("/proc/{process}/comm"))).ok()?;
+        Some(name.trim_end().to_owned())
+    }
+}
+
+/// The numbers of the groups that count for this process.
+fn own_groups() -> Vec<u32> {
+    let mut groups = vec![getegid().as_raw()];
+    groups.extend(
+        getgroups()
+            .into_iter()
+            .flatten()
+            .map(|group| group.as_raw()),
+    );
+    groups.sort_unstable();
+    groups.dedup();
+    groups
+}
+
+fn runtime(folder: Option<&Path>) -> Runtime {
+    let Some(folder) = folder.filter(|folder| folder.is_absolute() && folder.is_dir()) else {
+        return Runtime::Absent;
+    };
+    let socket = folder.join("ademan").join("control.sock");
+    let run = UnixStream::connect(&socket).ok().map(|stream| Run {
+        process: wayland::peer(&stream),
+    });
+    Runtime::Present { socket, run }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,218 @@
+use std::fs::{Permissions, create_dir_all, set_permissions, write};
+use std::os::unix::fs::{PermissionsExt, chown};
+use std::os::unix::net::UnixListener;
+use std::thread;
+
+use rustix::process::{Gid, Uid};
+use rustix::thread::{set_thread_groups, set_thread_res_gid, set_thread_res_uid};
+
+use super::*;
+
+/// A person who is in no group but his own, and one of whom the list of groups says more.
+const BEA: u32 = 65_101;
+const PEOPLE: &str = "root:x:0:0::/root:/bin/sh\nbea:x:65101:65101::/:/bin/sh\n";
+const GROUPS: &str =
+    "root:x:0:\nbea:x:65101:\ndialout:x:65020:ana\nuinput:x:65021:ana,bea\nbroken\n";
+const DIALOUT: u32 = 65_020;
+const UINPUT: u32 = 65_021;
+
+/// A machine of files; plain ones stand for devices.
+struct Root(tempfile::TempDir);
+
+impl Root {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        set_permissions(folder.path(), Permissions::from_mode(0o755)).unwrap();
+        let root = Self(folder);
+        root.file("etc/passwd", PEOPLE);
+        root.file("etc/group", GROUPS);
+        root
+    }
+
+    fn file(&self, path: &str, text: &str) -> PathBuf {
+        let path = self.0.path().join(path);
+        create_dir_all(path.parent().unwrap()).unwrap();
+        write(&path, text).unwrap();
+        path
+    }
+
+    fn device(&self, path: &str, group: u32, mode: u32) {
+        let path = self.file(path, "");
+        set_permissions(&path, Permissions::from_mode(mode)).unwrap();
+        if is_root() {
+            chown(&path, Some(0), Some(group)).unwrap();
+        }
+    }
+
+    fn look(&self, wants: &Wants) -> Facts {
+        look(self.0.path(), &Environment::default(), wants)
+    }
+
+    /// What somebody sees who is in these groups and nobody else's; `None` where only root can be another.
+    fn as_bea(&self, groups: &[u32], wants: &Wants) -> Option<Facts> {
+        if !is_root() {
+            println!("SKIPPED: only root can be another user");
+            return None;
+        }
+        let groups: Vec<_> = groups.iter().map(|group| Gid::from_raw(*group)).collect();
+        let look = || {
+            // These are of this thread alone.
+            let (user, group) = (Uid::from_raw(BEA), Gid::from_raw(BEA));
+            set_thread_groups(&groups).unwrap();
+            set_thread_res_gid(group, group, group).unwrap();
+            set_thread_res_uid(user, user, user).unwrap();
+            self.look(wants)
+        };
+        Some(thread::scope(|scope| scope.spawn(look).join().unwrap()))
+    }
+}
+
+fn port(name: &str) -> Wants {
+    Wants {
+        ports: vec![name.into()],
+        ..Wants::default()
+    }
+}
+
+#[test]
+fn a_machine_with_nothing_has_nothing() {
+    let root = Root::new();
+    let facts = root.look(&port("/dev/ttyUSB0"));
+    assert_eq!(facts.ports, [("/dev/ttyUSB0".into(), Node::Absent)]);
+    let uinput = Uinput {
+        node: Node::Absent,
+        is_loaded: false,
+        can_be_loaded: None,
+    };
+    assert_eq!(facts.uinput, uinput);
+    assert_eq!(facts.display, Display::Unset);
+    assert_eq!(facts.compositor, Compositor::Unset);
+    assert_eq!(facts.runtime, Runtime::Absent);
+    assert_eq!(root.look(&Wants::default()).ports, []);
+}
+
+#[test]
+fn ports_are_found_and_a_link_to_one_is_not_told_twice() {
+    let root = Root::new();
+    for name in ["ttyUSB1", "ttyACM0", "ttyS0", "null"] {
+        root.device(&format!("dev/{name}"), 0, 0o666);
+    }
+    create_dir_all(root.0.path().join("dev/serial/by-id")).unwrap();
+    let link = root.0.path().join("dev/serial/by-id/glove");
+    std::os::unix::fs::symlink("../../ttyUSB1", link).unwrap();
+    let names = |wants: &Wants| {
+        let ports = root.look(wants).ports;
+        let usable = |(name, node)| (node == Node::Usable).then_some(name);
+        ports.into_iter().filter_map(usable).collect::<Vec<_>>()
+    };
+    assert_eq!(names(&Wants::default()), ["/dev/ttyACM0", "/dev/ttyUSB1"]);
+    let link = "/dev/serial/by-id/glove";
+    assert_eq!(names(&port(link)), [link, "/dev/ttyACM0"]);
+}
+
+#[test]
+fn whom_a_device_is_for_is_seen_by_its_modes_and_the_lists_of_groups() {
+    let root = Root::new();
+    root.device("dev/ttyUSB0", DIALOUT, 0o660);
+    root.device("dev/ttyUSB1", 0, 0o600);
+    root.device("dev/ttyUSB2", 0, 0o660);
+    root.device("dev/ttyUSB3", DIALOUT, 0o640);
+    root.device("dev/uinput", UINPUT, 0o660);
+    let Some(facts) = root.as_bea(&[], &Wants::default()) else {
+        return;
+    };
+    let nodes: Vec<_> = facts.ports.into_iter().map(|(_, node)| node).collect();
+    let expected = [
+        Node::Denied(Denied::ToOthersThan("dialout".into())),
+        Node::Denied(Denied::ToAll),
+        Node::Denied(Denied::ToAll),
+        Node::Denied(Denied::ToAll),
+    ];
+    assert_eq!(nodes, expected);
+    let later = Node::Denied(Denied::UntilLogin("uinput".into()));
+    assert_eq!(facts.uinput.node, later);
+    assert_eq!(
+        (facts.user.name.as_str(), facts.user.is_root),
+        ("bea", false)
+    );
+    assert_eq!(facts.user.groups, ["bea"]);
+}
+
+#[test]
+fn what_is_advised_opens_the_device() {
+    let root = Root::new();
+    root.device("dev/ttyUSB0", DIALOUT, 0o660);
+    root.device("dev/uinput", UINPUT, 0o660);
+    let Some(facts) = root.as_bea(&[DIALOUT, UINPUT], &Wants::default()) else {
+        return;
+    };
+    assert_eq!(facts.ports, [("/dev/ttyUSB0".into(), Node::Usable)]);
+    assert_eq!(facts.uinput.node, Node::Usable);
+    assert_eq!(facts.user.groups, ["dialout", "uinput", "bea"]);
+}
+
+#[test]
+fn a_module_is_loaded_can_be_loaded_or_is_not_there() {
+    let root = Root::new();
+    let uinput = || root.look(&Wants::default()).uinput;
+    root.file("proc/sys/kernel/osrelease", "6.1.0-test\n");
+    assert_eq!(uinput().can_be_loaded, None);
+    let list = "lib/modules/6.1.0-test/modules.dep";
+    root.file(list, "kernel/drivers/hid/uhid.ko:\n");
+    assert_eq!(uinput().can_be_loaded, Some(false));
+    root.file(
+        list,
+        "kernel/drivers/input/misc/uinput.ko.xz: kernel/a.ko\n",
+    );
+    assert_eq!(uinput().can_be_loaded, Some(true));
+    assert!(!uinput().is_loaded);
+    root.file("sys/class/misc/uinput/dev", "10:223\n");
+    assert!(uinput().is_loaded);
+}
+
+#[test]
+fn a_display_is_there_when_somebody_listens() {
+    let root = Root::new();
+    let display = |name: &str| {
+        let environment = Environment {
+            display: Some(name.into()),
+            ..Environment::default()
+        };
+        look(root.0.path(), &environment, &Wants::default()).display
+    };
+    assert_eq!(display(":7.0"), Display::Silent(":7.0".into()));
+    create_dir_all(root.0.path().join("tmp/.X11-unix")).unwrap();
+    let _server = UnixListener::bind(root.0.path().join("tmp/.X11-unix/X7")).unwrap();
+    assert_eq!(display(":7.0"), Display::Listens(":7.0".into()));
+    assert_eq!(display("unix:7"), Display::Listens("unix:7".into()));
+    assert!(matches!(display("far:7"), Display::Unseen(_)));
+}
+
+#[test]
+fn a_compositor_that_says_nothing_and_a_run_that_listens_are_found_in_the_runtime_folder() {
+    let root = Root::new();
+    let environment = Environment {
+        wayland_display: Some("wayland-0".into()),
+        runtime_folder: Some(root.0.path().into()),
+        ..Environment::default()
+    };
+    let facts = || look(root.0.path(), &environment, &Wants::default());
+    let socket = root.0.path().join("ademan/control.sock");
+    let Compositor::Silent { reason, .. } = facts().compositor else {
+        panic!("there is none");
+    };
+    assert!(reason.contains("No such file"), "{reason}");
+    let free = Runtime::Present {
+        socket: socket.clone(),
+        run: None,
+    };
+    assert_eq!(facts().runtime, free);
+    create_dir_all(socket.parent().unwrap()).unwrap();
+    let _run = UnixListener::bind(&socket).unwrap();
+    let process = Some(std::process::id() as i32);
+    let taken = Runtime::Present {
+        socket,
+        run: Some(Run { process }),
+    };
+    assert_eq!(facts().runtime, taken);
+}
