@@ -459,7 +459,10 @@ fn the_socket_is_its_owners_alone_from_the_first_instant_on() {
         let _ = fs::remove_dir_all(&folder);
         let mut shell = Command::new("sh");
         shell
-            .args(["-c", "umask 0; exec \"$0\" run --allow-root --source 'typist:a b c'"])
+            .args([
+                "-c",
+                "umask 0; exec \"$0\" run --allow-root --source 'typist:a b c'",
+            ])
             .arg(env!("CARGO_BIN_EXE_ademan"))
             .env("XDG_RUNTIME_DIR", runtime.path())
             .stdout(Stdio::null())
