@@ -59,8 +59,23 @@ impl Scene {
         );
         self.machine.run(&format!("echo '{setup}' >/tmp/setup.ron"));
         self.machine
-            .run("ademan run /tmp/setup.ron --control off >/tmp/ademan.log 2>&1 &");
+            .run("ademan run --allow-root /tmp/setup.ron --control off >/tmp/ademan.log 2>&1 &");
         self.wait_until_said("listening to", 1);
+    }
+
+    /// On a machine with everything the doctor finds nothing missing, and a device that the kernel makes.
+    fn ask_the_doctor(&mut self) {
+        self.machine.wait_for("a serial port", |machine| {
+            let port = machine.run("ls /dev/ttyUSB0");
+            port.starts_with('/').then_some(())
+        });
+        let said = self.machine.run(
+            "export XDG_RUNTIME_DIR=/tmp/runtime; mkdir -m 700 -p $XDG_RUNTIME_DIR; \
+             ademan doctor --source serial:/dev/ttyUSB0 --output uinput --test uinput 2>&1; echo exit $?",
+        );
+        println!("{said}");
+        assert!(said.trim_end().ends_with("exit 0"), "{said}");
+        self.tell("the doctor finds nothing missing");
     }
 
     /// Ends the program as Ctrl-C does.
@@ -108,6 +123,7 @@ fn a_kernel_and_libinput_hear_the_hand() {
     };
     let mut scene = Scene::of(Path::new(&folder));
     scene.tell("the kernel runs");
+    scene.ask_the_doctor();
     typing::all(&mut scene);
     devices::all(&mut scene);
     for log in ["/tmp/ademan.log", "/tmp/evtest-*.log"] {
