@@ -416,6 +416,8 @@ impl Pipeline {
                     let by = micrometres.map(|length| length as f32 * 1e-6);
                     let _ = self.nudge(Vec3::from_array(by), events);
                 }
+                // The engine has no other boards: whoever looks after the layout builds them.
+                Request::Scale(_) => {}
                 Request::Tilt(millidegrees) => {
                     let _ = self.tilt((millidegrees as f32 * 1e-3).to_radians(), events);
                 }

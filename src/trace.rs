@@ -229,6 +229,7 @@ enum ActionForm<'a> {
     Recentre,
     Nudge { by_mm: [f64; 3] },
     Tilt { deg: f64 },
+    Scale { factor: f64 },
 }
 
 impl<'a> ActionForm<'a> {
@@ -261,6 +262,9 @@ impl<'a> ActionForm<'a> {
             Action::Ask(Request::Recentre) => Self::Recentre,
             Action::Ask(Request::Nudge(by)) => Self::Nudge {
                 by_mm: by.map(|length| f64::from(length) / 1e3),
+            },
+            Action::Ask(Request::Scale(factor)) => Self::Scale {
+                factor: f64::from(factor) / 1e3,
             },
             Action::Ask(Request::Tilt(by)) => Self::Tilt {
                 deg: f64::from(by) / 1e3,
@@ -345,6 +349,7 @@ mod tests {
                 event(Action::Ask(Request::Pause)),
                 event(Action::Ask(Request::Nudge([0, -1_500, 2_000]))),
                 event(Action::Ask(Request::Tilt(-5_000))),
+                event(Action::Ask(Request::Scale(1_100))),
             ]),
             tally: Tally::default(),
         }
@@ -395,6 +400,7 @@ mod tests {
                 r#"{"time_us":12400,"event":"pause"}"#,
                 r#"{"time_us":12400,"event":"nudge","by_mm":[0.0,-1.5,2.0]}"#,
                 r#"{"time_us":12400,"event":"tilt","deg":-5.0}"#,
+                r#"{"time_us":12400,"event":"scale","factor":1.1}"#,
             ],
         ];
         for (stage, expected) in Stage::ALL.iter().zip(expected) {

@@ -82,3 +82,25 @@ fn a_run_that_is_recorded_keeps_its_layout_and_says_so() {
     run.lift();
     assert_eq!(run.typed(), "up H");
 }
+
+#[test]
+fn a_key_makes_the_boards_larger() {
+    let run = Run::with_held_key(&[]);
+    let row = r#"(at_mm: (-90.25, 0), keys: "A S D F G H J K L Semicolon Quote Backslash"),"#;
+    let without_h =
+        r#"(at_mm: (-90.25, 0), keys: "A S D F G"), (at_mm: (23.75, 0), keys: "J K L"),"#;
+    let grow = "(does: Scale(1.5), name: \"grow\", at_mm: (4.75, 0)),\n                (code: \"ShiftLeft\"";
+    let text = shipped("qwerty-flat");
+    let changed = text
+        .replace(row, without_h)
+        .replace("(code: \"ShiftLeft\"", grow);
+    assert_ne!(changed, text);
+    run.save(&changed);
+    assert_eq!(run.typed(), "up H");
+    run.wait_until_told("my.ron: in force from now on");
+    run.lift();
+    thread::sleep(MOVE);
+    run.push_down();
+    assert_eq!(run.typed(), "scale 1.500");
+    run.wait_until_told("1.5 times as large");
+}

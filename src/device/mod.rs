@@ -89,6 +89,9 @@ pub enum Request {
     Nudge([i32; 3]),
     /// Lift the far sides of the boards, in thousandths of a degree.
     Tilt(i32),
+    /// Make the boards so many thousandths as large as they are. New boards are built outside the engine,
+    /// by whoever runs it.
+    Scale(u16),
 }
 
 named_enum! {

@@ -328,6 +328,7 @@ pub(super) fn label<'a>(action: KeyAction, layers: &'a [String], texts: &'a [Str
         KeyAction::Ask(Request::Recentre) => "Centre",
         KeyAction::Ask(Request::Nudge(_)) => "Move",
         KeyAction::Ask(Request::Tilt(_)) => "Tilt",
+        KeyAction::Ask(Request::Scale(_)) => "Size",
         KeyAction::Clutch => "Clutch",
         KeyAction::Precision => "Slow",
     }

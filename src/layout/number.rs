@@ -110,6 +110,8 @@ measures! {
     Clicks = "a number of clicks", -1000.0 ..= 1000.0, "";
     /// Pixels for the whole range of a control.
     Pixels = "a distance on the screen", -20000.0 ..= 20000.0, " px";
+    /// How many times as large boards become.
+    Growth = "a growth", 0.5 ..= 2.0, "";
     /// Steps of a whole range.
     Steps = "a number of steps", 1.0 ..= 1000.0, "";
     /// A share of the range of a control.

@@ -17,8 +17,8 @@ use super::controls::touch_surface::TouchSurface;
 use super::controls::trigger::Trigger;
 use super::controls::valve::Valve;
 use super::number::{
-    Bearing, ChordTime, Distance, DriftDelay, DriftLimit, DriftSpeed, DwellTime, HoldTime, Pitch,
-    PressShare, Radius, ReleaseShare, Repress, Scale, Size, Tilt, Travel, Turn,
+    Bearing, ChordTime, Distance, DriftDelay, DriftLimit, DriftSpeed, DwellTime, Growth, HoldTime,
+    Pitch, PressShare, Radius, ReleaseShare, Repress, Scale, Size, Tilt, Travel, Turn,
 };
 use super::text::{Label, Pairs, Word};
 use crate::hand::Side;
@@ -285,6 +285,8 @@ pub enum Does<'a> {
     Nudge(Distance, Distance, Distance),
     /// Lifts the far sides of the boards, in degrees.
     Tilt(Tilt),
+    /// Makes the boards so many times as large.
+    Scale(Growth),
     /// Holds the pointer still.
     Clutch,
     /// Makes the pointer slow.

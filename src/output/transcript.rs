@@ -152,6 +152,9 @@ impl fmt::Display for Line<'_> {
             Action::Ask(Request::NextProfile) => f.write_str("next profile"),
             Action::Ask(Request::Recentre) => f.write_str("recentre"),
             Action::Ask(Request::Nudge([x, y, z])) => write!(f, "nudge {x:+} {y:+} {z:+} µm"),
+            Action::Ask(Request::Scale(factor)) => {
+                write!(f, "scale {:.3}", f64::from(factor) / 1e3)
+            }
             Action::Ask(Request::Tilt(by)) => write!(f, "tilt {:+.1}°", f64::from(by) / 1e3),
         }
     }

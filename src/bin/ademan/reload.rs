@@ -5,12 +5,14 @@ use std::sync::Arc;
 
 use ademan::control::Reporter;
 use ademan::device::Needs;
+use ademan::device::{Action, Request};
 use ademan::layout::Layout;
+use ademan::monitor::Snapshot;
 use ademan::output;
-use ademan::reload::{Report, Watcher};
+use ademan::reload::{Asker, FileCall, FileCalls, FileOrder, Report, Watcher};
 use ademan::runtime::Replacement;
 use ademan::settings::Assembly;
-use crossbeam_channel::Sender;
+use crossbeam_channel::{Sender, bounded};
 
 use crate::failure::Failure;
 
@@ -55,6 +57,43 @@ pub fn watch(
     };
     let layouts = assembly.layouts().enumerate();
     Ok(layouts.map(watch).collect::<Result<_, _>>()?)
+}
+
+/// Passes on what keys ask for: larger boards have to be built, which the loop does not wait for.
+pub struct Growth {
+    files: Vec<FileCalls>,
+    answer: Asker,
+}
+
+impl Growth {
+    /// Of the layouts that these look after. What comes of it is said on standard error.
+    pub fn of(watchers: &[Watcher]) -> Self {
+        let (answer, answers) = bounded::<Result<String, String>>(16);
+        std::thread::spawn(move || {
+            for text in answers {
+                say!("{}", text.unwrap_or_else(|error| error));
+            }
+        });
+        Self {
+            files: watchers.iter().map(Watcher::calls).collect(),
+            answer,
+        }
+    }
+
+    /// Takes a frame; does not wait.
+    pub fn take(&self, frame: &Snapshot) {
+        for event in &frame.events {
+            let Action::Ask(Request::Scale(thousandths)) = event.action else {
+                continue;
+            };
+            if let Some(file) = self.files.iter().find(|file| file.profile == frame.profile) {
+                let order = FileOrder::Scale(f32::from(thousandths) / 1e3);
+                let answer = self.answer.clone();
+                // With so many waiting the boards grow later or not at all.
+                let _ = file.calls.try_send(FileCall { order, answer });
+            }
+        }
+    }
 }
 
 impl Limits {

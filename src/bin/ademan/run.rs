@@ -11,6 +11,7 @@ use crossbeam_channel::bounded;
 use crate::args::RunArgs;
 use crate::failure::Failure;
 use crate::recording::Recording;
+use crate::reload::Growth;
 use crate::status::{self, Status};
 use crate::{control, reload, setup, signals};
 
@@ -61,8 +62,10 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     };
     let mut pipeline = assembly.pipeline();
     let mut status = Status::default();
+    let growth = Growth::of(&watchers);
     let ended = drive(source, &mut pipeline, &mut *sink, commands, &mut |frame| {
         status.show(frame);
+        growth.take(frame);
         if let Some(reporter) = &mut reporter {
             reporter.show(frame);
         }

@@ -122,6 +122,7 @@ impl<'a> Checked<'a> {
             Does::Nudge(x, y, z) => KeyAction::Ask(Request::Nudge(
                 [x, y, z].map(|length| thousandths(length.get())),
             )),
+            Does::Scale(factor) => KeyAction::Ask(Request::Scale(thousandths(factor.get()) as u16)),
             Does::Tilt(tilt) => KeyAction::Ask(Request::Tilt(thousandths(tilt.get()))),
             Does::Clutch => KeyAction::Clutch,
             Does::Precision => KeyAction::Precision,
