@@ -35,7 +35,7 @@ const STAGES: &[&str] = &["estimate", "kinematics", "contact", "device", "pipeli
 const MAY_HAVE_CFG: &[&str] = &[
     "capture/mod.rs",
     "output/mod.rs",
-    "control/mod.rs",
+    "output/tests.rs",
     "doctor/mod.rs",
 ];
 

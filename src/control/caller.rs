@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::ControlError;
-use super::socket::{self, Stream};
+use crate::output::socket::{self, Stream};
 
 /// How long an answer may take; a run gives one within 2 s.
 const ANSWER_LIMIT: Duration = Duration::from_secs(5);

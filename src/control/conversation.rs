@@ -12,8 +12,8 @@ use super::answer::{self, Line};
 use super::news::{Subscribers, Subscription};
 use super::request::{LONGEST_LINE, Request};
 use super::server::Desk;
-use super::socket::Stream;
 use crate::contact::place::Place;
+use crate::output::socket::Stream;
 use crate::reload::{FileCall, FileCalls, FileOrder};
 use crate::runtime::{Answer, Call, Order, Places};
 

@@ -30,15 +30,10 @@ mod conversation;
 mod news;
 pub mod request;
 mod server;
-#[cfg(target_os = "linux")]
-mod socket;
 
-#[cfg(not(target_os = "linux"))]
-#[path = "elsewhere.rs"]
-mod socket;
-
-use std::fmt;
 use std::path::{Path, PathBuf};
+
+use crate::output::socket::{self, SocketError};
 
 pub use caller::Caller;
 pub use news::Reporter;
@@ -103,10 +98,12 @@ pub enum ControlError {
 }
 
 impl ControlError {
-    fn open(path: &Path, reason: impl fmt::Display) -> Self {
-        Self::Open {
-            path: path.into(),
-            reason: reason.to_string(),
+    fn open(path: &Path, error: SocketError) -> Self {
+        let path = path.into();
+        match error {
+            SocketError::Long { length, most } => Self::Long { path, length, most },
+            SocketError::InUse => Self::InUse { path },
+            SocketError::Other(reason) => Self::Open { path, reason },
         }
     }
 }
@@ -114,10 +111,10 @@ impl ControlError {
 /// Where the socket is unless somebody says so: `ademan/control.sock` in `$XDG_RUNTIME_DIR`; `None` where
 /// that is not a folder.
 pub fn default_path() -> Option<PathBuf> {
-    socket::default_path()
+    socket::default_path("control.sock")
 }
 
 /// Whether a socket can have this path: it is not too long, and the system has such sockets.
 pub fn fits(path: &Path) -> Result<(), ControlError> {
-    socket::fits(path)
+    socket::fits(path).map_err(|error| ControlError::open(path, error))
 }

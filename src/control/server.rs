@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use super::conversation::{self, Mouth};
 use super::news::{Reporter, Subscribers, Untold, tell_all};
-use super::socket::{Listener, Stream};
 use super::{ControlError, Profile, answer};
+use crate::output::socket::{Listener, Stream};
 use crate::reload::FileCalls;
 use crate::runtime::Calls;
 
@@ -46,10 +46,10 @@ impl Control {
     /// It is its owner's alone from the first instant on. One that a dead owner has left is taken over; one
     /// of a run that is alive is refused.
     pub fn open(path: &Path) -> Result<Self, ControlError> {
-        let listener = Arc::new(Listener::open(path)?);
+        let listener = Listener::open(path).map_err(|error| ControlError::open(path, error))?;
         let (reporter, untold) = Reporter::new();
         Ok(Self {
-            listener,
+            listener: Arc::new(listener),
             reporter,
             untold: Some(untold),
             is_over: Arc::default(),

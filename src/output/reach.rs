@@ -15,7 +15,12 @@ pub enum Reach {
     Desktop,
     /// What devices of the Linux kernel take: positions of keys but no characters, and no 6-DoF axes.
     Uinput,
+    /// What a 6-DoF mouse has: its six axes and the [buttons](SPACENAV_BUTTONS).
+    Spacenav,
 }
+
+/// The codes that are the buttons of a 6-DoF mouse, in the order of their numbers, from 0.
+pub const SPACENAV_BUTTONS: [&str; 4] = ["PadSouth", "PadEast", "PadNorth", "PadWest"];
 
 impl Reach {
     /// Whether it can carry this.
@@ -38,6 +43,9 @@ impl Reach {
             (Self::Uinput, Need::Write) => {
                 Some("has keys, of which the receiver's keymap makes characters")
             }
+            (Self::Spacenav, Need::Axis(axis)) if !axis.is_of_gamepad() => None,
+            (Self::Spacenav, Need::Code(code)) if SPACENAV_BUTTONS.contains(&code.name()) => None,
+            (Self::Spacenav, _) => Some("has 6-DoF axes and four buttons, no more"),
             _ => None,
         }
     }
@@ -67,7 +75,11 @@ pub fn refusal(names: &[&str], reaches: &[Reach], needs: &Needs) -> Option<Strin
         .zip(reaches)
         .filter_map(|(name, reach)| Some(format!("`{name}` {}", reach.lack(need)?)))
         .collect();
-    let others = [("uinput", Reach::Uinput), ("desktop", Reach::Desktop)];
+    let others = [
+        ("uinput", Reach::Uinput),
+        ("desktop", Reach::Desktop),
+        ("spacenav", Reach::Spacenav),
+    ];
     let what_to_do = match others.iter().find(|(_, reach)| reach.carries(need)) {
         Some((other, _)) => format!("add the output `{other}`: `{},{other}`", names.join(",")),
         None => "leave it out of the layout, or watch it with the output `transcript`".into(),
@@ -98,6 +110,7 @@ mod tests {
     fn what_an_output_cannot_carry_is_told_with_a_way_out() {
         let desktop = [("desktop", Reach::Desktop)];
         let uinput = [("uinput", Reach::Uinput)];
+        let spacenav = [("spacenav", Reach::Spacenav)];
         let both = [desktop[0], uinput[0]];
         let table = [
             (
@@ -122,7 +135,13 @@ mod tests {
                 &both[..],
                 Need::Axis(Axis::TurnZ),
                 "`desktop` has no 6-DoF axes, `uinput` has no 6-DoF axes, and the layout needs `TurnZ`; \
-                 leave it out of the layout, or watch it with the output `transcript`",
+                 add the output `spacenav`: `desktop,uinput,spacenav`",
+            ),
+            (
+                &spacenav[..],
+                code("PadStart"),
+                "`spacenav` has 6-DoF axes and four buttons, no more, and the layout needs `PadStart`; \
+                 add the output `uinput`: `spacenav,uinput`",
             ),
         ];
         for (outputs, need, text) in table {
@@ -138,13 +157,22 @@ mod tests {
         for need in carried {
             assert_eq!(said(&desktop, need), None, "{need}");
             assert_eq!(said(&uinput, need), None, "{need}");
+            assert!(said(&spacenav, need).is_some(), "{need}");
+        }
+        let carried = [
+            Need::Axis(Axis::MoveX),
+            Need::Axis(Axis::TurnZ),
+            code("PadWest"),
+        ];
+        for need in carried {
+            assert_eq!(said(&spacenav, need), None, "{need}");
         }
     }
 
     #[test]
     fn the_first_output_that_can_carries_and_a_record_only_where_there_is_no_other() {
-        use Reach::{All, Desktop, Record, Uinput};
-        let table: [(&[Reach], Need, Option<usize>); 8] = [
+        use Reach::{All, Desktop, Record, Spacenav, Uinput};
+        let table: [(&[Reach], Need, Option<usize>); 10] = [
             (&[Desktop, Uinput], code("A"), Some(0)),
             (&[Uinput, Desktop], code("A"), Some(0)),
             (&[Desktop, Uinput], code("PadSouth"), Some(1)),
@@ -152,6 +180,8 @@ mod tests {
             (&[Record, Desktop], Need::Write, Some(1)),
             (&[Record, Desktop], code("PadSouth"), None),
             (&[Record, Record], code("PadSouth"), Some(0)),
+            (&[Uinput, Spacenav], Need::Axis(Axis::TurnX), Some(1)),
+            (&[Uinput, Spacenav], code("PadSouth"), Some(0)),
             (&[Desktop, All], Need::Axis(Axis::TurnX), Some(1)),
         ];
         for (reaches, need, place) in table {

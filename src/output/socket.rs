@@ -1,7 +1,11 @@
-//! A Unix socket that only its owner can use, from the first instant that it exists.
+//! A Unix socket that only its owner can use, from the first instant that it exists: for programs that
+//! follow a hand, and for those that steer a run.
 
+use std::ffi::OsStr;
+use std::fmt;
 use std::fs::{self, DirBuilder, File, OpenOptions, TryLockError};
 use std::io;
+use std::os::fd::{AsFd, BorrowedFd};
 use std::os::unix::fs::{DirBuilderExt, FileTypeExt, MetadataExt, OpenOptionsExt};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
@@ -13,10 +17,8 @@ use rustix::net::{
 };
 use rustix::process::geteuid;
 
-use super::ControlError;
-
 /// A conversation with one client.
-pub(super) type Stream = UnixStream;
+pub(crate) type Stream = UnixStream;
 
 /// The longest path that a Unix socket can have on Linux, in bytes: `sun_path` less its end (unix(7)).
 const LONGEST_PATH: usize = 107;
@@ -28,15 +30,42 @@ const BACKLOG: i32 = 16;
 /// With its own, a few hundred KiB, a client that hangs would be noticed minutes too late.
 const SEND_BUFFER: usize = 8192;
 
-/// Where the socket is unless somebody says so; `None` where there is no runtime directory of the user.
-pub(super) fn default_path() -> Option<PathBuf> {
+/// Why a socket cannot be had. The texts say what happened; what to do depends on what it is for.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum SocketError {
+    /// The path is longer than that of a socket can be; both lengths are in bytes.
+    #[error("the path has {length} bytes, that of a socket {most} at most")]
+    Long { length: usize, most: usize },
+    /// A program that is alive listens there.
+    #[error("another program listens there")]
+    InUse,
+    /// It cannot be made.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl SocketError {
+    fn other(reason: impl fmt::Display) -> Self {
+        Self::Other(reason.to_string())
+    }
+}
+
+impl From<io::Error> for SocketError {
+    fn from(error: io::Error) -> Self {
+        Self::other(error)
+    }
+}
+
+/// Where a socket of this name is unless somebody says so: in the folder `ademan` of the user's runtime
+/// directory; `None` where there is no such directory.
+pub(crate) fn default_path(name: &str) -> Option<PathBuf> {
     let runtime = PathBuf::from(std::env::var_os("XDG_RUNTIME_DIR")?);
     let is_there = runtime.is_absolute() && runtime.is_dir();
-    is_there.then(|| runtime.join("ademan").join("control.sock"))
+    is_there.then(|| runtime.join("ademan").join(name))
 }
 
 /// A socket that is listened to, and taken away when it is dropped.
-pub(super) struct Listener {
+pub(crate) struct Listener {
     socket: UnixListener,
     path: PathBuf,
     /// Which file it is.
@@ -48,16 +77,19 @@ pub(super) struct Listener {
 impl Listener {
     /// Listens at `path`. A folder `ademan` for it is made, for its owner alone, if it is not there. A socket
     /// that a dead owner has left behind is taken over.
-    pub fn open(path: &Path) -> Result<Self, ControlError> {
+    pub fn open(path: &Path) -> Result<Self, SocketError> {
         fits(path)?;
-        if default_path().is_some_and(|default| default == path) {
+        let name = path.file_name().and_then(OsStr::to_str);
+        if name
+            .and_then(default_path)
+            .is_some_and(|default| default == path)
+        {
             make_private_folder(path)?;
         }
-        let cannot = |error: io::Error| ControlError::open(path, error);
         let lock = lock(path)?;
         remove_stale(path)?;
-        let socket = bind_private(path).map_err(|error| cannot(error.into()))?;
-        let metadata = fs::symlink_metadata(path).map_err(cannot)?;
+        let socket = bind_private(path).map_err(io::Error::from)?;
+        let metadata = fs::symlink_metadata(path)?;
         let listener = Self {
             socket,
             path: path.into(),
@@ -66,8 +98,7 @@ impl Listener {
         };
         match metadata.mode() & 0o077 {
             0 => Ok(listener),
-            _ => Err(ControlError::open(
-                path,
+            _ => Err(SocketError::other(
                 "others could use it, as the file system keeps no modes",
             )),
         }
@@ -76,6 +107,11 @@ impl Listener {
     /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// From now on [`accept`](Self::accept) does not wait; `WouldBlock` where nobody is there.
+    pub fn stop_waiting(&self) -> io::Result<()> {
+        self.socket.set_nonblocking(true)
     }
 
     /// The next client, as soon as there is one.
@@ -97,6 +133,11 @@ impl Listener {
     pub fn close(&self) {
         // Nobody can end an `accept` but a client.
         let _ = UnixStream::connect(&self.path);
+        self.remove();
+    }
+
+    /// Takes the socket away, for whoever does not wait in [`accept`](Self::accept).
+    pub fn remove(&self) {
         let is_ours = fs::symlink_metadata(&self.path)
             .is_ok_and(|found| (found.dev(), found.ino()) == self.inode);
         if is_ours {
@@ -106,38 +147,45 @@ impl Listener {
 }
 
 /// Whether a socket can have this path.
-pub(super) fn fits(path: &Path) -> Result<(), ControlError> {
+pub(crate) fn fits(path: &Path) -> Result<(), SocketError> {
     let length = path.as_os_str().len();
     match length > LONGEST_PATH {
         false => Ok(()),
-        true => Err(ControlError::Long {
-            path: path.into(),
+        true => Err(SocketError::Long {
             length,
             most: LONGEST_PATH,
         }),
     }
 }
 
+impl AsFd for Listener {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.socket.as_fd()
+    }
+}
+
 /// Connects as a client.
-pub(super) fn connect(path: &Path) -> io::Result<Stream> {
+pub(crate) fn connect(path: &Path) -> io::Result<Stream> {
     UnixStream::connect(path)
 }
 
-fn make_private_folder(path: &Path) -> Result<(), ControlError> {
+fn make_private_folder(path: &Path) -> Result<(), SocketError> {
     let folder = path.parent().unwrap_or(Path::new("."));
-    let cannot = |reason: String| ControlError::open(path, reason);
     match DirBuilder::new().mode(0o700).create(folder) {
         Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
-            return Err(cannot(format!("cannot make {}: {error}", folder.display())));
+            return Err(SocketError::Other(format!(
+                "cannot make {}: {error}",
+                folder.display()
+            )));
         }
         _ => {}
     }
-    let metadata = fs::symlink_metadata(folder).map_err(|error| cannot(error.to_string()))?;
+    let metadata = fs::symlink_metadata(folder)?;
     let is_private =
         metadata.is_dir() && metadata.uid() == geteuid().as_raw() && metadata.mode() & 0o077 == 0;
     match is_private {
         true => Ok(()),
-        false => Err(cannot(format!(
+        false => Err(SocketError::Other(format!(
             "others may enter {0}; make it yours alone: chmod 700 {0}",
             folder.display()
         ))),
@@ -145,7 +193,7 @@ fn make_private_folder(path: &Path) -> Result<(), ControlError> {
 }
 
 /// Whoever has the lock beside a socket owns the socket. It ends with its owner, however that ends.
-fn lock(path: &Path) -> Result<File, ControlError> {
+fn lock(path: &Path) -> Result<File, SocketError> {
     let mut beside = path.as_os_str().to_owned();
     beside.push(".lock");
     let lock = OpenOptions::new()
@@ -156,30 +204,26 @@ fn lock(path: &Path) -> Result<File, ControlError> {
         .custom_flags(OFlags::NOFOLLOW.bits() as i32)
         .open(&beside)
         .map_err(|error| {
-            ControlError::open(path, format!("cannot open {}: {error}", beside.display()))
+            SocketError::Other(format!("cannot open {}: {error}", beside.display()))
         })?;
     match lock.try_lock() {
         Ok(()) => Ok(lock),
-        Err(TryLockError::WouldBlock) => Err(ControlError::InUse { path: path.into() }),
-        Err(TryLockError::Error(error)) => Err(ControlError::open(path, error)),
+        Err(TryLockError::WouldBlock) => Err(SocketError::InUse),
+        Err(TryLockError::Error(error)) => Err(error.into()),
     }
 }
 
 /// Takes away what a dead owner has left behind; only for who has the lock.
-fn remove_stale(path: &Path) -> Result<(), ControlError> {
-    let cannot = |error: io::Error| ControlError::open(path, error);
+fn remove_stale(path: &Path) -> Result<(), SocketError> {
     match fs::symlink_metadata(path) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        Err(error) => Err(cannot(error)),
-        Ok(metadata) if !metadata.file_type().is_socket() => Err(ControlError::open(
-            path,
+        Err(error) => Err(error.into()),
+        Ok(metadata) if !metadata.file_type().is_socket() => Err(SocketError::other(
             "something else than a socket is there; name another path",
         )),
         // Somebody who knows nothing of the lock.
-        Ok(_) if UnixStream::connect(path).is_ok() => {
-            Err(ControlError::InUse { path: path.into() })
-        }
-        Ok(_) => fs::remove_file(path).map_err(cannot),
+        Ok(_) if UnixStream::connect(path).is_ok() => Err(SocketError::InUse),
+        Ok(_) => Ok(fs::remove_file(path)?),
     }
 }
 
@@ -219,7 +263,7 @@ mod tests {
         let path = folder.path().join("c.sock");
         let first = Listener::open(&path).unwrap();
         let second = Listener::open(&path);
-        assert!(matches!(second, Err(ControlError::InUse { .. })));
+        assert!(matches!(second, Err(SocketError::InUse)));
         drop(first);
         assert!(path.exists(), "as after a crash");
         let next = Listener::open(&path).unwrap();
@@ -232,7 +276,7 @@ mod tests {
         let path = folder.path().join("c.sock");
         let _other = UnixListener::bind(&path).unwrap();
         let opened = Listener::open(&path);
-        assert!(matches!(opened, Err(ControlError::InUse { .. })));
+        assert!(matches!(opened, Err(SocketError::InUse)));
 
         let path = folder.path().join("notes");
         fs::write(&path, "mine").unwrap();
