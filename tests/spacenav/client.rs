@@ -62,7 +62,7 @@ impl Client {
     }
 
     /// Whether it is answered, and not sent away.
-    pub fn is_welcome(mut self) -> bool {
+    pub fn is_welcome(&mut self) -> bool {
         let asked = self.0.write_all(&0x7faa_5500_i32.to_ne_bytes());
         asked.is_ok() && self.0.read_exact(&mut [0; 4]).is_ok()
     }

@@ -258,13 +258,15 @@ fn a_program_with_libspnav_hears_the_lever() {
         .arg(source)
         .arg("-o")
         .arg(&client)
-        .arg("-lspnav")
+        .args(["-lspnav", "-lm"])
         .output();
     match compiled {
         Ok(output) if output.status.success() => {}
         Ok(output) => {
-            let reason = String::from_utf8_lossy(&output.stderr).into_owned();
-            return println!("SKIPPED: no client with libspnav: {reason}");
+            let reason = String::from_utf8_lossy(&output.stderr);
+            let is_absent = reason.contains("spnav.h") || reason.contains("cannot find -lspnav");
+            assert!(is_absent, "{reason}");
+            return println!("SKIPPED: libspnav is not there to be compiled with");
         }
         Err(error) => return println!("SKIPPED: no C compiler: {error}"),
     }
