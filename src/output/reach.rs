@@ -15,7 +15,7 @@ pub enum Reach {
     Desktop,
     /// What devices of the Linux kernel take: positions of keys but no characters, and no 6-DoF axes.
     Uinput,
-    /// What a 6-DoF mouse has: its six axes and the [buttons](SPACENAV_BUTTONS).
+    /// What a 6-DoF mouse has: its six axes, and the face buttons of a gamepad as its four buttons.
     Spacenav,
 }
 
