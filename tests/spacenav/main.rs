@@ -2,9 +2,8 @@
 #![cfg(target_os = "linux")]
 
 mod client;
-#[path = "../support/process.rs"]
-#[allow(dead_code)]
-mod process;
+#[path = "../support/mod.rs"]
+mod support;
 
 use std::io::{BufRead, BufReader};
 use std::os::unix::fs::PermissionsExt;
@@ -17,7 +16,8 @@ use ademan::device::{Action, Axis, Needs, OutputEvent};
 use ademan::output::{self, OutputError, Sink};
 use ademan::time::Timestamp;
 use client::{Client, PATIENCE};
-use process::Process;
+use support::binary::ademan;
+use support::process::Process;
 use tempfile::TempDir;
 
 fn open(path: &Path) -> Result<Box<dyn Sink>, OutputError> {
@@ -199,8 +199,7 @@ fn the_socket_is_its_owners_and_a_second_server_is_refused_with_the_reason() {
 
 /// The real program, and a hand that moves the lever of the layout `workshop`.
 fn run(output: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_ademan"));
-    command.args(["run", "--armed", "--control", "off", "--layout", "workshop"]);
+    let mut command = ademan(["run", "--armed", "--control", "off", "--layout", "workshop"]);
     command.args([
         "--source",
         "script:wait 2000; press Lift; slide 25 0; wait 300; lift",
