@@ -38,6 +38,9 @@ named_enum! {
     }
 }
 
+/// How many fingers two hands have.
+pub const FINGERS: usize = Side::COUNT * Finger::COUNT;
+
 /// A set of fingers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FingerSet(u8);

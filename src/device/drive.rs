@@ -98,18 +98,14 @@ impl Driver {
         if !value.is_finite() {
             return;
         }
-        if value != self.value && out.tell(time, Action::Value(self.target, value)) {
-            self.value = value;
-        }
+        self.tell_value(value, time, out);
         self.drive_to(value, time, out);
     }
 
     /// Makes it stand at a value from which it goes on: that is told, and nothing of the way there is
     /// driven, but the axis springs back to 0 until the next [`set`](Self::set).
     pub(super) fn stand(&mut self, value: f32, time: Timestamp, out: &mut Out) {
-        if value != self.value && out.tell(time, Action::Value(self.target, value)) {
-            self.value = value;
-        }
+        self.tell_value(value, time, out);
         self.driven = self.units(value);
         self.rest(time, out);
     }
@@ -122,11 +118,19 @@ impl Driver {
             self.stand_at(axis, 0.0, time, out);
         }
         let value = self.springs_to.unwrap_or(self.value);
-        if value != self.value && out.tell(time, Action::Value(self.target, value)) {
-            self.value = value;
+        if self.tell_value(value, time, out) {
             self.driven = self.units(value);
         }
         self.axis == 0.0 && self.value == value
+    }
+
+    /// Whether the value is another than before and has been told.
+    fn tell_value(&mut self, value: f32, time: Timestamp, out: &mut Out) -> bool {
+        let is_told = value != self.value && out.tell(time, Action::Value(self.target, value));
+        if is_told {
+            self.value = value;
+        }
+        is_told
     }
 
     fn drive_to(&mut self, value: f32, time: Timestamp, out: &mut Out) {

@@ -3,10 +3,7 @@
 use arrayvec::ArrayVec;
 
 use crate::contact::Touch;
-use crate::hand::{Finger, Side};
-
-/// Of two hands.
-pub(super) const FINGERS: usize = Side::COUNT * Finger::COUNT;
+use crate::hand::{FINGERS, Finger, Side};
 
 /// What each fingertip holds on to: a control has one at most, whoever presses it while it is held is
 /// ignored.

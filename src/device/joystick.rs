@@ -6,10 +6,10 @@ use arrayvec::ArrayVec;
 use parry3d::math::Vec2;
 
 use self::stick::{PARTS, Stick};
-use super::grips::FINGERS;
 use super::places::Places;
 use super::{Axis, KeyAction, Need, Needs, Out, Seen, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
+use crate::hand::FINGERS;
 use crate::time::Timestamp;
 
 /// One joystick.

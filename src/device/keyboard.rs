@@ -20,7 +20,7 @@ use self::waiting::Waiting;
 use super::places::Places;
 use super::{KeyAction, Needs, Out, Owner, Seen, VirtualDevice};
 use crate::contact::{MOST_TOUCHES, Phase, TargetId, Touch};
-use crate::hand::{Finger, FingerSet, Side};
+use crate::hand::{FINGERS, FingerSet};
 use crate::time::Timestamp;
 
 /// Turns touches into presses.
@@ -42,9 +42,6 @@ pub struct Keyboard {
     bounces: Bounces,
     depths: Depths,
 }
-
-/// Of two hands.
-const FINGERS: usize = Side::COUNT * Finger::COUNT;
 
 /// The touches of a frame, in the order in which a keyboard takes them.
 type Sorted<'a> = ArrayVec<(Turn, Timestamp, usize, &'a Touch), MOST_TOUCHES>;

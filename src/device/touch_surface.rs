@@ -13,11 +13,7 @@ use self::screen::Screen;
 use super::places::Places;
 use super::{KeyAction, KeyCode, Need, Needs, Out, Owner, Seen, VirtualDevice};
 use crate::contact::{TargetId, Touch};
-use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
-
-/// Of two hands.
-const FINGERS: usize = Side::COUNT * Finger::COUNT;
 
 const LEFT: KeyAction = KeyAction::Key(KeyCode::MOUSE_LEFT);
 const RIGHT: KeyAction = KeyAction::Key(KeyCode::MOUSE_RIGHT);

@@ -4,10 +4,11 @@ use std::time::Duration;
 
 use arrayvec::ArrayVec;
 
-use super::{FINGERS, KeyAction, Keyboard, Owner};
+use super::{KeyAction, Keyboard, Owner};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::device::Out;
 use crate::device::places::Places;
+use crate::hand::FINGERS;
 use crate::time::Timestamp;
 
 /// How many keys can take part in chords.

@@ -2,10 +2,9 @@
 
 use arrayvec::ArrayVec;
 
-use super::FINGERS;
 use crate::contact::{Phase, TargetId, Touch};
 use crate::device::{Action, Out};
-use crate::hand::Finger;
+use crate::hand::{FINGERS, Finger};
 use crate::time::Timestamp;
 
 /// The depth of each analogue target that is pushed in, and what was told of it.

@@ -5,10 +5,10 @@ use std::time::Duration;
 use arrayvec::ArrayVec;
 use parry3d::math::Vec2;
 
-use super::{Button, FINGERS, LEFT, RIGHT};
+use super::{Button, LEFT, RIGHT};
 use crate::contact::{Phase, Touch};
 use crate::device::{Action, Out};
-use crate::hand::{Finger, Side};
+use crate::hand::{FINGERS, Finger, Side};
 use crate::time::Timestamp;
 
 /// A touch that is shorter clicks, in case it did not move.

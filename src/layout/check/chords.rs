@@ -3,16 +3,13 @@
 use super::Checked;
 use crate::contact::TargetId;
 use crate::device::keyboard::{Chord, Fires, MOST_CHORD_KEYS};
-use crate::hand::{Finger, Side};
+use crate::hand::FINGERS;
 use crate::layout::LayoutError;
 use crate::layout::text::Word;
 use crate::layout::written;
 
 /// The most chords of a layout: a press looks at each.
 const MOST_CHORDS: usize = 512;
-
-/// Of two hands.
-const FINGERS: usize = Side::COUNT * Finger::COUNT;
 
 impl<'a> Checked<'a> {
     pub(super) fn add_chord(&mut self, written: &written::Chord<'a>) -> Result<(), LayoutError> {
