@@ -20,6 +20,9 @@ pub use call::{Answer, Call, Calls, Order, Places, RunState, calls};
 /// Where nothing is expected the loop wakes up once an hour, for nothing.
 const FOR_EVER: Duration = Duration::from_secs(3600);
 
+/// While readings are expected, an output hears so often that the loop is alive.
+const SIGN_OF_LIFE: Duration = Duration::from_millis(100);
+
 /// Why a run ended before its source did.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
@@ -104,6 +107,7 @@ pub fn drive(
         events: Events::new(),
         fed_at: None,
         source: Counts::default(),
+        late: 0,
         untaken: 0,
         latency_ns: new_histogram(),
     };
@@ -142,6 +146,8 @@ struct Run<'a> {
     events: Events,
     fed_at: Option<Instant>,
     source: Counts,
+    /// Readings that were too old when they were taken.
+    late: u64,
     /// Readings that still waited when the run ended.
     untaken: u64,
     latency_ns: Histogram<u64>,
@@ -174,7 +180,8 @@ impl Run<'_> {
                     // Only after an end or a failure, and those were the last that was taken.
                     Err(_) => true,
                 },
-                default(self.patience()) => {
+                default(self.patience().min(self.sign_of_life())) => {
+                    self.sink.0.send(&[])?;
                     self.stall_if_overdue()?;
                     false
                 }
@@ -182,6 +189,14 @@ impl Run<'_> {
             if over {
                 return Ok(());
             }
+        }
+    }
+
+    /// How long to wait for a reading until the output hears again.
+    fn sign_of_life(&self) -> Duration {
+        match self.captured.is_live() && self.pipeline.is_fed() {
+            true => SIGN_OF_LIFE,
+            false => FOR_EVER,
         }
     }
 
@@ -222,6 +237,11 @@ impl Run<'_> {
     }
 
     fn step(&mut self, reading: Reading, arrived: Instant) -> Result<(), RunError> {
+        if self.captured.is_live() && arrived.elapsed() > self.pipeline.stall_limit() {
+            // The program stood still: nobody types with a hand of back then.
+            self.late += 1;
+            return self.stall();
+        }
         self.events.clear();
         let frame = self.pipeline.step(&reading, &mut self.events);
         let frame = frame.ok().cloned();
@@ -362,7 +382,7 @@ impl Run<'_> {
     }
 
     fn tally(&self) -> Tally {
-        let superseded = self.source.superseded + self.untaken;
+        let superseded = self.source.superseded + self.late + self.untaken;
         Tally {
             source: Counts {
                 superseded,

@@ -6,12 +6,14 @@
 //! comes about: [`close`](Sink::close), a drop, or a panic of the loop.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
 use super::display::Display;
+use super::guardian::{Guard, Launch};
 use super::held::Held;
 use super::motion::{Impulse, Motion};
 use super::worker::{Injector, Order, Report, Worker};
@@ -57,11 +59,17 @@ impl Desktop {
     /// Connects to `display`, an X11 display name; without one, to the desktop of the session.
     pub fn open(display: Option<&str>) -> Result<Self, OutputError> {
         let display = display.map(str::to_owned);
-        Self::start(move || Display::connect(display.as_deref()))
+        Self::start(None, move || Display::connect(display.as_deref()))
+    }
+
+    /// Connects to the desktop of the session, with a guardian that lets go of keys when this program cannot.
+    pub fn open_guarded(launch: &Launch) -> Result<Self, OutputError> {
+        Self::start(Some(launch), || Display::connect(None))
     }
 
     /// Runs the thread and waits until it is connected.
     fn start<C: Injector>(
+        launch: Option<&Launch>,
         mut connect: impl FnMut() -> Result<C, String> + Send + 'static,
     ) -> Result<Self, OutputError> {
         let (orders, queue) = bounded(QUEUE);
@@ -69,16 +77,22 @@ impl Desktop {
         let (end, ended) = bounded::<()>(0);
         let report = Arc::new(Report::default());
         let of_thread = Arc::clone(&report);
+        let launch = launch.cloned();
         let thread = thread::Builder::new()
             .name("desktop output".into())
             .spawn(move || {
                 let _end = end;
-                let injector = match connect() {
-                    Ok(injector) => injector,
+                let guarded = |injector| {
+                    let guard = launch.as_ref().map(Guard::start).transpose()?;
+                    Ok((injector, guard))
+                };
+                let (injector, guard) = match connect().and_then(guarded) {
+                    Ok(guarded) => guarded,
                     Err(reason) => return drop(ready.send(Err(reason))),
                 };
                 if ready.send(Ok(())).is_ok() {
-                    Worker::new(injector, &of_thread).work(&queue, connect);
+                    let worker = Worker::new(injector, &of_thread).with_guard(guard);
+                    worker.work(&queue, connect);
                 }
             })
             .map_err(|error| refuse(format!("no thread for it: {error}")))?;
@@ -186,6 +200,7 @@ impl Desktop {
 
 impl Sink for Desktop {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
+        self.report.calls.fetch_add(1, Ordering::Relaxed);
         let mut outcome = Ok(());
         for event in events {
             let ordered = match event.action {

@@ -36,6 +36,11 @@ impl Held {
         self.keys.contains(&key)
     }
 
+    /// How many keys are down.
+    pub fn count(&self) -> usize {
+        self.keys.len()
+    }
+
     /// Whether nothing is down.
     pub fn is_empty(&self) -> bool {
         self.keys.is_empty()

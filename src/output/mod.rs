@@ -8,10 +8,16 @@ use std::time::Duration;
 use crate::contact::TargetNames;
 use crate::device::{Needs, OutputEvent};
 use crate::names::UnknownName;
+use guardian::Launch;
 
 mod deflected;
 pub mod desktop;
 mod display;
+#[cfg(target_os = "linux")]
+pub mod guardian;
+#[cfg(not(target_os = "linux"))]
+#[path = "no_guardian.rs"]
+pub mod guardian;
 pub mod held;
 mod motion;
 pub mod named_keys;
@@ -156,11 +162,28 @@ pub const NAMES: [&str; 5] = ["transcript", "desktop", "uinput", "spacenav", "no
 /// hear everything, and count as carrying it only where there are none but transcripts. When something
 /// that is needed cannot be carried, nothing is opened.
 pub fn open(names: &str, needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+    open_all(names, needs, None)
+}
+
+/// As [`open`], with a [guardian] for an output whose keys would outlive this program.
+pub fn open_guarded(
+    names: &str,
+    needs: &Needs,
+    launch: &Launch,
+) -> Result<Box<dyn Sink>, OutputError> {
+    open_all(names, needs, Some(launch))
+}
+
+fn open_all(
+    names: &str,
+    needs: &Needs,
+    launch: Option<&Launch>,
+) -> Result<Box<dyn Sink>, OutputError> {
     check(names, needs)?;
     let (parts, reaches) = parts(names)?;
     let open_share = |(place, name): (usize, &&str)| {
         let needs = reach::share(&reaches, place, needs);
-        open_one(name, &needs)
+        open_one(name, &needs, launch)
     };
     let mut sinks: Vec<_> = parts
         .iter()
@@ -233,7 +256,11 @@ const TO_FILE: &str = "transcript:";
 /// How the name of a 6-DoF mouse at a socket of its own begins.
 const TO_SOCKET: &str = "spacenav:";
 
-fn open_one(name: &str, needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+fn open_one(
+    name: &str,
+    needs: &Needs,
+    launch: Option<&Launch>,
+) -> Result<Box<dyn Sink>, OutputError> {
     if let Some(path) = name.strip_prefix(TO_FILE) {
         let file = create_transcript(Path::new(path)).map_err(|error| OutputError::Open {
             output: name.into(),
@@ -246,7 +273,10 @@ fn open_one(name: &str, needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
     }
     Ok(match name {
         "transcript" => Box::new(Transcript::new(name, BufWriter::new(io::stdout()))),
-        "desktop" => Box::new(Desktop::open(None)?),
+        "desktop" => Box::new(match launch {
+            Some(launch) => Desktop::open_guarded(launch)?,
+            None => Desktop::open(None)?,
+        }),
         "uinput" => open_uinput(needs)?,
         "spacenav" => open_spacenav(None)?,
         "none" => Box::new(Nowhere),

@@ -3,11 +3,14 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
+use std::time::{Duration, Instant};
 
-use crossbeam_channel::Receiver;
+use crossbeam_channel::{Receiver, never, select};
 use enigo::Direction;
 
+use super::guardian::{BEAT, Guard};
 use super::held::Held;
 use super::motion::Impulse;
 use super::{RETRIES, RETRY_PAUSE};
@@ -30,11 +33,20 @@ pub enum Order {
     Once(Impulse),
 }
 
-/// What the thread has to say; each is said once.
+/// How long the loop may not have called while something is down; after that the guardian is no longer told
+/// that all is well.
+const LOOP_LIMIT: Duration = Duration::from_secs(1);
+
+/// Where nothing is to be done without an order.
+const FOR_EVER: Duration = Duration::from_secs(3600);
+
+/// What the thread has to say, each once, and what the loop tells it.
 #[derive(Default)]
 pub struct Report {
     pub failure: OnceLock<String>,
     pub stuck: OnceLock<String>,
+    /// How often the loop has called: it is alive.
+    pub calls: AtomicU64,
 }
 
 /// The thread's side: what it has put down, and where.
@@ -42,30 +54,80 @@ pub struct Worker<'a, C> {
     injector: C,
     held: Held,
     report: &'a Report,
+    guard: Option<Guard>,
+    /// Whether the guardian did not take what it was told.
+    is_guard_deaf: bool,
+    pulse: Pulse,
+}
+
+/// When the loop and this thread last showed that they are alive.
+struct Pulse {
+    beat: Instant,
+    calls: u64,
+    called: Instant,
 }
 
 impl<'a, C: Injector> Worker<'a, C> {
     pub fn new(injector: C, report: &'a Report) -> Self {
+        let now = Instant::now();
         Self {
             injector,
             held: Held::default(),
             report,
+            guard: None,
+            is_guard_deaf: false,
+            pulse: Pulse {
+                beat: now,
+                calls: 0,
+                called: now,
+            },
         }
     }
 
+    /// The same with a guardian that is told of everything that goes down.
+    pub fn with_guard(mut self, guard: Option<Guard>) -> Self {
+        self.guard = guard;
+        self
+    }
+
     /// Follows orders until there will be no more, then lets go of everything.
-    pub fn work(mut self, queue: &Receiver<Order>, mut connect: impl FnMut() -> Result<C, String>) {
-        for order in queue {
-            // What is down is to come up even when whatever leads to the display panics.
-            if catch_unwind(AssertUnwindSafe(|| self.follow(order))).is_err() {
-                self.fail("the connection to the display panicked");
+    pub fn work(mut self, queue: &Receiver<Order>, connect: impl FnMut() -> Result<C, String>) {
+        let mut gone = self
+            .guard
+            .as_ref()
+            .map_or_else(never, |guard| guard.gone().clone());
+        loop {
+            select! {
+                recv(queue) -> order => match order {
+                    // What is down is to come up even when whatever leads to the display panics.
+                    Ok(order) => if catch_unwind(AssertUnwindSafe(|| self.follow(order))).is_err() {
+                        self.fail("the connection to the display panicked");
+                    },
+                    Err(_) => break,
+                },
+                recv(gone) -> _ => self.is_guard_deaf = true,
+                default(self.patience()) => {}
+            }
+            self.beat_if_due();
+            if self.is_guard_deaf {
+                gone = self.replace_guard();
             }
         }
+        self.let_go(connect);
+    }
+
+    /// Puts what somebody else has pressed on the account.
+    pub fn take_over(&mut self, held: Held) {
+        self.held = held;
+    }
+
+    /// Lets go of everything, if need be on another connection: this one may be gone while the display, and
+    /// what is down on it, is still there.
+    pub fn let_go(&mut self, mut connect: impl FnMut() -> Result<C, String>) {
         self.release_all();
         if self.held.is_empty() {
             return;
         }
-        // The connection may be gone while the display, and what is down on it, is still there.
         if let Ok(injector) = connect() {
             self.injector = injector;
             self.release_all();
@@ -76,11 +138,71 @@ impl<'a, C: Injector> Worker<'a, C> {
         }
     }
 
+    /// How long to wait for an order: a guardian wants signs of life while something is down.
+    fn patience(&self) -> Duration {
+        match self.guard.is_some() && !self.held.is_empty() {
+            true => BEAT.saturating_sub(self.pulse.beat.elapsed()),
+            false => FOR_EVER,
+        }
+    }
+
+    fn beat_if_due(&mut self) {
+        let Some(guard) = &self.guard else {
+            return;
+        };
+        let now = Instant::now();
+        let calls = self.report.calls.load(Ordering::Relaxed);
+        // Nothing can be expected of a loop that holds nothing down.
+        if calls != self.pulse.calls || self.held.is_empty() {
+            self.pulse.calls = calls;
+            self.pulse.called = now;
+        }
+        if self.held.is_empty() || now - self.pulse.beat < BEAT {
+            return;
+        }
+        self.pulse.beat = now;
+        if now - self.pulse.called < LOOP_LIMIT {
+            self.is_guard_deaf |= guard.beat().is_err();
+        }
+    }
+
+    /// Lets go of everything and starts another guardian; tells when that one ends.
+    fn replace_guard(&mut self) -> Receiver<()> {
+        self.release_all();
+        // The one that is gone was told of these releases in vain.
+        self.is_guard_deaf = false;
+        let Some(guard) = &mut self.guard else {
+            return never();
+        };
+        match guard.replace() {
+            Ok(()) => guard.gone().clone(),
+            Err(reason) => {
+                self.guard = None;
+                self.fail(&reason);
+                never()
+            }
+        }
+    }
+
+    /// Tells the guardian of a key; whether it took that.
+    fn note(&mut self, key: KeyCode, direction: Direction) -> bool {
+        let noted = self
+            .guard
+            .as_ref()
+            .is_none_or(|guard| guard.note(key, direction).is_ok());
+        self.is_guard_deaf |= !noted;
+        noted
+    }
+
     fn follow(&mut self, order: Order) {
         match order {
             Order::Release(key) => self.release(key),
             _ if self.report.failure.get().is_some() => {}
             Order::Press(key) => {
+                // A key that no guardian knows of could stay down.
+                if !self.note(key, Direction::Press) {
+                    return;
+                }
                 // Noted first: a press that failed may have arrived all the same.
                 self.held.press(key);
                 self.inject(key, Direction::Press);
@@ -102,6 +224,7 @@ impl<'a, C: Injector> Worker<'a, C> {
     fn release(&mut self, key: KeyCode) {
         if self.held.contains(key) && self.inject(key, Direction::Release) {
             self.held.release(key);
+            self.note(key, Direction::Release);
         }
     }
 

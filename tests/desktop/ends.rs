@@ -14,19 +14,21 @@ use crate::support::x11::{XServer, wait_for, wait_up_to};
 use crate::{SOON, hold, released_after};
 
 /// The program with a glove whose wearer holds Shift and H down.
-struct Typing {
-    server: XServer,
-    program: Program,
-    glove: Glove,
+pub struct Typing {
+    pub server: XServer,
+    pub program: Program,
+    pub glove: Glove,
     _folder: TempDir,
 }
 
-fn held_keys() -> [u16; 2] {
+/// What it holds down.
+pub fn held_keys() -> [u16; 2] {
     [code("H"), code("ShiftLeft")]
 }
 
 impl Typing {
-    fn start() -> Option<Self> {
+    /// Starts all of it; `None` where there is no X server.
+    pub fn start() -> Option<Self> {
         let server = XServer::start()?;
         let press = Press::of("H");
         let (folder, port) = new_file("glove");

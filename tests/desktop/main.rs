@@ -11,6 +11,8 @@ mod support;
 mod doctor;
 mod ends;
 mod glove;
+#[cfg(target_os = "linux")]
+mod guardian;
 mod held;
 mod panics;
 mod press;

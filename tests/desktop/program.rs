@@ -74,6 +74,11 @@ impl Program {
         shell.0.wait().expect("it ends");
     }
 
+    /// The number of its process.
+    pub fn id(&self) -> u32 {
+        self.process.0.id()
+    }
+
     /// Whether it still runs.
     pub fn runs(&mut self) -> bool {
         self.process.0.try_wait().expect("it is a child").is_none()

@@ -40,6 +40,9 @@ pub enum Command {
     Layout(LayoutCommand),
     /// Say what of this machine a setup needs, what is missing, and what mends it
     Doctor(DoctorArgs),
+    /// What the program starts for itself, to let go of keys when it cannot
+    #[command(name = crate::guardian::COMMAND, hide = true)]
+    Guardian,
     /// Print the files that give a user access to devices, and those that start a run with the session
     Setup(FilesArgs),
     /// Print a completion script for a shell

@@ -34,11 +34,7 @@ pub fn desk(assembly: &Assembly, calls: Calls, files: Vec<FileCalls>, stopper: S
             .collect(),
         calls,
         files,
-        stop: Box::new(move || {
-            // A second request to the bell would end the program at once.
-            if !stopper.is_asked() {
-                stopper.ask();
-            }
-        }),
+        // A second request to the bell would end the program at once.
+        stop: Box::new(move || stopper.ask_once()),
     }
 }

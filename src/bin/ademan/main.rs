@@ -17,6 +17,7 @@ mod docs;
 mod doctor;
 mod failure;
 mod files;
+mod guardian;
 mod layouts;
 mod record;
 mod recording;
@@ -54,6 +55,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Trace(args) => trace::run(&args),
         Command::Layout(command) => layouts::run(&command),
         Command::Doctor(args) => doctor::run(args),
+        Command::Guardian => guardian::run(),
         Command::Setup(args) => files::print(&args.print),
         Command::Completions { shell } => docs::completions(shell),
         Command::Man { folder } => docs::man(&folder),

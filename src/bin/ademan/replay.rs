@@ -2,12 +2,12 @@
 
 use ademan::capture::recording::Replay;
 use ademan::capture::{Paced, Source};
-use ademan::output;
 use ademan::runtime::drive;
 use ademan::settings::Assembly;
 
 use crate::args::ReplayArgs;
 use crate::failure::Failure;
+use crate::guardian;
 use crate::signals;
 use crate::status;
 
@@ -18,8 +18,9 @@ pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
         args.glove.as_deref(),
         args.layout.as_deref(),
     )?;
-    let mut sink = output::open(&args.output, &assembly.needs())?;
-    let stop = signals::stop_requests()?;
+    let (stopper, stop) = signals::stopper()?;
+    let needs = assembly.needs();
+    let mut sink = guardian::open_outputs(&args.output, &needs, move || stopper.ask_once())?;
     let source: Box<dyn Source> = match args.speed {
         Some(speed) => Box::new(Paced::new(replay, speed)),
         None => Box::new(replay),

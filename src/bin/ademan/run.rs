@@ -5,7 +5,7 @@ use ademan::control::Control;
 use ademan::doctor;
 use ademan::output;
 use ademan::reload::Watcher;
-use ademan::runtime::{self, Commands, drive};
+use ademan::runtime::{self, Call, Commands, Order, drive};
 use crossbeam_channel::bounded;
 
 use crate::args::RunArgs;
@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::recording::Recording;
 use crate::reload::Growth;
 use crate::status::{self, Status};
-use crate::{control, reload, setup, signals};
+use crate::{control, guardian, reload, setup, signals};
 
 pub fn run(args: RunArgs) -> Result<(), Failure> {
     if doctor::is_root() && !args.allow_root {
@@ -30,6 +30,16 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let (calls, called) = runtime::calls();
     let mut control = control::open(args.control.as_deref())?;
     let mut reporter = control.as_ref().map(Control::reporter);
+    let pause = {
+        let (calls, (answer, _)) = (calls.clone(), bounded(1));
+        move || {
+            let order = Order::Pause;
+            let _ = calls.try_send(Call {
+                order,
+                answer: answer.clone(),
+            });
+        }
+    };
     let (replace, replacements) = bounded(1);
     let is_recorded = args.record.is_some();
     let watchers = reload::watch(&assembly, is_recorded, &replace, reporter.as_ref())?;
@@ -44,7 +54,7 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let Some(source) = source else {
         return Ok(());
     };
-    let mut sink = output::open(&assembly.setup.output, &needs)?;
+    let mut sink = guardian::open_outputs(&assembly.setup.output, &needs, pause)?;
     let mut recording = match &args.record {
         Some(path) => Some(Recording::start(path, &assembly, &*source, false)?),
         None => None,

@@ -33,6 +33,13 @@ impl Stopper {
         let _ = self.sender.try_send(());
     }
 
+    /// The same, but a second request does nothing.
+    pub fn ask_once(&self) {
+        if !self.is_asked() {
+            self.ask();
+        }
+    }
+
     /// Whether the end was asked for.
     pub fn is_asked(&self) -> bool {
         self.asked.load(Ordering::Relaxed)

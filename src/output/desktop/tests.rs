@@ -31,7 +31,7 @@ impl Desk {
     fn open(&self) -> (Desktop, Sender<()>) {
         let (gate, closed_gate) = bounded::<()>(0);
         let desk = self.clone();
-        let sink = Desktop::start(move || {
+        let sink = Desktop::start(None, move || {
             let mut state = desk.0.lock().unwrap();
             let number = state.connections;
             state.connections += 1;

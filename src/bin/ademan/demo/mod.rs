@@ -20,7 +20,7 @@ use crossbeam_channel::bounded;
 
 use crate::args::DemoArgs;
 use crate::failure::Failure;
-use crate::{signals, status};
+use crate::{guardian, signals, status};
 use player::Player;
 use screen::Screen;
 use task::Task;
@@ -51,7 +51,10 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
         }
     };
     let (stopper, asked) = signals::stopper()?;
-    let mut sink = output::open(&assembly.setup.output, &assembly.needs())?;
+    let bell = stopper.clone();
+    let mut sink = guardian::open_outputs(&assembly.setup.output, &assembly.needs(), move || {
+        bell.ask_once()
+    })?;
     let (lines, source) = wires(&mut assembly, line, hand.hands())?;
     writeln!(
         io::stdout(),

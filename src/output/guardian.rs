@@ -1,0 +1,112 @@
+//! A second, small process that lets go of keys when this one cannot.
+//!
+//! An X server keeps a key down for as long as nobody lets go of it, whatever became of the program that
+//! pressed it. So a program that presses keys there starts a guardian: it has a connection of its own to the
+//! display and is told of every key before it goes down and after it came up. When the program dies, in
+//! whatever way, or does not give a sign of life for 200 ms while a key is down, the guardian lets go of what
+//! is down.
+
+mod guard;
+mod watch;
+
+use std::ffi::OsString;
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use enigo::Direction;
+
+use crate::device::KeyCode;
+
+pub(super) use guard::Guard;
+pub use watch::watch;
+
+/// How often the program gives a sign of life while something is down.
+pub(super) const BEAT: Duration = Duration::from_millis(50);
+
+/// After how long without one the guardian lets go of everything: three signs may be late.
+const SILENCE: Duration = Duration::from_millis(200);
+
+/// How a guardian is started, and who hears that one was lost.
+#[derive(Clone)]
+pub struct Launch {
+    /// The program: this one, as a rule.
+    pub program: PathBuf,
+    /// What makes it call [`watch`].
+    pub arguments: Vec<OsString>,
+    /// Called when a guardian has ended that should not have: everything was let go of by then, and another
+    /// one is started, once. Must not wait.
+    pub on_loss: Arc<dyn Fn() + Send + Sync>,
+}
+
+impl fmt::Debug for Launch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} {:?}", self.program, self.arguments)
+    }
+}
+
+/// What a guardian is told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Word {
+    /// This key goes down.
+    Down(KeyCode),
+    /// It came up.
+    Up(KeyCode),
+    /// The program is alive.
+    Alive,
+    /// It ends in good order; nothing is down.
+    Over,
+}
+
+/// What a guardian says when it can let go of keys; anything else it says is why it cannot.
+const READY: u8 = b'.';
+
+impl Word {
+    /// The length of a word, in bytes.
+    const BYTES: usize = 3;
+
+    fn of(key: KeyCode, direction: Direction) -> Self {
+        match direction {
+            Direction::Release => Self::Up(key),
+            _ => Self::Down(key),
+        }
+    }
+
+    fn to_bytes(self) -> [u8; Self::BYTES] {
+        let (kind, code) = match self {
+            Self::Down(key) => (b'd', key.event_code()),
+            Self::Up(key) => (b'u', key.event_code()),
+            Self::Alive => (b'a', 0),
+            Self::Over => (b'o', 0),
+        };
+        let [high, low] = code.to_be_bytes();
+        [kind, high, low]
+    }
+
+    fn from_bytes([kind, high, low]: [u8; Self::BYTES]) -> Option<Self> {
+        let key = || KeyCode::from_event_code(u16::from_be_bytes([high, low]));
+        match kind {
+            b'd' => key().map(Self::Down),
+            b'u' => key().map(Self::Up),
+            b'a' => Some(Self::Alive),
+            b'o' => Some(Self::Over),
+            _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_word_is_understood() {
+        let keys = KeyCode::all().flat_map(|key| [Word::Down(key), Word::Up(key)]);
+        for word in keys.chain([Word::Alive, Word::Over]) {
+            assert_eq!(Word::from_bytes(word.to_bytes()), Some(word));
+        }
+        assert_eq!(Word::from_bytes([b'd', 255, 255]), None);
+        assert_eq!(Word::from_bytes([0, 0, 30]), None);
+    }
+}

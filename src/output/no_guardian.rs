@@ -1,0 +1,59 @@
+//! A stand-in for guardians where there are none yet: on systems other than Linux.
+
+use std::convert::Infallible;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use crossbeam_channel::Receiver;
+use enigo::Direction;
+
+use crate::device::KeyCode;
+
+/// How often the program would give a sign of life.
+pub(super) const BEAT: Duration = Duration::from_millis(50);
+
+/// How a guardian would be started.
+#[derive(Clone)]
+pub struct Launch {
+    /// The program.
+    pub program: PathBuf,
+    /// What makes it call [`watch`].
+    pub arguments: Vec<OsString>,
+    /// Never called.
+    pub on_loss: Arc<dyn Fn() + Send + Sync>,
+}
+
+/// What a guardian would do.
+pub fn watch(_: impl Fn(&str)) -> Result<(), String> {
+    Err("guardians are there on Linux only".into())
+}
+
+/// There is none.
+pub(super) struct Guard(Infallible);
+
+/// The guardian is gone.
+pub(super) struct Lost;
+
+impl Guard {
+    pub fn start(_: &Launch) -> Result<Self, String> {
+        watch(|_| {}).and(Err(String::new()))
+    }
+
+    pub fn note(&self, _: KeyCode, _: Direction) -> Result<(), Lost> {
+        match self.0 {}
+    }
+
+    pub fn beat(&self) -> Result<(), Lost> {
+        match self.0 {}
+    }
+
+    pub fn gone(&self) -> &Receiver<()> {
+        match self.0 {}
+    }
+
+    pub fn replace(&mut self) -> Result<(), String> {
+        match self.0 {}
+    }
+}

@@ -1,0 +1,159 @@
+//! What no program can do for itself: its guardian lets go when it is killed, stopped or broken.
+
+use std::fs;
+use std::time::{Duration, Instant};
+
+use crate::ends::{Typing, held_keys};
+use crate::press::{Press, code};
+use crate::support::x11::wait_for;
+use crate::{SOON, hold, released_after};
+
+/// How long a guardian waits for a sign of life, and then some.
+const NO_SIGN_OF_LIFE: Duration = Duration::from_secs(2);
+
+impl Typing {
+    /// The process that the program has started.
+    fn guardian(&self) -> u32 {
+        let mut found = None;
+        let is_there = || {
+            found = self.children().into_iter().find(|child| is_alive(*child));
+            found.is_some()
+        };
+        assert!(wait_for(is_there), "there is no guardian");
+        found.expect("it is there")
+    }
+
+    fn children(&self) -> Vec<u32> {
+        let threads = fs::read_dir(format!("/proc/{}/task", self.program.id()));
+        let of_thread = |thread: fs::DirEntry| {
+            fs::read_to_string(thread.path().join("children")).unwrap_or_default()
+        };
+        let lists: String = threads.expect("it runs").flatten().map(of_thread).collect();
+        let numbers = lists.split_whitespace();
+        numbers.filter_map(|child| child.parse().ok()).collect()
+    }
+
+    /// Ends the program so that it can do nothing any more.
+    fn dies_by(mut self, signal: &str) {
+        let start = Instant::now();
+        self.program.signal(&[signal]);
+        let took = released_after(&self.server, start, signal);
+        assert!(took < SOON, "{signal}: {took:?}");
+        assert_eq!(self.program.status().code(), None, "it was killed");
+        self.program.wait_until_it_says("its keys are up (2)", 1);
+    }
+}
+
+fn is_alive(process: u32) -> bool {
+    let state = fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    !state.is_empty() && !state.contains(") Z")
+}
+
+#[test]
+fn nothing_is_down_after_it_was_killed() {
+    let Some(typing) = Typing::start() else {
+        return;
+    };
+    let guardian = typing.guardian();
+    typing.dies_by("KILL");
+    assert!(wait_for(|| !is_alive(guardian)), "the guardian stays");
+}
+
+#[test]
+fn nothing_is_down_after_it_aborted() {
+    if let Some(typing) = Typing::start() {
+        typing.dies_by("ABRT");
+    }
+}
+
+#[test]
+fn nothing_is_down_after_it_crashed() {
+    if let Some(typing) = Typing::start() {
+        typing.dies_by("ILL");
+    }
+}
+
+#[test]
+fn nothing_is_down_while_it_is_stopped_and_it_has_to_be_armed_again() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let start = Instant::now();
+    typing.program.signal(&["STOP"]);
+    let took = released_after(&typing.server, start, "STOP");
+    assert!(took < NO_SIGN_OF_LIFE, "{took:?}");
+    typing.program.wait_until_it_says("no sign of life", 1);
+    std::thread::sleep(Duration::from_secs(1));
+    typing.program.signal(&["CONT"]);
+    typing.program.wait_until_it_says("stalled", 1);
+    // The finger is still on the key: that arms nothing, and presses nothing.
+    std::thread::sleep(Duration::from_millis(700));
+    assert_eq!(typing.server.keys_down(), [0; 0]);
+    let press = Press::of("H");
+    typing.glove.play(&press.lift);
+    typing.program.wait_until_it_says("armed", 2);
+    hold(&typing.server, &typing.glove, &press, &held_keys());
+    typing.program.signal(&["TERM"]);
+    assert_eq!(typing.program.status().code(), Some(0));
+    assert_eq!(typing.server.keys_down(), [0; 0]);
+}
+
+#[test]
+fn a_guardian_that_is_killed_is_replaced_once_and_the_run_pauses() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let first = typing.guardian();
+    let start = Instant::now();
+    kill(first);
+    let took = released_after(&typing.server, start, "guardian killed");
+    assert!(took < SOON, "{took:?}");
+    typing.program.wait_until_it_says("paused", 2);
+    assert!(wait_for(|| !is_alive(first)), "the first one is gone");
+    let second = typing.guardian();
+    std::thread::sleep(Duration::from_millis(500));
+    kill(second);
+    let status = typing.program.status();
+    assert_eq!(status.code(), Some(1));
+    // A busy machine: the second one was killed before it was ready.
+    let (again, early) = (
+        "the guardian that lets go of keys was ended a second time",
+        "no guardian",
+    );
+    let said = typing.program.said();
+    let tells = said
+        .iter()
+        .any(|line| line.contains(again) || line.contains(early));
+    assert!(tells, "{said:#?}");
+    assert_eq!(typing.server.keys_down(), [0; 0]);
+}
+
+fn kill(process: u32) {
+    let status = std::process::Command::new("kill")
+        .args(["-KILL", &process.to_string()])
+        .status();
+    assert!(status.expect("kill is there").success());
+}
+
+#[test]
+fn requests_to_end_that_reach_the_guardian_too_do_not_end_it_first() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let guardian = typing.guardian();
+    let signal = std::process::Command::new("kill")
+        .args(["-TERM", &guardian.to_string()])
+        .status();
+    assert!(signal.expect("kill is there").success());
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(is_alive(guardian));
+    assert_eq!(
+        typing.server.keys_down(),
+        [code("H"), code("ShiftLeft")],
+        "{:#?}",
+        typing.program.said()
+    );
+    typing.program.signal(&["KILL"]);
+    assert!(typing.server.wait_for_keys(&[]));
+    assert_eq!(typing.program.status().code(), None);
+}
