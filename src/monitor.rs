@@ -51,6 +51,15 @@ pub struct Snapshot {
     pub tally: Tally,
 }
 
+/// Presses that were not let out, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Withheld {
+    /// Beyond the limit of presses in a second.
+    pub too_many: u64,
+    /// Keys that act on the system, alone or with those that were down.
+    pub of_system: u64,
+}
+
 /// The account of all readings: received = accepted + rejected + superseded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Tally {
@@ -62,4 +71,6 @@ pub struct Tally {
     pub rejected: [u64; Rejection::COUNT],
     /// Times that readings stopped for longer than the limit.
     pub stalls: u64,
+    /// Presses that came of them and did not go out.
+    pub withheld: Withheld,
 }

@@ -2,16 +2,19 @@
 
 mod controls;
 mod drifting;
+mod gate;
 mod hand;
 mod moves;
 
 pub use controls::Controls;
+pub use gate::PressLimit;
 pub use moves::Refusal;
 
 use std::time::Duration;
 
 use parry3d::math::Vec3;
 
+use self::gate::Gate;
 use self::hand::Hand;
 use self::moves::Move;
 use crate::capture::Reading;
@@ -20,7 +23,7 @@ use crate::contact::{TargetNames, Touches};
 use crate::device::{Action, Events, OutputEvent, Request};
 use crate::estimate::{Estimator, JointAngles, Rejection};
 use crate::kinematics::{ArmModel, HandPose};
-use crate::monitor::State;
+use crate::monitor::{State, Withheld};
 use crate::time::Timestamp;
 
 /// When the engine lets events out.
@@ -32,15 +35,22 @@ pub struct Arming {
     pub neutral: Duration,
     /// How long readings may stay away before everything is let go.
     pub stall: Duration,
+    /// How many presses may come of one source in a second; after more everything is let go of, and the
+    /// engine pauses.
+    pub presses: PressLimit,
+    /// Whether keys that act on the system may go out, see [`KeyCode::is_of_system`](crate::device::KeyCode).
+    pub system_keys: bool,
 }
 
 impl Default for Arming {
-    /// Off all controls for 300 ms; a stall after 200 ms.
+    /// Off all controls for 300 ms; a stall after 200 ms; a local source; no keys of the system.
     fn default() -> Self {
         Self {
             at_once: false,
             neutral: Duration::from_millis(300),
             stall: Duration::from_millis(200),
+            presses: PressLimit::LOCAL,
+            system_keys: false,
         }
     }
 }
@@ -68,6 +78,7 @@ pub struct Pipeline {
     /// The place of the controls in force.
     profile: usize,
     arming: Arming,
+    gate: Gate,
     state: State,
     /// The latest time that a hand was seen.
     time: Timestamp,
@@ -87,6 +98,7 @@ impl Pipeline {
             profiles: vec![controls],
             profile: 0,
             arming,
+            gate: Gate::new(arming.presses, arming.system_keys),
             state: State::Starting,
             time: Timestamp::default(),
             is_paused: false,
@@ -103,6 +115,13 @@ impl Pipeline {
     pub fn with_other_hand(mut self, estimator: Estimator, arm: ArmModel) -> Self {
         self.hands.truncate(1);
         self.hands.push(Hand::new(estimator, arm));
+        self
+    }
+
+    /// The same where the readings of the other hand come from a source of their own.
+    #[must_use]
+    pub fn with_other_source(mut self, presses: PressLimit) -> Self {
+        self.gate.add_source(presses);
         self
     }
 
@@ -136,9 +155,13 @@ impl Pipeline {
         hand.last_accepted = Some(pose.time);
         self.arm_when_clear(place);
         if self.state == State::Running {
+            let first = events.len();
             let controls = &mut self.profiles[self.profile];
             controls.update(&self.hands[place].frame, events);
             controls.drift(&self.hands[place].frame.pose);
+            if !self.gate.pass(place, first, events) {
+                self.pause(events);
+            }
             self.take_requests(events);
         } else if self.is_paused {
             self.listen_for_the_end_of_the_pause(place);
@@ -206,8 +229,7 @@ impl Pipeline {
             return;
         }
         if profile == self.profile {
-            self.profiles[profile].release_all(self.time, events);
-            self.clear_since = None;
+            self.release_all(self.time, events);
         }
         std::mem::swap(&mut self.profiles[profile], controls);
     }
@@ -225,11 +247,10 @@ impl Pipeline {
         if profile == self.profile || profile >= self.profiles.len() {
             return;
         }
-        self.profiles[self.profile].release_all(self.time, events);
-        self.clear_since = None;
+        self.release_all(self.time, events);
         self.profile = profile;
         // What it remembers is of another time.
-        self.profiles[profile].release_all(self.time, events);
+        self.release_all(self.time, events);
     }
 
     /// Lets go of everything and moves the boards in force by so many metres along the axes of the world.
@@ -238,7 +259,7 @@ impl Pipeline {
     /// All boards stay where they are, and nothing is let go of, if one would be where no file can say.
     pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), Refusal> {
         self.profiles[self.profile].refuse(Move::Nudge(by))?;
-        self.release_for_a_move(events);
+        self.release_all(self.time, events);
         self.profiles[self.profile].shift(Move::Nudge(by));
         Ok(())
     }
@@ -247,7 +268,7 @@ impl Pipeline {
     /// far side rises.
     pub fn tilt(&mut self, by: f32, events: &mut Events) -> Result<(), Refusal> {
         self.profiles[self.profile].refuse(Move::Tilt(by))?;
-        self.release_for_a_move(events);
+        self.release_all(self.time, events);
         self.profiles[self.profile].shift(Move::Tilt(by));
         Ok(())
     }
@@ -265,7 +286,7 @@ impl Pipeline {
         let controls = &self.profiles[self.profile];
         let by = controls.way_to(&self.hands[place].frame.pose)?;
         controls.refuse(Move::Bring(by, &self.hands[place].frame.pose))?;
-        self.release_for_a_move(events);
+        self.release_all(self.time, events);
         let way = Move::Bring(by, &self.hands[place].frame.pose);
         self.profiles[self.profile].shift(way);
         Ok(())
@@ -329,6 +350,11 @@ impl Pipeline {
         self.stalls
     }
 
+    /// Presses that did not go out.
+    pub fn withheld(&self) -> Withheld {
+        self.gate.withheld()
+    }
+
     /// The place of the hand that a reading is of.
     fn hand_of(&self, reading: &Reading) -> usize {
         let is_of = |hand: &Hand| Some(hand.side()) == reading.side;
@@ -355,15 +381,17 @@ impl Pipeline {
         }
     }
 
-    fn release_for_a_move(&mut self, events: &mut Events) {
-        self.profiles[self.profile].release_all(self.time, events);
+    /// Lets go of everything; the hand has to be seen off all controls anew to arm.
+    fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        let first = events.len();
+        self.profiles[self.profile].release_all(time, events);
+        self.gate.pass(0, first, events);
         self.clear_since = None;
     }
 
     fn let_go(&mut self, time: Timestamp, state: State, events: &mut Events) {
-        self.profiles[self.profile].release_all(time, events);
+        self.release_all(time, events);
         self.state = state;
-        self.clear_since = None;
     }
 
     fn arm_when_clear(&mut self, place: usize) {

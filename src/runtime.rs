@@ -391,6 +391,7 @@ impl Run<'_> {
             accepted: self.pipeline.accepted(),
             rejected: self.pipeline.rejected(),
             stalls: self.pipeline.stalls(),
+            withheld: self.pipeline.withheld(),
         }
     }
 

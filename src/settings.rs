@@ -15,7 +15,7 @@ use crate::estimate::{OneEuroSettings, Smoothing};
 use crate::kinematics::BoneLengths;
 use crate::lab::TypistError;
 use crate::layout::{Document, LayoutError};
-use crate::pipeline::Arming;
+use crate::pipeline::{Arming, PressLimit};
 
 /// A setup as its file says it; every field has a default that works.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +42,12 @@ pub struct Setup {
     pub stall_ms: u32,
     /// Whether the first reading arms, instead of a hand that is seen off all keys.
     pub armed: bool,
+    /// The most presses that may come of one source in a second, 1 to 1000; after more, everything is let go
+    /// of and the run pauses. `None`: 60, and 20 for a source on the network.
+    pub presses_per_second: Option<u32>,
+    /// Whether keys that act on the system may be pressed: Meta and PrintScreen, and F1 to F12, Delete and
+    /// Backspace with Control and Alt.
+    pub system_keys: bool,
 }
 
 /// A second glove and who wears it.
@@ -159,6 +165,8 @@ impl Default for Setup {
             smoothing: SmoothingChoice::Default,
             stall_ms: 200,
             armed: false,
+            presses_per_second: None,
+            system_keys: false,
         }
     }
 }
@@ -236,6 +244,10 @@ impl Setup {
     }
 
     fn arming(&self) -> Result<Arming, SetupError> {
+        if let Some(other @ (0 | 1001..)) = self.presses_per_second {
+            let message = format!("`presses_per_second` is 1 to 1000, not {other}");
+            return Err(SetupError::Value(message));
+        }
         if !(20..=10_000).contains(&self.stall_ms) {
             let message = format!("`stall_ms` is 20 to 10000, not {}", self.stall_ms);
             return Err(SetupError::Value(message));
@@ -243,7 +255,18 @@ impl Setup {
         Ok(Arming {
             at_once: self.armed,
             stall: Duration::from_millis(self.stall_ms.into()),
+            presses: self.press_limit(self.source.as_ref()),
+            system_keys: self.system_keys,
             ..Arming::default()
         })
+    }
+
+    /// How many presses may come of a source.
+    fn press_limit(&self, source: Option<&SourceName>) -> PressLimit {
+        match self.presses_per_second {
+            Some(per_second) => PressLimit { per_second },
+            None if source.is_some_and(SourceName::is_remote) => PressLimit::NETWORK,
+            None => PressLimit::LOCAL,
+        }
     }
 }

@@ -1,8 +1,11 @@
 //! A run accounts for every reading: received = accepted + rejected + superseded.
 
-use ademan::capture::{Capture, CaptureError, Counts, LineSettings, Reading, Source};
+use std::time::Duration;
+
+use ademan::capture::{Capture, CaptureError, Counts, LineSettings, Paced, Reading, Source};
+use ademan::device::{Action, OutputEvent};
 use ademan::lab::Typist;
-use ademan::monitor::Tally;
+use ademan::monitor::{Snapshot, Tally};
 use ademan::output;
 use ademan::runtime::{Summary, drive};
 use ademan::settings::{Assembly, Setup};
@@ -98,6 +101,57 @@ fn a_live_source_that_is_too_fast_has_its_oldest_readings_superseded() {
     let tally = run(true, None).tally;
     let (received, taken) = balance(&tally);
     assert_eq!(received, taken);
+}
+
+/// An observer that stands still while a key is down, as a program that is stopped does.
+#[test]
+fn readings_from_before_the_program_stood_still_press_nothing_and_are_accounted_for() {
+    let assembly = Setup::default().assemble().expect("the default setup");
+    let mut nowhere = output::open("none", &assembly.needs()).expect("nowhere");
+    let typist = assembly.typist("accounts", &LineSettings::default(), 0.0, 0);
+    let source = Paced::new(typist.expect("it can be typed"), 1.0);
+    let mut has_stood_still = false;
+    let mut events_after = Vec::new();
+    let observe = &mut |frame: &Snapshot| {
+        let is_down = |event: &OutputEvent| matches!(event.action, Action::KeyDown(_));
+        if has_stood_still {
+            events_after.extend(frame.events.iter().map(|event| event.action));
+        } else if frame.events.iter().any(is_down) {
+            has_stood_still = true;
+            std::thread::sleep(Duration::from_millis(600));
+        }
+    };
+    let source = Live(source);
+    let summary = drive(
+        source,
+        &mut assembly.pipeline(),
+        &mut *nowhere,
+        &never(),
+        observe,
+    );
+    let tally = summary.expect("a run").tally;
+    let (received, taken) = balance(&tally);
+    assert_eq!(received, taken);
+    assert!(tally.source.superseded > 0 && tally.stalls > 0, "{tally:?}");
+    let first = events_after.first();
+    assert!(matches!(first, Some(Action::KeyUp(_))), "{events_after:?}");
+}
+
+/// Readings that are lost when nobody takes them.
+struct Live(Paced<Typist>);
+
+impl Source for Live {
+    fn next(&mut self) -> Result<Capture, CaptureError> {
+        self.0.next()
+    }
+
+    fn name(&self) -> &str {
+        "live"
+    }
+
+    fn counts(&self) -> Counts {
+        self.0.counts()
+    }
 }
 
 #[test]

@@ -158,6 +158,13 @@ fn named<T: FromStr<Err = UnknownName>>(value: &str) -> Result<T, String> {
     value.parse().map_err(|error: T::Err| error.to_string())
 }
 
+impl SourceName {
+    /// Whether readings come over a network, where others may send some too.
+    pub const fn is_remote(&self) -> bool {
+        matches!(self, Self::Tcp { .. })
+    }
+}
+
 impl FromStr for SourceName {
     type Err = CaptureError;
 

@@ -6,7 +6,7 @@ use super::Profile;
 use crate::contact::TargetNames;
 use crate::device::OutputEvent;
 use crate::estimate::Rejection;
-use crate::monitor::{State, Tally};
+use crate::monitor::{State, Tally, Withheld};
 use crate::runtime::RunState;
 use crate::trace::event_json;
 
@@ -99,6 +99,7 @@ struct TallyForm {
     superseded: u64,
     stalls: u64,
     losses: u64,
+    withheld: Withheld,
 }
 
 impl TallyForm {
@@ -110,6 +111,7 @@ impl TallyForm {
             superseded: tally.source.superseded,
             stalls: tally.stalls,
             losses: tally.source.losses,
+            withheld: tally.withheld,
         }
     }
 }

@@ -258,6 +258,18 @@ impl KeyCode {
         matches!(self.0, 29 | 42 | 54 | 56 | 97 | 100 | 125 | 126)
     }
 
+    /// Whether this key alone acts on the system rather than on the program that has the focus: it opens the
+    /// menu of a desktop (Meta), or gives orders to the kernel (PrintScreen, which is SysRq too).
+    pub const fn is_of_system(self) -> bool {
+        matches!(self.0, 99 | 125 | 126)
+    }
+
+    /// Whether it does so together with Control and Alt: other consoles (F1 to F12), a restart (Delete), the end
+    /// of an X server (Backspace).
+    pub const fn is_of_system_with_control_and_alt(self) -> bool {
+        matches!(self.0, 14 | 59..=68 | 83 | 87 | 88 | 111)
+    }
+
     /// All keys, in order of code.
     pub fn all() -> impl Iterator<Item = Self> {
         KEYS.iter().map(|key| Self(key.code))

@@ -10,7 +10,7 @@ use crate::estimate::{Estimator, EstimatorSettings};
 use crate::kinematics::ArmModel;
 use crate::layout::{Document, Glove, Layout, LayoutError};
 use crate::names::UnknownName;
-use crate::pipeline::{Arming, Controls, Pipeline};
+use crate::pipeline::{Arming, Controls, Pipeline, PressLimit};
 
 /// What the layout that is in force at first is called.
 const MAIN: &str = "main";
@@ -148,6 +148,7 @@ impl Assembly {
         };
         for layout in assembly.layouts() {
             assembly.places_of_profiles(layout)?;
+            assembly.refuse_system_keys(layout)?;
         }
         Ok(assembly)
     }
@@ -176,7 +177,21 @@ impl Assembly {
     /// The controls of a layout that is or takes the place of one of this setup's.
     pub fn controls(&self, layout: &Layout) -> Result<Controls, SetupError> {
         let profiles = self.places_of_profiles(layout)?;
+        self.refuse_system_keys(layout)?;
         Ok(controls(layout).with_profiles(profiles))
+    }
+
+    /// A layout may ask for keys that act on the system; that they are pressed is up to the setup.
+    fn refuse_system_keys(&self, layout: &Layout) -> Result<(), SetupError> {
+        let codes = layout.needs().codes;
+        match codes.into_iter().find(|code| code.is_of_system()) {
+            Some(code) if !self.setup.system_keys => Err(SetupError::Value(format!(
+                "{}: its key `{code}` acts on the system and not just on one program; take it out, or allow \
+                 such keys with `system_keys: true` in the setup",
+                layout.file
+            ))),
+            _ => Ok(()),
+        }
     }
 
     /// Which layouts of the setup a layout names.
@@ -212,10 +227,24 @@ impl Assembly {
             .iter()
             .map(|profile| controls(&profile.layout));
         let pipeline = pipeline.with_profiles(further);
-        match &self.other {
+        let pipeline = match &self.other {
             Some(other) => pipeline.with_other_hand(estimator(&other.glove), other.arm.clone()),
             None => pipeline,
-        }
+        };
+        let further = self.press_limits().into_iter().skip(1);
+        further.fold(pipeline, Pipeline::with_other_source)
+    }
+
+    /// How many presses may come of each source that the setup names.
+    pub fn press_limits(&self) -> Vec<PressLimit> {
+        let other = self.setup.other_hand.as_ref();
+        let other = other.and_then(|hand| hand.source.as_ref());
+        let sources = [self.setup.source.as_ref()]
+            .into_iter()
+            .chain(other.map(Some));
+        sources
+            .map(|source| self.setup.press_limit(source))
+            .collect()
     }
 
     /// Opens a source, and that of the other hand where the setup names one.

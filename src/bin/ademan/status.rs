@@ -1,23 +1,92 @@
 //! What a run tells the person at the terminal: changes of state, and the account at the end.
 
+use std::time::{Duration, Instant};
+
 use ademan::estimate::Rejection;
 use ademan::monitor::{Snapshot, State, Tally};
 
-/// Says on standard error what the engine is doing, whenever that changes.
+/// How long nothing more is said of the same loss.
+const QUIET: Duration = Duration::from_secs(10);
+
+/// Says on standard error what the engine is doing, whenever that changes, and what was lost, each reason at
+/// most once in 10 s.
 #[derive(Default)]
 pub struct Status {
     last: Option<(State, bool)>,
+    rejected: [Loss; Rejection::COUNT],
+    superseded: Loss,
+    of_system: Loss,
+    too_many: u64,
+}
+
+/// What was said of one reason for losses.
+#[derive(Clone, Copy, Default)]
+struct Loss {
+    count: u64,
+    said: Option<Instant>,
+}
+
+impl Loss {
+    /// How many more there are since that was last said, if it is to be said again.
+    fn news(&mut self, count: u64) -> Option<u64> {
+        if count == self.count || self.said.is_some_and(|said| said.elapsed() < QUIET) {
+            return None;
+        }
+        self.said = Some(Instant::now());
+        let more = count - self.count;
+        self.count = count;
+        Some(more)
+    }
 }
 
 impl Status {
     /// Takes a frame.
     pub fn show(&mut self, frame: &Snapshot) {
+        // At the end those that nobody took count as superseded.
+        if frame.state != State::Stopped {
+            self.tell_losses(&frame.tally);
+        }
+        self.tell_state(frame);
+    }
+
+    fn tell_losses(&mut self, tally: &Tally) {
+        for (reason, (loss, count)) in Rejection::ALL
+            .iter()
+            .zip(self.rejected.iter_mut().zip(tally.rejected))
+        {
+            if let Some(more) = loss.news(count) {
+                say!("{} rejected: {reason}", counted(more, "reading"));
+            }
+        }
+        if let Some(more) = self.superseded.news(tally.source.superseded) {
+            say!(
+                "{} superseded: this machine is too busy",
+                counted(more, "reading")
+            );
+        }
+        if let Some(more) = self.of_system.news(tally.withheld.of_system) {
+            say!(
+                "{} withheld that would act on the system; `system_keys: true` in the setup allows them",
+                counted(more, "key")
+            );
+        }
+    }
+
+    fn tell_state(&mut self, frame: &Snapshot) {
         let now = (frame.state, frame.is_paused);
         if self.last.replace(now) == Some(now) {
             return;
         }
+        let too_many = frame.tally.withheld.too_many;
+        let are_more = std::mem::replace(&mut self.too_many, too_many) < too_many;
         match frame.state {
             State::Starting | State::Stopped => {}
+            State::Paused if frame.is_paused && are_more => {
+                say!(
+                    "paused: more presses came in than a person makes (`presses_per_second` of the setup); \
+                     everything is released, `ademan ctl resume` goes on"
+                );
+            }
             State::Paused if frame.is_paused => {
                 say!("paused: everything is released, `ademan ctl resume` goes on");
             }

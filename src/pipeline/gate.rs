@@ -1,0 +1,266 @@
+//! The last look at what goes out: what is down, how many presses there are in a second, and keys that act on
+//! the system.
+
+use std::time::Duration;
+
+use crate::device::{Action, Events, KeyCode, OutputEvent};
+use crate::monitor::Withheld;
+use crate::output::held::Held;
+use crate::time::Timestamp;
+
+/// What one press costs.
+const PRESS: u64 = 1_000_000;
+
+/// How many presses may come in a second.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PressLimit {
+    /// For as long as one likes; half as many may come at once.
+    pub per_second: u32,
+}
+
+impl PressLimit {
+    /// For sources at this machine: 720 words a minute, more than anybody types.
+    pub const LOCAL: Self = Self { per_second: 60 };
+
+    /// For sources on the network: an intruder is slower than a good typist.
+    pub const NETWORK: Self = Self { per_second: 20 };
+
+    /// What can be saved up, in the unit of [`PRESS`].
+    fn most(self) -> u64 {
+        u64::from(self.per_second / 2).max(1) * PRESS
+    }
+}
+
+/// Presses that a source may still make: a bucket into which they drip, and which holds half a second of them.
+#[derive(Clone, Copy, Debug)]
+struct Allowance {
+    limit: PressLimit,
+    level: u64,
+    since: Timestamp,
+}
+
+impl Allowance {
+    fn new(limit: PressLimit) -> Self {
+        Self {
+            limit,
+            level: limit.most(),
+            since: Timestamp::default(),
+        }
+    }
+
+    /// Whether there may be one more at this time.
+    fn take(&mut self, time: Timestamp) -> bool {
+        let passed: Duration = time.since(self.since);
+        self.since = self.since.max(time);
+        let gained = (passed.as_micros() as u64).saturating_mul(self.limit.per_second.into());
+        self.level = self.level.saturating_add(gained).min(self.limit.most());
+        let may = self.level >= PRESS;
+        self.level -= if may { PRESS } else { 0 };
+        may
+    }
+}
+
+/// Lets events out, or not: releases always.
+#[derive(Clone, Debug)]
+pub(super) struct Gate {
+    /// One for each source.
+    allowances: Vec<Allowance>,
+    lets_system_keys: bool,
+    down: Held,
+    withheld: Withheld,
+}
+
+impl Gate {
+    /// For one source; system keys are those of [`KeyCode::is_of_system`] and what some keys become with
+    /// Control and Alt.
+    pub(super) fn new(limit: PressLimit, lets_system_keys: bool) -> Self {
+        Self {
+            allowances: vec![Allowance::new(limit)],
+            lets_system_keys,
+            down: Held::default(),
+            withheld: Withheld::default(),
+        }
+    }
+
+    /// The same with another source; the place of it is the number of those before it.
+    pub(super) fn add_source(&mut self, limit: PressLimit) {
+        self.allowances.push(Allowance::new(limit));
+    }
+
+    /// Takes out of the events from number `first` on what must not go out. `false` when presses came too
+    /// fast; everything has to be let go of then.
+    pub(super) fn pass(&mut self, source: usize, first: usize, events: &mut Events) -> bool {
+        let mut is_within = true;
+        let mut kept = first;
+        let mut written = None;
+        for place in first..events.len() {
+            let event = events[place];
+            let may = match event.action {
+                Action::KeyUp(key) => self.down.release(key),
+                Action::KeyDown(key) if self.acts_on_system(key) => {
+                    self.withheld.of_system += 1;
+                    false
+                }
+                // The text of one key is one press.
+                Action::Write(_) if is_within && written == Some(event.time) => true,
+                Action::KeyDown(_) | Action::Write(_) => {
+                    let may = is_within && self.has_room(source, &event);
+                    self.withheld.too_many += u64::from(!may);
+                    is_within &= may;
+                    may
+                }
+                _ => true,
+            };
+            match event.action {
+                Action::KeyDown(key) if may => _ = self.down.press(key),
+                Action::Write(_) => written = Some(event.time),
+                _ => {}
+            }
+            if may {
+                events[kept] = event;
+                kept += 1;
+            }
+        }
+        events.truncate(kept);
+        is_within
+    }
+
+    /// The account of what was not let out.
+    pub(super) fn withheld(&self) -> Withheld {
+        self.withheld
+    }
+
+    fn has_room(&mut self, source: usize, event: &OutputEvent) -> bool {
+        let last = self.allowances.len() - 1;
+        self.allowances[source.min(last)].take(event.time)
+    }
+
+    /// Whether this key would do something to the system, together with what is down.
+    fn acts_on_system(&self, key: KeyCode) -> bool {
+        if self.lets_system_keys {
+            return false;
+        }
+        let is_down = |names: [&str; 2]| {
+            let mut held = self.down.release_order();
+            held.any(|held| names.contains(&held.name()))
+        };
+        key.is_of_system()
+            || (key.is_of_system_with_control_and_alt()
+                && is_down(["ControlLeft", "ControlRight"])
+                && is_down(["AltLeft", "AltRight"]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn event(milliseconds: u64, line: &str) -> OutputEvent {
+        let (what, name) = line.split_once(' ').unwrap();
+        let action = match what {
+            "down" => Action::KeyDown(name.parse().unwrap()),
+            "up" => Action::KeyUp(name.parse().unwrap()),
+            "write" => Action::Write(name.chars().next().unwrap()),
+            _ => panic!("{what}"),
+        };
+        OutputEvent {
+            time: Timestamp(milliseconds * 1_000),
+            action,
+        }
+    }
+
+    fn pass(gate: &mut Gate, milliseconds: u64, lines: &[&str]) -> (bool, Vec<String>) {
+        let mut events: Events = lines.iter().map(|line| event(milliseconds, line)).collect();
+        let is_within = gate.pass(0, 0, &mut events);
+        let written = events.iter().map(|event| match event.action {
+            Action::KeyDown(key) => format!("down {key}"),
+            Action::KeyUp(key) => format!("up {key}"),
+            Action::Write(character) => format!("write {character}"),
+            _ => panic!("{event:?}"),
+        });
+        (is_within, written.collect())
+    }
+
+    fn gate(per_second: u32) -> Gate {
+        Gate::new(PressLimit { per_second }, false)
+    }
+
+    #[test]
+    fn half_a_second_of_presses_may_come_at_once_and_then_they_drip() {
+        let mut gate = gate(20);
+        let taps = |gate: &mut Gate, milliseconds, count: usize| {
+            (0..count)
+                .map(|_| pass(gate, milliseconds, &["down A", "up A"]))
+                .filter(|(is_within, _)| *is_within)
+                .count()
+        };
+        assert_eq!(taps(&mut gate, 1_000, 12), 10);
+        assert_eq!(taps(&mut gate, 1_049, 1), 0);
+        assert_eq!(taps(&mut gate, 1_050, 2), 1);
+        assert_eq!(taps(&mut gate, 60_000, 12), 10);
+        assert_eq!(gate.withheld().too_many, 2 + 1 + 1 + 2);
+    }
+
+    #[test]
+    fn the_release_of_a_press_that_was_withheld_is_too_and_no_other() {
+        let mut gate = gate(2);
+        let (is_within, out) = pass(&mut gate, 1, &["down A", "down B", "down C"]);
+        assert_eq!((is_within, out), (false, vec!["down A".to_owned()]));
+        let (is_within, out) = pass(&mut gate, 1, &["up C", "up B", "up A", "up A"]);
+        assert_eq!((is_within, out), (true, vec!["up A".to_owned()]));
+    }
+
+    #[test]
+    fn the_text_of_one_key_is_one_press() {
+        let mut gate = gate(4);
+        let hello: Vec<_> = "hello".chars().map(|c| format!("write {c}")).collect();
+        let hello: Vec<_> = hello.iter().map(String::as_str).collect();
+        assert_eq!(pass(&mut gate, 1, &hello).1.len(), 5);
+        assert_eq!(pass(&mut gate, 2, &hello).1.len(), 5);
+        let (is_within, out) = pass(&mut gate, 3, &hello);
+        assert_eq!((is_within, out.len()), (false, 0));
+    }
+
+    #[test]
+    fn keys_that_act_on_the_system_do_not_go_out_unless_they_may() {
+        let mut gate = gate(60);
+        assert_eq!(pass(&mut gate, 1, &["down MetaLeft"]).1.len(), 0);
+        assert_eq!(pass(&mut gate, 1, &["up MetaLeft"]).1.len(), 0);
+        let chord = ["down ControlRight", "down F2", "up F2", "down AltLeft"];
+        assert_eq!(pass(&mut gate, 1, &chord).1, chord);
+        for key in ["F2", "Delete", "Backspace"] {
+            let down = format!("down {key}");
+            assert_eq!(pass(&mut gate, 1, &[&down]).1.len(), 0, "{key}");
+        }
+        assert_eq!(pass(&mut gate, 1, &["down A"]).1, ["down A"]);
+        assert_eq!(gate.withheld().of_system, 4);
+        let mut gate = Gate::new(PressLimit::LOCAL, true);
+        assert_eq!(pass(&mut gate, 1, &["down MetaLeft"]).1, ["down MetaLeft"]);
+    }
+
+    #[test]
+    fn each_source_has_presses_of_its_own() {
+        let mut gate = gate(2);
+        gate.add_source(PressLimit { per_second: 4 });
+        let mut presses = |source| {
+            let mut events: Events = ["down A", "up A"]
+                .map(|line| event(1, line))
+                .into_iter()
+                .collect();
+            gate.pass(source, 0, &mut events)
+        };
+        let outcomes = [0, 0, 1, 1, 1].map(&mut presses);
+        assert_eq!(outcomes, [true, false, true, true, false]);
+    }
+
+    #[test]
+    fn what_came_before_is_left_alone() {
+        let mut gate = gate(60);
+        let mut events: Events = ["up Q", "up Q"]
+            .map(|line| event(1, line))
+            .into_iter()
+            .collect();
+        gate.pass(0, 1, &mut events);
+        assert_eq!(events.len(), 1);
+    }
+}

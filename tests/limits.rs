@@ -1,0 +1,128 @@
+//! What does not go out, however it is asked for: more presses than a person makes, and keys that act on the
+//! system.
+
+use std::fs;
+
+use ademan::capture::{Capture, LineSettings, Source};
+use ademan::device::{Action, Events};
+use ademan::layout::Layout;
+use ademan::monitor::State;
+use ademan::pipeline::Pipeline;
+use ademan::settings::{Assembly, Setup};
+
+fn assemble(setup: Setup) -> Assembly {
+    setup.assemble().expect("a setup")
+}
+
+/// Lets a hand type a text; what goes out, a word an event.
+fn type_with(assembly: &Assembly, pipeline: &mut Pipeline, text: &str) -> Vec<String> {
+    let hand = assembly.typist(text, &LineSettings::default(), 0.0, 0);
+    let mut hand = hand.expect("it can be typed");
+    let mut written = Vec::new();
+    while let Ok(Capture::Reading(reading)) = hand.next() {
+        let mut events = Events::new();
+        pipeline.step(&reading, &mut events).expect("an able hand");
+        written.extend(events.iter().filter_map(|event| match event.action {
+            Action::KeyDown(key) => Some(format!("{key}")),
+            Action::KeyUp(key) => Some(format!("/{key}")),
+            _ => None,
+        }));
+    }
+    written
+}
+
+#[test]
+fn after_more_presses_than_may_be_everything_is_let_go_of_and_the_run_pauses() {
+    let assembly = assemble(Setup {
+        presses_per_second: Some(1),
+        ..Setup::default()
+    });
+    let mut pipeline = assembly.pipeline();
+    assert_eq!(type_with(&assembly, &mut pipeline, "hot"), ["H", "/H"]);
+    assert_eq!(pipeline.state(), State::Paused);
+    assert!(pipeline.is_paused());
+    assert_eq!(pipeline.withheld().too_many, 1);
+}
+
+#[test]
+fn a_press_that_is_withheld_takes_the_modifier_with_it() {
+    let assembly = assemble(Setup {
+        presses_per_second: Some(1),
+        ..Setup::default()
+    });
+    let mut pipeline = assembly.pipeline();
+    let written = type_with(&assembly, &mut pipeline, "H");
+    assert_eq!(written, ["ShiftLeft", "/ShiftLeft"]);
+    assert_eq!(pipeline.withheld().too_many, 1);
+}
+
+#[test]
+fn a_source_at_this_machine_may_press_as_fast_as_anybody_types_and_one_on_the_network_may_not() {
+    let limit = |source: &str| {
+        let assembly = assemble(Setup {
+            source: Some(source.parse().expect("a source")),
+            ..Setup::default()
+        });
+        let mut pipeline = assembly.pipeline();
+        let text = "the quick brown fox jumps over the lazy dog";
+        type_with(&assembly, &mut pipeline, text);
+        assert_eq!(
+            pipeline.withheld().too_many,
+            0,
+            "{source}: at the pace of a person"
+        );
+        format!("{:?}", assembly.press_limits())
+    };
+    assert_eq!(
+        limit("serial:/dev/ttyUSB0"),
+        "[PressLimit { per_second: 60 }]"
+    );
+    assert_eq!(
+        limit("tcp:10.0.0.7:4001"),
+        "[PressLimit { per_second: 20 }]"
+    );
+}
+
+#[test]
+fn a_limit_that_makes_no_sense_is_refused() {
+    for wrong in [0, 1001] {
+        let setup = Setup {
+            presses_per_second: Some(wrong),
+            ..Setup::default()
+        };
+        let error = setup.assemble().expect_err("it makes no sense").to_string();
+        assert_eq!(
+            error,
+            format!("`presses_per_second` is 1 to 1000, not {wrong}")
+        );
+    }
+}
+
+#[test]
+fn a_layout_with_keys_of_the_system_is_used_only_by_a_setup_that_allows_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("menu.ron");
+    let board = include_str!("../layouts/keyboards/qwerty-flat.ron");
+    let with_meta = board.replace(" G H J ", " G MetaLeft J ");
+    assert_ne!(board, with_meta);
+    fs::write(&path, with_meta).expect("room on the disk");
+    let file = path.display().to_string();
+    let mut setup = Setup {
+        layout: file.clone(),
+        ..Setup::default()
+    };
+    let error = setup.clone().assemble().expect_err("a key of the system");
+    assert_eq!(
+        error.to_string(),
+        format!(
+            "{file}: its key `MetaLeft` acts on the system and not just on one program; take it out, or allow \
+             such keys with `system_keys: true` in the setup"
+        )
+    );
+    // Also when it takes the place of one that is in force.
+    let layout = Layout::load(&file).expect("the layout itself is right");
+    assert!(assemble(Setup::default()).controls(&layout).is_err());
+    setup.system_keys = true;
+    let assembly = assemble(setup);
+    assert!(assembly.controls(&layout).is_ok());
+}
