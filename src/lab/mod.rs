@@ -2,6 +2,7 @@
 
 mod movement;
 mod one_hand;
+mod oracle;
 mod order;
 mod plan;
 mod planner;
@@ -14,6 +15,7 @@ mod typing_hand;
 mod typist;
 
 pub use one_hand::GloveCounts;
+pub use oracle::{Cause, Oracle, Rules, Seen, Step, Violation};
 pub use order::{Order, Spot};
 pub use plan::{PlanError, taps};
 pub use player::{Lines, Played, play};

@@ -1,0 +1,480 @@
+//! For every invariant, streams that keep it and streams that break it.
+
+use super::*;
+use crate::contact::{Phase, TargetId};
+use crate::device::{Axis, KeyCode, Need};
+use crate::hand::{Dof, Finger, Joint};
+use parry3d::math::{Pose, Vec3};
+
+/// An engine played by hand, 10 ms a frame.
+struct Engine {
+    oracle: Oracle,
+    time: u64,
+    state: State,
+    is_paused: bool,
+    angles: JointAngles,
+    touches: Vec<Touch>,
+    pose: HandPose,
+}
+
+fn code(name: &str) -> KeyCode {
+    name.parse().unwrap()
+}
+
+/// A layout with two keys, a pointer, a wheel and two axes.
+fn rules() -> Rules {
+    let needs = [
+        Need::Code(code("A")),
+        Need::Code(code("B")),
+        Need::Move,
+        Need::Place,
+        Need::Axis(Axis::LeftX),
+        Need::Axis(Axis::LeftTrigger),
+    ];
+    Rules {
+        needs: needs.into_iter().collect(),
+        pointer: Some(Bounds {
+            screen: Vec2::new(1000.0, 500.0),
+            max_step: 50.0,
+        }),
+    }
+}
+
+fn down(name: &str) -> Action {
+    Action::KeyDown(code(name))
+}
+
+fn up(name: &str) -> Action {
+    Action::KeyUp(code(name))
+}
+
+impl Engine {
+    fn new(arming: Arming) -> Self {
+        let time = Timestamp(0);
+        Self {
+            oracle: Oracle::new([rules(), Rules::default()], arming),
+            time: 0,
+            state: State::Starting,
+            is_paused: false,
+            angles: JointAngles::at(time),
+            touches: Vec::new(),
+            pose: HandPose::at(time, Side::Right, 0.005),
+        }
+    }
+
+    /// One that runs.
+    fn running() -> Self {
+        let mut engine = Self::new(Arming {
+            at_once: true,
+            ..Arming::default()
+        });
+        engine.state = State::Running;
+        engine.frame(&[]).unwrap();
+        engine
+    }
+
+    fn see(&mut self, cause: Cause, frame: bool, actions: &[Action]) -> Result<(), Violation> {
+        let time = Timestamp(self.time);
+        let events: Vec<_> = actions
+            .iter()
+            .map(|&action| OutputEvent { time, action })
+            .collect();
+        let seen = Seen {
+            angles: &self.angles,
+            pose: &self.pose,
+            touches: &self.touches,
+        };
+        self.oracle.judge(Step {
+            cause,
+            state: self.state,
+            is_paused: self.is_paused,
+            profile: 0,
+            frame: frame.then_some(seen),
+            events: &events,
+        })
+    }
+
+    fn frame(&mut self, actions: &[Action]) -> Result<(), Violation> {
+        self.time += 10_000;
+        let time = Timestamp(self.time);
+        (self.angles.time, self.pose.time) = (time, time);
+        self.see(Cause::Reading(time), true, actions)
+    }
+
+    fn rejected(&mut self, actions: &[Action]) -> Result<(), Violation> {
+        self.time += 10_000;
+        self.see(Cause::Reading(Timestamp(self.time)), false, actions)
+    }
+
+    fn let_go(&mut self, state: State, actions: &[Action]) -> Result<(), Violation> {
+        self.state = state;
+        self.see(Cause::LetGo, false, actions)
+    }
+
+    fn touch(&mut self, phase: Phase) {
+        self.touches = vec![Touch {
+            time: Timestamp(self.time),
+            side: Side::Right,
+            finger: Finger::Index,
+            target: TargetId(3),
+            phase,
+            depth: 0.5,
+            at: Vec2::ZERO,
+        }];
+    }
+}
+
+const NOT_SEEN: Violation = Violation::NotSeenOff(Finger::Index, Side::Right, TargetId(3));
+
+#[test]
+fn presses_that_come_up_again_before_everything_is_let_go_of_keep_all_invariants() {
+    let mut engine = Engine::running();
+    engine.frame(&[down("A"), Action::MoveBy(3, -4)]).unwrap();
+    engine.frame(&[up("A"), down("B"), down("A")]).unwrap();
+    engine.frame(&[Action::Axis(Axis::LeftX, -0.5)]).unwrap();
+    assert!(engine.oracle.holds());
+    let all = [up("A"), up("B"), Action::Axis(Axis::LeftX, 0.0)];
+    engine.let_go(State::Stalled, &all).unwrap();
+    assert!(!engine.oracle.holds());
+    engine.let_go(State::Stopped, &[]).unwrap();
+}
+
+#[test]
+fn i1_what_the_layout_in_force_may_not_send_is_told() {
+    let table = [
+        (down("C"), Need::Code(code("C"))),
+        (Action::Write('x'), Need::Write),
+        (Action::Scroll(0, 120), Need::Scroll),
+        (Action::Axis(Axis::RightX, 0.5), Need::Axis(Axis::RightX)),
+        (down("MouseLeft"), Need::Code(code("MouseLeft"))),
+    ];
+    for (action, need) in table {
+        let told = Engine::running().frame(&[action]);
+        assert_eq!(told, Err(Violation::NotAllowed(need)), "{action:?}");
+    }
+    let mut engine = Engine::running();
+    engine.oracle.replace(0, Rules::default());
+    let told = engine.frame(&[down("A")]);
+    assert_eq!(told, Err(Violation::NotAllowed(Need::Code(code("A")))));
+}
+
+#[test]
+fn i1_a_layout_that_the_setup_has_not_is_told() {
+    let mut engine = Engine::running();
+    engine.oracle.rules.clear();
+    assert_eq!(engine.frame(&[]), Err(Violation::NoSuchProfile(0)));
+}
+
+#[test]
+fn i2_downs_and_ups_take_turns() {
+    let mut engine = Engine::running();
+    engine.frame(&[down("A")]).unwrap();
+    let twice = engine.clone_oracle().frame(&[down("A")]);
+    assert_eq!(twice, Err(Violation::DownTwice(code("A"))));
+    let unasked = engine.frame(&[up("A"), up("A")]);
+    assert_eq!(unasked, Err(Violation::UpUnasked(code("A"))));
+}
+
+impl Engine {
+    /// The same again, so that one beginning serves several ends.
+    fn clone_oracle(&self) -> Self {
+        Self {
+            oracle: self.oracle.clone(),
+            touches: self.touches.clone(),
+            ..*self
+        }
+    }
+}
+
+#[test]
+fn i2_nothing_stays_down_or_off_its_rest_but_while_it_runs() {
+    for state in [State::Paused, State::Stalled, State::Stopped] {
+        let mut engine = Engine::running();
+        engine.frame(&[down("A")]).unwrap();
+        let told = engine.let_go(state, &[]);
+        assert_eq!(told, Err(Violation::StillDown(code("A"), state)));
+
+        let mut engine = Engine::running();
+        engine.frame(&[Action::Axis(Axis::LeftX, 1.0)]).unwrap();
+        let told = engine.let_go(state, &[]);
+        assert_eq!(told, Err(Violation::StillOff(Axis::LeftX, state)));
+    }
+}
+
+#[test]
+fn i2_more_codes_than_can_be_held_are_told() {
+    let codes: Vec<KeyCode> = KeyCode::all().take(70).collect();
+    let needs: Needs = codes.iter().map(|&code| Need::Code(code)).collect();
+    let mut oracle = Oracle::new([needs.into()], Arming::default());
+    let events: Vec<_> = codes
+        .iter()
+        .map(|&code| OutputEvent {
+            time: Timestamp(0),
+            action: Action::KeyDown(code),
+        })
+        .collect();
+    let told = oracle.judge_devices(&events, false);
+    assert_eq!(told, Err(Violation::TooManyDown(codes[64])));
+}
+
+#[test]
+fn i3_nothing_but_letting_go_happens_without_an_accepted_frame() {
+    let presses = [
+        down("A"),
+        Action::MoveBy(1, 0),
+        Action::MoveTo(0.5, 0.5),
+        Action::Axis(Axis::LeftX, 0.1),
+        Action::Write('x'),
+        Action::Scroll(1, 0),
+        Action::Depth(TargetId(0), 0.5),
+        Action::Select(TargetId(0)),
+        Action::Ask(Request::Pause),
+    ];
+    for action in presses {
+        let told = Err(Violation::WithoutFrame(action));
+        assert_eq!(Engine::running().rejected(&[action]), told);
+        assert_eq!(Engine::running().let_go(State::Running, &[action]), told);
+    }
+    let mut engine = Engine::running();
+    engine.frame(&[down("A")]).unwrap();
+    engine.state = State::Stalled;
+    engine.rejected(&[up("A")]).unwrap();
+}
+
+#[test]
+fn i3_a_frame_is_of_the_moment_of_its_reading_and_later_than_the_one_before() {
+    let mut engine = Engine::running();
+    engine.time += 10_000;
+    let old = engine.see(Cause::Reading(Timestamp(engine.time)), true, &[]);
+    assert_eq!(old, Err(Violation::OldFrame(Timestamp(10_000))));
+    let of_nothing = engine.see(Cause::Other, true, &[]);
+    assert_eq!(of_nothing, Err(Violation::OldFrame(Timestamp(10_000))));
+    let again = engine.see(Cause::Reading(Timestamp(10_000)), true, &[]);
+    assert_eq!(again, Err(Violation::FrameWentBack(Side::Right)));
+    engine.pose.side = Side::Left;
+    engine
+        .see(Cause::Reading(Timestamp(10_000)), true, &[])
+        .expect("the other hand has times of its own");
+}
+
+#[test]
+fn i3_a_joint_is_within_its_range_and_every_place_a_number() {
+    for radians in [f64::NAN, f64::INFINITY, 2.6, -0.1] {
+        let mut engine = Engine::running();
+        engine.angles.set(Dof::ElbowFlexion, radians);
+        let told = engine.frame(&[]).unwrap_err();
+        assert!(matches!(told, Violation::Angle(Dof::ElbowFlexion, _)));
+        let is_finite = radians.is_finite();
+        let mut lenient = Engine::running();
+        lenient.oracle = lenient.oracle.without_limits();
+        lenient.angles.set(Dof::ElbowFlexion, radians);
+        assert_eq!(lenient.frame(&[]).is_ok(), is_finite, "{radians}");
+    }
+    let mut engine = Engine::running();
+    let nowhere = Pose::from_translation(Vec3::new(0.0, f32::NAN, 0.0));
+    engine.pose.set(Joint::Wrist, nowhere);
+    assert_eq!(engine.frame(&[]), Err(Violation::Pose(Joint::Wrist)));
+}
+
+#[test]
+fn i4_what_was_down_comes_up_before_anything_goes_down() {
+    let mut engine = Engine::running();
+    engine.frame(&[down("A")]).unwrap();
+    let late = engine.clone_oracle().frame(&[down("B"), up("A")]);
+    assert_eq!(late, Err(Violation::LateRelease(code("A"))));
+    engine.frame(&[down("B"), up("B")]).unwrap();
+    let pause = Action::Ask(Request::Pause);
+    (engine.state, engine.is_paused) = (State::Paused, true);
+    engine
+        .frame(&[down("B"), pause, up("B"), up("A")])
+        .expect("a pause lets go of what was pressed before it too");
+}
+
+#[test]
+fn i4_letting_go_while_it_runs_leaves_nothing_down() {
+    let mut engine = Engine::running();
+    engine.frame(&[down("A"), down("B")]).unwrap();
+    let told = engine.let_go(State::Running, &[up("A")]);
+    let expected = Violation::StillDown(code("B"), State::Running);
+    assert_eq!(told, Err(expected));
+}
+
+#[test]
+fn i5_numbers_out_of_their_range_are_told() {
+    let wrong = [
+        Action::MoveTo(1.001, 0.5),
+        Action::MoveTo(0.5, -0.001),
+        Action::MoveTo(f32::NAN, 0.5),
+        Action::Axis(Axis::LeftX, 1.5),
+        Action::Axis(Axis::LeftX, f32::NAN),
+        Action::Axis(Axis::LeftTrigger, -0.5),
+        Action::Depth(TargetId(0), 1.5),
+        Action::Value(TargetId(0), f32::INFINITY),
+    ];
+    for action in wrong {
+        // NaN is not equal to itself.
+        let told = Engine::running().frame(&[action]).unwrap_err();
+        assert!(matches!(told, Violation::OutOfRange(_)), "{told}");
+    }
+    let right = [
+        Action::MoveTo(1.0, 0.0),
+        Action::Axis(Axis::LeftTrigger, 1.0),
+        Action::Value(TargetId(0), -7.5),
+    ];
+    Engine::running().frame(&right).unwrap();
+}
+
+#[test]
+fn i5_the_pointer_goes_no_further_in_a_frame_than_it_may() {
+    let mut engine = Engine::running();
+    let steps = [Action::MoveBy(30, 0), Action::MoveBy(30, 0)];
+    assert_eq!(engine.frame(&steps), Err(Violation::LongStep(60.0, 50.0)));
+    engine.frame(&[Action::MoveBy(-40, 30)]).unwrap();
+
+    let mut engine = Engine::running();
+    engine.frame(&[Action::MoveTo(0.9, 0.9)]).unwrap();
+    engine.frame(&[Action::MoveTo(0.9, 0.8)]).unwrap();
+    let told = engine.clone_oracle().frame(&[Action::MoveTo(0.8, 0.8)]);
+    assert!(matches!(told, Err(Violation::LongStep(..))), "{told:?}");
+    engine.oracle.replace(0, rules());
+    let anywhere = engine.frame(&[Action::MoveTo(0.1, 0.1)]);
+    anywhere.expect("a new pointer begins anywhere");
+}
+
+#[test]
+fn i5_times_of_events_do_not_go_back() {
+    let mut engine = Engine::running();
+    engine.frame(&[down("A")]).unwrap();
+    engine.time -= 1;
+    let told = engine.see(Cause::Other, false, &[up("A")]);
+    assert_eq!(told, Err(Violation::EventWentBack(up("A"))));
+}
+
+#[test]
+fn i6_only_changes_of_state_that_there_are() {
+    let from = |before| {
+        let mut engine = Engine::running();
+        if before == State::Starting {
+            engine = Engine::new(Arming::default());
+        }
+        engine.state = before;
+        engine.see(Cause::Other, false, &[]).unwrap();
+        engine
+    };
+    let forbidden = [
+        (State::Stopped, State::Running),
+        (State::Stopped, State::Paused),
+        (State::Running, State::Starting),
+        (State::Stalled, State::Starting),
+        (State::Starting, State::Stalled),
+    ];
+    for (before, after) in forbidden {
+        let told = from(before).let_go(after, &[]);
+        assert_eq!(told, Err(Violation::Change(before, after)));
+    }
+}
+
+#[test]
+fn i6_it_runs_only_by_a_hand_that_was_off_for_long_enough() {
+    let calm = |frames: usize, touched_at: Option<usize>| {
+        let mut engine = Engine::new(Arming::default());
+        engine.state = State::Paused;
+        for frame in 0..frames {
+            engine.touches.clear();
+            if Some(frame) == touched_at {
+                engine.touch(Phase::Touched);
+            }
+            engine.frame(&[]).unwrap();
+        }
+        engine.touches.clear();
+        engine.state = State::Running;
+        engine.frame(&[])
+    };
+    assert_eq!(calm(30, None), Ok(()));
+    assert_eq!(calm(29, None), Err(Violation::ArmedTooSoon));
+    assert_eq!(calm(40, Some(35)), Err(Violation::ArmedTooSoon));
+    assert_eq!(calm(40, Some(9)), Ok(()));
+    let mut engine = Engine::new(Arming::default());
+    let unseen = engine.let_go(State::Running, &[]);
+    assert_eq!(unseen, Err(Violation::ArmedUnseen));
+}
+
+#[test]
+fn i6_after_a_stall_the_time_counts_anew() {
+    let mut engine = Engine::running();
+    engine.let_go(State::Stalled, &[]).unwrap();
+    (0..30).for_each(|_| engine.frame(&[]).unwrap());
+    let mut early = engine.clone_oracle();
+    early.let_go(State::Stalled, &[]).unwrap();
+    early.state = State::Running;
+    assert_eq!(early.frame(&[]), Err(Violation::ArmedTooSoon));
+    engine.state = State::Running;
+    engine.frame(&[]).unwrap();
+}
+
+#[test]
+fn i6_after_a_pause_the_time_counts_anew_also_where_the_first_reading_arms() {
+    let mut engine = Engine::running();
+    engine.is_paused = true;
+    engine.let_go(State::Paused, &[]).unwrap();
+    (0..50).for_each(|_| engine.frame(&[]).unwrap());
+    (engine.state, engine.is_paused) = (State::Running, false);
+    assert_eq!(engine.frame(&[]), Err(Violation::ArmedTooSoon));
+}
+
+#[test]
+fn i6_a_pause_stays_one() {
+    let mut engine = Engine::running();
+    engine.is_paused = true;
+    let told = engine.let_go(State::Stalled, &[]);
+    assert_eq!(told, Err(Violation::PauseNotKept(State::Stalled)));
+}
+
+#[test]
+fn i6_nothing_goes_out_after_the_end_or_while_nothing_may() {
+    let told = |state| {
+        let mut engine = Engine::running();
+        engine.let_go(state, &[]).unwrap();
+        engine.let_go(state, &[Action::Value(TargetId(0), 0.5)])
+    };
+    let value = Action::Value(TargetId(0), 0.5);
+    assert_eq!(told(State::Stopped), Err(Violation::AfterTheEnd(value)));
+    assert_eq!(told(State::Paused), Err(Violation::Idle(value)));
+}
+
+#[test]
+fn i6_a_touch_begins_after_a_frame_that_showed_the_finger_off() {
+    let mut engine = Engine::running();
+    engine.touch(Phase::Touched);
+    engine.frame(&[]).unwrap();
+    engine.touch(Phase::Held);
+    engine.frame(&[]).unwrap();
+    let mut goes_on = engine.clone_oracle();
+    goes_on.let_go(State::Running, &[]).unwrap();
+    let never = Violation::NeverBegan(Finger::Index, Side::Right, TargetId(3));
+    assert_eq!(goes_on.frame(&[]), Err(never));
+
+    for state in [State::Running, State::Stalled, State::Paused] {
+        let mut engine = engine.clone_oracle();
+        engine.let_go(state, &[]).unwrap();
+        engine.touch(Phase::Touched);
+        assert_eq!(engine.clone_oracle().frame(&[]), Err(NOT_SEEN));
+        engine.touches.clear();
+        engine.frame(&[]).unwrap();
+        engine.touch(Phase::Touched);
+        engine.frame(&[]).unwrap();
+    }
+    engine.state = State::Stalled;
+    assert_eq!(engine.frame(&[]), Err(never), "a reading that is too late");
+}
+
+#[test]
+fn every_violation_names_its_invariant() {
+    let text = NOT_SEEN.to_string();
+    assert!(
+        text.starts_with("I6: the index finger of the right hand"),
+        "{text}"
+    );
+    let text = Violation::DownTwice(code("A")).to_string();
+    assert_eq!(text, "I2: `A` went down twice");
+}

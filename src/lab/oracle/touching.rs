@@ -1,0 +1,48 @@
+//! What fingertips touch, since everything was let go of last.
+
+use super::{Cause, Step, Violation};
+use crate::contact::{Phase, TargetId};
+use crate::hand::{Finger, Side};
+use crate::monitor::State;
+
+/// The touches that have begun and not ended, by hand and finger.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Touching {
+    latched: [[Option<TargetId>; Finger::COUNT]; Side::COUNT],
+    /// Whether a frame of the hand was seen since.
+    is_seen: [bool; Side::COUNT],
+}
+
+impl Touching {
+    /// Takes the next step; `before` is the state before it.
+    pub(super) fn follow(&mut self, step: &Step, before: State) -> Result<(), Violation> {
+        let stalled = before != State::Stalled && step.state == State::Stalled;
+        // A reading that comes too late is seen after everything was let go of.
+        if stalled {
+            *self = Self::default();
+        }
+        if let Some(frame) = step.frame {
+            for touch in frame.touches {
+                let (side, finger, target) = (touch.side, touch.finger, touch.target);
+                let latched = &mut self.latched[side.index()][finger.index()];
+                match touch.phase {
+                    Phase::Touched if !self.is_seen[side.index()] => {
+                        return Err(Violation::NotSeenOff(finger, side, target));
+                    }
+                    Phase::Touched => *latched = Some(target),
+                    _ if *latched != Some(target) => {
+                        return Err(Violation::NeverBegan(finger, side, target));
+                    }
+                    Phase::Left | Phase::Cancelled => *latched = None,
+                    _ => {}
+                }
+            }
+            self.is_seen[frame.pose.side.index()] = true;
+        }
+        let paused = before == State::Running && step.state == State::Paused;
+        if step.cause == Cause::LetGo || paused {
+            *self = Self::default();
+        }
+        Ok(())
+    }
+}
