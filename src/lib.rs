@@ -12,7 +12,8 @@
 //!
 //! The modules below stand in the order of that flow. What changes while a run is on, such as a layout
 //! that is saved, is built outside the loop and put in force between two frames: [`reload`]. Other programs ask
-//! a run for things, and hear what happens in it, on a socket: [`control`]. What a setup needs of the machine is looked up
+//! a run for things, and hear what happens in it, on a socket: [`control`]. Keys of a real keyboard can stop it at
+//! once: [`emergency`]. What a setup needs of the machine is looked up
 //! beforehand: [`doctor`].
 //!
 //! All of it in a few lines, with a simulated hand in place of a glove:
@@ -55,4 +56,5 @@ pub mod settings;
 pub mod runtime;
 pub mod reload;
 pub mod control;
+pub mod emergency;
 pub mod doctor;

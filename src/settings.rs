@@ -48,6 +48,9 @@ pub struct Setup {
     /// Whether keys that act on the system may be pressed: Meta and PrintScreen, and F1 to F12, Delete and
     /// Backspace with Control and Alt.
     pub system_keys: bool,
+    /// Keys of the real keyboards of this machine that pause the run when all of them are down; none: no keyboard
+    /// is read. See [`emergency`](crate::emergency).
+    pub stop_keys: Vec<String>,
 }
 
 /// A second glove and who wears it.
@@ -167,6 +170,7 @@ impl Default for Setup {
             armed: false,
             presses_per_second: None,
             system_keys: false,
+            stop_keys: Vec::new(),
         }
     }
 }

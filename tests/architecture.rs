@@ -25,6 +25,7 @@ const FLOW: &[&str] = &[
     "runtime",
     "reload",
     "control",
+    "emergency",
     "doctor",
 ];
 
@@ -37,6 +38,8 @@ const MAY_HAVE_CFG: &[&str] = &[
     "output/mod.rs",
     "output/tests.rs",
     "doctor/mod.rs",
+    "emergency.rs",
+    "bin/ademan/main.rs",
 ];
 
 const LONGEST_FILE: usize = 500;

@@ -6,8 +6,9 @@ use crate::contact::place::Place;
 use crate::monitor::{State, Tally};
 use crate::pipeline::Refusal;
 
-/// Calls that wait for a run which is busy: one for each client of a control socket.
-const WAITING_CALLS: usize = 16;
+/// Calls that wait for a run which is busy: one for each client of a control socket, and some for the program's own
+/// calls to pause, which no client may crowd out.
+const WAITING_CALLS: usize = 16 + 8;
 
 /// Something that a run is to do between two frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +81,7 @@ pub struct Call {
 pub type Calls = Sender<Call>;
 
 /// A way for calls: the end to put them in, and the one for [`Commands`](super::Commands). Those that come
-/// while a run is busy wait, up to 16; they are obeyed in order, also when nobody waits for an answer any more.
+/// while a run is busy wait, up to 24; they are obeyed in order, also when nobody waits for an answer any more.
 pub fn calls() -> (Calls, Receiver<Call>) {
     bounded(WAITING_CALLS)
 }

@@ -128,6 +128,49 @@ fn a_guardian_that_is_killed_is_replaced_once_and_the_run_pauses() {
     assert_eq!(typing.server.keys_down(), [0; 0]);
 }
 
+#[test]
+fn ctrl_z_lets_go_before_it_stops_and_the_hand_has_to_leave_after_it_is_continued() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let start = Instant::now();
+    typing.program.signal(&["TSTP"]);
+    let took = released_after(&typing.server, start, "TSTP");
+    assert!(took < SOON, "{took:?}");
+    let stat = format!("/proc/{}/stat", typing.program.id());
+    let is_stopped = || {
+        fs::read_to_string(&stat)
+            .expect("it is there")
+            .contains(") T ")
+    };
+    assert!(wait_for(is_stopped), "it does not stop");
+    assert_eq!(typing.program.times_said("no sign of life"), 0);
+    typing.program.signal(&["CONT"]);
+    typing.glove.play(&Press::of("H").lift);
+    typing.program.wait_until_it_says("armed", 2);
+    typing.program.signal(&["TERM"]);
+    assert_eq!(typing.program.status().code(), Some(0));
+}
+
+#[test]
+fn a_signal_pauses_until_somebody_resumes() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let start = Instant::now();
+    typing.program.signal(&["USR1"]);
+    let took = released_after(&typing.server, start, "USR1");
+    assert!(took < SOON, "{took:?}");
+    typing
+        .program
+        .wait_until_it_says("paused: everything is released", 1);
+    typing.glove.play(&Press::of("H").lift);
+    std::thread::sleep(Duration::from_millis(800));
+    assert_eq!(typing.program.times_said("armed"), 1);
+    typing.program.signal(&["TERM"]);
+    assert_eq!(typing.program.status().code(), Some(0));
+}
+
 fn kill(process: u32) {
     let status = std::process::Command::new("kill")
         .args(["-KILL", &process.to_string()])

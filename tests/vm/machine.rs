@@ -130,6 +130,13 @@ impl Machine {
         self.order(json!({ "execute": "device_add", "arguments": device }));
     }
 
+    /// Presses these keys on the machine's own keyboard, all at once, and lets go of them.
+    pub fn press(&mut self, keys: &[&str]) {
+        let key = |name: &&str| json!({ "type": "qcode", "data": name });
+        let keys: Vec<_> = keys.iter().map(key).collect();
+        self.order(json!({ "execute": "send-key", "arguments": { "keys": keys } }));
+    }
+
     /// Pulls the cable of an adapter.
     pub fn unplug(&mut self, adapter: &str) {
         self.told.clear();

@@ -55,11 +55,12 @@ impl Scene {
         });
         // A machine that holds the hand up for a moment shall not end a press.
         let setup = format!(
-            "Setup(source: \"serial:/dev/ttyUSB0\", output: \"uinput\", layout: \"{layout}\", stall_ms: 10000)"
+            "Setup(source: \"serial:/dev/ttyUSB0\", output: \"uinput\", layout: \"{layout}\", stall_ms: 10000, \
+             stop_keys: [\"ControlLeft\", \"ControlRight\"])"
         );
         self.machine.run(&format!("echo '{setup}' >/tmp/setup.ron"));
         self.machine
-            .run("ademan run --allow-root /tmp/setup.ron --control off >/tmp/ademan.log 2>&1 &");
+            .run("ademan run --allow-root /tmp/setup.ron --control /tmp/control >/tmp/ademan.log 2>&1 &");
         self.wait_until_said("listening to", 1);
     }
 

@@ -24,6 +24,15 @@ pub fn all(scene: &mut Scene) {
     scene.tell("what is typed through a USB serial adapter comes out of the kernel, key by key");
 
     hold(scene, &evtest, &press);
+    scene.machine.press(&["ctrl"]);
+    scene.machine.press(&["ctrl", "ctrl_r"]);
+    released(scene, &evtest);
+    scene.wait_until_said("paused: everything is released", 1);
+    scene.tell("two keys of the machine's own keyboard let go of what the hand holds, and pause");
+    scene.machine.run("ademan ctl resume --socket /tmp/control");
+    scene.arm(&text, 2);
+
+    hold(scene, &evtest, &press);
     scene.glove.fall_silent();
     scene.machine.unplug("glove");
     released(scene, &evtest);
@@ -31,7 +40,7 @@ pub fn all(scene: &mut Scene) {
 
     scene.machine.plug_in("glove");
     scene.wait_until_said("is back as", 1);
-    scene.arm(&text, 2);
+    scene.arm(&text, 3);
     types(scene, &evtest, &text);
     scene.tell("plugged in again, it types on");
 
@@ -48,7 +57,7 @@ pub fn all(scene: &mut Scene) {
     });
     scene.machine.plug_in("glove");
     scene.wait_until_said("is back as .*/dev/ttyUSB1", 1);
-    scene.arm(&text, 3);
+    scene.arm(&text, 4);
     types(scene, &evtest, &text);
     scene.tell("plugged in again with another adapter in its place, it is found under another name and types on");
 

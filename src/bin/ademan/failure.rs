@@ -4,6 +4,7 @@ use std::process::ExitCode;
 
 use ademan::capture::CaptureError;
 use ademan::control::ControlError;
+use ademan::emergency::EmergencyError;
 use ademan::layout::LayoutError;
 use ademan::output::OutputError;
 use ademan::runtime::RunError;
@@ -105,6 +106,12 @@ impl From<ControlError> for Failure {
             _ => USE,
         };
         Self::new(error, code)
+    }
+}
+
+impl From<EmergencyError> for Failure {
+    fn from(error: EmergencyError) -> Self {
+        Self::new(error, USE)
     }
 }
 

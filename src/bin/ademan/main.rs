@@ -26,6 +26,11 @@ mod replay;
 mod run;
 mod setup;
 mod signals;
+#[cfg(unix)]
+mod suspension;
+#[cfg(not(unix))]
+#[path = "no_suspension.rs"]
+mod suspension;
 mod status;
 mod trace;
 

@@ -3,6 +3,7 @@
 use ademan::access;
 use ademan::control::Control;
 use ademan::doctor;
+use ademan::emergency;
 use ademan::output;
 use ademan::reload::Watcher;
 use ademan::runtime::{self, Call, Commands, Order, drive};
@@ -13,7 +14,7 @@ use crate::failure::Failure;
 use crate::recording::Recording;
 use crate::reload::Growth;
 use crate::status::{self, Status};
-use crate::{control, guardian, reload, setup, signals};
+use crate::{control, guardian, reload, setup, signals, suspension};
 
 pub fn run(args: RunArgs) -> Result<(), Failure> {
     if doctor::is_root() && !args.allow_root {
@@ -33,13 +34,15 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let pause = {
         let (calls, (answer, _)) = (calls.clone(), bounded(1));
         move || {
-            let order = Order::Pause;
+            // Full only when the run stands still: then the guardian lets go.
             let _ = calls.try_send(Call {
-                order,
+                order: Order::Pause,
                 answer: answer.clone(),
             });
         }
     };
+    emergency::watch(&emergency::keys(&assembly.setup.stop_keys)?, pause.clone())?;
+    suspension::watch(calls.clone())?;
     let (replace, replacements) = bounded(1);
     let is_recorded = args.record.is_some();
     let watchers = reload::watch(&assembly, is_recorded, &replace, reporter.as_ref())?;
