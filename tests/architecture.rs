@@ -37,6 +37,7 @@ const MAY_HAVE_CFG: &[&str] = &[
     "output/mod.rs",
     "output/tests.rs",
     "doctor/mod.rs",
+    "reload.rs",
 ];
 
 const LONGEST_FILE: usize = 500;
