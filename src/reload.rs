@@ -197,6 +197,50 @@ mod tests {
         assert!(replaced <= 10, "{replaced}");
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn a_layout_is_put_in_force_however_it_is_saved() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for (version, key) in [("one", "A"), ("two", "B")] {
+            fs::create_dir(at(version)).unwrap();
+            fs::write(at(version).join("a.ron"), text(key)).unwrap();
+        }
+        let link = |to: &str| {
+            std::os::unix::fs::symlink(to, at("new")).unwrap();
+            fs::rename(at("new"), at("..data")).unwrap();
+        };
+        link("one");
+        std::os::unix::fs::symlink("..data/a.ron", at("a.ron")).unwrap();
+        let (_watcher, reports) = watch(&at("a.ron"), |_| Ok(()));
+        let expect = |key: &str, save: &dyn Fn()| {
+            // By then nothing is looked at any more.
+            thread::sleep(Duration::from_millis(300));
+            save();
+            let saved = Instant::now();
+            let report = reports.recv_timeout(PATIENCE_OF_TEST);
+            println!("{key} after {:?}", saved.elapsed());
+            assert!(
+                matches!(report, Ok(Report::Replaced(layout)) if layout.name == key),
+                "{key}"
+            );
+        };
+        expect("B", &|| link("two"));
+        expect("C", &|| fs::write(at("two/a.ron"), text("C")).unwrap());
+        expect("D", &|| {
+            fs::write(at("save"), text("D")).unwrap();
+            fs::rename(at("save"), at("two/a.ron")).unwrap();
+        });
+        expect("E", &|| {
+            fs::remove_file(at("two/a.ron")).unwrap();
+            fs::write(at("two/a.ron"), text("E")).unwrap();
+        });
+        expect("F", &|| {
+            fs::remove_file(at("a.ron")).unwrap();
+            fs::write(at("a.ron"), text("F")).unwrap();
+        });
+    }
+
     #[test]
     fn a_layout_that_is_refused_is_told_and_not_put_in_force() {
         let folder = tempfile::tempdir().unwrap();

@@ -158,6 +158,7 @@ fn only_the_two_ends_the_runtime_a_watched_file_and_a_played_glove_call_a_clock(
         "output/",
         "runtime.rs",
         "reload.rs",
+        "reload/watching.rs",
         "lab/player.rs",
         "bin/",
     ];

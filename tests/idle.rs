@@ -78,10 +78,7 @@ impl Idle {
     fn wake_ups(&self) -> BTreeMap<String, u64> {
         let tasks = format!("/proc/{}/task", self.program.0.id());
         let tasks = fs::read_dir(tasks).expect("the program runs");
-        tasks
-            .flatten()
-            .map(|task| wake_ups(&task.path()))
-            .collect()
+        tasks.flatten().map(|task| wake_ups(&task.path())).collect()
     }
 
     /// The wake-ups of the quietest window, by thread.
@@ -95,7 +92,10 @@ impl Idle {
                 *count -= before.get(thread).copied().unwrap_or(0);
             }
             let sum = |counts: &BTreeMap<String, u64>| counts.values().sum::<u64>();
-            if quietest.as_ref().is_none_or(|found| sum(&after) < sum(found)) {
+            if quietest
+                .as_ref()
+                .is_none_or(|found| sum(&after) < sum(found))
+            {
                 quietest = Some(after);
             }
             if quietest.as_ref().is_some_and(|found| sum(found) == 0) {

@@ -238,9 +238,9 @@ impl Outlet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::atomic::{AtomicBool, Ordering};
     use crate::capture::{Channels, Sample};
     use crate::time::Timestamp;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     const LIMIT: Duration = Duration::from_secs(10);
 

@@ -222,7 +222,9 @@ impl Watch {
         loop {
             match events.next() {
                 Ok(event) => {
-                    let name = event.file_name().map(|name| OsStr::from_bytes(name.to_bytes()));
+                    let name = event
+                        .file_name()
+                        .map(|name| OsStr::from_bytes(name.to_bytes()));
                     has_news |= self.matters(event.wd(), name);
                 }
                 Err(Errno::AGAIN) => return has_news,
@@ -253,4 +255,122 @@ fn parts(path: &Path) -> Vec<OsString> {
 
 fn is_link(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_symlink())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::{create_dir, remove_file, rename, write};
+    use std::os::unix::fs::symlink;
+    use std::time::Duration;
+    use tempfile::TempDir;
+
+    /// How long anything on a busy machine may take.
+    const LIMIT: Duration = Duration::from_secs(20);
+
+    /// How long it takes to believe that nothing is noticed.
+    const SILENCE: Duration = Duration::from_millis(200);
+
+    type Step = (&'static str, fn(&Path));
+
+    /// `a.ron` is a file, `link.ron` leads to `far/b.ron`, `set.ron` to `..data/c.ron`, and `..data` to `one`.
+    fn folder() -> TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for name in ["far", "one", "two"] {
+            create_dir(at(name)).unwrap();
+        }
+        for name in ["a.ron", "far/b.ron", "one/c.ron", "two/c.ron"] {
+            write(at(name), name).unwrap();
+        }
+        symlink("far/b.ron", at("link.ron")).unwrap();
+        symlink("..data/c.ron", at("set.ron")).unwrap();
+        symlink("one", at("..data")).unwrap();
+        folder
+    }
+
+    /// Asks for a notice, takes the step, and tells whether it was noticed within `limit`.
+    fn is_noticed(name: &str, step: fn(&Path), limit: Duration) -> bool {
+        let folder = folder();
+        let path = folder.path().join(name);
+        let notices = Notices::start(path.to_str().unwrap()).unwrap();
+        notices.arm().unwrap();
+        step(folder.path());
+        notices.noticed().recv_timeout(limit).is_ok()
+    }
+
+    #[test]
+    fn a_file_that_changes_in_any_way_is_noticed() {
+        let steps: [Step; 11] = [
+            ("a.ron", |at| write(at.join("a.ron"), "new").unwrap()),
+            ("a.ron", |at| remove_file(at.join("a.ron")).unwrap()),
+            ("a.ron", |at| {
+                rename(at.join("a.ron"), at.join("b")).unwrap()
+            }),
+            ("a.ron", |at| {
+                rename(at.join("far/b.ron"), at.join("a.ron")).unwrap()
+            }),
+            ("none.ron", |at| write(at.join("none.ron"), "new").unwrap()),
+            ("no/none.ron", |at| create_dir(at.join("no")).unwrap()),
+            ("link.ron", |at| write(at.join("far/b.ron"), "new").unwrap()),
+            ("link.ron", |at| {
+                rename(at.join("a.ron"), at.join("far/b.ron")).unwrap()
+            }),
+            ("link.ron", |at| remove_file(at.join("link.ron")).unwrap()),
+            ("set.ron", |at| {
+                symlink("two", at.join("..new")).unwrap();
+                rename(at.join("..new"), at.join("..data")).unwrap();
+            }),
+            ("far/b.ron", |at| {
+                rename(at.join("far"), at.join("away")).unwrap()
+            }),
+        ];
+        for (number, (name, step)) in steps.into_iter().enumerate() {
+            assert!(is_noticed(name, step, LIMIT), "{number}: {name}");
+        }
+    }
+
+    #[test]
+    fn a_file_that_is_written_under_another_of_its_names_is_noticed() {
+        let folder = folder();
+        let (name, other_name) = (folder.path().join("a.ron"), folder.path().join("far/a"));
+        fs::hard_link(&name, &other_name).unwrap();
+        let notices = Notices::start(name.to_str().unwrap()).unwrap();
+        notices.arm().unwrap();
+        write(other_name, "new").unwrap();
+        assert!(notices.noticed().recv_timeout(LIMIT).is_ok());
+    }
+
+    #[test]
+    fn what_happens_to_other_files_is_not_noticed() {
+        let steps: [Step; 3] = [
+            ("a.ron", |at| write(at.join("a.ron.swp"), "new").unwrap()),
+            ("set.ron", |at| write(at.join("two/c.ron"), "new").unwrap()),
+            ("far/b.ron", |at| write(at.join("a.ron"), "new").unwrap()),
+        ];
+        for (name, step) in steps {
+            assert!(!is_noticed(name, step, SILENCE), "{name}");
+        }
+    }
+
+    #[test]
+    fn a_change_is_noticed_once_for_each_time_that_it_is_asked_for() {
+        let folder = folder();
+        let path = folder.path().join("a.ron");
+        let notices = Notices::start(path.to_str().unwrap()).unwrap();
+        for round in 0..3 {
+            write(&path, format!("not asked for {round}")).unwrap();
+            assert!(notices.noticed().recv_timeout(SILENCE).is_err(), "{round}");
+            notices.arm().unwrap();
+            write(&path, format!("asked for {round}")).unwrap();
+            assert!(notices.noticed().recv_timeout(LIMIT).is_ok(), "{round}");
+        }
+    }
+
+    #[test]
+    fn a_link_that_leads_to_itself_is_no_endless_way() {
+        let folder = folder();
+        symlink("turn.ron", folder.path().join("turn.ron")).unwrap();
+        assert!(Watch::on(&folder.path().join("turn.ron")).is_ok());
+    }
 }

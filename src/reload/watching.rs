@@ -46,7 +46,9 @@ impl Attention {
 
     fn looking(error: &std::io::Error) -> Self {
         let looks = Duration::from_secs(1).div_duration_f32(PERIOD);
-        tracing::info!("no notice when the layout is saved, it is looked at {looks} times a second: {error}");
+        tracing::info!(
+            "no notice when the layout is saved, it is looked at {looks} times a second: {error}"
+        );
         Self::Looking
     }
 
@@ -123,5 +125,48 @@ pub(super) fn watch<A: Fn(&Layout) -> Result<Controls, String>>(
             Ok(None) => {}
             Err(Over) => return,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::Document;
+    use crate::reload::watched_file::WatchedFile;
+    use crate::reload::watched_file::tests::text;
+    use crate::settings;
+    use crossbeam_channel::{bounded, unbounded};
+    use std::{fs, thread};
+
+    #[test]
+    fn a_save_is_found_also_where_it_is_not_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ron");
+        fs::write(&path, text("A")).unwrap();
+        let path = path.to_str().unwrap();
+        let (replacements, replaced) = bounded(1);
+        let (end, ended) = bounded(0);
+        let keeper = Keeper {
+            file: Some(WatchedFile::new(path, &text("A"), Instant::now())),
+            layout: Layout::of(Document::at(path).unwrap()).unwrap(),
+            profile: 0,
+            replacements,
+            ended,
+            accept: |layout: &Layout| Ok(settings::controls(layout)),
+        };
+        let (calls, called) = bounded(1);
+        let (sender, reports) = unbounded();
+        let looking = thread::spawn(move || {
+            let report = |report| sender.send(report).unwrap();
+            watch(keeper, Attention::Looking, &called, report);
+        });
+        thread::sleep(PERIOD * 4);
+        fs::write(path, text("B")).unwrap();
+        let replacement = replaced.recv_timeout(Duration::from_secs(20)).unwrap();
+        let _ = replacement.replaced.send(replacement.controls);
+        let report = reports.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert!(matches!(report, Report::Replaced(layout) if layout.name == "B"));
+        drop((end, calls));
+        looking.join().unwrap();
     }
 }
