@@ -40,6 +40,7 @@ const MAY_HAVE_CFG: &[&str] = &[
     "doctor/mod.rs",
     "emergency.rs",
     "bin/ademan/main.rs",
+    "reload.rs",
 ];
 
 const LONGEST_FILE: usize = 500;
@@ -160,6 +161,7 @@ fn only_the_two_ends_the_runtime_a_watched_file_and_a_played_glove_call_a_clock(
         "output/",
         "runtime.rs",
         "reload.rs",
+        "reload/watching.rs",
         "lab/player.rs",
         "bin/",
     ];

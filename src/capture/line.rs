@@ -1,6 +1,6 @@
 //! A line of bytes as a source: decoding, time stamps and loss, the same for serial ports, TCP and files.
 
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::time::{Duration, Instant};
 
 use arrayvec::ArrayVec;
@@ -9,6 +9,7 @@ use super::clock::Clock;
 use super::connect::{Connect, Connection, READ_TIMEOUT};
 use super::garbage::GarbageWatch;
 use super::hc11::{self, BODY_BYTES, Decoder, FRAME_BYTES};
+use super::interrupt::Interrupt;
 use super::search::{BackOff, Finding, Search};
 use super::uri::LineSettings;
 use super::{Capture, CaptureError, Counts, Reading, Sample, Source};
@@ -24,6 +25,7 @@ pub(super) struct LineSource<C> {
     name: String,
     settings: LineSettings,
     connector: C,
+    interrupt: Option<Interrupt>,
     state: State,
     decoder: Decoder,
     buffer: [u8; READ_BYTES],
@@ -62,6 +64,7 @@ impl<C: Connect> LineSource<C> {
             name,
             settings,
             connector,
+            interrupt: None,
             state: State::Connected(connection),
             decoder: Decoder::new(settings.framing),
             buffer: [0; READ_BYTES],
@@ -75,10 +78,12 @@ impl<C: Connect> LineSource<C> {
     }
 
     fn listen(&mut self) -> Result<Capture, CaptureError> {
+        let patience = self.patience();
         let State::Connected(connection) = &mut self.state else {
             return Ok(Capture::End);
         };
-        match connection.bytes.read(&mut self.buffer) {
+        let interrupt = self.interrupt.as_ref();
+        match connection.read(&mut self.buffer, interrupt, patience) {
             Ok(0) => self.over(),
             Ok(length) => Ok(self.take(length)),
             Err(error) if is_quiet(error.kind()) => self.be_patient(),
@@ -93,6 +98,14 @@ impl<C: Connect> LineSource<C> {
                     ),
                 })
             }
+        }
+    }
+
+    /// How long one read may wait; `None`: until it is interrupted.
+    fn patience(&self) -> Option<Duration> {
+        match self.interrupt {
+            None => Some(READ_TIMEOUT),
+            Some(_) => C::SILENCE_LIMIT.map(|limit| limit.saturating_sub(self.heard.elapsed())),
         }
     }
 
@@ -175,7 +188,7 @@ impl<C: Connect> LineSource<C> {
         let State::Searching(search) = &self.state else {
             return Capture::Quiet;
         };
-        match search.wait(READ_TIMEOUT) {
+        match search.wait(self.interrupt.as_ref()) {
             Finding::Nothing => {}
             Finding::Refused(reason) => {
                 tracing::warn!("cannot take up {} again: {reason}", self.name);
@@ -204,6 +217,10 @@ impl<C: Connect> Source for LineSource<C> {
             State::Searching(_) => Ok(self.look()),
             State::Ended => Ok(Capture::End),
         }
+    }
+
+    fn heed(&mut self, interrupt: &Interrupt) {
+        self.interrupt = Some(interrupt.clone());
     }
 
     fn name(&self) -> &str {
@@ -256,7 +273,7 @@ fn close_elsewhere(dead: Connection) {
 #[cfg(test)]
 mod tests {
     use std::collections::VecDeque;
-    use std::io::{Error, Result as IoResult};
+    use std::io::{Error, Read, Result as IoResult};
     use std::sync::{Arc, Mutex};
 
     use super::*;
@@ -301,6 +318,7 @@ mod tests {
         fn connect(&mut self) -> Result<Connection, Refusal> {
             Ok(Connection {
                 bytes: Box::new(self.clone()),
+                readiness: None,
                 place: "script".to_owned(),
             })
         }
@@ -453,6 +471,7 @@ mod tests {
         fn connect(&mut self) -> Result<Connection, Refusal> {
             Ok(Connection {
                 bytes: Box::new(Sticky),
+                readiness: None,
                 place: "sticky".to_owned(),
             })
         }

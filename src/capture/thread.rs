@@ -1,14 +1,13 @@
 //! A source on a thread of its own, behind a bounded channel.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, RecvTimeoutError, SendTimeoutError, Sender, bounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded, select};
 
-use super::{Capture, CaptureError, Counts, PATIENCE, Reading, Source};
+use super::interrupt::{Bell, bell};
+use super::{Capture, CaptureError, Counts, Interrupt, Reading, Source};
 
 /// What a capture thread sends.
 ///
@@ -41,14 +40,16 @@ const WAITING_ARRIVALS: usize = 16;
 /// How long dropping a [`Captured`] waits for its thread; a device that blocks longer is left behind.
 const JOIN_LIMIT: Duration = Duration::from_secs(1);
 
-/// A source that runs on its own thread. Dropping it stops the thread, within [`PATIENCE`] and one second at most.
+/// A source that runs on its own thread. Dropping it stops the thread: at once where the source
+/// [heeds](Source::heed) that, else within [`PATIENCE`](super::PATIENCE), and within one second at most.
 #[derive(Debug)]
 pub struct Captured {
     arrivals: Receiver<Arrival>,
     name: String,
     frame_period: Option<Duration>,
     is_live: bool,
-    stop: Arc<AtomicBool>,
+    /// Rings when it is dropped.
+    bell: Option<Bell>,
     /// Disconnected when the thread is over.
     over: Receiver<()>,
     thread: Option<JoinHandle<()>>,
@@ -58,18 +59,23 @@ pub struct Captured {
 ///
 /// When nobody takes what arrives, a [live](Source::is_live) source drops its oldest readings and counts
 /// them in [`Counts::superseded`]; any other source waits.
-pub fn on_thread(source: impl Source + 'static) -> Result<Captured, CaptureError> {
+pub fn on_thread(mut source: impl Source + 'static) -> Result<Captured, CaptureError> {
     let name = source.name().to_owned();
     let frame_period = source.frame_period();
     let is_live = source.is_live();
     let (sender, arrivals) = bounded(WAITING_ARRIVALS);
     let (thread_is_over, over) = bounded(0);
-    let stop = Arc::new(AtomicBool::new(false));
+    let refuse = |what: &str, error| CaptureError::Open {
+        source_name: name.clone(),
+        reason: format!("no {what} for it: {error}; close other programs"),
+    };
+    let (bell, interrupt) = bell().map_err(|error| refuse("pipe", error))?;
+    source.heed(&interrupt);
     let mut outlet = Outlet {
         sender,
         waiting: arrivals.clone(),
         is_live,
-        stop: stop.clone(),
+        interrupt,
         superseded: 0,
     };
     let source_name = name.clone();
@@ -80,16 +86,13 @@ pub fn on_thread(source: impl Source + 'static) -> Result<Captured, CaptureError
     let thread = std::thread::Builder::new()
         .name("capture".to_owned())
         .spawn(run);
-    let thread = thread.map_err(|error| CaptureError::Open {
-        source_name: name.clone(),
-        reason: format!("no thread for it: {error}; close other programs"),
-    })?;
+    let thread = thread.map_err(|error| refuse("thread", error))?;
     Ok(Captured {
         arrivals,
         name,
         frame_period,
         is_live,
-        stop,
+        bell: Some(bell),
         over,
         thread: Some(thread),
     })
@@ -119,7 +122,7 @@ impl Captured {
 
 impl Drop for Captured {
     fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
+        self.bell = None;
         if self.over.recv_timeout(JOIN_LIMIT) == Err(RecvTimeoutError::Timeout) {
             tracing::warn!("{} does not stop, its thread is left behind", self.name);
             return;
@@ -144,7 +147,7 @@ fn capture(source: impl Source, name: String, outlet: &mut Outlet) {
 }
 
 fn run(mut source: impl Source, outlet: &mut Outlet) {
-    while !outlet.is_stopped() {
+    while !outlet.interrupt.has_rung() {
         match source.next() {
             Ok(Capture::Quiet) => {}
             Ok(Capture::Reading(reading)) => {
@@ -190,28 +193,21 @@ struct Outlet {
     /// The same arrivals that the consumer takes, to take back the oldest.
     waiting: Receiver<Arrival>,
     is_live: bool,
-    stop: Arc<AtomicBool>,
+    interrupt: Interrupt,
     superseded: u64,
 }
 
 impl Outlet {
-    fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
-
     /// Sends what `arrival` makes of the number of superseded readings.
     fn send(&mut self, arrival: impl FnOnce(u64) -> Arrival) {
         if self.is_live {
             self.make_room();
         }
-        let mut arrival = arrival(self.superseded);
-        while let Err(SendTimeoutError::Timeout(back)) =
-            self.sender.send_timeout(arrival, PATIENCE / 2)
-        {
-            if self.is_stopped() {
-                return;
+        if let Err(TrySendError::Full(arrival)) = self.sender.try_send(arrival(self.superseded)) {
+            select! {
+                send(self.sender, arrival) -> _ => {}
+                recv(self.interrupt.channel()) -> _ => {}
             }
-            arrival = back;
         }
     }
 
@@ -244,6 +240,7 @@ mod tests {
     use super::*;
     use crate::capture::{Channels, Sample};
     use crate::time::Timestamp;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     const LIMIT: Duration = Duration::from_secs(10);
 
