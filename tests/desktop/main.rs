@@ -12,11 +12,13 @@ mod doctor;
 mod ends;
 mod glove;
 mod held;
+mod keymaps;
 mod panics;
 mod press;
 mod program;
 mod replug;
 mod text;
+mod xev;
 
 use std::time::{Duration, Instant};
 
