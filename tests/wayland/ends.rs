@@ -129,20 +129,34 @@ fn layout_with_a_button(folder: &TempDir) -> PathBuf {
     path
 }
 
-#[test]
-fn no_button_is_down_after_the_system_asked_it_to_end() {
-    let Some(compositor) = Compositor::sway() else {
-        return;
-    };
-    let Some(window) = Window::open(&compositor) else {
-        return;
-    };
+/// A window, and a run whose wearer holds the left mouse button.
+fn with_a_held_button() -> Option<(Compositor, Window, Worn)> {
+    let compositor = Compositor::sway()?;
+    let window = Window::open(&compositor)?;
     let folder = tempfile::tempdir().expect("a folder");
     let layout = layout_with_a_button(&folder).display().to_string();
     let press = Press::of("h");
-    let mut typing = Worn::start(&compositor, &press, &["--layout", &layout]);
+    let typing = Worn::start(&compositor, &press, &["--layout", &layout]);
     typing.hold(&press, &window, "button 272 down");
+    Some((compositor, window, typing))
+}
+
+#[test]
+fn no_button_is_down_after_the_system_asked_it_to_end() {
+    let Some((_compositor, window, mut typing)) = with_a_held_button() else {
+        return;
+    };
     typing.program.signal(&["TERM"]);
     assert_eq!(typing.program.status().code(), Some(0));
+    assert!(window.hears("button 272 up"), "{:#?}", window.heard());
+}
+
+#[test]
+fn no_button_is_down_after_it_was_killed() {
+    let Some((_compositor, window, mut typing)) = with_a_held_button() else {
+        return;
+    };
+    typing.program.signal(&["KILL"]);
+    assert_eq!(typing.program.status().code(), None);
     assert!(window.hears("button 272 up"), "{:#?}", window.heard());
 }
