@@ -48,6 +48,7 @@ mod linux {
     use std::time::{Duration, Instant};
 
     use ademan::capture::{Capture, CaptureError, Source};
+    use ademan::device::Needs;
     use ademan::output::Desktop;
     use ademan::runtime::drive;
     use ademan::settings::Setup;
@@ -183,7 +184,8 @@ mod linux {
             Place::Loop => in_loop.clone(),
         };
         let source = Fused(Hand::that_holds(press, Duration::MAX), in_source);
-        let mut sink = Desktop::open(Some(server.display())).expect("the server is there");
+        let mut sink =
+            Desktop::open(Some(server.display()), &Needs::default()).expect("the server is there");
         let run = thread::spawn(move || {
             let assembly = Setup::default().assemble().expect("the default setup");
             let observe = &mut |_: &_| assert!(!in_loop.load(Ordering::Relaxed), "meant to happen");

@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::Instant;
 
-use ademan::device::{Action, KeyCode, OutputEvent};
+use ademan::device::{Action, KeyCode, Needs, OutputEvent};
 use ademan::output::Sink;
 use ademan::output::desktop::Desktop;
 use ademan::time::Timestamp;
@@ -39,7 +39,7 @@ pub fn output() -> Option<Output> {
         })
     };
     let ours = Ours {
-        desktop: Desktop::open(Some(&display)).expect("the server answers"),
+        desktop: Desktop::open(Some(&display), &Needs::default()).expect("the server answers"),
         key: "D".parse().expect("there is such a key"),
         is_down: false,
         _server: server,

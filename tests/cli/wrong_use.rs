@@ -1,6 +1,6 @@
 //! Every wrong use says what was tried, what happened and what to do, and exits with 2.
 
-use super::{ademan, file, run};
+use super::{Ended, ademan, file, run};
 
 /// Runs it with the words of `line`, and asserts on the exit code and the words of the message.
 fn refused(line: &str, words: &[&str]) {
@@ -34,6 +34,25 @@ fn an_output_that_lacks_what_the_layout_needs_is_refused_before_the_glove_is_loo
         &format!("{run} none,desktop,none,desktp"),
         &["did you mean `desktop`?"],
     );
+}
+
+#[test]
+fn a_program_built_for_x11_does_not_type_past_a_wayland_desktop() {
+    let mut run = ademan(["run", "--output", "desktop", "--source", "typist:hi"]);
+    // There might be an X server beside the compositor.
+    run.env("WAYLAND_DISPLAY", "/nowhere/wayland-0")
+        .env("DISPLAY", ":0");
+    let ended = Ended::from(run.output().expect("it starts"));
+    let words = match ademan::output::SPEAKS_WAYLAND {
+        false => {
+            "was built for X11: its keys would reach no program of Wayland; build it with \
+                  `--features wayland`, or use the output `uinput`; for programs of X11 only, unset \
+                  WAYLAND_DISPLAY"
+        }
+        true => "no compositor answers at /nowhere/wayland-0",
+    };
+    assert!(ended.err.contains(words), "{}", ended.err);
+    assert_eq!(ended.code, Some(2));
 }
 
 #[test]

@@ -14,11 +14,13 @@ mod glove;
 #[cfg(target_os = "linux")]
 mod guardian;
 mod held;
+mod keymaps;
 mod panics;
 mod press;
 mod program;
 mod replug;
 mod text;
+mod xev;
 
 use std::time::{Duration, Instant};
 
