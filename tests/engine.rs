@@ -1,18 +1,21 @@
 //! When the engine lets events out, and that it lets go of everything in time.
 
+#[path = "support/judged.rs"]
+mod judged;
+
 use ademan::capture::{Capture, Channels, LineSettings, Reading, Sample, Source};
 use ademan::contact::Phase;
 use ademan::device::{Action, Events, KeyCode};
 use ademan::estimate::Rejection;
 use ademan::layout::Layout;
 use ademan::monitor::State;
-use ademan::pipeline::Pipeline;
 use ademan::settings::{Setup, controls};
 use ademan::time::Timestamp;
+use judged::Judged;
 
 /// A wearer whose hand is over the H key or pushes it in, 100 readings a second.
 struct Wearer {
-    pipeline: Pipeline,
+    pipeline: Judged,
     time_ms: u64,
     over: Channels,
     down: Channels,
@@ -52,7 +55,7 @@ impl Wearer {
         let (over, down) = postures(setup);
         let assembly = setup.clone().assemble().expect("the default setup");
         Self {
-            pipeline: assembly.pipeline(),
+            pipeline: Judged::of(&assembly),
             time_ms: 0,
             over,
             down,
@@ -114,7 +117,7 @@ impl Wearer {
         let layout = Layout::load("dvorak-flat").expect("the shipped layout");
         let mut events = Events::new();
         self.pipeline
-            .replace(0, &mut controls(&layout), &mut events);
+            .replace(0, &mut controls(&layout), &layout, &mut events);
         self.write(&events);
     }
 

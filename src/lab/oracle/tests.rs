@@ -394,9 +394,29 @@ fn i6_it_runs_only_by_a_hand_that_was_off_for_long_enough() {
     assert_eq!(calm(29, None), Err(Violation::ArmedTooSoon));
     assert_eq!(calm(40, Some(35)), Err(Violation::ArmedTooSoon));
     assert_eq!(calm(40, Some(9)), Ok(()));
+    assert_eq!(calm(40, Some(10)), Err(Violation::ArmedTooSoon));
     let mut engine = Engine::new(Arming::default());
     let unseen = engine.let_go(State::Running, &[]);
     assert_eq!(unseen, Err(Violation::ArmedUnseen));
+}
+
+#[test]
+fn i6_a_frame_in_which_the_finger_leaves_is_the_first_that_shows_it_off() {
+    let mut engine = Engine::new(Arming::default());
+    engine.state = State::Paused;
+    engine.frame(&[]).unwrap();
+    engine.touch(Phase::Touched);
+    let touched = engine.touches.clone();
+    engine.touch(Phase::Released);
+    let released = engine.touches.clone();
+    engine.touch(Phase::Left);
+    let left = engine.touches.clone();
+    engine.touches = [touched, released, left].concat();
+    engine.frame(&[]).unwrap();
+    engine.touches = Vec::new();
+    (0..29).for_each(|_| engine.frame(&[]).unwrap());
+    engine.state = State::Running;
+    engine.frame(&[]).unwrap();
 }
 
 #[test]
