@@ -30,9 +30,9 @@ impl Passage {
         }
     }
 
-    /// The state after the last step.
-    pub(super) fn state(&self) -> State {
-        self.state
+    /// The state after the last step, and whether somebody had asked for a pause.
+    pub(super) fn state(&self) -> (State, bool) {
+        (self.state, self.is_paused)
     }
 
     /// Takes the next step.
