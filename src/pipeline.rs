@@ -150,6 +150,9 @@ impl Pipeline {
     ///
     /// The hand has to be seen off all controls before anything is pressed again.
     pub fn stall(&mut self, events: &mut Events) {
+        if self.state == State::Stopped {
+            return;
+        }
         let last = self.hands.iter().filter_map(|hand| hand.last_accepted);
         let Some(last) = last.max() else {
             return;
@@ -167,12 +170,12 @@ impl Pipeline {
         if self.is_paused || self.state == State::Stopped {
             return;
         }
-        self.is_paused = true;
         let below = match self.state {
             State::Stalled => State::Stalled,
             _ => State::Paused,
         };
         self.let_go(self.time, below, events);
+        self.is_paused = true;
     }
 
     /// Ends a pause: from now on the hand has to be seen off all controls before anything is pressed
@@ -181,7 +184,6 @@ impl Pipeline {
         if !std::mem::take(&mut self.is_paused) {
             return;
         }
-        // What the controls were played for nothing is not down.
         self.profiles[self.profile].release_all(self.time, &mut Events::new());
         self.clear_since = None;
     }
@@ -206,8 +208,7 @@ impl Pipeline {
             return;
         }
         if profile == self.profile {
-            self.profiles[profile].release_all(self.time, events);
-            self.clear_since = None;
+            self.release_all(self.time, events);
         }
         std::mem::swap(&mut self.profiles[profile], controls);
     }
@@ -225,11 +226,10 @@ impl Pipeline {
         if profile == self.profile || profile >= self.profiles.len() {
             return;
         }
-        self.profiles[self.profile].release_all(self.time, events);
-        self.clear_since = None;
+        self.release_all(self.time, events);
         self.profile = profile;
         // What it remembers is of another time.
-        self.profiles[profile].release_all(self.time, events);
+        self.release_all(self.time, events);
     }
 
     /// Lets go of everything and moves the boards in force by so many metres along the axes of the world.
@@ -238,7 +238,7 @@ impl Pipeline {
     /// All boards stay where they are, and nothing is let go of, if one would be where no file can say.
     pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), Refusal> {
         self.profiles[self.profile].refuse(Move::Nudge(by))?;
-        self.release_for_a_move(events);
+        self.release_all(self.time, events);
         self.profiles[self.profile].shift(Move::Nudge(by));
         Ok(())
     }
@@ -247,7 +247,7 @@ impl Pipeline {
     /// far side rises.
     pub fn tilt(&mut self, by: f32, events: &mut Events) -> Result<(), Refusal> {
         self.profiles[self.profile].refuse(Move::Tilt(by))?;
-        self.release_for_a_move(events);
+        self.release_all(self.time, events);
         self.profiles[self.profile].shift(Move::Tilt(by));
         Ok(())
     }
@@ -265,7 +265,7 @@ impl Pipeline {
         let controls = &self.profiles[self.profile];
         let by = controls.way_to(&self.hands[place].frame.pose)?;
         controls.refuse(Move::Bring(by, &self.hands[place].frame.pose))?;
-        self.release_for_a_move(events);
+        self.release_all(self.time, events);
         let way = Move::Bring(by, &self.hands[place].frame.pose);
         self.profiles[self.profile].shift(way);
         Ok(())
@@ -355,15 +355,19 @@ impl Pipeline {
         }
     }
 
-    fn release_for_a_move(&mut self, events: &mut Events) {
-        self.profiles[self.profile].release_all(self.time, events);
+    fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        let controls = &mut self.profiles[self.profile];
+        match self.is_paused {
+            // What the controls are played for nothing in a pause never went down.
+            true => controls.release_all(time, &mut Events::new()),
+            false => controls.release_all(time, events),
+        }
         self.clear_since = None;
     }
 
     fn let_go(&mut self, time: Timestamp, state: State, events: &mut Events) {
-        self.profiles[self.profile].release_all(time, events);
+        self.release_all(time, events);
         self.state = state;
-        self.clear_since = None;
     }
 
     fn arm_when_clear(&mut self, place: usize) {
