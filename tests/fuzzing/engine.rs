@@ -178,28 +178,23 @@ impl Bytes<'_> {
             2 => f32::MIN,
             3 => f32::MIN_POSITIVE,
             4 => 1e9,
-            other => (f32::from(other) - 130.0) / 500.0,
+            other => (f32::from(other) - 130.0) / 5000.0,
         }
     }
 }
 
 /// Between two readings, in microseconds; below 0 the clock goes back.
-const STEPS: [i64; 16] = [
-    0,
-    1,
-    1_000,
-    5_729,
-    10_000,
-    50_000,
-    199_999,
-    200_000,
-    200_001,
-    300_000,
-    1_000_000,
-    3_600_000_000,
+const STEPS: [i64; 11] = [
+    0, 1, 1_000, 5_729, 10_000, 50_000, 199_999, 200_000, 200_001, 300_000, 1_000_000,
+];
+
+/// The same where a clock is set or broken; few readings come after them.
+const LEAPS: [i64; 6] = [
     -1,
     -10_000,
+    -1_000_000,
     -3_600_000_000,
+    3_600_000_000,
     i64::MAX,
 ];
 
@@ -245,45 +240,51 @@ pub fn engine(data: &[u8]) -> Ran {
 impl Play<'_> {
     fn obey(&mut self, order: u8, bytes: &mut Bytes) {
         match order {
-            0..=199 => (0..=order / 4).for_each(|_| self.read_next(10_000)),
-            200..=207 => self.rest(),
+            0..=183 => {
+                self.fault = None;
+                (0..=order / 8).for_each(|_| self.read_next(10_000));
+            }
+            184..=207 => self.rest(),
             208..=215 => {
-                let step = STEPS[usize::from(bytes.byte()) % STEPS.len()];
-                self.read_next(step);
+                let place = usize::from(bytes.byte());
+                let steps = if place < 250 { &STEPS[..] } else { &LEAPS };
+                self.read_next(steps[place % steps.len()]);
             }
             216..=219 => self.place = usize::from(bytes.word()),
             220..=222 => self.is_backwards = !self.is_backwards,
-            223..=225 => self.fault = Some((usize::from(bytes.byte()), bytes.word())),
-            226..=228 => self.fault = None,
-            229 => self.read_anything(bytes),
-            230..=231 => self.side = Side::ALL.get(usize::from(bytes.byte()) % 3).copied(),
-            232..=233 => self.ask(Judged::stall),
-            234 => self.ask(Judged::pause),
-            235..=238 => {
+            223..=225 => {
+                self.fault = Some((usize::from(bytes.byte()), bytes.word()));
+                (0..bytes.byte() % 32).for_each(|_| self.read_next(10_000));
+            }
+            226..=227 => self.read_anything(bytes),
+            228..=231 => self.side = Side::ALL.get(usize::from(bytes.byte()) % 3).copied(),
+            232 => self.ask(Judged::stall),
+            233 => self.ask(Judged::pause),
+            234..=238 => {
                 self.engine.resume();
                 self.ran.steps += 1;
             }
-            239..=240 => self.replace(bytes),
-            241..=243 => {
+            239 => self.replace(bytes),
+            240..=241 => {
                 let profile = usize::from(bytes.byte()) % 5;
                 self.ask(|engine, events| engine.switch_to(profile, events));
             }
-            244..=246 => {
+            242..=244 => {
                 let by = Vec3::new(bytes.float(), bytes.float(), bytes.float());
                 self.ask(|engine, events| {
                     let _ = engine.nudge(by, events);
                 });
             }
-            247..=249 => {
+            245..=247 => {
                 let by = bytes.float();
                 self.ask(|engine, events| {
                     let _ = engine.tilt(by, events);
                 });
             }
-            250..=252 => self.ask(|engine, events| {
+            248..=250 => self.ask(|engine, events| {
                 let _ = engine.recentre(events);
             }),
-            253 if bytes.byte() < 4 => self.ask(Judged::stop),
+            251 if bytes.byte() < 4 => self.ask(Judged::stop),
             _ => self.read_next(5_729),
         }
     }

@@ -100,7 +100,8 @@ static ASSEMBLY: LazyLock<Assembly> = LazyLock::new(|| {
     setup.assemble().expect("a shipped layout")
 });
 
-/// Recordings of a hand that presses an arrow key: one with its setup, one without.
+/// Recordings of a hand that presses an arrow key: with its setup and without, each with its checksum and
+/// without, so that damage is looked at too.
 pub fn seeds() -> Vec<Vec<u8>> {
     let hand = ASSEMBLY.scripted("tap ArrowUp", &LineSettings::default(), 0.0, 0);
     let mut hand = hand.expect("a hand");
@@ -108,8 +109,21 @@ pub fn seeds() -> Vec<Vec<u8>> {
     while let Ok(Capture::Reading(reading)) = hand.next() {
         readings.push(reading);
     }
-    let some = &readings[..8];
     let recorded = [ASSEMBLY.recorded_setup(), RecordedSetup::default()];
-    let bytes = recorded.map(|setup| record(&setup, some).expect("a recording"));
-    bytes.into()
+    let bytes = recorded.map(|setup| record(&setup, &readings[..8]).expect("a recording"));
+    bytes
+        .into_iter()
+        .flat_map(|bytes| [unchecked(&bytes), bytes])
+        .collect()
+}
+
+/// The same with a checksum of 0, which stands for none.
+fn unchecked(bytes: &[u8]) -> Vec<u8> {
+    /// What the record that ends the data begins with: its code, and its length of 4 bytes.
+    const DATA_END: [u8; 9] = [0x0f, 4, 0, 0, 0, 0, 0, 0, 0];
+    let mut bytes = bytes.to_vec();
+    let at = bytes.windows(9).rposition(|window| window == DATA_END);
+    let at = at.expect("a recording has an end") + DATA_END.len();
+    bytes[at..at + 4].fill(0);
+    bytes
 }

@@ -82,3 +82,18 @@ pub fn scripts() -> Vec<Vec<u8>> {
 fn texts(texts: &[&str]) -> Vec<Vec<u8>> {
     texts.iter().map(|text| text.as_bytes().to_vec()).collect()
 }
+
+/// One for each setup of the engine: the hand rests until the engine runs, plays all it can, and is
+/// disturbed.
+pub fn engine() -> Vec<Vec<u8>> {
+    let played = [&[184][..], &[183; 40]].concat();
+    let orders = [
+        &[208, 8, 184, 183, 183][..],
+        &[232, 184, 183, 183, 233, 183, 234, 184],
+        &[240, 1, 184, 183, 183, 239, 0, 2, 9, 184, 183, 183],
+        &[242, 140, 130, 120, 184, 183, 245, 150, 184, 183, 248, 183],
+        &[223, 17, 1, 0, 20, 184, 183, 220, 183, 183],
+    ];
+    let seed = |setup: u8| [&[setup][..], &played, &orders.concat()].concat();
+    (0..8).map(seed).collect()
+}

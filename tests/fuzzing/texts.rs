@@ -100,8 +100,11 @@ pub fn setup(data: &[u8]) -> bool {
         }
     };
     let text = ron::to_string(&setup).expect("a setup is plain data");
-    let again = Document::new("again.ron", text).parse::<Setup>();
-    assert_eq!(again.as_ref(), Ok(&setup));
+    let again: Setup = Document::new("again.ron", &*text)
+        .parse()
+        .unwrap_or_else(|error| panic!("{error}"));
+    // As texts: a number may be none, and that is not equal to itself.
+    assert_eq!(ron::to_string(&again).as_ref(), Ok(&text));
     // Nothing is read but what comes with the program.
     let model = |hand: Hand| match hand {
         Hand::Model(_) => Hand::Model("unam".into()),
