@@ -44,9 +44,11 @@ fn a_program_built_for_x11_does_not_type_past_a_wayland_desktop() {
         .env("DISPLAY", ":0");
     let ended = Ended::from(run.output().expect("it starts"));
     let words = match ademan::output::SPEAKS_WAYLAND {
-        false => "was built for X11: its keys would reach no program of Wayland; build it with \
+        false => {
+            "was built for X11: its keys would reach no program of Wayland; build it with \
                   `--features wayland`, or use the output `uinput`; for programs of X11 only, unset \
-                  WAYLAND_DISPLAY",
+                  WAYLAND_DISPLAY"
+        }
         true => "no compositor answers at /nowhere/wayland-0",
     };
     assert!(ended.err.contains(words), "{}", ended.err);
