@@ -6,7 +6,7 @@
 //! compositor tells whoever has the focus of the keymap before the key, so no character races with it.
 //!
 //! When the connection ends, however that comes about, the compositor takes the keyboards away and lets go
-//! of their keys. Nothing is sent on a connection that has failed: what waits in it would arrive twice.
+//! of their keys, though not of the buttons of the pointer. Nothing is sent on a connection that has failed: what waits in it would arrive twice.
 
 use std::ffi::OsStr;
 use std::os::fd::AsFd;
