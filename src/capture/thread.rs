@@ -1,7 +1,7 @@
 //! A source on a thread of its own, behind a bounded channel.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::thread::JoinHandle;
+use std::thread::{JoinHandle, Thread};
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded, select};
@@ -77,6 +77,7 @@ pub fn on_thread(mut source: impl Source + 'static) -> Result<Captured, CaptureE
         is_live,
         interrupt,
         superseded: 0,
+        waiter: Waiter(std::thread::current()),
     };
     let source_name = name.clone();
     let run = move || {
@@ -99,7 +100,8 @@ pub fn on_thread(mut source: impl Source + 'static) -> Result<Captured, CaptureE
 }
 
 impl Captured {
-    /// Where the arrivals come out, for `recv`, `try_recv` and `select!`.
+    /// Where the arrivals come out, for `recv`, `try_recv` and `select!`. With each of them, and when there will be no
+    /// more, the thread that made this is [unparked](std::thread::Thread::unpark), so that it may wait by parking.
     pub fn arrivals(&self) -> &Receiver<Arrival> {
         &self.arrivals
     }
@@ -195,6 +197,24 @@ struct Outlet {
     is_live: bool,
     interrupt: Interrupt,
     superseded: u64,
+    // After the sender, so that whoever is woken by its end finds the channel closed.
+    waiter: Waiter,
+}
+
+/// The thread that takes what arrives, which may park until something does. To unpark it takes no lock; to wake
+/// it through the channel would take one that it needs itself at once.
+struct Waiter(Thread);
+
+impl Waiter {
+    fn wake(&self) {
+        self.0.unpark();
+    }
+}
+
+impl Drop for Waiter {
+    fn drop(&mut self) {
+        self.wake();
+    }
 }
 
 impl Outlet {
@@ -209,6 +229,7 @@ impl Outlet {
                 recv(self.interrupt.channel()) -> _ => {}
             }
         }
+        self.waiter.wake();
     }
 
     fn make_room(&mut self) {

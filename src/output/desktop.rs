@@ -69,11 +69,10 @@ impl Desktop {
         })
     }
 
-    /// Connects to the desktop of the session, with a guardian where keys would outlive this program.
+    /// Connects to the desktop of the session, with a guardian that lets go of keys when this program cannot.
     pub fn open_guarded(launch: &Launch, needs: &Needs) -> Result<Self, OutputError> {
-        let launch = platform::keys_outlive_us().then_some(launch);
         let needs_pointer = needs.iter().any(is_of_a_pointer);
-        Self::start(launch, move || platform::open(None, needs_pointer))
+        Self::start(Some(launch), move || platform::open(None, needs_pointer))
     }
 
     /// Runs the thread and waits until it is connected.

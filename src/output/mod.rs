@@ -356,7 +356,6 @@ mod platform {
     use crate::device::KeyCode;
     use enigo::{Direction, Enigo, InputResult, Keyboard};
     use std::env;
-    use std::ffi::OsString;
 
     /// Beside a compositor there may be an X server for old programs. It is not asked when the compositor
     /// refuses: its keys would not reach the program that the user looks at.
@@ -364,22 +363,12 @@ mod platform {
         let compositor = match display {
             Some(display) if display.contains(':') => None,
             Some(display) => Some(display.into()),
-            None => compositor_of_session(),
+            None => env::var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()),
         };
         match compositor {
             Some(name) => wayland::connect(&name, needs_pointer),
             None => Ok(Box::new(Display::connect(display)?)),
         }
-    }
-
-    /// Whether what is down on the desktop of the session stays so when whoever pressed it is gone: an X server
-    /// keeps it, a compositor does not.
-    pub fn keys_outlive_us() -> bool {
-        compositor_of_session().is_none()
-    }
-
-    fn compositor_of_session() -> Option<OsString> {
-        env::var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty())
     }
 
     /// Presses the key in this place, whatever the keymap writes for it.
@@ -415,10 +404,6 @@ mod platform {
 
     pub fn open(display: Option<&str>, _: bool) -> Result<Box<dyn Injector>, String> {
         Ok(Box::new(Display::connect(display)?))
-    }
-
-    pub fn keys_outlive_us() -> bool {
-        false
     }
 
     pub fn inject(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputResult<()> {

@@ -152,6 +152,17 @@ fn no_button_is_down_after_the_system_asked_it_to_end() {
 }
 
 #[test]
+fn no_button_is_down_while_it_is_stopped() {
+    let Some((_compositor, window, mut typing)) = with_a_held_button() else {
+        return;
+    };
+    typing.program.signal(&["STOP"]);
+    assert!(window.hears("button 272 up"), "{:#?}", window.heard());
+    typing.program.signal(&["CONT", "TERM"]);
+    assert_eq!(typing.program.status().code(), Some(0));
+}
+
+#[test]
 fn no_button_is_down_after_it_was_killed() {
     let Some((_compositor, window, mut typing)) = with_a_held_button() else {
         return;
