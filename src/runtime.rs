@@ -170,30 +170,29 @@ impl Run<'_> {
         loop {
             // Of each one: those who never cease to ask do not keep readings waiting, nor the other way round.
             let message = inbox.take();
-            let arrival = self.captured.arrivals().try_recv();
-            if message.is_none() && matches!(arrival, Err(TryRecvError::Empty)) {
-                thread::park_timeout(self.patience().min(self.sign_of_life()));
-                self.wake_up()?;
-            }
+            let is_asked = message.is_some();
             if let Some(message) = message
                 && self.obey(message)?
             {
                 return Ok(());
             }
-            let is_over = match arrival {
-                Ok(arrival) => self.take(arrival)?,
-                Err(TryRecvError::Empty) => false,
+            match self.captured.arrivals().try_recv() {
+                Ok(arrival) => {
+                    if self.take(arrival)? {
+                        return Ok(());
+                    }
+                }
                 // Only after an end or a failure, and those were the last that was taken.
-                Err(TryRecvError::Disconnected) => true,
-            };
-            if is_over {
-                return Ok(());
+                Err(TryRecvError::Disconnected) => return Ok(()),
+                Err(TryRecvError::Empty) if is_asked => {}
+                Err(TryRecvError::Empty) => self.wait()?,
             }
         }
     }
 
-    /// Looks at the clock where there is nothing else to do.
-    fn wake_up(&mut self) -> Result<(), RunError> {
+    /// Parks until there is something to do.
+    fn wait(&mut self) -> Result<(), RunError> {
+        thread::park_timeout(self.patience().min(self.sign_of_life()));
         if self.captured.arrivals().is_empty() {
             self.sink.0.send(&[])?;
             self.stall_if_overdue()?;
