@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, SendTimeoutError, Sender, bounded};
 
+use super::awake::Awake;
 use super::{Capture, CaptureError, Counts, PATIENCE, Reading, Source};
 
 /// What a capture thread sends.
@@ -25,7 +26,7 @@ pub enum Arrival {
         /// What has come in up to and with this reading.
         counts: Counts,
     },
-    /// The device is gone; the source looks for it and readings may follow. Never superseded, and always
+    /// The device is gone and the source looks for it, or it was interrupted; readings may follow. Never superseded, and always
     /// before the readings that came after it.
     Lost(CaptureError),
     /// The source gave up, or panicked.
@@ -132,7 +133,9 @@ impl Drop for Captured {
 }
 
 fn capture(source: impl Source, name: String, outlet: &mut Outlet) {
-    let whole_run = catch_unwind(AssertUnwindSafe(|| run(source, outlet)));
+    let whole_run = catch_unwind(AssertUnwindSafe(|| {
+        run(source, &mut Awake::default(), outlet);
+    }));
     if let Err(panic) = whole_run {
         outlet.send(|_| {
             Arrival::Failed(CaptureError::Malformed {
@@ -143,13 +146,34 @@ fn capture(source: impl Source, name: String, outlet: &mut Outlet) {
     }
 }
 
-fn run(mut source: impl Source, outlet: &mut Outlet) {
+fn run(mut source: impl Source, awake: &mut Awake, outlet: &mut Outlet) {
+    let mut interruptions = 0;
     while !outlet.is_stopped() {
-        match source.next() {
+        let news = source.next();
+        if outlet.is_live && awake.has_slept() {
+            // The clocks of readings stand still meanwhile: nobody else notices.
+            interruptions += 1;
+            let source_name = source.name().to_owned();
+            let reason = "the machine has slept".to_owned();
+            outlet.send(|_| {
+                Arrival::Lost(CaptureError::Interrupted {
+                    source_name,
+                    reason,
+                })
+            });
+        }
+        let counts = || {
+            let counts = source.counts();
+            Counts {
+                losses: counts.losses + interruptions,
+                ..counts
+            }
+        };
+        match news {
             Ok(Capture::Quiet) => {}
             Ok(Capture::Reading(reading)) => {
                 let arrived = Instant::now();
-                let counts = source.counts();
+                let counts = counts();
                 outlet.send(|superseded| Arrival::Reading {
                     reading,
                     arrived,
@@ -160,7 +184,7 @@ fn run(mut source: impl Source, outlet: &mut Outlet) {
                 });
             }
             Ok(Capture::End) => {
-                let counts = source.counts();
+                let counts = counts();
                 outlet.send(|superseded| {
                     Arrival::End(Counts {
                         superseded,
@@ -402,6 +426,43 @@ mod tests {
         let start = Instant::now();
         drop(captured);
         assert!(start.elapsed() < Duration::from_secs(4));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_machine_that_slept_loses_its_live_sources_before_the_next_reading() {
+        use std::sync::atomic::AtomicU64;
+        static ASLEEP: AtomicU64 = AtomicU64::new(0);
+        for is_live in [true, false] {
+            let (source, _done) = script(4, is_live, |step| {
+                if step == 2 {
+                    ASLEEP.fetch_add(3600, Ordering::SeqCst);
+                }
+                match step {
+                    3 => Ok(Capture::End),
+                    step => Ok(reading(step)),
+                }
+            });
+            let mut awake = Awake::with(|| Duration::from_secs(ASLEEP.load(Ordering::SeqCst)));
+            let (sender, waiting) = bounded(WAITING_ARRIVALS);
+            let mut outlet = Outlet {
+                sender,
+                waiting: waiting.clone(),
+                is_live,
+                stop: Arc::default(),
+                superseded: 0,
+            };
+            run(source, &mut awake, &mut outlet);
+            let arrivals: Vec<Arrival> = waiting.try_iter().collect();
+            let counted = |arrival: &Arrival| matches!(arrival, Arrival::End(counts) if counts.losses == u64::from(is_live));
+            assert!(arrivals.iter().any(counted), "{arrivals:?}");
+            let arrived: Vec<String> = arrivals.into_iter().map(brief).collect();
+            let expected: &[&str] = match is_live {
+                true => &["0(0)", "1(0)", "lost", "2(0)", "end"],
+                false => &["0(0)", "1(0)", "2(0)", "end"],
+            };
+            assert_eq!(arrived, expected);
+        }
     }
 
     #[test]
