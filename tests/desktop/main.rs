@@ -14,6 +14,8 @@ mod glove;
 #[cfg(target_os = "linux")]
 mod guardian;
 mod held;
+#[cfg(target_os = "linux")]
+mod memory;
 mod panics;
 mod press;
 mod program;
