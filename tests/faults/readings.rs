@@ -1,7 +1,9 @@
 //! What comes in is not what the hand does: nothing that was not meant is typed, and nothing stays down.
 
 use ademan::capture::hc11::{BODY_BYTES, FRAME_BYTES};
-use ademan::estimate::{ChannelMap, ChannelRow, Estimator, EstimatorSettings, Line, Rejection};
+use ademan::estimate::{
+    ChannelMap, ChannelRow, Estimator, EstimatorSettings, Line, Rejection, Smoothing,
+};
 use ademan::hand::{Dof, Finger, FingerSet};
 use ademan::settings::Assembly;
 
@@ -57,12 +59,11 @@ fn a_stream_that_is_entered_in_the_middle_of_a_frame_types_the_same() {
 }
 
 #[test]
-fn one_flipped_bit_presses_nothing_else_and_costs_two_frames_at_most() {
+fn one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most() {
     let press = Press::of("h");
     let assembly = assembly();
     let frames = [press.held(); 12];
     let clean = stream(&frames);
-    let mut let_go = 0;
     for bit in 0..FRAME_BYTES * 8 {
         let mut wearer = Wearer::on(&assembly);
         wearer.play(&press.approach);
@@ -75,16 +76,8 @@ fn one_flipped_bit_presses_nothing_else_and_costs_two_frames_at_most() {
         // A broken mark is the end of the frame before it and the start of its own.
         assert!(came as usize >= frames.len() - 2, "bit {bit}: {came}");
         wearer.play(&press.lift);
-        let typed = wearer.typed();
-        let is_alone = typed.split(", ").all(|event| event.ends_with(" H"));
-        assert!(is_alone, "bit {bit}: {typed}");
-        assert!(typed.ends_with("up H"), "bit {bit}: {typed}");
-        let_go += usize::from(typed.len() > "down H, up H".len());
+        assert_eq!(wearer.typed(), "down H, up H", "bit {bit}");
     }
-    println!(
-        "{let_go} of 528 flipped bits move the finger as far as a person can: off the key and back"
-    );
-    assert!(let_go <= 16, "{let_go}");
 }
 
 #[test]
@@ -222,8 +215,14 @@ fn a_million_readings_a_second_press_no_more_than_is_allowed() {
     let press = Press::of("h");
     let assembly = assembly();
     let stroke = [&press.approach[..], &press.lift[..]].concat();
+    // Without a filter, which slows down such a hand by itself.
+    let settings = EstimatorSettings {
+        smoothing: Smoothing::Off,
+        ..EstimatorSettings::default()
+    };
     for interval in [1, 20, 100, 1_000] {
-        let mut wearer = Wearer::on(&assembly);
+        let estimator = Estimator::new(assembly.glove.map.clone(), settings);
+        let mut wearer = Wearer::with(pipeline_with(&assembly, estimator));
         for posture in stroke.iter().cycle().take(100 * stroke.len()) {
             wearer.see_after(interval, posture);
         }

@@ -79,7 +79,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/faults/readings.rs", "a_stream_that_is_entered_in_the_middle_of_a_frame_types_the_same"),
     ])),
     fault(10, "one flipped bit", By(&[
-        ("tests/faults/readings.rs", "one_flipped_bit_presses_nothing_else_and_costs_two_frames_at_most"),
+        ("tests/faults/readings.rs", "one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most"),
         ("tests/estimator.rs", "a_flipped_bit_for_one_reading_does_not_go_on"),
     ])),
     fault(11, "no delimiter, bytes without end", By(&[
