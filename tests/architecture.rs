@@ -195,3 +195,26 @@ fn files_stay_under_500_lines() {
         );
     }
 }
+
+/// Somebody sets it, back too. Only how old a file is goes by it: that is compared for being the same.
+#[test]
+fn nothing_goes_by_the_clock_on_the_wall() {
+    for (file, text) in sources() {
+        let goes = code(&text).contains("SystemTime") || code(&text).contains("ClockId::Realtime");
+        assert!(
+            !goes || file == "reload/watched_file.rs",
+            "{file} goes by the clock on the wall"
+        );
+    }
+}
+
+#[test]
+fn a_lock_that_a_panic_has_poisoned_is_used_all_the_same() {
+    let is_of_tests = |file: &str| file.ends_with("tests.rs");
+    for (file, text) in sources().into_iter().filter(|(file, _)| !is_of_tests(file)) {
+        let code: String = code(&text).split_whitespace().collect();
+        for taken in [".lock().unwrap()", ".lock().expect("] {
+            assert!(!code.contains(taken), "{file} dies of a poisoned lock");
+        }
+    }
+}

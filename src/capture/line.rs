@@ -85,7 +85,7 @@ impl<C: Connect> LineSource<C> {
         let interrupt = self.interrupt.as_ref();
         match connection.read(&mut self.buffer, interrupt, patience) {
             Ok(0) => self.over(),
-            Ok(length) => Ok(self.take(length)),
+            Ok(length) => self.take(length),
             Err(error) if is_quiet(error.kind()) => self.be_patient(),
             Err(error) if C::LIVE => Err(self.lose(error.to_string())),
             Err(error) => {
@@ -109,7 +109,7 @@ impl<C: Connect> LineSource<C> {
         }
     }
 
-    fn take(&mut self, length: usize) -> Capture {
+    fn take(&mut self, length: usize) -> Result<Capture, CaptureError> {
         let now = Instant::now();
         self.heard = now;
         let pending = &mut self.pending;
@@ -127,7 +127,14 @@ impl<C: Connect> LineSource<C> {
         if !self.pending.is_empty() {
             self.back_off = BackOff::default();
         }
-        self.next_pending().unwrap_or(Capture::Quiet)
+        if C::LIVE && self.decoder.take_text() {
+            self.losses += 1;
+            return Err(CaptureError::Interrupted {
+                source_name: self.name.clone(),
+                reason: "text came in between, as from a board that starts anew".to_owned(),
+            });
+        }
+        Ok(self.next_pending().unwrap_or(Capture::Quiet))
     }
 
     /// Dates each frame back by what came after it.

@@ -29,6 +29,7 @@ mod wait;
 #[cfg(not(target_os = "linux"))]
 #[path = "no_wait.rs"]
 mod wait;
+mod text_watch;
 mod line;
 mod search;
 mod usb;
@@ -37,6 +38,8 @@ mod tcp;
 mod file;
 pub mod recording;
 pub mod pace;
+#[cfg_attr(not(target_os = "linux"), path = "always_awake.rs")]
+mod awake;
 pub mod thread;
 mod both;
 pub mod wire;
@@ -261,6 +264,14 @@ pub enum CaptureError {
         /// What happened.
         reason: String,
     },
+    /// What came before and what comes now may have nothing to do with each other.
+    #[error("{source_name} was interrupted: {reason}; hold the hand off all keys for a moment")]
+    Interrupted {
+        /// The source as named.
+        source_name: String,
+        /// What happened.
+        reason: String,
+    },
     /// What came in cannot be used.
     #[error("cannot use {source_name}: {reason}")]
     Malformed {
@@ -274,6 +285,6 @@ pub enum CaptureError {
 impl CaptureError {
     /// Whether the source goes on trying, so that it may be asked again.
     pub fn is_recoverable(&self) -> bool {
-        matches!(self, Self::Lost { .. })
+        matches!(self, Self::Lost { .. } | Self::Interrupted { .. })
     }
 }

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded, select};
 
+use super::awake::Awake;
 use super::interrupt::{Bell, bell};
 use super::{Capture, CaptureError, Counts, Interrupt, Reading, Source};
 
@@ -24,7 +25,7 @@ pub enum Arrival {
         /// What has come in up to and with this reading.
         counts: Counts,
     },
-    /// The device is gone; the source looks for it and readings may follow. Never superseded, and always
+    /// The device is gone and the source looks for it, or it was interrupted; readings may follow. Never superseded, and always
     /// before the readings that came after it.
     Lost(CaptureError),
     /// The source gave up, or panicked.
@@ -137,7 +138,9 @@ impl Drop for Captured {
 }
 
 fn capture(source: impl Source, name: String, outlet: &mut Outlet) {
-    let whole_run = catch_unwind(AssertUnwindSafe(|| run(source, outlet)));
+    let whole_run = catch_unwind(AssertUnwindSafe(|| {
+        run(source, &mut Awake::default(), outlet);
+    }));
     if let Err(panic) = whole_run {
         outlet.send(|_| {
             Arrival::Failed(CaptureError::Malformed {
@@ -148,13 +151,34 @@ fn capture(source: impl Source, name: String, outlet: &mut Outlet) {
     }
 }
 
-fn run(mut source: impl Source, outlet: &mut Outlet) {
+fn run(mut source: impl Source, awake: &mut Awake, outlet: &mut Outlet) {
+    let mut interruptions = 0;
     while !outlet.interrupt.has_rung() {
-        match source.next() {
+        let news = source.next();
+        if outlet.is_live && awake.has_slept() {
+            // The clocks of readings stand still meanwhile: nobody else notices.
+            interruptions += 1;
+            let source_name = source.name().to_owned();
+            let reason = "the machine has slept".to_owned();
+            outlet.send(|_| {
+                Arrival::Lost(CaptureError::Interrupted {
+                    source_name,
+                    reason,
+                })
+            });
+        }
+        let counts = || {
+            let counts = source.counts();
+            Counts {
+                losses: counts.losses + interruptions,
+                ..counts
+            }
+        };
+        match news {
             Ok(Capture::Quiet) => {}
             Ok(Capture::Reading(reading)) => {
                 let arrived = Instant::now();
-                let counts = source.counts();
+                let counts = counts();
                 outlet.send(|superseded| Arrival::Reading {
                     reading,
                     arrived,
@@ -165,7 +189,7 @@ fn run(mut source: impl Source, outlet: &mut Outlet) {
                 });
             }
             Ok(Capture::End) => {
-                let counts = source.counts();
+                let counts = counts();
                 outlet.send(|superseded| {
                     Arrival::End(Counts {
                         superseded,
@@ -257,196 +281,4 @@ impl Outlet {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::capture::{Channels, Sample};
-    use crate::time::Timestamp;
-    use std::sync::atomic::{AtomicBool, Ordering};
-
-    const LIMIT: Duration = Duration::from_secs(10);
-
-    fn reading(number: u64) -> Capture {
-        Capture::Reading(Reading {
-            time: Timestamp(number),
-            side: None,
-            sample: Sample::Channels(Channels {
-                full_scale: 255,
-                counts: Default::default(),
-            }),
-        })
-    }
-
-    fn lost() -> CaptureError {
-        CaptureError::Lost {
-            source_name: "script".to_owned(),
-            reason: "cable out".to_owned(),
-        }
-    }
-
-    type Step = fn(u64) -> Result<Capture, CaptureError>;
-
-    /// Runs `step` with 0, 1, 2, …; after `steps` it is quiet, and says so through `done`.
-    struct Script {
-        step: Step,
-        steps: u64,
-        at: u64,
-        is_live: bool,
-        done: Sender<()>,
-    }
-
-    fn script(steps: u64, is_live: bool, step: Step) -> (Script, Receiver<()>) {
-        let (done, is_done) = bounded(1);
-        let script = Script {
-            step,
-            steps,
-            at: 0,
-            is_live,
-            done,
-        };
-        (script, is_done)
-    }
-
-    impl Source for Script {
-        fn next(&mut self) -> Result<Capture, CaptureError> {
-            if self.at == self.steps {
-                let _ = self.done.try_send(());
-                std::thread::sleep(Duration::from_millis(5));
-                return Ok(Capture::Quiet);
-            }
-            self.at += 1;
-            (self.step)(self.at - 1)
-        }
-
-        fn name(&self) -> &str {
-            "script"
-        }
-
-        fn is_live(&self) -> bool {
-            self.is_live
-        }
-
-        fn counts(&self) -> Counts {
-            Counts {
-                readings: self.at,
-                ..Counts::default()
-            }
-        }
-    }
-
-    fn brief(arrival: Arrival) -> String {
-        match arrival {
-            Arrival::Reading {
-                reading, counts, ..
-            } => {
-                format!("{}({})", reading.time.0, counts.superseded)
-            }
-            Arrival::Lost(_) => "lost".to_owned(),
-            Arrival::Failed(error) => format!("failed: {error}"),
-            Arrival::End(_) => "end".to_owned(),
-        }
-    }
-
-    fn everything(captured: &Captured) -> Vec<String> {
-        captured.arrivals().try_iter().map(brief).collect()
-    }
-
-    #[test]
-    fn a_live_source_drops_its_oldest_readings_and_counts_them() {
-        let (source, done) = script(100, true, |step| Ok(reading(step)));
-        let captured = on_thread(source).unwrap();
-        done.recv_timeout(LIMIT).unwrap();
-        let arrived = everything(&captured);
-        assert_eq!(arrived.len(), WAITING_ARRIVALS);
-        assert_eq!(arrived[0], "84(69)");
-        assert_eq!(arrived[15], "99(84)");
-    }
-
-    #[test]
-    fn a_loss_is_never_superseded_and_keeps_its_place() {
-        let (source, done) = script(41, true, |step| match step {
-            10 | 20 => Err(lost()),
-            step => Ok(reading(step)),
-        });
-        let captured = on_thread(source).unwrap();
-        done.recv_timeout(LIMIT).unwrap();
-        let arrived = everything(&captured);
-        assert_eq!(arrived[0], "lost");
-        assert!(!arrived[1..].contains(&"lost".to_owned()));
-        let readings = arrived.len() as u64 - 1;
-        assert_eq!(arrived.last().unwrap(), &format!("40({})", 39 - readings));
-    }
-
-    #[test]
-    fn a_recording_waits_until_its_readings_are_taken() {
-        let (source, _done) = script(100, false, |step| match step {
-            99 => Ok(Capture::End),
-            step => Ok(reading(step)),
-        });
-        let captured = on_thread(source).unwrap();
-        std::thread::sleep(Duration::from_millis(30));
-        let arrived: Vec<String> = captured.arrivals().iter().map(brief).collect();
-        let expected: Vec<String> = (0..99).map(|step| format!("{step}(0)")).collect();
-        assert_eq!(arrived[..99], expected);
-        assert_eq!(arrived[99..], ["end"]);
-    }
-
-    #[test]
-    fn dropping_stops_a_thread_that_waits_for_room() {
-        let (source, _done) = script(100, false, |step| Ok(reading(step)));
-        let captured = on_thread(source).unwrap();
-        while captured.arrivals().len() < WAITING_ARRIVALS {
-            std::thread::yield_now();
-        }
-        let over = captured.over.clone();
-        drop(captured);
-        assert_eq!(
-            over.try_recv(),
-            Err(crossbeam_channel::TryRecvError::Disconnected)
-        );
-    }
-
-    #[test]
-    fn dropping_leaves_a_thread_behind_that_blocks() {
-        static BLOCKS: AtomicBool = AtomicBool::new(false);
-        let (source, _done) = script(1, true, |_| {
-            BLOCKS.store(true, Ordering::SeqCst);
-            std::thread::sleep(Duration::from_secs(5));
-            Ok(Capture::Quiet)
-        });
-        let captured = on_thread(source).unwrap();
-        while !BLOCKS.load(Ordering::SeqCst) {
-            std::thread::yield_now();
-        }
-        let start = Instant::now();
-        drop(captured);
-        assert!(start.elapsed() < Duration::from_secs(4));
-    }
-
-    #[test]
-    fn a_panic_of_the_source_arrives_as_a_failure() {
-        let (source, _done) = script(2, true, |step| match step {
-            0 => Ok(reading(0)),
-            _ => panic!("bad count"),
-        });
-        let captured = on_thread(source).unwrap();
-        let arrived: Vec<String> = captured.arrivals().iter().map(brief).collect();
-        assert_eq!(arrived[0], "0(0)");
-        assert_eq!(
-            arrived[1..],
-            ["failed: cannot use script: it panicked: bad count; please report this"]
-        );
-    }
-
-    #[test]
-    fn a_source_that_gives_up_ends_the_channel() {
-        let (source, _done) = script(1, true, |_| {
-            Err(CaptureError::Malformed {
-                source_name: "script".to_owned(),
-                reason: "half a file".to_owned(),
-            })
-        });
-        let captured = on_thread(source).unwrap();
-        let arrived: Vec<String> = captured.arrivals().iter().map(brief).collect();
-        assert_eq!(arrived, ["failed: cannot use script: half a file"]);
-    }
-}
+mod tests;

@@ -4,8 +4,13 @@ use super::{Ended, ademan, file, run};
 
 /// Runs it with the words of `line`, and asserts on the exit code and the words of the message.
 fn refused(line: &str, words: &[&str]) {
+    refused_with(2, line, words);
+}
+
+fn refused_with(code: i32, line: &str, words: &[&str]) {
     let ended = run(line.split(' '));
-    assert_eq!(ended.code, Some(2), "`{line}`: {}{}", ended.out, ended.err);
+    let expected = Some(code);
+    assert_eq!(ended.code, expected, "`{line}`: {}{}", ended.out, ended.err);
     for word in words {
         assert!(
             ended.err.contains(word),
@@ -229,13 +234,13 @@ fn a_wrong_setup_names_its_file_and_where_that_is_known_line_and_column() {
 fn files_that_are_no_recordings_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let empty = file(&folder, "empty.mcap", "");
-    refused(&format!("replay {empty}"), &["the file is empty"]);
+    refused_with(3, &format!("replay {empty}"), &["the file is empty"]);
     refused(
         &format!("record {empty} --source typist:a"),
         &["there is a file already"],
     );
     let text = file(&folder, "text.mcap", "this is a letter, not a recording");
-    refused(&format!("replay {text}"), &["this is no MCAP file"]);
+    refused_with(3, &format!("replay {text}"), &["this is no MCAP file"]);
 }
 
 #[test]

@@ -15,6 +15,8 @@ mod glove;
 mod guardian;
 mod held;
 mod keymaps;
+#[cfg(target_os = "linux")]
+mod memory;
 mod panics;
 mod press;
 mod program;
