@@ -39,7 +39,7 @@ pub fn is_test(text: &str, name: &str) -> bool {
 }
 
 /// Whether the file is one that some program is made of.
-fn is_compiled(file: &Path) -> bool {
+pub fn is_compiled(file: &Path) -> bool {
     let folder = file.parent().expect("a file is in a folder");
     let module = file.file_stem().expect("it has a name").to_string_lossy();
     if folder == Path::new("tests") || module == "main" || module == "mod" || module == "lib" {
