@@ -16,21 +16,15 @@ impl Typing {
     fn guardian(&self) -> u32 {
         let mut found = None;
         let is_there = || {
-            found = self.children().into_iter().find(|child| is_alive(*child));
+            found = self
+                .program
+                .children()
+                .into_iter()
+                .find(|child| is_alive(*child));
             found.is_some()
         };
         assert!(wait_for(is_there), "there is no guardian");
         found.expect("it is there")
-    }
-
-    fn children(&self) -> Vec<u32> {
-        let threads = fs::read_dir(format!("/proc/{}/task", self.program.id()));
-        let of_thread = |thread: fs::DirEntry| {
-            fs::read_to_string(thread.path().join("children")).unwrap_or_default()
-        };
-        let lists: String = threads.expect("it runs").flatten().map(of_thread).collect();
-        let numbers = lists.split_whitespace();
-        numbers.filter_map(|child| child.parse().ok()).collect()
     }
 
     /// Ends the program so that it can do nothing any more.

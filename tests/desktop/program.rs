@@ -1,6 +1,7 @@
 //! The program itself, as a child that the test can talk to as a system does.
 
 use std::ffi::OsStr;
+use std::fs;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex};
@@ -83,6 +84,17 @@ impl Program {
     /// The number of its process.
     pub fn id(&self) -> u32 {
         self.process.0.id()
+    }
+
+    /// The processes that it has started (Linux).
+    pub fn children(&self) -> Vec<u32> {
+        let threads = fs::read_dir(format!("/proc/{}/task", self.id()));
+        let of_thread = |thread: fs::DirEntry| {
+            fs::read_to_string(thread.path().join("children")).unwrap_or_default()
+        };
+        let lists: String = threads.expect("it runs").flatten().map(of_thread).collect();
+        let numbers = lists.split_whitespace();
+        numbers.filter_map(|child| child.parse().ok()).collect()
     }
 
     /// Whether it still runs.
