@@ -7,6 +7,8 @@
 //! - `null with a hop` hands the frame from the thread that reads to the one that writes, through the channel that ours
 //!   has between capture and loop: what the second thread costs.
 //! - `ours` is the library: capture, pipeline and the loop, as `ademan run` puts them together.
+//! - `ours, loaded` is the same with a control socket at which 64 clients ask for news and never read, and another one pours
+//!   100 Mbit of junk in a second. The last column is what that adds.
 //!
 //! Where the event goes is a pipe that takes as many bytes as the kernel's input devices do, in one system call; and
 //! an X server, where the time ends when a client of it has heard the key. Prints a table; without `--bench` (as in
@@ -19,6 +21,10 @@ mod support;
 #[cfg(target_os = "linux")]
 #[path = "latency/desktop.rs"]
 mod desktop;
+
+#[cfg(target_os = "linux")]
+#[path = "latency/load.rs"]
+mod load;
 
 #[cfg(target_os = "linux")]
 #[path = "latency/programs.rs"]

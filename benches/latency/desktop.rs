@@ -46,7 +46,7 @@ pub fn output() -> Option<Output> {
     };
     Some(Output {
         name: "a client of an X server",
-        writers: [plain(PLAIN_KEYS[0]), plain(PLAIN_KEYS[1]), Box::new(ours)],
+        writers: vec![plain(PLAIN_KEYS[0]), plain(PLAIN_KEYS[1]), Box::new(ours)],
         heard,
     })
 }
