@@ -173,6 +173,9 @@ impl Pipeline {
     ///
     /// The hand has to be seen off all controls before anything is pressed again.
     pub fn stall(&mut self, events: &mut Events) {
+        if self.state == State::Stopped {
+            return;
+        }
         let last = self.hands.iter().filter_map(|hand| hand.last_accepted);
         let Some(last) = last.max() else {
             return;
@@ -190,12 +193,12 @@ impl Pipeline {
         if self.is_paused || self.state == State::Stopped {
             return;
         }
-        self.is_paused = true;
         let below = match self.state {
             State::Stalled => State::Stalled,
             _ => State::Paused,
         };
         self.let_go(self.time, below, events);
+        self.is_paused = true;
     }
 
     /// Ends a pause: from now on the hand has to be seen off all controls before anything is pressed
@@ -204,7 +207,6 @@ impl Pipeline {
         if !std::mem::take(&mut self.is_paused) {
             return;
         }
-        // What the controls were played for nothing is not down.
         self.profiles[self.profile].release_all(self.time, &mut Events::new());
         self.clear_since = None;
     }
@@ -383,9 +385,15 @@ impl Pipeline {
 
     /// Lets go of everything; the hand has to be seen off all controls anew to arm.
     fn release_all(&mut self, time: Timestamp, events: &mut Events) {
-        let first = events.len();
-        self.profiles[self.profile].release_all(time, events);
-        self.gate.pass(0, first, events);
+        let controls = &mut self.profiles[self.profile];
+        if self.is_paused {
+            // What the controls are played for nothing in a pause never went down.
+            controls.release_all(time, &mut Events::new());
+        } else {
+            let first = events.len();
+            controls.release_all(time, events);
+            self.gate.pass(0, first, events);
+        }
         self.clear_since = None;
     }
 

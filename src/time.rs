@@ -39,7 +39,9 @@ impl Timestamp {
     /// The moment at `share` (0..=1) of the way from `self` to `later`.
     pub fn toward(self, later: Self, share: f32) -> Self {
         let gap = later.0.saturating_sub(self.0) as f64;
-        Self(self.0 + (gap * f64::from(share.clamp(0.0, 1.0))).round() as u64)
+        let passed = (gap * f64::from(share.clamp(0.0, 1.0))).round() as u64;
+        // A gap of centuries has more digits than the share can tell.
+        Self(self.0.saturating_add(passed).min(later.0.max(self.0)))
     }
 }
 
@@ -75,5 +77,8 @@ mod tests {
         let (start, end) = (Timestamp(1_000), Timestamp(2_000));
         assert_eq!(start.toward(end, 0.25), Timestamp(1_250));
         assert_eq!(start.toward(end, 7.0), end);
+        assert_eq!(end.toward(start, 0.5), end);
+        let last = Timestamp(u64::MAX);
+        assert_eq!(start.toward(last, 1.0), last);
     }
 }

@@ -8,11 +8,15 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+#[path = "support/judged.rs"]
+mod judged;
+
 use ademan::capture::{Capture, LineSettings, Source};
 use ademan::contact::TargetNames;
 use ademan::device::{Action, Events};
 use ademan::output::transcript::Line;
 use ademan::settings::Setup;
+use judged::Judged;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scripts")
@@ -80,7 +84,7 @@ fn played(layout: &str, script: &Path) -> String {
     let path = script.to_str().expect("a path of letters");
     let hand = assembly.scripted(path, &LineSettings::default(), 0.0, 0);
     let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
-    let mut pipeline = assembly.pipeline();
+    let mut pipeline = Judged::of(&assembly);
     let (mut lines, mut ways, mut events) = (Vec::new(), Ways::default(), Events::new());
     while let Ok(Capture::Reading(reading)) = hand.next() {
         events.clear();

@@ -1,18 +1,22 @@
 //! When the engine lets events out, and that it lets go of everything in time.
 
+#[path = "support/judged.rs"]
+mod judged;
+
 use ademan::capture::{Capture, Channels, LineSettings, Reading, Sample, Source};
 use ademan::contact::Phase;
 use ademan::device::{Action, Events, KeyCode};
 use ademan::estimate::Rejection;
 use ademan::layout::Layout;
 use ademan::monitor::State;
-use ademan::pipeline::Pipeline;
 use ademan::settings::{Setup, controls};
 use ademan::time::Timestamp;
+use judged::Judged;
+use parry3d::math::Vec3;
 
 /// A wearer whose hand is over the H key or pushes it in, 100 readings a second.
 struct Wearer {
-    pipeline: Pipeline,
+    pipeline: Judged,
     time_ms: u64,
     over: Channels,
     down: Channels,
@@ -52,7 +56,7 @@ impl Wearer {
         let (over, down) = postures(setup);
         let assembly = setup.clone().assemble().expect("the default setup");
         Self {
-            pipeline: assembly.pipeline(),
+            pipeline: Judged::of(&assembly),
             time_ms: 0,
             over,
             down,
@@ -114,7 +118,7 @@ impl Wearer {
         let layout = Layout::load("dvorak-flat").expect("the shipped layout");
         let mut events = Events::new();
         self.pipeline
-            .replace(0, &mut controls(&layout), &mut events);
+            .replace(0, &mut controls(&layout), &layout, &mut events);
         self.write(&events);
     }
 
@@ -305,6 +309,18 @@ fn the_end_lets_go_of_everything() {
 }
 
 #[test]
+fn readings_that_stay_away_after_the_end_begin_nothing_anew() {
+    let mut wearer = Wearer::armed();
+    wearer.pipeline.stop(&mut Events::new());
+    wearer.wait(1_000);
+    wearer.stay_over(1_000);
+    wearer.push_down(300);
+    wearer.pipeline.stall(&mut Events::new());
+    assert_eq!(wearer.pipeline.state(), State::Stopped);
+    assert_eq!(wearer.said(), "");
+}
+
+#[test]
 fn a_new_layout_lets_go_first_and_a_finger_in_a_key_of_it_has_to_leave() {
     let mut wearer = Wearer::armed();
     wearer.push_down(300);
@@ -469,4 +485,26 @@ fn ending_no_pause_does_not_let_go() {
     wearer.push_down(100);
     assert_eq!(wearer.said(), "down H");
     assert_eq!(wearer.pipeline.state(), State::Running);
+}
+
+#[test]
+fn what_is_played_for_nothing_in_a_pause_never_comes_up() {
+    let ends: [fn(&mut Wearer, &mut Events); 4] = [
+        |wearer, events| wearer.pipeline.stall(events),
+        |wearer, events| wearer.pipeline.stop(events),
+        |wearer, events| {
+            let moved = wearer.pipeline.nudge(Vec3::X * 0.01, events);
+            moved.expect("a board can go so far");
+        },
+        |wearer, _| wearer.switch_to_dvorak(),
+    ];
+    for end in ends {
+        let mut wearer = Wearer::armed();
+        wearer.pause();
+        wearer.type_once();
+        let mut events = Events::new();
+        end(&mut wearer, &mut events);
+        wearer.write(&events);
+        assert_eq!(wearer.said(), "");
+    }
 }

@@ -1,5 +1,8 @@
 //! Two hands on one keyboard, and several layouts in one setup, through the whole engine.
 
+#[path = "support/judged.rs"]
+mod judged;
+
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::device::{Action, Events};
 use ademan::estimate::{ChannelMap, JointAngles};
@@ -7,14 +10,14 @@ use ademan::hand::Side;
 use ademan::lab::TypingHand;
 use ademan::layout::Document;
 use ademan::monitor::State;
-use ademan::pipeline::Pipeline;
 use ademan::settings::{Assembly, NamedLayout, OtherHand, Setup};
 use ademan::time::Timestamp;
+use judged::Judged;
 
 /// People whose hands are over keys or push them in; a reading every 10 ms of each hand.
 struct Wearer {
     assembly: Assembly,
-    pipeline: Pipeline,
+    pipeline: Judged,
     time_ms: u64,
     /// What each hand shows; `None` for one that is not seen.
     shown: [Option<Channels>; Side::COUNT],
@@ -25,7 +28,7 @@ impl Wearer {
     fn of(setup: Setup) -> Self {
         let assembly = setup.assemble().expect("a setup");
         Self {
-            pipeline: assembly.pipeline(),
+            pipeline: Judged::of(&assembly),
             assembly,
             time_ms: 0,
             shown: [None, None],

@@ -1,5 +1,8 @@
 //! A script in, a transcript out: the simulated hand plays every kind of movement, through the pipeline.
 
+#[path = "support/judged.rs"]
+mod judged;
+
 use ademan::capture::{Capture, LineSettings, Source};
 use ademan::device::Events;
 use ademan::hand::Finger;
@@ -7,6 +10,7 @@ use ademan::kinematics::HandPose;
 use ademan::lab::Typist;
 use ademan::output::{Sink, Transcript};
 use ademan::settings::{Assembly, Hand, Setup};
+use judged::Judged;
 use parry3d::math::Vec3;
 
 fn assembly(layout: &str) -> Assembly {
@@ -25,7 +29,7 @@ fn hand(assembly: &Assembly, script: &str) -> Result<Typist, String> {
 /// What comes out of a script: the poses of the hand, and the lines of the transcript.
 fn play(assembly: &Assembly, script: &str) -> (Vec<HandPose>, Vec<String>) {
     let mut hand = hand(assembly, script).unwrap_or_else(|error| panic!("{error}"));
-    let mut pipeline = assembly.pipeline();
+    let mut pipeline = Judged::of(assembly);
     let mut lines = Vec::new();
     let mut transcript = Transcript::new("test", &mut lines);
     transcript.rename(&assembly.layout.target_names());

@@ -117,6 +117,12 @@ impl Request {
     }
 }
 
+/// Reads a line as the socket does, and says what is wrong with it. `profiles` are the names of the layouts of
+/// the setup, in order. Nothing is asked for.
+pub fn check(line: &[u8], profiles: &[String]) -> Result<(), String> {
+    Request::parse(line, profiles).map(drop)
+}
+
 /// The fields of a line; those that were used are taken out.
 #[derive(Default)]
 struct Written {

@@ -200,7 +200,7 @@ impl Oracle {
         self.judge_frame(&step)?;
         let before = self.passage.state();
         self.passage.go_on(&step)?;
-        self.judge_idleness(&step, before)?;
+        self.judge_idleness(&step, before.0)?;
         self.touching.follow(&step, before)?;
         let rules = self.rules.get(step.profile);
         let rules = rules.ok_or(Violation::NoSuchProfile(step.profile))?;

@@ -105,7 +105,7 @@ fn rewrite(
 #[derive(Deserialize)]
 #[serde(rename = "Layout")]
 struct Pieces<'a> {
-    #[serde(borrow)]
+    #[serde(borrow, default)]
     boards: Vec<BoardPieces<'a>>,
 }
 
@@ -218,6 +218,13 @@ Layout(
     fn what_was_not_moved_keeps_its_numbers_as_they_are_written() {
         let text = COMMENTED.replace("-45.0", "-45.00123");
         assert_eq!(moved(&document(&text), &places(&text)).unwrap(), text);
+    }
+
+    #[test]
+    fn a_layout_without_boards_stays_as_it_is() {
+        let ray = Document::shipped("ray").unwrap();
+        assert_eq!(moved(&ray, &[]).as_ref(), Ok(&ray.text));
+        assert_eq!(scaled(&ray, 2.0).as_ref(), Ok(&ray.text));
     }
 
     #[test]

@@ -18,11 +18,13 @@ use ademan::contact::surface::{Anchor, Scene, Shape, TREMBLE, Target};
 use ademan::contact::{ContactTracker, TargetId, Touch, Touches};
 use ademan::device::keyboard::{Fires, Hold, KeyBinding, Keyboard};
 use ademan::device::{
-    Action, Events, KeyAction, KeyCode, Latch, Out, Seen, Switchboard, VirtualDevice,
+    Action, Events, KeyAction, KeyCode, Latch, Needs, Out, Seen, Switchboard, VirtualDevice,
 };
 use ademan::estimate::JointAngles;
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
+use ademan::lab::Oracle;
+use ademan::pipeline::Arming;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 use std::time::Duration;
@@ -63,6 +65,7 @@ pub struct Rig {
     world_from_board: Pose,
     names: Vec<String>,
     transcript: Vec<(Timestamp, String)>,
+    oracle: Oracle,
 }
 
 impl Rig {
@@ -81,9 +84,13 @@ impl Rig {
         }
         let mut scene = Scene::new();
         scene.add(Anchor::World, world_from_board(), targets);
+        let keyboard = Keyboard::new(bindings);
+        let mut needs = Needs::default();
+        keyboard.add_needs(&mut needs);
         Self {
             tracker: ContactTracker::new(&scene),
-            keyboard: Keyboard::new(bindings),
+            keyboard,
+            oracle: Oracle::new([needs.into()], Arming::default()),
             switchboard: Switchboard::default(),
             scene,
             pose: HandPose::at(Timestamp(0), Side::Right, RADIUS),
@@ -138,7 +145,7 @@ impl Rig {
             None if order == "release" => {
                 let mut events = Events::new();
                 self.release_all(self.pose.time, &mut events);
-                self.write(&events);
+                self.write(&events, true);
             }
             None => panic!("unknown order {order}"),
         }
@@ -215,10 +222,12 @@ impl Rig {
     fn hear(&mut self, touches: &Touches) {
         let mut events = Events::new();
         self.update(&self.pose.clone(), touches, &mut events);
-        self.write(&events);
+        self.write(&events, false);
     }
 
-    fn write(&mut self, events: &Events) {
+    fn write(&mut self, events: &Events, lets_go: bool) {
+        let judgement = self.oracle.judge_devices(events, lets_go);
+        judgement.unwrap_or_else(|violation| panic!("{violation}: {events:?}"));
         for event in events {
             let text = match event.action {
                 Action::KeyDown(code) => format!("dn:{code}"),

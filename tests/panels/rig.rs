@@ -21,8 +21,10 @@ use ademan::device::{Events, Out, Seen, Switchboard, VirtualDevice};
 use ademan::estimate::JointAngles;
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
+use ademan::lab::{Oracle, Rules};
 use ademan::layout::Layout;
 use ademan::output::{Sink, Transcript};
+use ademan::pipeline::Arming;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec3};
 
@@ -39,6 +41,7 @@ pub struct Rig {
     time: Timestamp,
     page: Page,
     transcript: Transcript<Page>,
+    oracle: Oracle,
 }
 
 struct Hand {
@@ -107,6 +110,7 @@ impl Rig {
         Self {
             hands: [hand(), hand()],
             devices: layout.devices(),
+            oracle: Oracle::new([Rules::of(&layout)], Arming::default()),
             switchboard: Switchboard::new(layout.texts.clone()),
             names,
             layout,
@@ -260,7 +264,7 @@ impl Rig {
         for device in &mut self.devices {
             device.update(&seen, &mut out);
         }
-        self.transcript.send(&events).unwrap();
+        self.write(&events, false);
     }
 
     /// Lets go of everything, as the engine does.
@@ -277,7 +281,13 @@ impl Rig {
         for device in &mut self.devices {
             device.release_all(self.time, &mut out);
         }
-        self.transcript.send(&events).unwrap();
+        self.write(&events, true);
+    }
+
+    fn write(&mut self, events: &Events, lets_go: bool) {
+        let judgement = self.oracle.judge_devices(events, lets_go);
+        judgement.unwrap_or_else(|violation| panic!("{violation}: {events:?}"));
+        self.transcript.send(events).unwrap();
     }
 }
 

@@ -1,7 +1,8 @@
 //! From state to state.
 
 use super::{Cause, Seen, Step, Violation};
-use crate::contact::Phase;
+use crate::contact::{Phase, Touch};
+use crate::hand::Finger;
 use crate::monitor::State;
 use crate::pipeline::Arming;
 use crate::time::Timestamp;
@@ -29,9 +30,9 @@ impl Passage {
         }
     }
 
-    /// The state after the last step.
-    pub(super) fn state(&self) -> State {
-        self.state
+    /// The state after the last step, and whether somebody had asked for a pause.
+    pub(super) fn state(&self) -> (State, bool) {
+        (self.state, self.is_paused)
     }
 
     /// Takes the next step.
@@ -63,8 +64,7 @@ impl Passage {
 
     fn take_frame(&mut self, frame: Seen) {
         self.time = self.time.max(frame.pose.time);
-        let is_off = |phase| matches!(phase, Phase::Left | Phase::Cancelled);
-        match frame.touches.iter().all(|touch| is_off(touch.phase)) {
+        match touches_nothing(frame.touches) {
             true => self.clear_since = self.clear_since.or(Some(self.time)),
             false => self.clear_since = None,
         }
@@ -83,6 +83,14 @@ impl Passage {
             false => Err(Violation::ArmedTooSoon),
         }
     }
+}
+
+/// Whether the last that every fingertip did was to leave.
+fn touches_nothing(touches: &[Touch]) -> bool {
+    let is_off = |phase| matches!(phase, Phase::Left | Phase::Cancelled);
+    let last_of = |finger| touches.iter().rfind(|touch| touch.finger == finger);
+    let mut last = Finger::ALL.iter().filter_map(|&finger| last_of(finger));
+    last.all(|touch| is_off(touch.phase))
 }
 
 fn may_follow(before: State, after: State) -> bool {

@@ -14,9 +14,10 @@ pub(super) struct Touching {
 }
 
 impl Touching {
-    /// Takes the next step; `before` is the state before it.
-    pub(super) fn follow(&mut self, step: &Step, before: State) -> Result<(), Violation> {
-        let stalled = before != State::Stalled && step.state == State::Stalled;
+    /// Takes the next step; `before` is the state before it, and whether somebody had asked for a pause.
+    pub(super) fn follow(&mut self, step: &Step, before: (State, bool)) -> Result<(), Violation> {
+        let (before, was_paused) = before;
+        let stalled = !was_paused && before != State::Stalled && step.state == State::Stalled;
         // A reading that comes too late is seen after everything was let go of.
         if stalled {
             *self = Self::default();
@@ -40,7 +41,9 @@ impl Touching {
             self.is_seen[frame.pose.side.index()] = true;
         }
         let paused = before == State::Running && step.state == State::Paused;
-        if step.cause == Cause::LetGo || paused {
+        // A touch that ends a pause ends with it.
+        let ended_pause = was_paused && !step.is_paused;
+        if step.cause == Cause::LetGo || paused || ended_pause {
             *self = Self::default();
         }
         Ok(())

@@ -1,0 +1,32 @@
+//! Writes the valid inputs that a search begins with, made of what is shipped, into `corpus/`.
+
+use std::fs;
+use std::path::Path;
+
+use ademan_fuzz::{packets, recordings, seeds};
+
+fn main() -> std::io::Result<()> {
+    let all = [
+        ("packets", packets::seeds()),
+        ("layouts", seeds::layouts()),
+        ("setups", seeds::setups()),
+        ("gloves", seeds::gloves()),
+        ("arms", seeds::arms()),
+        ("recordings", recordings::seeds()),
+        ("requests", seeds::requests()),
+        ("sources", seeds::sources()),
+        ("scripts", seeds::scripts()),
+        ("engine", seeds::engine()),
+    ];
+    for (target, inputs) in all {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("corpus")
+            .join(target);
+        fs::create_dir_all(&folder)?;
+        for (number, input) in inputs.iter().enumerate() {
+            fs::write(folder.join(format!("seed-{number}")), input)?;
+        }
+        println!("{}: {} inputs", folder.display(), inputs.len());
+    }
+    Ok(())
+}

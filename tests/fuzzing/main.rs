@@ -1,0 +1,175 @@
+//! Seeded random runs of every parser and of the engine: 10 million bytes each, and a million steps.
+//!
+//! The targets are those of `fuzz/`, which searches for inputs on its own and for longer. More bytes and
+//! steps, or others: `ADEMAN_FUZZ_SEED=7 ADEMAN_FUZZ_TIMES=100 cargo test --test fuzzing -- --nocapture`.
+
+mod engine;
+#[path = "../support/judged.rs"]
+mod judged;
+mod packets;
+mod random;
+mod recordings;
+mod seeds;
+mod texts;
+
+use std::time::Instant;
+
+use engine::Ran;
+use random::Inputs;
+
+/// What a parser is given in a run, in bytes.
+const BYTES: u64 = 10_000_000;
+
+/// What the engine is given in a run.
+const STEPS: u64 = 1_000_000;
+
+fn number(name: &str, default: u64) -> u64 {
+    let set = std::env::var(name).ok();
+    set.map_or(default, |text| text.parse().expect("a whole number"))
+}
+
+fn seed() -> u64 {
+    number("ADEMAN_FUZZ_SEED", 1)
+}
+
+fn times() -> u64 {
+    number("ADEMAN_FUZZ_TIMES", 1)
+}
+
+/// Gives a parser damaged seeds and noise, and tells what became of them.
+fn run(name: &str, seeds: Vec<Vec<u8>>, parse: impl Fn(&[u8]) -> bool) {
+    let start = Instant::now();
+    let mut inputs = Inputs::new(seed(), seeds);
+    let (mut bytes, mut accepted, mut refused) = (0, 0, 0);
+    while bytes < BYTES * times() {
+        let input = inputs.next();
+        bytes += input.len() as u64;
+        match judged_by(name, &input, &parse) {
+            true => accepted += 1,
+            false => refused += 1,
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    println!("{name}: {bytes} bytes, {accepted} accepted, {refused} refused, {seconds:.1} s");
+    assert!(accepted > 0, "nothing got through");
+    assert!(refused > 0, "nothing was wrong");
+}
+
+/// A panic shows the input that it is about.
+fn judged_by<T>(name: &str, input: &[u8], take: &impl Fn(&[u8]) -> T) -> T {
+    struct Shown<'a>(&'a str, &'a [u8]);
+
+    impl Drop for Shown<'_> {
+        fn drop(&mut self) {
+            if std::thread::panicking() {
+                let Self(name, input) = self;
+                println!("{name} failed on b\"{}\"", input.escape_ascii());
+            }
+        }
+    }
+
+    let _shown = Shown(name, input);
+    take(input)
+}
+
+#[test]
+fn packets_of_the_glove_are_told_from_noise() {
+    run("packets", packets::seeds(), packets::packets);
+}
+
+#[test]
+fn layouts_are_read_or_refused() {
+    run("layouts", seeds::layouts(), texts::layout);
+}
+
+#[test]
+fn setups_are_read_or_refused() {
+    run("setups", seeds::setups(), texts::setup);
+}
+
+#[test]
+fn gloves_are_read_or_refused() {
+    run("gloves", seeds::gloves(), texts::glove);
+}
+
+#[test]
+fn arms_are_read_or_refused() {
+    run("arms", seeds::arms(), texts::arm);
+}
+
+#[test]
+fn recordings_are_replayed_or_refused() {
+    run("recordings", recordings::seeds(), recordings::recording);
+}
+
+#[test]
+fn requests_are_understood_or_refused() {
+    run("requests", seeds::requests(), texts::request);
+}
+
+#[test]
+fn sources_are_understood_or_refused() {
+    run("sources", seeds::sources(), texts::source);
+}
+
+#[test]
+fn scripts_are_read_or_refused() {
+    run("scripts", seeds::scripts(), texts::script);
+}
+
+#[test]
+fn nesting_without_end_is_refused_and_overflows_no_stack() {
+    let parsers: [(&str, fn(&[u8]) -> bool); 6] = [
+        ("layout", texts::layout),
+        ("setup", texts::setup),
+        ("glove", texts::glove),
+        ("arm", texts::arm),
+        ("request", texts::request),
+        ("script", texts::script),
+    ];
+    let openings = [
+        "(",
+        "[",
+        "{",
+        "Some(",
+        "{\"ask\":",
+        "((",
+        "[(",
+        "(hand:",
+        "(boards:[",
+        "/*",
+    ];
+    for (name, parse) in parsers {
+        for opening in openings {
+            for times in [200, 100_000] {
+                let text = opening.repeat(times);
+                assert!(!parse(text.as_bytes()), "{name}: {times} times {opening}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_engine_keeps_its_invariants() {
+    let start = Instant::now();
+    let mut inputs = Inputs::new(seed(), seeds::engine());
+    let mut all = Ran::default();
+    while all.steps < STEPS * times() {
+        for input in [inputs.noise(400), inputs.next()] {
+            all.add(judged_by("engine", &input, &engine::engine));
+        }
+    }
+    let seconds = start.elapsed().as_secs_f64();
+    println!("engine: {all:?}, {seconds:.1} s");
+    let enough = [
+        (all.accepted, STEPS / 2),
+        (all.presses, 1_000),
+        (all.other_events, 1_000),
+        (all.forced, 100),
+        (all.armed, 500),
+    ];
+    for (count, least) in enough {
+        assert!(count >= least, "too little happened: {all:?}");
+    }
+    assert!(all.accepted < all.steps);
+}

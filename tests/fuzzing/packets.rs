@@ -1,0 +1,51 @@
+//! The glove's packets: every byte is counted once, however the stream is cut.
+
+use ademan::capture::hc11::{BODY_BYTES, Decoder, FRAME_BYTES, Framing, encode};
+
+/// The first byte says how long the pieces are that the rest comes in. Whether there was a frame.
+pub fn packets(data: &[u8]) -> bool {
+    let Some((&length, stream)) = data.split_first() else {
+        return false;
+    };
+    let mut is_frame = false;
+    for &framing in Framing::ALL {
+        let whole = frames(framing, stream, stream.len().max(1));
+        let cut = frames(framing, stream, usize::from(length).max(1));
+        assert_eq!(whole, cut, "the frames depend on how the stream is cut");
+        is_frame |= !whole.is_empty();
+    }
+    is_frame
+}
+
+fn frames(framing: Framing, stream: &[u8], length: usize) -> Vec<[u8; BODY_BYTES]> {
+    let mut decoder = Decoder::new(framing);
+    let mut frames = Vec::new();
+    for piece in stream.chunks(length) {
+        decoder.push(piece, &mut |body| frames.push(*body));
+        assert!(decoder.waiting() < FRAME_BYTES + 2);
+        check_counts(&decoder, frames.len());
+    }
+    decoder.finish(&mut |body| frames.push(*body));
+    check_counts(&decoder, frames.len());
+    let counts = decoder.counts();
+    assert_eq!((decoder.waiting(), counts.bytes), (0, stream.len() as u64));
+    frames
+}
+
+fn check_counts(decoder: &Decoder, frames: usize) {
+    let counts = decoder.counts();
+    let of_frames = FRAME_BYTES as u64 * counts.readings;
+    let accounted = of_frames + counts.skipped_bytes + decoder.waiting() as u64;
+    assert_eq!(counts.bytes, accounted, "a byte is counted twice or never");
+    assert_eq!(counts.readings, frames as u64);
+}
+
+/// Streams of frames, of which one in each framing is whole.
+pub fn seeds() -> Vec<Vec<u8>> {
+    let stream = |&framing: &Framing| {
+        let frame = |number: u8| encode(framing, &std::array::from_fn(|at| number ^ at as u8));
+        let frames = (0..12).flat_map(frame);
+        std::iter::once(66).chain(frames).collect()
+    };
+    Framing::ALL.iter().map(stream).collect()
+}

@@ -1,0 +1,129 @@
+//! Recordings: what can be replayed can be recorded again, and is the same.
+
+use std::sync::LazyLock;
+
+use ademan::capture::recording::{RecordedSetup, Replay};
+use ademan::capture::{Capture, LineSettings, Reading, Source};
+use ademan::contact::Touches;
+use ademan::device::Events;
+use ademan::monitor::{Snapshot, State, Tally};
+use ademan::recorder::Recorder;
+use ademan::settings::{Assembly, Setup};
+
+/// What a recording gives: its setup, its readings, and whether it came to its end.
+struct Replayed {
+    setup: RecordedSetup,
+    readings: Vec<Reading>,
+    is_whole: bool,
+}
+
+fn replay(bytes: &[u8]) -> Option<Replayed> {
+    let mut replay = Replay::read("fuzz", bytes).ok()?;
+    let mut readings = Vec::new();
+    let is_whole = loop {
+        match replay.next() {
+            Ok(Capture::Reading(reading)) => readings.push(reading),
+            Ok(Capture::End) => break replay.cut().is_none(),
+            Ok(Capture::Quiet) => panic!("a recording is never quiet"),
+            Err(error) => {
+                assert!(!error.to_string().is_empty());
+                break false;
+            }
+        }
+    };
+    let counts = replay.counts();
+    assert_eq!(counts.readings, readings.len() as u64);
+    assert!(counts.bytes <= bytes.len() as u64 && counts.skipped_bytes <= counts.bytes);
+    if let Some(cut) = replay.cut() {
+        assert!(cut.offset <= bytes.len() as u64 && !cut.reason.is_empty());
+    }
+    Some(Replayed {
+        setup: replay.setup().clone(),
+        readings,
+        is_whole,
+    })
+}
+
+/// Whether it is a recording that can be replayed to its end.
+pub fn recording(data: &[u8]) -> bool {
+    let Some(replayed) = replay(data) else {
+        return false;
+    };
+    if !replayed.is_whole {
+        return false;
+    }
+    // Its setup may be anything; what it names is not looked for.
+    if let Some(settings) = replayed.setup.get("settings") {
+        super::texts::setup(settings.text.as_bytes());
+    }
+    if let Some(bytes) = record(&replayed.setup, &replayed.readings) {
+        let again = replay(&bytes).expect("what was recorded can be replayed");
+        assert!(again.is_whole);
+        assert_eq!(again.readings, replayed.readings);
+        assert_eq!(again.setup, replayed.setup);
+    }
+    true
+}
+
+/// The bytes of a recording of these readings; `None` where the recorder refuses them.
+fn record(setup: &RecordedSetup, readings: &[Reading]) -> Option<Vec<u8>> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("again.mcap");
+    let mut recorder = Recorder::create(&path, setup).ok()?;
+    for reading in readings {
+        recorder.write(&snapshot(reading)).ok()?;
+    }
+    recorder.finish().ok()?;
+    Some(std::fs::read(&path).expect("the recording"))
+}
+
+fn snapshot(reading: &Reading) -> Snapshot {
+    Snapshot {
+        state: State::Paused,
+        profile: 0,
+        names: ASSEMBLY.layout.target_names(),
+        is_paused: false,
+        reading: Some(reading.clone()),
+        angles: None,
+        pose: None,
+        touches: Touches::new(),
+        events: Events::new(),
+        tally: Tally::default(),
+    }
+}
+
+static ASSEMBLY: LazyLock<Assembly> = LazyLock::new(|| {
+    let setup = Setup {
+        layout: "arrows".into(),
+        ..Setup::default()
+    };
+    setup.assemble().expect("a shipped layout")
+});
+
+/// Recordings of a hand that presses an arrow key: with its setup and without, each with its checksum and
+/// without, so that damage is looked at too.
+pub fn seeds() -> Vec<Vec<u8>> {
+    let hand = ASSEMBLY.scripted("tap ArrowUp", &LineSettings::default(), 0.0, 0);
+    let mut hand = hand.expect("a hand");
+    let mut readings = Vec::new();
+    while let Ok(Capture::Reading(reading)) = hand.next() {
+        readings.push(reading);
+    }
+    let recorded = [ASSEMBLY.recorded_setup(), RecordedSetup::default()];
+    let bytes = recorded.map(|setup| record(&setup, &readings[..8]).expect("a recording"));
+    bytes
+        .into_iter()
+        .flat_map(|bytes| [unchecked(&bytes), bytes])
+        .collect()
+}
+
+/// The same with a checksum of 0, which stands for none.
+fn unchecked(bytes: &[u8]) -> Vec<u8> {
+    /// What the record that ends the data begins with: its code, and its length of 4 bytes.
+    const DATA_END: [u8; 9] = [0x0f, 4, 0, 0, 0, 0, 0, 0, 0];
+    let mut bytes = bytes.to_vec();
+    let at = bytes.windows(9).rposition(|window| window == DATA_END);
+    let at = at.expect("a recording has an end") + DATA_END.len();
+    bytes[at..at + 4].fill(0);
+    bytes
+}

@@ -1,0 +1,99 @@
+//! Valid inputs of every kind, from what is shipped.
+
+use ademan::layout::Document;
+use ademan::layout::file::shipped_layouts;
+
+fn shipped(name: &str) -> Vec<u8> {
+    let document = Document::shipped(name).expect("a shipped file");
+    document.text.into_bytes()
+}
+
+/// Every shipped layout.
+pub fn layouts() -> Vec<Vec<u8>> {
+    shipped_layouts().map(shipped).collect()
+}
+
+/// The shipped gloves.
+pub fn gloves() -> Vec<Vec<u8>> {
+    ["unam-hc11", "unam-hc11-left"].map(shipped).into()
+}
+
+/// The shipped arm.
+pub fn arms() -> Vec<Vec<u8>> {
+    vec![shipped("unam")]
+}
+
+/// Setups: the example, and some with what it leaves out.
+pub fn setups() -> Vec<Vec<u8>> {
+    texts(&[
+        include_str!("../../examples/setup.ron"),
+        r#"Setup(hand: Measured(hand_length_mm: 190, forearm_length_mm: 255), stall_ms: 300)"#,
+        r#"Setup(other_hand: OtherHand(), profiles: [Profile(name: "numbers", layout: "numpad")])"#,
+        r#"Setup(source: "tcp:[::1]:4001?baud=9600", smoothing: OneEuro(min_cutoff_hz: 1.5, beta: 0.3))"#,
+        r#"(armed: true, output: "uinput,transcript", smoothing: Off)"#,
+    ])
+}
+
+/// Every request, and some that are wrong.
+pub fn requests() -> Vec<Vec<u8>> {
+    texts(&[
+        r#"{"ask":"state"}"#,
+        r#"{"ask":"pause"}"#,
+        r#"{"ask":"resume"}"#,
+        r#"{"ask":"reload"}"#,
+        r#"{"ask":"profile","name":"numbers"}"#,
+        r#"{"ask":"next-profile"}"#,
+        r#"{"ask":"recentre"}"#,
+        r#"{"ask":"nudge","x_mm":12.5,"y_mm":0,"z_mm":-3e1}"#,
+        r#"{"ask":"tilt","deg":-7.5}"#,
+        r#"{"ask":"scale","factor":1.05}"#,
+        r#"{"ask":"save"}"#,
+        r#"{"ask":"subscribe"}"#,
+        r#"{"ask":"stop"}"#,
+        r#"{"ask":"state","name":"main"}"#,
+    ])
+}
+
+/// Sources of every kind.
+pub fn sources() -> Vec<Vec<u8>> {
+    texts(&[
+        "serial:/dev/ttyUSB0?protocol=hc11&baud=9600",
+        "serial:COM3?framing=hash",
+        "serial:usb-0403:6001",
+        "tcp:192.168.1.7:4001?framing=double06",
+        "tcp:[::1]:4001",
+        "file:what?a=b?protocol=hc11",
+        "recording:day.mcap",
+        "typist:hello, world",
+        "script:tap Q; wait 100",
+    ])
+}
+
+/// Scripts with every order, for the arrow keys.
+pub fn scripts() -> Vec<Vec<u8>> {
+    texts(&[
+        include_str!("../../examples/scripts/arrows.txt"),
+        "tap ArrowUp 3 -2; press ArrowDown; wait 200; slide 5 5 300; arc 90 500; lift # and again",
+        "push ArrowLeft 0.5; bend middle 60 & bend ring 40 400; roll 20 500; pinch; unpinch 200",
+        "point 150 30 -300\nset elbow-flexion 30 & set wrist-flexion -20 100; tap 'ArrowUp'",
+    ])
+}
+
+fn texts(texts: &[&str]) -> Vec<Vec<u8>> {
+    texts.iter().map(|text| text.as_bytes().to_vec()).collect()
+}
+
+/// One for each setup of the engine: the hand rests until the engine runs, plays all it can, and is
+/// disturbed.
+pub fn engine() -> Vec<Vec<u8>> {
+    let played = [&[184][..], &[183; 40]].concat();
+    let orders = [
+        &[208, 8, 184, 183, 183][..],
+        &[232, 184, 183, 183, 233, 183, 234, 184],
+        &[240, 1, 184, 183, 183, 239, 0, 2, 9, 184, 183, 183],
+        &[242, 140, 130, 120, 184, 183, 245, 150, 184, 183, 248, 183],
+        &[223, 17, 1, 0, 20, 184, 183, 220, 183, 183],
+    ];
+    let seed = |setup: u8| [&[setup][..], &played, &orders.concat()].concat();
+    (0..8).map(seed).collect()
+}

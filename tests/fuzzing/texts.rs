@@ -1,0 +1,226 @@
+//! The files that people write, the names that they give, and the lines that programs send.
+
+use std::sync::LazyLock;
+
+use ademan::capture::SourceName;
+use ademan::contact::TargetNames;
+use ademan::contact::place::Place;
+use ademan::control::request;
+use ademan::kinematics::ArmModel;
+use ademan::lab::Script;
+use ademan::layout::{Document, Glove, Layout, LayoutError, moved, scaled};
+use ademan::settings::{Hand, Setup, controls};
+
+/// A text as a file would hold it; `None` where it is not in UTF-8, which no parser sees.
+fn document(data: &[u8]) -> Option<Document> {
+    Some(Document::new("fuzz.ron", str::from_utf8(data).ok()?))
+}
+
+/// An error has a text, and a place in the file.
+fn check_error(error: &LayoutError, document: &Document) {
+    assert!(!error.message().is_empty());
+    if let Some(line) = error.line() {
+        assert!(line >= 1 && error.column().is_some_and(|column| column >= 1));
+        assert!(line <= document.text.lines().count() + 1, "{error}");
+    }
+}
+
+/// Whether it is a layout. One that is gives controls, needs and drawings, and a file with its boards moved
+/// or scaled is a layout too.
+pub fn layout(data: &[u8]) -> bool {
+    let Some(document) = document(data) else {
+        return false;
+    };
+    let layout = match Layout::of(document.clone()) {
+        Ok(layout) => layout,
+        Err(error) => {
+            check_error(&error, &document);
+            return false;
+        }
+    };
+    let built = controls(&layout);
+    assert_eq!(
+        layout.target_names().iter().count(),
+        built.names().iter().count()
+    );
+    assert!(layout.needs().iter().count() < 4096);
+    assert!(layout.svg().starts_with("<svg"));
+    assert!(layout.draw().len() < 1 << 24);
+    check_rewriting(&layout, &document);
+    true
+}
+
+fn check_rewriting(layout: &Layout, document: &Document) {
+    let surfaces = layout.scene.surfaces().iter();
+    let places: Vec<Place> = surfaces
+        .map(|surface| Place::of(&surface.anchor_from_surface()))
+        .take(layout.boards.len())
+        .collect();
+    let same = moved(document, &places).expect("a layout can be written");
+    assert_eq!(
+        same, document.text,
+        "boards that are there keep their numbers"
+    );
+
+    let aside = |place: &Place| Place {
+        right: (place.right + 0.0125).min(1.9),
+        ..*place
+    };
+    let wanted: Vec<Place> = places.iter().map(aside).collect();
+    let text = moved(document, &wanted).expect("a layout can be written");
+    let again = Layout::parse(&text, "moved.ron").unwrap_or_else(|error| panic!("{error}"));
+    let surfaces = again.scene.surfaces().iter();
+    for (surface, wanted) in surfaces.zip(&wanted) {
+        let place = Place::of(&surface.anchor_from_surface());
+        assert!(
+            (place.right - wanted.right).abs() < 2e-5,
+            "{place:?} {wanted:?}"
+        );
+    }
+    assert_eq!(again.keys, layout.keys);
+    assert_eq!(again.needs(), layout.needs());
+
+    let text = scaled(document, 1.0).expect("a layout can be written");
+    if let Err(error) = Layout::parse(&text, "scaled.ron") {
+        // Rounded to four digits, a scale at the end of its range can be out of it.
+        assert!(error.to_string().contains("scale"), "{error}");
+    }
+}
+
+/// Whether it is a setup that can be used. One that is written again is the same.
+pub fn setup(data: &[u8]) -> bool {
+    let Some(document) = document(data) else {
+        return false;
+    };
+    let setup: Setup = match document.parse() {
+        Ok(setup) => setup,
+        Err(error) => {
+            check_error(&error, &document);
+            return false;
+        }
+    };
+    let text = ron::to_string(&setup).expect("a setup is plain data");
+    let again: Setup = Document::new("again.ron", &*text)
+        .parse()
+        .unwrap_or_else(|error| panic!("{error}"));
+    // As texts: a number may be none, and that is not equal to itself.
+    assert_eq!(ron::to_string(&again).as_ref(), Ok(&text));
+    // Nothing is read but what comes with the program.
+    let model = |hand: Hand| match hand {
+        Hand::Model(_) => Hand::Model("unam".into()),
+        measured => measured,
+    };
+    let known = Setup {
+        glove: "unam-hc11".into(),
+        layout: "arrows".into(),
+        profiles: Vec::new(),
+        other_hand: None,
+        hand: model(setup.hand),
+        ..setup
+    };
+    match known.assemble() {
+        Ok(assembly) => {
+            drop(assembly.pipeline());
+            true
+        }
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            false
+        }
+    }
+}
+
+/// Whether it is a glove.
+pub fn glove(data: &[u8]) -> bool {
+    let Some(document) = document(data) else {
+        return false;
+    };
+    match Glove::parse(&document) {
+        Ok(glove) => {
+            assert!(glove.map.channels_needed() <= ademan::capture::MAX_CHANNELS);
+            true
+        }
+        Err(error) => {
+            check_error(&error, &document);
+            false
+        }
+    }
+}
+
+/// Whether it is an arm. One that is holds a pose.
+pub fn arm(data: &[u8]) -> bool {
+    use ademan::estimate::JointAngles;
+    use ademan::time::Timestamp;
+
+    let Some(document) = document(data) else {
+        return false;
+    };
+    match ArmModel::parse(&document) {
+        Ok(arm) => {
+            let pose = arm.forward(&JointAngles::at(Timestamp(0)));
+            for (joint, pose) in pose.known() {
+                assert!(pose.is_finite(), "{joint} is nowhere");
+            }
+            true
+        }
+        Err(error) => {
+            check_error(&error, &document);
+            false
+        }
+    }
+}
+
+/// Whether it is a request.
+pub fn request(data: &[u8]) -> bool {
+    static PROFILES: LazyLock<Vec<String>> =
+        LazyLock::new(|| ["main", "numbers"].map(str::to_owned).to_vec());
+    match request::check(data, &PROFILES) {
+        Ok(()) => true,
+        Err(reason) => {
+            assert!(!reason.is_empty());
+            false
+        }
+    }
+}
+
+/// Whether it names a source. The name of what was read names the same.
+pub fn source(data: &[u8]) -> bool {
+    let Ok(text) = str::from_utf8(data) else {
+        return false;
+    };
+    match text.parse::<SourceName>() {
+        Ok(source) => {
+            let again = source.to_string().parse::<SourceName>();
+            assert_eq!(again.expect("a name that was written"), source);
+            true
+        }
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            false
+        }
+    }
+}
+
+/// Whether it is a script for the arrow keys.
+pub fn script(data: &[u8]) -> bool {
+    static NAMES: LazyLock<TargetNames> = LazyLock::new(|| {
+        let arrows = Layout::load("arrows").expect("a shipped layout");
+        arrows.target_names()
+    });
+    let Some(document) = document(data) else {
+        return false;
+    };
+    match Script::parse(document.clone(), &NAMES) {
+        Ok(script) => {
+            assert!(!script.orders().is_empty());
+            for order in 0..script.orders().len() {
+                check_error(&script.error(order, "here"), &document);
+            }
+            true
+        }
+        Err(error) => {
+            check_error(&error, &document);
+            false
+        }
+    }
+}
