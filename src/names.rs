@@ -100,11 +100,20 @@ fn suggestion(nearest: &Option<String>) -> String {
     }
 }
 
-/// The name among `valid` that is spelled most like `text`; `None` when nothing is close.
+/// Longer words than this, in bytes, are compared with nothing: that takes time and memory by the product of
+/// both lengths, and nobody means a name by them.
+const LONGEST: usize = 128;
+
+/// The name among `valid` that is spelled most like `text`; `None` when nothing is close, or when it is
+/// longer than any name.
 pub fn nearest<'a>(text: &str, valid: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    if text.len() > LONGEST {
+        return None;
+    }
     let wanted = text.to_lowercase();
     valid
         .into_iter()
+        .filter(|name| name.len() <= LONGEST)
         .map(|name| {
             (
                 strsim::normalized_damerau_levenshtein(&wanted, &name.to_lowercase()),
@@ -125,6 +134,14 @@ mod tests {
         let keys = ["ShiftLeft", "Space", "Semicolon"];
         assert_eq!(nearest("shfitleft", keys), Some("ShiftLeft"));
         assert_eq!(nearest("zzzz", keys), None);
+    }
+
+    #[test]
+    fn words_without_end_are_compared_with_nothing() {
+        let (endless, name) = ("a".repeat(5_000), "a".repeat(100));
+        assert_eq!(nearest(&endless, [&*endless]), None);
+        assert_eq!(nearest(&endless[..129], [&*name]), None);
+        assert_eq!(nearest(&endless[..101], [&*endless, &*name]), Some(&*name));
     }
 
     #[test]
