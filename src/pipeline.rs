@@ -385,15 +385,14 @@ impl Pipeline {
 
     /// Lets go of everything; the hand has to be seen off all controls anew to arm.
     fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        let first = events.len();
         let controls = &mut self.profiles[self.profile];
-        if self.is_paused {
+        match self.is_paused {
             // What the controls are played for nothing in a pause never went down.
-            controls.release_all(time, &mut Events::new());
-        } else {
-            let first = events.len();
-            controls.release_all(time, events);
-            self.gate.pass(0, first, events);
+            true => controls.release_all(time, &mut Events::new()),
+            false => controls.release_all(time, events),
         }
+        self.gate.pass(0, first, events);
         self.clear_since = None;
     }
 

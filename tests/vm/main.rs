@@ -59,9 +59,8 @@ impl Scene {
              stop_keys: [\"ControlLeft\", \"ControlRight\"])"
         );
         self.machine.run(&format!("echo '{setup}' >/tmp/setup.ron"));
-        self.machine.run(
-            "ademan run --allow-root /tmp/setup.ron --control /tmp/control >/tmp/ademan.log 2>&1 &",
-        );
+        self.machine
+            .run("ademan run --allow-root /tmp/setup.ron --control /tmp/control >/tmp/ademan.log 2>&1 &");
         self.wait_until_said("listening to", 1);
     }
 
