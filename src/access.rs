@@ -2,12 +2,22 @@
 //! and by the [doctor](crate::doctor) before anybody does.
 
 use std::fmt;
+use std::path::Path;
 
 /// Lets the new rules count without a start of the machine.
 const RULES_COUNT: &str = "sudo udevadm control --reload && sudo udevadm trigger";
 
 /// Gives the nodes of uinput and of USB serial adapters to groups.
 const RULES: &str = "ademan setup --print udev | sudo tee /etc/udev/rules.d/60-ademan.rules";
+
+/// The protocol through which a program is a keyboard.
+pub const KEYBOARD_PROTOCOL: &str = "zwp_virtual_keyboard_manager_v1";
+
+/// The protocol through which a program is a pointer.
+pub const POINTER_PROTOCOL: &str = "zwlr_virtual_pointer_manager_v1";
+
+/// A compositor whose program is not known.
+const A_COMPOSITOR: &str = "the compositor";
 
 /// What members of a new group have to do.
 const LOG_IN_AGAIN: &str = "log in again";
@@ -153,6 +163,41 @@ pub fn no_display(display: Option<&str>) -> Advice {
         Some(display) => Advice::plain(format!("no display answers at `{display}`"), what_to_do),
         None => Advice::plain("DISPLAY is not set", what_to_do),
     }
+}
+
+/// Nobody speaks Wayland at this socket.
+pub fn no_compositor(socket: &Path, reason: &str) -> Advice {
+    Advice::plain(
+        format!("no compositor answers at {}: {reason}", socket.display()),
+        "start this from a graphical session, or use the output `uinput`",
+    )
+}
+
+/// The compositor, by the name of its program where that is known, lets no program be a keyboard.
+pub fn no_virtual_keyboard(program: Option<&str>) -> Advice {
+    let program = program.unwrap_or(A_COMPOSITOR);
+    Advice::plain(
+        format!("{program} has no {KEYBOARD_PROTOCOL}: it lets no program press keys so"),
+        "use the output `uinput`",
+    )
+}
+
+/// The compositor, by the name of its program where that is known, lets no program be a pointer.
+pub fn no_virtual_pointer(program: Option<&str>) -> Advice {
+    let program = program.unwrap_or(A_COMPOSITOR);
+    Advice::plain(
+        format!("{program} has no {POINTER_PROTOCOL}: it lets no program move the pointer so"),
+        "let the output `uinput` move the pointer",
+    )
+}
+
+/// There is a compositor, and this program does not know its language.
+pub fn built_without_wayland() -> Advice {
+    Advice::plain(
+        "WAYLAND_DISPLAY is set, and this program was built for X11: its keys would reach no program of Wayland",
+        "build it with `--features wayland`, or use the output `uinput`; for programs of X11 only, unset \
+         WAYLAND_DISPLAY",
+    )
 }
 
 /// There is no folder for the control socket.

@@ -135,19 +135,23 @@ impl Pipeline {
 
     /// Takes one reading and adds to `events` what goes out because of it.
     ///
-    /// An error when the reading gives no angles; it is counted, and changes nothing else.
+    /// An error when the reading gives no angles; it is counted, and changes nothing else, but that the third
+    /// in a row lets go of everything: what is held then is held by a hand of which nothing is known.
     pub fn step(&mut self, reading: &Reading, events: &mut Events) -> Result<&Frame, Rejection> {
         let place = self.hand_of(reading);
         self.notice_gaps(place, reading.time, events);
+        let applied = self.hands[place].estimator.apply(reading);
+        if self.hands[place].was_refused(applied.is_err()) && self.state() == State::Running {
+            self.release_all(self.time, events);
+        }
+        let applied = applied.inspect_err(|&reason| self.rejected[reason.index()] += 1)?;
         let (hand, controls) = (&mut self.hands[place], &mut self.profiles[self.profile]);
         let Frame {
             angles,
             pose,
             touches,
         } = &mut hand.frame;
-        *angles = hand.estimator.apply(reading).inspect_err(|&reason| {
-            self.rejected[reason.index()] += 1;
-        })?;
+        *angles = applied;
         *pose = hand.arm.forward(angles);
         controls.touch(pose, touches);
         self.accepted += 1;

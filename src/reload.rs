@@ -1,25 +1,28 @@
 //! A layout that is saved while a run is on: read, checked and built outside the loop.
 
 mod keeper;
+#[cfg(target_os = "linux")]
+mod notice;
+#[cfg(not(target_os = "linux"))]
+#[path = "reload/no_notice.rs"]
+mod notice;
 mod watched_file;
+mod watching;
 
 use std::fmt;
 use std::io;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use crossbeam_channel::{Sender, bounded, select};
+use crossbeam_channel::{Sender, bounded};
 
-use self::keeper::{Keeper, Over};
+use self::keeper::Keeper;
 use self::watched_file::WatchedFile;
+use self::watching::{Attention, watch};
 use crate::contact::place::Place;
 use crate::layout::{Layout, LayoutError};
 use crate::pipeline::Controls;
 use crate::runtime::Replacement;
-
-/// How often the file is looked at. One look costs a few microseconds, works on every file system, and
-/// sees a file that an editor puts in the place of the old one as well as one that is written to.
-const PERIOD: Duration = Duration::from_millis(50);
 
 /// What became of a file that was saved.
 #[derive(Debug)]
@@ -100,38 +103,24 @@ impl Watcher {
         profile: usize,
         replacements: Sender<Replacement>,
         accept: impl Fn(&Layout) -> Result<Controls, String> + Send + 'static,
-        mut report: impl FnMut(Report) + Send + 'static,
+        report: impl FnMut(Report) + Send + 'static,
     ) -> io::Result<Self> {
         let (end, ended) = bounded(0);
         let (calls, called) = bounded::<FileCall>(WAITING_CALLS);
-        let mut keeper = Keeper {
+        // From here on nothing that happens to the file is missed.
+        let attention = Attention::to(path);
+        let keeper = Keeper {
             file: path.map(|path| WatchedFile::new(path, &layout.text, Instant::now())),
             layout: layout.clone(),
             profile,
             replacements,
-            ended: ended.clone(),
+            ended,
             accept,
         };
-        let period = path.map_or(Duration::from_secs(3600), |_| PERIOD);
-        let watch = move || {
-            loop {
-                let outcome = select! {
-                    recv(ended) -> _ => return,
-                    recv(called) -> call => match call {
-                        Ok(call) => keeper.obey(call),
-                        Err(_) => return,
-                    },
-                    default(period) => keeper.look(Instant::now()),
-                };
-                match outcome {
-                    Ok(Some(outcome)) => report(outcome),
-                    Ok(None) => {}
-                    Err(Over) => return,
-                }
-            }
-        };
         // It is not waited for: a file system that hangs must not hold up the end of a run.
-        thread::Builder::new().name("layout".into()).spawn(watch)?;
+        thread::Builder::new()
+            .name("layout".into())
+            .spawn(move || watch(keeper, attention, &called, report))?;
         let calls = FileCalls {
             profile,
             is_shipped: path.is_none(),
@@ -153,6 +142,7 @@ mod tests {
     use crate::settings;
     use crossbeam_channel::{Receiver, RecvTimeoutError};
     use std::fs;
+    use std::time::Duration;
 
     /// What the watcher reports, with a loop that puts in force what comes.
     fn watch(
@@ -205,6 +195,50 @@ mod tests {
         );
         // One, but for a machine that holds this test up between two saves.
         assert!(replaced <= 10, "{replaced}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_layout_is_put_in_force_however_it_is_saved() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        for (version, key) in [("one", "A"), ("two", "B")] {
+            fs::create_dir(at(version)).unwrap();
+            fs::write(at(version).join("a.ron"), text(key)).unwrap();
+        }
+        let link = |to: &str| {
+            std::os::unix::fs::symlink(to, at("new")).unwrap();
+            fs::rename(at("new"), at("..data")).unwrap();
+        };
+        link("one");
+        std::os::unix::fs::symlink("..data/a.ron", at("a.ron")).unwrap();
+        let (_watcher, reports) = watch(&at("a.ron"), |_| Ok(()));
+        let expect = |key: &str, save: &dyn Fn()| {
+            // By then nothing is looked at any more.
+            thread::sleep(Duration::from_millis(300));
+            save();
+            let saved = Instant::now();
+            let report = reports.recv_timeout(PATIENCE_OF_TEST);
+            println!("{key} after {:?}", saved.elapsed());
+            assert!(
+                matches!(report, Ok(Report::Replaced(layout)) if layout.name == key),
+                "{key}"
+            );
+        };
+        expect("B", &|| link("two"));
+        expect("C", &|| fs::write(at("two/a.ron"), text("C")).unwrap());
+        expect("D", &|| {
+            fs::write(at("save"), text("D")).unwrap();
+            fs::rename(at("save"), at("two/a.ron")).unwrap();
+        });
+        expect("E", &|| {
+            fs::remove_file(at("two/a.ron")).unwrap();
+            fs::write(at("two/a.ron"), text("E")).unwrap();
+        });
+        expect("F", &|| {
+            fs::remove_file(at("a.ron")).unwrap();
+            fs::write(at("a.ron"), text("F")).unwrap();
+        });
     }
 
     #[test]

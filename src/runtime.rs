@@ -1,10 +1,12 @@
 //! Drives a pipeline, live or from a recording: one loop for both.
 
 mod call;
+mod inbox;
 
+use std::thread;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, Sender, never, select};
+use crossbeam_channel::{Receiver, Sender, TryRecvError, never};
 use hdrhistogram::Histogram;
 
 use crate::capture::{Arrival, CaptureError, Captured, Counts, Reading, Source, on_thread};
@@ -14,11 +16,16 @@ use crate::monitor::{Snapshot, Tally};
 use crate::output::{OutputError, Sink};
 use crate::pipeline::{Controls, Frame, Pipeline};
 
+use self::inbox::{Inbox, Message};
 pub use crate::pipeline::Refusal;
 pub use call::{Answer, Call, Calls, Order, Places, RunState, calls};
 
 /// Where nothing is expected the loop wakes up once an hour, for nothing.
 const FOR_EVER: Duration = Duration::from_secs(3600);
+
+/// No source is so slow that it would have to be waited for longer, whatever a recording says: three frames at
+/// 1200 baud take 1.7 s.
+const SLOWEST: Duration = Duration::from_secs(2);
 
 /// While readings are expected, an output hears so often that the loop is alive.
 const SIGN_OF_LIFE: Duration = Duration::from_millis(100);
@@ -86,7 +93,7 @@ pub struct Replacement {
 ///
 /// `observe` sees a copy of every frame; it must not wait. Whatever the end, also a panic, the sink
 /// is closed, which lets go of everything. A live source whose readings stay away for longer than the
-/// stall limit (at least three of its frame periods) stalls the pipeline.
+/// stall limit (at least three of its frame periods, but those count up to 2 s) stalls the pipeline.
 pub fn drive(
     source: impl Source + 'static,
     pipeline: &mut Pipeline,
@@ -95,8 +102,13 @@ pub fn drive(
     observe: &mut dyn FnMut(&Snapshot),
 ) -> Result<Summary, RunError> {
     let captured = on_thread(source)?;
+    let inbox = Inbox::open(commands.into()).map_err(|error| CaptureError::Open {
+        source_name: captured.name().to_owned(),
+        reason: format!("no thread for commands: {error}; close other programs"),
+    })?;
     let period = captured.frame_period().unwrap_or(Duration::ZERO);
-    pipeline.set_stall_limit(pipeline.stall_limit().max(3 * period));
+    let three_frames = period.saturating_mul(3).min(SLOWEST);
+    pipeline.set_stall_limit(pipeline.stall_limit().max(three_frames));
     let mut run = Run {
         captured,
         profile: pipeline.profile(),
@@ -112,7 +124,7 @@ pub fn drive(
         latency_ns: new_histogram(),
     };
     run.rename();
-    let ended = run.until_over(&mut commands.into());
+    let ended = run.until_over(&inbox);
     let closed = run.finish();
     ended?;
     closed?;
@@ -154,42 +166,49 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    fn until_over(&mut self, commands: &mut Commands) -> Result<(), RunError> {
+    fn until_over(&mut self, inbox: &Inbox) -> Result<(), RunError> {
         loop {
-            let over = select! {
-                recv(commands.stop) -> _ => true,
-                recv(commands.replace) -> replacement => {
-                    match replacement {
-                        Ok(replacement) => self.replace(replacement)?,
-                        // Nobody can send any more; a closed channel would wake the loop for ever.
-                        Err(_) => commands.replace = never(),
-                    }
-                    self.stall_if_overdue()?;
-                    false
-                }
-                recv(commands.calls) -> call => {
-                    match call {
-                        Ok(call) => self.answer(call)?,
-                        Err(_) => commands.calls = never(),
-                    }
-                    self.stall_if_overdue()?;
-                    false
-                }
-                recv(self.captured.arrivals()) -> arrival => match arrival {
-                    Ok(arrival) => self.take(arrival)?,
-                    // Only after an end or a failure, and those were the last that was taken.
-                    Err(_) => true,
-                },
-                default(self.patience().min(self.sign_of_life())) => {
-                    self.sink.0.send(&[])?;
-                    self.stall_if_overdue()?;
-                    false
-                }
-            };
-            if over {
+            // Of each one: those who never cease to ask do not keep readings waiting, nor the other way round.
+            let message = inbox.take();
+            let is_asked = message.is_some();
+            if let Some(message) = message
+                && self.obey(message)?
+            {
                 return Ok(());
             }
+            match self.captured.arrivals().try_recv() {
+                Ok(arrival) => {
+                    if self.take(arrival)? {
+                        return Ok(());
+                    }
+                }
+                // Only after an end or a failure, and those were the last that was taken.
+                Err(TryRecvError::Disconnected) => return Ok(()),
+                Err(TryRecvError::Empty) if is_asked => {}
+                Err(TryRecvError::Empty) => self.wait()?,
+            }
         }
+    }
+
+    /// Parks until there is something to do.
+    fn wait(&mut self) -> Result<(), RunError> {
+        thread::park_timeout(self.patience().min(self.sign_of_life()));
+        if self.captured.arrivals().is_empty() {
+            self.sink.0.send(&[])?;
+            self.stall_if_overdue()?;
+        }
+        Ok(())
+    }
+
+    /// Does what somebody asks for; whether that is to end.
+    fn obey(&mut self, message: Message) -> Result<bool, RunError> {
+        match message {
+            Message::Stop => return Ok(true),
+            Message::Replace(replacement) => self.replace(replacement)?,
+            Message::Call(call) => self.answer(call)?,
+        }
+        self.stall_if_overdue()?;
+        Ok(false)
     }
 
     /// How long to wait for a reading until the output hears again.

@@ -40,6 +40,7 @@ const MAY_HAVE_CFG: &[&str] = &[
     "doctor/mod.rs",
     "emergency.rs",
     "bin/ademan/main.rs",
+    "reload.rs",
 ];
 
 const LONGEST_FILE: usize = 500;
@@ -160,6 +161,7 @@ fn only_the_two_ends_the_runtime_a_watched_file_and_a_played_glove_call_a_clock(
         "output/",
         "runtime.rs",
         "reload.rs",
+        "reload/watching.rs",
         "lab/player.rs",
         "bin/",
     ];
@@ -191,5 +193,28 @@ fn files_stay_under_500_lines() {
             lines <= LONGEST_FILE,
             "{file} has {lines} lines: look for the second idea in it"
         );
+    }
+}
+
+/// Somebody sets it, back too. Only how old a file is goes by it: that is compared for being the same.
+#[test]
+fn nothing_goes_by_the_clock_on_the_wall() {
+    for (file, text) in sources() {
+        let goes = code(&text).contains("SystemTime") || code(&text).contains("ClockId::Realtime");
+        assert!(
+            !goes || file == "reload/watched_file.rs",
+            "{file} goes by the clock on the wall"
+        );
+    }
+}
+
+#[test]
+fn a_lock_that_a_panic_has_poisoned_is_used_all_the_same() {
+    let is_of_tests = |file: &str| file.ends_with("tests.rs");
+    for (file, text) in sources().into_iter().filter(|(file, _)| !is_of_tests(file)) {
+        let code: String = code(&text).split_whitespace().collect();
+        for taken in [".lock().unwrap()", ".lock().expect("] {
+            assert!(!code.contains(taken), "{file} dies of a poisoned lock");
+        }
     }
 }

@@ -4,7 +4,7 @@ mod support;
 
 use std::thread;
 
-use ademan::device::{Action, KeyCode, OutputEvent};
+use ademan::device::{Action, KeyCode, Needs, OutputEvent};
 use ademan::output::{Desktop, OutputError, Sink};
 use ademan::time::Timestamp;
 use support::x11::{Field, Typewriter, XServer, wait_for};
@@ -47,7 +47,7 @@ fn strokes(text: &str) -> Vec<Vec<OutputEvent>> {
 }
 
 fn open(server: &XServer) -> Desktop {
-    Desktop::open(Some(server.display())).unwrap()
+    Desktop::open(Some(server.display()), &Needs::default()).unwrap()
 }
 
 /// A sink that holds Shift and A down, seen by the server.

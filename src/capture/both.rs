@@ -2,10 +2,11 @@
 
 use std::time::Instant;
 
-use crossbeam_channel::{Receiver, never, select};
+use crossbeam_channel::{Receiver, after, never, select};
 
 use super::{
-    Arrival, Capture, CaptureError, Captured, Counts, PATIENCE, Reading, Source, on_thread,
+    Arrival, Capture, CaptureError, Captured, Counts, Interrupt, PATIENCE, Reading, Source,
+    on_thread,
 };
 use crate::hand::Side;
 use crate::time::Timestamp;
@@ -23,6 +24,7 @@ pub struct Both {
     hands: [Hand; Side::COUNT],
     /// The time of the latest reading; none is told with an earlier one.
     time: Timestamp,
+    interrupt: Option<Interrupt>,
 }
 
 struct Hand {
@@ -69,6 +71,7 @@ impl Both {
             start: Instant::now(),
             hands: [Hand::start(one_side, one)?, Hand::start(other_side, other)?],
             time: Timestamp::default(),
+            interrupt: None,
         })
     }
 
@@ -118,10 +121,15 @@ impl Both {
     /// The next that comes, from whichever source.
     fn next_arrived(&mut self) -> Result<Option<Reading>, CaptureError> {
         let [one, other] = [0, 1].map(|place: usize| self.hands[place].arrivals.clone());
+        let (rung, patience) = match &self.interrupt {
+            Some(interrupt) => (interrupt.channel().clone(), never()),
+            None => (never(), after(PATIENCE)),
+        };
         select! {
             recv(one) -> arrival => self.take(0, arrival.ok()),
             recv(other) -> arrival => self.take(1, arrival.ok()),
-            default(PATIENCE) => Ok(None),
+            recv(rung) -> _ => Ok(None),
+            recv(patience) -> _ => Ok(None),
         }
     }
 
@@ -164,6 +172,10 @@ impl Source for Both {
         } else {
             Capture::Quiet
         })
+    }
+
+    fn heed(&mut self, interrupt: &Interrupt) {
+        self.interrupt = Some(interrupt.clone());
     }
 
     fn name(&self) -> &str {

@@ -1,9 +1,12 @@
 //! What a kind of line has to know: how it is opened.
 
-use std::io::Read;
+use std::io::{Error, ErrorKind, Read, Result};
 use std::time::Duration;
 
-/// The longest time that one read may block.
+use super::interrupt::Interrupt;
+use super::wait::Readiness;
+
+/// The longest time that one read may block where it cannot be interrupted.
 pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
 
 /// How a line is opened, and opened again after it was lost.
@@ -17,16 +20,36 @@ pub(super) trait Connect: Clone + Send + 'static {
     /// How long a connection may be silent before it counts as lost.
     const SILENCE_LIMIT: Option<Duration> = None;
 
-    /// Opens the line. Its reads block for [`READ_TIMEOUT`] at most.
-    fn connect(&mut self) -> Result<Connection, Refusal>;
+    /// Opens the line. Its reads block for [`READ_TIMEOUT`] at most, or not at all where it says when it is ready.
+    fn connect(&mut self) -> std::result::Result<Connection, Refusal>;
 }
 
 /// An open line.
 pub(super) struct Connection {
     /// The bytes that come in.
     pub bytes: Box<dyn Read + Send>,
+    /// Says when there are some; `None` where a read has to be tried.
+    pub readiness: Option<Readiness>,
     /// Where it was found: the port or address in use.
     pub place: String,
+}
+
+impl Connection {
+    /// Reads what there is, and waits for it where need be: for `patience` at most and only until `interrupt` rings,
+    /// without a patience for good. Nothing by then is [`ErrorKind::WouldBlock`] or [`ErrorKind::TimedOut`].
+    pub fn read(
+        &mut self,
+        buffer: &mut [u8],
+        interrupt: Option<&Interrupt>,
+        patience: Option<Duration>,
+    ) -> Result<usize> {
+        if let Some(readiness) = &self.readiness
+            && !readiness.wait(interrupt, patience)?
+        {
+            return Err(Error::from(ErrorKind::WouldBlock));
+        }
+        self.bytes.read(buffer)
+    }
 }
 
 /// Why a line does not open.

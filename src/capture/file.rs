@@ -32,6 +32,7 @@ impl Connect for FileConnector {
         let file = File::open(&self.path).map_err(refuse)?;
         Ok(Connection {
             bytes: Box::new(file),
+            readiness: None,
             place: self.path.display().to_string(),
         })
     }

@@ -1,5 +1,6 @@
 //! The packets of the HC11 glove: 64 counts between marks, found in a stream that may be cut anywhere.
 
+use super::text_watch::TextWatch;
 use super::{Channels, Counts};
 use crate::names::named_enum;
 
@@ -107,6 +108,7 @@ pub struct Decoder {
     end: usize,
     counts: Counts,
     is_searching: bool,
+    text: TextWatch,
 }
 
 /// Room for the 67 bytes that may be undecided, and for enough new ones that moving them to the front is rare.
@@ -122,6 +124,7 @@ impl Decoder {
             end: 0,
             counts: Counts::default(),
             is_searching: false,
+            text: TextWatch::default(),
         }
     }
 
@@ -156,6 +159,12 @@ impl Decoder {
         self.end - self.start
     }
 
+    /// Whether a line of text has come in since the last call, after a frame: what a board says that starts
+    /// anew.
+    pub fn take_text(&mut self) -> bool {
+        self.text.take()
+    }
+
     /// What came in. `readings` are frames; `resyncs` are the runs of skipped bytes that were searched for a
     /// frame (the cut frame at the end of a stream is skipped without a search).
     pub fn counts(&self) -> Counts {
@@ -171,6 +180,7 @@ impl Decoder {
                     self.start += FRAME_BYTES;
                     self.counts.readings += 1;
                     self.is_searching = false;
+                    self.text.see_frame();
                 }
                 Verdict::NotHere => self.skip_byte(),
                 Verdict::Undecided => return,
@@ -179,6 +189,7 @@ impl Decoder {
     }
 
     fn skip_byte(&mut self) {
+        self.text.see_byte(self.buffer[self.start]);
         self.start += 1;
         self.counts.skipped_bytes += 1;
         self.counts.resyncs += u64::from(!self.is_searching);

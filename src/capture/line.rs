@@ -1,6 +1,6 @@
 //! A line of bytes as a source: decoding, time stamps and loss, the same for serial ports, TCP and files.
 
-use std::io::{ErrorKind, Read};
+use std::io::ErrorKind;
 use std::time::{Duration, Instant};
 
 use arrayvec::ArrayVec;
@@ -9,6 +9,7 @@ use super::clock::Clock;
 use super::connect::{Connect, Connection, READ_TIMEOUT};
 use super::garbage::GarbageWatch;
 use super::hc11::{self, BODY_BYTES, Decoder, FRAME_BYTES};
+use super::interrupt::Interrupt;
 use super::search::{BackOff, Finding, Search};
 use super::uri::LineSettings;
 use super::{Capture, CaptureError, Counts, Reading, Sample, Source};
@@ -24,6 +25,7 @@ pub(super) struct LineSource<C> {
     name: String,
     settings: LineSettings,
     connector: C,
+    interrupt: Option<Interrupt>,
     state: State,
     decoder: Decoder,
     buffer: [u8; READ_BYTES],
@@ -62,6 +64,7 @@ impl<C: Connect> LineSource<C> {
             name,
             settings,
             connector,
+            interrupt: None,
             state: State::Connected(connection),
             decoder: Decoder::new(settings.framing),
             buffer: [0; READ_BYTES],
@@ -75,12 +78,14 @@ impl<C: Connect> LineSource<C> {
     }
 
     fn listen(&mut self) -> Result<Capture, CaptureError> {
+        let patience = self.patience();
         let State::Connected(connection) = &mut self.state else {
             return Ok(Capture::End);
         };
-        match connection.bytes.read(&mut self.buffer) {
+        let interrupt = self.interrupt.as_ref();
+        match connection.read(&mut self.buffer, interrupt, patience) {
             Ok(0) => self.over(),
-            Ok(length) => Ok(self.take(length)),
+            Ok(length) => self.take(length),
             Err(error) if is_quiet(error.kind()) => self.be_patient(),
             Err(error) if C::LIVE => Err(self.lose(error.to_string())),
             Err(error) => {
@@ -96,7 +101,15 @@ impl<C: Connect> LineSource<C> {
         }
     }
 
-    fn take(&mut self, length: usize) -> Capture {
+    /// How long one read may wait; `None`: until it is interrupted.
+    fn patience(&self) -> Option<Duration> {
+        match self.interrupt {
+            None => Some(READ_TIMEOUT),
+            Some(_) => C::SILENCE_LIMIT.map(|limit| limit.saturating_sub(self.heard.elapsed())),
+        }
+    }
+
+    fn take(&mut self, length: usize) -> Result<Capture, CaptureError> {
         let now = Instant::now();
         self.heard = now;
         let pending = &mut self.pending;
@@ -114,7 +127,14 @@ impl<C: Connect> LineSource<C> {
         if !self.pending.is_empty() {
             self.back_off = BackOff::default();
         }
-        self.next_pending().unwrap_or(Capture::Quiet)
+        if C::LIVE && self.decoder.take_text() {
+            self.losses += 1;
+            return Err(CaptureError::Interrupted {
+                source_name: self.name.clone(),
+                reason: "text came in between, as from a board that starts anew".to_owned(),
+            });
+        }
+        Ok(self.next_pending().unwrap_or(Capture::Quiet))
     }
 
     /// Dates each frame back by what came after it.
@@ -175,7 +195,7 @@ impl<C: Connect> LineSource<C> {
         let State::Searching(search) = &self.state else {
             return Capture::Quiet;
         };
-        match search.wait(READ_TIMEOUT) {
+        match search.wait(self.interrupt.as_ref()) {
             Finding::Nothing => {}
             Finding::Refused(reason) => {
                 tracing::warn!("cannot take up {} again: {reason}", self.name);
@@ -204,6 +224,10 @@ impl<C: Connect> Source for LineSource<C> {
             State::Searching(_) => Ok(self.look()),
             State::Ended => Ok(Capture::End),
         }
+    }
+
+    fn heed(&mut self, interrupt: &Interrupt) {
+        self.interrupt = Some(interrupt.clone());
     }
 
     fn name(&self) -> &str {
@@ -256,7 +280,7 @@ fn close_elsewhere(dead: Connection) {
 #[cfg(test)]
 mod tests {
     use std::collections::VecDeque;
-    use std::io::{Error, Result as IoResult};
+    use std::io::{Error, Read, Result as IoResult};
     use std::sync::{Arc, Mutex};
 
     use super::*;
@@ -301,6 +325,7 @@ mod tests {
         fn connect(&mut self) -> Result<Connection, Refusal> {
             Ok(Connection {
                 bytes: Box::new(self.clone()),
+                readiness: None,
                 place: "script".to_owned(),
             })
         }
@@ -453,6 +478,7 @@ mod tests {
         fn connect(&mut self) -> Result<Connection, Refusal> {
             Ok(Connection {
                 bytes: Box::new(Sticky),
+                readiness: None,
                 place: "sticky".to_owned(),
             })
         }

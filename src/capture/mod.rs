@@ -23,6 +23,13 @@ pub mod uri;
 mod connect;
 mod clock;
 mod garbage;
+pub mod interrupt;
+#[cfg(target_os = "linux")]
+mod wait;
+#[cfg(not(target_os = "linux"))]
+#[path = "no_wait.rs"]
+mod wait;
+mod text_watch;
 mod line;
 mod search;
 mod usb;
@@ -31,6 +38,8 @@ mod tcp;
 mod file;
 pub mod recording;
 pub mod pace;
+#[cfg_attr(not(target_os = "linux"), path = "always_awake.rs")]
+mod awake;
 pub mod thread;
 mod both;
 pub mod wire;
@@ -48,6 +57,7 @@ use crate::hand::Side;
 use crate::time::Timestamp;
 
 pub use both::Both;
+pub use interrupt::Interrupt;
 pub use pace::Paced;
 #[cfg(unix)]
 pub use pty::open_wire;
@@ -150,9 +160,16 @@ pub trait Source: Send {
     /// The next reading.
     ///
     /// May block, but answers within [`PATIENCE`], with [`Capture::Quiet`] when there is nothing, so that
-    /// its thread can be stopped. After a [recoverable](CaptureError::is_recoverable) error it may be
+    /// its thread can be stopped; one that [heeds](Self::heed) an interrupt answers at the latest when it rings.
+    /// After a [recoverable](CaptureError::is_recoverable) error it may be
     /// asked again: a source that was lost looks for its device at each call.
     fn next(&mut self) -> Result<Capture, CaptureError>;
+
+    /// Takes what rings when the thread of the source is to stop: from then on the source may wait for as long as
+    /// there is nothing, so that a sensor at rest costs nothing. By default it is not heeded.
+    fn heed(&mut self, interrupt: &Interrupt) {
+        let _ = interrupt;
+    }
 
     /// The source as its user named it.
     fn name(&self) -> &str;
@@ -178,6 +195,10 @@ impl Source for Box<dyn Source> {
         (**self).next()
     }
 
+    fn heed(&mut self, interrupt: &Interrupt) {
+        (**self).heed(interrupt);
+    }
+
     fn name(&self) -> &str {
         (**self).name()
     }
@@ -195,7 +216,7 @@ impl Source for Box<dyn Source> {
     }
 }
 
-/// The longest time that [`Source::next`] blocks.
+/// The longest time that [`Source::next`] blocks, unless the source heeds an interrupt.
 pub const PATIENCE: Duration = Duration::from_millis(100);
 
 /// What came in at a source: every byte and every reading is in exactly one place.
@@ -243,6 +264,14 @@ pub enum CaptureError {
         /// What happened.
         reason: String,
     },
+    /// What came before and what comes now may have nothing to do with each other.
+    #[error("{source_name} was interrupted: {reason}; hold the hand off all keys for a moment")]
+    Interrupted {
+        /// The source as named.
+        source_name: String,
+        /// What happened.
+        reason: String,
+    },
     /// What came in cannot be used.
     #[error("cannot use {source_name}: {reason}")]
     Malformed {
@@ -256,6 +285,6 @@ pub enum CaptureError {
 impl CaptureError {
     /// Whether the source goes on trying, so that it may be asked again.
     pub fn is_recoverable(&self) -> bool {
-        matches!(self, Self::Lost { .. })
+        matches!(self, Self::Lost { .. } | Self::Interrupted { .. })
     }
 }

@@ -8,6 +8,7 @@
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use mcap::records::{Metadata, Record, op};
@@ -105,9 +106,12 @@ pub struct Replay<R = File> {
     channel: Option<u16>,
     pending: Option<Reading>,
     readings: u64,
-    cut: Option<Cut>,
+    cut: CutNote,
     ended: bool,
 }
+
+/// Where a replay notes that its recording is cut off, for whoever does not have the replay any more then.
+pub type CutNote = Arc<OnceLock<Cut>>;
 
 impl Replay {
     /// Opens the recording at `path` and reads its setup; the source is called `recording:PATH`.
@@ -135,7 +139,7 @@ impl<R: Read + Send> Replay<R> {
             channel: None,
             pending: None,
             readings: 0,
-            cut: None,
+            cut: CutNote::default(),
             ended: false,
         };
         match replay.records.read_magic() {
@@ -152,7 +156,12 @@ impl<R: Read + Send> Replay<R> {
 
     /// Where the recording is cut off, once its end has been read.
     pub fn cut(&self) -> Option<&Cut> {
-        self.cut.as_ref()
+        self.cut.get()
+    }
+
+    /// Where it will be noted that the recording is cut off.
+    pub fn cut_note(&self) -> CutNote {
+        self.cut.clone()
     }
 
     /// Reads up to the next reading; `None` at the end.
@@ -242,7 +251,7 @@ impl<R: Read + Send> Replay<R> {
                     _ => format!("the file ends {left} bytes into a record"),
                 };
                 tracing::warn!("{} is cut off at byte {offset}: {reason}", self.name);
-                self.cut = Some(Cut { offset, reason });
+                let _ = self.cut.set(Cut { offset, reason });
                 Ok(())
             }
             Stop::Unreadable(error) => Err(CaptureError::Open {
@@ -293,7 +302,7 @@ impl<R: Read + Send> Source for Replay<R> {
     fn counts(&self) -> Counts {
         Counts {
             bytes: self.records.fed,
-            skipped_bytes: match self.cut {
+            skipped_bytes: match self.cut() {
                 Some(_) => self.records.fed - self.records.whole,
                 None => 0,
             },

@@ -2,9 +2,10 @@
 
 use std::time::Duration;
 
-use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, after, bounded, never, select};
 
-use super::connect::{Connect, Connection, Refusal};
+use super::connect::{Connect, Connection, READ_TIMEOUT, Refusal};
+use super::interrupt::Interrupt;
 
 /// The intervals between attempts: 0.1 s, doubling to 2 s.
 #[derive(Clone, Debug)]
@@ -63,16 +64,20 @@ impl Search {
         }
     }
 
-    /// Waits for news, for `patience` at most.
-    pub fn wait(&self, patience: Duration) -> Finding {
-        match self.findings.recv_timeout(patience) {
-            Ok(finding) => finding,
-            Err(RecvTimeoutError::Timeout) => Finding::Nothing,
-            Err(RecvTimeoutError::Disconnected) => {
+    /// Waits for news until `interrupt` rings; without one for [`READ_TIMEOUT`] at most.
+    pub fn wait(&self, interrupt: Option<&Interrupt>) -> Finding {
+        let (rung, timeout) = match interrupt {
+            Some(interrupt) => (interrupt.channel().clone(), never()),
+            None => (never(), after(READ_TIMEOUT)),
+        };
+        select! {
+            recv(self.findings) -> finding => finding.unwrap_or_else(|_| {
                 // The thread died or never was: without a pause its owner would start one after the other.
-                std::thread::sleep(patience);
+                std::thread::sleep(READ_TIMEOUT);
                 Finding::Over
-            }
+            }),
+            recv(rung) -> _ => Finding::Nothing,
+            recv(timeout) -> _ => Finding::Nothing,
         }
     }
 }
@@ -129,6 +134,7 @@ mod tests {
                 Some(&reason) => Err(Refusal::Unusable(reason.to_owned())),
                 None => Ok(Connection {
                     bytes: Box::new(empty()),
+                    readiness: None,
                     place: format!("port {attempt}"),
                 }),
             }
@@ -149,7 +155,7 @@ mod tests {
         let mut told = Vec::new();
         let start = Instant::now();
         while start.elapsed() < LIMIT {
-            match search.wait(LIMIT) {
+            match search.wait(None) {
                 Finding::Refused(reason) => told.push(reason),
                 Finding::Found(connection) => {
                     told.push(connection.place);

@@ -1,5 +1,7 @@
 //! Serial ports: 8 data bits, no parity, 1 stop bit, opened for this program alone.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
@@ -7,6 +9,7 @@ use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPo
 use super::connect::{Connect, Connection, READ_TIMEOUT, Refusal};
 use super::lists_serial_ports;
 use super::usb::{Choice, KnownDevice, Port, choose_port};
+use super::wait::{self, Readiness};
 use crate::access::{self, Denied};
 
 /// Opens a serial port, and finds its device again under another name.
@@ -38,14 +41,39 @@ impl Connect for SerialConnector {
             Choice::Open(name) => name,
             refused => return Err(refuse(refused, self)),
         };
+        let file = wait::open_to_read(&place);
         let port = open(&place, self.baud).map_err(|error| explain(&error, &place, &present))?;
         if self.known.is_none() {
             self.known = KnownDevice::on(&wanted, &present);
         }
-        Ok(Connection {
-            bytes: Box::new(port),
-            place,
-        })
+        Ok(connection(port, file, place))
+    }
+}
+
+/// The port, read through `file` where that says when there is something.
+fn connection(port: Box<dyn SerialPort>, file: Option<File>, place: String) -> Connection {
+    let readiness = file.as_ref().and_then(Readiness::of);
+    let bytes: Box<dyn Read + Send> = match file {
+        Some(file) if readiness.is_some() => Box::new(ReadApart { file, _port: port }),
+        _ => Box::new(port),
+    };
+    Connection {
+        bytes,
+        readiness,
+        place,
+    }
+}
+
+/// A port that is read through a file of its own.
+struct ReadApart {
+    file: File,
+    /// Keeps the port this program's alone.
+    _port: Box<dyn SerialPort>,
+}
+
+impl Read for ReadApart {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        self.file.read(buffer)
     }
 }
 

@@ -5,6 +5,7 @@ use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
 use super::connect::{Connect, Connection, READ_TIMEOUT, Refusal};
+use super::wait::Readiness;
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 
@@ -35,6 +36,7 @@ impl Connect for TcpConnector {
             ))
         })?;
         Ok(Connection {
+            readiness: Readiness::of(&stream),
             bytes: Box::new(stream),
             place: self.address.clone(),
         })

@@ -2,14 +2,8 @@
 
 use super::facts::{Compositor, Display, Facts, Node, Runtime, Uinput};
 use super::{Finding, State, Wants};
-use crate::access::{self, Advice};
+use crate::access::{self, Advice, KEYBOARD_PROTOCOL, POINTER_PROTOCOL};
 use crate::control::{self, ControlError};
-
-/// What keys are pressed through.
-const KEYBOARD_PROTOCOL: &str = "zwp_virtual_keyboard_manager_v1";
-
-/// What a pointer is moved through.
-const POINTER_PROTOCOL: &str = "zwlr_virtual_pointer_manager_v1";
 
 /// All checks, in the order of the way from the glove to the screen.
 pub fn examine(facts: &Facts, wants: &Wants) -> Vec<Finding> {
@@ -89,7 +83,7 @@ fn uinput(uinput: &Uinput, wants: &Wants) -> Finding {
 
 /// Whether the output `desktop` would speak with the compositor rather than with an X server.
 fn is_for_wayland(facts: &Facts) -> bool {
-    facts.speaks_wayland && facts.compositor != Compositor::Unset
+    facts.compositor != Compositor::Unset
 }
 
 fn display(facts: &Facts, wants: &Wants) -> Finding {
@@ -123,10 +117,7 @@ fn compositor(facts: &Facts, wants: &Wants) -> Finding {
             );
         }
         Compositor::Silent { socket, reason } => {
-            let advice = Advice::plain(
-                format!("no compositor answers at {}: {reason}", socket.display()),
-                "start this from a graphical session, or use the output `uinput`",
-            );
+            let advice = access::no_compositor(socket, reason);
             return finding("compositor", State::Missing, needed, advice);
         }
         Compositor::Answers { program, globals } => (program, globals),
@@ -134,13 +125,7 @@ fn compositor(facts: &Facts, wants: &Wants) -> Finding {
     let has = |protocol: &str| globals.iter().any(|global| global == protocol);
     let name = program.as_deref().unwrap_or("the compositor");
     let (state, advice) = match (has(KEYBOARD_PROTOCOL), facts.speaks_wayland) {
-        (false, _) => (
-            State::Missing,
-            Advice::plain(
-                format!("{name} has no {KEYBOARD_PROTOCOL}: it lets no program press keys so"),
-                "use the output `uinput`",
-            ),
-        ),
+        (false, _) => (State::Missing, access::no_virtual_keyboard(Some(name))),
         (true, false) => (
             State::Missing,
             Advice::plain(
@@ -152,13 +137,7 @@ fn compositor(facts: &Facts, wants: &Wants) -> Finding {
             State::Ok,
             Advice::plain(format!("{name} has virtual keyboard and pointer"), ""),
         ),
-        (true, true) => (
-            State::Ok,
-            Advice::plain(
-                format!("{name} has the virtual keyboard, and no {POINTER_PROTOCOL}"),
-                "let the output `uinput` move the pointer",
-            ),
-        ),
+        (true, true) => (State::Ok, access::no_virtual_pointer(Some(name))),
     };
     finding("compositor", state, needed, advice)
 }

@@ -12,13 +12,12 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
-use super::display::Display;
 use super::guardian::{Guard, Launch};
 use super::held::Held;
 use super::motion::{Impulse, Motion};
 use super::worker::{Injector, Order, Report, Worker};
-use super::{OutputError, Reach, Sink};
-use crate::device::{Action, KeyCode, OutputEvent};
+use super::{OutputError, Reach, Sink, platform};
+use crate::device::{Action, KeyCode, KeyKind, Need, Needs, OutputEvent};
 
 const OUTPUT: &str = "desktop";
 
@@ -56,15 +55,24 @@ pub struct Desktop {
 }
 
 impl Desktop {
-    /// Connects to `display`, an X11 display name; without one, to the desktop of the session.
-    pub fn open(display: Option<&str>) -> Result<Self, OutputError> {
+    /// Connects to `display`: an X server, which has a colon in its name (`:0`), or a Wayland compositor, which has
+    /// none (`wayland-1`, or the path of its socket). Without one, to the desktop of the session: the
+    /// compositor that `WAYLAND_DISPLAY` names and nobody else; where it is not set, the X server of `DISPLAY`.
+    ///
+    /// A compositor has to have what is needed; an X server has everything. Where the system has neither,
+    /// the name changes nothing.
+    pub fn open(display: Option<&str>, needs: &Needs) -> Result<Self, OutputError> {
         let display = display.map(str::to_owned);
-        Self::start(None, move || Display::connect(display.as_deref()))
+        let needs_pointer = needs.iter().any(is_of_a_pointer);
+        Self::start(None, move || {
+            platform::open(display.as_deref(), needs_pointer)
+        })
     }
 
     /// Connects to the desktop of the session, with a guardian that lets go of keys when this program cannot.
-    pub fn open_guarded(launch: &Launch) -> Result<Self, OutputError> {
-        Self::start(Some(launch), || Display::connect(None))
+    pub fn open_guarded(launch: &Launch, needs: &Needs) -> Result<Self, OutputError> {
+        let needs_pointer = needs.iter().any(is_of_a_pointer);
+        Self::start(Some(launch), move || platform::open(None, needs_pointer))
     }
 
     /// Runs the thread and waits until it is connected.
@@ -250,6 +258,15 @@ impl Sink for Desktop {
 impl Drop for Desktop {
     fn drop(&mut self) {
         let _ = self.close();
+    }
+}
+
+/// Whether it takes a pointer to do this.
+fn is_of_a_pointer(need: Need) -> bool {
+    match need {
+        Need::Move | Need::Place | Need::Scroll => true,
+        Need::Code(key) => key.kind() == KeyKind::Mouse,
+        _ => false,
     }
 }
 

@@ -1,4 +1,4 @@
-//! A connection to a desktop, through `enigo`.
+//! A connection to a desktop through `enigo`: X11, Windows, macOS.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -117,7 +117,7 @@ fn connect(name: Option<&str>) -> Result<Enigo, String> {
         x11_display: name.map(str::to_owned),
         ..Settings::default()
     };
-    platform::connect(settings).map_err(|error| connect_reason(error, name))
+    Enigo::new(&settings).map_err(|error| connect_reason(error, name))
 }
 
 fn connect_reason(error: NewConError, display: Option<&str>) -> String {

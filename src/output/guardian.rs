@@ -1,10 +1,11 @@
 //! A second, small process that lets go of keys when this one cannot.
 //!
 //! An X server keeps a key down for as long as nobody lets go of it, whatever became of the program that
-//! pressed it. So a program that presses keys there starts a guardian: it has a connection of its own to the
-//! display and is told of every key before it goes down and after it came up. When the program dies, in
-//! whatever way, or does not give a sign of life for 200 ms while a key is down, the guardian lets go of what
-//! is down.
+//! pressed it; a Wayland compositor keeps buttons. (It keeps the keys of a program that is
+//! stopped too, and lets nobody else let go of them.) So a program that
+//! presses keys there starts a guardian: it has a connection of its own to the display and is told of every key
+//! before it goes down and after it came up. When the program dies, in whatever way, or does not give a sign of life
+//! for 200 ms while a key is down, the guardian lets go of what is down.
 
 mod guard;
 mod watch;

@@ -33,6 +33,12 @@ pub mod spacenav;
 pub mod transcript;
 #[cfg(target_os = "linux")]
 pub mod uinput;
+#[cfg(all(feature = "wayland", target_os = "linux"))]
+mod wayland;
+#[cfg(all(unix, not(target_os = "macos")))]
+#[cfg(not(all(feature = "wayland", target_os = "linux")))]
+#[path = "no_wayland.rs"]
+mod wayland;
 mod worker;
 
 pub use desktop::Desktop;
@@ -40,8 +46,8 @@ pub use reach::Reach;
 pub use router::Router;
 pub use transcript::Transcript;
 
-/// Whether `desktop` speaks the protocols of Wayland; else it reaches only programs that use X11.
-pub const SPEAKS_WAYLAND: bool = cfg!(feature = "wayland");
+/// Whether `desktop` speaks the protocols of Wayland; else it does not open where `WAYLAND_DISPLAY` is set.
+pub const SPEAKS_WAYLAND: bool = cfg!(all(feature = "wayland", target_os = "linux"));
 
 /// How often an output tries again what the operating system did not take.
 const RETRIES: usize = 3;
@@ -274,8 +280,8 @@ fn open_one(
     Ok(match name {
         "transcript" => Box::new(Transcript::new(name, BufWriter::new(io::stdout()))),
         "desktop" => Box::new(match launch {
-            Some(launch) => Desktop::open_guarded(launch)?,
-            None => Desktop::open(None)?,
+            Some(launch) => Desktop::open_guarded(launch, needs)?,
+            None => Desktop::open(None, needs)?,
         }),
         "uinput" => open_uinput(needs)?,
         "spacenav" => open_spacenav(None)?,
@@ -343,36 +349,29 @@ fn open_spacenav(_: Option<&Path>) -> Result<Box<dyn Sink>, OutputError> {
 /// What a desktop is, by operating system.
 #[cfg(all(unix, not(target_os = "macos")))]
 mod platform {
+    use super::display::Display;
+    use super::wayland;
+    use super::worker::Injector;
     use crate::access;
     use crate::device::KeyCode;
-    use enigo::{Direction, Enigo, InputResult, Keyboard, NewConError, Settings};
-    use std::{env, thread, time::Duration};
+    use enigo::{Direction, Enigo, InputResult, Keyboard};
+    use std::env;
 
-    /// A compositor drops keys that come before it has seen the new keyboard.
-    const WAYLAND_SETTLES: Duration = Duration::from_millis(200);
-
-    /// With both protocols at hand `enigo` presses every key on both: so X11 is named as it cannot be.
-    const NO_X11: &str = "none";
-
-    pub fn connect(settings: Settings) -> Result<Enigo, NewConError> {
-        let on_wayland = cfg!(feature = "wayland")
-            && settings.x11_display.is_none()
-            && env::var_os("WAYLAND_DISPLAY").is_some();
-        if on_wayland {
-            let only_wayland = Settings {
-                x11_display: Some(NO_X11.into()),
-                ..settings.clone()
-            };
-            if let Ok(enigo) = Enigo::new(&only_wayland) {
-                thread::sleep(WAYLAND_SETTLES);
-                return Ok(enigo);
-            }
+    /// Beside a compositor there may be an X server for old programs. It is not asked when the compositor
+    /// refuses: its keys would not reach the program that the user looks at.
+    pub fn open(display: Option<&str>, needs_pointer: bool) -> Result<Box<dyn Injector>, String> {
+        let compositor = match display {
+            Some(display) if display.contains(':') => None,
+            Some(display) => Some(display.into()),
+            None => env::var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()),
+        };
+        match compositor {
+            Some(name) => wayland::connect(&name, needs_pointer),
+            None => Ok(Box::new(Display::connect(display)?)),
         }
-        Enigo::new(&settings)
     }
 
-    /// Presses the key in this place, whatever the keymap writes for it: X11 key codes, which Wayland
-    /// shares.
+    /// Presses the key in this place, whatever the keymap writes for it.
     pub fn inject(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputResult<()> {
         enigo.raw(key.x11_code(), direction)
     }
@@ -392,17 +391,19 @@ mod platform {
 /// What a desktop is, by operating system.
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 mod platform {
+    use super::display::Display;
     use super::named_keys;
+    use super::worker::Injector;
     use crate::device::KeyCode;
-    use enigo::{Direction, Enigo, InputResult, NewConError, Settings};
+    use enigo::{Direction, Enigo, InputResult};
 
     #[cfg(not(target_os = "windows"))]
     use named_keys::OF_MACOS as OF_SYSTEM;
     #[cfg(target_os = "windows")]
     use named_keys::OF_WINDOWS as OF_SYSTEM;
 
-    pub fn connect(settings: Settings) -> Result<Enigo, NewConError> {
-        Enigo::new(&settings)
+    pub fn open(display: Option<&str>, _: bool) -> Result<Box<dyn Injector>, String> {
+        Ok(Box::new(Display::connect(display)?))
     }
 
     pub fn inject(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputResult<()> {

@@ -8,6 +8,10 @@ const REASON: &str = "it needs Linux";
 
 /// Why a socket cannot be had.
 #[derive(Debug, thiserror::Error)]
+#[expect(
+    dead_code,
+    reason = "only a socket that is there can be in use, or its path too long"
+)]
 pub(crate) enum SocketError {
     /// The path is longer than that of a socket can be.
     #[error("the path has {length} bytes, that of a socket {most} at most")]

@@ -25,6 +25,16 @@ pub trait Injector {
     fn perform(&mut self, impulse: Impulse) -> Result<(), String>;
 }
 
+impl Injector for Box<dyn Injector> {
+    fn inject(&mut self, key: KeyCode, direction: Direction) -> Result<(), String> {
+        (**self).inject(key, direction)
+    }
+
+    fn perform(&mut self, impulse: Impulse) -> Result<(), String> {
+        (**self).perform(impulse)
+    }
+}
+
 /// What the loop wants.
 #[derive(Clone, Copy)]
 pub enum Order {

@@ -40,6 +40,18 @@ impl<A: Fn(&Layout) -> Result<Controls, String>> Keeper<A> {
         found.map(|found| self.take(found)).transpose()
     }
 
+    /// Whether all that was seen to happen to the file was dealt with.
+    pub fn is_at_rest(&self) -> bool {
+        self.file.as_ref().is_none_or(WatchedFile::is_at_rest)
+    }
+
+    /// Something has happened to the file.
+    pub fn disturb(&mut self, now: Instant) {
+        if let Some(file) = &mut self.file {
+            file.disturb(now);
+        }
+    }
+
     /// Does what it is asked for and says what came of it.
     pub fn obey(&mut self, call: FileCall) -> Result<Option<Report>, Over> {
         let mut outcome = None;

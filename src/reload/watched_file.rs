@@ -63,14 +63,24 @@ impl WatchedFile {
         self.text = text.into();
     }
 
+    /// Something has happened to the file, so that it has to be read again.
+    pub fn disturb(&mut self, now: Instant) {
+        let first = self.unrest.map_or(now, |unrest| unrest.first);
+        self.unrest = Some(Unrest { first, last: now });
+    }
+
+    /// Whether all that was seen to happen to the file was dealt with.
+    pub fn is_at_rest(&self) -> bool {
+        self.unrest.is_none()
+    }
+
     /// Looks at the file; what is in it once it is left alone, if that is something else than what is in
     /// force.
     pub fn look(&mut self, now: Instant) -> Option<Result<Layout, LayoutError>> {
         let stamp = stamp(&self.path);
         if stamp != self.stamp {
             self.stamp = stamp;
-            let first = self.unrest.map_or(now, |unrest| unrest.first);
-            self.unrest = Some(Unrest { first, last: now });
+            self.disturb(now);
         }
         let unrest = self.unrest?;
         let rest = now - unrest.last;

@@ -68,6 +68,78 @@ fn a_display_and_a_run_that_are_there_are_seen() {
     assert!(text.contains(&process), "{text}");
 }
 
+/// What the doctor says of a port to a user who is a member of these groups and of no other, and his exit code.
+#[cfg(target_os = "linux")]
+fn as_nobody(program: &Path, groups: &str, source: &str) -> Option<Ended> {
+    let mut command = Command::new("setpriv");
+    command
+        .args(["--reuid=65534", "--regid=65534", groups])
+        .arg(program)
+        .args(["doctor", "--source", source, "--output", "none"])
+        .env_remove("XDG_RUNTIME_DIR");
+    match command.output() {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            println!("SKIPPED: setpriv is not installed");
+            None
+        }
+        ended => Some(ended.expect("it starts").into()),
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_port_of_others_is_told_with_who_may_open_it_and_members_of_that_group_may() {
+    use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
+    let folder = tempfile::tempdir().unwrap();
+    if folder.path().metadata().unwrap().uid() != 0 {
+        println!("SKIPPED: only root can make a port of others");
+        return;
+    }
+    let groups = fs::read_to_string("/etc/group").unwrap();
+    let dialout = groups
+        .lines()
+        .find_map(|line| line.strip_prefix("dialout:x:"));
+    let Some(dialout) = dialout.and_then(|rest| rest.split(':').next()) else {
+        println!("SKIPPED: there is no group `dialout` here");
+        return;
+    };
+    // Where it is built not everybody may look.
+    let program = folder.path().join("ademan");
+    fs::copy(env!("CARGO_BIN_EXE_ademan"), &program).unwrap();
+    fs::set_permissions(folder.path(), PermissionsExt::from_mode(0o755)).unwrap();
+    let wire = ademan::capture::open_wire(Default::default()).unwrap();
+    let source = wire.source.to_string();
+    let port = source
+        .trim_start_matches("serial:")
+        .split('?')
+        .next()
+        .unwrap();
+    let belongs_to = |group: &str, mode| {
+        chown(port, Some(0), Some(group.parse().unwrap())).unwrap();
+        fs::set_permissions(port, PermissionsExt::from_mode(mode)).unwrap();
+    };
+
+    belongs_to("0", 0o600);
+    let Some(ended) = as_nobody(&program, "--clear-groups", &source) else {
+        return;
+    };
+    let owner = format!("needed  this user may not open {port}, which is for its owner only\n");
+    assert!(ended.out.contains(&owner), "{}{}", ended.out, ended.err);
+    assert_eq!(ended.code, Some(1), "{}", ended.out);
+
+    belongs_to(dialout, 0o660);
+    let ended = as_nobody(&program, "--clear-groups", &source).unwrap();
+    let group =
+        format!("needed  this user may not open {port}, which is for the group `dialout`\n");
+    assert!(ended.out.contains(&group), "{}{}", ended.out, ended.err);
+    let join = "\nsudo usermod --append --groups dialout $USER\n# log in again\n";
+    assert!(ended.out.contains(join), "{}", ended.out);
+    assert_eq!(ended.code, Some(1), "{}", ended.out);
+
+    let member = as_nobody(&program, &format!("--groups={dialout}"), &source).unwrap();
+    assert_eq!(member.code, Some(0), "{}{}", member.out, member.err);
+}
+
 #[test]
 fn an_output_that_cannot_be_had_fails_its_trial_with_the_reason() {
     let ended = run(["doctor", "--test", "desktop"]);

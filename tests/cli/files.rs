@@ -42,7 +42,8 @@ fn a_recording_that_is_cut_gives_what_came_before_the_cut_and_says_so() {
     let whole = run(["replay", &path]).done().out;
     let bytes = std::fs::read(&path).unwrap();
     let cut = file(&folder, "cut.mcap", &bytes[..bytes.len() * 2 / 3]);
-    let ended = run(["replay", &cut]).done();
+    let ended = run(["replay", &cut]);
+    assert_eq!(ended.code, Some(3), "{}", ended.err);
     assert!(ended.err.contains("cut"), "{}", ended.err);
     let same = ended
         .out

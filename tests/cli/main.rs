@@ -7,6 +7,7 @@ mod files;
 mod signals;
 mod terminal;
 mod traces;
+mod writes;
 mod wrong_use;
 
 use std::ffi::OsStr;

@@ -1,11 +1,16 @@
 //! Every wrong use says what was tried, what happened and what to do, and exits with 2.
 
-use super::{ademan, file, run};
+use super::{Ended, ademan, file, run};
 
 /// Runs it with the words of `line`, and asserts on the exit code and the words of the message.
 fn refused(line: &str, words: &[&str]) {
+    refused_with(2, line, words);
+}
+
+fn refused_with(code: i32, line: &str, words: &[&str]) {
     let ended = run(line.split(' '));
-    assert_eq!(ended.code, Some(2), "`{line}`: {}{}", ended.out, ended.err);
+    let expected = Some(code);
+    assert_eq!(ended.code, expected, "`{line}`: {}{}", ended.out, ended.err);
     for word in words {
         assert!(
             ended.err.contains(word),
@@ -34,6 +39,25 @@ fn an_output_that_lacks_what_the_layout_needs_is_refused_before_the_glove_is_loo
         &format!("{run} none,desktop,none,desktp"),
         &["did you mean `desktop`?"],
     );
+}
+
+#[test]
+fn a_program_built_for_x11_does_not_type_past_a_wayland_desktop() {
+    let mut run = ademan(["run", "--output", "desktop", "--source", "typist:hi"]);
+    // There might be an X server beside the compositor.
+    run.env("WAYLAND_DISPLAY", "/nowhere/wayland-0")
+        .env("DISPLAY", ":0");
+    let ended = Ended::from(run.output().expect("it starts"));
+    let words = match ademan::output::SPEAKS_WAYLAND {
+        false => {
+            "was built for X11: its keys would reach no program of Wayland; build it with \
+                  `--features wayland`, or use the output `uinput`; for programs of X11 only, unset \
+                  WAYLAND_DISPLAY"
+        }
+        true => "no compositor answers at /nowhere/wayland-0",
+    };
+    assert!(ended.err.contains(words), "{}", ended.err);
+    assert_eq!(ended.code, Some(2));
 }
 
 #[test]
@@ -210,13 +234,13 @@ fn a_wrong_setup_names_its_file_and_where_that_is_known_line_and_column() {
 fn files_that_are_no_recordings_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let empty = file(&folder, "empty.mcap", "");
-    refused(&format!("replay {empty}"), &["the file is empty"]);
+    refused_with(3, &format!("replay {empty}"), &["the file is empty"]);
     refused(
         &format!("record {empty} --source typist:a"),
         &["there is a file already"],
     );
     let text = file(&folder, "text.mcap", "this is a letter, not a recording");
-    refused(&format!("replay {text}"), &["this is no MCAP file"]);
+    refused_with(3, &format!("replay {text}"), &["this is no MCAP file"]);
 }
 
 #[test]

@@ -75,7 +75,7 @@ fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
     let assembly = Setup::default().assemble().expect("the default setup");
     let needs = assembly.needs();
     let mut sink = Router::new(vec![
-        Box::new(Desktop::open(Some(server.display())).expect("the server is there")),
+        Box::new(Desktop::open(Some(server.display()), &needs).expect("the server is there")),
         open(&format!("transcript:{}", path.display()), &needs).expect("a new file"),
     ]);
     let hand = Hand::that_holds(&Press::of("h"), Duration::from_millis(1500));

@@ -14,11 +14,15 @@ mod glove;
 #[cfg(target_os = "linux")]
 mod guardian;
 mod held;
+mod keymaps;
+#[cfg(target_os = "linux")]
+mod memory;
 mod panics;
 mod press;
 mod program;
 mod replug;
 mod text;
+mod xev;
 
 use std::time::{Duration, Instant};
 

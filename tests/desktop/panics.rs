@@ -94,7 +94,8 @@ type Ended = (thread::Result<Result<(), RunError>>, Desktop);
 
 /// A run in a thread of its own, with a hand that holds Shift and H down.
 fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
-    let mut sink = Desktop::open(Some(server.display())).expect("the server is there");
+    let mut sink =
+        Desktop::open(Some(server.display()), &Needs::default()).expect("the server is there");
     let source = Fused(
         Hand::that_holds(&Press::of("H"), Duration::MAX),
         fuses.source.clone(),

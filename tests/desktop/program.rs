@@ -26,7 +26,13 @@ impl Program {
         command
             .env("DISPLAY", server.display())
             .env_remove("WAYLAND_DISPLAY")
-            .env_remove("XDG_RUNTIME_DIR")
+            .env_remove("XDG_RUNTIME_DIR");
+        Self::of(command)
+    }
+
+    /// Starts it as this says.
+    pub fn of(mut command: Command) -> Self {
+        command
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped());

@@ -1,21 +1,39 @@
-/* A 3D program: tells what Debian's libspnav makes of the device, then of its events, until nobody is
- * at the other end or nothing has come for ten seconds. */
+/* A 3D program: asks for the sensitivity that its argument says, tells what Debian's libspnav makes of the
+ * device and of the settings of a driver, then of its events, until nobody is at the other end or nothing
+ * has come for ten seconds. */
 #include <poll.h>
 #include <spnav.h>
 #include <stdio.h>
+#include <stdlib.h>
 
-int main(void)
+/* libspnav 1.0 sends the lower half of a double in place of a float: here both say the same. */
+static double sensitivity(float value)
+{
+	union {
+		double whole;
+		float halves[2];
+	} number = { value };
+
+	number.halves[0] = value;
+	return number.whole;
+}
+
+int main(int count, char **arguments)
 {
 	char name[64];
+	unsigned int vendor, product;
 	spnav_event event;
 
-	if (spnav_open() == -1) {
+	if (count != 2 || spnav_open() == -1) {
 		return 1;
 	}
 	spnav_client_name("a client with a name of more than twenty-four bytes");
 	spnav_dev_name(name, sizeof name);
 	printf("protocol %d, device %s, %d axes, %d buttons\n", spnav_protocol(), name, spnav_dev_axes(),
 		spnav_dev_buttons());
+	printf("sensitivity %d\n", spnav_sensitivity(sensitivity(atof(arguments[1]))));
+	printf("ids %d, type %d, settings %g\n", spnav_dev_usbid(&vendor, &product), spnav_dev_type(),
+		spnav_cfg_get_sens());
 	fflush(stdout);
 	for (;;) {
 		struct pollfd file = { spnav_fd(), POLLIN, 0 };

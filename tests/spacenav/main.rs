@@ -197,14 +197,13 @@ fn the_socket_is_its_owners_and_a_second_server_is_refused_with_the_reason() {
     assert!(refused.contains("107 at most"), "{refused}");
 }
 
-/// The real program, and a hand that moves the lever of the layout `workshop`.
-fn run(output: &str) -> Command {
-    let mut command = ademan(["run", "--armed", "--control", "off", "--layout", "workshop"]);
-    command.args([
-        "--source",
-        "script:wait 2000; press Lift; slide 25 0; wait 300; lift",
-    ]);
-    command.args(["--output", output]);
+/// How the hand moves the lever of the layout `workshop`.
+const LEVER: &str = "script:wait 2000; press Lift; slide 25 0; wait 300; lift";
+
+/// The real program, and a hand that plays a script on a layout.
+fn run(layout: &str, source: &str, output: &str) -> Command {
+    let mut command = ademan(["run", "--armed", "--control", "off", "--layout", layout]);
+    command.args(["--source", source, "--output", output]);
     command
         .stdin(Stdio::null())
         .stdout(Stdio::null())
@@ -226,7 +225,7 @@ fn a_lever_moves_what_a_3d_program_shows() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("ademan/spnav.sock");
     // Whatever the lever is not for goes nowhere.
-    let mut program = run("spacenav,none");
+    let mut program = run("workshop", LEVER, "spacenav,none");
     let mut program = Process::start(program.env("XDG_RUNTIME_DIR", folder.path())).unwrap();
     wait_for(&path);
     let above = std::fs::metadata(path.parent().unwrap()).unwrap();
@@ -248,10 +247,9 @@ fn a_lever_moves_what_a_3d_program_shows() {
     assert_eq!(lines.count(), 1, "{told:#?}");
 }
 
-#[test]
-fn a_program_with_libspnav_hears_the_lever() {
-    let folder = tempfile::tempdir().unwrap();
-    let client = folder.path().join("client");
+/// A 3D program, compiled with Debian's libspnav in this folder, or `None` where there is none.
+fn compiled_client(folder: &Path) -> Option<PathBuf> {
+    let client = folder.join("client");
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/spacenav/client.c");
     let compiled = Command::new("cc")
         .arg(source)
@@ -260,28 +258,80 @@ fn a_program_with_libspnav_hears_the_lever() {
         .args(["-lspnav", "-lm"])
         .output();
     match compiled {
-        Ok(output) if output.status.success() => {}
+        Ok(output) if output.status.success() => return Some(client),
         Ok(output) => {
             let reason = String::from_utf8_lossy(&output.stderr);
             let is_absent = reason.contains("spnav.h") || reason.contains("cannot find -lspnav");
             assert!(is_absent, "{reason}");
-            return println!("SKIPPED: libspnav is not there to be compiled with");
+            println!("SKIPPED: libspnav is not there to be compiled with");
         }
-        Err(error) => return println!("SKIPPED: no C compiler: {error}"),
+        Err(error) => println!("SKIPPED: no C compiler: {error}"),
     }
+    None
+}
+
+/// What two 3D programs tell, one at the usual sensitivity and one at twice that, while a hand plays a script.
+fn told_by_two(layout: &str, source: &str) -> Option<[Vec<String>; 2]> {
+    let folder = tempfile::tempdir().unwrap();
+    let client = compiled_client(folder.path())?;
     let path = folder.path().join("spnav.sock");
-    let _program = Process::start(&mut run(&format!("spacenav:{},none", path.display()))).unwrap();
+    let output = format!("spacenav:{},none", path.display());
+    let _program = Process::start(&mut run(layout, source, &output)).unwrap();
     wait_for(&path);
-    let mut client = Command::new(client);
-    client.env("SPNAV_SOCKET", &path).stdout(Stdio::piped());
-    let mut client = Process::start(&mut client).unwrap();
-    let told = BufReader::new(client.0.stdout.take().unwrap()).lines();
-    let told: Vec<_> = told.map_while(Result::ok).collect();
-    assert_eq!(told[0], "protocol 1, device Ademan, 6 axes, 4 buttons");
+    let clients = ["1", "2"].map(|sensitivity| {
+        let mut client = Command::new(&client);
+        client.arg(sensitivity).env("SPNAV_SOCKET", &path);
+        Process::start(client.stdout(Stdio::piped())).unwrap()
+    });
+    let told = clients.map(|mut client| {
+        let told = BufReader::new(client.0.stdout.take().unwrap()).lines();
+        told.map_while(Result::ok).collect::<Vec<_>>()
+    });
+    for told in &told {
+        let greeting = [
+            "protocol 1, device Ademan, 6 axes, 4 buttons",
+            "sensitivity 0",
+            "ids -1, type 0, settings -1",
+        ];
+        assert_eq!(told[..3], greeting);
+    }
+    println!("{:#?}", told[0]);
+    Some(told.map(|told| told[3..].to_vec()))
+}
+
+#[test]
+fn programs_with_libspnav_hear_the_lever_each_at_its_own_sensitivity() {
+    let Some(told) = told_by_two("workshop", LEVER) else {
+        return;
+    };
     let height = |line: &String| -> i32 {
         let words: Vec<&str> = line.split(' ').collect();
-        assert_eq!(words[0], "motion", "{told:#?}");
+        assert_eq!(words[0], "motion", "{line}");
         words[2].parse().expect("a number")
     };
-    assert_lifted(&told[1..].iter().map(height).collect::<Vec<_>>());
+    let [plain, keen] = told.map(|lines| lines.iter().map(height).collect::<Vec<_>>());
+    assert_lifted(&plain);
+    let twice: Vec<_> = plain.iter().map(|height| 2 * height).collect();
+    assert_eq!(keen, twice);
+}
+
+#[test]
+fn programs_with_libspnav_hear_the_keys_of_a_layout_that_are_buttons() {
+    let source = "script:wait 2000; tap PadSouth; tap PadWest";
+    let Some(told) = told_by_two("game", source) else {
+        return;
+    };
+    for lines in told {
+        let expected = [
+            "button 0 down",
+            "button 0 up",
+            "button 3 down",
+            "button 3 up",
+        ];
+        let buttons: Vec<_> = lines
+            .iter()
+            .filter(|line| line.starts_with("button"))
+            .collect();
+        assert_eq!(buttons, expected);
+    }
 }

@@ -5,5 +5,6 @@
 
 pub mod binary;
 pub mod process;
+pub mod proof;
 pub mod run;
 pub mod x11;

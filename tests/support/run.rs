@@ -30,7 +30,7 @@ pub const MOVE: Duration = Duration::from_millis(500);
 type Posture = [u8; BODY_BYTES];
 
 /// The glove with the index finger over the H key, and with the key pushed in.
-fn postures() -> (Posture, Posture) {
+pub fn postures() -> (Posture, Posture) {
     let assembly = Setup::default().assemble().expect("the default setup");
     let typist = assembly.typist("h", &LineSettings::default(), 0.0, 0);
     let mut typist = typist.expect("h can be typed");

@@ -141,6 +141,16 @@ impl XServer {
             .is_some_and(|attributes| attributes.map_state == MapState::VIEWABLE)
     }
 
+    /// Waits until there is a window, and gives it the focus.
+    pub fn focus_what_is_seen(&self) {
+        let seen = || {
+            let mut windows = self.windows().into_iter();
+            windows.rfind(|window| self.is_seen(*window))
+        };
+        assert!(wait_for(|| seen().is_some()), "a program shows a window");
+        self.focus(seen().expect("it has been seen"));
+    }
+
     fn focus(&self, window: Window) {
         let time = x11rb::CURRENT_TIME;
         self.watcher
@@ -247,22 +257,11 @@ impl Typewriter {
             folder,
             _process: process,
         };
-        let is_seen = || {
-            server
-                .windows()
-                .iter()
-                .any(|&window| server.is_seen(window))
-        };
-        assert!(wait_for(is_seen), "xterm shows a window");
         assert!(
             wait_for(|| typewriter.path("typed").exists()),
             "xterm runs its script"
         );
-        for window in server.windows() {
-            if server.is_seen(window) {
-                server.focus(window);
-            }
-        }
+        server.focus_what_is_seen();
         Some(typewriter)
     }
 

@@ -14,6 +14,8 @@ use ademan::settings::SetupError;
 const JOB: u8 = 1;
 /// The exit code for wrong use or a bad file.
 const USE: u8 = 2;
+/// The exit code for a recording that is damaged.
+const DAMAGED: u8 = 3;
 
 /// Why a command did not do its job.
 #[derive(Debug)]
@@ -31,6 +33,11 @@ impl Failure {
     /// Wrong use, or a file or device that is not as it should be.
     pub fn wrong_use(message: impl Into<String>) -> Self {
         Self::new(anyhow::anyhow!(message.into()), USE)
+    }
+
+    /// What was played is damaged; all that could be used of it was.
+    pub fn damaged(message: impl Into<String>) -> Self {
+        Self::new(anyhow::anyhow!(message.into()), DAMAGED)
     }
 
     fn new(error: impl Into<anyhow::Error>, code: u8) -> Self {
@@ -80,9 +87,8 @@ impl From<LayoutError> for Failure {
 impl From<CaptureError> for Failure {
     fn from(error: CaptureError) -> Self {
         let code = match error {
-            CaptureError::Name { .. }
-            | CaptureError::Open { .. }
-            | CaptureError::Malformed { .. } => USE,
+            CaptureError::Name { .. } | CaptureError::Open { .. } => USE,
+            CaptureError::Malformed { .. } => DAMAGED,
             _ => JOB,
         };
         Self::new(error, code)

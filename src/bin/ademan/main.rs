@@ -19,6 +19,7 @@ mod failure;
 mod files;
 mod guardian;
 mod layouts;
+mod panics;
 mod record;
 mod recording;
 mod reload;
@@ -44,7 +45,8 @@ use failure::Failure;
 fn main() -> ExitCode {
     let args = Args::parse();
     start_log();
-    match run(args.command) {
+    panics::end_the_run();
+    match run(args.command).and_then(|()| panics::check()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

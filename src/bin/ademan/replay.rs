@@ -20,6 +20,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
     )?;
     let (stopper, stop) = signals::stopper()?;
     let needs = assembly.needs();
+    let cut = replay.cut_note();
     let mut sink = guardian::open_outputs(&args.output, &needs, move || stopper.ask_once())?;
     let source: Box<dyn Source> = match args.speed {
         Some(speed) => Box::new(Paced::new(replay, speed)),
@@ -33,5 +34,12 @@ pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
         &mut |_| {},
     )?;
     say!("{}", status::account(&summary.tally));
-    Ok(())
+    match cut.get() {
+        None => Ok(()),
+        Some(cut) => Err(Failure::damaged(format!(
+            "{} is cut off at byte {}: what came before was played, everything is released",
+            args.file.display(),
+            cut.offset
+        ))),
+    }
 }

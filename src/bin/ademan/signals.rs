@@ -7,6 +7,7 @@ use std::time::Duration;
 use crossbeam_channel::{Receiver, Sender, bounded};
 
 use crate::failure::Failure;
+use crate::panics;
 
 /// The exit code of a program that Ctrl-C ended.
 const INTERRUPTED: i32 = 130;
@@ -21,6 +22,13 @@ pub struct Stopper {
 }
 
 impl Stopper {
+    /// One that nobody has asked yet, and where its requests come in.
+    pub fn new() -> (Self, Receiver<()>) {
+        let (sender, stop) = bounded(1);
+        let asked = Arc::default();
+        (Self { asked, sender }, stop)
+    }
+
     /// Asks for an end in good order. A second request ends the program even if it hangs, but leaves
     /// the first the time to let go of all keys.
     pub fn ask(&self) {
@@ -53,11 +61,8 @@ pub fn stop_requests() -> Result<Receiver<()>, Failure> {
 
 /// As [`stop_requests`], with a hand on the same bell for who else may ring it.
 pub fn stopper() -> Result<(Stopper, Receiver<()>), Failure> {
-    let (sender, stop) = bounded(1);
-    let stopper = Stopper {
-        asked: Arc::default(),
-        sender,
-    };
+    let (stopper, stop) = Stopper::new();
+    panics::ring(&stopper);
     let bell = stopper.clone();
     ctrlc::set_handler(move || bell.ask())
         .map_err(|error| Failure::job(format!("cannot listen for Ctrl-C: {error}")))?;

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use ademan::estimate::Rejection;
+use ademan::hand::{Finger, FingerSet, Side};
 use ademan::monitor::{Snapshot, State, Tally};
 
 /// How long nothing more is said of the same loss.
@@ -17,6 +18,26 @@ pub struct Status {
     superseded: Loss,
     of_system: Loss,
     too_many: u64,
+    doubts: [Doubt; Side::COUNT],
+}
+
+/// The fingers of a hand that were said not to be believed.
+#[derive(Clone, Copy, Default)]
+struct Doubt {
+    fingers: FingerSet,
+    said: Option<Instant>,
+}
+
+impl Doubt {
+    /// Whether that has changed, if it is to be said again: a loose contact comes and goes.
+    fn news(&mut self, fingers: FingerSet) -> bool {
+        if fingers == self.fingers || self.said.is_some_and(|said| said.elapsed() < QUIET) {
+            return false;
+        }
+        self.fingers = fingers;
+        self.said = Some(Instant::now());
+        true
+    }
 }
 
 /// What was said of one reason for losses.
@@ -45,6 +66,11 @@ impl Status {
         // At the end those that nobody took count as superseded.
         if frame.state != State::Stopped {
             self.tell_losses(&frame.tally);
+        }
+        if let Some(pose) = &frame.pose
+            && self.doubts[pose.side.index()].news(pose.untrusted)
+        {
+            tell_doubt(pose.untrusted);
         }
         self.tell_state(frame);
     }
@@ -94,6 +120,20 @@ impl Status {
             State::Running => say!("armed: touches are typed, Ctrl-C ends"),
             State::Stalled => say!("stalled: no readings, everything is released"),
         }
+    }
+}
+
+fn tell_doubt(fingers: FingerSet) {
+    let names = Finger::ALL
+        .iter()
+        .filter(|finger| fingers.contains(**finger));
+    let names: Vec<_> = names.map(|finger| finger.name()).collect();
+    match names.is_empty() {
+        true => say!("all fingers are believed again"),
+        false => say!(
+            "not believed, and released: {}; a sensor has been at an end of its range for a second, check its wire",
+            names.join(", ")
+        ),
     }
 }
 

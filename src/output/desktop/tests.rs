@@ -304,7 +304,9 @@ fn a_panic_on_the_way_to_the_display_lets_go_of_everything() {
 
 #[test]
 fn without_a_display_the_error_says_what_to_do() {
-    let error = Desktop::open(Some(":59000")).err().unwrap();
+    let error = Desktop::open(Some(":59000"), &Needs::default())
+        .err()
+        .unwrap();
     let start = "cannot open the output `desktop`: no display answers at `:59000`";
     assert!(error.to_string().starts_with(start), "{error}");
 }

@@ -2,12 +2,15 @@
 
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-use super::super::display::Display;
 use super::super::held::Held;
+use super::super::platform;
 use super::super::worker::{Report, Worker};
 use super::{READY, SILENCE, Word};
+
+/// How long it is listened at least, before nothing counts as silence.
+const GLANCE: Duration = Duration::from_millis(1);
 
 /// What a guardian does: it listens to the program that started it, on its own standard input, and lets go of
 /// what that program holds down when it dies or falls silent. Returns when it is not needed any more.
@@ -19,7 +22,9 @@ pub fn watch(say: impl Fn(&str)) -> Result<(), String> {
     if line.peer_addr().is_err() {
         return Err("the guardian is started by the program that it watches, not by hand".into());
     }
-    let display = match Display::connect(None) {
+    // It presses nothing, so it makes do without a pointer where the program does.
+    let connect = || platform::open(None, false);
+    let display = match connect() {
         Ok(display) => display,
         Err(reason) => {
             let _ = line.write_all(reason.as_bytes());
@@ -35,7 +40,7 @@ pub fn watch(say: impl Fn(&str)) -> Result<(), String> {
         let end = watched.wait_for_trouble();
         let count = watched.held.count();
         hands.take_over(std::mem::take(&mut watched.held));
-        hands.let_go(|| Display::connect(None));
+        hands.let_go(connect);
         match (end, count) {
             (Trouble::Over | Trouble::Died, 0) => return Ok(()),
             (Trouble::Over | Trouble::Died, _) => {
@@ -44,7 +49,7 @@ pub fn watch(say: impl Fn(&str)) -> Result<(), String> {
             }
             (Trouble::Silent, _) => {
                 say(&format!(
-                    "the program gives no sign of life; its keys are up ({count})"
+                    "the program gives no sign of life; letting go of its keys ({count})"
                 ));
             }
         }
@@ -84,13 +89,9 @@ impl Watched {
     /// Listens until there is something to do.
     fn wait_for_trouble(&mut self) -> Trouble {
         loop {
-            let patience = match self.held.is_empty() {
-                true => None,
-                false => match SILENCE.checked_sub(self.last.elapsed()) {
-                    Some(rest) if !rest.is_zero() => Some(rest),
-                    _ => return Trouble::Silent,
-                },
-            };
+            let rest = SILENCE.saturating_sub(self.last.elapsed());
+            // Also when it is overdue: the machine may have held up this process, and not the program.
+            let patience = (!self.held.is_empty()).then_some(rest.max(GLANCE));
             if self.line.set_read_timeout(patience).is_err() {
                 return Trouble::Died;
             }
@@ -104,7 +105,8 @@ impl Watched {
                     }
                 }
                 Err(error) => match error.kind() {
-                    ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted => {}
+                    ErrorKind::Interrupted => {}
+                    ErrorKind::WouldBlock | ErrorKind::TimedOut => return Trouble::Silent,
                     _ => return Trouble::Died,
                 },
             }
@@ -133,7 +135,6 @@ impl Watched {
 mod tests {
     use super::*;
     use crate::output::tests::key;
-    use std::time::Duration;
 
     fn watched() -> (UnixStream, Watched) {
         let (engine, line) = UnixStream::pair().unwrap();

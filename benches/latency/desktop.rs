@@ -1,0 +1,126 @@
+//! A key on an X server, and a client that hears it.
+
+use std::thread;
+use std::time::Instant;
+
+use ademan::device::{Action, KeyCode, Needs, OutputEvent};
+use ademan::output::Sink;
+use ademan::output::desktop::Desktop;
+use ademan::time::Timestamp;
+use crossbeam_channel::{Sender, bounded};
+use x11rb::connection::Connection;
+use x11rb::protocol::Event;
+use x11rb::protocol::xproto::{
+    ConnectionExt as _, CreateWindowAux, EventMask, InputFocus, KEY_PRESS_EVENT, KEY_RELEASE_EVENT,
+    WindowClass,
+};
+use x11rb::protocol::xtest::ConnectionExt as _;
+use x11rb::rust_connection::RustConnection;
+
+use super::programs::{Output, Writer};
+use super::support::x11::{XServer, wait_for};
+
+/// The keys A and S, as X11 numbers the keys of Linux. A key that is down does not go down again, so that each program has
+/// one of its own.
+const PLAIN_KEYS: [u8; 2] = [38, 39];
+
+/// An X server of its own, which ends with the program.
+pub fn output() -> Option<Output> {
+    let server = XServer::start()?;
+    let (done, heard) = bounded(16);
+    listen(server.display(), done);
+    let display = server.display().to_owned();
+    let plain = |key| -> Box<dyn Writer> {
+        let (connection, _) = x11rb::connect(Some(&display)).expect("the server answers");
+        Box::new(Plain {
+            connection,
+            key,
+            is_down: false,
+        })
+    };
+    let ours = Ours {
+        desktop: Desktop::open(Some(&display), &Needs::default()).expect("the server answers"),
+        key: "D".parse().expect("there is such a key"),
+        is_down: false,
+        _server: server,
+    };
+    Some(Output {
+        name: "a client of an X server",
+        writers: [plain(PLAIN_KEYS[0]), plain(PLAIN_KEYS[1]), Box::new(ours)],
+        heard,
+    })
+}
+
+/// Hears all keys.
+fn listen(display: &str, done: Sender<Instant>) {
+    let (connection, screen) = x11rb::connect(Some(display)).expect("the server answers");
+    let root = connection.setup().roots[screen].root;
+    let window = connection.generate_id().expect("a number for it");
+    let settings = CreateWindowAux::new()
+        .override_redirect(1)
+        .event_mask(EventMask::KEY_PRESS | EventMask::KEY_RELEASE);
+    let (depth, visual) = (x11rb::COPY_DEPTH_FROM_PARENT, x11rb::COPY_FROM_PARENT);
+    let class = WindowClass::INPUT_OUTPUT;
+    connection
+        .create_window(depth, window, root, 0, 0, 9, 9, 0, class, visual, &settings)
+        .expect("the server is there");
+    connection.map_window(window).expect("the server is there");
+    let has_focus = wait_for(|| {
+        let focus = connection.set_input_focus(InputFocus::PARENT, window, x11rb::CURRENT_TIME);
+        focus.expect("the server is there").check().is_ok()
+    });
+    assert!(has_focus, "a window that is seen can have the focus");
+    thread::spawn(move || {
+        while let Ok(event) = connection.wait_for_event() {
+            let end = Instant::now();
+            if matches!(event, Event::KeyPress(_) | Event::KeyRelease(_)) {
+                let _ = done.try_send(end);
+            }
+        }
+    });
+}
+
+/// The least: one request.
+struct Plain {
+    connection: RustConnection,
+    key: u8,
+    is_down: bool,
+}
+
+impl Writer for Plain {
+    fn write(&mut self) {
+        self.is_down = !self.is_down;
+        let kind = if self.is_down {
+            KEY_PRESS_EVENT
+        } else {
+            KEY_RELEASE_EVENT
+        };
+        let root = self.connection.setup().roots[0].root;
+        self.connection
+            .xtest_fake_input(kind, self.key, x11rb::CURRENT_TIME, root, 0, 0, 0)
+            .expect("the server is there");
+        self.connection.flush().expect("the server is there");
+    }
+}
+
+/// The output of the library.
+struct Ours {
+    desktop: Desktop,
+    key: KeyCode,
+    is_down: bool,
+    _server: XServer,
+}
+
+impl Writer for Ours {
+    fn write(&mut self) {
+        self.is_down = !self.is_down;
+        let action = if self.is_down {
+            Action::KeyDown(self.key)
+        } else {
+            Action::KeyUp(self.key)
+        };
+        let time = Timestamp(0);
+        let sent = self.desktop.send(&[OutputEvent { time, action }]);
+        sent.expect("the server is there");
+    }
+}

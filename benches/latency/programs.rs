@@ -1,0 +1,237 @@
+//! The programs that are compared, and who feeds them.
+
+use std::fs::File;
+use std::io::{PipeWriter, Read, Write, pipe};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
+use ademan::capture::{LineSettings, SourceName, Wire, open, open_wire};
+use ademan::device::OutputEvent;
+use ademan::lab::Typist;
+use ademan::output::{OutputError, Sink};
+use ademan::runtime::drive;
+use ademan::settings::Setup;
+use crossbeam_channel::{Receiver, Sender, bounded, never};
+use serialport::{DataBits, FlowControl, Parity, SerialPort, StopBits, TTYPort};
+
+use super::desktop;
+
+/// Bytes that a program gets for a frame: a body, and the two marks after it that make it certain.
+const FRAME_BYTES: usize = BODY_BYTES + 2;
+
+/// What the kernel takes for one key and the end of its frame.
+const EVENT_BYTES: usize = 48;
+
+/// A frame that has not come out by then is told as lost.
+const LIMIT: Duration = Duration::from_secs(2);
+
+/// Writes one event for each frame.
+pub trait Writer: Send + 'static {
+    /// Writes the event of the next frame.
+    fn write(&mut self);
+}
+
+/// Where events are heard, and who writes them.
+pub struct Output {
+    pub name: &'static str,
+    /// One for each of the three programs.
+    pub writers: [Box<dyn Writer>; 3],
+    /// The moments at which events were there.
+    pub heard: Receiver<Instant>,
+}
+
+pub fn main() {
+    let is_test = !std::env::args().any(|argument| argument == "--bench");
+    let (frames, warm_up) = if is_test { (20, 5) } else { (4_000, 200) };
+    println!(
+        "{:24} {:>8}  {:16} {:>8} {:>8}   p50 of null (goal 1.1)   p99 of null (goal 1.2)",
+        "byte-complete to event", "a frame", "", "p50", "p99"
+    );
+    let millisecond = Duration::from_millis(1);
+    for pace in [millisecond, LineSettings::default().frame_period()] {
+        measure(to_pipe(), pace, frames, warm_up);
+        match desktop::output() {
+            Some(output) => measure(output, pace, frames, warm_up),
+            None => println!("X server: SKIPPED, as said above"),
+        }
+    }
+}
+
+/// Feeds all programs in turn and prints what came of it.
+fn measure(output: Output, pace: Duration, frames: usize, warm_up: usize) {
+    let Output {
+        name,
+        writers,
+        heard,
+    } = output;
+    let [one, other, ours] = writers;
+    let mut programs = [
+        ("null", start(null, one)),
+        ("null with a hop", start(null_with_a_hop, other)),
+        ("ours", start_ours(ours)),
+    ]
+    .map(|(name, wire)| (name, wire, Vec::with_capacity(frames)));
+    let bodies = bodies();
+    let mut due = Instant::now();
+    let step = pace / programs.len() as u32;
+    for number in 0..frames + warm_up {
+        for (_, wire, times) in &mut programs {
+            due = (due + step).max(Instant::now());
+            thread::sleep(due.saturating_duration_since(Instant::now()));
+            // What came too late to count.
+            while heard.try_recv().is_ok() {}
+            let begun = Instant::now();
+            let body = &bodies[number % bodies.len()];
+            wire.writer.write_all(body).expect("the line is open");
+            if let Ok(end) = heard.recv_timeout(LIMIT)
+                && number >= warm_up
+            {
+                times.push(end.saturating_duration_since(begun));
+            }
+        }
+    }
+    let mut of_null = None;
+    for (program, _, times) in &mut programs {
+        let lost = frames - times.len();
+        let found = (percentile(times, 50), percentile(times, 99));
+        let (p50, p99) = *of_null.get_or_insert(found);
+        println!(
+            "{name:24} {:5.2} ms  {program:16} {:5.1} µs {:5.1} µs   {:22.2}   {:22.2}{}",
+            pace.as_secs_f64() * 1e3,
+            found.0,
+            found.1,
+            found.0 / p50,
+            found.1 / p99,
+            if lost > 0 {
+                format!("   {lost} lost")
+            } else {
+                String::new()
+            }
+        );
+    }
+}
+
+/// In microseconds.
+fn percentile(times: &mut [Duration], percent: usize) -> f64 {
+    times.sort_unstable();
+    let place = (times.len() * percent / 100).min(times.len().saturating_sub(1));
+    times
+        .get(place)
+        .map_or(f64::NAN, |time| time.as_secs_f64() * 1e6)
+}
+
+/// What somebody sends who types; each comes with the marks of the next frame.
+fn bodies() -> Vec<[u8; FRAME_BYTES]> {
+    let assembly = Setup::default().assemble().expect("the default setup");
+    let typist = assembly.typist("hello world", &LineSettings::default(), 0.5, 1);
+    let mut typist: Typist = typist.expect("the text is on the board");
+    std::iter::from_fn(|| typist.next_counts())
+        .map(|counts| {
+            let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
+            let mut frame = encode(Framing::Double06, &body);
+            frame.rotate_left(FRAME_BYTES - BODY_BYTES);
+            frame
+        })
+        .collect()
+}
+
+/// A pipe that somebody reads.
+fn to_pipe() -> Output {
+    let (done, heard) = bounded(16);
+    let writer = || -> Box<dyn Writer> {
+        let (mut reader, pipe) = pipe().expect("a pipe");
+        thread::spawn(move || while reader.read(&mut [0; 4096]).is_ok_and(|length| length > 0) {});
+        let done = done.clone();
+        Box::new(ToPipe { pipe, done })
+    };
+    Output {
+        name: "a pipe",
+        writers: [writer(), writer(), writer()],
+        heard,
+    }
+}
+
+struct ToPipe {
+    pipe: PipeWriter,
+    done: Sender<Instant>,
+}
+
+impl Writer for ToPipe {
+    fn write(&mut self) {
+        self.pipe.write_all(&[1; EVENT_BYTES]).expect("it is read");
+        let _ = self.done.try_send(Instant::now());
+    }
+}
+
+/// Starts a program that knows nothing of gloves.
+fn start(program: fn(File, Box<dyn Writer>), writer: Box<dyn Writer>) -> Wire {
+    let wire = open_wire(LineSettings::default()).expect("a line");
+    let SourceName::Serial { port, line } = &wire.source else {
+        unreachable!("it is a serial port");
+    };
+    let settings = TTYPort::open(
+        &serialport::new(port, line.baud.get())
+            .data_bits(DataBits::Eight)
+            .parity(Parity::None)
+            .stop_bits(StopBits::One)
+            .flow_control(FlowControl::None)
+            .exclusive(false),
+    );
+    let settings = settings.expect("the port opens");
+    assert_eq!(settings.baud_rate().ok(), Some(line.baud.get()));
+    let file = File::open(port).expect("the port opens");
+    thread::spawn(move || {
+        program(file, writer);
+        drop(settings);
+    });
+    wire
+}
+
+fn null(mut line: File, mut writer: Box<dyn Writer>) {
+    let mut frame = [0; FRAME_BYTES];
+    while line.read_exact(&mut frame).is_ok() {
+        writer.write();
+    }
+}
+
+fn null_with_a_hop(mut line: File, mut writer: Box<dyn Writer>) {
+    let (sender, frames) = bounded::<[u8; FRAME_BYTES]>(16);
+    thread::spawn(move || {
+        for _ in frames {
+            writer.write();
+        }
+    });
+    let mut frame = [0; FRAME_BYTES];
+    while line.read_exact(&mut frame).is_ok() && sender.send(frame).is_ok() {}
+}
+
+/// Starts the library.
+fn start_ours(writer: Box<dyn Writer>) -> Wire {
+    let mut wire = open_wire(LineSettings::default()).expect("a line");
+    let source = open(&wire.source).expect("the line opens");
+    let assembly = Setup::default().assemble().expect("the default setup");
+    thread::spawn(move || {
+        let mut pipeline = assembly.pipeline();
+        let mut sink = ForEachFrame(writer);
+        // It ends with the program.
+        let _ = drive(source, &mut pipeline, &mut sink, &never(), &mut |_| {});
+    });
+    let marks = &encode(Framing::Double06, &[0; BODY_BYTES])[..FRAME_BYTES - BODY_BYTES];
+    wire.writer.write_all(marks).expect("the line is open");
+    wire
+}
+
+/// Writes one event for each frame, whatever was typed.
+struct ForEachFrame(Box<dyn Writer>);
+
+impl Sink for ForEachFrame {
+    fn send(&mut self, _: &[OutputEvent]) -> Result<(), OutputError> {
+        self.0.write();
+        Ok(())
+    }
+
+    fn close(&mut self) -> Result<(), OutputError> {
+        Ok(())
+    }
+}

@@ -1,0 +1,28 @@
+//! Where nothing can be waited for that somebody may interrupt: each read waits for as long as it may.
+
+use std::convert::Infallible;
+use std::fs::File;
+use std::io::Result;
+use std::time::Duration;
+
+use super::interrupt::Interrupt;
+
+/// There is none.
+pub(super) struct Readiness(Infallible);
+
+impl Readiness {
+    /// None.
+    pub fn of<L>(_line: &L) -> Option<Self> {
+        None
+    }
+
+    /// Never asked.
+    pub fn wait(&self, _: Option<&Interrupt>, _: Option<Duration>) -> Result<bool> {
+        match self.0 {}
+    }
+}
+
+/// None.
+pub(super) fn open_to_read(_place: &str) -> Option<File> {
+    None
+}

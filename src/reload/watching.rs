@@ -1,0 +1,172 @@
+//! What the thread does that looks after a layout: it waits for orders, and for the file to be saved.
+
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, never, select};
+
+use super::keeper::{Keeper, Over};
+use super::notice::Notices;
+use super::{FileCall, Report};
+use crate::layout::Layout;
+use crate::pipeline::Controls;
+
+/// How often the file is looked at while it is being saved, and always where a change of it is not told. One look
+/// costs a few microseconds, works on every file system, and sees a file that an editor puts in the place of the old
+/// one as well as one that is written to.
+const PERIOD: Duration = Duration::from_millis(50);
+
+/// Where nothing is expected the thread wakes up once an hour, for nothing.
+const FOR_EVER: Duration = Duration::from_secs(3600);
+
+/// Who says that the file has changed.
+pub(super) enum Attention {
+    /// There is no file.
+    None,
+    /// It is looked at all the time.
+    Looking,
+    /// The system does, once after each time that it was asked to.
+    Noticing { notices: Notices, is_asked: bool },
+}
+
+impl Attention {
+    /// To the file at `path`, if there is one, by notices where they can be had.
+    pub fn to(path: Option<&str>) -> Self {
+        let Some(path) = path else {
+            return Self::None;
+        };
+        let asked = Notices::start(path).and_then(|notices| notices.arm().map(|()| notices));
+        match asked {
+            Ok(notices) => Self::Noticing {
+                notices,
+                is_asked: true,
+            },
+            Err(error) => Self::looking(&error),
+        }
+    }
+
+    fn looking(error: &std::io::Error) -> Self {
+        let looks = Duration::from_secs(1).div_duration_f32(PERIOD);
+        tracing::info!(
+            "no notice when the layout is saved, it is looked at {looks} times a second: {error}"
+        );
+        Self::Looking
+    }
+
+    /// Sees to it that the next change is told. Whether the file has to be looked at once more: what came before
+    /// may have been missed.
+    fn ask(&mut self) -> bool {
+        let Self::Noticing { notices, is_asked } = self else {
+            return false;
+        };
+        if *is_asked {
+            return false;
+        }
+        match notices.arm() {
+            Ok(()) => *is_asked = true,
+            Err(error) => *self = Self::looking(&error),
+        }
+        true
+    }
+
+    fn noticed(&self) -> Receiver<()> {
+        match self {
+            Self::Noticing { notices, .. } => notices.noticed().clone(),
+            _ => never(),
+        }
+    }
+
+    /// Takes a notice, or that there will be no more.
+    fn take(&mut self, is_notice: bool) {
+        match self {
+            Self::Noticing { is_asked, .. } if is_notice => *is_asked = false,
+            _ => *self = Self::looking(&std::io::Error::other("the system tells no more")),
+        }
+    }
+
+    /// How long the file need not be looked at.
+    fn period(&self, is_at_rest: bool) -> Duration {
+        match self {
+            Self::Noticing { .. } if !is_at_rest => PERIOD,
+            Self::Looking => PERIOD,
+            _ => FOR_EVER,
+        }
+    }
+}
+
+/// Does what `keeper` has to do until the run is over.
+pub(super) fn watch<A: Fn(&Layout) -> Result<Controls, String>>(
+    mut keeper: Keeper<A>,
+    mut attention: Attention,
+    called: &Receiver<FileCall>,
+    mut report: impl FnMut(Report),
+) {
+    let ended = keeper.ended.clone();
+    loop {
+        let is_at_rest = keeper.is_at_rest();
+        let outcome = if is_at_rest && attention.ask() {
+            keeper.look(Instant::now())
+        } else {
+            select! {
+                recv(ended) -> _ => return,
+                recv(called) -> call => match call {
+                    Ok(call) => keeper.obey(call),
+                    Err(_) => return,
+                },
+                recv(attention.noticed()) -> notice => {
+                    attention.take(notice.is_ok());
+                    keeper.disturb(Instant::now());
+                    keeper.look(Instant::now())
+                },
+                default(attention.period(is_at_rest)) => keeper.look(Instant::now()),
+            }
+        };
+        match outcome {
+            Ok(Some(outcome)) => report(outcome),
+            Ok(None) => {}
+            Err(Over) => return,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::layout::Document;
+    use crate::reload::watched_file::WatchedFile;
+    use crate::reload::watched_file::tests::text;
+    use crate::settings;
+    use crossbeam_channel::{bounded, unbounded};
+    use std::{fs, thread};
+
+    #[test]
+    fn a_save_is_found_also_where_it_is_not_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.ron");
+        fs::write(&path, text("A")).unwrap();
+        let path = path.to_str().unwrap();
+        let (replacements, replaced) = bounded(1);
+        let (end, ended) = bounded(0);
+        let keeper = Keeper {
+            file: Some(WatchedFile::new(path, &text("A"), Instant::now())),
+            layout: Layout::of(Document::at(path).unwrap()).unwrap(),
+            profile: 0,
+            replacements,
+            ended,
+            accept: |layout: &Layout| Ok(settings::controls(layout)),
+        };
+        let (calls, called) = bounded(1);
+        let (sender, reports) = unbounded();
+        let looking = thread::spawn(move || {
+            let report = |report| sender.send(report).unwrap();
+            watch(keeper, Attention::Looking, &called, report);
+        });
+        thread::sleep(PERIOD * 4);
+        fs::write(path, text("B")).unwrap();
+        let replacement = replaced.recv_timeout(Duration::from_secs(20)).unwrap();
+        let _ = replacement.replaced.send(replacement.controls);
+        let report = reports.recv_timeout(Duration::from_secs(20)).unwrap();
+        assert!(matches!(report, Report::Replaced(layout) if layout.name == "B"));
+        drop((end, calls));
+        looking.join().unwrap();
+    }
+}

@@ -1,0 +1,148 @@
+//! What reaches a window, in the words of `xev`.
+
+use std::io::{BufRead, BufReader, ErrorKind};
+use std::process::{Command, Stdio};
+use std::sync::{Arc, Mutex};
+use std::thread;
+
+use ademan::device::{Action, KeyCode, Needs, OutputEvent};
+use ademan::output::{Desktop, Sink};
+use ademan::time::Timestamp;
+
+use crate::support::process::Process;
+use crate::support::x11::{XServer, wait_for};
+
+/// A window of `xev` over the whole screen. It has the focus.
+struct Window {
+    _process: Process,
+    told: Arc<Mutex<Vec<String>>>,
+}
+
+impl Window {
+    /// Opens one, or says why not and gives `None`.
+    fn open(server: &XServer) -> Option<Self> {
+        // Without it, the lines would come when there are many.
+        let mut command = Command::new("stdbuf");
+        command
+            .args(["-oL", "xev", "-geometry", "800x600+0+0"])
+            .args(["-event", "keyboard", "-event", "mouse"])
+            .env("DISPLAY", server.display())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null());
+        if let Err(error) = Command::new("xev").arg("-version").output()
+            && error.kind() == ErrorKind::NotFound
+        {
+            println!("SKIPPED: xev is not installed");
+            return None;
+        }
+        let mut process = Process::start(&mut command).expect("it starts");
+        let stdout = process.0.stdout.take().expect("it is piped");
+        let told = Arc::new(Mutex::new(Vec::new()));
+        let listener = Arc::clone(&told);
+        thread::spawn(move || {
+            for line in BufReader::new(stdout).lines().map_while(Result::ok) {
+                listener.lock().unwrap().push(line);
+            }
+        });
+        server.focus_what_is_seen();
+        Some(Self {
+            _process: process,
+            told,
+        })
+    }
+
+    /// What has reached it: `KeyPress 38 a with 0x1`, `ButtonPress 1 with 0x0`, `MotionNotify 3,4 with 0x100`.
+    fn heard(&self) -> Vec<String> {
+        let lines = self.told.lock().unwrap();
+        let events = lines.split(|line| line.is_empty());
+        events.filter_map(event).collect()
+    }
+}
+
+/// An event of three lines or more, in one.
+fn event(lines: &[String]) -> Option<String> {
+    let (kind, _) = lines.first()?.split_once(" event")?;
+    let text = lines.join(" ");
+    let after = |word: &str| {
+        let (_, rest) = text.split_once(word)?;
+        rest.split([',', ' ', ')']).next()
+    };
+    let what = match kind {
+        "KeyPress" | "KeyRelease" => {
+            let (_, keysym) = text.split_once("keysym ")?;
+            let (name, _) = keysym.split_once(", ")?.1.split_once(')')?;
+            format!("{} {name}", after("keycode ")?)
+        }
+        "ButtonPress" | "ButtonRelease" => after("button ")?.to_owned(),
+        "MotionNotify" => {
+            let (_, place) = text.split_once("root:(")?;
+            place.split_once(')')?.0.to_owned()
+        }
+        _ => return None,
+    };
+    Some(format!("{kind} {what} with {}", after("state ")?))
+}
+
+fn key(name: &str) -> KeyCode {
+    name.parse().expect("the name of a key")
+}
+
+#[test]
+fn keys_modifiers_buttons_wheel_and_a_drag_are_told_by_xev() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let Some(window) = Window::open(&server) else {
+        return;
+    };
+    let actions = [
+        Action::MoveTo(0.5, 0.5),
+        Action::KeyDown(key("ShiftLeft")),
+        Action::KeyDown(key("A")),
+        Action::KeyUp(key("A")),
+        Action::KeyUp(key("ShiftLeft")),
+        Action::KeyDown(key("ControlLeft")),
+        Action::KeyDown(key("F5")),
+        Action::KeyUp(key("F5")),
+        Action::KeyUp(key("ControlLeft")),
+        Action::KeyDown(key("MouseLeft")),
+        Action::MoveBy(10, -5),
+        Action::KeyUp(key("MouseLeft")),
+        Action::Scroll(0, 120),
+        Action::Scroll(0, -120),
+        Action::KeyDown(key("MouseRight")),
+        Action::KeyUp(key("MouseRight")),
+    ];
+    let mut sink = Desktop::open(Some(server.display()), &Needs::default());
+    let sink = sink.as_mut().expect("the server is there");
+    for action in actions {
+        let time = Timestamp(0);
+        sink.send(&[OutputEvent { time, action }]).expect("room");
+    }
+    sink.close().expect("it takes everything");
+    let last = "ButtonRelease 3 with 0x400";
+    let is_there = || window.heard().last().is_some_and(|line| line == last);
+    assert!(wait_for(is_there), "{:#?}", window.heard());
+    let heard = window.heard();
+    let start = heard.iter().position(|line| line.starts_with("Key"));
+    let expected = [
+        "KeyPress 50 Shift_L with 0x0",
+        "KeyPress 38 A with 0x1",
+        "KeyRelease 38 A with 0x1",
+        "KeyRelease 50 Shift_L with 0x1",
+        "KeyPress 37 Control_L with 0x0",
+        "KeyPress 71 F5 with 0x4",
+        "KeyRelease 71 F5 with 0x4",
+        "KeyRelease 37 Control_L with 0x4",
+        "ButtonPress 1 with 0x0",
+        "MotionNotify 410,295 with 0x100",
+        "ButtonRelease 1 with 0x100",
+        "ButtonPress 4 with 0x0",
+        "ButtonRelease 4 with 0x800",
+        "ButtonPress 5 with 0x0",
+        "ButtonRelease 5 with 0x1000",
+        "ButtonPress 3 with 0x0",
+        last,
+    ];
+    assert_eq!(heard[start.expect("a key")..], expected);
+}

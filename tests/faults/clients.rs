@@ -1,0 +1,50 @@
+//! More clients than anybody needs.
+
+use std::io::{BufRead, BufReader, ErrorKind, Write};
+use std::os::unix::net::UnixStream;
+
+use ademan::control::Caller;
+
+use crate::support::run::{PATIENCE, Run};
+
+#[test]
+fn a_thousand_connections_are_refused_and_the_one_that_was_there_is_answered() {
+    let mut run = Run::with_held_key(&["--control", "c.sock"]);
+    let path = run.folder.path().join("c.sock");
+    let mut first = Caller::connect(&path).expect("the run listens");
+    let mut is_answered = || {
+        let answer = first.ask(r#"{"ask":"state"}"#).expect("an answer");
+        assert!(answer.contains("\"running\""), "{answer}");
+    };
+    is_answered();
+    // They say the beginning of something, and stay.
+    let mut seated = Vec::new();
+    for _ in 1..16 {
+        let mut stream = UnixStream::connect(&path).expect("the run listens");
+        stream.write_all(b"{\"ask\"").expect("it is heard");
+        seated.push(stream);
+    }
+    for number in 0..1_000 {
+        let stream = UnixStream::connect(&path).expect("the run listens");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a limit");
+        let mut reader = BufReader::new(stream);
+        let mut line = String::new();
+        // Whoever is refused is told so, or cut off.
+        match reader.read_line(&mut line) {
+            Ok(_) => {
+                let is_told = line.is_empty() || line.contains("16 clients are here already");
+                assert!(is_told, "{number}: {line}");
+            }
+            Err(error) => assert_ne!(error.kind(), ErrorKind::WouldBlock, "{number} has a seat"),
+        }
+        if number % 100 == 0 {
+            is_answered();
+        }
+    }
+    is_answered();
+    assert!(run.typed.is_empty(), "the key stays held");
+    run.lift();
+    assert_eq!(run.typed(), "up H");
+    drop(seated);
+    let _ = run.program.0.kill();
+}

@@ -1,0 +1,231 @@
+//! Files and lines of text that are made to do harm.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Cursor;
+use std::path::Path;
+
+use ademan::capture::recording::{ENCODING, FORMAT, FORMAT_RECORD, RECORD_LIMIT, Replay, TOPIC};
+use ademan::capture::{Capture, Source};
+use ademan::layout::Layout;
+use mcap::records::{MessageHeader, Metadata};
+
+use crate::support::binary::ademan;
+use crate::support::run::shipped;
+
+/// A recording of these messages, each taken for a reading.
+fn recording(messages: &[&[u8]]) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    let options = mcap::WriteOptions::new().use_chunks(false);
+    let mut writer = options.create(&mut bytes).expect("a recording");
+    let metadata = BTreeMap::from([("format".to_owned(), FORMAT.to_owned())]);
+    let name = FORMAT_RECORD.to_owned();
+    writer
+        .write_metadata(&Metadata { name, metadata })
+        .expect("room");
+    let channel_id = writer
+        .add_channel(0, TOPIC, ENCODING, &BTreeMap::new())
+        .expect("room");
+    for (sequence, data) in messages.iter().enumerate() {
+        let header = MessageHeader {
+            channel_id,
+            sequence: sequence as u32,
+            log_time: sequence as u64,
+            publish_time: sequence as u64,
+        };
+        writer.write_to_known_channel(&header, data).expect("room");
+    }
+    writer.finish().expect("room");
+    drop(writer);
+    bytes.into_inner()
+}
+
+const READING: &str = r#"{"time_us":1000,"full_scale":255,"channels":[1,2,3]}"#;
+
+/// The readings that come of a recording, and what is said at its end.
+fn replayed(bytes: Vec<u8>) -> (usize, String) {
+    let replay = Replay::read("recording:a.mcap", Cursor::new(bytes));
+    let mut replay = match replay {
+        Ok(replay) => replay,
+        Err(error) => return (0, error.to_string()),
+    };
+    let mut readings = 0;
+    loop {
+        match replay.next() {
+            Ok(Capture::Reading(_)) => readings += 1,
+            Ok(Capture::Quiet) => {}
+            Ok(Capture::End) => return (readings, String::new()),
+            Err(error) => return (readings, error.to_string()),
+        }
+    }
+}
+
+fn refused(message: &[u8]) -> String {
+    let (readings, error) = replayed(recording(&[READING.as_bytes(), message]));
+    let shown = String::from_utf8_lossy(&message[..message.len().min(80)]).into_owned();
+    assert_eq!(readings, 1, "{shown}");
+    assert!(error.contains("at byte "), "{shown}: {error}");
+    error
+}
+
+#[test]
+fn a_reading_that_is_whole_is_one() {
+    assert_eq!(
+        replayed(recording(&[READING.as_bytes()])),
+        (1, String::new())
+    );
+}
+
+#[test]
+fn json_that_is_too_deep_too_long_or_says_something_twice_is_no_reading() {
+    let deep = |open: &str| {
+        format!(
+            "{{\"time_us\":1,\"full_scale\":255,\"x\":{}",
+            open.repeat(10_000)
+        )
+    };
+    refused(deep("[").as_bytes());
+    refused(deep("{\"a\":").as_bytes());
+    refused(format!("{{\"channels\":{}", "[".repeat(10_000)).as_bytes());
+    let long = "9".repeat(1 << 20);
+    refused(READING.replace("1000", &long).as_bytes());
+    refused(READING.replace("[1,", &format!("[{long},")).as_bytes());
+    refused(READING.replace("{", r#"{"time_us":7,"#).as_bytes());
+    refused(READING.replace("{", r#"{"full_scale":7,"#).as_bytes());
+    refused(READING.replace("{", r#"{"channels":[7],"#).as_bytes());
+    let many = format!("[{}1]", "1,".repeat(100_000));
+    refused(READING.replace("[1,2,3]", &many).as_bytes());
+}
+
+#[test]
+fn numbers_that_no_sensor_gives_are_no_reading() {
+    for count in [
+        "NaN",
+        "Infinity",
+        "-Infinity",
+        "1e308",
+        "1e999",
+        "5e-324",
+        "-0.0",
+        "-1",
+        "1.5",
+        "256",
+        "null",
+    ] {
+        refused(READING.replace("[1,", &format!("[{count},")).as_bytes());
+    }
+    for time in ["NaN", "-1", "1e999", "0.5", "18446744073709551616"] {
+        refused(READING.replace("1000", time).as_bytes());
+    }
+    // The last moment there is: nothing overflows.
+    let last = READING.replace("1000", "18446744073709551615");
+    let (readings, _) = replayed(recording(&[READING.as_bytes(), last.as_bytes()]));
+    assert_eq!(readings, 2);
+}
+
+#[test]
+fn bytes_that_are_no_text_are_no_reading_and_no_file() {
+    for bytes in [&b"\xff\xfe"[..], b"\xc3\x28", b"\xed\xa0\x80", b"\0"] {
+        let message = [b"{\"time_us\":1,\"x\":\"", bytes, b"\"}"].concat();
+        refused(&message);
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.ron");
+    let load = |bytes: &[u8]| {
+        fs::write(&path, bytes).expect("room");
+        Layout::load(path.to_str().expect("a plain path"))
+    };
+    let good = shipped("arrows");
+    for bytes in [&b"\xff\xfe"[..], b"\xc3\x28", b"\0"] {
+        let error = load(&[bytes, good.as_bytes()].concat()).expect_err("no text");
+        assert_eq!(error.line(), Some(1), "{error}");
+    }
+    let targets = |layout: Layout| layout.scene.len();
+    let plain = targets(load(good.as_bytes()).expect("a layout"));
+    let marked = load(format!("\u{feff}{}", good.replace('\n', "\r\n")).as_bytes());
+    assert_eq!(
+        targets(marked.expect("a byte order mark and CRLF are no harm")),
+        plain
+    );
+}
+
+#[test]
+fn a_length_of_four_gigabytes_is_refused_before_there_is_room_for_it() {
+    let whole = recording(&[READING.as_bytes()]);
+    for length in [u64::from(u32::MAX), u64::MAX, RECORD_LIMIT as u64 + 1] {
+        // The first record begins after the magic number: a kind and a length.
+        let mut bytes = whole.clone();
+        bytes[9..17].copy_from_slice(&length.to_le_bytes());
+        let (readings, error) = replayed(bytes);
+        assert_eq!(readings, 0);
+        assert!(error.contains("at byte 8"), "{error}");
+        assert!(error.contains("the limit is"), "{error}");
+    }
+}
+
+#[test]
+fn a_damaged_recording_is_played_up_to_the_damage_lets_go_and_ends_with_3() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("hand.mcap");
+    let run = |arguments: &[&str]| {
+        let output = ademan(arguments).env_remove("XDG_RUNTIME_DIR").output();
+        let output = output.expect("it starts");
+        let text = |bytes| String::from_utf8(bytes).expect("it writes UTF-8");
+        (
+            output.status.code(),
+            text(output.stdout),
+            text(output.stderr),
+        )
+    };
+    let recorded = path.to_str().expect("a plain path");
+    let (code, _, err) = run(&["record", recorded, "--source", "typist:hola"]);
+    assert_eq!(code, Some(0), "{err}");
+    let bytes = fs::read(&path).expect("the recording");
+    let (_, whole, _) = run(&["replay", recorded]);
+    let damaged = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).expect("room");
+        path.to_str().expect("a plain path").to_owned()
+    };
+    for share in [3, 4, 5] {
+        let cut = damaged("cut.mcap", &bytes[..bytes.len() * share / 8]);
+        let (code, out, err) = run(&["replay", &cut]);
+        assert_eq!(code, Some(3), "{err}");
+        assert!(err.contains("cut off at byte "), "{err}");
+        lets_go(&out, &whole);
+    }
+    let messages = bytes.windows(9).enumerate();
+    let places = messages.filter(|(_, window)| window == b"\"time_us\"");
+    let place = places.map(|(place, _)| place).nth(200).expect("readings");
+    let mut broken = bytes.clone();
+    broken[place] = b'x';
+    let (code, out, err) = run(&["replay", &damaged("broken.mcap", &broken)]);
+    assert_eq!(code, Some(3), "{err}");
+    assert!(err.contains("at byte "), "{err}");
+    lets_go(&out, &whole);
+    for (name, bytes) in [
+        ("empty", &b""[..]),
+        ("letter", b"Dear reader"),
+        ("version", b"\x89MCAP9\r\n"),
+    ] {
+        let (code, out, err) = run(&["replay", &damaged(name, bytes)]);
+        assert_eq!((code, out.as_str()), (Some(3), ""), "{name}: {err}");
+        assert!(err.contains("at byte 0"), "{name}: {err}");
+    }
+    assert!(Path::new(recorded).exists());
+}
+
+/// A part of the whole, and then only what is let go of.
+fn lets_go(part: &str, whole: &str) {
+    let same = part.lines().zip(whole.lines()).take_while(|(a, b)| a == b);
+    let rest = part.lines().skip(same.count());
+    assert!(
+        rest.clone().count() <= 2 && rest.clone().all(|line| line.contains(" up ")),
+        "{part}"
+    );
+    assert_eq!(
+        part.matches("down ").count(),
+        part.matches(" up ").count(),
+        "{part}"
+    );
+}

@@ -1,0 +1,88 @@
+//! Nothing listens on a network.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::process::Stdio;
+
+use crate::support::binary::ademan;
+use crate::support::process::Process;
+
+/// A 6-DoF mouse of one axis.
+const LEVER: &str = "Layout(name: \"lever\", boards: [(place: (anchor: elbow, forward_mm: 320), \
+     levers: [(name: \"Lift\", at_mm: (0, 0), length_mm: 70, springs: true, drives: Axis(\"MoveZ\"))])])";
+
+/// The sockets that a process has open, by their inodes.
+fn sockets_of(process: u32) -> BTreeSet<String> {
+    let open = fs::read_dir(format!("/proc/{process}/fd")).expect("it runs");
+    let link = |entry: fs::DirEntry| fs::read_link(entry.path()).ok();
+    open.flatten()
+        .filter_map(link)
+        .filter_map(|target| {
+            let target = target.to_string_lossy().into_owned();
+            let inode = target.strip_prefix("socket:[")?.strip_suffix(']')?;
+            Some(inode.to_owned())
+        })
+        .collect()
+}
+
+/// The sockets of a kind that the kernel knows of: inode and local address.
+fn known(kind: &str) -> Vec<(String, String)> {
+    let table = fs::read_to_string(format!("/proc/net/{kind}")).unwrap_or_default();
+    let rows = table.lines().skip(1);
+    rows.filter_map(|row| {
+        let words: Vec<&str> = row.split_whitespace().collect();
+        Some(((*words.get(9)?).to_owned(), (*words.get(1)?).to_owned()))
+    })
+    .collect()
+}
+
+#[test]
+fn a_run_with_all_that_it_offers_has_no_socket_of_a_network() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let control = folder.path().join("control");
+    let spacenav = format!("spacenav:{}", folder.path().join("spnav").display());
+    let layout = folder.path().join("lever.ron");
+    fs::write(&layout, LEVER).expect("room on the disk");
+    let mut command = ademan(["run", "--source", "script:wait 60000"]);
+    command
+        .arg("--layout")
+        .arg(&layout)
+        .args(["--output", &format!("{spacenav},transcript")])
+        .arg("--control")
+        .arg(&control)
+        .env_remove("XDG_RUNTIME_DIR")
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let mut program = Process::start(&mut command).expect("it starts");
+    let mut said = BufReader::new(program.0.stderr.take().expect("it is piped"));
+    let start = std::time::Instant::now();
+    while !(control.exists() && folder.path().join("spnav").exists()) {
+        assert!(start.elapsed().as_secs() < 30, "it makes no sockets");
+        if program.0.try_wait().expect("a child").is_some() {
+            let mut line = String::new();
+            let _ = said.read_line(&mut line);
+            panic!("it ended: {line}");
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let sockets = sockets_of(program.0.id());
+    assert!(!sockets.is_empty(), "the control socket is one of them");
+    for kind in ["tcp", "tcp6", "udp", "udp6", "raw", "raw6"] {
+        let of_run: Vec<_> = known(kind)
+            .into_iter()
+            .filter(|(inode, _)| sockets.contains(inode))
+            .collect();
+        assert!(of_run.is_empty(), "{kind}: {of_run:?}");
+    }
+}
+
+#[test]
+fn a_socket_of_a_network_would_be_found() {
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let sockets = sockets_of(std::process::id());
+    let found = known("tcp")
+        .into_iter()
+        .any(|(inode, _)| sockets.contains(&inode));
+    assert!(found, "{listener:?}");
+}
