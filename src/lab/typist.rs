@@ -166,10 +166,22 @@ impl Typist {
         )
     }
 
+    /// Whether the first `orders` orders are carried out and no hand is on its way; of 0 orders that is so
+    /// before the first frame.
+    pub fn has_done(&self, orders: usize) -> bool {
+        let is_done = |place: usize| self.hands[place].hand.has_done(self.own(place, orders));
+        (0..self.hands.len()).all(is_done)
+    }
+
     /// How many of the orders that may be played so far are those of one hand.
     fn own_orders(&self, place: usize) -> usize {
-        let played = self.turns.iter().take(self.turn);
-        played.filter(|&&hand| hand == place).count()
+        self.own(place, self.turn)
+    }
+
+    /// How many of the first `orders` orders are those of one hand.
+    fn own(&self, place: usize, orders: usize) -> usize {
+        let first = self.turns.iter().take(orders);
+        first.filter(|&&hand| hand == place).count()
     }
 }
 

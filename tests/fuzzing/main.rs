@@ -23,6 +23,9 @@ const BYTES: u64 = 10_000_000;
 /// What the engine is given in a run.
 const STEPS: u64 = 1_000_000;
 
+/// Whether it accepted.
+type Parser = fn(&[u8]) -> bool;
+
 fn number(name: &str, default: u64) -> u64 {
     let set = std::env::var(name).ok();
     set.map_or(default, |text| text.parse().expect("a whole number"))
@@ -119,7 +122,7 @@ fn scripts_are_read_or_refused() {
 
 #[test]
 fn nesting_without_end_is_refused_and_overflows_no_stack() {
-    let parsers: [(&str, fn(&[u8]) -> bool); 6] = [
+    let parsers: [(&str, Parser); 6] = [
         ("layout", texts::layout),
         ("setup", texts::setup),
         ("glove", texts::glove),

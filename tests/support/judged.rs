@@ -1,6 +1,7 @@
 //! An engine under an oracle: whatever it is asked for, a broken invariant is a panic.
 
 use std::ops::Deref;
+use std::time::Duration;
 
 use ademan::capture::Reading;
 use ademan::device::Events;
@@ -40,6 +41,12 @@ impl Judged {
             oracle: Oracle::new(assembly.layouts().map(Rules::of), arming),
             frame: None,
         }
+    }
+
+    /// Gives a line that is slow the time that a run gives it before it counts as stalled.
+    pub fn expect_frames_every(&mut self, period: Duration) {
+        let limit = self.pipeline.stall_limit().max(3 * period);
+        self.pipeline.set_stall_limit(limit);
     }
 
     /// Whether something is down, or off its rest.

@@ -1,0 +1,130 @@
+//! Scenarios as they stand in their files.
+
+use std::collections::HashSet;
+use std::fmt;
+use std::path::Path;
+
+/// How long the lines are that a transcript is broken into.
+const WIDTH: usize = 110;
+
+/// A file of scenarios.
+pub struct Page {
+    /// What stands before the first scenario.
+    head: String,
+    pub scenarios: Vec<Scenario>,
+}
+
+/// What happens, and what goes out.
+pub struct Scenario {
+    pub name: String,
+    /// Where it is played: what follows `on:`.
+    pub setup: String,
+    pub lines: Vec<Line>,
+}
+
+/// A line of what happens, and the words that go out meanwhile.
+pub struct Line {
+    pub text: String,
+    pub words: Vec<String>,
+}
+
+impl Line {
+    /// The pieces of it, apart by `;`.
+    pub fn pieces(&self) -> impl Iterator<Item = &str> {
+        let pieces = self.text.split(';').map(str::trim);
+        pieces.filter(|piece| !piece.is_empty())
+    }
+}
+
+impl Page {
+    /// Reads a file, but not what is said to go out.
+    pub fn parse(path: &Path, text: &str) -> Self {
+        let mut page = Self {
+            head: String::new(),
+            scenarios: Vec::new(),
+        };
+        let mut names = HashSet::new();
+        for line in text.lines() {
+            if let Some(name) = line.strip_prefix("## ") {
+                assert!(names.insert(name), "{}: `{name}` twice", path.display());
+                page.scenarios.push(Scenario {
+                    name: name.to_owned(),
+                    setup: String::new(),
+                    lines: Vec::new(),
+                });
+                continue;
+            }
+            let Some(scenario) = page.scenarios.last_mut() else {
+                page.head += line;
+                page.head.push('\n');
+                continue;
+            };
+            if let Some(setup) = line.strip_prefix("on: ") {
+                scenario.setup = setup.to_owned();
+            } else if !line.is_empty() && !line.starts_with(' ') {
+                scenario.lines.push(Line {
+                    text: line.to_owned(),
+                    words: Vec::new(),
+                });
+            }
+        }
+        for scenario in &page.scenarios {
+            let (path, name) = (path.display(), &scenario.name);
+            assert!(!scenario.setup.is_empty(), "{path}: `{name}` has no `on:`");
+            assert!(!scenario.lines.is_empty(), "{path}: nothing in `{name}`");
+        }
+        page
+    }
+}
+
+impl fmt::Display for Page {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.head)?;
+        for (place, scenario) in self.scenarios.iter().enumerate() {
+            if place > 0 {
+                writeln!(f)?;
+            }
+            writeln!(f, "## {}\non: {}", scenario.name, scenario.setup)?;
+            for line in &scenario.lines {
+                writeln!(f, "{}", line.text)?;
+                write_words(f, &line.words)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn write_words(f: &mut fmt::Formatter<'_>, words: &[String]) -> fmt::Result {
+    let mut width = 0;
+    for word in words {
+        let length = word.chars().count() + 1;
+        if width > 0 && width + length > WIDTH {
+            writeln!(f)?;
+            width = 0;
+        }
+        let before = if width == 0 { "    " } else { " " };
+        write!(f, "{before}{word}")?;
+        width += length;
+    }
+    if width > 0 { writeln!(f) } else { Ok(()) }
+}
+
+/// The scenarios that are not as expected, both ways.
+pub fn difference(expected: &str, found: &str) -> String {
+    let mut told = String::new();
+    let of_expected: Vec<&str> = expected.split("\n## ").collect();
+    for (place, found) in found.split("\n## ").enumerate() {
+        let expected = of_expected.get(place).copied().unwrap_or_default();
+        if expected.trim_end() != found.trim_end() {
+            told += &format!(
+                "expected {}\nfound {}\n\n",
+                expected.trim_end(),
+                found.trim_end()
+            );
+        }
+    }
+    match told.is_empty() {
+        true => "only blank lines are other than expected".to_owned(),
+        false => told,
+    }
+}

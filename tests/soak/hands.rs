@@ -1,0 +1,94 @@
+//! Somebody who plays every layout of a setup: movements that are played over and over.
+
+use ademan::capture::LineSettings;
+use ademan::capture::hc11::BODY_BYTES;
+use ademan::layout::Layout;
+use ademan::settings::{Assembly, NamedLayout, OtherHand, Setup};
+
+pub type Body = [u8; BODY_BYTES];
+
+/// A layout, and what is done on it. What is done begins and ends off all controls.
+const PLAYS: [(&str, &[&str]); 4] = [
+    (
+        "qwerty-two-flat",
+        &[
+            "tap H; tap J; tap K; tap Space; tap Enter",
+            "tap ShiftRight; tap U; press M; wait 300; lift; tap Backspace",
+            "press J; wait 100; slide 19 0; lift; tap L; tap Comma",
+        ],
+    ),
+    (
+        "media",
+        &[
+            "tap MediaPlayPause; press Volume 15 0; arc 60; lift; tap Mute; tap Mute",
+            "press Seek 0 0; slide 20 0; slide -20 0; lift; press Scroll; slide 10 0; lift",
+        ],
+    ),
+    (
+        "game",
+        &[
+            "press Stick; slide 12 0; slide -12 0; lift; tap PadSouth; bend ring 60 400; wait 200; bend ring -28 400",
+        ],
+    ),
+    (
+        "switches",
+        &[
+            "tap \"Shift lock\"; tap F; tap \"Shift lock\"; tap Eraser; tap Brush",
+            "press F; wait 500; lift; push rest 0.3; wait 600; lift; tap ñandú",
+            "press Screen -20 0; slide 30 10; lift; push Z 0.9; lift",
+        ],
+    ),
+];
+
+/// Layouts that are saved in the place of the first.
+const OTHERS: [&str; 3] = ["qwerty-two-flat", "qwerty-two-arc", "qwerty-flat"];
+
+pub struct Hands {
+    pub line: LineSettings,
+    pub assembly: Assembly,
+    /// Of each layout of the setup.
+    pub movements: Vec<Vec<Vec<Body>>>,
+    pub others: Vec<Layout>,
+}
+
+impl Hands {
+    pub fn new(line: LineSettings) -> Self {
+        let named = |(name, _): &(&str, _)| NamedLayout {
+            name: (*name).into(),
+            layout: (*name).into(),
+        };
+        let setup = |layout: &str| Setup {
+            layout: layout.into(),
+            other_hand: Some(OtherHand::default()),
+            ..Setup::default()
+        };
+        let movements = PLAYS.iter().map(|(layout, scripts)| {
+            let assembly = setup(layout).assemble().expect("a shipped layout");
+            let play = |script: &&str| of_script(&assembly, &line, script);
+            scripts.iter().map(play).collect()
+        });
+        let movements = movements.collect();
+        let setup = Setup {
+            profiles: PLAYS[1..].iter().map(named).collect(),
+            ..setup(PLAYS[0].0)
+        };
+        let load = |name| Layout::load(name).expect("a shipped layout");
+        Self {
+            line,
+            assembly: setup.assemble().expect("shipped layouts"),
+            movements,
+            others: OTHERS.map(load).into(),
+        }
+    }
+}
+
+/// What the first glove sends while its hand plays.
+fn of_script(assembly: &Assembly, line: &LineSettings, script: &str) -> Vec<Body> {
+    let typist = assembly.scripted(script, line, 0.0, 0);
+    let mut typist = typist.unwrap_or_else(|error| panic!("{script}: {error}"));
+    let counts = std::iter::from_fn(|| typist.next_counts());
+    let body = |counts: ademan::lab::GloveCounts| {
+        std::array::from_fn(|channel| counts[channel].min(255) as u8)
+    };
+    counts.map(body).collect()
+}
