@@ -25,11 +25,16 @@ use player::Player;
 use screen::Screen;
 use task::Task;
 
+/// A hand that is part of this program stays away only when the whole machine is busy: that is no reason to give up
+/// what it types.
+const STALL_MS: u32 = 1000;
+
 pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     let layout = Layout::load(&args.layout)?;
     let setup = Setup {
         layout: args.layout.clone(),
         output: args.output.clone(),
+        stall_ms: STALL_MS,
         other_hand: layout.is_there_for(Side::Left).then(OtherHand::default),
         ..Setup::default()
     };
