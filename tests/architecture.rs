@@ -35,6 +35,7 @@ const STAGES: &[&str] = &["estimate", "kinematics", "contact", "device", "pipeli
 /// The only places that may ask for the operating system.
 const MAY_HAVE_CFG: &[&str] = &[
     "capture/mod.rs",
+    "capture/thread/tests.rs",
     "output/mod.rs",
     "output/tests.rs",
     "doctor/mod.rs",
