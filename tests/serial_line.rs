@@ -351,6 +351,41 @@ fn a_wire_that_nobody_reads_takes_bytes_all_the_same() {
     wire.writer.write_all(&[0; 90_000]).unwrap();
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_terminal_that_got_the_number_of_a_lost_one_is_left_alone() {
+    let mut port = Port::plugged_in();
+    let mut source = open(&port.name(115_200)).expect("the port opens");
+    let bodies = bodies(&mut Random::new(7), 4);
+    port.send(&stream(&bodies));
+    assert_eq!(next_body(&mut *source), bodies[0]);
+    let number = std::fs::read_link(port.path()).expect("a link");
+    // It ends without taking the link away, as a program that was killed does.
+    port.glove = None;
+    while !matches!(next(&mut *source), Err(CaptureError::Lost { .. })) {}
+    // The kernel gives the lowest number that is free; other tests may be faster.
+    let mut others = Vec::new();
+    let (mut shell, _its_end) = loop {
+        let pair = TTYPort::pair().expect("a pseudo terminal");
+        if pair.1.name().map(PathBuf::from) == Some(number.clone()) {
+            break pair;
+        }
+        others.push(pair);
+        if others.len() == 100 {
+            println!("SKIPPED: another program has got {}", number.display());
+            return;
+        }
+    };
+    let short = Duration::from_millis(1);
+    shell.set_timeout(short).expect("it need not take all");
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_millis(1500) {
+        let _ = shell.write(&stream(&bodies));
+        let news = source.next();
+        assert!(matches!(news, Ok(Capture::Quiet)), "{news:?}");
+    }
+}
+
 #[test]
 fn a_wire_is_a_serial_port_whose_cable_is_its_writer() {
     let sent = bodies(&mut Random::new(8), 3);

@@ -3,13 +3,14 @@
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
 
 use super::connect::{Connect, Connection, READ_TIMEOUT, Refusal};
 use super::lists_serial_ports;
 use super::usb::{Choice, KnownDevice, Port, choose_port};
-use super::wait::{self, Readiness};
+use super::wait::{self, Readiness, TerminalName};
 use crate::access::{self, Denied};
 
 /// Opens a serial port, and finds its device again under another name.
@@ -18,6 +19,8 @@ pub(super) struct SerialConnector {
     port: String,
     baud: u32,
     known: Option<KnownDevice>,
+    /// The pseudo-terminal that was opened last, if it was one; the search for it opens the next.
+    terminal: Arc<Mutex<Option<TerminalName>>>,
 }
 
 impl SerialConnector {
@@ -26,6 +29,7 @@ impl SerialConnector {
             port: port.to_owned(),
             baud,
             known: None,
+            terminal: Arc::default(),
         }
     }
 }
@@ -41,8 +45,17 @@ impl Connect for SerialConnector {
             Choice::Open(name) => name,
             refused => return Err(refuse(refused, self)),
         };
+        let name = TerminalName::of(&place);
+        let mut terminal = self.terminal.lock().unwrap_or_else(PoisonError::into_inner);
+        if name.is_some() && *terminal == name {
+            // Whoever has that number now is somebody else, such as a shell: what is typed there is not for us.
+            return Err(Refusal::Absent(
+                "that pseudo-terminal has ended; give its successor a link of the same name".into(),
+            ));
+        }
         let file = wait::open_to_read(&place);
         let port = open(&place, self.baud).map_err(|error| explain(&error, &place, &present))?;
+        *terminal = name;
         if self.known.is_none() {
             self.known = KnownDevice::on(&wanted, &present);
         }

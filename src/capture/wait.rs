@@ -1,8 +1,9 @@
 //! Waits for bytes without a limit of time, until somebody interrupts it.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{Error, ErrorKind, Result};
 use std::os::fd::{AsFd, OwnedFd};
+use std::os::unix::fs::MetadataExt;
 use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -10,6 +11,9 @@ use rustix::fs::{Mode, OFlags, open};
 use rustix::io::Errno;
 
 use super::interrupt::Interrupt;
+
+/// Where the kernel has its pseudo-terminals.
+const TERMINALS: &str = "/dev/pts";
 
 /// Says when a line has bytes.
 pub(super) struct Readiness(OwnedFd);
@@ -48,6 +52,27 @@ pub(super) fn open_to_read(place: &str) -> Option<File> {
     open(place, flags, Mode::empty()).ok().map(File::from)
 }
 
+/// A name of a pseudo-terminal, as it was when it was opened.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct TerminalName {
+    /// Number and last change of a link; `None` for the terminal's own name.
+    link: Option<(u64, i64, i64)>,
+}
+
+impl TerminalName {
+    /// Of a port that is a pseudo-terminal.
+    pub fn of(port: &str) -> Option<Self> {
+        if !fs::canonicalize(port).ok()?.starts_with(TERMINALS) {
+            return None;
+        }
+        let name = fs::symlink_metadata(port).ok()?;
+        let change = (name.ino(), name.ctime(), name.ctime_nsec());
+        Some(Self {
+            link: name.file_type().is_symlink().then_some(change),
+        })
+    }
+}
+
 /// A little more than that, so that a deadline has passed when it is over.
 fn timespec(duration: Duration) -> Timespec {
     let millis = duration.as_millis() as i64 + 1;
@@ -79,6 +104,30 @@ mod tests {
         assert!(!readiness.wait(Some(&interrupt), None).unwrap());
         assert!(readiness.wait(None, None).unwrap());
         drop(later.join().unwrap());
+    }
+
+    #[test]
+    fn a_name_of_a_terminal_is_another_one_when_its_link_is_made_anew() {
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("glove");
+        let name = || TerminalName::of(link.to_str().unwrap());
+        assert_eq!(name(), None);
+        let wire = crate::capture::open_wire(Default::default()).unwrap();
+        let crate::capture::SourceName::Serial { port, .. } = &wire.source else {
+            panic!("{}", wire.source);
+        };
+        let slave = std::fs::canonicalize(port).unwrap();
+        std::os::unix::fs::symlink(&slave, &link).unwrap();
+        let first = name();
+        assert!(first.is_some());
+        assert_eq!(name(), first);
+        std::fs::remove_file(&link).unwrap();
+        sleep(Duration::from_millis(20));
+        std::os::unix::fs::symlink(&slave, &link).unwrap();
+        assert_ne!(name(), first);
+        let own = TerminalName::of(slave.to_str().unwrap());
+        assert_eq!(own, Some(TerminalName { link: None }));
+        assert_eq!(TerminalName::of("/dev/null"), None);
     }
 
     #[test]

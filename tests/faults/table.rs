@@ -113,7 +113,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(17, "closing a dead port blocks", By(&[
         ("src/capture/line.rs", "a_dead_port_that_blocks_at_closing_keeps_nobody_waiting"),
-        ("src/capture/thread.rs", "dropping_leaves_a_thread_behind_that_blocks"),
+        ("src/capture/thread/tests.rs", "dropping_leaves_a_thread_behind_that_blocks"),
     ])),
     fault(18, "interrupted and empty reads", By(&[
         ("src/capture/line.rs", "interruptions_and_timeouts_are_quiet_and_lose_nothing"),
@@ -255,7 +255,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/desktop/guardian.rs", "a_guardian_that_is_killed_is_replaced_once_and_the_run_pauses"),
     ])),
     fault(54, "the machine sleeps while a key is held", By(&[
-        ("src/capture/thread.rs", "a_machine_that_slept_loses_its_live_sources_before_the_next_reading"),
+        ("src/capture/thread/tests.rs", "a_machine_that_slept_loses_its_live_sources_before_the_next_reading"),
         ("src/capture/awake.rs", "a_sleep_is_noticed_once"),
         ("tests/engine.rs", "after_a_stall_the_hand_has_to_be_seen_off_all_keys"),
     ])),
