@@ -5,6 +5,8 @@
 //! [`FORMAT_RECORD`], goes on with one metadata record [`SETUP_RECORD`] per setup text, then
 //! declares its channels, and then come messages in JSON. Readings are on the channel [`TOPIC`].
 
+mod lengths;
+
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
@@ -425,6 +427,10 @@ fn read_some(bytes: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
 fn content(opcode: u8, data: &[u8]) -> Result<Content, Stop> {
     if !matches!(opcode, op::CHANNEL | op::METADATA | op::MESSAGE) {
         return Ok(Content::Other);
+    }
+    if !lengths::fit(opcode, data) {
+        let reason = "a text of the record is longer than the record";
+        return Err(Stop::Malformed(reason.into()));
     }
     let record =
         mcap::parse_record(opcode, data).map_err(|error| Stop::Malformed(reason(error)))?;

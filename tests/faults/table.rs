@@ -130,6 +130,7 @@ pub const FAULTS: &[Fault] = &[
     fault(24, "one byte a second", NotYet("nothing listens on the network; a source that trickles is one that stalls")),
     fault(25, "a length of 4 GiB", By(&[
         ("tests/faults/files.rs", "a_length_of_four_gigabytes_is_refused_before_there_is_room_for_it"),
+        ("src/capture/recording/lengths.rs", "a_length_beyond_its_record_is_found_wherever_it_is"),
     ])),
     fault(26, "a thousand connections", By(&[
         ("tests/faults/clients.rs", "a_thousand_connections_are_refused_and_the_one_that_was_there_is_answered"),
