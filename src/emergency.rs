@@ -9,9 +9,6 @@ mod keyboards;
 use crate::device::{KeyCode, KeyKind};
 use crate::names::UnknownName;
 
-/// How the names of the program's own keyboards begin: what it presses itself stops nothing.
-const OWN: &str = "Ademan ";
-
 /// Why no keys stop a run.
 #[derive(Debug, thiserror::Error)]
 pub enum EmergencyError {
@@ -49,83 +46,13 @@ pub fn keys(names: &[String]) -> Result<Vec<KeyCode>, EmergencyError> {
 pub fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<(), EmergencyError> {
     match keys.is_empty() {
         true => Ok(()),
-        false => keyboards::watch(Chord::of(keys), stop).map_err(EmergencyError::Unreadable),
-    }
-}
-
-/// The keys, and which of them are down.
-#[derive(Clone, Debug)]
-struct Chord {
-    keys: Vec<KeyCode>,
-    /// What is down, with the number of its keyboard.
-    down: Vec<(u64, KeyCode)>,
-}
-
-impl Chord {
-    fn of(keys: &[KeyCode]) -> Self {
-        Self {
-            keys: keys.to_vec(),
-            down: Vec::new(),
-        }
-    }
-
-    fn has(&self, key: KeyCode) -> bool {
-        self.keys.contains(&key)
-    }
-
-    /// Takes note of a key; whether the last one of all has just gone down.
-    fn take(&mut self, keyboard: u64, key: KeyCode, is_down: bool) -> bool {
-        let was_complete = self.is_complete();
-        self.down.retain(|held| *held != (keyboard, key));
-        if is_down && self.has(key) {
-            self.down.push((keyboard, key));
-        }
-        self.is_complete() && !was_complete
-    }
-
-    /// A keyboard is gone, and with it what was down on it.
-    fn forget(&mut self, keyboard: u64) {
-        self.down.retain(|(held, _)| *held != keyboard);
-    }
-
-    fn is_complete(&self) -> bool {
-        let is_down = |key: &KeyCode| self.down.iter().any(|(_, held)| held == key);
-        self.keys.iter().all(is_down)
+        false => keyboards::watch(keys, stop).map_err(EmergencyError::Unreadable),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn chord(names: &[&str]) -> Chord {
-        let names: Vec<_> = names.iter().map(|name| name.to_string()).collect();
-        Chord::of(&keys(&names).unwrap())
-    }
-
-    fn key(name: &str) -> KeyCode {
-        name.parse().unwrap()
-    }
-
-    #[test]
-    fn the_last_key_of_all_stops_once_and_again_after_one_came_up() {
-        let mut chord = chord(&["ControlLeft", "ControlRight"]);
-        let (left, right) = (key("ControlLeft"), key("ControlRight"));
-        assert!(!chord.take(1, left, true));
-        assert!(!chord.take(1, key("A"), true));
-        assert!(chord.take(2, right, true), "also on another keyboard");
-        assert!(!chord.take(2, right, true));
-        assert!(!chord.take(2, right, false));
-        assert!(chord.take(2, right, true));
-    }
-
-    #[test]
-    fn what_was_down_on_a_keyboard_that_is_gone_is_not() {
-        let mut chord = chord(&["ControlLeft", "ControlRight"]);
-        chord.take(1, key("ControlLeft"), true);
-        chord.forget(1);
-        assert!(!chord.take(2, key("ControlRight"), true));
-    }
 
     #[test]
     fn only_keys_of_keyboards_do() {

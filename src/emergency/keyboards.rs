@@ -1,5 +1,7 @@
 //! The keyboards of a Linux machine: `/dev/input/event*`.
 
+mod chord;
+
 use std::fs;
 use std::io;
 use std::mem::MaybeUninit;
@@ -12,8 +14,11 @@ use rustix::event::{PollFd, PollFlags, poll};
 use rustix::fs::inotify::{self, CreateFlags, Reader, WatchFlags};
 use rustix::io::Errno;
 
-use super::{Chord, OWN};
+use self::chord::Chord;
 use crate::device::KeyCode;
+
+/// How the names of the program's own keyboards begin: what it presses itself stops nothing.
+const OWN: &str = "Ademan ";
 
 /// Where the kernel puts the nodes of what can be pressed.
 const NODES: &str = "/dev/input";
@@ -24,12 +29,12 @@ const MAY_BE_READABLE: WatchFlags = WatchFlags::CREATE
     .union(WatchFlags::MOVED_TO);
 
 /// Watches on a thread of its own, until the program ends.
-pub(super) fn watch(chord: Chord, stop: impl Fn() + Send + 'static) -> Result<(), String> {
+pub(super) fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<(), String> {
     let no_notice = |error: Errno| format!("{NODES} cannot be watched: {error}");
     let notices = inotify::init(CreateFlags::CLOEXEC | CreateFlags::NONBLOCK).map_err(no_notice)?;
     inotify::add_watch(&notices, NODES, MAY_BE_READABLE).map_err(no_notice)?;
     let mut keyboards = Keyboards {
-        chord,
+        chord: Chord::of(keys),
         notices,
         open: Vec::new(),
         opened: 0,

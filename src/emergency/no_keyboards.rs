@@ -1,10 +1,7 @@
 //! A stand-in where other keyboards cannot be read yet: on systems other than Linux.
 
-use super::Chord;
+use crate::device::KeyCode;
 
-pub(super) fn watch(chord: Chord, _: impl Fn() + Send + 'static) -> Result<(), String> {
-    Err(format!(
-        "{} keys cannot be watched on this system",
-        chord.keys.len()
-    ))
+pub(super) fn watch(_: &[KeyCode], _: impl Fn() + Send + 'static) -> Result<(), String> {
+    Err("other keyboards cannot be watched on this system".into())
 }

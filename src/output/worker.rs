@@ -62,7 +62,8 @@ pub struct Report {
 /// The thread's side: what it has put down, and where.
 pub struct Worker<'a, C> {
     injector: C,
-    held: Held,
+    /// The account of it; a guardian puts there what somebody else has pressed.
+    pub held: Held,
     report: &'a Report,
     guard: Option<Guard>,
     /// Whether the guardian did not take what it was told.
@@ -124,11 +125,6 @@ impl<'a, C: Injector> Worker<'a, C> {
             }
         }
         self.let_go(connect);
-    }
-
-    /// Puts what somebody else has pressed on the account.
-    pub fn take_over(&mut self, held: Held) {
-        self.held = held;
     }
 
     /// Lets go of everything, if need be on another connection: this one may be gone while the display, and

@@ -39,7 +39,7 @@ pub fn watch(say: impl Fn(&str)) -> Result<(), String> {
     loop {
         let end = watched.wait_for_trouble();
         let count = watched.held.count();
-        hands.take_over(std::mem::take(&mut watched.held));
+        hands.held = std::mem::take(&mut watched.held);
         hands.let_go(connect);
         match (end, count) {
             (Trouble::Over | Trouble::Died, 0) => return Ok(()),
