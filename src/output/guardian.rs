@@ -10,42 +10,19 @@
 mod guard;
 mod watch;
 
-use std::ffi::OsString;
-use std::fmt;
-use std::path::PathBuf;
-use std::sync::Arc;
 use std::time::Duration;
 
 use enigo::Direction;
 
 use crate::device::KeyCode;
 
+pub(super) use super::launch::BEAT;
+pub use super::launch::Launch;
 pub(super) use guard::Guard;
 pub use watch::watch;
 
-/// How often the program gives a sign of life while something is down.
-pub(super) const BEAT: Duration = Duration::from_millis(50);
-
 /// After how long without one the guardian lets go of everything: three signs may be late.
 const SILENCE: Duration = Duration::from_millis(200);
-
-/// How a guardian is started, and who hears that one was lost.
-#[derive(Clone)]
-pub struct Launch {
-    /// The program: this one, as a rule.
-    pub program: PathBuf,
-    /// What makes it call [`watch`].
-    pub arguments: Vec<OsString>,
-    /// Called when a guardian has ended that should not have: everything was let go of by then, and another
-    /// one is started, once. Must not wait.
-    pub on_loss: Arc<dyn Fn() + Send + Sync>,
-}
-
-impl fmt::Debug for Launch {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{:?} {:?}", self.program, self.arguments)
-    }
-}
 
 /// What a guardian is told.
 #[derive(Clone, Copy, Debug, PartialEq)]

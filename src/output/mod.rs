@@ -19,6 +19,7 @@ pub mod guardian;
 #[path = "no_guardian.rs"]
 pub mod guardian;
 pub mod held;
+mod launch;
 mod motion;
 pub mod named_keys;
 mod reach;

@@ -1,29 +1,14 @@
 //! A stand-in for guardians where there are none yet: on systems other than Linux.
 
 use std::convert::Infallible;
-use std::ffi::OsString;
-use std::path::PathBuf;
-use std::sync::Arc;
-use std::time::Duration;
 
 use crossbeam_channel::Receiver;
 use enigo::Direction;
 
 use crate::device::KeyCode;
 
-/// How often the program would give a sign of life.
-pub(super) const BEAT: Duration = Duration::from_millis(50);
-
-/// How a guardian would be started.
-#[derive(Clone)]
-pub struct Launch {
-    /// The program.
-    pub program: PathBuf,
-    /// What makes it call [`watch`].
-    pub arguments: Vec<OsString>,
-    /// Never called.
-    pub on_loss: Arc<dyn Fn() + Send + Sync>,
-}
+pub(super) use super::launch::BEAT;
+pub use super::launch::Launch;
 
 /// What a guardian would do.
 pub fn watch(_: impl Fn(&str)) -> Result<(), String> {

@@ -166,8 +166,12 @@ fn a_signal_pauses_until_somebody_resumes() {
 }
 
 fn kill(process: u32) {
+    send("-KILL", process);
+}
+
+fn send(signal: &str, process: u32) {
     let status = std::process::Command::new("kill")
-        .args(["-KILL", &process.to_string()])
+        .args([signal, &process.to_string()])
         .status();
     assert!(status.expect("kill is there").success());
 }
@@ -178,10 +182,7 @@ fn requests_to_end_that_reach_the_guardian_too_do_not_end_it_first() {
         return;
     };
     let guardian = typing.guardian();
-    let signal = std::process::Command::new("kill")
-        .args(["-TERM", &guardian.to_string()])
-        .status();
-    assert!(signal.expect("kill is there").success());
+    send("-TERM", guardian);
     std::thread::sleep(Duration::from_millis(200));
     assert!(is_alive(guardian));
     assert_eq!(

@@ -2,13 +2,11 @@
 
 use std::ffi::OsStr;
 use std::fs;
-use std::io::{BufRead, BufReader};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex};
-use std::thread;
 
 use crate::support::binary::ademan;
-use crate::support::process::Process;
+use crate::support::process::{Process, overheard};
 use crate::support::x11::{XServer, wait_for};
 
 /// `ademan`, running on a display.
@@ -39,13 +37,7 @@ impl Program {
             .stderr(Stdio::piped());
         let mut process = Process::start(&mut command).expect("the program starts");
         let stderr = process.0.stderr.take().expect("it is piped");
-        let said = Arc::new(Mutex::new(Vec::new()));
-        let listener = Arc::clone(&said);
-        thread::spawn(move || {
-            for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-                listener.lock().unwrap().push(line);
-            }
-        });
+        let said = overheard(stderr);
         Self { process, said }
     }
 

@@ -1,15 +1,14 @@
 //! What reaches a window, in the words of `xev`.
 
-use std::io::{BufRead, BufReader, ErrorKind};
+use std::io::ErrorKind;
 use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
-use std::thread;
 
 use ademan::device::{Action, KeyCode, Needs, OutputEvent};
 use ademan::output::{Desktop, Sink};
 use ademan::time::Timestamp;
 
-use crate::support::process::Process;
+use crate::support::process::{Process, overheard};
 use crate::support::x11::{XServer, wait_for};
 
 /// A window of `xev` over the whole screen. It has the focus.
@@ -37,13 +36,7 @@ impl Window {
         }
         let mut process = Process::start(&mut command).expect("it starts");
         let stdout = process.0.stdout.take().expect("it is piped");
-        let told = Arc::new(Mutex::new(Vec::new()));
-        let listener = Arc::clone(&told);
-        thread::spawn(move || {
-            for line in BufReader::new(stdout).lines().map_while(Result::ok) {
-                listener.lock().unwrap().push(line);
-            }
-        });
+        let told = overheard(stdout);
         server.focus_what_is_seen();
         Some(Self {
             _process: process,

@@ -14,7 +14,7 @@ use tempfile::TempDir;
 use crate::press::{Posture, line};
 use crate::support::binary::ademan;
 use crate::support::process::{Process, no_program_starts};
-use crate::support::run::{PATIENCE, lines};
+use crate::support::run::{PATIENCE, lines, next_event};
 use crate::wearer::stream;
 
 /// A pseudo terminal; its name is a link, so that no other test gets the same one.
@@ -110,10 +110,7 @@ impl Run {
 
     /// The next event, without its time.
     pub fn typed(&self) -> String {
-        let line = self.typed.recv_timeout(PATIENCE);
-        let line = line.expect("something is typed");
-        let words: Vec<&str> = line.split_whitespace().skip(1).collect();
-        words.join(" ")
+        next_event(&self.typed)
     }
 
     /// What the process has in memory, in KiB.

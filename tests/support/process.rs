@@ -1,15 +1,16 @@
 //! Other programs, started and ended by a test.
 
-use std::io::Result;
+use std::io::{self, BufRead, BufReader, Read};
 use std::process::{Child, Command};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread;
 
 /// A process that ends with its owner.
 pub struct Process(pub Child);
 
 impl Process {
     /// Starts it.
-    pub fn start(command: &mut Command) -> Result<Self> {
+    pub fn start(command: &mut Command) -> io::Result<Self> {
         let _alone = no_program_starts();
         command.spawn().map(Self)
     }
@@ -20,6 +21,18 @@ impl Drop for Process {
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
+}
+
+/// The lines of a stream, as they come.
+pub fn overheard(stream: impl Read + Send + 'static) -> Arc<Mutex<Vec<String>>> {
+    let heard = Arc::new(Mutex::new(Vec::new()));
+    let listener = Arc::clone(&heard);
+    thread::spawn(move || {
+        for line in BufReader::new(stream).lines().map_while(Result::ok) {
+            listener.lock().unwrap().push(line);
+        }
+    });
+    heard
 }
 
 /// While this is held, no program is started.

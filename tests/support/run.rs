@@ -126,10 +126,7 @@ impl Run {
 
     /// The next event, without its time.
     pub fn typed(&self) -> String {
-        let line = self.typed.recv_timeout(PATIENCE);
-        let line = line.expect("something is typed");
-        let words: Vec<&str> = line.split_whitespace().skip(1).collect();
-        words.join(" ")
+        next_event(&self.typed)
     }
 
     pub fn told(&self) -> String {
@@ -152,6 +149,14 @@ fn wear(listener: &TcpListener, posture: &Mutex<Posture>) {
         }
         thread::sleep(LineSettings::default().frame_period());
     }
+}
+
+/// The next event of a transcript, without its time.
+pub fn next_event(transcript: &Receiver<String>) -> String {
+    let line = transcript.recv_timeout(PATIENCE);
+    let line = line.expect("something is typed");
+    let words: Vec<&str> = line.split_whitespace().skip(1).collect();
+    words.join(" ")
 }
 
 /// The lines of a stream, as they come.

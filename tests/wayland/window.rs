@@ -1,13 +1,12 @@
 //! Windows of programs that know nothing of this one.
 
 use std::fs;
-use std::io::{BufRead, BufReader, ErrorKind};
+use std::io::ErrorKind;
 use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
-use std::thread;
 
 use crate::compositor::Compositor;
-use crate::support::process::Process;
+use crate::support::process::{Process, overheard};
 use crate::support::x11::wait_for;
 
 /// A window of `wev`, which tells what reaches it. It has the focus.
@@ -24,13 +23,7 @@ impl Window {
         command.args(["-oL", "wev"]).stdout(Stdio::piped());
         let mut process = start("wev", &mut command)?;
         let stdout = process.0.stdout.take().expect("it is piped");
-        let told = Arc::new(Mutex::new(Vec::new()));
-        let listener = Arc::clone(&told);
-        thread::spawn(move || {
-            for line in BufReader::new(stdout).lines().map_while(Result::ok) {
-                listener.lock().unwrap().push(line);
-            }
-        });
+        let told = overheard(stdout);
         let window = Self {
             _process: process,
             told,

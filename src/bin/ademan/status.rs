@@ -14,49 +14,36 @@ const QUIET: Duration = Duration::from_secs(10);
 #[derive(Default)]
 pub struct Status {
     last: Option<(State, bool)>,
-    rejected: [Loss; Rejection::COUNT],
-    superseded: Loss,
-    of_system: Loss,
+    rejected: [Said<u64>; Rejection::COUNT],
+    superseded: Said<u64>,
+    of_system: Said<u64>,
     too_many: u64,
-    doubts: [Doubt; Side::COUNT],
+    /// The fingers of each hand that were said not to be believed.
+    doubts: [Said<FingerSet>; Side::COUNT],
 }
 
-/// The fingers of a hand that were said not to be believed.
+/// What was said last of something that changes, and when.
 #[derive(Clone, Copy, Default)]
-struct Doubt {
-    fingers: FingerSet,
-    said: Option<Instant>,
+struct Said<T> {
+    last: T,
+    at: Option<Instant>,
 }
 
-impl Doubt {
-    /// Whether that has changed, if it is to be said again: a loose contact comes and goes.
-    fn news(&mut self, fingers: FingerSet) -> bool {
-        if fingers == self.fingers || self.said.is_some_and(|said| said.elapsed() < QUIET) {
-            return false;
+impl<T: Copy + PartialEq> Said<T> {
+    /// What was said before, if that has changed and is to be said again: a loose contact comes and goes.
+    fn change_to(&mut self, now: T) -> Option<T> {
+        if now == self.last || self.at.is_some_and(|at| at.elapsed() < QUIET) {
+            return None;
         }
-        self.fingers = fingers;
-        self.said = Some(Instant::now());
-        true
+        self.at = Some(Instant::now());
+        Some(std::mem::replace(&mut self.last, now))
     }
 }
 
-/// What was said of one reason for losses.
-#[derive(Clone, Copy, Default)]
-struct Loss {
-    count: u64,
-    said: Option<Instant>,
-}
-
-impl Loss {
+impl Said<u64> {
     /// How many more there are since that was last said, if it is to be said again.
     fn news(&mut self, count: u64) -> Option<u64> {
-        if count == self.count || self.said.is_some_and(|said| said.elapsed() < QUIET) {
-            return None;
-        }
-        self.said = Some(Instant::now());
-        let more = count - self.count;
-        self.count = count;
-        Some(more)
+        self.change_to(count).map(|before| count - before)
     }
 }
 
@@ -68,7 +55,8 @@ impl Status {
             self.tell_losses(&frame.tally);
         }
         if let Some(pose) = &frame.pose
-            && self.doubts[pose.side.index()].news(pose.untrusted)
+            && let said = &mut self.doubts[pose.side.index()]
+            && said.change_to(pose.untrusted).is_some()
         {
             tell_doubt(pose.untrusted);
         }
