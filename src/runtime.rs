@@ -27,8 +27,9 @@ const FOR_EVER: Duration = Duration::from_secs(3600);
 /// 1200 baud take 1.7 s.
 const SLOWEST: Duration = Duration::from_secs(2);
 
-/// While readings are expected, an output hears so often that the loop is alive.
-const SIGN_OF_LIFE: Duration = Duration::from_millis(100);
+/// While readings are expected, an output hears so often that the loop is alive: it may have to tell a guardian,
+/// which waits for 200 ms.
+const SIGN_OF_LIFE: Duration = Duration::from_millis(50);
 
 /// Why a run ended before its source did.
 #[derive(Debug, thiserror::Error)]
@@ -213,7 +214,7 @@ impl Run<'_> {
 
     /// How long to wait for a reading until the output hears again.
     fn sign_of_life(&self) -> Duration {
-        match self.captured.is_live() && self.pipeline.is_fed() {
+        match self.pipeline.is_fed() {
             true => SIGN_OF_LIFE,
             false => FOR_EVER,
         }

@@ -90,8 +90,9 @@ impl Desktop {
             .name("desktop output".into())
             .spawn(move || {
                 let _end = end;
-                let guarded = |injector| {
-                    let guard = launch.as_ref().map(Guard::start).transpose()?;
+                let guarded = |injector: C| {
+                    let guard = |launch| Guard::start(launch, injector.means());
+                    let guard = launch.as_ref().map(guard).transpose()?;
                     Ok((injector, guard))
                 };
                 let (injector, guard) = match connect().and_then(guarded) {

@@ -1,13 +1,17 @@
 //! A second, small process that lets go of keys when this one cannot.
 //!
 //! An X server keeps a key down for as long as nobody lets go of it, whatever became of the program that
-//! pressed it; a Wayland compositor keeps buttons. (It keeps the keys of a program that is
-//! stopped too, and lets nobody else let go of them.) So a program that
-//! presses keys there starts a guardian: it has a connection of its own to the display and is told of every key
-//! before it goes down and after it came up. When the program dies, in whatever way, or does not give a sign of life
-//! for 200 ms while a key is down, the guardian lets go of what is down.
+//! pressed it; a Wayland compositor keeps buttons; and everybody, the kernel too, keeps the keys of a program that is
+//! stopped. So a program that presses keys starts a guardian, which is told of every key before it goes down and
+//! after it came up. When the program dies, in whatever way, or does not give a sign of life for 200 ms while a key is
+//! down, the guardian lets go of what is down.
+//!
+//! On X11 it does so on a connection of its own. A compositor and the kernel take a release only from the keyboard that
+//! has pressed, so there it has a second handle of the program's own connection or devices.
 
 mod guard;
+mod hands;
+mod means;
 mod watch;
 
 use std::time::Duration;
@@ -19,6 +23,7 @@ use crate::device::KeyCode;
 pub(super) use super::launch::BEAT;
 pub use super::launch::Launch;
 pub(super) use guard::Guard;
+pub(super) use means::{Device, Means};
 pub use watch::watch;
 
 /// After how long without one the guardian lets go of everything: three signs may be late.
@@ -31,10 +36,12 @@ enum Word {
     Down(KeyCode),
     /// It came up.
     Up(KeyCode),
+    /// An axis leaves its rest.
+    Deflected,
+    /// All axes are back.
+    Centred,
     /// The program is alive.
     Alive,
-    /// It ends in good order; nothing is down.
-    Over,
 }
 
 /// What a guardian says when it can let go of keys; anything else it says is why it cannot.
@@ -55,8 +62,9 @@ impl Word {
         let (kind, code) = match self {
             Self::Down(key) => (b'd', key.event_code()),
             Self::Up(key) => (b'u', key.event_code()),
+            Self::Deflected => (b'x', 0),
+            Self::Centred => (b'c', 0),
             Self::Alive => (b'a', 0),
-            Self::Over => (b'o', 0),
         };
         let [high, low] = code.to_be_bytes();
         [kind, high, low]
@@ -67,8 +75,9 @@ impl Word {
         match kind {
             b'd' => key().map(Self::Down),
             b'u' => key().map(Self::Up),
+            b'x' => Some(Self::Deflected),
+            b'c' => Some(Self::Centred),
             b'a' => Some(Self::Alive),
-            b'o' => Some(Self::Over),
             _ => None,
         }
     }
@@ -81,7 +90,7 @@ mod tests {
     #[test]
     fn every_word_is_understood() {
         let keys = KeyCode::all().flat_map(|key| [Word::Down(key), Word::Up(key)]);
-        for word in keys.chain([Word::Alive, Word::Over]) {
+        for word in keys.chain([Word::Deflected, Word::Centred, Word::Alive]) {
             assert_eq!(Word::from_bytes(word.to_bytes()), Some(word));
         }
         assert_eq!(Word::from_bytes([b'd', 255, 255]), None);

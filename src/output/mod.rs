@@ -284,7 +284,7 @@ fn open_one(
             Some(launch) => Desktop::open_guarded(launch, needs)?,
             None => Desktop::open(None, needs)?,
         }),
-        "uinput" => open_uinput(needs)?,
+        "uinput" => open_uinput(needs, launch)?,
         "spacenav" => open_spacenav(None)?,
         "none" => Box::new(Nowhere),
         _ => return Err(UnknownName::new("output", name, NAMES).into()),
@@ -322,12 +322,15 @@ pub fn private(options: &mut OpenOptions) -> &mut OpenOptions {
 }
 
 #[cfg(target_os = "linux")]
-fn open_uinput(needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
-    Ok(Box::new(uinput::Uinput::open("Ademan", needs)?))
+fn open_uinput(needs: &Needs, launch: Option<&Launch>) -> Result<Box<dyn Sink>, OutputError> {
+    Ok(Box::new(match launch {
+        Some(launch) => uinput::Uinput::open_guarded("Ademan", needs, launch)?,
+        None => uinput::Uinput::open("Ademan", needs)?,
+    }))
 }
 
 #[cfg(not(target_os = "linux"))]
-fn open_uinput(_: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+fn open_uinput(_: &Needs, _: Option<&Launch>) -> Result<Box<dyn Sink>, OutputError> {
     Err(OutputError::Open {
         output: "uinput".into(),
         reason: "it is a part of Linux; use the output `desktop`".into(),

@@ -15,6 +15,10 @@ pub fn watch(_: impl Fn(&str)) -> Result<(), String> {
     Err("guardians are there on Linux only".into())
 }
 
+/// Nothing is handed to anybody.
+#[derive(Default)]
+pub(super) struct Means;
+
 /// There is none.
 pub(super) struct Guard(Infallible);
 
@@ -22,7 +26,7 @@ pub(super) struct Guard(Infallible);
 pub(super) struct Lost;
 
 impl Guard {
-    pub fn start(_: &Launch) -> Result<Self, String> {
+    pub fn start(_: &Launch, _: Means) -> Result<Self, String> {
         watch(|_| {}).and(Err(String::new()))
     }
 

@@ -6,7 +6,8 @@
 //! compositor tells whoever has the focus of the keymap before the key, so no character races with it.
 //!
 //! When the connection ends, however that comes about, the compositor takes the keyboards away and lets go
-//! of their keys, though not of the buttons of the pointer. Nothing is sent on a connection that has failed: what waits in it would arrive twice.
+//! of their keys, though not of the buttons of the pointer. A guardian has a second handle of it, for a program that is
+//! stopped. Nothing is sent on a connection that has failed: what waits in it would arrive twice.
 
 use std::ffi::OsStr;
 use std::os::fd::AsFd;
@@ -14,10 +15,12 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use enigo::Direction;
+use wayland_client::Proxy;
 use wayland_client::protocol::wl_pointer::{Axis, AxisSource, ButtonState};
 use wayland_protocols_misc::zwp_virtual_keyboard_v1::client::zwp_virtual_keyboard_v1::ZwpVirtualKeyboardV1;
 use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_v1::ZwlrVirtualPointerV1;
 
+use super::guardian::Means;
 use super::motion::Impulse;
 use super::worker::Injector;
 use crate::device::{KeyCode, KeyKind};
@@ -172,6 +175,13 @@ impl Injector for Wayland {
             motion => self.move_pointer(motion)?,
         }
         self.link.deliver()
+    }
+
+    fn means(&self) -> Means {
+        match self.link.handle() {
+            Ok(connection) => Means::Keyboard(connection, self.keys.id().protocol_id()),
+            Err(_) => Means::default(),
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, never, select};
 use enigo::Direction;
 
-use super::guardian::{BEAT, Guard};
+use super::guardian::{BEAT, Guard, Means};
 use super::held::Held;
 use super::motion::Impulse;
 use super::{RETRIES, RETRY_PAUSE};
@@ -23,6 +23,11 @@ pub trait Injector {
 
     /// Does something that is over then.
     fn perform(&mut self, impulse: Impulse) -> Result<(), String>;
+
+    /// What a guardian needs to let go of the keys that this has put down.
+    fn means(&self) -> Means {
+        Means::default()
+    }
 }
 
 impl Injector for Box<dyn Injector> {
@@ -32,6 +37,10 @@ impl Injector for Box<dyn Injector> {
 
     fn perform(&mut self, impulse: Impulse) -> Result<(), String> {
         (**self).perform(impulse)
+    }
+
+    fn means(&self) -> Means {
+        (**self).means()
     }
 }
 
@@ -61,7 +70,8 @@ pub struct Report {
 
 /// The thread's side: what it has put down, and where.
 pub struct Worker<'a, C> {
-    injector: C,
+    /// What it does that with.
+    pub injector: C,
     /// The account of it; a guardian puts there what somebody else has pressed.
     pub held: Held,
     report: &'a Report,

@@ -61,7 +61,7 @@ impl Scene {
         );
         self.machine.run(&format!("echo '{setup}' >/tmp/setup.ron"));
         self.machine.run(
-            "ademan run --allow-root /tmp/setup.ron --control /tmp/control >/tmp/ademan.log 2>&1 &",
+            "ademan run --allow-root /tmp/setup.ron --control /tmp/control >/tmp/ademan.log 2>&1 & echo $! >/tmp/ademan.pid",
         );
         self.wait_until_said("listening to", 1);
     }

@@ -62,12 +62,21 @@ pub fn all(scene: &mut Scene) {
     scene.tell("plugged in again with another adapter in its place, it is found under another name and types on");
 
     hold(scene, &evtest, &press);
-    scene.machine.run("killall -KILL ademan");
+    scene.machine.run("kill -STOP $(cat /tmp/ademan.pid)");
+    released(scene, &evtest);
+    scene.wait_until_said("no sign of life; letting go of its keys (1)", 1);
+    scene.machine.run("kill -CONT $(cat /tmp/ademan.pid)");
+    scene.tell("a guardian lets go of what a stopped program holds");
+    types(scene, &evtest, &text);
+    scene.tell("and when that goes on, it types on");
+
+    hold(scene, &evtest, &press);
+    scene.machine.run("kill -KILL $(cat /tmp/ademan.pid)");
     released(scene, &evtest);
     scene
         .libinput
         .wait_for(&mut scene.machine, &[&evtest.node, "DEVICE_REMOVED"]);
-    scene.tell("the kernel lets go of what a killed program held");
+    scene.tell("what a killed program held is let go of, and its device goes away");
     scene.glove.fall_silent();
     scene.machine.unplug("other");
     scene.machine.unplug("glove");

@@ -119,6 +119,33 @@ fn nothing_is_down_after_it_was_killed_and_shift_does_not_count_for_the_next_key
     );
 }
 
+#[test]
+fn nothing_is_down_while_it_is_stopped_and_afterwards_it_types_on() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    typing.typing.program.signal(&["STOP"]);
+    assert!(typing.window.hears("up H"), "{:#?}", typing.window.heard());
+    assert!(
+        typing.window.hears("held -"),
+        "{:#?}",
+        typing.window.heard()
+    );
+    typing.typing.program.wait_until_it_says("its keys (2)", 1);
+    // Shift does not count for the next key, though its keyboard is still there.
+    typing.other.hold(&Press::of("h"), &typing.window, "down h");
+    typing.other.glove.play(&Press::of("h").lift);
+    assert!(typing.window.hears("up h"), "{:#?}", typing.window.heard());
+    typing.typing.program.signal(&["CONT"]);
+    typing.typing.program.wait_until_it_says("stalled", 1);
+    let press = Press::of("H");
+    typing.typing.glove.play(&press.lift);
+    typing.typing.program.wait_until_it_says("armed", 2);
+    typing.typing.hold(&press, &typing.window, "down H");
+    let (_, code) = typing.end_by("TERM");
+    assert_eq!(code, Some(0));
+}
+
 /// The default layout with the left mouse button in the place of H.
 fn layout_with_a_button(folder: &TempDir) -> PathBuf {
     let path = folder.path().join("button.ron");

@@ -12,7 +12,7 @@ use crossbeam_channel::{Receiver, bounded};
 use enigo::Direction;
 use rustix::net::{SendFlags, send};
 
-use super::{Launch, READY, Word};
+use super::{Launch, Means, READY, Word};
 use crate::device::KeyCode;
 
 /// How long a guardian may take to connect to the display.
@@ -31,6 +31,7 @@ pub struct Lost;
 /// A guardian that is at work.
 pub struct Guard {
     launch: Launch,
+    means: Means,
     process: Child,
     line: UnixStream,
     gone: Receiver<()>,
@@ -38,8 +39,8 @@ pub struct Guard {
 }
 
 impl Guard {
-    /// Starts one and waits until it is connected to the display.
-    pub fn start(launch: &Launch) -> Result<Self, String> {
+    /// Starts one and waits until it can let go of keys.
+    pub fn start(launch: &Launch, means: Means) -> Result<Self, String> {
         let (line, its_end) = UnixStream::pair().map_err(refuse)?;
         // Signals of a terminal are for the program; its guardian has to outlive it.
         let process = Command::new(&launch.program)
@@ -51,11 +52,13 @@ impl Guard {
             .map_err(refuse)?;
         let mut guard = Self {
             launch: launch.clone(),
+            means,
             process,
             gone: bounded(0).1,
             line,
             may_be_replaced: true,
         };
+        guard.means.give(&guard.line).map_err(refuse)?;
         guard.wait_until_ready()?;
         guard.gone = notice_end(&guard.line).map_err(refuse)?;
         Ok(guard)
@@ -64,6 +67,14 @@ impl Guard {
     /// Tells of a key: before it goes down, and after it came up.
     pub fn note(&self, key: KeyCode, direction: Direction) -> Result<(), Lost> {
         self.tell(Word::of(key, direction))
+    }
+
+    /// Tells whether axes are away from their rest: before the first leaves it, and after the last came back.
+    pub fn note_axes(&self, are_deflected: bool) -> Result<(), Lost> {
+        self.tell(match are_deflected {
+            true => Word::Deflected,
+            false => Word::Centred,
+        })
     }
 
     /// Gives a sign of life.
@@ -83,7 +94,7 @@ impl Guard {
         if !self.may_be_replaced {
             return Err("the guardian that lets go of keys was ended a second time".into());
         }
-        *self = Self::start(&self.launch)?;
+        *self = Self::start(&self.launch, std::mem::take(&mut self.means))?;
         self.may_be_replaced = false;
         Ok(())
     }
@@ -118,7 +129,6 @@ impl Guard {
 
 impl Drop for Guard {
     fn drop(&mut self) {
-        let _ = self.tell(Word::Over);
         let _ = self.line.shutdown(std::net::Shutdown::Both);
         let start = Instant::now();
         while matches!(self.process.try_wait(), Ok(None)) && start.elapsed() < END_LIMIT {

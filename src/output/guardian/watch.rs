@@ -5,9 +5,9 @@ use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
 use super::super::held::Held;
-use super::super::platform;
 use super::super::worker::{Report, Worker};
-use super::{READY, SILENCE, Word};
+use super::hands::Hands;
+use super::{Means, READY, SILENCE, Word};
 
 /// How long it is listened at least, before nothing counts as silence.
 const GLANCE: Duration = Duration::from_millis(1);
@@ -22,17 +22,17 @@ pub fn watch(say: impl Fn(&str)) -> Result<(), String> {
     if line.peer_addr().is_err() {
         return Err("the guardian is started by the program that it watches, not by hand".into());
     }
-    // It presses nothing, so it makes do without a pointer where the program does.
-    let connect = || platform::open(None, false);
-    let display = match connect() {
-        Ok(display) => display,
+    let means = Means::take(&line).map_err(|error| format!("nothing to let go with: {error}"))?;
+    let connect = || Hands::with(&means);
+    let hands = match connect() {
+        Ok(hands) => hands,
         Err(reason) => {
             let _ = line.write_all(reason.as_bytes());
             return Err(reason);
         }
     };
     let report = Report::default();
-    let mut hands = Worker::new(display, &report);
+    let mut hands = Worker::new(hands, &report);
     line.write_all(&[READY])
         .map_err(|error| error.to_string())?;
     let mut watched = Watched::new(line);
@@ -41,9 +41,12 @@ pub fn watch(say: impl Fn(&str)) -> Result<(), String> {
         let count = watched.held.count();
         hands.held = std::mem::take(&mut watched.held);
         hands.let_go(connect);
+        if std::mem::take(&mut watched.is_deflected) {
+            hands.injector.centre();
+        }
         match (end, count) {
-            (Trouble::Over | Trouble::Died, 0) => return Ok(()),
-            (Trouble::Over | Trouble::Died, _) => {
+            (Trouble::Ended, 0) => return Ok(()),
+            (Trouble::Ended, _) => {
                 say(&format!("the program ended; its keys are up ({count})"));
                 return Ok(());
             }
@@ -59,10 +62,8 @@ pub fn watch(say: impl Fn(&str)) -> Result<(), String> {
 /// Why there is something to do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Trouble {
-    /// The program ended in good order.
-    Over,
-    /// It ended in any other way.
-    Died,
+    /// The program ended, in whatever way.
+    Ended,
     /// It has not said anything for too long while something is down.
     Silent,
 }
@@ -71,6 +72,7 @@ enum Trouble {
 struct Watched {
     line: UnixStream,
     held: Held,
+    is_deflected: bool,
     last: Instant,
     /// The beginning of a word.
     begun: Vec<u8>,
@@ -81,6 +83,7 @@ impl Watched {
         Self {
             line,
             held: Held::default(),
+            is_deflected: false,
             last: Instant::now(),
             begun: Vec::new(),
         }
@@ -91,43 +94,41 @@ impl Watched {
         loop {
             let rest = SILENCE.saturating_sub(self.last.elapsed());
             // Also when it is overdue: the machine may have held up this process, and not the program.
-            let patience = (!self.held.is_empty()).then_some(rest.max(GLANCE));
+            let is_at_rest = self.held.is_empty() && !self.is_deflected;
+            let patience = (!is_at_rest).then_some(rest.max(GLANCE));
             if self.line.set_read_timeout(patience).is_err() {
-                return Trouble::Died;
+                return Trouble::Ended;
             }
             let mut bytes = [0; 64 * Word::BYTES];
             match self.line.read(&mut bytes) {
-                Ok(0) => return Trouble::Died,
+                Ok(0) => return Trouble::Ended,
                 Ok(count) => {
                     self.last = Instant::now();
-                    if self.hear(&bytes[..count]) {
-                        return Trouble::Over;
-                    }
+                    self.hear(&bytes[..count]);
                 }
                 Err(error) => match error.kind() {
                     ErrorKind::Interrupted => {}
                     ErrorKind::WouldBlock | ErrorKind::TimedOut => return Trouble::Silent,
-                    _ => return Trouble::Died,
+                    _ => return Trouble::Ended,
                 },
             }
         }
     }
 
-    /// Takes what was read; whether it was the last.
-    fn hear(&mut self, bytes: &[u8]) -> bool {
+    /// Takes what was read.
+    fn hear(&mut self, bytes: &[u8]) {
         self.begun.extend(bytes);
         let whole = self.begun.len() - self.begun.len() % Word::BYTES;
-        let mut is_over = false;
         for bytes in self.begun[..whole].as_chunks().0 {
             match Word::from_bytes(*bytes) {
                 Some(Word::Down(key)) => _ = self.held.press(key),
                 Some(Word::Up(key)) => _ = self.held.release(key),
-                Some(Word::Over) => is_over = true,
+                Some(Word::Deflected) => self.is_deflected = true,
+                Some(Word::Centred) => self.is_deflected = false,
                 Some(Word::Alive) | None => {}
             }
         }
         self.begun.drain(..whole);
-        is_over
     }
 }
 
@@ -153,16 +154,20 @@ mod tests {
         let (a, shift) = (key("A"), key("ShiftLeft"));
         tell(&engine, &[Word::Down(shift), Word::Down(a), Word::Up(a)]);
         drop(engine);
-        assert_eq!(watched.wait_for_trouble(), Trouble::Died);
+        assert_eq!(watched.wait_for_trouble(), Trouble::Ended);
         assert_eq!(watched.held.release_order().collect::<Vec<_>>(), [shift]);
     }
 
     #[test]
-    fn a_program_that_says_good_bye_did_not_die() {
+    fn an_axis_that_is_away_from_its_rest_counts_as_down() {
         let (engine, mut watched) = watched();
-        tell(&engine, &[Word::Alive, Word::Over]);
+        tell(&engine, &[Word::Deflected]);
+        assert_eq!(watched.wait_for_trouble(), Trouble::Silent);
+        assert!(watched.is_deflected);
+        tell(&engine, &[Word::Centred]);
         drop(engine);
-        assert_eq!(watched.wait_for_trouble(), Trouble::Over);
+        assert_eq!(watched.wait_for_trouble(), Trouble::Ended);
+        assert!(!watched.is_deflected);
     }
 
     #[test]
@@ -197,7 +202,7 @@ mod tests {
                     std::thread::sleep(Duration::from_millis(5));
                 }
             });
-            assert_eq!(watched.wait_for_trouble(), Trouble::Died);
+            assert_eq!(watched.wait_for_trouble(), Trouble::Ended);
         });
         assert!(watched.held.contains(key("A")));
     }

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Write};
-use std::os::fd::AsFd;
+use std::os::fd::{AsFd, OwnedFd};
 
 use arrayvec::ArrayVec;
 use evdev::uinput::VirtualDevice;
@@ -28,6 +28,9 @@ const EVENT_BYTES: usize = size_of::<InputEvent>();
 pub trait Node: Send {
     /// Delivers the events of one frame, at most 320, and what ends a frame, in one go.
     fn emit(&mut self, events: &[InputEvent]) -> io::Result<()>;
+
+    /// A second handle of the device.
+    fn handle(&self) -> io::Result<OwnedFd>;
 }
 
 /// A device of the kernel; it is there until this is dropped.
@@ -59,13 +62,22 @@ impl KernelNode {
         }
         let device = builder.build()?;
         // The kernel keeps the device as long as anybody has it open.
-        Ok(Self(File::from(device.as_fd().try_clone_to_owned()?)))
+        Ok(Self::of(device.as_fd().try_clone_to_owned()?))
+    }
+
+    /// One that somebody else has made.
+    pub fn of(handle: OwnedFd) -> Self {
+        Self(File::from(handle))
     }
 }
 
 impl Node for KernelNode {
     fn emit(&mut self, events: &[InputEvent]) -> io::Result<()> {
         self.0.write_all(&bytes(events))
+    }
+
+    fn handle(&self) -> io::Result<OwnedFd> {
+        self.0.as_fd().try_clone_to_owned()
     }
 }
 

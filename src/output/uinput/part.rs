@@ -5,10 +5,11 @@ use std::{io, thread};
 use arrayvec::ArrayVec;
 use evdev::{AbsoluteAxisCode, EventType, InputEvent, RelativeAxisCode};
 
-use super::declared::{Declared, EDGE, STICK, TRIGGER, range};
+use super::declared::{Declared, EDGE, Kind, STICK, TRIGGER, range};
 use super::node::{FRAME, Node};
-use crate::device::{Action, Axis};
+use crate::device::{Action, Axis, KeyCode};
 use crate::output::deflected::Deflected;
+use crate::output::guardian::Device;
 use crate::output::held::Held;
 use crate::output::{RETRIES, RETRY_PAUSE};
 
@@ -94,6 +95,24 @@ impl<N: Node> Part<N> {
         outcome
     }
 
+    /// Whether a key is down, as far as anybody knows.
+    pub fn holds(&self, key: KeyCode) -> bool {
+        self.account.held.contains(key)
+    }
+
+    /// Whether an axis is away from its rest.
+    pub fn is_deflected(&self) -> bool {
+        self.account.deflected.axes().next().is_some()
+    }
+
+    /// A second handle of the device, for a guardian.
+    pub fn for_guardian(&self) -> io::Result<Device> {
+        Ok(Device {
+            node: self.node.handle()?,
+            has_axes: self.declared.kind == Kind::Pad,
+        })
+    }
+
     /// Lets go of everything and brings the axes back.
     pub fn let_go(&mut self) -> io::Result<()> {
         let Account { held, deflected } = self.account.clone();
@@ -159,6 +178,18 @@ impl<N: Node> Part<N> {
         // `take` has made room for it.
         let _ = self.frame.try_push(InputEvent::new(kind.0, code, value));
     }
+}
+
+/// Lets go of a key, whoever has pressed it on this device.
+pub fn let_go(node: &mut impl Node, key: KeyCode) -> io::Result<()> {
+    node.emit(&[InputEvent::new(EventType::KEY.0, key.event_code(), 0)])
+}
+
+/// Brings all axes of a gamepad back to their rest.
+pub fn centre(node: &mut impl Node) -> io::Result<()> {
+    let at_rest = |axis: &Axis| InputEvent::new(EventType::ABSOLUTE.0, range(*axis).0.0, 0);
+    let events: ArrayVec<_, { Axis::COUNT }> = Axis::ALL.iter().map(at_rest).collect();
+    node.emit(&events)
 }
 
 /// A share of the screen as the pointer tells it.

@@ -3,7 +3,8 @@
 use std::env;
 use std::ffi::OsStr;
 use std::fs::File;
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
+use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 use std::thread;
@@ -114,6 +115,11 @@ impl Link {
             Err(_) if is_needed => Err(no_pointer()),
             Err(_) => Ok(None),
         }
+    }
+
+    /// A second handle of the connection.
+    pub fn handle(&self) -> io::Result<OwnedFd> {
+        self.connection.backend().poll_fd().try_clone_to_owned()
     }
 
     /// Sends all messages and waits until the compositor has followed them.
