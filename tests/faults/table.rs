@@ -243,10 +243,12 @@ pub const FAULTS: &[Fault] = &[
     fault(50, "killed, or out of memory", By(&[
         ("tests/desktop/guardian.rs", "nothing_is_down_after_it_was_killed"),
         ("tests/desktop/memory.rs", "nothing_is_down_after_it_was_killed_for_want_of_memory"),
-        ("tests/vm/typing.rs", "the kernel lets go of what a killed program held"),
+        ("tests/vm/typing.rs", "what a killed program held is let go of, and its device goes away"),
     ])),
     fault(51, "stopped for a while", By(&[
         ("tests/desktop/guardian.rs", "nothing_is_down_while_it_is_stopped_and_it_has_to_be_armed_again"),
+        ("tests/wayland/ends.rs", "nothing_is_down_while_it_is_stopped_and_afterwards_it_types_on"),
+        ("tests/vm/typing.rs", "a guardian lets go of what a stopped program holds"),
         ("tests/accounts.rs", "readings_from_before_the_program_stood_still_press_nothing_and_are_accounted_for"),
     ])),
     fault(52, "stopped from the terminal", By(&[
@@ -254,6 +256,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(53, "the guardian is killed", By(&[
         ("tests/desktop/guardian.rs", "a_guardian_that_is_killed_is_replaced_once_and_the_run_pauses"),
+        ("src/output/uinput/tests.rs", "without_a_guardian_nothing_stays_down_and_nothing_goes_down_until_there_is_another_one"),
     ])),
     fault(54, "the machine sleeps while a key is held", By(&[
         ("src/capture/thread/tests.rs", "a_machine_that_slept_loses_its_live_sources_before_the_next_reading"),
@@ -262,11 +265,11 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(55, "no uinput, or no permission for it", By(&[
         ("tests/faults/disks.rs", "without_a_node_or_the_right_to_it_uinput_is_refused_with_the_way_to_get_it"),
-        ("src/output/uinput.rs", "an_error_at_opening_says_what_to_do"),
+        ("src/output/uinput/tests.rs", "an_error_at_opening_says_what_to_do"),
     ])),
     fault(56, "the system takes no events any more", By(&[
-        ("src/output/uinput.rs", "a_frame_is_tried_four_times_and_a_release_that_failed_is_not_forgotten"),
-        ("src/output/uinput.rs", "a_press_that_failed_is_let_go_of_because_nobody_knows_whether_it_arrived"),
+        ("src/output/uinput/tests.rs", "a_frame_is_tried_four_times_and_a_release_that_failed_is_not_forgotten"),
+        ("src/output/uinput/tests.rs", "a_press_that_failed_is_let_go_of_because_nobody_knows_whether_it_arrived"),
         ("src/output/desktop/tests.rs", "a_display_that_is_busy_three_times_loses_nothing"),
         ("src/output/desktop/tests.rs", "after_a_failure_nothing_is_pressed_and_what_may_be_down_is_let_go_of"),
         ("tests/desktop/ends.rs", "a_display_that_died_ends_it_with_an_error_at_the_next_key"),
