@@ -16,7 +16,8 @@ mod witness;
 
 use std::env;
 use std::path::Path;
-use std::time::Instant;
+use std::thread;
+use std::time::{Duration, Instant};
 
 use glove::{Deed, Glove};
 use machine::Machine;
@@ -121,4 +122,29 @@ fn a_kernel_and_libinput_hear_the_hand() {
     Libinput::log(&mut scene.machine)
         .iter()
         .for_each(|line| println!("{line}"));
+}
+
+#[test]
+fn how_long_keys_stay_down() {
+    let (Some(folder), Ok(times)) = (env::var_os("ADEMAN_VM"), env::var("ADEMAN_VM_TIMES")) else {
+        println!("SKIPPED: `tests/vm/run release` starts this with a machine");
+        return;
+    };
+    let mut machine = Machine::start(Path::new(&folder));
+    let bench = "ADEMAN_PROGRAM=/bin/ademan vm-release --bench uinput";
+    machine.run(&format!(
+        "({bench} {times}; echo over) >/tmp/release.log 2>&1 &"
+    ));
+    let mut told = 0;
+    loop {
+        let log = machine.run("cat /tmp/release.log");
+        let lines: Vec<_> = log.lines().collect();
+        lines[told..].iter().for_each(|line| println!("{line}"));
+        told = lines.len();
+        if lines.last() == Some(&"over") {
+            break;
+        }
+        thread::sleep(Duration::from_secs(1));
+    }
+    assert_eq!(told, 19, "a title and a row for each cause");
 }

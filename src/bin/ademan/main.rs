@@ -45,8 +45,7 @@ use failure::Failure;
 fn main() -> ExitCode {
     let args = Args::parse();
     start_log();
-    panics::end_the_run();
-    match run(args.command).and_then(|()| panics::check()) {
+    match panics::caught(|| run(args.command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

@@ -1,24 +1,47 @@
 //! No thread dies in silence: a panic anywhere ends the program in good order.
 
-use std::panic;
+use std::backtrace::{Backtrace, BacktraceStatus};
+use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 
 use crate::failure::Failure;
 use crate::signals::Stopper;
 
 static HAPPENED: AtomicBool = AtomicBool::new(false);
+static TRACE: OnceLock<Backtrace> = OnceLock::new();
 static BELL: OnceLock<Stopper> = OnceLock::new();
+
+/// Runs the program; a panic, of whatever thread, is a failure.
+pub fn caught(run: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
+    end_the_run();
+    let outcome = catch_unwind(AssertUnwindSafe(run));
+    if let Some(trace) = TRACE.get()
+        && trace.status() == BacktraceStatus::Captured
+    {
+        say!("{trace}");
+    }
+    match outcome {
+        Ok(Err(failure)) => Err(failure),
+        _ => check(),
+    }
+}
 
 /// From now on a panic of any thread is told, and asks for the end of what is [under way](ring).
 pub fn end_the_run() {
-    let tell = panic::take_hook();
     panic::set_hook(Box::new(move |panic| {
         HAPPENED.store(true, Ordering::Relaxed);
         if let Some(bell) = BELL.get() {
             bell.ask_once();
         }
-        tell(panic);
+        // Where it was, in words, takes longer than anybody wants to wait for keys to come up.
+        let _ = TRACE.set(Backtrace::capture());
+        let thread = thread::current();
+        say!(
+            "thread '{}' {panic}",
+            thread.name().unwrap_or("without a name")
+        );
     }));
 }
 
@@ -28,7 +51,7 @@ pub fn ring(bell: &Stopper) {
 }
 
 /// An error if any thread has panicked: whoever ended because of that did not do the job.
-pub fn check() -> Result<(), Failure> {
+fn check() -> Result<(), Failure> {
     match HAPPENED.load(Ordering::Relaxed) {
         false => Ok(()),
         true => Err(Failure::job(
@@ -50,10 +73,11 @@ mod tests {
         end_the_run();
         assert!(check().is_ok());
         assert!(stop.is_empty());
-        let dies = std::thread::spawn(|| panic!("meant to happen"));
+        let dies = thread::spawn(|| panic!("meant to happen"));
         assert!(dies.join().is_err());
         assert_eq!(stop.try_recv(), Ok(()));
         assert!(stopper.is_asked());
         assert!(check().is_err());
+        assert!(caught(|| panic!("meant to happen")).is_err());
     }
 }
