@@ -21,6 +21,7 @@ use crate::window::Window;
 const PAUSE: Duration = Duration::from_micros(200);
 
 /// Keyboards of a system, seen from outside.
+#[allow(clippy::large_enum_variant, reason = "there is just one")]
 pub enum Place {
     /// An X server, asked by another client.
     X11(XServer),
