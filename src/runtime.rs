@@ -242,6 +242,7 @@ impl Run<'_> {
                 self.source = counts;
                 self.step(reading, arrived)?;
             }
+            Arrival::Noise(counts) => self.source = counts,
             Arrival::Lost(error) => {
                 tracing::warn!("{error}");
                 self.source.losses += 1;
@@ -382,9 +383,13 @@ impl Run<'_> {
 
     fn finish(&mut self) -> Result<(), RunError> {
         for arrival in self.captured.arrivals().try_iter() {
-            if let Arrival::Reading { counts, .. } = arrival {
-                self.source = counts;
-                self.untaken += 1;
+            match arrival {
+                Arrival::Reading { counts, .. } => {
+                    self.source = counts;
+                    self.untaken += 1;
+                }
+                Arrival::Noise(counts) => self.source = counts,
+                _ => {}
             }
         }
         self.events.clear();

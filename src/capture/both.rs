@@ -98,6 +98,10 @@ impl Both {
                 }
                 Ok(Some(reading))
             }
+            Some(Arrival::Noise(counts)) => {
+                hand.counts = counts;
+                Ok(None)
+            }
             Some(Arrival::Lost(error)) => {
                 hand.counts.losses += 1;
                 Err(error)

@@ -12,7 +12,7 @@
 //!     match arrival {
 //!         Arrival::Reading { reading, .. } => println!("{reading:?}"),
 //!         Arrival::Lost(error) | Arrival::Failed(error) => eprintln!("{error}"),
-//!         Arrival::End(counts) => println!("{counts:?}"),
+//!         Arrival::Noise(counts) | Arrival::End(counts) => println!("{counts:?}"),
 //!     }
 //! }
 //! # Ok::<(), ademan::capture::CaptureError>(())

@@ -25,6 +25,8 @@ pub enum Arrival {
         /// What has come in up to and with this reading.
         counts: Counts,
     },
+    /// Bytes come of which none belongs to a reading: what has come in by now. At most twice a second.
+    Noise(Counts),
     /// The device is gone and the source looks for it, or it was interrupted; readings may follow. Never superseded, and always
     /// before the readings that came after it.
     Lost(CaptureError),
@@ -37,6 +39,9 @@ pub enum Arrival {
 /// Arrivals that wait for whoever takes them: enough for a pause of 90 ms at 115 200 baud, few enough that
 /// nobody acts on a hand of long ago.
 const WAITING_ARRIVALS: usize = 16;
+
+/// How often is told of bytes that are no readings.
+const NOISE: Duration = Duration::from_millis(500);
 
 /// How long dropping a [`Captured`] waits for its thread; a device that blocks longer is left behind.
 const JOIN_LIMIT: Duration = Duration::from_secs(1);
@@ -153,6 +158,7 @@ fn capture(source: impl Source, name: String, outlet: &mut Outlet) {
 
 fn run(mut source: impl Source, awake: &mut Awake, outlet: &mut Outlet) {
     let mut interruptions = 0;
+    let (mut told, mut told_bytes) = (Instant::now(), 0);
     while !outlet.interrupt.has_rung() {
         let news = source.next();
         if outlet.is_live && awake.has_slept() {
@@ -175,10 +181,23 @@ fn run(mut source: impl Source, awake: &mut Awake, outlet: &mut Outlet) {
             }
         };
         match news {
-            Ok(Capture::Quiet) => {}
+            Ok(Capture::Quiet) if told.elapsed() < NOISE => {}
+            Ok(Capture::Quiet) => {
+                told = Instant::now();
+                let counts = counts();
+                if std::mem::replace(&mut told_bytes, counts.bytes) < counts.bytes {
+                    outlet.send(|superseded| {
+                        Arrival::Noise(Counts {
+                            superseded,
+                            ..counts
+                        })
+                    });
+                }
+            }
             Ok(Capture::Reading(reading)) => {
                 let arrived = Instant::now();
                 let counts = counts();
+                (told, told_bytes) = (arrived, counts.bytes);
                 outlet.send(|superseded| Arrival::Reading {
                     reading,
                     arrived,
@@ -260,6 +279,8 @@ impl Outlet {
         while self.sender.is_full() {
             match self.waiting.try_recv() {
                 Ok(Arrival::Reading { .. }) => self.superseded += 1,
+                // What comes next tells it all.
+                Ok(Arrival::Noise(_)) => {}
                 Ok(loss) => self.keep_only(loss),
                 // The consumer was faster.
                 Err(_) => {}
@@ -272,6 +293,7 @@ impl Outlet {
         while let Ok(arrival) = self.waiting.try_recv() {
             match arrival {
                 Arrival::Reading { .. } => self.superseded += 1,
+                Arrival::Noise(_) => {}
                 later => loss = later,
             }
         }

@@ -104,6 +104,7 @@ fn a_minute_of_noise_at_the_wrong_baud_types_nothing_says_so_and_takes_no_memory
     assert_eq!(run.end(), Some(0));
     let account = run.wait_until_told("readings:");
     assert!(account.starts_with("0 readings: 0 accepted"), "{account}");
+    assert!(account.contains("bytes belonged to no frame"), "{account}");
     println!("{sent} bytes of noise: {account}");
     assert!(run.typed.is_empty(), "nothing was typed");
 }

@@ -82,6 +82,7 @@ fn brief(arrival: Arrival) -> String {
         } => {
             format!("{}({})", reading.time.0, counts.superseded)
         }
+        Arrival::Noise(_) => "noise".to_owned(),
         Arrival::Lost(_) => "lost".to_owned(),
         Arrival::Failed(error) => format!("failed: {error}"),
         Arrival::End(_) => "end".to_owned(),
@@ -229,4 +230,50 @@ fn a_source_that_gives_up_ends_the_channel() {
     let captured = on_thread(source).unwrap();
     let arrived: Vec<String> = captured.arrivals().iter().map(brief).collect();
     assert_eq!(arrived, ["failed: cannot use script: half a file"]);
+}
+
+/// A line on which nothing but noise comes.
+struct Hiss(u64);
+
+impl Source for Hiss {
+    fn next(&mut self) -> Result<Capture, CaptureError> {
+        std::thread::sleep(Duration::from_millis(1));
+        self.0 += u64::from(self.0 < 700);
+        Ok(Capture::Quiet)
+    }
+
+    fn name(&self) -> &str {
+        "hiss"
+    }
+
+    fn is_live(&self) -> bool {
+        true
+    }
+
+    fn counts(&self) -> Counts {
+        Counts {
+            bytes: self.0,
+            skipped_bytes: self.0,
+            ..Counts::default()
+        }
+    }
+}
+
+#[test]
+fn bytes_that_are_no_readings_are_told_of_now_and_then_and_silence_is_not() {
+    let start = Instant::now();
+    let captured = on_thread(Hiss(0)).unwrap();
+    let next = || captured.arrivals().recv_timeout(LIMIT).unwrap();
+    let mut told = Vec::new();
+    while told.last() != Some(&700) {
+        let Arrival::Noise(counts) = next() else {
+            panic!("there are no readings");
+        };
+        assert_eq!(counts.skipped_bytes, counts.bytes);
+        told.push(counts.bytes);
+    }
+    let times = start.elapsed().as_millis() / NOISE.as_millis();
+    assert!(told.len() as u128 <= times, "{told:?}");
+    let more = captured.arrivals().recv_timeout(2 * NOISE);
+    assert!(more.is_err(), "{more:?}");
 }
