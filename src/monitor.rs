@@ -51,13 +51,24 @@ pub struct Snapshot {
     pub tally: Tally,
 }
 
-/// Presses that were not let out, by reason.
+/// What was not let out, by reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Withheld {
-    /// Beyond the limit of presses in a second.
+    /// Presses beyond the limit in a second.
     pub too_many: u64,
     /// Keys that act on the system, alone or with those that were down.
     pub of_system: u64,
+    /// Keys and characters of a source that is only a pointer.
+    pub keys_by_role: u64,
+    /// Motions and buttons of a source that is only for keys.
+    pub pointing_by_role: u64,
+}
+
+impl Withheld {
+    /// All of them.
+    pub const fn total(&self) -> u64 {
+        self.too_many + self.of_system + self.keys_by_role + self.pointing_by_role
+    }
 }
 
 /// The account of all readings: received = accepted + rejected + superseded.
@@ -71,6 +82,6 @@ pub struct Tally {
     pub rejected: [u64; Rejection::COUNT],
     /// Times that readings stopped for longer than the limit.
     pub stalls: u64,
-    /// Presses that came of them and did not go out.
+    /// What came of them and did not go out.
     pub withheld: Withheld,
 }

@@ -5,10 +5,12 @@ mod drifting;
 mod gate;
 mod hand;
 mod moves;
+mod rights;
 
 pub use controls::Controls;
 pub use gate::PressLimit;
 pub use moves::Refusal;
+pub use rights::{Rights, Role};
 
 use std::time::Duration;
 
@@ -35,9 +37,9 @@ pub struct Arming {
     pub neutral: Duration,
     /// How long readings may stay away before everything is let go.
     pub stall: Duration,
-    /// How many presses may come of one source in a second; after more everything is let go of, and the
-    /// engine pauses.
-    pub presses: PressLimit,
+    /// What the source may do, that of the first hand where each has its own; after too many presses everything
+    /// is let go of, and the engine pauses.
+    pub rights: Rights,
     /// Whether keys that act on the system may go out, see [`KeyCode::is_of_system`](crate::device::KeyCode).
     pub system_keys: bool,
 }
@@ -49,7 +51,7 @@ impl Default for Arming {
             at_once: false,
             neutral: Duration::from_millis(300),
             stall: Duration::from_millis(200),
-            presses: PressLimit::LOCAL,
+            rights: Rights::LOCAL,
             system_keys: false,
         }
     }
@@ -98,7 +100,7 @@ impl Pipeline {
             profiles: vec![controls],
             profile: 0,
             arming,
-            gate: Gate::new(arming.presses, arming.system_keys),
+            gate: Gate::new(arming.rights, arming.system_keys),
             state: State::Starting,
             time: Timestamp::default(),
             is_paused: false,
@@ -120,8 +122,8 @@ impl Pipeline {
 
     /// The same where the readings of the other hand come from a source of their own.
     #[must_use]
-    pub fn with_other_source(mut self, presses: PressLimit) -> Self {
-        self.gate.add_source(presses);
+    pub fn with_other_source(mut self, rights: Rights) -> Self {
+        self.gate.add_source(rights);
         self
     }
 
@@ -356,7 +358,7 @@ impl Pipeline {
         self.stalls
     }
 
-    /// Presses that did not go out.
+    /// What did not go out.
     pub fn withheld(&self) -> Withheld {
         self.gate.withheld()
     }

@@ -15,7 +15,7 @@ use crate::estimate::{OneEuroSettings, Smoothing};
 use crate::kinematics::BoneLengths;
 use crate::lab::TypistError;
 use crate::layout::{Document, LayoutError};
-use crate::pipeline::{Arming, PressLimit};
+use crate::pipeline::{Arming, PressLimit, Rights, Role};
 
 /// A setup as its file says it; every field has a default that works.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,6 +23,8 @@ use crate::pipeline::{Arming, PressLimit};
 pub struct Setup {
     /// Where readings come from, such as `serial:/dev/ttyUSB0?baud=9600`.
     pub source: Option<SourceName>,
+    /// What may come of the source. `None`: both pointer and keys, and of a source on the network just the pointer.
+    pub role: Option<Role>,
     /// The glove: a shipped name or a file.
     pub glove: String,
     /// The arm that wears it.
@@ -59,6 +61,8 @@ pub struct Setup {
 pub struct OtherHand {
     /// Where its readings come from; `None` where the first source has both hands.
     pub source: Option<SourceName>,
+    /// What may come of that source, as of the first one.
+    pub role: Option<Role>,
     /// The glove: a shipped name or a file.
     pub glove: String,
     /// The arm that wears it.
@@ -69,6 +73,7 @@ impl Default for OtherHand {
     fn default() -> Self {
         Self {
             source: None,
+            role: None,
             glove: "unam-hc11-left".into(),
             hand: Hand::Model("unam".into()),
         }
@@ -159,6 +164,7 @@ impl Default for Setup {
     fn default() -> Self {
         Self {
             source: None,
+            role: None,
             glove: "unam-hc11".into(),
             hand: Hand::Model("unam".into()),
             other_hand: None,
@@ -256,21 +262,35 @@ impl Setup {
             let message = format!("`stall_ms` is 20 to 10000, not {}", self.stall_ms);
             return Err(SetupError::Value(message));
         }
+        if let Some(OtherHand {
+            source: None,
+            role: Some(_),
+            ..
+        }) = self.other_hand
+        {
+            let message = "`role` of `other_hand` is that of its own `source`, and it names none: both hands have the \
+                 role of the first source";
+            return Err(SetupError::Value(message.into()));
+        }
         Ok(Arming {
             at_once: self.armed,
             stall: Duration::from_millis(self.stall_ms.into()),
-            presses: self.press_limit(self.source.as_ref()),
+            rights: self.rights(self.source.as_ref(), self.role),
             system_keys: self.system_keys,
             ..Arming::default()
         })
     }
 
-    /// How many presses may come of a source.
-    fn press_limit(&self, source: Option<&SourceName>) -> PressLimit {
-        match self.presses_per_second {
-            Some(per_second) => PressLimit { per_second },
-            None if source.is_some_and(SourceName::is_remote) => PressLimit::NETWORK,
-            None => PressLimit::LOCAL,
+    /// What a source may do that is given this role, if any.
+    fn rights(&self, source: Option<&SourceName>, role: Option<Role>) -> Rights {
+        let usual = match source {
+            Some(source) if source.is_remote() => Rights::NETWORK,
+            _ => Rights::LOCAL,
+        };
+        let presses = self.presses_per_second;
+        Rights {
+            role: role.unwrap_or(usual.role),
+            presses: presses.map_or(usual.presses, |per_second| PressLimit { per_second }),
         }
     }
 }

@@ -193,6 +193,28 @@ fn the_hand_that_is_left_types_on() {
 }
 
 #[test]
+fn each_hand_has_the_role_of_its_source() {
+    let mut wearer = Wearer::of(Setup {
+        source: Some("tcp:box:4001".parse().expect("a source")),
+        other_hand: Some(OtherHand {
+            source: Some("serial:/dev/x".parse().expect("a source")),
+            ..OtherHand::default()
+        }),
+        layout: "qwerty-two-flat".into(),
+        ..Setup::default()
+    });
+    wearer.go(Side::Left, "F", false);
+    wearer.go(Side::Right, "J", false);
+    wearer.stay(400);
+    wearer.tap(Side::Right, "J");
+    wearer.tap(Side::Left, "F");
+    wearer.tap(Side::Right, "K");
+    assert_eq!(wearer.said(), "+F -F");
+    assert_eq!(wearer.pipeline.withheld().keys_by_role, 2);
+    assert_eq!(wearer.pipeline.state(), State::Running);
+}
+
+#[test]
 fn two_gloves_for_one_hand_are_refused() {
     let setup = Setup {
         other_hand: Some(OtherHand {

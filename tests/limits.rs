@@ -1,14 +1,14 @@
-//! What does not go out, however it is asked for: more presses than a person makes, and keys that act on the
-//! system.
+//! What does not go out, however it is asked for: more presses than a person makes, keys that act on the system,
+//! and what the role of its source does not allow.
 
 use std::fs;
 
 use ademan::capture::{Capture, LineSettings, Source};
 use ademan::device::{Action, Events};
-use ademan::layout::Layout;
-use ademan::monitor::State;
-use ademan::pipeline::Pipeline;
-use ademan::settings::{Assembly, Setup};
+use ademan::layout::{Document, Layout};
+use ademan::monitor::{State, Withheld};
+use ademan::pipeline::{Pipeline, Role};
+use ademan::settings::{Assembly, OtherHand, Setup};
 
 fn assemble(setup: Setup) -> Assembly {
     setup.assemble().expect("a setup")
@@ -71,16 +71,93 @@ fn a_source_at_this_machine_may_press_as_fast_as_anybody_types_and_one_on_the_ne
             0,
             "{source}: at the pace of a person"
         );
-        format!("{:?}", assembly.press_limits())
+        let (_, rights) = assembly.sources().next().expect("there is one");
+        rights.presses.per_second
     };
+    assert_eq!(limit("serial:/dev/ttyUSB0"), 60);
+    assert_eq!(limit("tcp:10.0.0.7:4001"), 20);
+}
+
+/// The roles of the sources of a setup.
+fn roles(setup: &str) -> Vec<Role> {
+    let setup: Setup = Document::new("setup.ron", setup)
+        .parse()
+        .expect("a setup");
+    let assembly = assemble(setup);
+    assembly.sources().map(|(_, rights)| rights.role).collect()
+}
+
+#[test]
+fn a_source_on_the_network_is_a_pointer_unless_the_setup_says_more_and_any_other_is_both() {
+    for source in [
+        "serial:/dev/x",
+        "file:x",
+        "recording:x",
+        "typist:x",
+        "script:x",
+    ] {
+        let setup = format!("Setup(source: \"{source}\")");
+        assert_eq!(roles(&setup), [Role::Both], "{source}");
+    }
+    assert_eq!(roles("Setup()"), [Role::Both], "not named yet");
+    let tcp = r#"source: "tcp:box:4001""#;
+    assert_eq!(roles(&format!("Setup({tcp})")), [Role::Pointer]);
+    for role in Role::ALL {
+        let setup = format!("Setup({tcp}, role: {})", role.name());
+        assert_eq!(roles(&setup), [role]);
+    }
     assert_eq!(
-        limit("serial:/dev/ttyUSB0"),
-        "[PressLimit { per_second: 60 }]"
+        roles(&format!(
+            "Setup({tcp}, role: keys, other_hand: ({tcp}, role: both))"
+        )),
+        [Role::Keys, Role::Both]
     );
     assert_eq!(
-        limit("tcp:10.0.0.7:4001"),
-        "[PressLimit { per_second: 20 }]"
+        roles(&format!("Setup({tcp}, role: keys, other_hand: ({tcp}))")),
+        [Role::Keys, Role::Pointer],
+        "the role of one source is not that of the other"
     );
+}
+
+#[test]
+fn a_role_that_is_none_and_one_of_no_source_are_refused() {
+    let document = Document::new("setup.ron", "Setup(role: boht)");
+    let error = document.parse::<Setup>().expect_err("no role").to_string();
+    assert!(error.contains("did you mean `both`?"), "{error}");
+    let setup = Setup {
+        other_hand: Some(OtherHand {
+            role: Some(Role::Pointer),
+            ..OtherHand::default()
+        }),
+        ..Setup::default()
+    };
+    let error = setup.assemble().expect_err("whose role?").to_string();
+    assert_eq!(
+        error,
+        "`role` of `other_hand` is that of its own `source`, and it names none: both hands have the role of the \
+         first source"
+    );
+}
+
+#[test]
+fn a_hand_on_the_network_that_types_types_nothing_unless_it_may() {
+    let type_as = |role| {
+        let assembly = assemble(Setup {
+            source: Some("tcp:10.0.0.7:4001".parse().expect("a source")),
+            role,
+            ..Setup::default()
+        });
+        let mut pipeline = assembly.pipeline();
+        let typed = type_with(&assembly, &mut pipeline, "Hi");
+        assert_eq!(pipeline.state(), State::Running);
+        (typed.len(), pipeline.withheld())
+    };
+    let (typed, withheld) = type_as(None);
+    assert_eq!((typed, withheld.keys_by_role), (0, 3));
+    assert_eq!(withheld.total(), 3);
+    for role in [Role::Keys, Role::Both] {
+        assert_eq!(type_as(Some(role)), (6, Withheld::default()));
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use super::{Action, Axis, KeyCode};
+use super::{Action, Axis, KeyCode, KeyKind};
 
 /// Everything that a layout can ever send to an output.
 ///
@@ -75,6 +75,12 @@ impl fmt::Display for Need {
 }
 
 impl Needs {
+    /// Whether it presses keys, not just buttons, or writes characters.
+    pub fn types(&self) -> bool {
+        let is_key = |code: &KeyCode| code.kind() == KeyKind::Key;
+        self.writes || self.codes.iter().any(is_key)
+    }
+
     /// Whether this is among them.
     pub fn has(&self, need: Need) -> bool {
         match need {

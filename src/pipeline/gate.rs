@@ -1,8 +1,9 @@
-//! The last look at what goes out: what is down, how many presses there are in a second, and keys that act on
-//! the system.
+//! The last look at what goes out: what is down, what its source may do, how many presses there are in a second,
+//! and keys that act on the system.
 
 use std::time::Duration;
 
+use super::rights::{Part, Rights, Role};
 use crate::device::{Action, Events, KeyCode, OutputEvent};
 use crate::monitor::Withheld;
 use crate::output::held::Held;
@@ -60,11 +61,27 @@ impl Allowance {
     }
 }
 
+/// What is known of a source.
+#[derive(Clone, Copy, Debug)]
+struct Origin {
+    role: Role,
+    allowance: Allowance,
+}
+
+impl Origin {
+    fn new(rights: Rights) -> Self {
+        Self {
+            role: rights.role,
+            allowance: Allowance::new(rights.presses),
+        }
+    }
+}
+
 /// Lets events out, or not: releases always.
 #[derive(Clone, Debug)]
 pub(super) struct Gate {
-    /// One for each source.
-    allowances: Vec<Allowance>,
+    /// At least one.
+    sources: Vec<Origin>,
     lets_system_keys: bool,
     down: Held,
     withheld: Withheld,
@@ -73,9 +90,9 @@ pub(super) struct Gate {
 impl Gate {
     /// For one source; system keys are those of [`KeyCode::is_of_system`] and what some keys become with
     /// Control and Alt.
-    pub(super) fn new(limit: PressLimit, lets_system_keys: bool) -> Self {
+    pub(super) fn new(rights: Rights, lets_system_keys: bool) -> Self {
         Self {
-            allowances: vec![Allowance::new(limit)],
+            sources: vec![Origin::new(rights)],
             lets_system_keys,
             down: Held::default(),
             withheld: Withheld::default(),
@@ -83,8 +100,8 @@ impl Gate {
     }
 
     /// The same with another source; the place of it is the number of those before it.
-    pub(super) fn add_source(&mut self, limit: PressLimit) {
-        self.allowances.push(Allowance::new(limit));
+    pub(super) fn add_source(&mut self, rights: Rights) {
+        self.sources.push(Origin::new(rights));
     }
 
     /// Takes out of the events from number `first` on what must not go out. `false` when presses came too
@@ -97,6 +114,7 @@ impl Gate {
             let event = events[place];
             let may = match event.action {
                 Action::KeyUp(key) => self.down.release(key),
+                action if !self.is_of_role(source, action) => false,
                 Action::KeyDown(key) if self.acts_on_system(key) => {
                     self.withheld.of_system += 1;
                     false
@@ -130,9 +148,28 @@ impl Gate {
         self.withheld
     }
 
+    /// What is known of a source; where both hands come from one it has both numbers.
+    fn source(&mut self, number: usize) -> &mut Origin {
+        let last = self.sources.len() - 1;
+        &mut self.sources[number.min(last)]
+    }
+
+    /// Whether the role of the source allows this; counted where not.
+    fn is_of_role(&mut self, source: usize, action: Action) -> bool {
+        let Some(part) = Part::of(action) else {
+            return true;
+        };
+        let may = self.source(source).role.has(part);
+        let count = match part {
+            Part::Keys => &mut self.withheld.keys_by_role,
+            Part::Pointing => &mut self.withheld.pointing_by_role,
+        };
+        *count += u64::from(!may);
+        may
+    }
+
     fn has_room(&mut self, source: usize, event: &OutputEvent) -> bool {
-        let last = self.allowances.len() - 1;
-        self.allowances[source.min(last)].take(event.time)
+        self.source(source).allowance.take(event.time)
     }
 
     /// Whether this key would do something to the system, together with what is down.
@@ -154,6 +191,8 @@ impl Gate {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::TargetId;
+    use crate::device::{Axis, Request};
 
     fn event(milliseconds: u64, line: &str) -> OutputEvent {
         let (what, name) = line.split_once(' ').unwrap();
@@ -181,8 +220,15 @@ mod tests {
         (is_within, written.collect())
     }
 
+    fn rights(per_second: u32) -> Rights {
+        Rights {
+            role: Role::Both,
+            presses: PressLimit { per_second },
+        }
+    }
+
     fn gate(per_second: u32) -> Gate {
-        Gate::new(PressLimit { per_second }, false)
+        Gate::new(rights(per_second), false)
     }
 
     #[test]
@@ -234,14 +280,14 @@ mod tests {
         }
         assert_eq!(pass(&mut gate, 1, &["down A"]).1, ["down A"]);
         assert_eq!(gate.withheld().of_system, 4);
-        let mut gate = Gate::new(PressLimit::LOCAL, true);
+        let mut gate = Gate::new(Rights::LOCAL, true);
         assert_eq!(pass(&mut gate, 1, &["down MetaLeft"]).1, ["down MetaLeft"]);
     }
 
     #[test]
     fn each_source_has_presses_of_its_own() {
         let mut gate = gate(2);
-        gate.add_source(PressLimit { per_second: 4 });
+        gate.add_source(rights(4));
         let mut presses = |source| {
             let mut events: Events = ["down A", "up A"]
                 .map(|line| event(1, line))
@@ -251,6 +297,109 @@ mod tests {
         };
         let outcomes = [0, 0, 1, 1, 1].map(&mut presses);
         assert_eq!(outcomes, [true, false, true, true, false]);
+    }
+
+    /// What goes out of this, at once, by each role.
+    fn let_out(role: Role, actions: &[Action]) -> (Vec<Action>, Withheld) {
+        let rights = Rights {
+            role,
+            ..Rights::LOCAL
+        };
+        let mut gate = Gate::new(rights, false);
+        let event = |&action| OutputEvent {
+            time: Timestamp(1),
+            action,
+        };
+        let mut events: Events = actions.iter().map(event).collect();
+        assert!(gate.pass(0, 0, &mut events), "a role is no haste");
+        let out = events.iter().map(|event| event.action).collect();
+        (out, gate.withheld())
+    }
+
+    #[test]
+    fn a_pointer_presses_no_keys_and_what_is_for_keys_does_not_point() {
+        let code = |name: &str| name.parse().unwrap();
+        let typing = [
+            Action::KeyDown(code("A")),
+            Action::KeyDown(code("ShiftLeft")),
+            Action::Write('ñ'),
+        ];
+        let pointing = [
+            Action::KeyDown(code("MouseLeft")),
+            Action::KeyDown(code("PadSouth")),
+            Action::MoveBy(3, -4),
+            Action::MoveTo(0.5, 0.5),
+            Action::Scroll(0, 120),
+            Action::Axis(Axis::LeftX, 0.4),
+        ];
+        let all = [&typing[..], &pointing].concat();
+        let withheld = |keys_by_role, pointing_by_role| Withheld {
+            keys_by_role,
+            pointing_by_role,
+            ..Withheld::default()
+        };
+        let (out, count) = let_out(Role::Pointer, &all);
+        assert_eq!((&out[..], count), (&pointing[..], withheld(3, 0)));
+        let (out, count) = let_out(Role::Keys, &all);
+        assert_eq!((&out[..], count), (&typing[..], withheld(0, 6)));
+        assert_eq!(let_out(Role::Both, &all), (all, withheld(0, 0)));
+    }
+
+    #[test]
+    fn what_any_source_may_do_is_up_to_no_role() {
+        let target = TargetId(0);
+        let actions = [
+            Action::Axis(Axis::MoveZ, 0.0),
+            Action::Axis(Axis::MoveZ, -0.0),
+            Action::Depth(target, 1.0),
+            Action::Value(target, 1.0),
+            Action::Select(target),
+            Action::Unselect(target),
+            Action::Ask(Request::Pause),
+        ];
+        for role in Role::ALL {
+            let nothing = Withheld::default();
+            assert_eq!(let_out(role, &actions), (actions.to_vec(), nothing));
+        }
+    }
+
+    #[test]
+    fn each_source_has_a_role_of_its_own_and_releases_have_none() {
+        let with = |role| Rights {
+            role,
+            ..Rights::LOCAL
+        };
+        let mut gate = Gate::new(with(Role::Keys), false);
+        gate.add_source(with(Role::Pointer));
+        let mut pass = |source, lines: &[&str]| {
+            let mut events: Events = lines.iter().map(|line| event(1, line)).collect();
+            gate.pass(source, 0, &mut events);
+            events.len()
+        };
+        assert_eq!(pass(0, &["down A", "down MouseLeft"]), 1);
+        assert_eq!(pass(1, &["down B", "down MouseLeft"]), 1);
+        assert_eq!(pass(0, &["up MouseLeft"]), 1);
+        assert_eq!(pass(1, &["up B", "up A"]), 1);
+        assert_eq!(gate.withheld().keys_by_role, 1);
+        assert_eq!(gate.withheld().pointing_by_role, 1);
+    }
+
+    #[test]
+    fn what_a_role_withholds_costs_no_press() {
+        let mut gate = Gate::new(
+            Rights {
+                role: Role::Pointer,
+                ..rights(2)
+            },
+            false,
+        );
+        let keys = ["down A", "write b", "down C"];
+        assert_eq!(pass(&mut gate, 1, &keys), (true, vec![]));
+        assert_eq!(
+            pass(&mut gate, 1, &["down MouseLeft"]),
+            (true, vec!["down MouseLeft".to_owned()])
+        );
+        assert_eq!(gate.withheld().too_many, 0);
     }
 
     #[test]

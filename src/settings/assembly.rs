@@ -10,7 +10,7 @@ use crate::estimate::{Estimator, EstimatorSettings};
 use crate::kinematics::ArmModel;
 use crate::layout::{Document, Glove, Layout, LayoutError};
 use crate::names::UnknownName;
-use crate::pipeline::{Arming, Controls, Pipeline, PressLimit};
+use crate::pipeline::{Arming, Controls, Pipeline, Rights};
 
 /// What the layout that is in force at first is called.
 const MAIN: &str = "main";
@@ -231,20 +231,19 @@ impl Assembly {
             Some(other) => pipeline.with_other_hand(estimator(&other.glove), other.arm.clone()),
             None => pipeline,
         };
-        let further = self.press_limits().into_iter().skip(1);
+        let further = self.sources().skip(1).map(|(_, rights)| rights);
         further.fold(pipeline, Pipeline::with_other_source)
     }
 
-    /// How many presses may come of each source that the setup names.
-    pub fn press_limits(&self) -> Vec<PressLimit> {
-        let other = self.setup.other_hand.as_ref();
-        let other = other.and_then(|hand| hand.source.as_ref());
-        let sources = [self.setup.source.as_ref()]
-            .into_iter()
-            .chain(other.map(Some));
-        sources
-            .map(|source| self.setup.press_limit(source))
-            .collect()
+    /// The sources of the setup and what each may do: the first, then that of the other hand where it has one.
+    pub fn sources(&self) -> impl Iterator<Item = (Option<&SourceName>, Rights)> {
+        let setup = &self.setup;
+        let first = (setup.source.as_ref(), setup.role);
+        let other = setup.other_hand.as_ref();
+        let other = other.filter(|hand| hand.source.is_some());
+        let other = other.map(|hand| (hand.source.as_ref(), hand.role));
+        let sources = std::iter::once(first).chain(other);
+        sources.map(|(source, role)| (source, setup.rights(source, role)))
     }
 
     /// Opens a source, and that of the other hand where the setup names one.

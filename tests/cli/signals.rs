@@ -83,7 +83,7 @@ fn a_device_that_is_not_there_yet_is_waited_for_and_said_to_be_once() {
         .local_addr()
         .unwrap();
     let source = format!("tcp:{address}");
-    let mut run = Running::start(&["run", "--wait", "--source", &source]);
+    let mut run = Running::start(&["run", "--wait", "--role", "both", "--source", &source]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());
     let waiting = line(&mut err);
     assert!(

@@ -95,6 +95,10 @@ fn every_wrong_source_is_refused_with_what_to_do() {
         ),
         ("run --source tcp:here", &["write `tcp:HOST:PORT`"]),
         (
+            "run --source tcp:127.0.0.1:1 --role keybord",
+            &["[possible values: pointer, keys, both]"],
+        ),
+        (
             "run --source recording:/nope",
             &["cannot open recording:/nope"],
         ),

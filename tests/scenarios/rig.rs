@@ -200,11 +200,10 @@ impl<'a> Rig<'a> {
             .collect();
         let counts = self.lines.iter().map(|line| line.decoder.counts());
         let skipped: u64 = counts.map(|counts| counts.skipped_bytes).sum();
-        let withheld = self.engine.withheld();
         for (what, count) in [
             ("skipped", skipped),
             ("stalls", self.engine.stalls()),
-            ("withheld", withheld.too_many + withheld.of_system),
+            ("withheld", self.engine.withheld().total()),
         ] {
             if count > 0 {
                 account.push(format!("{what} {count}"));

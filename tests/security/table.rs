@@ -75,9 +75,32 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         7,
         "sources have roles",
-        State::NotApplicable(
-            "each source is named by the user; one on the network gets a third of the presses",
-        ),
+        State::Met(&[
+            (
+                "src/pipeline/gate.rs",
+                "a_pointer_presses_no_keys_and_what_is_for_keys_does_not_point",
+            ),
+            (
+                "src/pipeline/gate.rs",
+                "each_source_has_a_role_of_its_own_and_releases_have_none",
+            ),
+            (
+                "tests/limits.rs",
+                "a_source_on_the_network_is_a_pointer_unless_the_setup_says_more_and_any_other_is_both",
+            ),
+            (
+                "tests/hands_and_profiles.rs",
+                "each_hand_has_the_role_of_its_source",
+            ),
+            (
+                "tests/roles.rs",
+                "key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_to_allow_them",
+            ),
+            (
+                "tests/roles.rs",
+                "with_the_role_both_they_do_and_nothing_is_told_of_it",
+            ),
+        ]),
     ),
     requirement(
         8,

@@ -107,8 +107,7 @@ impl<'a> Day<'a> {
         account.accepted = self.engine.accepted();
         account.rejected = self.engine.rejected();
         account.stalls = self.engine.stalls();
-        let withheld = self.engine.withheld();
-        account.withheld = withheld.too_many + withheld.of_system;
+        account.withheld = self.engine.withheld().total();
         account
     }
 

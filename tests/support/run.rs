@@ -68,13 +68,26 @@ pub struct Run {
     pub folder: TempDir,
 }
 
+/// What a run that is ready says.
+pub const ARMED: &str = "armed: touches are typed, Ctrl-C ends";
+
 impl Run {
     /// On the layout `qwerty-flat`, with the key H held.
     pub fn with_held_key(arguments: &[&str]) -> Self {
+        // A machine that holds the hand up for a moment shall not end the press.
+        let run = Self::of("role: both, stall_ms: 10000", arguments);
+        run.wait_until_told(ARMED);
+        run.push_down();
+        assert_eq!(run.typed(), "down H");
+        run
+    }
+
+    /// On the layout `qwerty-flat`, with these fields of a setup and the index finger over the key H. The source
+    /// is one on the network.
+    pub fn of(fields: &str, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join("my.ron"), shipped("qwerty-flat")).expect("a file");
-        // A machine that holds the hand up for a moment shall not end the press.
-        let setup = "Setup(layout: \"my.ron\", stall_ms: 10000)";
+        let setup = format!("Setup(layout: \"my.ron\", {fields})");
         std::fs::write(folder.path().join("setup.ron"), setup).expect("a file");
         let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
         let source = format!("tcp:{}", listener.local_addr().expect("an address"));
@@ -92,7 +105,7 @@ impl Run {
         thread::spawn(move || wear(&listener, &worn));
         let typed = lines(program.0.stdout.take().expect("it is piped"));
         let told = lines(program.0.stderr.take().expect("it is piped"));
-        let run = Self {
+        Self {
             program,
             posture,
             over,
@@ -100,11 +113,7 @@ impl Run {
             typed,
             told,
             folder,
-        };
-        run.wait_until_told("armed: touches are typed, Ctrl-C ends");
-        run.push_down();
-        assert_eq!(run.typed(), "down H");
-        run
+        }
     }
 
     pub fn path(&self) -> PathBuf {

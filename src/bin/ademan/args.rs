@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use ademan::capture::SourceName;
 use ademan::doctor::Trial;
+use ademan::pipeline::Role;
 use ademan::trace::Stage;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args as ClapArgs, Parser, Subcommand};
@@ -98,6 +99,9 @@ pub struct SetupArgs {
     /// typist:TEXT or script:FILE; lines take ?protocol=hc11&framing=double06&baud=115200
     #[arg(long)]
     pub source: Option<SourceName>,
+    /// What may come of the source: pointer, keys or both; both unless said, and pointer of one on the network
+    #[arg(long, value_parser = role())]
+    pub role: Option<Role>,
     /// The glove: a shipped name or a file
     #[arg(long)]
     pub glove: Option<String>,
@@ -307,6 +311,13 @@ pub enum LayoutCommand {
         #[arg(long, value_name = "OUT.svg")]
         svg: Option<PathBuf>,
     },
+}
+
+fn role() -> impl TypedValueParser<Value = Role> {
+    PossibleValuesParser::new(Role::ALL.map(Role::name)).map(|name| {
+        let role = Role::ALL.into_iter().find(|role| role.name() == name);
+        role.expect("it is one of the names of roles")
+    })
 }
 
 fn stage() -> impl TypedValueParser<Value = Stage> {

@@ -86,6 +86,11 @@ fn state(answer: &Value) -> String {
         }
     }
     account += &format!(", {} superseded", tally["superseded"]);
+    for (reason, count) in tally["withheld"].as_object().into_iter().flatten() {
+        if *count != 0 {
+            account += &format!("; {count} withheld ({})", reason.replace('_', " "));
+        }
+    }
     format!(
         "state      {state}\nprofile    {}\nlayout     {}\nframes     {}\naccount    {account}\nstalls     {}; the device was lost {} times\nrefused    {} presses",
         known(&answer["profile"]),

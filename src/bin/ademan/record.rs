@@ -13,6 +13,7 @@ pub fn run(args: RecordArgs) -> Result<(), Failure> {
     let setup = setup::read(args.setup.as_deref(), args.parts)?;
     let name = setup::source_name(&setup)?;
     let assembly = setup.assemble()?;
+    setup::tell_pointers(&assembly);
     let stop = signals::stop_requests()?;
     let source = assembly.open(&name)?;
     let mut recording = Recording::start(&args.file, &assembly, &*source, !source.is_live())?;

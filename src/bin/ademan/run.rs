@@ -27,6 +27,7 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let assembly = setup.assemble()?;
     let needs = assembly.needs();
     output::check(&assembly.setup.output, &needs)?;
+    setup::tell_pointers(&assembly);
     let (stopper, stop) = signals::stopper()?;
     let (calls, called) = runtime::calls();
     let mut control = control::open(args.control.as_deref())?;

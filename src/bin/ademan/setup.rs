@@ -1,6 +1,7 @@
 //! From arguments to a setup that is ready to run.
 
 use ademan::capture::{BackOff, CaptureError, Paced, Source, SourceName};
+use ademan::pipeline::Role;
 use ademan::settings::{Assembly, Setup, SetupError};
 use crossbeam_channel::Receiver;
 
@@ -14,6 +15,7 @@ pub fn read(file: Option<&str>, flags: SetupArgs) -> Result<Setup, Failure> {
         None => Setup::default(),
     };
     setup.source = flags.source.or(setup.source);
+    setup.role = flags.role.or(setup.role);
     setup.glove = flags.glove.unwrap_or(setup.glove);
     setup.layout = flags.layout.unwrap_or(setup.layout);
     Ok(setup)
@@ -26,6 +28,25 @@ pub fn source_name(setup: &Setup) -> Result<SourceName, Failure> {
             "no source is given: name one with --source, such as serial:/dev/ttyUSB0, or try typist:hello",
         )
     })
+}
+
+/// Says of each source on the network that no keys come of it, where the layouts have some, and what changes that.
+pub fn tell_pointers(assembly: &Assembly) {
+    if !assembly.needs().types() {
+        return;
+    }
+    for (place, (source, rights)) in assembly.sources().enumerate() {
+        let Some(source) = source.filter(|source| source.is_remote()) else {
+            continue;
+        };
+        let flag = if place == 0 { " or `--role both`" } else { "" };
+        if rights.role == Role::Pointer {
+            say!(
+                "{source} is on the network and only a pointer: it presses no keys of the layout; `role: both` next to \
+                 this source in the setup{flag} lets it type"
+            );
+        }
+    }
 }
 
 /// Opens a source; one that is not live is played at its own pace.

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use ademan::estimate::Rejection;
 use ademan::hand::{Finger, FingerSet, Side};
-use ademan::monitor::{Snapshot, State, Tally};
+use ademan::monitor::{Snapshot, State, Tally, Withheld};
 
 /// How long nothing more is said of the same loss.
 const QUIET: Duration = Duration::from_secs(10);
@@ -17,6 +17,7 @@ pub struct Status {
     rejected: [Said<u64>; Rejection::COUNT],
     superseded: Said<u64>,
     of_system: Said<u64>,
+    by_role: [Said<u64>; 2],
     too_many: u64,
     /// The fingers of each hand that were said not to be believed.
     doubts: [Said<FingerSet>; Side::COUNT],
@@ -84,6 +85,23 @@ impl Status {
                 counted(more, "key")
             );
         }
+        self.tell_roles(&tally.withheld);
+    }
+
+    fn tell_roles(&mut self, withheld: &Withheld) {
+        let [keys, pointing] = &mut self.by_role;
+        if let Some(more) = keys.news(withheld.keys_by_role) {
+            say!(
+                "{} withheld, as the source is only a pointer; `role: both` next to it in the setup lets it type",
+                counted(more, "key")
+            );
+        }
+        if let Some(more) = pointing.news(withheld.pointing_by_role) {
+            say!(
+                "{} withheld, as the source is only for keys; `role: both` next to it in the setup lets it point",
+                counted(more, "motion or button")
+            );
+        }
     }
 
     fn tell_state(&mut self, frame: &Snapshot) {
@@ -148,7 +166,25 @@ pub fn account(tally: &Tally) -> String {
     if source.losses > 0 {
         line += &format!("; the device was lost {}", counted(source.losses, "time"));
     }
-    line
+    line + &withheld(&tally.withheld)
+}
+
+/// What did not go out, and the fields of a setup that say so; nothing where all did.
+fn withheld(withheld: &Withheld) -> String {
+    let reasons = [
+        (withheld.too_many, "beyond `presses_per_second`"),
+        (withheld.of_system, "without `system_keys`"),
+        (withheld.keys_by_role, "keys by `role`"),
+        (withheld.pointing_by_role, "motions and buttons by `role`"),
+    ];
+    let reasons = reasons.iter().filter(|(count, _)| *count > 0);
+    let reasons: Vec<_> = reasons
+        .map(|(count, reason)| format!("{count} {reason}"))
+        .collect();
+    match reasons.is_empty() {
+        true => String::new(),
+        false => format!("; withheld: {}", reasons.join(", ")),
+    }
 }
 
 /// `1 key`, `2 keys`.

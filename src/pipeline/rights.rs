@@ -1,0 +1,93 @@
+//! What a source may do: its role, and how many presses come of it.
+
+use serde::{Deserialize, Serialize};
+
+use super::PressLimit;
+use crate::device::{Action, KeyKind};
+
+/// What may come of a source.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Role {
+    /// Motion, wheel and axes, and the buttons of mice and gamepads.
+    Pointer,
+    /// Keys and characters.
+    Keys,
+    /// All of these.
+    Both,
+}
+
+/// The part of an output that is up to a role.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    /// A key or a character.
+    Keys,
+    /// Something of a mouse, a gamepad or a 6-DoF device.
+    Pointing,
+}
+
+impl Part {
+    /// The part that an action is of. `None` for what any source may do: let go, bring an axis back to its rest,
+    /// and tell of controls without an effect on the receiver's keys and pointer.
+    pub(super) fn of(action: Action) -> Option<Self> {
+        match action {
+            Action::Write(_) => Some(Self::Keys),
+            Action::KeyDown(key) if key.kind() == KeyKind::Key => Some(Self::Keys),
+            Action::KeyDown(_) | Action::MoveBy(..) | Action::MoveTo(..) | Action::Scroll(..) => {
+                Some(Self::Pointing)
+            }
+            Action::Axis(_, place) if place != 0.0 => Some(Self::Pointing),
+            _ => None,
+        }
+    }
+}
+
+impl Role {
+    /// All roles.
+    pub const ALL: [Self; 3] = [Self::Pointer, Self::Keys, Self::Both];
+
+    /// The word for it in a setup.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Pointer => "pointer",
+            Self::Keys => "keys",
+            Self::Both => "both",
+        }
+    }
+
+    /// Whether keys and characters may come of it.
+    pub const fn types(self) -> bool {
+        !matches!(self, Self::Pointer)
+    }
+
+    /// Whether this part may come of it.
+    pub(super) const fn has(self, part: Part) -> bool {
+        match part {
+            Part::Keys => self.types(),
+            Part::Pointing => !matches!(self, Self::Keys),
+        }
+    }
+}
+
+/// What a source may do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rights {
+    /// What may come of it.
+    pub role: Role,
+    /// How many presses of it may come in a second.
+    pub presses: PressLimit,
+}
+
+impl Rights {
+    /// For sources at this machine.
+    pub const LOCAL: Self = Self {
+        role: Role::Both,
+        presses: PressLimit::LOCAL,
+    };
+
+    /// For sources on the network: whoever gets in there shall not type.
+    pub const NETWORK: Self = Self {
+        role: Role::Pointer,
+        presses: PressLimit::NETWORK,
+    };
+}
