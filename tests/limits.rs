@@ -80,9 +80,7 @@ fn a_source_at_this_machine_may_press_as_fast_as_anybody_types_and_one_on_the_ne
 
 /// The roles of the sources of a setup.
 fn roles(setup: &str) -> Vec<Role> {
-    let setup: Setup = Document::new("setup.ron", setup)
-        .parse()
-        .expect("a setup");
+    let setup: Setup = Document::new("setup.ron", setup).parse().expect("a setup");
     let assembly = assemble(setup);
     assembly.sources().map(|(_, rights)| rights.role).collect()
 }

@@ -1,0 +1,224 @@
+//! The ways to stop that lead through the hand: a gesture that pauses, and the arm that is not seen any more.
+
+#[path = "support/judged.rs"]
+mod judged;
+
+use std::fs;
+
+use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
+use ademan::device::{Action, Events, Request};
+use ademan::estimate::Rejection;
+use ademan::hand::{Dof, Side};
+use ademan::lab::TypingHand;
+use ademan::layout::Document;
+use ademan::monitor::State;
+use ademan::settings::{Assembly, OtherHand, Setup, SmoothingChoice};
+use ademan::time::Timestamp;
+use arrayvec::ArrayVec;
+use judged::Judged;
+
+/// Bending the left ring finger pauses; the hand holds it up.
+const GESTURE: &str = "triggers: [(name: \"Stop\", hand: \"left\", does: Pause, \
+                       when: Angle(of: \"ring-mcp-flexion\", on_deg: -5, off_deg: -15))],";
+
+/// How far it is bent from there, in radians.
+const BENT: f64 = 0.6;
+
+/// In which it is bent, in readings of a millisecond each.
+const READINGS: u64 = 60;
+
+/// Two hands over a board in two halves, a reading of each in a millisecond: far more than any line brings.
+struct Wearer {
+    assembly: Assembly,
+    engine: Judged,
+    milliseconds: u64,
+    /// Whether the right hand holds J down, and how far the left ring finger is bent.
+    is_down: bool,
+    bent: f64,
+    /// What went out since it was asked for.
+    out: Vec<Action>,
+}
+
+impl Wearer {
+    /// Armed.
+    fn new() -> Self {
+        let board = Document::shipped("qwerty-two-flat").expect("it is shipped");
+        let with_gesture = format!("{GESTURE}\n    boards: [\n");
+        let board = board.text.replacen("boards: [\n", &with_gesture, 1);
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("stop.ron");
+        fs::write(&path, board).expect("room on the disk");
+        let setup = Setup {
+            other_hand: Some(OtherHand::default()),
+            layout: path.display().to_string(),
+            smoothing: SmoothingChoice::Off,
+            ..Setup::default()
+        };
+        let assembly = setup.assemble().expect("a setup");
+        let mut wearer = Self {
+            engine: Judged::of(&assembly),
+            assembly,
+            milliseconds: 0,
+            is_down: false,
+            bent: 0.0,
+            out: Vec::new(),
+        };
+        wearer.stay(400);
+        assert_eq!(wearer.engine.state(), State::Running);
+        wearer
+    }
+
+    /// The glove of a side as it is now.
+    fn posture(&self, side: Side) -> Channels {
+        let other = self.assembly.other.as_ref().expect("two hands");
+        let (arm, map, key) = match side {
+            Side::Left => (&other.arm, &other.glove.map, "F"),
+            Side::Right => (&self.assembly.arm, &self.assembly.glove.map, "J"),
+        };
+        let layout = &self.assembly.layout;
+        let target = layout.key(key).expect("a key").front.target;
+        let hand = TypingHand::new(arm, map);
+        let stroke = hand.stroke(&layout.scene, target).expect("within reach");
+        let is_down = self.is_down && side == Side::Right;
+        let tip = if is_down { stroke.bottom } else { stroke.hover };
+        let mut values = hand.rest();
+        hand.reach(tip, &mut values, &[]);
+        let angles = hand.angles(&values);
+        let bent = if side == Side::Left { self.bent } else { 0.0 };
+        let full_scale = map.full_scale();
+        let mut counts: ArrayVec<u16, MAX_CHANNELS> =
+            (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
+        for row in map.rows().iter().rev() {
+            let more = if row.dof == Dof::RingMcpFlexion {
+                bent
+            } else {
+                0.0
+            };
+            let exact = row.line.reading(angles.get(row.dof) + more).round();
+            counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
+        }
+        Channels { full_scale, counts }
+    }
+
+    /// One reading of a hand; what goes out because of it.
+    fn see(&mut self, side: Side, channels: &Channels) -> (Vec<Action>, Option<Rejection>) {
+        let reading = Reading {
+            time: Timestamp(self.milliseconds * 1_000),
+            side: Some(side),
+            sample: Sample::Channels(channels.clone()),
+        };
+        let mut events = Events::new();
+        let rejection = self.engine.step(&reading, &mut events).err();
+        let out: Vec<Action> = events.iter().map(|event| event.action).collect();
+        self.out.extend(&out);
+        (out, rejection)
+    }
+
+    /// Both hands stay as they are.
+    fn stay(&mut self, milliseconds: u64) {
+        let postures = [Side::Left, Side::Right].map(|side| (side, self.posture(side)));
+        for _ in 0..milliseconds {
+            self.milliseconds += 1;
+            for (side, posture) in &postures {
+                let (_, rejection) = self.see(*side, posture);
+                assert_eq!(rejection, None);
+            }
+        }
+    }
+
+    fn push_j(&mut self, is_down: bool) {
+        self.is_down = is_down;
+        self.stay(100);
+    }
+
+    /// Bends the ring finger, or holds it up again; what goes out in each reading that lets something out.
+    fn bend(&mut self, is_bent: bool) -> Vec<Vec<Action>> {
+        let mut frames = Vec::new();
+        let right = self.posture(Side::Right);
+        for number in 1..=READINGS {
+            self.milliseconds += 1;
+            let share = number as f64 / READINGS as f64;
+            self.bent = BENT * if is_bent { share } else { 1.0 - share };
+            let left = self.posture(Side::Left);
+            for (side, posture) in [(Side::Left, &left), (Side::Right, &right)] {
+                frames.push(self.see(side, posture).0);
+            }
+        }
+        frames.retain(|frame| !frame.is_empty());
+        frames
+    }
+
+    fn said(&mut self) -> Vec<Action> {
+        self.out
+            .drain(..)
+            .filter(|action| !matches!(action, Action::Value(..)))
+            .collect()
+    }
+}
+
+fn j(down: bool) -> Action {
+    let key = "J".parse().expect("a key");
+    if down {
+        Action::KeyDown(key)
+    } else {
+        Action::KeyUp(key)
+    }
+}
+
+#[test]
+fn a_gesture_of_one_hand_lets_go_of_what_the_other_holds_in_that_very_frame_and_pauses() {
+    let mut wearer = Wearer::new();
+    for round in 0..20 {
+        wearer.push_j(true);
+        assert_eq!(wearer.said(), [j(true)], "round {round}");
+        let frames = wearer.bend(true);
+        let ask = Action::Ask(Request::Pause);
+        let stop = frames.iter().find(|frame| frame.contains(&ask));
+        let stop = stop.expect("the gesture is seen");
+        assert!(stop.contains(&j(false)), "round {round}: {stop:?}");
+        assert_eq!(wearer.engine.state(), State::Paused);
+        assert!(!wearer.engine.holds());
+        assert_eq!(wearer.said(), [ask, j(false)], "round {round}");
+
+        for is_down in [false, true, false] {
+            wearer.push_j(is_down);
+        }
+        assert_eq!(wearer.bend(false), [[]; 0], "it is held up again");
+        wearer.push_j(true);
+        wearer.push_j(false);
+        wearer.stay(500);
+        assert_eq!(wearer.said(), [], "round {round}: it is paused");
+        assert_eq!(wearer.engine.state(), State::Paused);
+
+        wearer.bend(true);
+        wearer.bend(false);
+        wearer.stay(400);
+        assert_eq!(wearer.engine.state(), State::Running, "the same ends it");
+        assert_eq!(wearer.said(), []);
+    }
+}
+
+#[test]
+fn a_hand_whose_elbow_is_not_told_any_more_lets_go_at_the_third_reading() {
+    let mut wearer = Wearer::new();
+    wearer.push_j(true);
+    assert_eq!(wearer.said(), [j(true)]);
+    let (left, mut armless) = (wearer.posture(Side::Left), wearer.posture(Side::Right));
+    let map = &wearer.assembly.glove.map;
+    let elbow = map.rows().iter().find(|row| row.dof == Dof::ElbowFlexion);
+    // A reading ends before the channel of the elbow.
+    armless.counts.truncate(elbow.expect("it has one").channel);
+    for expected in [&[][..], &[], &[j(false)]] {
+        wearer.milliseconds += 1;
+        assert_eq!(wearer.see(Side::Left, &left), (Vec::new(), None));
+        let (out, rejection) = wearer.see(Side::Right, &armless);
+        assert_eq!((&out[..], rejection), (expected, Some(Rejection::Shape)));
+    }
+    assert!(!wearer.engine.holds());
+    wearer.said();
+    wearer.stay(300);
+    assert_eq!(wearer.said(), [], "the finger has not left the key");
+    wearer.push_j(false);
+    wearer.push_j(true);
+    assert_eq!(wearer.said(), [j(true)]);
+}
