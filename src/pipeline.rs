@@ -24,6 +24,7 @@ use crate::contact::place::Place;
 use crate::contact::{TargetNames, Touches};
 use crate::device::{Action, Events, OutputEvent, Request};
 use crate::estimate::{Estimator, JointAngles, Rejection};
+use crate::hand::Side;
 use crate::kinematics::{ArmModel, HandPose};
 use crate::monitor::{State, Withheld};
 use crate::time::Timestamp;
@@ -162,8 +163,10 @@ impl Pipeline {
         self.arm_when_clear(place);
         if self.state == State::Running {
             let first = events.len();
+            let only_point = self.only_point();
             let controls = &mut self.profiles[self.profile];
-            controls.update(&self.hands[place].frame, events);
+            let dropped = controls.update(&self.hands[place].frame, only_point, events);
+            self.gate.count_keys(dropped);
             controls.drift(&self.hands[place].frame.pose);
             if !self.gate.pass(place, first, events) {
                 self.pause(events);
@@ -363,6 +366,15 @@ impl Pipeline {
         self.gate.withheld()
     }
 
+    /// By side, the hands whose source presses no keys.
+    fn only_point(&self) -> [bool; Side::COUNT] {
+        let mut only_point = [false; Side::COUNT];
+        for (place, hand) in self.hands.iter().enumerate() {
+            only_point[hand.side().index()] = !self.gate.types(place);
+        }
+        only_point
+    }
+
     /// The place of the hand that a reading is of.
     fn hand_of(&self, reading: &Reading) -> usize {
         let is_of = |hand: &Hand| Some(hand.side()) == reading.side;
@@ -469,8 +481,9 @@ impl Pipeline {
     /// In a pause the controls are played as ever, for nothing: only the one that ends it counts.
     fn listen_for_the_end_of_the_pause(&mut self, place: usize) {
         let mut unheard = Events::new();
+        let only_point = self.only_point();
         let controls = &mut self.profiles[self.profile];
-        controls.update(&self.hands[place].frame, &mut unheard);
+        controls.update(&self.hands[place].frame, only_point, &mut unheard);
         let is_end = |event: &OutputEvent| event.action == Action::Ask(Request::Pause);
         if unheard.iter().any(is_end) {
             self.resume();

@@ -3,6 +3,8 @@
 #[path = "support/judged.rs"]
 mod judged;
 
+use std::fs;
+
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::device::{Action, Events};
 use ademan::estimate::{ChannelMap, JointAngles};
@@ -10,6 +12,7 @@ use ademan::hand::Side;
 use ademan::lab::TypingHand;
 use ademan::layout::Document;
 use ademan::monitor::State;
+use ademan::pipeline::Role;
 use ademan::settings::{Assembly, NamedLayout, OtherHand, Setup};
 use ademan::time::Timestamp;
 use judged::Judged;
@@ -212,6 +215,49 @@ fn each_hand_has_the_role_of_its_source() {
     assert_eq!(wearer.said(), "+F -F");
     assert_eq!(wearer.pipeline.withheld().keys_by_role, 2);
     assert_eq!(wearer.pipeline.state(), State::Running);
+}
+
+#[test]
+fn what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("holds.ron");
+    let board = Document::shipped("qwerty-two-flat").expect("it is shipped");
+    let row = "at_mm: (-42.75, -19), keys: \"N M Comma";
+    assert!(board.text.contains(row));
+    let board = board
+        .text
+        .replace(row, "at_mm: (-23.75, -19), keys: \"M Comma");
+    let keys = "keys: [\n (code: \"N\", hold: (code: \"ControlRight\"), hold_ms: 250, at_mm: (-42.75, -19)),
+                (code: \"ShiftRight\"";
+    let board = board.replace("keys: [\n                (code: \"ShiftRight\"", keys);
+    fs::write(&path, board).expect("room on the disk");
+    let typed = |role| {
+        let mut wearer = Wearer::of(Setup {
+            source: Some("tcp:box:4001".parse().expect("a source")),
+            role,
+            other_hand: Some(OtherHand {
+                source: Some("serial:/dev/x".parse().expect("a source")),
+                ..OtherHand::default()
+            }),
+            layout: path.display().to_string(),
+            ..Setup::default()
+        });
+        wearer.go(Side::Left, "F", false);
+        wearer.go(Side::Right, "N", false);
+        wearer.stay(400);
+        // A hold that another key of the other hand begins, and one that begins after a while.
+        wearer.go(Side::Right, "N", true);
+        wearer.stay(150);
+        wearer.tap(Side::Left, "F");
+        wearer.go(Side::Right, "N", false);
+        wearer.stay(150);
+        wearer.tap(Side::Right, "ShiftRight");
+        wearer.tap(Side::Left, "F");
+        (wearer.said(), wearer.pipeline.withheld().keys_by_role)
+    };
+    let both = "+ControlRight +F -F -ControlRight +ShiftRight +F -F -ShiftRight";
+    assert_eq!(typed(Some(Role::Both)), (both.into(), 0));
+    assert_eq!(typed(None), ("+F -F +F -F".into(), 2));
 }
 
 #[test]

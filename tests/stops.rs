@@ -6,7 +6,7 @@ mod judged;
 use std::fs;
 
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
-use ademan::device::{Action, Events, Request};
+use ademan::device::{Action, Events, OutputEvent, Request};
 use ademan::estimate::Rejection;
 use ademan::hand::{Dof, Side};
 use ademan::lab::TypingHand;
@@ -35,6 +35,8 @@ struct Wearer {
     /// Whether the right hand holds J down, and how far the left ring finger is bent.
     is_down: bool,
     bent: f64,
+    /// How many events wait already when a reading comes.
+    waiting: usize,
     /// What went out since it was asked for.
     out: Vec<Action>,
 }
@@ -61,6 +63,7 @@ impl Wearer {
             milliseconds: 0,
             is_down: false,
             bent: 0.0,
+            waiting: 0,
             out: Vec::new(),
         };
         wearer.stay(400);
@@ -107,9 +110,14 @@ impl Wearer {
             side: Some(side),
             sample: Sample::Channels(channels.clone()),
         };
-        let mut events = Events::new();
+        let other = OutputEvent {
+            time: reading.time,
+            action: Action::MoveBy(0, 0),
+        };
+        let mut events: Events = std::iter::repeat_n(other, self.waiting).collect();
         let rejection = self.engine.step(&reading, &mut events).err();
-        let out: Vec<Action> = events.iter().map(|event| event.action).collect();
+        let new = events.iter().skip(self.waiting);
+        let out: Vec<Action> = new.map(|event| event.action).collect();
         self.out.extend(&out);
         (out, rejection)
     }
@@ -171,7 +179,15 @@ fn a_gesture_of_one_hand_lets_go_of_what_the_other_holds_in_that_very_frame_and_
     for round in 0..20 {
         wearer.push_j(true);
         assert_eq!(wearer.said(), [j(true)], "round {round}");
+        // In every second round there is room left for the pause and a release, and for no press.
+        let is_crowded = round % 2 == 1;
+        wearer.waiting = if is_crowded {
+            Events::new().capacity() - 3
+        } else {
+            0
+        };
         let frames = wearer.bend(true);
+        wearer.waiting = 0;
         let ask = Action::Ask(Request::Pause);
         let stop = frames.iter().find(|frame| frame.contains(&ask));
         let stop = stop.expect("the gesture is seen");

@@ -10,7 +10,7 @@ use arrayvec::ArrayVec;
 
 use self::locks::Locks;
 use self::one_shots::OneShots;
-use super::{Action, Events, KeyCode, OutputEvent};
+use super::{Action, Events, KeyCode, OutputEvent, Request};
 use crate::contact::{TargetId, Touch};
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
@@ -40,6 +40,10 @@ pub struct Switchboard {
     down: ArrayVec<Down, MOST_DOWN>,
     /// The latest time that an event went out with; times never go back.
     time: Timestamp,
+    /// By side, the hands whose fingers press no keys.
+    only_point: [bool; Side::COUNT],
+    /// The presses that were dropped because of that.
+    dropped: u64,
 }
 
 /// Who presses.
@@ -104,6 +108,17 @@ impl Switchboard {
         self.presses.iter().any(|press| press.action == action)
     }
 
+    /// Which hands, by side, only point: keys that their fingers press from now on are dropped. Where a press
+    /// waits for a time or for another key, the frame in which it begins may be that of another hand.
+    pub fn let_only_point(&mut self, sides: [bool; Side::COUNT]) {
+        self.only_point = sides;
+    }
+
+    /// How many presses were dropped because of that since this was asked last.
+    pub fn take_dropped(&mut self) -> u64 {
+        std::mem::take(&mut self.dropped)
+    }
+
     /// Whether this owner presses something.
     pub fn has_press_of(&self, owner: Owner) -> bool {
         self.presses.iter().any(|press| press.owner == owner)
@@ -121,8 +136,8 @@ impl Switchboard {
         !self.presses.is_full() && events.remaining_capacity() >= 1 + MODIFIERS + at_most_down
     }
 
-    /// Begins a press; `false`, and nothing happens, when there is no room. What it holds down goes out
-    /// with the next [`settle`](Self::settle).
+    /// Begins a press; `false`, and nothing happens, when there is no room, which only a pause does without. What
+    /// it holds down goes out with the next [`settle`](Self::settle).
     pub fn press(
         &mut self,
         owner: Owner,
@@ -130,8 +145,15 @@ impl Switchboard {
         time: Timestamp,
         events: &mut Events,
     ) -> bool {
+        if matches!(owner, Owner::Touch(side, ..) if self.only_point[side.index()])
+            && action.types()
+        {
+            self.dropped += 1;
+            return true;
+        }
         if !self.has_room(events) {
-            return false;
+            const PAUSE: Request = Request::Pause;
+            return action == KeyAction::Ask(PAUSE) && self.tell(time, Action::Ask(PAUSE), events);
         }
         match action {
             KeyAction::Write(text) if !self.write(text, time, events) => return false,

@@ -118,8 +118,15 @@ impl Controls {
         self.drifting.advance(&mut self.scene, pose, is_touched);
     }
 
-    /// Shows the devices one frame of one hand.
-    pub(super) fn update(&mut self, frame: &Frame, events: &mut Events) {
+    /// Shows the devices one frame of one hand. Keys that fingers of hands that `only_point`, by side, press are
+    /// dropped; how many that were.
+    pub(super) fn update(
+        &mut self,
+        frame: &Frame,
+        only_point: [bool; Side::COUNT],
+        events: &mut Events,
+    ) -> u64 {
+        self.switchboard.let_only_point(only_point);
         let seen = Seen {
             scene: &self.scene,
             angles: &frame.angles,
@@ -137,6 +144,7 @@ impl Controls {
         if self.devices.len() > 1 {
             put_releases_first(&mut events[first..]);
         }
+        self.switchboard.take_dropped()
     }
 
     /// Ends every touch and lets go of everything.

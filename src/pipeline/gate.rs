@@ -143,6 +143,17 @@ impl Gate {
         is_within
     }
 
+    /// Whether keys may come of a source.
+    pub(super) fn types(&self, source: usize) -> bool {
+        let last = self.sources.len() - 1;
+        self.sources[source.min(last)].role.types()
+    }
+
+    /// Adds keys that were withheld by the role of a source before they came here.
+    pub(super) fn count_keys(&mut self, dropped: u64) {
+        self.withheld.keys_by_role += dropped;
+    }
+
     /// The account of what was not let out.
     pub(super) fn withheld(&self) -> Withheld {
         self.withheld

@@ -1,6 +1,6 @@
 //! What a press does.
 
-use crate::device::{KeyCode, Need, Request};
+use crate::device::{KeyCode, KeyKind, Need, Request};
 
 /// What pressing a key does, or switching on anything else that can be on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +28,15 @@ impl KeyAction {
             Self::Key(code) | Self::Modifier(code, _) => Some(Need::Code(code)),
             Self::Write(_) => Some(Need::Write),
             Self::Layer(..) | Self::Ask(_) | Self::Clutch | Self::Precision => None,
+        }
+    }
+
+    /// Whether it presses a key, not just a button, or writes characters.
+    pub const fn types(self) -> bool {
+        match self {
+            Self::Key(code) | Self::Modifier(code, _) => matches!(code.kind(), KeyKind::Key),
+            Self::Write(_) => true,
+            Self::Layer(..) | Self::Ask(_) | Self::Clutch | Self::Precision => false,
         }
     }
 }
