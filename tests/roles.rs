@@ -7,6 +7,7 @@ use std::thread;
 
 use ademan::control::Caller;
 use serde_json::Value;
+use support::binary::ademan;
 use support::run::{ARMED, MOVE, Run};
 
 /// A setup that says nothing of roles.
@@ -57,12 +58,18 @@ fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_t
         line,
         "1 key withheld, as the source is only a pointer; `role: both` next to it in the setup lets it type"
     );
+    let told_by_ctl = ademan(["ctl", "--socket", "c.sock", "state"])
+        .current_dir(run.folder.path())
+        .output()
+        .expect("it starts");
+    let told_by_ctl = String::from_utf8(told_by_ctl.stdout).expect("a text");
+    assert!(
+        told_by_ctl.contains("; 3 withheld (keys by role)\n"),
+        "{told_by_ctl}"
+    );
     assert_eq!(ask(&run, r#"{"ask":"stop"}"#)["ok"], true);
     let account = told(&run, |line| line.contains(" readings: "));
-    assert!(
-        account.ends_with("; withheld: 3 keys by `role`"),
-        "{account}"
-    );
+    assert!(account.ends_with("; withheld: 3 by `role`"), "{account}");
     assert!(run.typed.is_empty(), "no key went out");
 }
 

@@ -7,8 +7,9 @@ use std::fs;
 
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::device::{Action, Events, OutputEvent, Request};
-use ademan::estimate::Rejection;
+use ademan::estimate::{ChannelMap, JointAngles, Rejection};
 use ademan::hand::{Dof, Side};
+use ademan::kinematics::ArmModel;
 use ademan::lab::TypingHand;
 use ademan::layout::Document;
 use ademan::monitor::State;
@@ -31,6 +32,8 @@ const READINGS: u64 = 60;
 struct Wearer {
     assembly: Assembly,
     engine: Judged,
+    /// Of the hand of each side over its key and on it.
+    angles: Vec<(JointAngles, JointAngles)>,
     milliseconds: u64,
     /// Whether the right hand holds J down, and how far the left ring finger is bent.
     is_down: bool,
@@ -39,6 +42,31 @@ struct Wearer {
     waiting: usize,
     /// What went out since it was asked for.
     out: Vec<Action>,
+}
+
+/// The arm and the channels of a side.
+fn worn(assembly: &Assembly, side: Side) -> (&ArmModel, &ChannelMap) {
+    let other = assembly.other.as_ref().expect("two hands");
+    match side {
+        Side::Left => (&other.arm, &other.glove.map),
+        Side::Right => (&assembly.arm, &assembly.glove.map),
+    }
+}
+
+/// The hand of a side over F or J, and with that key pushed in.
+fn strokes(assembly: &Assembly, side: Side) -> (JointAngles, JointAngles) {
+    let (arm, map) = worn(assembly, side);
+    let layout = &assembly.layout;
+    let key = if side == Side::Left { "F" } else { "J" };
+    let target = layout.key(key).expect("a key").front.target;
+    let hand = TypingHand::new(arm, map);
+    let stroke = hand.stroke(&layout.scene, target).expect("within reach");
+    let angles = |tip| {
+        let mut values = hand.rest();
+        hand.reach(tip, &mut values, &[]);
+        hand.angles(&values)
+    };
+    (angles(stroke.hover), angles(stroke.bottom))
 }
 
 impl Wearer {
@@ -59,6 +87,10 @@ impl Wearer {
         let assembly = setup.assemble().expect("a setup");
         let mut wearer = Self {
             engine: Judged::of(&assembly),
+            angles: Side::ALL
+                .iter()
+                .map(|&side| strokes(&assembly, side))
+                .collect(),
             assembly,
             milliseconds: 0,
             is_down: false,
@@ -73,21 +105,11 @@ impl Wearer {
 
     /// The glove of a side as it is now.
     fn posture(&self, side: Side) -> Channels {
-        let other = self.assembly.other.as_ref().expect("two hands");
-        let (arm, map, key) = match side {
-            Side::Left => (&other.arm, &other.glove.map, "F"),
-            Side::Right => (&self.assembly.arm, &self.assembly.glove.map, "J"),
-        };
-        let layout = &self.assembly.layout;
-        let target = layout.key(key).expect("a key").front.target;
-        let hand = TypingHand::new(arm, map);
-        let stroke = hand.stroke(&layout.scene, target).expect("within reach");
         let is_down = self.is_down && side == Side::Right;
-        let tip = if is_down { stroke.bottom } else { stroke.hover };
-        let mut values = hand.rest();
-        hand.reach(tip, &mut values, &[]);
-        let angles = hand.angles(&values);
+        let (over, down) = &self.angles[side.index()];
+        let angles = if is_down { down } else { over };
         let bent = if side == Side::Left { self.bent } else { 0.0 };
+        let (_, map) = worn(&self.assembly, side);
         let full_scale = map.full_scale();
         let mut counts: ArrayVec<u16, MAX_CHANNELS> =
             (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
@@ -176,7 +198,7 @@ fn j(down: bool) -> Action {
 #[test]
 fn a_gesture_of_one_hand_lets_go_of_what_the_other_holds_in_that_very_frame_and_pauses() {
     let mut wearer = Wearer::new();
-    for round in 0..20 {
+    for round in 0..200 {
         wearer.push_j(true);
         assert_eq!(wearer.said(), [j(true)], "round {round}");
         // In every second round there is room left for the pause and a release, and for no press.

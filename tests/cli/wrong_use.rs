@@ -62,7 +62,7 @@ fn a_program_built_for_x11_does_not_type_past_a_wayland_desktop() {
 
 #[test]
 fn every_wrong_source_is_refused_with_what_to_do() {
-    let cases: [(&str, &[&str]); 17] = [
+    let cases: [(&str, &[&str]); 18] = [
         ("run", &["no source is given", "--source", "typist:hello"]),
         ("trace readings", &["no source is given"]),
         ("run --source foo", &["starts with one of", "`serial:`"]),

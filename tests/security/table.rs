@@ -93,6 +93,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "each_hand_has_the_role_of_its_source",
             ),
             (
+                "tests/hands_and_profiles.rs",
+                "what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen",
+            ),
+            (
                 "tests/roles.rs",
                 "key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_to_allow_them",
             ),
@@ -161,11 +165,23 @@ pub const REQUIREMENTS: &[Requirement] = &[
                     "a_pause_lets_go_and_nothing_is_typed_until_it_is_ended_and_the_hand_was_off",
                 ),
                 (
+                    "tests/stops.rs",
+                    "a_gesture_of_one_hand_lets_go_of_what_the_other_holds_in_that_very_frame_and_pauses",
+                ),
+                (
+                    "tests/stops.rs",
+                    "a_hand_whose_elbow_is_not_told_any_more_lets_go_at_the_third_reading",
+                ),
+                (
+                    "tests/hands_and_profiles.rs",
+                    "a_hand_that_stays_away_lets_go_of_what_both_hold_and_both_have_to_be_off_the_keys_first",
+                ),
+                (
                     "tests/desktop/ends.rs",
                     "nothing_is_down_after_the_glove_fell_silent",
                 ),
             ],
-            "200 times at full load: `cargo bench --bench release` for the signal and the socket; a gesture is up to the layout",
+            "200 times at full load: `cargo bench --bench release` for the signal and the socket, the engine alone for the gesture; which gesture is up to the layout",
         ),
     ),
     requirement(

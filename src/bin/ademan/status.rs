@@ -99,7 +99,7 @@ impl Status {
         if let Some(more) = pointing.news(withheld.pointing_by_role) {
             say!(
                 "{} withheld, as the source is only for keys; `role: both` next to it in the setup lets it point",
-                counted(more, "motion or button")
+                counted(more, "pointer event")
             );
         }
     }
@@ -174,8 +174,10 @@ fn withheld(withheld: &Withheld) -> String {
     let reasons = [
         (withheld.too_many, "beyond `presses_per_second`"),
         (withheld.of_system, "without `system_keys`"),
-        (withheld.keys_by_role, "keys by `role`"),
-        (withheld.pointing_by_role, "motions and buttons by `role`"),
+        (
+            withheld.keys_by_role + withheld.pointing_by_role,
+            "by `role`",
+        ),
     ];
     let reasons = reasons.iter().filter(|(count, _)| *count > 0);
     let reasons: Vec<_> = reasons
