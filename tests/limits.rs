@@ -101,17 +101,17 @@ fn a_source_on_the_network_is_a_pointer_unless_the_setup_says_more_and_any_other
     let tcp = r#"source: "tcp:box:4001""#;
     assert_eq!(roles(&format!("Setup({tcp})")), [Role::Pointer]);
     for role in Role::ALL {
-        let setup = format!("Setup({tcp}, role: {})", role.name());
+        let setup = format!("Setup({tcp}, role: {role:?})");
         assert_eq!(roles(&setup), [role]);
     }
     assert_eq!(
         roles(&format!(
-            "Setup({tcp}, role: keys, other_hand: ({tcp}, role: both))"
+            "Setup({tcp}, role: Keys, other_hand: ({tcp}, role: Both))"
         )),
         [Role::Keys, Role::Both]
     );
     assert_eq!(
-        roles(&format!("Setup({tcp}, role: keys, other_hand: ({tcp}))")),
+        roles(&format!("Setup({tcp}, role: Keys, other_hand: ({tcp}))")),
         [Role::Keys, Role::Pointer],
         "the role of one source is not that of the other"
     );
@@ -119,9 +119,9 @@ fn a_source_on_the_network_is_a_pointer_unless_the_setup_says_more_and_any_other
 
 #[test]
 fn a_role_that_is_none_and_one_of_no_source_are_refused() {
-    let document = Document::new("setup.ron", "Setup(role: boht)");
+    let document = Document::new("setup.ron", "Setup(role: Boht)");
     let error = document.parse::<Setup>().expect_err("no role").to_string();
-    assert!(error.contains("did you mean `both`?"), "{error}");
+    assert!(error.contains("did you mean `Both`?"), "{error}");
     let setup = Setup {
         other_hand: Some(OtherHand {
             role: Some(Role::Pointer),

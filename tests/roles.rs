@@ -38,7 +38,7 @@ fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_t
     let (_, hint) = hint.split_once(" is ").expect("what it is");
     assert_eq!(
         hint,
-        "on the network and only a pointer: it presses no keys of the layout; `role: both` next to this source in \
+        "on the network and only a pointer: it presses no keys of the layout; `role: Both` next to this source in \
          the setup or `--role both` lets it type"
     );
     run.wait_until_told(ARMED);
@@ -56,7 +56,7 @@ fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_t
     let line = told(&run, |line| line.contains("withheld"));
     assert_eq!(
         line,
-        "1 key withheld, as the source is only a pointer; `role: both` next to it in the setup lets it type"
+        "1 key withheld, as the source is only a pointer; `role: Both` next to it in the setup lets it type"
     );
     let told_by_ctl = ademan(["ctl", "--socket", "c.sock", "state"])
         .current_dir(run.folder.path())
@@ -76,9 +76,9 @@ fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_t
 #[test]
 fn with_the_role_both_they_do_and_nothing_is_told_of_it() {
     for (fields, arguments) in [
-        ("role: both, stall_ms: 10000", &[][..]),
+        ("role: Both, stall_ms: 10000", &[][..]),
         (SILENT, &["--role", "both"]),
-        ("role: pointer, stall_ms: 10000", &["--role", "keys"]),
+        ("role: Pointer, stall_ms: 10000", &["--role", "keys"]),
     ] {
         let run = Run::of(fields, arguments);
         let told = run.told();

@@ -17,7 +17,7 @@ use crate::names::{UnknownName, named_enum, nearest};
 /// | text | source |
 /// |---|---|
 /// | `serial:PORT[?OPTIONS]` | a serial port: `/dev/ttyUSB0`, `COM3`, `/dev/serial/by-id/…` |
-/// | `tcp:HOST:PORT[?OPTIONS]` | an RS232-to-TCP converter; it types only with `role: both` or `role: keys` in the setup |
+/// | `tcp:HOST:PORT[?OPTIONS]` | an RS232-to-TCP converter; it types only with `role: Both` or `role: Keys` in the setup |
 /// | `file:PATH[?OPTIONS]` | the raw bytes of a line, in a file |
 /// | `recording:PATH` | a recording made by this program |
 /// | `typist:TEXT` | a simulated hand that types the text |

@@ -7,7 +7,6 @@ use crate::device::{Action, KeyKind};
 
 /// What may come of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
 pub enum Role {
     /// Motion, wheel and axes, and the buttons of mice and gamepads.
     Pointer,

@@ -30,7 +30,7 @@ pub fn setups() -> Vec<Vec<u8>> {
         r#"Setup(hand: Measured(hand_length_mm: 190, forearm_length_mm: 255), stall_ms: 300)"#,
         r#"Setup(other_hand: OtherHand(), profiles: [Profile(name: "numbers", layout: "numpad")])"#,
         r#"Setup(source: "tcp:[::1]:4001?baud=9600", smoothing: OneEuro(min_cutoff_hz: 1.5, beta: 0.3))"#,
-        r#"Setup(role: keys, other_hand: (source: "tcp:box:4001", role: both))"#,
+        r#"Setup(role: Keys, other_hand: (source: "tcp:box:4001", role: Both))"#,
         r#"(armed: true, output: "uinput,transcript", smoothing: Off)"#,
     ])
 }

@@ -42,7 +42,7 @@ pub fn tell_pointers(assembly: &Assembly) {
         let flag = if place == 0 { " or `--role both`" } else { "" };
         if rights.role == Role::Pointer {
             say!(
-                "{source} is on the network and only a pointer: it presses no keys of the layout; `role: both` next to \
+                "{source} is on the network and only a pointer: it presses no keys of the layout; `role: Both` next to \
                  this source in the setup{flag} lets it type"
             );
         }

@@ -92,13 +92,13 @@ impl Status {
         let [keys, pointing] = &mut self.by_role;
         if let Some(more) = keys.news(withheld.keys_by_role) {
             say!(
-                "{} withheld, as the source is only a pointer; `role: both` next to it in the setup lets it type",
+                "{} withheld, as the source is only a pointer; `role: Both` next to it in the setup lets it type",
                 counted(more, "key")
             );
         }
         if let Some(more) = pointing.news(withheld.pointing_by_role) {
             say!(
-                "{} withheld, as the source is only for keys; `role: both` next to it in the setup lets it point",
+                "{} withheld, as the source is only for keys; `role: Both` next to it in the setup lets it point",
                 counted(more, "pointer event")
             );
         }

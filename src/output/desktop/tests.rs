@@ -277,8 +277,8 @@ fn what_failed_is_not_done_twice_unless_it_is_a_key() {
     let desk = Desk::default();
     let (mut sink, gate) = desk.open();
     desk.0.lock().unwrap().failures = 1;
-    drop(gate);
     sink.send(&[event(1, Action::Write('a'))]).unwrap();
+    drop(gate);
     sink.close().unwrap_err();
     assert_eq!(desk.lines(), [""; 0]);
 }
@@ -287,13 +287,13 @@ fn what_failed_is_not_done_twice_unless_it_is_a_key() {
 fn a_panic_on_the_way_to_the_display_lets_go_of_everything() {
     let desk = Desk::default();
     let (mut sink, gate) = desk.open();
-    drop(gate);
     sink.send(&[
         down(1, "A"),
         down(1, "MouseLeft"),
         event(1, Action::Write('\0')),
     ])
     .unwrap();
+    drop(gate);
     let error = sink.close().unwrap_err().to_string();
     assert!(
         error.ends_with("the connection to the display panicked"),
