@@ -15,13 +15,11 @@ use crate::device::Events;
 use crate::monitor::{Snapshot, Tally};
 use crate::output::{OutputError, Sink};
 use crate::pipeline::{Controls, Frame, Pipeline};
+use crate::time::FOR_EVER;
 
 use self::inbox::{Inbox, Message};
 pub use crate::pipeline::Refusal;
 pub use call::{Answer, Call, Calls, Order, Places, RunState, calls};
-
-/// Where nothing is expected the loop wakes up once an hour, for nothing.
-const FOR_EVER: Duration = Duration::from_secs(3600);
 
 /// No source is so slow that it would have to be waited for longer, whatever a recording says: three frames at
 /// 1200 baud take 1.7 s.

@@ -5,6 +5,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+/// Where nothing is expected a thread wakes up once an hour, for nothing.
+pub(crate) const FOR_EVER: Duration = Duration::from_secs(3600);
+
 /// Microseconds on the source's own monotonic clock; 0 is the start of the source.
 ///
 /// Stages never ask an operating system for the time: they get it with the reading, so that the

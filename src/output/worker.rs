@@ -15,6 +15,7 @@ use super::held::Held;
 use super::motion::Impulse;
 use super::{RETRIES, RETRY_PAUSE};
 use crate::device::KeyCode;
+use crate::time::FOR_EVER;
 
 /// Puts keys and buttons down and up, and does what leaves nothing down; one end of a connection to a display, or a stand-in for it.
 pub trait Injector {
@@ -55,9 +56,6 @@ pub enum Order {
 /// How long the loop may not have called while something is down; after that the guardian is no longer told
 /// that all is well.
 const LOOP_LIMIT: Duration = Duration::from_secs(1);
-
-/// Where nothing is to be done without an order.
-const FOR_EVER: Duration = Duration::from_secs(3600);
 
 /// What the thread has to say, each once, and what the loop tells it.
 #[derive(Default)]

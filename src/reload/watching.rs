@@ -9,14 +9,12 @@ use super::notice::Notices;
 use super::{FileCall, Report};
 use crate::layout::Layout;
 use crate::pipeline::Controls;
+use crate::time::FOR_EVER;
 
 /// How often the file is looked at while it is being saved, and always where a change of it is not told. One look
 /// costs a few microseconds, works on every file system, and sees a file that an editor puts in the place of the old
 /// one as well as one that is written to.
 const PERIOD: Duration = Duration::from_millis(50);
-
-/// Where nothing is expected the thread wakes up once an hour, for nothing.
-const FOR_EVER: Duration = Duration::from_secs(3600);
 
 /// Who says that the file has changed.
 pub(super) enum Attention {
