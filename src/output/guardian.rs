@@ -12,6 +12,7 @@
 mod guard;
 mod hands;
 mod means;
+mod remnants;
 mod watch;
 
 use std::time::Duration;
@@ -22,7 +23,7 @@ use crate::device::KeyCode;
 
 pub(super) use super::launch::BEAT;
 pub use super::launch::Launch;
-pub(super) use guard::Guard;
+pub(super) use guard::{Guard, Lost};
 pub(super) use means::{Device, Means};
 pub use watch::watch;
 
@@ -40,6 +41,10 @@ enum Word {
     Deflected,
     /// All axes are back.
     Centred,
+    /// A character is about to be written, with keys that only whoever writes it knows.
+    Writing,
+    /// It is written.
+    Written,
     /// The program is alive.
     Alive,
 }
@@ -64,6 +69,8 @@ impl Word {
             Self::Up(key) => (b'u', key.event_code()),
             Self::Deflected => (b'x', 0),
             Self::Centred => (b'c', 0),
+            Self::Writing => (b'w', 0),
+            Self::Written => (b'n', 0),
             Self::Alive => (b'a', 0),
         };
         let [high, low] = code.to_be_bytes();
@@ -77,6 +84,8 @@ impl Word {
             b'u' => key().map(Self::Up),
             b'x' => Some(Self::Deflected),
             b'c' => Some(Self::Centred),
+            b'w' => Some(Self::Writing),
+            b'n' => Some(Self::Written),
             b'a' => Some(Self::Alive),
             _ => None,
         }
@@ -90,7 +99,14 @@ mod tests {
     #[test]
     fn every_word_is_understood() {
         let keys = KeyCode::all().flat_map(|key| [Word::Down(key), Word::Up(key)]);
-        for word in keys.chain([Word::Deflected, Word::Centred, Word::Alive]) {
+        let others = [
+            Word::Deflected,
+            Word::Centred,
+            Word::Writing,
+            Word::Written,
+            Word::Alive,
+        ];
+        for word in keys.chain(others) {
             assert_eq!(Word::from_bytes(word.to_bytes()), Some(word));
         }
         assert_eq!(Word::from_bytes([b'd', 255, 255]), None);

@@ -34,6 +34,10 @@ impl Guard {
         match self.0 {}
     }
 
+    pub fn note_writing(&self, _: bool) -> Result<(), Lost> {
+        match self.0 {}
+    }
+
     pub fn beat(&self) -> Result<(), Lost> {
         match self.0 {}
     }

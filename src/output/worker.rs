@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, never, select};
 use enigo::Direction;
 
-use super::guardian::{BEAT, Guard, Means};
+use super::guardian::{BEAT, Guard, Lost, Means};
 use super::held::Held;
 use super::motion::Impulse;
 use super::{RETRIES, RETRY_PAUSE};
@@ -200,12 +200,18 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Tells the guardian of a key; whether it took that.
     fn note(&mut self, key: KeyCode, direction: Direction) -> bool {
-        let noted = self
-            .guard
-            .as_ref()
-            .is_none_or(|guard| guard.note(key, direction).is_ok());
-        self.is_guard_deaf |= !noted;
-        noted
+        self.tell(|guard| guard.note(key, direction))
+    }
+
+    /// Tells it whether a character is being written; whether it took that.
+    fn note_writing(&mut self, is_writing: bool) -> bool {
+        self.tell(|guard| guard.note_writing(is_writing))
+    }
+
+    fn tell(&mut self, word: impl FnOnce(&Guard) -> Result<(), Lost>) -> bool {
+        let is_told = self.guard.as_ref().is_none_or(|guard| word(guard).is_ok());
+        self.is_guard_deaf |= !is_told;
+        is_told
     }
 
     fn follow(&mut self, order: Order) {
@@ -221,10 +227,14 @@ impl<'a, C: Injector> Worker<'a, C> {
                 self.held.press(key);
                 self.inject(key, Direction::Press);
             }
+            Order::Once(Impulse::Write(_)) if !self.note_writing(true) => {}
             // Tried once: what failed may have arrived, and a second one would be one too many.
             Order::Once(impulse) => {
                 if let Err(reason) = self.injector.perform(impulse) {
                     self.fail(&reason);
+                }
+                if let Impulse::Write(_) = impulse {
+                    self.note_writing(false);
                 }
             }
         }

@@ -1,11 +1,14 @@
 //! What no program can do for itself: its guardian lets go when it is killed, stopped or broken.
 
 use std::fs;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::ends::{Typing, held_keys};
+use crate::glove::Glove;
 use crate::press::{Press, code};
-use crate::support::x11::wait_for;
+use crate::program::Program;
+use crate::support::x11::{XServer, wait_for};
 use crate::{SOON, hold, released_after};
 
 /// How long a guardian waits for a sign of life, and then some.
@@ -35,6 +38,58 @@ impl Typing {
         assert!(took < SOON, "{signal}: {took:?}");
         assert_eq!(self.program.status().code(), None, "it was killed");
         self.program.wait_until_it_says("its keys are up (2)", 1);
+    }
+}
+
+/// The default layout with a text of characters that no keymap has in the place of H.
+fn layout_that_writes(folder: &Path) -> PathBuf {
+    let path = folder.join("writes.ron");
+    let board = include_str!("../../layouts/keyboards/qwerty-flat.ron");
+    let row = "(at_mm: (-90.25, 0), keys: \"A S D F G H J K L Semicolon Quote Backslash\")";
+    let rows = "(at_mm: (-90.25, 0), keys: \"A S D F G\"), (at_mm: (23.75, 0), keys: \"J K L\")";
+    let text: String = ('ἀ'..).take(32).collect();
+    let key = format!("keys: [(does: Write(\"{text}\"), at_mm: (4.75, 0)),");
+    let writes = board.replace(row, rows).replace("keys: [", &key);
+    assert!(writes.contains(rows) && writes.contains(&key));
+    fs::write(&path, writes).expect("room on the disk");
+    path
+}
+
+#[test]
+fn no_character_stays_down_that_was_being_written_when_it_was_killed() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let press = Press::of("h");
+    for round in 0..8 {
+        let folder = tempfile::tempdir().expect("a folder");
+        let port = folder.path().join("glove");
+        let layout = layout_that_writes(folder.path()).display().to_string();
+        let glove = Glove::plug_in(&port, press.off());
+        let source = format!("serial:{}", port.display());
+        let run = [
+            "run", "--output", "desktop", "--source", &source, "--layout", &layout,
+        ];
+        let mut program = Program::start(&server, run);
+        program.wait_until_it_says("armed", 1);
+        glove.play(&press.approach);
+        let start = Instant::now();
+        while server.keys_down().is_empty() {
+            assert!(
+                start.elapsed() < Duration::from_secs(20),
+                "it writes nothing"
+            );
+        }
+        program.signal(&["KILL"]);
+        assert_eq!(program.status().code(), None);
+        assert!(
+            server.wait_for_keys(&[]),
+            "{round}: {:?}",
+            server.keys_down()
+        );
+        // The server may still be busy with what it was sent.
+        std::thread::sleep(Duration::from_millis(200));
+        assert_eq!(server.keys_down(), [0; 0], "{round}");
     }
 }
 

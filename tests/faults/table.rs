@@ -242,6 +242,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(50, "killed, or out of memory", By(&[
         ("tests/desktop/guardian.rs", "nothing_is_down_after_it_was_killed"),
+        ("tests/desktop/guardian.rs", "no_character_stays_down_that_was_being_written_when_it_was_killed"),
         ("tests/desktop/memory.rs", "nothing_is_down_after_it_was_killed_for_want_of_memory"),
         ("tests/vm/typing.rs", "what a killed program held is let go of, and its device goes away"),
     ])),

@@ -77,6 +77,14 @@ impl Guard {
         })
     }
 
+    /// Tells whether a character is being written: before, and afterwards.
+    pub fn note_writing(&self, is_writing: bool) -> Result<(), Lost> {
+        self.tell(match is_writing {
+            true => Word::Writing,
+            false => Word::Written,
+        })
+    }
+
     /// Gives a sign of life.
     pub fn beat(&self) -> Result<(), Lost> {
         self.tell(Word::Alive)

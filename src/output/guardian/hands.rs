@@ -10,7 +10,7 @@ use super::super::motion::Impulse;
 use super::super::platform;
 use super::super::uinput::{KernelNode, centre, let_go};
 use super::super::worker::Injector;
-use super::Means;
+use super::{Means, remnants};
 use crate::device::{KeyCode, KeyKind};
 
 /// Lets go of keys, and of nothing else: whatever it is told, it presses none.
@@ -49,6 +49,15 @@ impl Hands {
             ways,
             start: Instant::now(),
         })
+    }
+
+    /// Lets go of the keys of a character that was being written. A compositor takes both ends of such a key at once,
+    /// and devices write none.
+    pub fn sweep(&self) -> Result<(), String> {
+        match self.ways {
+            Ways::Display(_) => remnants::sweep(),
+            Ways::Keyboard(..) | Ways::Devices(_) => Ok(()),
+        }
     }
 
     /// Brings the axes of devices back to their rest.

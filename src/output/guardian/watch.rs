@@ -44,6 +44,11 @@ pub fn watch(say: impl Fn(&str)) -> Result<(), String> {
         if std::mem::take(&mut watched.is_deflected) {
             hands.injector.centre();
         }
+        if std::mem::take(&mut watched.is_writing)
+            && let Err(reason) = hands.injector.sweep()
+        {
+            say(&format!("a key of a character may still be down: {reason}"));
+        }
         match (end, count) {
             (Trouble::Ended, 0) => return Ok(()),
             (Trouble::Ended, _) => {
@@ -73,6 +78,7 @@ struct Watched {
     line: UnixStream,
     held: Held,
     is_deflected: bool,
+    is_writing: bool,
     last: Instant,
     /// The beginning of a word.
     begun: Vec<u8>,
@@ -84,6 +90,7 @@ impl Watched {
             line,
             held: Held::default(),
             is_deflected: false,
+            is_writing: false,
             last: Instant::now(),
             begun: Vec::new(),
         }
@@ -94,7 +101,7 @@ impl Watched {
         loop {
             let rest = SILENCE.saturating_sub(self.last.elapsed());
             // Also when it is overdue: the machine may have held up this process, and not the program.
-            let is_at_rest = self.held.is_empty() && !self.is_deflected;
+            let is_at_rest = self.held.is_empty() && !self.is_deflected && !self.is_writing;
             let patience = (!is_at_rest).then_some(rest.max(GLANCE));
             if self.line.set_read_timeout(patience).is_err() {
                 return Trouble::Ended;
@@ -125,6 +132,8 @@ impl Watched {
                 Some(Word::Up(key)) => _ = self.held.release(key),
                 Some(Word::Deflected) => self.is_deflected = true,
                 Some(Word::Centred) => self.is_deflected = false,
+                Some(Word::Writing) => self.is_writing = true,
+                Some(Word::Written) => self.is_writing = false,
                 Some(Word::Alive) | None => {}
             }
         }
