@@ -5,8 +5,8 @@
 
 use std::hint::black_box;
 
-use ademan::contact::surface::{Anchor, Scene, Shape, TREMBLE, Target};
-use ademan::contact::volume::{Form, Volume, Volumes};
+use ademan::contact::surface::{Anchor, Scene, Shape, TREMOR_MARGIN, Target};
+use ademan::contact::volume::{Volume, VolumeSet, VolumeShape};
 use ademan::contact::{ContactTracker, Touches};
 use ademan::hand::{Finger, Joint, Side};
 use ademan::kinematics::HandPose;
@@ -33,14 +33,14 @@ fn scene(keys: u32) -> Scene {
             shape: Shape::Box(Vec2::splat(0.008)),
             surface_from_target: Pose::from_translation(middle.extend(0.0)),
             travel: 0.004,
-            press_share: 0.5,
-            release_share: 0.25,
-            margin: TREMBLE,
+            press_at: 0.5,
+            release_at: 0.25,
+            margin: TREMOR_MARGIN,
         }
     };
     let flat = Rotation::from_rotation_x(-std::f32::consts::FRAC_PI_2);
     let mut scene = Scene::new();
-    scene.add(
+    scene.add_surface(
         Anchor::World,
         Pose::from_parts(Vec3::ZERO, flat),
         (0..keys).map(key).collect(),
@@ -53,7 +53,7 @@ fn scene(keys: u32) -> Scene {
 fn poses(height: impl Fn(usize, usize) -> f32) -> Vec<HandPose> {
     let frame = |number: usize| {
         let time = Timestamp(number as u64 * 8_333);
-        let mut pose = HandPose::at(time, Side::Right, 0.006);
+        let mut pose = HandPose::new(time, Side::Right, 0.006);
         for (place, &finger) in Finger::ALL.iter().enumerate() {
             let wander = 0.02 * (number as f32 * 0.01).sin();
             let x = 0.03 + PITCH * place as f32 + wander;
@@ -109,14 +109,14 @@ fn crossing(bencher: Bencher, keys: u32) {
 fn through_space(bencher: Bencher, balls: usize) {
     let side = (balls as f32).cbrt().ceil() as usize;
     let ball = |number: usize| Volume {
-        middle: Vec3::new(
+        center: Vec3::new(
             (number % side) as f32,
             (number / side % side) as f32,
             (number / side / side) as f32,
         ) * 0.02,
-        form: Form::Ball(0.008),
+        shape: VolumeShape::Ball(0.008),
     };
-    let volumes = Volumes::new((0..balls).map(ball).collect());
+    let volumes = VolumeSet::new((0..balls).map(ball).collect());
     let place = |frame: usize| {
         let turn = frame as f32 * 0.01;
         let wander = Vec3::new(turn.sin(), (1.7 * turn).sin(), (2.3 * turn).sin());
@@ -127,7 +127,7 @@ fn through_space(bencher: Bencher, balls: usize) {
         .counter(ItemsCount::new(FRAMES - 1))
         .bench_local(|| {
             for way in places.windows(2) {
-                black_box(volumes.first([way[0], way[1]], 0.0));
+                black_box(volumes.first_entry([way[0], way[1]], 0.0));
             }
         });
 }

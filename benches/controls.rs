@@ -5,10 +5,10 @@
 use std::fmt::Write;
 use std::hint::black_box;
 
-use ademan::capture::{Capture, LineSettings, Reading, Source};
+use ademan::capture::{Reading, Source, SourceEvent, StreamOptions};
 use ademan::device::Events;
-use ademan::lab::Typist;
-use ademan::settings::{Assembly, OtherHand, Setup};
+use ademan::setup::{LoadedSetup, OtherHand, Setup};
+use ademan::sim::SimulatedTypist;
 use divan::Bencher;
 
 fn main() {
@@ -104,25 +104,25 @@ fn layout(controls: usize) -> String {
     text
 }
 
-fn assembly(controls: usize) -> Assembly {
+fn assembly(controls: usize) -> LoadedSetup {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("bench.ron");
     std::fs::write(&path, layout(controls)).expect("a file");
     let setup = Setup {
         layout: path.display().to_string(),
         other_hand: Some(OtherHand::default()),
-        armed: true,
+        start_armed: true,
         ..Setup::default()
     };
-    setup.assemble().unwrap_or_else(|error| panic!("{error}"))
+    setup.load_files().unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What both hands show while they type, in pairs.
-fn readings(assembly: &Assembly) -> Vec<[Reading; 2]> {
-    let typist = assembly.typist(TYPED, &LineSettings::default(), 0.0, 0);
-    let mut typist: Typist = typist.expect("the text is on the board");
+fn readings(assembly: &LoadedSetup) -> Vec<[Reading; 2]> {
+    let typist = assembly.typist(TYPED, &StreamOptions::default(), 0.0, 0);
+    let mut typist: SimulatedTypist = typist.expect("the text is on the board");
     let mut next = || match typist.next() {
-        Ok(Capture::Reading(reading)) => Some(reading),
+        Ok(SourceEvent::Reading(reading)) => Some(reading),
         _ => None,
     };
     std::iter::from_fn(|| Some([next()?, next()?])).collect()

@@ -9,17 +9,19 @@ use std::hint::black_box;
 use std::sync::LazyLock;
 use std::time::Duration;
 
-use ademan::capture::hc11::{self, BODY_BYTES, Decoder, FRAME_BYTES, Framing};
-use ademan::capture::{LineSettings, Reading, Sample};
+use ademan::capture::hc11::{self, BODY_BYTES, Framing, Hc11Decoder, PACKET_BYTES};
+use ademan::capture::{Reading, Sample, StreamOptions};
 use ademan::contact::surface::{Anchor, Scene, Target};
 use ademan::contact::{ContactTracker, Phase, TargetId, TargetNames, Touch, Touches};
-use ademan::device::keyboard::{Fires, KeyBinding, Keyboard};
-use ademan::device::{Events, KeyAction, KeyCode, Out, Seen, Switchboard, VirtualDevice};
+use ademan::device::keyboard::{Activation, KeyBinding, Keyboard};
+use ademan::device::{
+    DeviceInput, DeviceOutput, Events, KeyAction, KeyArbiter, KeyCode, VirtualDevice,
+};
 use ademan::estimate::{Estimator, EstimatorSettings, JointAngles};
 use ademan::hand::Side;
 use ademan::kinematics::{ArmModel, BoneLengths, HandPose};
-use ademan::pipeline::{Arming, Controls, Pipeline};
-use ademan::settings::{Assembly, Setup};
+use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use ademan::setup::{LoadedSetup, Setup};
 use ademan::time::Timestamp;
 use divan::Bencher;
 use parry3d::math::{Pose, Rotation, Vec3};
@@ -66,7 +68,7 @@ impl Board {
             .world_from_surface(&typing().poses[0])
             .expect("the arm has an elbow");
         let mut scene = Scene::new();
-        let mut add = |pose, targets| scene.add(Anchor::World, pose, targets);
+        let mut add = |pose, targets| scene.add_surface(Anchor::World, pose, targets);
         match self {
             Self::Flat(_) => {
                 add(world_from_surface, targets);
@@ -95,22 +97,22 @@ impl Board {
         let binding = |place| KeyBinding {
             target: TargetId(place as u32),
             actions: vec![Some(KeyAction::Key(code))],
-            analogue: false,
-            fires: Fires::Press,
-            repress: Duration::ZERO,
+            reports_depth: false,
+            activation: Activation::OnPress,
+            debounce: Duration::ZERO,
         };
         Keyboard::new((0..keys).map(binding).collect())
     }
 
     fn pipeline(self) -> Pipeline {
-        let arming = Arming {
-            at_once: true,
-            ..Arming::default()
+        let arming = PipelineSettings {
+            arm_immediately: true,
+            ..PipelineSettings::default()
         };
         Pipeline::new(
             typing().estimator(),
             typing().assembly.arm.clone(),
-            Controls::new(
+            LayoutInstance::new(
                 self.scene(),
                 TargetNames::default(),
                 vec![Box::new(self.keyboard())],
@@ -147,8 +149,8 @@ fn keys_around(keys: &[Target]) -> impl Iterator<Item = Target> + use<> {
 
 /// What each stage gets while a person types.
 struct Typing {
-    assembly: Assembly,
-    packets: Vec<[u8; FRAME_BYTES]>,
+    assembly: LoadedSetup,
+    packets: Vec<[u8; PACKET_BYTES]>,
     readings: Vec<Reading>,
     angles: Vec<JointAngles>,
     poses: Vec<HandPose>,
@@ -163,9 +165,9 @@ fn typing() -> &'static Typing {
 
 impl Typing {
     fn record() -> Self {
-        let assembly = Setup::default().assemble().expect("the default setup");
+        let assembly = Setup::default().load_files().expect("the default setup");
         let mut typist = assembly
-            .typist(TEXT, &LineSettings::default(), 0.5, 1)
+            .typist(TEXT, &StreamOptions::default(), 0.5, 1)
             .expect("the text is on the board");
         let mut typing = Self {
             assembly,
@@ -187,7 +189,7 @@ impl Typing {
                 side: None,
                 sample: Sample::Channels(hc11::channels(&body)),
             };
-            let angles = estimator.apply(&reading).expect("a hand that can be");
+            let angles = estimator.update(&reading).expect("a hand that can be");
             let pose = typing.assembly.arm.forward(&angles);
             let mut touches = Touches::new();
             tracker.update(&scene, &pose, &mut touches);
@@ -263,7 +265,7 @@ fn a_nothing(bencher: Bencher) {
 
 #[divan::bench]
 fn b_decode(bencher: Bencher) {
-    let mut decoder = Decoder::new(Framing::Double06);
+    let mut decoder = Hc11Decoder::new(Framing::Double06);
     run(bencher, &typing().packets, |packet| {
         decoder.push(packet, &mut |body| {
             black_box(hc11::channels(body));
@@ -276,7 +278,7 @@ fn c_estimate(bencher: Bencher) {
     let mut readings = Readings::new();
     let mut estimator = typing().estimator();
     bencher.bench_local(|| {
-        let _ = black_box(estimator.apply(readings.next()));
+        let _ = black_box(estimator.update(readings.next()));
     });
 }
 
@@ -285,7 +287,7 @@ fn d_forward_kinematics(bencher: Bencher, arm: &str) {
     let arm = match arm {
         "unam" => typing().assembly.arm.clone(),
         _ => {
-            let bones = BoneLengths::of(0.190, 0.255).expect("a person");
+            let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).expect("a person");
             ArmModel::anthropometric(Side::Right, &bones).expect("an arm")
         }
     };
@@ -309,20 +311,20 @@ fn e_contact(bencher: Bencher, board: Board) {
 #[divan::bench]
 fn f_keyboard(bencher: Bencher) {
     let mut keyboard = Board::Flat(100).keyboard();
-    let mut switchboard = Switchboard::default();
+    let mut switchboard = KeyArbiter::default();
     let scene = Scene::new();
     let mut events = Events::new();
     let pose = typing().poses[0];
     run(bencher, &typing().touches, |touches| {
         events.clear();
-        let seen = Seen {
+        let seen = DeviceInput {
             scene: &scene,
             angles: &typing().angles[0],
             pose: &pose,
             touches,
         };
-        let mut out = Out {
-            switchboard: &mut switchboard,
+        let mut out = DeviceOutput {
+            arbiter: &mut switchboard,
             events: &mut events,
         };
         keyboard.update(&seen, &mut out);
@@ -344,7 +346,7 @@ fn g_step(bencher: Bencher, board: Board) {
 
 #[divan::bench(args = BOARDS)]
 fn h_bytes_to_events(bencher: Bencher, board: Board) {
-    let mut decoder = Decoder::new(Framing::Double06);
+    let mut decoder = Hc11Decoder::new(Framing::Double06);
     let mut pipeline = board.pipeline();
     let mut events = Events::new();
     let mut time = Timestamp(0);

@@ -10,9 +10,9 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
-use ademan::capture::{LineSettings, open_wire};
-use ademan::lab::Typist;
-use ademan::settings::Setup;
+use ademan::capture::{StreamOptions, open_loopback};
+use ademan::setup::Setup;
+use ademan::sim::SimulatedTypist;
 
 const ADEMAN: &str = env!("CARGO_BIN_EXE_ademan");
 
@@ -52,9 +52,9 @@ fn row(what: &str, times: usize, goal: &str, mut measure: impl FnMut() -> Durati
 }
 
 fn packets() -> Vec<[u8; 66]> {
-    let assembly = Setup::default().assemble().expect("the default setup");
-    let typist = assembly.typist("hello world", &LineSettings::default(), 0.5, 1);
-    let mut typist: Typist = typist.expect("the text is on the board");
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let typist = assembly.typist("hello world", &StreamOptions::default(), 0.5, 1);
+    let mut typist: SimulatedTypist = typist.expect("the text is on the board");
     std::iter::from_fn(|| typist.next_counts())
         .map(|counts| {
             let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
@@ -93,13 +93,13 @@ fn memory(feed: Duration) {
         println!("resident memory of `run`: SKIPPED: no /proc here");
         return;
     }
-    let mut wire = open_wire(LineSettings::default()).expect("a line");
+    let mut wire = open_loopback(StreamOptions::default()).expect("a line");
     let mut child = start(&[
         "run",
         "--allow-root",
         "--armed",
         "--source",
-        &wire.source.to_string(),
+        &wire.uri.to_string(),
     ]);
     let begun = Instant::now();
     'feeding: loop {

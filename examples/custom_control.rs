@@ -7,12 +7,12 @@
 use std::collections::BTreeMap;
 
 use ademan::contact::{Phase, TargetId};
-use ademan::device::{Action, Needs, Out, Seen, VirtualDevice};
+use ademan::device::{Capabilities, DeviceInput, DeviceOutput, EventKind, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::output;
-use ademan::pipeline::{Arming, Controls, Pipeline};
-use ademan::runtime::drive;
-use ademan::settings::Setup;
+use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use ademan::session::run_pipeline;
+use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
 /// The hit that counts as 1: so many travels of a key in a second.
@@ -26,9 +26,9 @@ struct DrumPad {
 
 impl VirtualDevice for DrumPad {
     /// What all outputs are told needs no output that can carry it.
-    fn add_needs(&self, _: &mut Needs) {}
+    fn add_capabilities(&self, _: &mut Capabilities) {}
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         for touch in seen.touches {
             match touch.phase {
                 Phase::Touched => {
@@ -40,7 +40,7 @@ impl VirtualDevice for DrumPad {
                     };
                     let seconds = touch.time.since(touched).as_secs_f32();
                     let hardness = (touch.depth / seconds / HARDEST).min(1.0);
-                    out.tell(touch.time, Action::Depth(touch.target, hardness));
+                    out.emit(touch.time, EventKind::Depth(touch.target, hardness));
                 }
                 _ => {}
             }
@@ -48,7 +48,7 @@ impl VirtualDevice for DrumPad {
     }
 
     /// A pad holds nothing down.
-    fn release_all(&mut self, _: Timestamp, _: &mut Out) {
+    fn release_all(&mut self, _: Timestamp, _: &mut DeviceOutput) {
         self.touched.clear();
     }
 }
@@ -58,20 +58,20 @@ fn main() -> anyhow::Result<()> {
         layout: "numpad".into(),
         ..Setup::default()
     };
-    let assembly = setup.assemble()?;
+    let assembly = setup.load_files()?;
     let mut pipeline = Pipeline::new(
         Estimator::new(assembly.glove.map.clone(), EstimatorSettings::default()),
         assembly.arm.clone(),
-        Controls::new(
+        LayoutInstance::new(
             assembly.layout.scene.clone(),
             assembly.layout.target_names(),
             vec![Box::new(DrumPad::default())],
         ),
-        Arming::default(),
+        PipelineSettings::default(),
     );
-    let hand = assembly.open(&"typist:159".parse()?)?;
-    let mut sink = output::open("transcript", &assembly.needs())?;
+    let hand = assembly.open_source(&"typist:159".parse()?)?;
+    let mut sink = output::open("transcript", &assembly.required_capabilities())?;
     let never = crossbeam_channel::never();
-    drive(hand, &mut pipeline, &mut *sink, &never, &mut |_| {})?;
+    run_pipeline(hand, &mut pipeline, &mut *sink, &never, &mut |_| {})?;
     Ok(())
 }

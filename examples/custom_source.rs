@@ -6,12 +6,12 @@
 
 use std::f64::consts::TAU;
 
-use ademan::capture::{Capture, CaptureError, Channels, MAX_CHANNELS, Reading, Sample, Source};
+use ademan::capture::{CaptureError, Channels, MAX_CHANNELS, Reading, Sample, Source, SourceEvent};
 use ademan::estimate::ChannelMap;
 use ademan::hand::Dof;
 use ademan::output;
-use ademan::runtime::drive;
-use ademan::settings::Setup;
+use ademan::session::run_pipeline;
+use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
 const LAYOUT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/one-key.ron");
@@ -24,9 +24,9 @@ struct NoddingHand {
 }
 
 impl Source for NoddingHand {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         if self.frame == NODS * FRAMES_A_SECOND {
-            return Ok(Capture::End);
+            return Ok(SourceEvent::End);
         }
         let seconds = self.frame as f64 / FRAMES_A_SECOND as f64;
         self.frame += 1;
@@ -38,10 +38,10 @@ impl Source for NoddingHand {
             } else {
                 0.0
             };
-            let count = row.line.reading(angle).round();
+            let count = row.calibration.apply_inverse(angle).round();
             counts[row.channel] = count.clamp(0.0, 255.0) as u16;
         }
-        Ok(Capture::Reading(Reading {
+        Ok(SourceEvent::Reading(Reading {
             time: Timestamp::from_seconds(seconds),
             side: None,
             sample: Sample::Channels(Channels {
@@ -66,14 +66,14 @@ fn main() -> anyhow::Result<()> {
         layout: LAYOUT.into(),
         ..Setup::default()
     };
-    let assembly = setup.assemble()?;
+    let assembly = setup.load_files()?;
     let hand = NoddingHand {
         map: assembly.glove.map.clone(),
         frame: 0,
     };
-    let mut sink = output::open("transcript", &assembly.needs())?;
+    let mut sink = output::open("transcript", &assembly.required_capabilities())?;
     let never = crossbeam_channel::never();
-    drive(
+    run_pipeline(
         hand,
         &mut assembly.pipeline(),
         &mut *sink,

@@ -8,8 +8,8 @@ use std::path::Path;
 use ademan::capture::recording::Replay;
 use ademan::output;
 use ademan::recorder::Recorder;
-use ademan::runtime::drive;
-use ademan::settings::{Assembly, Setup};
+use ademan::session::run_pipeline;
+use ademan::setup::{LoadedSetup, Setup};
 
 fn main() -> anyhow::Result<()> {
     if let Some(path) = std::env::args_os().nth(1) {
@@ -24,10 +24,10 @@ fn main() -> anyhow::Result<()> {
 /// The setup that a recording was made with is in it, so it needs nothing beside itself.
 fn replay(path: &Path) -> anyhow::Result<()> {
     let recording = Replay::open(path)?;
-    let assembly = Assembly::recorded(recording.setup(), None, None)?;
-    let mut sink = output::open("transcript", &assembly.needs())?;
+    let assembly = LoadedSetup::from_recording(recording.setup(), None, None)?;
+    let mut sink = output::open("transcript", &assembly.required_capabilities())?;
     let never = crossbeam_channel::never();
-    drive(
+    run_pipeline(
         recording,
         &mut assembly.pipeline(),
         &mut *sink,
@@ -39,13 +39,13 @@ fn replay(path: &Path) -> anyhow::Result<()> {
 
 /// Whoever observes the loop sees what every stage made of a frame; a recorder writes that down.
 fn record(text: &str, path: &Path) -> anyhow::Result<()> {
-    let assembly = Setup::default().assemble()?;
-    let hand = assembly.open(&format!("typist:{text}").parse()?)?;
+    let assembly = Setup::default().load_files()?;
+    let hand = assembly.open_source(&format!("typist:{text}").parse()?)?;
     let mut recorder = Recorder::create(path, &assembly.recorded_setup())?;
     let mut written = Ok(());
-    let mut nowhere = output::open("none", &assembly.needs())?;
+    let mut nowhere = output::open("none", &assembly.required_capabilities())?;
     let never = crossbeam_channel::never();
-    drive(
+    run_pipeline(
         hand,
         &mut assembly.pipeline(),
         &mut *nowhere,

@@ -14,7 +14,7 @@ named_enum! {
 
 impl Side {
     /// The one that it is not.
-    pub const fn other(self) -> Self {
+    pub const fn opposite(self) -> Self {
         match self {
             Self::Left => Self::Right,
             Self::Right => Self::Left,
@@ -39,7 +39,7 @@ named_enum! {
 }
 
 /// How many fingers two hands have.
-pub const FINGERS: usize = Side::COUNT * Finger::COUNT;
+pub const FINGERS_OF_BOTH_HANDS: usize = Side::COUNT * Finger::COUNT;
 
 /// A set of fingers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -68,10 +68,10 @@ pub(crate) use named_enum;
 
 /// A name that is not one of the valid ones.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown {what} `{text}`{}", suggestion(.nearest))]
+#[error("unknown {kind} `{text}`{}", suggestion(.nearest))]
 pub struct UnknownName {
     /// What kind of thing was looked for: "joint", "key", ….
-    pub what: &'static str,
+    pub kind: &'static str,
     /// The name as written.
     pub text: String,
     /// The valid name that is spelled most like it, when one is near enough to be meant.
@@ -86,7 +86,7 @@ impl UnknownName {
         valid: impl IntoIterator<Item = &'a str>,
     ) -> Self {
         Self {
-            what,
+            kind: what,
             text: text.to_owned(),
             nearest: nearest(text, valid).map(str::to_owned),
         }

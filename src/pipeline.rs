@@ -7,10 +7,10 @@ mod hand;
 mod moves;
 mod rights;
 
-pub use controls::Controls;
-pub use gate::PressLimit;
-pub use moves::Refusal;
-pub use rights::{Rights, Role};
+pub use controls::LayoutInstance;
+pub use gate::PressRateLimit;
+pub use moves::CommandError;
+pub use rights::{SourcePermissions, SourceRole};
 
 use std::time::Duration;
 
@@ -20,47 +20,47 @@ use self::gate::Gate;
 use self::hand::Hand;
 use self::moves::Move;
 use crate::capture::Reading;
-use crate::contact::place::Place;
+use crate::contact::board_pose::BoardPose;
 use crate::contact::{TargetNames, Touches};
-use crate::device::{Action, Events, OutputEvent, Request};
+use crate::device::{EventKind, Events, OutputEvent, Request};
 use crate::estimate::{Estimator, JointAngles, Rejection};
 use crate::hand::Side;
 use crate::kinematics::{ArmModel, HandPose};
-use crate::monitor::{State, Withheld};
+use crate::snapshot::{PipelineState, Suppressed};
 use crate::time::Timestamp;
 
 /// When the engine lets events out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Arming {
+pub struct PipelineSettings {
     /// Whether the first reading arms, instead of a hand that is seen off all controls.
-    pub at_once: bool,
+    pub arm_immediately: bool,
     /// How long the hand has to be seen off all controls.
-    pub neutral: Duration,
+    pub arm_delay: Duration,
     /// How long readings may stay away before everything is let go.
-    pub stall: Duration,
+    pub stall_timeout: Duration,
     /// What the source may do, that of the first hand where each has its own; after too many presses everything
     /// is let go of, and the engine pauses.
-    pub rights: Rights,
+    pub permissions: SourcePermissions,
     /// Whether keys that act on the system may go out, see [`KeyCode::is_of_system`](crate::device::KeyCode).
-    pub system_keys: bool,
+    pub allow_system_keys: bool,
 }
 
-impl Default for Arming {
+impl Default for PipelineSettings {
     /// Off all controls for 300 ms; a stall after 200 ms; a local source; no keys of the system.
     fn default() -> Self {
         Self {
-            at_once: false,
-            neutral: Duration::from_millis(300),
-            stall: Duration::from_millis(200),
-            rights: Rights::LOCAL,
-            system_keys: false,
+            arm_immediately: false,
+            arm_delay: Duration::from_millis(300),
+            stall_timeout: Duration::from_millis(200),
+            permissions: SourcePermissions::LOCAL,
+            allow_system_keys: false,
         }
     }
 }
 
 /// What each stage made of one reading.
 #[derive(Clone, Debug)]
-pub struct Frame {
+pub struct StepOutput {
     /// The angles.
     pub angles: JointAngles,
     /// Where they put the hand.
@@ -77,12 +77,12 @@ pub struct Pipeline {
     /// One or two.
     hands: Vec<Hand>,
     /// The controls of each layout of the setup; at least one.
-    profiles: Vec<Controls>,
+    profiles: Vec<LayoutInstance>,
     /// The place of the controls in force.
     profile: usize,
-    arming: Arming,
+    arming: PipelineSettings,
     gate: Gate,
-    state: State,
+    state: PipelineState,
     /// The latest time that a hand was seen.
     time: Timestamp,
     /// Whether a pause was asked for; the state below it goes on, but never to `Running`.
@@ -95,14 +95,14 @@ pub struct Pipeline {
 
 impl Pipeline {
     /// A pipeline for one hand that has seen nothing yet.
-    pub fn new(estimator: Estimator, arm: ArmModel, controls: Controls, arming: Arming) -> Self {
+    pub fn new(estimator: Estimator, arm: ArmModel, controls: LayoutInstance, arming: PipelineSettings) -> Self {
         Self {
             hands: vec![Hand::new(estimator, arm)],
             profiles: vec![controls],
             profile: 0,
             arming,
-            gate: Gate::new(arming.rights, arming.system_keys),
-            state: State::Starting,
+            gate: Gate::new(arming.permissions, arming.allow_system_keys),
+            state: PipelineState::Starting,
             time: Timestamp::default(),
             is_paused: false,
             clear_since: None,
@@ -115,7 +115,7 @@ impl Pipeline {
     /// The same for the other hand too. A reading goes to the hand of its [side](Reading::side); one
     /// without, and one of a side that no hand has, to the first.
     #[must_use]
-    pub fn with_other_hand(mut self, estimator: Estimator, arm: ArmModel) -> Self {
+    pub fn with_second_hand(mut self, estimator: Estimator, arm: ArmModel) -> Self {
         self.hands.truncate(1);
         self.hands.push(Hand::new(estimator, arm));
         self
@@ -123,7 +123,7 @@ impl Pipeline {
 
     /// The same where the readings of the other hand come from a source of their own.
     #[must_use]
-    pub fn with_other_source(mut self, rights: Rights) -> Self {
+    pub fn with_second_source(mut self, rights: SourcePermissions) -> Self {
         self.gate.add_source(rights);
         self
     }
@@ -131,7 +131,7 @@ impl Pipeline {
     /// The same with further layouts, of which one at a time is in force; the first that the pipeline was
     /// made with is number 0.
     #[must_use]
-    pub fn with_profiles(mut self, further: impl IntoIterator<Item = Controls>) -> Self {
+    pub fn with_profiles(mut self, further: impl IntoIterator<Item = LayoutInstance>) -> Self {
         self.profiles.extend(further);
         self
     }
@@ -140,16 +140,16 @@ impl Pipeline {
     ///
     /// An error when the reading gives no angles; it is counted, and changes nothing else, but that the third
     /// in a row lets go of everything: what is held then is held by a hand of which nothing is known.
-    pub fn step(&mut self, reading: &Reading, events: &mut Events) -> Result<&Frame, Rejection> {
+    pub fn step(&mut self, reading: &Reading, events: &mut Events) -> Result<&StepOutput, Rejection> {
         let place = self.hand_of(reading);
         self.notice_gaps(place, reading.time, events);
-        let applied = self.hands[place].estimator.apply(reading);
-        if self.hands[place].was_refused(applied.is_err()) && self.state() == State::Running {
+        let applied = self.hands[place].estimator.update(reading);
+        if self.hands[place].was_refused(applied.is_err()) && self.state() == PipelineState::Running {
             self.release_all(self.time, events);
         }
         let applied = applied.inspect_err(|&reason| self.rejected[reason.index()] += 1)?;
         let (hand, controls) = (&mut self.hands[place], &mut self.profiles[self.profile]);
-        let Frame {
+        let StepOutput {
             angles,
             pose,
             touches,
@@ -161,7 +161,7 @@ impl Pipeline {
         self.time = self.time.max(pose.time);
         hand.last_accepted = Some(pose.time);
         self.arm_when_clear(place);
-        if self.state == State::Running {
+        if self.state == PipelineState::Running {
             let first = events.len();
             let only_point = self.only_point();
             let controls = &mut self.profiles[self.profile];
@@ -182,7 +182,7 @@ impl Pipeline {
     ///
     /// The hand has to be seen off all controls before anything is pressed again.
     pub fn stall(&mut self, events: &mut Events) {
-        if self.state == State::Stopped {
+        if self.state == PipelineState::Stopped {
             return;
         }
         let last = self.hands.iter().filter_map(|hand| hand.last_accepted);
@@ -193,18 +193,18 @@ impl Pipeline {
             hand.last_accepted = None;
         }
         self.stalls += 1;
-        self.let_go(last + self.arming.stall, State::Stalled, events);
+        self.let_go(last + self.arming.stall_timeout, PipelineState::Stalled, events);
     }
 
     /// Lets go of everything; nothing goes out until [`resume`](Self::resume), whatever happens to the
     /// readings or the controls meanwhile.
     pub fn pause(&mut self, events: &mut Events) {
-        if self.is_paused || self.state == State::Stopped {
+        if self.is_paused || self.state == PipelineState::Stopped {
             return;
         }
         let below = match self.state {
-            State::Stalled => State::Stalled,
-            _ => State::Paused,
+            PipelineState::Stalled => PipelineState::Stalled,
+            _ => PipelineState::Paused,
         };
         self.let_go(self.time, below, events);
         self.is_paused = true;
@@ -227,7 +227,7 @@ impl Pipeline {
 
     /// The end: lets go of everything, for good.
     pub fn stop(&mut self, events: &mut Events) {
-        self.let_go(self.time, State::Stopped, events);
+        self.let_go(self.time, PipelineState::Stopped, events);
     }
 
     /// Lets go of everything and puts `controls` in the place of those of a layout of the setup; those
@@ -235,7 +235,7 @@ impl Pipeline {
     ///
     /// An engine that is running stays so: a fingertip that is in one of the new controls has to come out
     /// first. One that waits for a hand off all controls waits for one that is off the new ones.
-    pub fn replace(&mut self, profile: usize, controls: &mut Controls, events: &mut Events) {
+    pub fn replace_profile(&mut self, profile: usize, controls: &mut LayoutInstance, events: &mut Events) {
         if profile >= self.profiles.len() {
             return;
         }
@@ -246,7 +246,7 @@ impl Pipeline {
     }
 
     /// Puts the boards of `controls` where those of a layout of the setup are, if they are as many.
-    pub fn keep_places(&self, profile: usize, controls: &mut Controls) {
+    pub fn keep_board_poses(&self, profile: usize, controls: &mut LayoutInstance) {
         if let Some(others) = self.profiles.get(profile) {
             controls.put_as(others);
         }
@@ -254,7 +254,7 @@ impl Pipeline {
 
     /// Lets go of everything and puts another layout of the setup in force; a place that there is not
     /// changes nothing.
-    pub fn switch_to(&mut self, profile: usize, events: &mut Events) {
+    pub fn switch_profile(&mut self, profile: usize, events: &mut Events) {
         if profile == self.profile || profile >= self.profiles.len() {
             return;
         }
@@ -268,7 +268,7 @@ impl Pipeline {
     /// A fingertip that is in a control then has to come out before it touches anything.
     ///
     /// All boards stay where they are, and nothing is let go of, if one would be where no file can say.
-    pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), Refusal> {
+    pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), CommandError> {
         self.profiles[self.profile].refuse(Move::Nudge(by))?;
         self.release_all(self.time, events);
         self.profiles[self.profile].shift(Move::Nudge(by));
@@ -277,7 +277,7 @@ impl Pipeline {
 
     /// The same with a turn of each board about its own rows, through its (0, 0): by so many radians the
     /// far side rises.
-    pub fn tilt(&mut self, by: f32, events: &mut Events) -> Result<(), Refusal> {
+    pub fn tilt(&mut self, by: f32, events: &mut Events) -> Result<(), CommandError> {
         self.profiles[self.profile].refuse(Move::Tilt(by))?;
         self.release_all(self.time, events);
         self.profiles[self.profile].shift(Move::Tilt(by));
@@ -287,13 +287,13 @@ impl Pipeline {
     /// The same with the boards that are there for the hand seen last: they are shifted, all alike, so
     /// that the middle of the nearest one lies below the index fingertip. It is shifted in its own plane:
     /// the fingertip stays as far in front of its keys as it is. Needs a hand that has not stalled.
-    pub fn recentre(&mut self, events: &mut Events) -> Result<(), Refusal> {
+    pub fn recenter(&mut self, events: &mut Events) -> Result<(), CommandError> {
         let seen = |&place: &usize| {
             let last = self.hands[place].last_accepted?;
-            (self.time.since(last) <= self.arming.stall).then_some(last)
+            (self.time.since(last) <= self.arming.stall_timeout).then_some(last)
         };
         let hands = (0..self.hands.len()).filter(|place| seen(place).is_some());
-        let place = hands.max_by_key(seen).ok_or(Refusal::NoHand)?;
+        let place = hands.max_by_key(seen).ok_or(CommandError::NoHand)?;
         let controls = &self.profiles[self.profile];
         let by = controls.way_to(&self.hands[place].frame.pose)?;
         controls.refuse(Move::Bring(by, &self.hands[place].frame.pose))?;
@@ -304,46 +304,46 @@ impl Pipeline {
     }
 
     /// Where the boards in force are.
-    pub fn places(&self) -> impl Iterator<Item = Place> {
+    pub fn board_poses(&self) -> impl Iterator<Item = BoardPose> {
         self.profiles[self.profile].places()
     }
 
     /// How many layouts the setup has.
-    pub fn profiles(&self) -> usize {
+    pub fn profile_count(&self) -> usize {
         self.profiles.len()
     }
 
     /// The place of the layout in force.
-    pub fn profile(&self) -> usize {
+    pub fn active_profile(&self) -> usize {
         self.profile
     }
 
     /// What the targets of the layout in force are called.
-    pub fn names(&self) -> &TargetNames {
-        self.profiles[self.profile].names()
+    pub fn target_names(&self) -> &TargetNames {
+        self.profiles[self.profile].target_names()
     }
 
     /// What the engine is doing.
-    pub fn state(&self) -> State {
-        match self.is_paused && self.state != State::Stopped {
-            true => State::Paused,
+    pub fn state(&self) -> PipelineState {
+        match self.is_paused && self.state != PipelineState::Stopped {
+            true => PipelineState::Paused,
             false => self.state,
         }
     }
 
     /// Whether readings are expected: one came, and none has been missed since.
-    pub fn is_fed(&self) -> bool {
+    pub fn expects_readings(&self) -> bool {
         self.hands.iter().any(|hand| hand.last_accepted.is_some())
     }
 
     /// How long readings may stay away.
-    pub fn stall_limit(&self) -> Duration {
-        self.arming.stall
+    pub fn stall_timeout(&self) -> Duration {
+        self.arming.stall_timeout
     }
 
     /// Sets how long readings may stay away.
-    pub fn set_stall_limit(&mut self, limit: Duration) {
-        self.arming.stall = limit;
+    pub fn set_stall_timeout(&mut self, limit: Duration) {
+        self.arming.stall_timeout = limit;
     }
 
     /// Readings that became a pose.
@@ -362,7 +362,7 @@ impl Pipeline {
     }
 
     /// What did not go out.
-    pub fn withheld(&self) -> Withheld {
+    pub fn suppressed(&self) -> Suppressed {
         self.gate.withheld()
     }
 
@@ -384,7 +384,7 @@ impl Pipeline {
     /// The readings' own times tell of a stall too, so that a recording of one repeats it. A hand that
     /// stays away while the other is seen is noticed by this as well.
     fn notice_gaps(&mut self, place: usize, time: Timestamp, events: &mut Events) {
-        let limit = self.arming.stall;
+        let limit = self.arming.stall_timeout;
         let is_late = |hand: &Hand| {
             hand.last_accepted
                 .is_some_and(|last| time.since(last) > limit)
@@ -414,7 +414,7 @@ impl Pipeline {
         self.clear_since = None;
     }
 
-    fn let_go(&mut self, time: Timestamp, state: State, events: &mut Events) {
+    fn let_go(&mut self, time: Timestamp, state: PipelineState, events: &mut Events) {
         self.release_all(time, events);
         self.state = state;
     }
@@ -424,13 +424,13 @@ impl Pipeline {
             return;
         }
         match self.state {
-            State::Running | State::Stopped => return,
-            State::Starting if self.arming.at_once => {
-                self.state = State::Running;
+            PipelineState::Running | PipelineState::Stopped => return,
+            PipelineState::Starting if self.arming.arm_immediately => {
+                self.state = PipelineState::Running;
                 return;
             }
-            State::Starting => self.state = State::Paused,
-            State::Paused | State::Stalled => {}
+            PipelineState::Starting => self.state = PipelineState::Paused,
+            PipelineState::Paused | PipelineState::Stalled => {}
         }
         let hand = &mut self.hands[place];
         hand.is_clear = self.profiles[self.profile].is_clear(&hand.frame.pose);
@@ -440,30 +440,30 @@ impl Pipeline {
             return;
         }
         let since = *self.clear_since.get_or_insert(self.time);
-        if self.time.since(since) >= self.arming.neutral {
-            self.state = State::Running;
+        if self.time.since(since) >= self.arming.arm_delay {
+            self.state = PipelineState::Running;
         }
     }
 
     /// Does what controls asked for in this frame.
     fn take_requests(&mut self, events: &mut Events) {
         for place in 0..events.len() {
-            let Action::Ask(request) = events[place].action else {
+            let EventKind::Ask(request) = events[place].kind else {
                 continue;
             };
             match request {
                 Request::Profile(named) => {
                     if let Some(profile) = self.profiles[self.profile].profile(named) {
-                        self.switch_to(profile, events);
+                        self.switch_profile(profile, events);
                     }
                 }
                 Request::NextProfile => {
-                    self.switch_to((self.profile + 1) % self.profiles.len(), events);
+                    self.switch_profile((self.profile + 1) % self.profiles.len(), events);
                 }
                 Request::Pause => self.pause(events),
                 // Where it cannot be done the boards stay: nobody waits for an answer.
-                Request::Recentre => {
-                    let _ = self.recentre(events);
+                Request::Recenter => {
+                    let _ = self.recenter(events);
                 }
                 Request::Nudge(micrometres) => {
                     let by = micrometres.map(|length| length as f32 * 1e-6);
@@ -484,7 +484,7 @@ impl Pipeline {
         let only_point = self.only_point();
         let controls = &mut self.profiles[self.profile];
         controls.update(&self.hands[place].frame, only_point, &mut unheard);
-        let is_end = |event: &OutputEvent| event.action == Action::Ask(Request::Pause);
+        let is_end = |event: &OutputEvent| event.kind == EventKind::Ask(Request::Pause);
         if unheard.iter().any(is_end) {
             self.resume();
         }

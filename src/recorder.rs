@@ -13,9 +13,9 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions, Writer};
 
 use crate::capture::recording::{
-    ENCODING, FORMAT, FORMAT_RECORD, RECORD_LIMIT, RecordedSetup, SETUP_RECORD,
+    MESSAGE_ENCODING, FORMAT_VERSION, FORMAT_RECORD, MAX_RECORD_BYTES, RecordedSetup, SETUP_RECORD,
 };
-use crate::monitor::Snapshot;
+use crate::snapshot::Snapshot;
 use crate::output;
 use crate::time::Timestamp;
 use crate::trace::Stage;
@@ -70,7 +70,7 @@ impl Recorder {
             reason,
         };
         check(setup).map_err(refuse)?;
-        let file = output::private(OpenOptions::new().write(true).create_new(true)).open(path);
+        let file = output::owner_only(OpenOptions::new().write(true).create_new(true)).open(path);
         let file = file.map_err(|error| {
             refuse(match error.kind() {
                 io::ErrorKind::AlreadyExists => {
@@ -115,7 +115,7 @@ impl Recorder {
             return Err(McapError::AttemptedWriteAfterFailure);
         };
         for (stage, channel) in Stage::ALL.iter().zip(&mut self.channels) {
-            stage.each(snapshot, &mut self.buffer, |time, json| {
+            stage.for_each_json(snapshot, &mut self.buffer, |time, json| {
                 let header = channel.header(time);
                 writer.write_to_known_channel(&header, json)
             })?;
@@ -154,7 +154,7 @@ impl Channel {
 /// Refuses what the reader would not take back.
 fn check(setup: &RecordedSetup) -> Result<(), String> {
     // The record's own lengths and keys take less than 1 KiB.
-    let room = RECORD_LIMIT - 1024;
+    let room = MAX_RECORD_BYTES - 1024;
     for entry in &setup.entries {
         let size = entry.kind.len() + entry.name.len() + entry.text.len();
         if size > room {
@@ -175,7 +175,7 @@ fn start(file: File, setup: &RecordedSetup) -> Result<Started, McapError> {
         .compression(None)
         .library(LIBRARY)
         .create(BufWriter::new(file))?;
-    writer.write_metadata(&metadata(FORMAT_RECORD, [("format", FORMAT)]))?;
+    writer.write_metadata(&metadata(FORMAT_RECORD, [("format", FORMAT_VERSION)]))?;
     for entry in &setup.entries {
         let fields = [
             ("kind", entry.kind.as_str()),
@@ -188,7 +188,7 @@ fn start(file: File, setup: &RecordedSetup) -> Result<Started, McapError> {
     for (stage, channel) in Stage::ALL.iter().zip(&mut channels) {
         let schema = stage.schema().as_bytes();
         let schema = writer.add_schema(stage.schema_name(), "jsonschema", schema)?;
-        channel.id = writer.add_channel(schema, stage.topic(), ENCODING, &BTreeMap::new())?;
+        channel.id = writer.add_channel(schema, stage.topic(), MESSAGE_ENCODING, &BTreeMap::new())?;
     }
     writer.flush()?;
     Ok((writer, channels))

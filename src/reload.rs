@@ -1,13 +1,13 @@
 //! A layout that is saved while a run is on: read, checked and built outside the loop.
 
-mod keeper;
+mod active_layout;
 #[cfg(target_os = "linux")]
 mod notice;
 #[cfg(not(target_os = "linux"))]
 #[path = "reload/no_notice.rs"]
 mod notice;
 mod watched_file;
-mod watching;
+mod worker;
 
 use std::fmt;
 use std::io;
@@ -16,37 +16,37 @@ use std::time::Instant;
 
 use crossbeam_channel::{Sender, bounded};
 
-use self::keeper::Keeper;
+use self::active_layout::ActiveLayout;
 use self::watched_file::WatchedFile;
-use self::watching::{Attention, watch};
-use crate::contact::place::Place;
-use crate::layout::{Layout, LayoutError};
-use crate::pipeline::Controls;
-use crate::runtime::Replacement;
+use self::worker::{ChangeDetection, watch};
+use crate::contact::board_pose::BoardPose;
+use crate::layout::{Layout, DocumentError};
+use crate::pipeline::LayoutInstance;
+use crate::session::Replacement;
 
 /// What became of a file that was saved.
 #[derive(Debug)]
-pub enum Report {
+pub enum ReloadReport {
     /// It is in force.
     Replaced(Box<Layout>),
     /// It is not as it should be, or not there; the layout in force stays.
-    Wrong(LayoutError),
+    Invalid(DocumentError),
     /// It is right but cannot be used in this run, for this reason; the layout in force stays.
-    Refused(String),
+    Rejected(String),
 }
 
-impl fmt::Display for Report {
+impl fmt::Display for ReloadReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Replaced(layout) => write!(f, "{}: in force from now on", layout.file),
-            Self::Wrong(error) => write!(f, "{error}\nthe layout in force stays"),
-            Self::Refused(reason) => f.write_str(reason),
+            Self::Invalid(error) => write!(f, "{error}\nthe layout in force stays"),
+            Self::Rejected(reason) => f.write_str(reason),
         }
     }
 }
 
 /// Takes what came of an order: `Ok` when it is done. Closed when the run ends before that.
-pub type Asker = Sender<Result<String, String>>;
+pub type ReplySender = Sender<Result<String, String>>;
 
 /// What whoever looks after a layout is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +56,7 @@ pub enum FileOrder {
     /// Make the boards so many times as large as they are, about their (0, 0); they stay where they are.
     Scale(f32),
     /// Write these places of the boards into the file, and how large they are.
-    Save(Vec<Place>),
+    Save(Vec<BoardPose>),
 }
 
 /// An order, and where its answer goes.
@@ -65,7 +65,7 @@ pub struct FileCall {
     /// What is to be done.
     pub order: FileOrder,
     /// Takes the answer. Should have room for it: it is not waited for.
-    pub answer: Asker,
+    pub answer: ReplySender,
 }
 
 /// Where calls to whoever looks after a layout are put.
@@ -83,12 +83,12 @@ pub struct FileCalls {
 const WAITING_CALLS: usize = 16;
 
 /// Looks after a layout on a thread of its own, until it is dropped.
-pub struct Watcher {
+pub struct LayoutManager {
     calls: FileCalls,
     _end: Sender<()>,
 }
 
-impl Watcher {
+impl LayoutManager {
     /// Watches the file at `path`, from which `layout` was read, the layout number `profile` of the setup;
     /// without a path, as of a shipped layout, only what it is asked for changes it.
     ///
@@ -102,20 +102,20 @@ impl Watcher {
         layout: &Layout,
         profile: usize,
         replacements: Sender<Replacement>,
-        accept: impl Fn(&Layout) -> Result<Controls, String> + Send + 'static,
-        report: impl FnMut(Report) + Send + 'static,
+        accept: impl Fn(&Layout) -> Result<LayoutInstance, String> + Send + 'static,
+        report: impl FnMut(ReloadReport) + Send + 'static,
     ) -> io::Result<Self> {
         let (end, ended) = bounded(0);
         let (calls, called) = bounded::<FileCall>(WAITING_CALLS);
         // From here on nothing that happens to the file is missed.
-        let attention = Attention::to(path);
-        let keeper = Keeper {
+        let attention = ChangeDetection::to(path);
+        let keeper = ActiveLayout {
             file: path.map(|path| WatchedFile::new(path, &layout.text, Instant::now())),
             layout: layout.clone(),
             profile,
             replacements,
             ended,
-            accept,
+            build: accept,
         };
         // It is not waited for: a file system that hangs must not hold up the end of a run.
         thread::Builder::new()
@@ -139,7 +139,7 @@ impl Watcher {
 mod tests {
     use super::*;
     use crate::reload::watched_file::tests::text;
-    use crate::settings;
+    use crate::setup;
     use crossbeam_channel::{Receiver, RecvTimeoutError};
     use std::fs;
     use std::time::Duration;
@@ -148,17 +148,17 @@ mod tests {
     fn watch(
         path: &std::path::Path,
         accept: impl Fn(&Layout) -> Result<(), String> + Send + 'static,
-    ) -> (Watcher, Receiver<Report>) {
+    ) -> (LayoutManager, Receiver<ReloadReport>) {
         let path = path.to_str().unwrap();
         let layout = Layout::load(path).unwrap();
         let (sender, reports) = crossbeam_channel::unbounded();
         let report = move |report| sender.send(report).unwrap();
         let (replace, replacements) = bounded::<Replacement>(1);
-        let accept = move |layout: &Layout| accept(layout).map(|()| settings::controls(layout));
-        let watcher = Watcher::start(Some(path), &layout, 0, replace, accept, report).unwrap();
+        let accept = move |layout: &Layout| accept(layout).map(|()| setup::controls(layout));
+        let watcher = LayoutManager::start(Some(path), &layout, 0, replace, accept, report).unwrap();
         thread::spawn(move || {
             for replacement in replacements {
-                let _ = replacement.replaced.send(replacement.controls);
+                let _ = replacement.retired.send(replacement.controls);
             }
         });
         (watcher, reports)
@@ -181,7 +181,7 @@ mod tests {
         let mut replaced = 0;
         loop {
             let report = reports.recv_timeout(PATIENCE_OF_TEST);
-            let Report::Replaced(layout) = report.expect("the last one is put in force") else {
+            let ReloadReport::Replaced(layout) = report.expect("the last one is put in force") else {
                 panic!("a file that is right");
             };
             replaced += 1;
@@ -221,7 +221,7 @@ mod tests {
             let report = reports.recv_timeout(PATIENCE_OF_TEST);
             println!("{key} after {:?}", saved.elapsed());
             assert!(
-                matches!(report, Ok(Report::Replaced(layout)) if layout.name == key),
+                matches!(report, Ok(ReloadReport::Replaced(layout)) if layout.name == key),
                 "{key}"
             );
         };
@@ -252,10 +252,10 @@ mod tests {
         });
         fs::write(&path, text("B")).unwrap();
         let report = reports.recv_timeout(PATIENCE_OF_TEST);
-        assert!(matches!(report, Ok(Report::Refused(reason)) if reason == "no B"));
+        assert!(matches!(report, Ok(ReloadReport::Rejected(reason)) if reason == "no B"));
         fs::write(&path, text("C")).unwrap();
         let report = reports.recv_timeout(PATIENCE_OF_TEST);
-        assert!(matches!(report, Ok(Report::Replaced(layout)) if layout.name == "C"));
+        assert!(matches!(report, Ok(ReloadReport::Replaced(layout)) if layout.name == "C"));
     }
 
     #[test]
@@ -309,12 +309,12 @@ mod tests {
         let path = folder.path().join("a.ron");
         fs::write(&path, text("A")).unwrap();
         let layout = Layout::load(path.to_str().unwrap()).unwrap();
-        let (sender, reports) = bounded::<Report>(1);
+        let (sender, reports) = bounded::<ReloadReport>(1);
         let report = move |report| sender.send(report).unwrap();
         let (replace, replacements) = bounded::<Replacement>(1);
-        let accept = |layout: &Layout| Ok(settings::controls(layout));
+        let accept = |layout: &Layout| Ok(setup::controls(layout));
         let path = path.to_str().unwrap();
-        let watcher = Watcher::start(Some(path), &layout, 0, replace, accept, report).unwrap();
+        let watcher = LayoutManager::start(Some(path), &layout, 0, replace, accept, report).unwrap();
         fs::write(path, text("B")).unwrap();
         while replacements.is_empty() {
             thread::sleep(Duration::from_millis(5));

@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 /// Where nothing is expected a thread wakes up once an hour, for nothing.
-pub(crate) const FOR_EVER: Duration = Duration::from_secs(3600);
+pub(crate) const NO_DEADLINE: Duration = Duration::from_secs(3600);
 
 /// Microseconds on the source's own monotonic clock; 0 is the start of the source.
 ///
@@ -25,7 +25,7 @@ impl Timestamp {
     }
 
     /// The time in milliseconds.
-    pub fn millis(self) -> f64 {
+    pub fn milliseconds(self) -> f64 {
         self.0 as f64 * 1e-3
     }
 
@@ -40,7 +40,7 @@ impl Timestamp {
     }
 
     /// The moment at `share` (0..=1) of the way from `self` to `later`.
-    pub fn toward(self, later: Self, share: f32) -> Self {
+    pub fn lerp(self, later: Self, share: f32) -> Self {
         let gap = later.0.saturating_sub(self.0) as f64;
         let passed = (gap * f64::from(share.clamp(0.0, 1.0))).round() as u64;
         // A gap of centuries has more digits than the share can tell.
@@ -78,10 +78,10 @@ mod tests {
     #[test]
     fn a_share_of_the_way_lies_between_both_ends() {
         let (start, end) = (Timestamp(1_000), Timestamp(2_000));
-        assert_eq!(start.toward(end, 0.25), Timestamp(1_250));
-        assert_eq!(start.toward(end, 7.0), end);
-        assert_eq!(end.toward(start, 0.5), end);
+        assert_eq!(start.lerp(end, 0.25), Timestamp(1_250));
+        assert_eq!(start.lerp(end, 7.0), end);
+        assert_eq!(end.lerp(start, 0.5), end);
         let last = Timestamp(u64::MAX);
-        assert_eq!(start.toward(last, 1.0), last);
+        assert_eq!(start.lerp(last, 1.0), last);
     }
 }

@@ -17,11 +17,11 @@ use serde::{Serialize, Serializer};
 
 use crate::capture::recording;
 use crate::contact::{Phase, TargetName, TargetNames, Touch};
-use crate::device::{Action, Axis, KeyCode, OutputEvent, Request};
+use crate::device::{EventKind, Axis, KeyCode, OutputEvent, Request};
 use crate::estimate::JointAngles;
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
-use crate::monitor::Snapshot;
+use crate::snapshot::Snapshot;
 use crate::names::named_enum;
 use crate::time::Timestamp;
 
@@ -45,7 +45,7 @@ impl Stage {
     /// The channel of a recording that its values are on.
     pub const fn topic(self) -> &'static str {
         match self {
-            Self::Readings => recording::TOPIC,
+            Self::Readings => recording::READINGS_TOPIC,
             Self::Angles => "/angles",
             Self::Pose => "/pose",
             Self::Touches => "/touches",
@@ -77,13 +77,13 @@ impl Stage {
 
     /// Hands each of the stage's values in `snapshot` to `take`: its time, and its JSON without a
     /// line end. `buffer` is room to write in; what is in it is lost.
-    pub fn each<E>(
+    pub fn for_each_json<E>(
         self,
         snapshot: &Snapshot,
         buffer: &mut Vec<u8>,
         mut take: impl FnMut(Timestamp, &[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
-        let names = &snapshot.names;
+        let names = &snapshot.target_names;
         match self {
             Self::Readings => snapshot
                 .reading
@@ -194,10 +194,10 @@ impl<'a> TouchForm<'a> {
             time_us: touch.time,
             side: touch.side,
             finger: touch.finger,
-            target: names.of(touch.target),
+            target: names.get(touch.target),
             phase: touch.phase,
             depth: touch.depth,
-            at: touch.at.to_array(),
+            at: touch.position.to_array(),
         }
     }
 }
@@ -233,40 +233,40 @@ enum ActionForm<'a> {
 }
 
 impl<'a> ActionForm<'a> {
-    fn of(action: Action, names: &'a TargetNames) -> Self {
+    fn of(action: EventKind, names: &'a TargetNames) -> Self {
         match action {
-            Action::KeyDown(key) => Self::KeyDown { key },
-            Action::KeyUp(key) => Self::KeyUp { key },
-            Action::Write(character) => Self::Write { character },
-            Action::MoveBy(x, y) => Self::MoveBy { x, y },
-            Action::MoveTo(x, y) => Self::MoveTo { x, y },
-            Action::Scroll(x, y) => Self::Scroll { x, y },
-            Action::Axis(axis, value) => Self::Axis { axis, value },
-            Action::Depth(target, depth) => Self::Depth {
-                target: names.of(target),
+            EventKind::KeyDown(key) => Self::KeyDown { key },
+            EventKind::KeyUp(key) => Self::KeyUp { key },
+            EventKind::Character(character) => Self::Write { character },
+            EventKind::MoveBy(x, y) => Self::MoveBy { x, y },
+            EventKind::MoveTo(x, y) => Self::MoveTo { x, y },
+            EventKind::Scroll(x, y) => Self::Scroll { x, y },
+            EventKind::Axis(axis, value) => Self::Axis { axis, value },
+            EventKind::Depth(target, depth) => Self::Depth {
+                target: names.get(target),
                 depth,
             },
-            Action::Value(target, value) => Self::Value {
-                target: names.of(target),
+            EventKind::Value(target, value) => Self::Value {
+                target: names.get(target),
                 value,
             },
-            Action::Select(target) => Self::Select {
-                target: names.of(target),
+            EventKind::Select(target) => Self::Select {
+                target: names.get(target),
             },
-            Action::Unselect(target) => Self::Unselect {
-                target: names.of(target),
+            EventKind::Unselect(target) => Self::Unselect {
+                target: names.get(target),
             },
-            Action::Ask(Request::Pause) => Self::Pause,
-            Action::Ask(Request::Profile(profile)) => Self::Profile { profile },
-            Action::Ask(Request::NextProfile) => Self::NextProfile,
-            Action::Ask(Request::Recentre) => Self::Recentre,
-            Action::Ask(Request::Nudge(by)) => Self::Nudge {
+            EventKind::Ask(Request::Pause) => Self::Pause,
+            EventKind::Ask(Request::Profile(profile)) => Self::Profile { profile },
+            EventKind::Ask(Request::NextProfile) => Self::NextProfile,
+            EventKind::Ask(Request::Recenter) => Self::Recentre,
+            EventKind::Ask(Request::Nudge(by)) => Self::Nudge {
                 by_mm: by.map(|length| f64::from(length) / 1e3),
             },
-            Action::Ask(Request::Scale(factor)) => Self::Scale {
+            EventKind::Ask(Request::Scale(factor)) => Self::Scale {
                 factor: f64::from(factor) / 1e3,
             },
-            Action::Ask(Request::Tilt(by)) => Self::Tilt {
+            EventKind::Ask(Request::Tilt(by)) => Self::Tilt {
                 deg: f64::from(by) / 1e3,
             },
         }
@@ -277,7 +277,7 @@ impl<'a> EventForm<'a> {
     fn of(event: &OutputEvent, names: &'a TargetNames) -> Self {
         Self {
             time_us: event.time,
-            action: ActionForm::of(event.action, names),
+            action: ActionForm::of(event.kind, names),
         }
     }
 }
@@ -289,7 +289,7 @@ mod tests {
     use crate::contact::{TargetId, Touches};
     use crate::device::Events;
     use crate::hand::{Dof, Joint};
-    use crate::monitor::{State, Tally};
+    use crate::snapshot::{PipelineState, Stats};
     use parry3d::math::{Pose, Vec2, Vec3};
     use serde_json::Value;
     use std::convert::Infallible;
@@ -301,10 +301,10 @@ mod tests {
             full_scale: 255,
             counts,
         };
-        let mut angles = JointAngles::at(time);
+        let mut angles = JointAngles::new(time);
         angles.set(Dof::IndexMcpFlexion, 0.1 + 0.2);
         angles.set(Dof::ElbowFlexion, -1.0);
-        let mut pose = HandPose::at(time, Side::Right, 0.008);
+        let mut pose = HandPose::new(time, Side::Right, 0.008);
         let wrist = Pose::from_translation(Vec3::new(0.1, -0.25, 1e-7));
         pose.set(Joint::Wrist, wrist);
         let touch = Touch {
@@ -314,17 +314,17 @@ mod tests {
             target: TargetId(7),
             phase: Phase::Pressed,
             depth: 0.5,
-            at: Vec2::new(0.25, -0.5),
+            position: Vec2::new(0.25, -0.5),
         };
         let event = |action| OutputEvent {
             time: Timestamp(12_400),
-            action,
+            kind: action,
         };
         let q = "Q".parse().unwrap();
         Snapshot {
-            state: State::Running,
+            state: PipelineState::Running,
             profile: 0,
-            names: names(),
+            target_names: names(),
             is_paused: false,
             reading: Some(Reading {
                 time,
@@ -335,23 +335,23 @@ mod tests {
             pose: Some(pose),
             touches: Touches::from_iter([touch]),
             events: Events::from_iter([
-                event(Action::KeyUp(q)),
-                event(Action::KeyDown(q)),
-                event(Action::Depth(TargetId(7), 0.1)),
-                event(Action::Write('é')),
-                event(Action::MoveBy(-3, 4)),
-                event(Action::MoveTo(0.5, 1.0)),
-                event(Action::Scroll(0, 120)),
-                event(Action::Axis(Axis::LeftX, -0.5)),
-                event(Action::Value(TargetId(7), 0.25)),
-                event(Action::Select(TargetId(8))),
-                event(Action::Ask(Request::Profile(1))),
-                event(Action::Ask(Request::Pause)),
-                event(Action::Ask(Request::Nudge([0, -1_500, 2_000]))),
-                event(Action::Ask(Request::Tilt(-5_000))),
-                event(Action::Ask(Request::Scale(1_100))),
+                event(EventKind::KeyUp(q)),
+                event(EventKind::KeyDown(q)),
+                event(EventKind::Depth(TargetId(7), 0.1)),
+                event(EventKind::Character('é')),
+                event(EventKind::MoveBy(-3, 4)),
+                event(EventKind::MoveTo(0.5, 1.0)),
+                event(EventKind::Scroll(0, 120)),
+                event(EventKind::Axis(Axis::LeftX, -0.5)),
+                event(EventKind::Value(TargetId(7), 0.25)),
+                event(EventKind::Select(TargetId(8))),
+                event(EventKind::Ask(Request::Profile(1))),
+                event(EventKind::Ask(Request::Pause)),
+                event(EventKind::Ask(Request::Nudge([0, -1_500, 2_000]))),
+                event(EventKind::Ask(Request::Tilt(-5_000))),
+                event(EventKind::Ask(Request::Scale(1_100))),
             ]),
-            tally: Tally::default(),
+            stats: Stats::default(),
         }
     }
 
@@ -362,7 +362,7 @@ mod tests {
 
     fn lines(stage: Stage, snapshot: &Snapshot) -> Vec<String> {
         let mut lines = Vec::new();
-        let Ok(()) = stage.each(snapshot, &mut Vec::new(), |time, json| {
+        let Ok(()) = stage.for_each_json(snapshot, &mut Vec::new(), |time, json| {
             let line = String::from_utf8(json.to_vec()).unwrap();
             let object: Value = serde_json::from_str(&line).unwrap();
             assert_eq!(object["time_us"], time.0, "{line}");
@@ -442,7 +442,7 @@ mod tests {
 
     #[test]
     fn an_error_of_whoever_takes_the_lines_comes_back() {
-        let outcome = Stage::Events.each(&snapshot(), &mut Vec::new(), |_, _| Err("full"));
+        let outcome = Stage::Events.for_each_json(&snapshot(), &mut Vec::new(), |_, _| Err("full"));
         assert_eq!(outcome, Err("full"));
     }
 }

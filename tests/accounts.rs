@@ -2,26 +2,28 @@
 
 use std::time::Duration;
 
-use ademan::capture::{Capture, CaptureError, Counts, LineSettings, Paced, Reading, Source};
-use ademan::device::{Action, OutputEvent};
-use ademan::lab::Typist;
-use ademan::monitor::{Snapshot, Tally};
+use ademan::capture::{
+    CaptureError, PacedSource, Reading, Source, SourceEvent, SourceStats, StreamOptions,
+};
+use ademan::device::{EventKind, OutputEvent};
 use ademan::output;
-use ademan::runtime::{Summary, drive};
-use ademan::settings::{Assembly, Setup};
+use ademan::session::{Summary, run_pipeline};
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::sim::SimulatedTypist;
+use ademan::snapshot::{Snapshot, Stats};
 use crossbeam_channel::{bounded, never};
 
 /// A typist whose every tenth reading is of a glove with a wrist that no wrist can have.
 struct Trembling {
-    hand: Typist,
+    hand: SimulatedTypist,
     number: u64,
     is_live: bool,
 }
 
 impl Source for Trembling {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         let mut capture = self.hand.next()?;
-        if let Capture::Reading(Reading { sample, .. }) = &mut capture {
+        if let SourceEvent::Reading(Reading { sample, .. }) = &mut capture {
             self.number += 1;
             let ademan::capture::Sample::Channels(channels) = sample else {
                 panic!("a glove has channels");
@@ -41,16 +43,16 @@ impl Source for Trembling {
         self.is_live
     }
 
-    fn counts(&self) -> Counts {
-        Counts {
+    fn stats(&self) -> SourceStats {
+        SourceStats {
             readings: self.number,
-            ..Counts::default()
+            ..SourceStats::default()
         }
     }
 }
 
-fn trembling(assembly: &Assembly, is_live: bool) -> Trembling {
-    let hand = assembly.typist("accounts", &LineSettings::default(), 0.0, 0);
+fn trembling(assembly: &LoadedSetup, is_live: bool) -> Trembling {
+    let hand = assembly.typist("accounts", &StreamOptions::default(), 0.0, 0);
     Trembling {
         hand: hand.expect("it can be typed"),
         number: 0,
@@ -58,15 +60,15 @@ fn trembling(assembly: &Assembly, is_live: bool) -> Trembling {
     }
 }
 
-fn balance(tally: &Tally) -> (u64, u64) {
+fn balance(tally: &Stats) -> (u64, u64) {
     let rejected: u64 = tally.rejected.iter().sum();
-    let taken = tally.accepted + rejected + tally.source.superseded;
+    let taken = tally.accepted + rejected + tally.source.dropped;
     (tally.source.readings, taken)
 }
 
 fn run(is_live: bool, stop_at: Option<u64>) -> Summary {
-    let assembly = Setup::default().assemble().expect("the default setup");
-    let mut nowhere = output::open("none", &assembly.needs()).expect("nowhere");
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
     let (sender, stop) = bounded(1);
     let stop = if stop_at.is_some() { stop } else { never() };
     let source = trembling(&assembly, is_live);
@@ -77,7 +79,7 @@ fn run(is_live: bool, stop_at: Option<u64>) -> Summary {
             sender.send(()).expect("somebody listens");
         }
     };
-    drive(
+    run_pipeline(
         source,
         &mut assembly.pipeline(),
         &mut *nowhere,
@@ -89,16 +91,16 @@ fn run(is_live: bool, stop_at: Option<u64>) -> Summary {
 
 #[test]
 fn a_source_that_waits_has_every_reading_accepted_or_rejected() {
-    let tally = run(false, None).tally;
+    let tally = run(false, None).stats;
     let (received, taken) = balance(&tally);
     assert_eq!(received, taken);
-    assert_eq!(tally.source.superseded, 0);
+    assert_eq!(tally.source.dropped, 0);
     assert!(received > 400 && tally.rejected.iter().sum::<u64>() >= received / 10);
 }
 
 #[test]
 fn a_live_source_that_is_too_fast_has_its_oldest_readings_superseded() {
-    let tally = run(true, None).tally;
+    let tally = run(true, None).stats;
     let (received, taken) = balance(&tally);
     assert_eq!(received, taken);
 }
@@ -106,42 +108,45 @@ fn a_live_source_that_is_too_fast_has_its_oldest_readings_superseded() {
 /// An observer that stands still while a key is down, as a program that is stopped does.
 #[test]
 fn readings_from_before_the_program_stood_still_press_nothing_and_are_accounted_for() {
-    let assembly = Setup::default().assemble().expect("the default setup");
-    let mut nowhere = output::open("none", &assembly.needs()).expect("nowhere");
-    let typist = assembly.typist("accounts", &LineSettings::default(), 0.0, 0);
-    let source = Paced::new(typist.expect("it can be typed"), 1.0);
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
+    let typist = assembly.typist("accounts", &StreamOptions::default(), 0.0, 0);
+    let source = PacedSource::new(typist.expect("it can be typed"), 1.0);
     let mut has_stood_still = false;
     let mut events_after = Vec::new();
     let observe = &mut |frame: &Snapshot| {
-        let is_down = |event: &OutputEvent| matches!(event.action, Action::KeyDown(_));
+        let is_down = |event: &OutputEvent| matches!(event.kind, EventKind::KeyDown(_));
         if has_stood_still {
-            events_after.extend(frame.events.iter().map(|event| event.action));
+            events_after.extend(frame.events.iter().map(|event| event.kind));
         } else if frame.events.iter().any(is_down) {
             has_stood_still = true;
             std::thread::sleep(Duration::from_millis(600));
         }
     };
     let source = Live(source);
-    let summary = drive(
+    let summary = run_pipeline(
         source,
         &mut assembly.pipeline(),
         &mut *nowhere,
         &never(),
         observe,
     );
-    let tally = summary.expect("a run").tally;
+    let tally = summary.expect("a run").stats;
     let (received, taken) = balance(&tally);
     assert_eq!(received, taken);
-    assert!(tally.source.superseded > 0 && tally.stalls > 0, "{tally:?}");
+    assert!(tally.source.dropped > 0 && tally.stalls > 0, "{tally:?}");
     let first = events_after.first();
-    assert!(matches!(first, Some(Action::KeyUp(_))), "{events_after:?}");
+    assert!(
+        matches!(first, Some(EventKind::KeyUp(_))),
+        "{events_after:?}"
+    );
 }
 
 /// Readings that are lost when nobody takes them.
-struct Live(Paced<Typist>);
+struct Live(PacedSource<SimulatedTypist>);
 
 impl Source for Live {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         self.0.next()
     }
 
@@ -149,15 +154,15 @@ impl Source for Live {
         "live"
     }
 
-    fn counts(&self) -> Counts {
-        self.0.counts()
+    fn stats(&self) -> SourceStats {
+        self.0.stats()
     }
 }
 
 #[test]
 fn what_still_waits_when_a_run_is_ended_is_accounted_for_too() {
     for _ in 0..20 {
-        let tally = run(false, Some(100)).tally;
+        let tally = run(false, Some(100)).stats;
         let (received, taken) = balance(&tally);
         assert_eq!(received, taken);
         assert!(tally.accepted < 200, "it was ended early");

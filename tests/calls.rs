@@ -3,26 +3,26 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::capture::{Capture, CaptureError, Counts, LineSettings, Source};
-use ademan::lab::Typist;
-use ademan::monitor::{Snapshot, State};
+use ademan::capture::{CaptureError, Source, SourceEvent, SourceStats, StreamOptions};
 use ademan::output;
-use ademan::runtime::{Answer, Call, Calls, Commands, Order, Refusal, calls, drive};
-use ademan::settings::Setup;
+use ademan::session::{Answer, Call, Calls, CommandError, Commands, Order, calls, run_pipeline};
+use ademan::setup::Setup;
+use ademan::sim::SimulatedTypist;
+use ademan::snapshot::{PipelineState, Snapshot};
 use crossbeam_channel::{Receiver, bounded, never};
 
 /// A glove that says nothing any more after so many readings.
 struct FallsSilent {
-    hand: Typist,
+    hand: SimulatedTypist,
     readings: u64,
     most: u64,
 }
 
 impl Source for FallsSilent {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         if self.readings == self.most {
             thread::sleep(Duration::from_millis(5));
-            return Ok(Capture::Quiet);
+            return Ok(SourceEvent::Idle);
         }
         self.readings += 1;
         self.hand.next()
@@ -36,24 +36,24 @@ impl Source for FallsSilent {
         true
     }
 
-    fn counts(&self) -> Counts {
-        Counts {
+    fn stats(&self) -> SourceStats {
+        SourceStats {
             readings: self.readings,
-            ..Counts::default()
+            ..SourceStats::default()
         }
     }
 }
 
 /// Runs until `observe` says that it is over, with somebody at the other end of the calls.
 fn run(asker: impl FnOnce(Calls) + Send + 'static, mut observe: impl FnMut(&Snapshot) -> bool) {
-    let assembly = Setup::default().assemble().expect("the default setup");
-    let hand = assembly.typist("asked", &LineSettings::default(), 0.0, 0);
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let hand = assembly.typist("asked", &StreamOptions::default(), 0.0, 0);
     let source = FallsSilent {
         hand: hand.expect("it can be typed"),
         readings: 0,
         most: 10,
     };
-    let mut nowhere = output::open("none", &assembly.needs()).expect("nowhere");
+    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
     let (end, stop) = bounded(1);
     let (sender, called) = calls();
     let commands = Commands {
@@ -63,7 +63,7 @@ fn run(asker: impl FnOnce(Calls) + Send + 'static, mut observe: impl FnMut(&Snap
     };
     thread::spawn(move || asker(sender));
     let mut pipeline = assembly.pipeline();
-    drive(
+    run_pipeline(
         source,
         &mut pipeline,
         &mut *nowhere,
@@ -77,7 +77,7 @@ fn run(asker: impl FnOnce(Calls) + Send + 'static, mut observe: impl FnMut(&Snap
     .expect("a run");
 }
 
-fn ask(calls: &Calls, order: Order) -> Receiver<Result<Answer, Refusal>> {
+fn ask(calls: &Calls, order: Order) -> Receiver<Result<Answer, CommandError>> {
     let (answer, answered) = bounded(1);
     // The run may be over.
     let _ = calls.send(Call { order, answer });
@@ -102,7 +102,7 @@ fn somebody_who_never_ceases_to_ask_does_not_put_off_a_stall() {
     run(never_ceases, |frame| {
         // The run is slower than they are, so that there is always somebody who waits.
         thread::sleep(Duration::from_millis(1));
-        has_stalled |= frame.state == State::Stalled;
+        has_stalled |= frame.state == PipelineState::Stalled;
         has_stalled || begun.elapsed() > Duration::from_secs(10)
     });
     assert!(has_stalled);
@@ -128,11 +128,11 @@ fn orders_are_answered_and_obeyed_in_order_also_when_nobody_waits_for_the_answer
     });
     let state = answers.recv().expect("an answer").expect("the run goes on");
     assert!(
-        matches!(state, Ok(Answer::State(run)) if run.is_paused && run.state == State::Paused),
+        matches!(state, Ok(Answer::State(run)) if run.is_paused && run.state == PipelineState::Paused),
         "{state:?}"
     );
     let nudged = answers.recv().expect("an answer").expect("the run goes on");
-    assert_eq!(nudged, Err(Refusal::TooFar(1)));
+    assert_eq!(nudged, Err(CommandError::TooFar(1)));
     let resumed = answers.recv().expect("an answer").expect("the run goes on");
     assert_eq!(resumed, Ok(Answer::Done));
 }

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::control::Caller;
+use ademan::control::Client;
 use serde_json::Value;
 use support::process::Process;
 use support::run::{MOVE, PATIENCE, Run, lines, shipped};
@@ -28,12 +28,12 @@ fn socket(run: &Run) -> PathBuf {
     run.folder.path().join("c.sock")
 }
 
-fn caller(run: &Run) -> Caller {
-    Caller::connect(&socket(run)).expect("the run listens")
+fn caller(run: &Run) -> Client {
+    Client::connect(&socket(run)).expect("the run listens")
 }
 
-fn ask(caller: &mut Caller, request: &str) -> Value {
-    let answer = caller.ask(request).expect("there is an answer");
+fn ask(caller: &mut Client, request: &str) -> Value {
+    let answer = caller.request(request).expect("there is an answer");
     serde_json::from_str(&answer).expect("it is JSON")
 }
 
@@ -303,7 +303,7 @@ fn what_cannot_be_moved_says_why_and_lets_go_of_nothing() {
 #[test]
 fn the_seventeenth_client_is_refused_and_a_place_that_is_free_again_is_given() {
     let run = run();
-    let mut clients: Vec<Caller> = (0..16).map(|_| caller(&run)).collect();
+    let mut clients: Vec<Client> = (0..16).map(|_| caller(&run)).collect();
     for client in &mut clients {
         assert_eq!(ask(client, r#"{"ask":"state"}"#)["ok"], true);
     }
@@ -330,7 +330,7 @@ fn a_client_that_never_reads_is_cut_off_and_nobody_else_notices() {
     assert_eq!(ask(&mut listener, r#"{"ask":"subscribe"}"#)["ok"], true);
     let (sender, news) = crossbeam_channel::unbounded();
     thread::spawn(move || {
-        while let Ok(Some(line)) = listener.next_news() {
+        while let Ok(Some(line)) = listener.next_notification() {
             let _ = sender.send(line);
         }
     });
@@ -543,7 +543,7 @@ fn a_run_that_waits_for_its_glove_can_be_stopped() {
             .expect("it waits")
             .starts_with("waiting: ")
     );
-    let mut caller = Caller::connect(&path).expect("it listens");
+    let mut caller = Client::connect(&path).expect("it listens");
     let answer = ask(&mut caller, r#"{"ask":"state"}"#);
     assert_eq!(answer["ok"], false, "nothing runs yet");
     assert_eq!(ask(&mut caller, r#"{"ask":"stop"}"#)["ok"], true);

@@ -11,11 +11,11 @@ use std::path::{Path, PathBuf};
 #[path = "support/judged.rs"]
 mod judged;
 
-use ademan::capture::{Capture, LineSettings, Source};
+use ademan::capture::{Source, SourceEvent, StreamOptions};
 use ademan::contact::TargetNames;
-use ademan::device::{Action, Events};
-use ademan::output::transcript::Line;
-use ademan::settings::Setup;
+use ademan::device::{EventKind, Events};
+use ademan::output::transcript::EventLine;
+use ademan::setup::Setup;
 use judged::Judged;
 
 fn folder() -> PathBuf {
@@ -32,18 +32,20 @@ struct Ways {
 
 impl Ways {
     /// Takes an event that goes on; `false` for one that happens once.
-    fn take(&mut self, action: Action, names: &TargetNames) -> bool {
+    fn take(&mut self, action: EventKind, names: &TargetNames) -> bool {
         let (what, place) = match action {
-            Action::MoveBy(x, y) => return self.add("move", x, y),
-            Action::Scroll(x, y) => return self.add("scroll", x, y),
-            Action::MoveTo(x, y) => ("place".to_owned(), format!("{x:.2} {y:.2}")),
-            Action::Axis(axis, place) => (format!("axis {axis}"), format!("{place:+.2}")),
-            Action::Depth(target, depth) => {
-                (format!("depth {}", names.of(target)), format!("{depth:.2}"))
-            }
-            Action::Value(target, value) => {
-                (format!("value {}", names.of(target)), format!("{value:.2}"))
-            }
+            EventKind::MoveBy(x, y) => return self.add("move", x, y),
+            EventKind::Scroll(x, y) => return self.add("scroll", x, y),
+            EventKind::MoveTo(x, y) => ("place".to_owned(), format!("{x:.2} {y:.2}")),
+            EventKind::Axis(axis, place) => (format!("axis {axis}"), format!("{place:+.2}")),
+            EventKind::Depth(target, depth) => (
+                format!("depth {}", names.get(target)),
+                format!("{depth:.2}"),
+            ),
+            EventKind::Value(target, value) => (
+                format!("value {}", names.get(target)),
+                format!("{value:.2}"),
+            ),
             _ => return false,
         };
         match self.ways.get_mut(&what) {
@@ -80,19 +82,19 @@ fn played(layout: &str, script: &Path) -> String {
         layout: layout.into(),
         ..Setup::default()
     };
-    let assembly = setup.assemble().expect("a shipped layout");
+    let assembly = setup.load_files().expect("a shipped layout");
     let path = script.to_str().expect("a path of letters");
-    let hand = assembly.scripted(path, &LineSettings::default(), 0.0, 0);
+    let hand = assembly.scripted(path, &StreamOptions::default(), 0.0, 0);
     let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
     let mut pipeline = Judged::of(&assembly);
     let (mut lines, mut ways, mut events) = (Vec::new(), Ways::default(), Events::new());
-    while let Ok(Capture::Reading(reading)) = hand.next() {
+    while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         events.clear();
         let _ = pipeline.step(&reading, &mut events);
         for event in &events {
-            if !ways.take(event.action, pipeline.names()) {
+            if !ways.take(event.kind, pipeline.target_names()) {
                 lines.extend(ways.finish());
-                let line = Line(event, pipeline.names()).to_string();
+                let line = EventLine(event, pipeline.target_names()).to_string();
                 lines.push(line[13..].to_owned());
             }
         }
@@ -102,7 +104,7 @@ fn played(layout: &str, script: &Path) -> String {
     pipeline.stop(&mut events);
     let left = events
         .iter()
-        .filter(|event| matches!(event.action, Action::KeyUp(_)));
+        .filter(|event| matches!(event.kind, EventKind::KeyUp(_)));
     assert_eq!(left.count(), 0, "{layout}: something is down at the end");
     lines.join("\n") + "\n"
 }

@@ -3,13 +3,13 @@
 #[path = "support/judged.rs"]
 mod judged;
 
-use ademan::capture::{Capture, Channels, LineSettings, Reading, Sample, Source};
+use ademan::capture::{Channels, Reading, Sample, Source, SourceEvent, StreamOptions};
 use ademan::contact::Phase;
-use ademan::device::{Action, Events, KeyCode};
+use ademan::device::{EventKind, Events, KeyCode};
 use ademan::estimate::Rejection;
 use ademan::layout::Layout;
-use ademan::monitor::State;
-use ademan::settings::{Setup, controls};
+use ademan::setup::{Setup, controls};
+use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use judged::Judged;
 use parry3d::math::Vec3;
@@ -25,13 +25,13 @@ struct Wearer {
 
 /// The counts of the glove over the H key, and with the key pushed in.
 fn postures(setup: &Setup) -> (Channels, Channels) {
-    let assembly = setup.clone().assemble().expect("the default setup");
-    let hand = assembly.typist("h", &LineSettings::default(), 0.0, 0);
+    let assembly = setup.clone().load_files().expect("the default setup");
+    let hand = assembly.typist("h", &StreamOptions::default(), 0.0, 0);
     let mut hand = hand.expect("h can be typed");
     let mut pipeline = assembly.pipeline();
     let (mut over, mut down) = (None, None);
     let mut events = Events::new();
-    while let Ok(Capture::Reading(reading)) = hand.next() {
+    while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         let Sample::Channels(channels) = reading.sample.clone() else {
             panic!("a glove has channels");
         };
@@ -40,7 +40,7 @@ fn postures(setup: &Setup) -> (Channels, Channels) {
         let deepest = frame
             .touches
             .iter()
-            .any(|touch| touch.phase == Phase::Held && touch.depth == 1.0);
+            .any(|touch| touch.phase == Phase::Moved && touch.depth == 1.0);
         if deepest && down.is_none() {
             down = Some(channels);
         }
@@ -54,7 +54,7 @@ fn postures(setup: &Setup) -> (Channels, Channels) {
 impl Wearer {
     fn new(setup: &Setup) -> Self {
         let (over, down) = postures(setup);
-        let assembly = setup.clone().assemble().expect("the default setup");
+        let assembly = setup.clone().load_files().expect("the default setup");
         Self {
             pipeline: Judged::of(&assembly),
             time_ms: 0,
@@ -67,7 +67,7 @@ impl Wearer {
     fn armed() -> Self {
         let mut wearer = Self::new(&Setup::default());
         wearer.stay_over(400);
-        assert_eq!(wearer.pipeline.state(), State::Running);
+        assert_eq!(wearer.pipeline.state(), PipelineState::Running);
         wearer
     }
 
@@ -85,9 +85,9 @@ impl Wearer {
 
     fn write(&mut self, events: &Events) {
         for event in events {
-            let line = match event.action {
-                Action::KeyDown(key) => format!("down {key}"),
-                Action::KeyUp(key) => format!("up {key} at {}", event.time.0 / 1_000),
+            let line = match event.kind {
+                EventKind::KeyDown(key) => format!("down {key}"),
+                EventKind::KeyUp(key) => format!("up {key} at {}", event.time.0 / 1_000),
                 _ => continue,
             };
             self.transcript.push(line);
@@ -130,11 +130,11 @@ impl Wearer {
 #[test]
 fn it_starts_paused_and_arms_when_the_hand_was_off_all_keys_for_300_ms() {
     let mut wearer = Wearer::new(&Setup::default());
-    assert_eq!(wearer.pipeline.state(), State::Starting);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Starting);
     wearer.stay_over(300);
-    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     wearer.stay_over(10);
-    assert_eq!(wearer.pipeline.state(), State::Running);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer.push_down(300);
     wearer.stay_over(300);
     assert!(wearer.said().starts_with("down H, up H"));
@@ -145,7 +145,7 @@ fn a_press_before_it_is_armed_is_never_typed() {
     let mut wearer = Wearer::new(&Setup::default());
     wearer.stay_over(200);
     wearer.push_down(500);
-    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     wearer.stay_over(250);
     wearer.push_down(500);
     wearer.stay_over(100);
@@ -156,14 +156,14 @@ fn a_press_before_it_is_armed_is_never_typed() {
 fn a_hand_that_lies_on_a_key_at_the_start_presses_nothing() {
     let mut wearer = Wearer::new(&Setup::default());
     wearer.push_down(2_000);
-    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     assert_eq!(wearer.said(), "");
 }
 
 #[test]
 fn armed_by_flag_it_types_from_the_first_reading_on() {
     let setup = Setup {
-        armed: true,
+        start_armed: true,
         ..Setup::default()
     };
     let mut wearer = Wearer::new(&setup);
@@ -175,7 +175,7 @@ fn armed_by_flag_it_types_from_the_first_reading_on() {
 #[test]
 fn even_then_a_finger_that_was_on_the_key_has_to_leave_first() {
     let setup = Setup {
-        armed: true,
+        start_armed: true,
         ..Setup::default()
     };
     let mut wearer = Wearer::new(&setup);
@@ -197,7 +197,7 @@ fn readings_that_stay_away_release_everything_at_the_limit() {
     wearer.wait(191);
     wearer.push_down(10);
     assert_eq!(wearer.said(), format!("up H at {}", last + 200));
-    assert_eq!(wearer.pipeline.state(), State::Stalled);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
     assert_eq!(wearer.pipeline.stalls(), 1);
 }
 
@@ -208,7 +208,7 @@ fn after_a_stall_the_hand_has_to_be_seen_off_all_keys() {
     wearer.wait(1_000);
     wearer.push_down(1_000);
     wearer.said();
-    assert_eq!(wearer.pipeline.state(), State::Stalled);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
     wearer.stay_over(200);
     wearer.push_down(300);
     assert_eq!(wearer.said(), "", "200 ms are too short");
@@ -223,7 +223,7 @@ fn time_in_which_nothing_was_seen_does_not_arm() {
     wearer.stay_over(200);
     wearer.wait(1_000);
     wearer.stay_over(20);
-    assert_eq!(wearer.pipeline.state(), State::Stalled);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
 }
 
 #[test]
@@ -273,9 +273,9 @@ fn readings_that_cannot_be_used_are_no_readings() {
     broken.counts[17] = 1;
     wearer.stay(&broken, 250);
     assert!(wearer.said().contains("up H"));
-    assert_eq!(wearer.pipeline.state(), State::Stalled);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
     assert_eq!(
-        wearer.pipeline.rejected()[Rejection::Impossible.index()],
+        wearer.pipeline.rejected()[Rejection::OutsideLimits.index()],
         25
     );
 }
@@ -296,15 +296,15 @@ fn the_end_lets_go_of_everything() {
     wearer.push_down(300);
     let mut events = Events::new();
     wearer.pipeline.stop(&mut events);
-    assert_eq!(wearer.pipeline.state(), State::Stopped);
-    let up = Action::KeyUp("H".parse::<KeyCode>().expect("a key"));
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stopped);
+    let up = EventKind::KeyUp("H".parse::<KeyCode>().expect("a key"));
     assert_eq!(
-        events.iter().map(|event| event.action).collect::<Vec<_>>(),
+        events.iter().map(|event| event.kind).collect::<Vec<_>>(),
         [up]
     );
     wearer.stay_over(1_000);
     wearer.push_down(300);
-    assert_eq!(wearer.pipeline.state(), State::Stopped);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stopped);
     assert_eq!(wearer.said(), "down H");
 }
 
@@ -316,7 +316,7 @@ fn readings_that_stay_away_after_the_end_begin_nothing_anew() {
     wearer.stay_over(1_000);
     wearer.push_down(300);
     wearer.pipeline.stall(&mut Events::new());
-    assert_eq!(wearer.pipeline.state(), State::Stopped);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stopped);
     assert_eq!(wearer.said(), "");
 }
 
@@ -327,7 +327,7 @@ fn a_new_layout_lets_go_first_and_a_finger_in_a_key_of_it_has_to_leave() {
     let last = wearer.time_ms;
     wearer.switch_to_dvorak();
     assert_eq!(wearer.said(), format!("down H, up H at {last}"));
-    assert_eq!(wearer.pipeline.state(), State::Running);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer.push_down(1_000);
     assert_eq!(wearer.said(), "", "the finger has not left the key");
     wearer.stay_over(300);
@@ -351,9 +351,9 @@ fn a_paused_hand_has_to_be_seen_off_all_keys_of_a_new_layout() {
     wearer.stay_over(250);
     wearer.switch_to_dvorak();
     wearer.stay_over(300);
-    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     wearer.stay_over(10);
-    assert_eq!(wearer.pipeline.state(), State::Running);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
 }
 
 #[test]
@@ -408,11 +408,11 @@ fn a_pause_lets_go_and_nothing_goes_out_until_it_is_ended_and_the_hand_was_off()
     assert_eq!(wearer.said(), "down H, up H at 500");
     wearer.pause();
     wearer.type_once();
-    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
 
     wearer.pipeline.resume();
     wearer.push_down(400);
-    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     wearer.stay_over(290);
     wearer.push_down(100);
     assert_eq!(wearer.said(), "", "not off all keys for long enough");
@@ -426,17 +426,17 @@ fn a_stall_while_paused_stays_paused_and_a_pause_while_stalled_is_one_too() {
     wearer.pause();
     wearer.wait(1_000);
     wearer.pipeline.stall(&mut Events::new());
-    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     assert_eq!(wearer.pipeline.stalls(), 1);
     wearer.type_once();
     assert_eq!(wearer.said(), "");
 
     wearer.pipeline.stall(&mut Events::new());
     wearer.pipeline.resume();
-    assert_eq!(wearer.pipeline.state(), State::Stalled);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
     wearer.pause();
     wearer.type_once();
-    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     assert_eq!(wearer.said(), "");
     wearer.pipeline.resume();
     wearer.type_once();
@@ -456,15 +456,15 @@ fn a_pause_outlasts_a_new_layout_and_ends_with_the_run() {
 
     wearer.pause();
     wearer.pipeline.stop(&mut Events::new());
-    assert_eq!(wearer.pipeline.state(), State::Stopped);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stopped);
     wearer.pause();
-    assert_eq!(wearer.pipeline.state(), State::Stopped);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stopped);
 }
 
 #[test]
 fn a_pause_before_the_first_reading_holds_though_that_would_arm() {
     let setup = Setup {
-        armed: true,
+        start_armed: true,
         ..Setup::default()
     };
     let mut wearer = Wearer::new(&setup);
@@ -484,7 +484,7 @@ fn ending_no_pause_does_not_let_go() {
     wearer.pipeline.resume();
     wearer.push_down(100);
     assert_eq!(wearer.said(), "down H");
-    assert_eq!(wearer.pipeline.state(), State::Running);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
 }
 
 #[test]

@@ -26,7 +26,7 @@ impl Wearer {
         let glove = Glove::load("unam-hc11").expect("the shipped glove");
         let mut counts = [127; 64];
         for row in glove.map.rows() {
-            counts[row.channel] = row.line.reading(resting(row.dof)).round() as u16;
+            counts[row.channel] = row.calibration.apply_inverse(resting(row.dof)).round() as u16;
         }
         Self {
             time_ms: 0,
@@ -55,7 +55,7 @@ impl Wearer {
 
     fn next(&mut self) -> Result<JointAngles, Rejection> {
         self.time_ms += 10;
-        self.estimator.apply(&self.reading())
+        self.estimator.update(&self.reading())
     }
 
     fn turn(&mut self, channel: usize, count: u16) -> Result<JointAngles, Rejection> {
@@ -94,14 +94,14 @@ fn readings_of_another_shape_are_refused() {
         panic!("channels");
     };
     channels.counts.truncate(60);
-    assert_eq!(glove.estimator.apply(&short), Err(Rejection::Shape));
+    assert_eq!(glove.estimator.update(&short), Err(Rejection::WrongShape));
     let mut wide = glove.reading();
     wide.time = Timestamp(60_000);
     let Sample::Channels(channels) = &mut wide.sample else {
         panic!("channels");
     };
     channels.full_scale = 4_095;
-    assert_eq!(glove.estimator.apply(&wide), Err(Rejection::Shape));
+    assert_eq!(glove.estimator.update(&wide), Err(Rejection::WrongShape));
 }
 
 #[test]
@@ -109,12 +109,12 @@ fn a_clock_that_stands_still_or_goes_back_is_refused() {
     let mut glove = Wearer::unsmoothed();
     glove.next().expect("a resting hand");
     assert_eq!(
-        glove.estimator.apply(&glove.reading()),
+        glove.estimator.update(&glove.reading()),
         Err(Rejection::Stale)
     );
     glove.time_ms -= 5;
     assert_eq!(
-        glove.estimator.apply(&glove.reading()),
+        glove.estimator.update(&glove.reading()),
         Err(Rejection::Stale)
     );
 }
@@ -126,7 +126,7 @@ fn an_angle_a_little_outside_its_range_is_brought_in_and_one_far_outside_drops_t
     glove.counts[ELBOW] = 21;
     let angles = glove.next().expect("a calibration error");
     assert_eq!(angles.get(Dof::ElbowFlexion), 0.0);
-    assert_eq!(glove.turn(ELBOW, 1), Err(Rejection::Impossible));
+    assert_eq!(glove.turn(ELBOW, 1), Err(Rejection::OutsideLimits));
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn a_broken_wrist_takes_all_fingers_with_it() {
 #[test]
 fn filters_start_anew_after_a_gap() {
     let mut glove = Wearer::new(EstimatorSettings {
-        smoothing: Smoothing::Thesis,
+        smoothing: Smoothing::RecursiveAverage,
         ..EstimatorSettings::default()
     });
     for _ in 0..50 {
@@ -234,8 +234,8 @@ fn filters_start_anew_after_a_gap() {
 #[test]
 fn a_filter_that_runs_on_lags_behind() {
     let mut glove = Wearer::new(EstimatorSettings {
-        smoothing: Smoothing::Thesis,
-        gap: Duration::MAX,
+        smoothing: Smoothing::RecursiveAverage,
+        max_gap: Duration::MAX,
         ..EstimatorSettings::default()
     });
     let rest = glove.next().expect("a resting hand").get(Dof::ElbowFlexion);

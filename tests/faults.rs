@@ -28,10 +28,10 @@ mod wearer;
 use std::path::Path;
 
 use support::proof::{doubt, is_compiled, is_test};
-use table::{COVERED, FAULTS, Fault, Proof};
+use table::{COVERED, Coverage, FAULTS, Fault};
 
 fn is_covered(fault: &Fault) -> bool {
-    matches!(fault.proof, Proof::By(_))
+    matches!(fault.proof, Coverage::By(_))
 }
 
 #[test]
@@ -40,13 +40,13 @@ fn every_fault_that_was_covered_still_is() {
     for fault in FAULTS {
         println!("{:2} {}", fault.number, fault.name);
         match fault.proof {
-            Proof::By(witnesses) => {
+            Coverage::By(witnesses) => {
                 for (file, name) in witnesses {
                     println!("     {file}: {name}");
                 }
                 doubts.extend(witnesses.iter().filter_map(|&witness| doubt(witness)));
             }
-            Proof::NotYet(reason) => println!("     NOT YET: {reason}"),
+            Coverage::NotYet(reason) => println!("     NOT YET: {reason}"),
         }
     }
     let covered: Vec<u8> = FAULTS
@@ -65,8 +65,8 @@ fn the_list_is_whole() {
     assert_eq!(numbers, (1..=60).collect::<Vec<u8>>());
     for fault in FAULTS {
         let says = match fault.proof {
-            Proof::By(witnesses) => !witnesses.is_empty(),
-            Proof::NotYet(reason) => !reason.is_empty(),
+            Coverage::By(witnesses) => !witnesses.is_empty(),
+            Coverage::NotYet(reason) => !reason.is_empty(),
         };
         assert!(says, "{} says nothing", fault.number);
     }

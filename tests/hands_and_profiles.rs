@@ -6,20 +6,20 @@ mod judged;
 use std::fs;
 
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
-use ademan::device::{Action, Events};
+use ademan::device::{EventKind, Events};
 use ademan::estimate::{ChannelMap, JointAngles};
 use ademan::hand::Side;
-use ademan::lab::TypingHand;
 use ademan::layout::Document;
-use ademan::monitor::State;
-use ademan::pipeline::Role;
-use ademan::settings::{Assembly, NamedLayout, OtherHand, Setup};
+use ademan::pipeline::SourceRole;
+use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
+use ademan::sim::TypingHand;
+use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use judged::Judged;
 
 /// People whose hands are over keys or push them in; a reading every 10 ms of each hand.
 struct Wearer {
-    assembly: Assembly,
+    assembly: LoadedSetup,
     pipeline: Judged,
     time_ms: u64,
     /// What each hand shows; `None` for one that is not seen.
@@ -29,7 +29,7 @@ struct Wearer {
 
 impl Wearer {
     fn of(setup: Setup) -> Self {
-        let assembly = setup.assemble().expect("a setup");
+        let assembly = setup.load_files().expect("a setup");
         Self {
             pipeline: Judged::of(&assembly),
             assembly,
@@ -45,17 +45,17 @@ impl Wearer {
     }
 
     fn posture(&self, side: Side, key: &str, is_down: bool) -> Channels {
-        let (arm, map) = match &self.assembly.other {
+        let (arm, map) = match &self.assembly.other_hand {
             Some(other) if other.glove.side == side => (&other.arm, &other.glove.map),
             _ => (&self.assembly.arm, &self.assembly.glove.map),
         };
-        let layout = self.assembly.layouts().nth(self.pipeline.profile());
+        let layout = self.assembly.layouts().nth(self.pipeline.active_profile());
         let layout = layout.expect("there is a layout in force");
-        let target = layout.key(key).expect("a key").front.target;
+        let target = layout.key(key).expect("a key").face.target;
         let hand = TypingHand::new(arm, map);
-        let stroke = hand.stroke(&layout.scene, target).expect("within reach");
+        let stroke = hand.tap_path(&layout.scene, target).expect("within reach");
         let tip = if is_down { stroke.bottom } else { stroke.hover };
-        let mut values = hand.rest();
+        let mut values = hand.rest_values();
         hand.reach(tip, &mut values, &[]);
         let angles = hand.angles(&values);
         channels(map, |dof| angles.get(dof))
@@ -70,7 +70,7 @@ impl Wearer {
                 };
                 let reading = Reading {
                     time: Timestamp(self.time_ms * 1_000),
-                    side: self.assembly.other.is_some().then_some(side),
+                    side: self.assembly.other_hand.is_some().then_some(side),
                     sample: Sample::Channels(shown),
                 };
                 let mut events = Events::new();
@@ -91,10 +91,10 @@ impl Wearer {
 
     fn write(&mut self, events: &Events) {
         for event in events {
-            self.transcript.push(match event.action {
-                Action::KeyDown(key) => format!("+{key}"),
-                Action::KeyUp(key) => format!("-{key}"),
-                Action::Ask(request) => format!("{request:?}"),
+            self.transcript.push(match event.kind {
+                EventKind::KeyDown(key) => format!("+{key}"),
+                EventKind::KeyUp(key) => format!("-{key}"),
+                EventKind::Ask(request) => format!("{request:?}"),
                 other => panic!("{other:?} comes of no key"),
             });
         }
@@ -110,7 +110,7 @@ fn channels(map: &ChannelMap, angle: impl Fn(ademan::hand::Dof) -> f64) -> Chann
     let mut counts: arrayvec::ArrayVec<u16, MAX_CHANNELS> =
         (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
     for row in map.rows().iter().rev() {
-        let exact = row.line.reading(angle(row.dof)).round();
+        let exact = row.calibration.apply_inverse(angle(row.dof)).round();
         counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
     }
     Channels { full_scale, counts }
@@ -125,7 +125,7 @@ fn both_hands() -> Wearer {
     wearer.go(Side::Left, "F", false);
     wearer.go(Side::Right, "J", false);
     wearer.stay(400);
-    assert_eq!(wearer.pipeline.state(), State::Running);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer
 }
 
@@ -148,12 +148,12 @@ fn one_hand_holds_shift_while_the_other_types() {
 fn a_hand_touches_only_the_boards_that_are_there_for_it() {
     let assembly = both_hands().assembly;
     let board_of = |key: &str| {
-        let target = assembly.layout.key(key).expect("a key").front.target;
+        let target = assembly.layout.key(key).expect("a key").face.target;
         assembly.layout.scene.target(target).expect("a target").0
     };
-    let right = assembly.arm.forward(&JointAngles::at(Timestamp(0)));
+    let right = assembly.arm.forward(&JointAngles::new(Timestamp(0)));
     let left = assembly.arm.clone().for_side(Side::Left);
-    let left = left.forward(&JointAngles::at(Timestamp(0)));
+    let left = left.forward(&JointAngles::new(Timestamp(0)));
     for (key, seen, unseen) in [("F", left, right), ("J", right, left)] {
         assert!(board_of(key).world_from_surface(&seen).is_some(), "{key}");
         assert!(board_of(key).world_from_surface(&unseen).is_none(), "{key}");
@@ -169,17 +169,17 @@ fn a_hand_that_stays_away_lets_go_of_what_both_hold_and_both_have_to_be_off_the_
     wearer.shown[Side::Left.index()] = None;
     wearer.stay(220);
     assert_eq!(wearer.said(), "-F");
-    assert_eq!(wearer.pipeline.state(), State::Stalled);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
     wearer.go(Side::Left, "F", true);
     wearer.stay(1_000);
     assert_eq!(
         wearer.pipeline.state(),
-        State::Stalled,
+        PipelineState::Stalled,
         "a finger is in a key"
     );
     wearer.go(Side::Left, "F", false);
     wearer.stay(400);
-    assert_eq!(wearer.pipeline.state(), State::Running);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     assert_eq!(wearer.pipeline.stalls(), 1);
     wearer.tap(Side::Left, "F");
     assert_eq!(wearer.said(), "+F -F");
@@ -190,7 +190,7 @@ fn the_hand_that_is_left_types_on() {
     let mut wearer = both_hands();
     wearer.shown[Side::Left.index()] = None;
     wearer.stay(1_000);
-    assert_eq!(wearer.pipeline.state(), State::Running);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer.tap(Side::Right, "J");
     assert_eq!(wearer.said(), "+J -J");
 }
@@ -213,8 +213,8 @@ fn each_hand_has_the_role_of_its_source() {
     wearer.tap(Side::Left, "F");
     wearer.tap(Side::Right, "K");
     assert_eq!(wearer.said(), "+F -F");
-    assert_eq!(wearer.pipeline.withheld().keys_by_role, 2);
-    assert_eq!(wearer.pipeline.state(), State::Running);
+    assert_eq!(wearer.pipeline.suppressed().keys_by_role, 2);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
 }
 
 #[test]
@@ -253,10 +253,10 @@ fn what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen() {
         wearer.stay(150);
         wearer.tap(Side::Right, "ShiftRight");
         wearer.tap(Side::Left, "F");
-        (wearer.said(), wearer.pipeline.withheld().keys_by_role)
+        (wearer.said(), wearer.pipeline.suppressed().keys_by_role)
     };
     let both = "+ControlRight +F -F -ControlRight +ShiftRight +F -F -ShiftRight";
-    assert_eq!(typed(Some(Role::Both)), (both.into(), 0));
+    assert_eq!(typed(Some(SourceRole::Both)), (both.into(), 0));
     assert_eq!(typed(None), ("+F -F +F -F".into(), 2));
 }
 
@@ -270,7 +270,7 @@ fn two_gloves_for_one_hand_are_refused() {
         ..Setup::default()
     };
     assert_eq!(
-        setup.assemble().unwrap_err().to_string(),
+        setup.load_files().unwrap_err().to_string(),
         "both gloves are for the right hand, `other_hand` is for the other one"
     );
 }
@@ -289,7 +289,7 @@ fn setup_of(main: &str, other: &str) -> (tempfile::TempDir, Setup) {
     };
     let setup = Setup {
         layout: layout("main.ron", main),
-        profiles: vec![NamedLayout {
+        profiles: vec![ProfileSetup {
             name: "other".into(),
             layout: layout("other.ron", other),
         }],
@@ -318,12 +318,12 @@ fn a_key_puts_another_layout_in_force_and_the_finger_has_to_leave_first() {
         "+A -A Profile(0)",
         "not B, which is in its place now"
     );
-    assert_eq!(wearer.pipeline.profile(), 1);
+    assert_eq!(wearer.pipeline.active_profile(), 1);
     wearer.tap(Side::Right, "B");
     wearer.tap(Side::Right, "main");
-    assert_eq!(wearer.pipeline.profile(), 0);
+    assert_eq!(wearer.pipeline.active_profile(), 0);
     wearer.tap(Side::Right, "next");
-    assert_eq!(wearer.pipeline.profile(), 1);
+    assert_eq!(wearer.pipeline.active_profile(), 1);
     assert_eq!(wearer.said(), "+B -B Profile(0) NextProfile");
 }
 
@@ -341,19 +341,23 @@ fn what_is_held_when_another_layout_is_put_in_force_comes_up_first() {
     wearer.stay(500);
     assert_eq!(wearer.said(), "+A -A");
     wearer.pipeline.switch_to(7, &mut events);
-    assert_eq!(wearer.pipeline.profile(), 1, "there is no such place");
+    assert_eq!(
+        wearer.pipeline.active_profile(),
+        1,
+        "there is no such place"
+    );
 }
 
 #[test]
 fn a_profile_that_the_setup_lacks_is_refused_by_name() {
     let (_folder, setup) = setup_of(&MAIN.replace("\"other\"", "\"othre\""), OTHER);
-    let error = setup.assemble().unwrap_err().to_string();
+    let error = setup.load_files().unwrap_err().to_string();
     let end =
         "unknown profile `othre`, did you mean `other`?; list it under `profiles` of the setup";
     assert!(error.ends_with(end), "{error}");
     let (_folder, mut setup) = setup_of(MAIN, OTHER);
     setup.profiles[0].name = "main".into();
-    let error = setup.assemble().unwrap_err().to_string();
+    let error = setup.load_files().unwrap_err().to_string();
     assert_eq!(error, "there is a profile `main` already");
 }
 
@@ -361,10 +365,10 @@ fn a_profile_that_the_setup_lacks_is_refused_by_name() {
 fn a_setup_with_two_hands_and_profiles_comes_back_out_of_a_recording() {
     let (_folder, mut setup) = setup_of(MAIN, OTHER);
     setup.other_hand = Some(OtherHand::default());
-    let assembly = setup.assemble().expect("a setup");
+    let assembly = setup.load_files().expect("a setup");
     let recorded = assembly.recorded_setup();
-    let again = Assembly::recorded(&recorded, None, None).expect("it was recorded");
-    let texts = |assembly: &Assembly| -> Vec<String> {
+    let again = LoadedSetup::from_recording(&recorded, None, None).expect("it was recorded");
+    let texts = |assembly: &LoadedSetup| -> Vec<String> {
         assembly
             .layouts()
             .map(|layout| layout.text.clone())
@@ -388,13 +392,13 @@ fn a_key_pauses_and_the_same_key_ends_that_and_nothing_of_the_pause_is_left() {
     wearer.go(Side::Right, "A", false);
     wearer.stay(400);
     wearer.tap(Side::Right, "pause");
-    assert_eq!(wearer.pipeline.state(), State::Paused);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     wearer.tap(Side::Right, "ShiftLeft");
     wearer.tap(Side::Right, "A");
     assert_eq!(wearer.said(), "Pause", "nothing goes out");
     wearer.tap(Side::Right, "pause");
     wearer.stay(400);
-    assert_eq!(wearer.pipeline.state(), State::Running);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer.tap(Side::Right, "A");
     assert_eq!(wearer.said(), "+A -A", "without the Shift of the pause");
 }

@@ -13,7 +13,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use ademan::capture::hc11::{Framing, encode};
-use ademan::capture::{LineSettings, Wire, open_wire};
+use ademan::capture::{Loopback, StreamOptions, open_loopback};
 use support::binary::ademan;
 use support::process::{Process, no_program_starts};
 use support::run::{PATIENCE, lines, postures, shipped};
@@ -29,7 +29,7 @@ const WINDOWS: usize = 4;
 /// A run whose glove has fallen silent.
 struct Idle {
     program: Process,
-    _wire: Wire,
+    _wire: Loopback,
     _folder: TempDir,
 }
 
@@ -44,9 +44,9 @@ impl Idle {
         .expect("a file");
         let mut wire = {
             let _alone = no_program_starts();
-            open_wire(LineSettings::default()).expect("a line")
+            open_loopback(StreamOptions::default()).expect("a line")
         };
-        let source = wire.source.to_string();
+        let source = wire.uri.to_string();
         let arguments = ["run", "setup.ron", "--source", &source, "--output", output];
         let mut command = ademan(arguments);
         command

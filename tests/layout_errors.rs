@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use ademan::layout::{Layout, LayoutError};
+use ademan::layout::{DocumentError, Layout};
 
 const PLACE: &str = "place: (anchor: elbow)";
 
@@ -12,7 +12,7 @@ fn board(fields: &str) -> String {
     format!("Layout(name: \"t\", boards: [(\n{PLACE},\n{fields}\n)])")
 }
 
-fn refusal(text: &str) -> LayoutError {
+fn refusal(text: &str) -> DocumentError {
     Layout::parse(text, "t.ron").expect_err("the layout is wrong")
 }
 
@@ -372,7 +372,7 @@ fn nesting_two_hundred_deep_is_an_error_and_not_a_crash() {
     #[derive(Debug, serde::Deserialize)]
     struct Nested(#[expect(dead_code, reason = "only read")] Vec<Nested>);
     let text = "([".repeat(200);
-    let error = ademan::layout::parse::<Nested>(&text, "t.ron").unwrap_err();
+    let error = ademan::layout::parse_ron::<Nested>(&text, "t.ron").unwrap_err();
     assert!(
         error.message().contains("nested more than 128 deep"),
         "{error}"

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use ademan::contact::surface::Shape;
 use ademan::device::KeyCode;
-use ademan::device::keyboard::{Fires, Hold};
+use ademan::device::keyboard::{Activation, TapHold};
 use ademan::device::{KeyAction, Latch};
 use ademan::hand::{Joint, Side};
 use ademan::kinematics::HandPose;
@@ -69,8 +69,8 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
         assert_eq!(from_file.keys, layout.keys, "{name}");
         assert_eq!(from_file.controls, layout.controls, "{name}");
         assert_eq!(from_file.text, Layout::load(name).unwrap().text, "{name}");
-        assert!(!layout.note.is_empty(), "{name}");
-        let fronts = layout.boards.iter().flat_map(|board| layout.fronts(board));
+        assert!(!layout.description.is_empty(), "{name}");
+        let fronts = layout.boards.iter().flat_map(|board| layout.faces(board));
         assert_eq!(fronts.count(), layout.scene.len(), "{name}");
     }
 }
@@ -79,7 +79,7 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
 fn the_flat_boards_write_every_printable_character_with_and_without_shift() {
     for name in ["qwerty-flat", "qwerty-flat-22"] {
         let layout = Layout::load(name).unwrap();
-        let codes = layout.needs().codes;
+        let codes = layout.required_capabilities().keys;
         for character in (' '..='~').chain(['\n', '\t']) {
             assert!(writes(&codes, character), "{name}: {character:?}");
         }
@@ -90,7 +90,7 @@ fn the_flat_boards_write_every_printable_character_with_and_without_shift() {
 #[test]
 fn the_arc_board_writes_every_printable_character_with_its_layer() {
     let layout = Layout::load("qwerty-arc").unwrap();
-    let codes = layout.needs().codes;
+    let codes = layout.required_capabilities().keys;
     for character in ' '..='~' {
         assert!(writes(&codes, character), "{character:?}");
     }
@@ -115,7 +115,7 @@ fn writes(codes: &BTreeSet<KeyCode>, character: char) -> bool {
 fn the_pads_have_their_keys() {
     let arrows = Layout::load("arrows").unwrap();
     assert_eq!(arrows.keys.len(), 4);
-    assert!(arrows.keyboard_bindings().iter().all(|key| key.analogue));
+    assert!(arrows.key_bindings().iter().all(|key| key.reports_depth));
     assert_eq!(Layout::load("numpad").unwrap().keys.len(), 17);
 }
 
@@ -141,13 +141,13 @@ fn the_keys_of_a_flat_board_are_where_the_file_says() {
                 -0.04 + y * 1e-3 * up,
                 right * sin - forward * cos,
             );
-            let (front, normal) = in_the_world(&layout, &key.front.name, Vec3::new(1.0, 2.0, 3.0));
+            let (front, normal) = in_the_world(&layout, &key.face.name, Vec3::new(1.0, 2.0, 3.0));
             let error = (front - Vec3::new(1.0, 2.0, 3.0) - expected).length();
-            assert!(error < 1e-6, "{}: {front} for {expected}", key.front.name);
+            assert!(error < 1e-6, "{}: {front} for {expected}", key.face.name);
             let upright = Vec3::new(-up * sin, along, up * cos);
-            assert!((normal - upright).length() < 1e-6, "{}", key.front.name);
+            assert!((normal - upright).length() < 1e-6, "{}", key.face.name);
         }
-        let (_, space) = layout.scene.target(layout.keys[3].front.target).unwrap();
+        let (_, space) = layout.scene.target(layout.keys[3].face.target).unwrap();
         assert_eq!((space.shape, space.travel), (Shape::Disc(0.006), 0.006));
     }
 }
@@ -159,37 +159,39 @@ fn the_rows_of_an_arc_board_go_round_the_elbow() {
     let elbow = Vec3::new(0.0, 0.0, -0.2);
     let bearing = 35_f32.to_radians();
     for key in &layout.keys {
-        let (front, normal) = in_the_world(&layout, &key.front.name, elbow);
+        let (front, normal) = in_the_world(&layout, &key.face.name, elbow);
         let from_elbow = front - elbow;
         let radius = from_elbow.x.hypot(from_elbow.z);
         assert!(
-            (radius - (0.32 + key.front.at.y)).abs() < 1e-6,
+            (radius - (0.32 + key.face.row_position.y)).abs() < 1e-6,
             "{}",
-            key.front.name
+            key.face.name
         );
         let angle = from_elbow.x.atan2(-from_elbow.z) - bearing;
         assert!(
-            (angle * radius - key.front.at.x).abs() < 1e-6,
+            (angle * radius - key.face.row_position.x).abs() < 1e-6,
             "{}",
-            key.front.name
+            key.face.name
         );
         assert!((from_elbow.y + 0.045).abs() < 1e-6);
         assert!((normal - Vec3::Y).length() < 1e-6);
         assert!(
-            (key.front.outline.rotation + angle).abs() < 1e-6,
+            (key.face.outline.rotation + angle).abs() < 1e-6,
             "{}",
-            key.front.name
+            key.face.name
         );
-        assert!((board.along_rows(key.front.outline.middle) - key.front.at).length() < 1e-6);
-        assert!(angle.abs() < 25_f32.to_radians(), "{}", key.front.name);
+        assert!(
+            (board.row_position(key.face.outline.center) - key.face.row_position).length() < 1e-6
+        );
+        assert!(angle.abs() < 25_f32.to_radians(), "{}", key.face.name);
     }
 }
 
 /// Middle of the front and direction out of it of the key with that name.
 fn in_the_world(layout: &Layout, name: &str, elbow: Vec3) -> (Vec3, Vec3) {
-    let mut pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
+    let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
     pose.set(Joint::Elbow, Pose::from_translation(elbow));
-    let target = layout.key(name).unwrap().front.target;
+    let target = layout.key(name).unwrap().face.target;
     let (surface, target) = layout.scene.target(target).unwrap();
     let world_from_target = surface.world_from_surface(&pose).unwrap() * target.surface_from_target;
     (
@@ -208,7 +210,7 @@ fn a_board_is_fixed_to_what_the_file_says() {
         let text = board("rows: [(at_mm: (0, 0), keys: \"A\")]").replace("elbow", word);
         let layout = Layout::parse(&text, "t.ron").unwrap();
         let surface = &layout.scene.surfaces()[0];
-        let mut pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
+        let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
         assert_eq!(
             surface.world_from_surface(&pose).is_some(),
             joint.is_none(),
@@ -233,9 +235,9 @@ fn several_boards_share_one_list_of_keys() {
     let text = format!("Layout(name: \"t\", boards: [{one}, {two}])");
     let layout = Layout::parse(&text, "t.ron").unwrap();
     let key = layout.key("c").unwrap();
-    assert_eq!((key.front.target.0, key.front.label.as_str()), (2, "x"));
-    assert_eq!(key.front.at, Vec2::new(0.001, 0.002));
-    assert_eq!(layout.board_of(key), &layout.boards[1]);
+    assert_eq!((key.face.target.0, key.face.label.as_str()), (2, "x"));
+    assert_eq!(key.face.row_position, Vec2::new(0.001, 0.002));
+    assert_eq!(layout.board_of_key(key), &layout.boards[1]);
     assert_eq!(layout.boards[0].keys, 0..2);
     assert_eq!(layout.scene.surfaces().len(), 2);
 }
@@ -255,15 +257,15 @@ fn a_layer_says_nothing_of_the_keys_that_it_does_not_name() {
             (name: \"one\", keys: {{\"W\": \"1\"}}), (name: \"two\", keys: {{\"Q\": \"2\", \"W\": \"ShiftLeft\"}})])"
     );
     let layout = Layout::parse(&text, "t.ron").unwrap();
-    let bindings = layout.keyboard_bindings();
+    let bindings = layout.key_bindings();
     let key = |name| Some(KeyAction::Key(code(name)));
     assert_eq!(bindings[0].actions, [key("Q"), None, key("2")]);
-    let shift = Some(KeyAction::Modifier(KeyCode::SHIFT_LEFT, Latch::Held));
+    let shift = Some(KeyAction::Modifier(KeyCode::SHIFT_LEFT, Latch::Momentary));
     assert_eq!(bindings[1].actions, [key("W"), key("1"), shift]);
     let expected: BTreeSet<KeyCode> = ["Q", "W", "1", "2", "ShiftLeft"].map(code).into();
-    assert_eq!(layout.needs().codes, expected);
-    assert_eq!(layout.label_in(&layout.keys[0], 1), None);
-    assert_eq!(layout.label_in(&layout.keys[1], 2), Some("⇧"));
+    assert_eq!(layout.required_capabilities().keys, expected);
+    assert_eq!(layout.label_in_layer(&layout.keys[0], 1), None);
+    assert_eq!(layout.label_in_layer(&layout.keys[1], 2), Some("⇧"));
 }
 
 #[test]
@@ -281,22 +283,22 @@ fn how_a_key_fires_is_as_the_file_says() {
             ])], layers: [(name: \"x\", keys: {{\"Space\": \"1\"}})])"
     );
     let layout = Layout::parse(&text, "t.ron").unwrap();
-    let bindings = layout.keyboard_bindings();
+    let bindings = layout.key_bindings();
     let hold = |action, after| {
-        Fires::TapOrHold(Hold {
-            action,
-            after: Duration::from_millis(after),
+        Activation::TapHold(TapHold {
+            hold_action: action,
+            hold_after: Duration::from_millis(after),
         })
     };
-    let shift = KeyAction::Modifier(KeyCode::SHIFT_LEFT, Latch::Held);
-    let fires: Vec<Fires> = bindings.iter().map(|binding| binding.fires).collect();
+    let shift = KeyAction::Modifier(KeyCode::SHIFT_LEFT, Latch::Momentary);
+    let fires: Vec<Activation> = bindings.iter().map(|binding| binding.activation).collect();
     assert_eq!(
         fires[..5],
         [
-            Fires::Press,
-            Fires::Release,
-            Fires::Press,
-            hold(KeyAction::Layer(1, Latch::Held), 300),
+            Activation::OnPress,
+            Activation::OnRelease,
+            Activation::OnPress,
+            hold(KeyAction::Layer(1, Latch::Momentary), 300),
             hold(shift, 250),
         ]
     );
@@ -308,10 +310,15 @@ fn how_a_key_fires_is_as_the_file_says() {
     );
     let represses: Vec<u128> = bindings[..3]
         .iter()
-        .map(|binding| binding.repress.as_micros())
+        .map(|binding| binding.debounce.as_micros())
         .collect();
     assert_eq!(represses, [40_500, 0, 40_500]);
-    assert!(layout.needs().codes.contains(&KeyCode::SHIFT_LEFT));
+    assert!(
+        layout
+            .required_capabilities()
+            .keys
+            .contains(&KeyCode::SHIFT_LEFT)
+    );
 }
 
 #[test]
@@ -323,8 +330,8 @@ fn a_file_goes_before_a_shipped_layout_of_its_name() {
     )
     .unwrap();
     let keys = |folder: &Path, name| {
-        let document = Document::open_from(folder, name).unwrap();
-        Layout::of(document).unwrap().keys.len()
+        let document = Document::open_relative_to(folder, name).unwrap();
+        Layout::from_document(document).unwrap().keys.len()
     };
     assert_eq!(keys(folder.path(), "arrows"), 1);
     assert_eq!(keys(folder.path(), "arrows.ron"), 4);
@@ -347,13 +354,13 @@ fn a_drawing_shows_every_key_at_its_place() {
 │ ⎵ <&>  │     │ 1 │
 └────────┘     ╰───╯
 ";
-    assert_eq!(layout.draw(), expected);
+    assert_eq!(layout.to_text(), expected);
     let grid = &layout.grids()[0];
-    assert_eq!(grid.character_at(Vec2::new(0.019, 0.0)), Some((7, 1)));
+    assert_eq!(grid.cell_at(Vec2::new(0.019, 0.0)), Some((7, 1)));
     for (x, y) in [(0.5, 0.0), (-0.01, 0.0), (0.0, 0.01), (0.0, -0.1)] {
-        assert_eq!(grid.character_at(Vec2::new(x, y)), None);
+        assert_eq!(grid.cell_at(Vec2::new(x, y)), None);
     }
-    let svg = layout.svg();
+    let svg = layout.to_svg();
     assert!(svg.contains(">⎵ &lt;&amp;&gt;</text>"), "{svg}");
     assert_eq!(svg.matches("<rect class=\"key\"").count(), 3);
     assert_eq!(svg.matches("<circle class=\"key\"").count(), 1);
@@ -368,7 +375,7 @@ fn the_largest_board_makes_a_drawing_that_fits() {
     let layout = Layout::parse(&text, "t.ron").unwrap();
     let grid = &layout.grids()[0];
     assert!(grid.columns <= 201 && grid.rows <= 81);
-    assert_eq!(layout.draw().lines().count(), grid.rows);
+    assert_eq!(layout.to_text().lines().count(), grid.rows);
 }
 
 /// Each fenced block of the guide that is a whole layout is one.
@@ -406,7 +413,7 @@ fn the_errors_of_the_guide_look_as_they_are() {
 /// The table of the guide against the numbers of the code.
 #[test]
 fn the_guide_names_every_range_and_default() {
-    use ademan::layout::number::*;
+    use ademan::layout::ranged::*;
     let path = format!("{}/layouts/README.md", env!("CARGO_MANIFEST_DIR"));
     let guide = fs::read_to_string(path).unwrap();
     // One of the rows of that name: other controls may have a field of the same one.
@@ -458,7 +465,7 @@ fn the_guide_names_every_range_and_default() {
         "notches" Steps;
         "rest" Share;
         "diameter_mm" Size;
-        "range_deg" KnobRange default;
+        "range_deg" KnobRangeDegrees default;
         "turns" Turns default;
         "reach_mm" Reach default;
         "dead_zone" DeadZone default;
@@ -470,7 +477,7 @@ fn the_guide_names_every_range_and_default() {
 #[test]
 fn labels_of_a_national_board_stand_on_the_positions_of_its_keys() {
     let board = Layout::load("azerty-flat").expect("a shipped layout");
-    let label = |name: &str| board.key(name).expect("a key").front.label.clone();
+    let label = |name: &str| board.key(name).expect("a key").face.label.clone();
     assert_eq!(
         [label("Q"), label("A"), label("3"), label("E")],
         ["A", "Q", "\"", "E"]

@@ -4,7 +4,7 @@ mod support;
 
 use std::thread;
 
-use ademan::device::{Action, KeyCode, Needs, OutputEvent};
+use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan::output::{Desktop, OutputError, Sink};
 use ademan::time::Timestamp;
 use support::x11::{Field, Typewriter, XServer, wait_for};
@@ -17,19 +17,19 @@ fn key(name: &str) -> KeyCode {
     name.parse().unwrap()
 }
 
-fn event(action: Action) -> OutputEvent {
+fn event(action: EventKind) -> OutputEvent {
     OutputEvent {
         time: Timestamp(0),
-        action,
+        kind: action,
     }
 }
 
 fn down(name: &str) -> OutputEvent {
-    event(Action::KeyDown(key(name)))
+    event(EventKind::KeyDown(key(name)))
 }
 
 fn up(name: &str) -> OutputEvent {
-    event(Action::KeyUp(key(name)))
+    event(EventKind::KeyUp(key(name)))
 }
 
 /// The key presses that write `text` on a US keymap, one frame per character.
@@ -37,17 +37,17 @@ fn strokes(text: &str) -> Vec<Vec<OutputEvent>> {
     let stroke = |character| {
         let (key, shifted) = KeyCode::for_us_character(character).next().unwrap();
         let shift =
-            |action: fn(KeyCode) -> Action| shifted.then(|| event(action(KeyCode::SHIFT_LEFT)));
-        let mut events = Vec::from_iter(shift(Action::KeyDown));
-        events.extend([Action::KeyDown(key), Action::KeyUp(key)].map(event));
-        events.extend(shift(Action::KeyUp));
+            |action: fn(KeyCode) -> EventKind| shifted.then(|| event(action(KeyCode::SHIFT_LEFT)));
+        let mut events = Vec::from_iter(shift(EventKind::KeyDown));
+        events.extend([EventKind::KeyDown(key), EventKind::KeyUp(key)].map(event));
+        events.extend(shift(EventKind::KeyUp));
         events
     };
     text.chars().map(stroke).collect()
 }
 
 fn open(server: &XServer) -> Desktop {
-    Desktop::open(Some(server.display()), &Needs::default()).unwrap()
+    Desktop::open(Some(server.display()), &Capabilities::default()).unwrap()
 }
 
 /// A sink that holds Shift and A down, seen by the server.
@@ -73,7 +73,7 @@ fn a_text_arrives_byte_for_byte_in_a_terminal() {
     }
     sink.close().unwrap();
     assert_eq!(typewriter.typed(text), text);
-    assert_eq!(sink.refused_presses(), 0);
+    assert_eq!(sink.dropped_presses(), 0);
     assert_eq!(server.keys_down(), NO_KEYS);
 }
 
@@ -150,7 +150,8 @@ fn characters_that_no_key_has_arrive_in_a_terminal() {
     let text = "é ñß Łж€ aé!";
     let mut sink = open(&server);
     for character in text.chars() {
-        sink.send(&[event(Action::Write(character))]).unwrap();
+        sink.send(&[event(EventKind::Character(character))])
+            .unwrap();
     }
     sink.send(&[down("A"), up("A")]).unwrap();
     sink.close().unwrap();
@@ -166,11 +167,11 @@ fn the_pointer_goes_by_ways_and_to_places() {
     };
     let mut sink = open(&server);
     let places = [
-        (Action::MoveTo(0.0, 0.0), (0, 0)),
-        (Action::MoveTo(1.0, 1.0), (799, 599)),
-        (Action::MoveTo(0.5, 0.25), (400, 150)),
-        (Action::MoveBy(-30, 7), (370, 157)),
-        (Action::MoveBy(i32::MAX, i32::MIN), (799, 0)),
+        (EventKind::MoveTo(0.0, 0.0), (0, 0)),
+        (EventKind::MoveTo(1.0, 1.0), (799, 599)),
+        (EventKind::MoveTo(0.5, 0.25), (400, 150)),
+        (EventKind::MoveBy(-30, 7), (370, 157)),
+        (EventKind::MoveBy(i32::MAX, i32::MIN), (799, 0)),
     ];
     for (action, place) in places {
         sink.send(&[event(action)]).unwrap();
@@ -190,13 +191,13 @@ fn buttons_a_drag_and_the_wheel_arrive_in_order() {
     let field = Field::open(&server);
     let mut sink = open(&server);
     sink.send(&[
-        event(Action::MoveTo(0.0, 0.0)),
-        event(Action::MoveBy(20, 10)),
+        event(EventKind::MoveTo(0.0, 0.0)),
+        event(EventKind::MoveBy(20, 10)),
     ])
     .unwrap();
     sink.send(&[
         down("MouseLeft"),
-        event(Action::MoveBy(5, 5)),
+        event(EventKind::MoveBy(5, 5)),
         up("MouseLeft"),
     ])
     .unwrap();
@@ -204,7 +205,7 @@ fn buttons_a_drag_and_the_wheel_arrive_in_order() {
         sink.send(&[down(button), up(button)]).unwrap();
     }
     let turns = [(0, 120), (0, -60), (0, -60), (240, 0), (-120, 0)];
-    sink.send(&turns.map(|(x, y)| event(Action::Scroll(x, y))))
+    sink.send(&turns.map(|(x, y)| event(EventKind::Scroll(x, y))))
         .unwrap();
     sink.close().unwrap();
     let heard: Vec<_> = field.heard("up 6 at 25,15");

@@ -1,14 +1,14 @@
 //! Where boards are, and how they move while they are in force, through the whole engine.
 
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
-use ademan::contact::place::Place;
+use ademan::contact::board_pose::BoardPose;
 use ademan::contact::surface::Scene;
-use ademan::device::{Action, Events};
-use ademan::lab::TypingHand;
+use ademan::device::{EventKind, Events};
 use ademan::layout::Layout;
-use ademan::monitor::State;
-use ademan::pipeline::{Pipeline, Refusal};
-use ademan::settings::{Assembly, NamedLayout, Setup};
+use ademan::pipeline::{CommandError, Pipeline};
+use ademan::setup::{LoadedSetup, ProfileSetup, Setup};
+use ademan::sim::TypingHand;
+use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
@@ -17,7 +17,7 @@ const PITCH: f32 = 0.019;
 
 /// Somebody who shows a reading every 10 ms.
 struct Wearer {
-    assembly: Assembly,
+    assembly: LoadedSetup,
     pipeline: Pipeline,
     time_ms: u64,
     shown: Channels,
@@ -49,7 +49,7 @@ impl Wearer {
     }
 
     fn with(setup: Setup) -> Self {
-        let assembly = setup.assemble().expect("a setup");
+        let assembly = setup.load_files().expect("a setup");
         let mut wearer = Self {
             pipeline: assembly.pipeline(),
             shown: Channels {
@@ -60,10 +60,10 @@ impl Wearer {
             time_ms: 0,
             transcript: Vec::new(),
         };
-        let first = wearer.assembly.layout.keys[0].front.name.clone();
+        let first = wearer.assembly.layout.keys[0].face.name.clone();
         wearer.hover(&first);
         wearer.stay(400);
-        assert_eq!(wearer.pipeline.state(), State::Running);
+        assert_eq!(wearer.pipeline.state(), PipelineState::Running);
         wearer
     }
 
@@ -71,7 +71,7 @@ impl Wearer {
     fn go(&mut self, tip: Vec3) {
         let map = &self.assembly.glove.map;
         let hand = TypingHand::new(&self.assembly.arm, map);
-        let mut values = hand.rest();
+        let mut values = hand.rest_values();
         let miss = hand.reach(tip, &mut values, &[]);
         assert!(miss < 1e-3, "{tip} is {miss} m out of reach");
         let angles = hand.angles(&values);
@@ -79,7 +79,7 @@ impl Wearer {
         let mut counts: arrayvec::ArrayVec<u16, MAX_CHANNELS> =
             (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
         for row in map.rows().iter().rev() {
-            let exact = row.line.reading(angles.get(row.dof)).round();
+            let exact = row.calibration.apply_inverse(angles.get(row.dof)).round();
             counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
         }
         self.shown = Channels { full_scale, counts };
@@ -87,9 +87,9 @@ impl Wearer {
 
     /// Where the fingertip is over a key of a scene, and at its bottom.
     fn over(&self, layout: &Layout, scene: &Scene, key: &str) -> [Vec3; 2] {
-        let target = layout.key(key).expect("a key").front.target;
+        let target = layout.key(key).expect("a key").face.target;
         let hand = TypingHand::new(&self.assembly.arm, &self.assembly.glove.map);
-        let stroke = hand.stroke(scene, target).expect("within reach");
+        let stroke = hand.tap_path(scene, target).expect("within reach");
         [stroke.hover, stroke.bottom]
     }
 
@@ -131,23 +131,23 @@ impl Wearer {
         self.stay(200);
     }
 
-    fn nudge(&mut self, by: Vec3) -> Result<(), Refusal> {
+    fn nudge(&mut self, by: Vec3) -> Result<(), CommandError> {
         let mut events = Events::new();
         let nudged = self.pipeline.nudge(by, &mut events);
         self.write(&events);
         nudged
     }
 
-    fn place(&self) -> Place {
-        self.pipeline.places().next().expect("a board")
+    fn place(&self) -> BoardPose {
+        self.pipeline.board_poses().next().expect("a board")
     }
 
     fn write(&mut self, events: &Events) {
         for event in events {
-            self.transcript.push(match event.action {
-                Action::KeyDown(key) => format!("+{key}"),
-                Action::KeyUp(key) => format!("-{key}"),
-                Action::Ask(request) => format!("{request:?}"),
+            self.transcript.push(match event.kind {
+                EventKind::KeyDown(key) => format!("+{key}"),
+                EventKind::KeyUp(key) => format!("-{key}"),
+                EventKind::Ask(request) => format!("{request:?}"),
                 other => panic!("{other:?} comes of no key"),
             });
         }
@@ -188,7 +188,7 @@ fn a_held_key_comes_up_before_its_board_moves_and_the_finger_has_to_leave() {
     assert_eq!(wearer.said(), "-B");
     wearer.stay(1_000);
     assert_eq!(wearer.said(), "", "the finger is in C now");
-    assert_eq!(wearer.pipeline.state(), State::Running);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer.tap("B");
     assert_eq!(wearer.said(), "+C -C");
 }
@@ -204,14 +204,14 @@ fn a_place_that_no_file_can_say_is_refused_and_nothing_is_let_go_of() {
     for far in [3.0, -3.0, f32::NAN, f32::INFINITY] {
         assert_eq!(
             wearer.nudge(Vec3::new(0.0, 0.0, -far)),
-            Err(Refusal::TooFar(1))
+            Err(CommandError::TooFar(1))
         );
     }
     let mut events = Events::new();
     assert!(wearer.pipeline.tilt(f32::NAN, &mut events).is_err());
     for steep in [1.7, -1.7] {
         let tilted = wearer.pipeline.tilt(steep, &mut events);
-        assert_eq!(tilted, Err(Refusal::TooSteep(1)));
+        assert_eq!(tilted, Err(CommandError::TooSteep(1)));
     }
     assert!(events.is_empty());
     assert_eq!(wearer.said(), "+B");
@@ -243,7 +243,7 @@ fn a_board_comes_below_the_index_fingertip_of_a_hand_that_went_elsewhere() {
     wearer.hover("A");
     wearer.stay(300);
     let mut events = Events::new();
-    assert_eq!(wearer.pipeline.recentre(&mut events), Ok(()));
+    assert_eq!(wearer.pipeline.recenter(&mut events), Ok(()));
     let place = wearer.place();
     let [middle, height] = [2.0 * PITCH, -0.045];
     // A count of the glove is some millimetres at the fingertip.
@@ -266,9 +266,9 @@ fn boards_of_one_hand_keep_their_arrangement_when_they_are_brought_to_it() {
     wearer.pipeline = wearer.assembly.pipeline();
     wearer.hover("A");
     wearer.stay(600);
-    let before: Vec<Place> = wearer.pipeline.places().collect();
-    assert_eq!(wearer.pipeline.recentre(&mut Events::new()), Ok(()));
-    let after: Vec<Place> = wearer.pipeline.places().collect();
+    let before: Vec<BoardPose> = wearer.pipeline.board_poses().collect();
+    assert_eq!(wearer.pipeline.recenter(&mut Events::new()), Ok(()));
+    let after: Vec<BoardPose> = wearer.pipeline.board_poses().collect();
     let moved = |board: usize| after[board].right - before[board].right;
     assert!(moved(0) < -0.03, "{}", moved(0));
     assert!((moved(0) - moved(1)).abs() < 1e-6);
@@ -279,16 +279,19 @@ fn a_board_comes_to_no_hand_that_is_not_seen() {
     let mut wearer = Wearer::of(&text("", "A B C D E"));
     let mut events = Events::new();
     wearer.pipeline.stall(&mut events);
-    let refused = wearer.pipeline.recentre(&mut events);
-    assert_eq!(refused, Err(Refusal::NoHand));
+    let refused = wearer.pipeline.recenter(&mut events);
+    assert_eq!(refused, Err(CommandError::NoHand));
     let unseen = &mut wearer.assembly.pipeline();
-    assert_eq!(unseen.recentre(&mut events), Err(Refusal::NoHand));
+    assert_eq!(unseen.recenter(&mut events), Err(CommandError::NoHand));
     let left = text("", "A B C D E").replace("boards: [(", "boards: [(hand: \"left\", ");
     wearer.assembly.layout = parsed(&left);
     wearer.pipeline = wearer.assembly.pipeline();
     wearer.stay(100);
-    let refused = wearer.pipeline.recentre(&mut events);
-    assert_eq!(refused, Err(Refusal::NoBoard(ademan::hand::Side::Right)));
+    let refused = wearer.pipeline.recenter(&mut events);
+    assert_eq!(
+        refused,
+        Err(CommandError::NoBoard(ademan::hand::Side::Right))
+    );
 }
 
 #[test]
@@ -321,7 +324,7 @@ fn each_profile_keeps_its_own_moves() {
     };
     let mut wearer = Wearer::with(Setup {
         layout: file("a.ron"),
-        profiles: vec![NamedLayout {
+        profiles: vec![ProfileSetup {
             name: "other".into(),
             layout: file("b.ron"),
         }],
@@ -329,12 +332,12 @@ fn each_profile_keeps_its_own_moves() {
     });
     let mut events = Events::new();
     assert_eq!(wearer.nudge(along_rows(-PITCH)), Ok(()));
-    wearer.pipeline.switch_to(1, &mut events);
+    wearer.pipeline.switch_profile(1, &mut events);
     wearer.tap("B");
-    wearer.pipeline.switch_to(0, &mut events);
+    wearer.pipeline.switch_profile(0, &mut events);
     wearer.tap("B");
     let mut fresh = wearer.assembly.controls(&wearer.assembly.layout).unwrap();
-    wearer.pipeline.replace(0, &mut fresh, &mut events);
+    wearer.pipeline.replace_profile(0, &mut fresh, &mut events);
     wearer.tap("B");
     assert_eq!(wearer.said(), "+B -B +C -C +B -B");
 }
@@ -443,16 +446,16 @@ fn keys_of_a_cylinder_face_its_axis_and_are_typed() {
         let surface = &layout.scene.surfaces()[0];
         let board = &layout.boards[0];
         for key in &layout.keys {
-            let pose = surface
-                .target(key.front.target)
-                .unwrap()
-                .surface_from_target;
+            let pose = surface.target(key.face.target).unwrap().surface_from_target;
             let on_axis = Vec3::Z * 0.12 + axis * pose.translation.dot(axis);
             let facing = on_axis - pose.translation;
             assert!((facing.length() - 0.12).abs() < 1e-6);
             assert!((facing.normalize() - pose.rotation * Vec3::Z).length() < 1e-5);
-            let over = board.over(pose.transform_point(Vec3::Z * 0.01));
-            assert!((over - key.front.at.extend(0.01)).length() < 1e-6, "{over}");
+            let over = board.unbend(pose.transform_point(Vec3::Z * 0.01));
+            assert!(
+                (over - key.face.row_position.extend(0.01)).length() < 1e-6,
+                "{over}"
+            );
         }
         let text = layout.text.clone();
         let mut wearer = Wearer::of(&text);
@@ -468,7 +471,7 @@ fn a_key_stands_out_of_its_board_and_turns_as_it_says() {
     let own = "keys: [(code: \"Z\", at_mm: (0, 60), lift_mm: 12, turn_deg: (30, 0, 90)), \
                (code: \"Y\", at_mm: (0, 60))], rows:";
     let layout = parsed(&text("", "A B C D E").replace("rows:", own));
-    let target = layout.key("Z").unwrap().front.target;
+    let target = layout.key("Z").unwrap().face.target;
     let pose = layout.scene.target(target).unwrap().1.surface_from_target;
     assert!((pose.translation - Vec3::new(0.0, 0.06, 0.012)).length() < 1e-6);
     // About x first: the normal leans to −Y; then about z: to +X.
@@ -490,10 +493,10 @@ fn a_scale_makes_what_is_on_a_board_larger_and_leaves_the_board_where_it_is() {
     let origin = |layout: &Layout| layout.scene.surfaces()[0].anchor_from_surface();
     assert_eq!(origin(&once), origin(&larger));
     for (key, scaled) in once.keys.iter().zip(&larger.keys) {
-        assert!((key.front.at * 1.5 - scaled.front.at).length() < 1e-6);
-        let (half, large) = (&key.front.outline, &scaled.front.outline);
+        assert!((key.face.row_position * 1.5 - scaled.face.row_position).length() < 1e-6);
+        let (half, large) = (&key.face.outline, &scaled.face.outline);
         assert!((half.half_extents() * 1.5 - large.half_extents()).length() < 1e-6);
-        let (_, target) = larger.scene.target(scaled.front.target).unwrap();
+        let (_, target) = larger.scene.target(scaled.face.target).unwrap();
         assert_eq!(target.travel, 0.004);
     }
 }

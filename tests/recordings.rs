@@ -7,14 +7,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use ademan::capture::recording::{RecordedSetup, Replay};
-use ademan::capture::{Capture, CaptureError, Channels, Reading, Sample, Source};
+use ademan::capture::{CaptureError, Channels, Reading, Sample, Source, SourceEvent};
 use ademan::contact::{Phase, TargetId, TargetNames, Touch, Touches};
-use ademan::device::{Action, Events, OutputEvent};
+use ademan::device::{EventKind, Events, OutputEvent};
 use ademan::estimate::JointAngles;
 use ademan::hand::{Dof, Finger, Joint, Side};
 use ademan::kinematics::HandPose;
-use ademan::monitor::{Snapshot, State, Tally};
 use ademan::recorder::Recorder;
+use ademan::snapshot::{PipelineState, Snapshot, Stats};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec2, Vec3};
 
@@ -35,9 +35,9 @@ fn reading(number: u64) -> Reading {
 fn snapshot(number: u64) -> Snapshot {
     let reading = reading(number);
     let time = reading.time;
-    let mut angles = JointAngles::at(time);
+    let mut angles = JointAngles::new(time);
     angles.set(Dof::WristFlexion, number as f64 * 0.01);
-    let mut pose = HandPose::at(time, Side::Right, 0.008);
+    let mut pose = HandPose::new(time, Side::Right, 0.008);
     let wrist = Pose::from_translation(Vec3::new(0.1, 0.2, -0.3));
     pose.set(Joint::Wrist, wrist);
     let touch = Touch {
@@ -45,25 +45,25 @@ fn snapshot(number: u64) -> Snapshot {
         side: Side::Right,
         finger: Finger::Index,
         target: TargetId(3),
-        phase: Phase::Held,
+        phase: Phase::Moved,
         depth: 0.25,
-        at: Vec2::new(0.001, -0.002),
+        position: Vec2::new(0.001, -0.002),
     };
     let event = OutputEvent {
         time,
-        action: Action::KeyDown("Q".parse().unwrap()),
+        kind: EventKind::KeyDown("Q".parse().unwrap()),
     };
     Snapshot {
         profile: 0,
-        names: TargetNames::default(),
-        state: State::Running,
+        target_names: TargetNames::default(),
+        state: PipelineState::Running,
         is_paused: false,
         reading: Some(reading),
         angles: Some(angles),
         pose: Some(pose),
         touches: Touches::from_iter([touch]),
         events: Events::from_iter([event]),
-        tally: Tally::default(),
+        stats: Stats::default(),
     }
 }
 
@@ -93,11 +93,11 @@ fn readings(mut replay: Replay<impl Read + Send>) -> (Vec<Reading>, Option<Captu
     let mut readings = Vec::new();
     loop {
         match replay.next() {
-            Ok(Capture::Reading(reading)) => readings.push(reading),
-            Ok(Capture::Quiet) => {}
-            Ok(Capture::End) => return (readings, None),
+            Ok(SourceEvent::Reading(reading)) => readings.push(reading),
+            Ok(SourceEvent::Idle) => {}
+            Ok(SourceEvent::End) => return (readings, None),
             Err(error) => {
-                assert_eq!(replay.next().unwrap(), Capture::End, "after {error}");
+                assert_eq!(replay.next().unwrap(), SourceEvent::End, "after {error}");
                 return (readings, Some(error));
             }
         }
@@ -109,16 +109,18 @@ fn all_of(mut replay: Replay<impl Read + Send>) -> (u64, Option<String>) {
     let mut readings = 0;
     loop {
         match replay.next() {
-            Ok(Capture::Reading(_)) => readings += 1,
-            Ok(Capture::Quiet) => {}
-            Ok(Capture::End) => return (readings, replay.cut().map(|cut| format!("{cut:?}"))),
+            Ok(SourceEvent::Reading(_)) => readings += 1,
+            Ok(SourceEvent::Idle) => {}
+            Ok(SourceEvent::End) => {
+                return (readings, replay.truncation().map(|cut| format!("{cut:?}")));
+            }
             Err(error) => return (readings, Some(error.to_string())),
         }
     }
 }
 
 fn replay(bytes: &[u8]) -> Result<Replay<Cursor<Vec<u8>>>, CaptureError> {
-    Replay::read("recording:a.mcap", Cursor::new(bytes.to_vec()))
+    Replay::from_reader("recording:a.mcap", Cursor::new(bytes.to_vec()))
 }
 
 fn error(bytes: &[u8]) -> String {
@@ -173,9 +175,9 @@ fn what_is_recorded_comes_back_as_it_was() {
 fn a_whole_recording_is_not_cut_and_its_bytes_are_accounted_for() {
     let bytes = recorded();
     let mut replay = replay(&bytes).unwrap();
-    while replay.next().unwrap() != Capture::End {}
-    assert_eq!(replay.cut(), None);
-    let counts = replay.counts();
+    while replay.next().unwrap() != SourceEvent::End {}
+    assert_eq!(replay.truncation(), None);
+    let counts = replay.stats();
     assert_eq!(
         (counts.readings, counts.bytes),
         (READINGS, bytes.len() as u64)
@@ -201,18 +203,20 @@ fn a_recording_cut_anywhere_gives_every_whole_reading_before_the_cut() {
     for cut in cuts {
         let mut replay = replay(&bytes[..cut]).unwrap_or_else(|error| panic!("{cut}: {error}"));
         let mut count = 0;
-        while let Capture::Reading(found) = replay.next().unwrap() {
+        while let SourceEvent::Reading(found) = replay.next().unwrap() {
             assert_eq!(found, reading(count), "cut at {cut}");
             count += 1;
         }
         let whole = messages.iter().filter(|(_, end)| *end <= cut).count();
         assert_eq!(count, whole as u64, "cut at {cut}");
 
-        let told = replay.cut().unwrap_or_else(|| panic!("cut at {cut}"));
+        let told = replay
+            .truncation()
+            .unwrap_or_else(|| panic!("cut at {cut}"));
         let before = ends.iter().rfind(|end| **end <= cut).copied();
         let before = before.unwrap_or(if cut < 8 { 0 } else { 8 }) as u64;
         assert_eq!(told.offset, before, "cut at {cut}");
-        assert_eq!(replay.counts().skipped_bytes, cut as u64 - before);
+        assert_eq!(replay.stats().skipped_bytes, cut as u64 - before);
     }
 }
 
@@ -338,9 +342,9 @@ fn an_endless_recording_is_read_piece_by_piece() {
         head: Cursor::new(bytes[..end].to_vec()),
         body: bytes[start..end].to_vec(),
     };
-    let mut replay = Replay::read("recording:-", endless).unwrap();
+    let mut replay = Replay::from_reader("recording:-", endless).unwrap();
     for _ in 0..10_000 {
-        assert_eq!(replay.next().unwrap(), Capture::Reading(reading(0)));
+        assert_eq!(replay.next().unwrap(), SourceEvent::Reading(reading(0)));
     }
 }
 
@@ -364,8 +368,8 @@ fn a_recording_that_is_not_finished_is_readable_up_to_the_last_frame() {
     assert_eq!(found, [reading(0)]);
     drop(recorder);
     let mut replay = Replay::open(&path).unwrap();
-    while replay.next().unwrap() != Capture::End {}
-    assert_eq!(replay.cut(), None);
+    while replay.next().unwrap() != SourceEvent::End {}
+    assert_eq!(replay.truncation(), None);
 }
 
 #[test]
@@ -398,8 +402,8 @@ fn a_recording_keeps_the_pace_of_its_source() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("slow.mcap");
     let period = Duration::from_micros(68_750);
-    let setup = RecordedSetup::default().with_frame_period(Some(period));
+    let setup = RecordedSetup::default().with_packet_period(Some(period));
     let recorder = Recorder::create(&path, &setup).unwrap();
     recorder.finish().unwrap();
-    assert_eq!(Replay::open(&path).unwrap().frame_period(), Some(period));
+    assert_eq!(Replay::open(&path).unwrap().packet_period(), Some(period));
 }

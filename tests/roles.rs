@@ -5,7 +5,7 @@ mod support;
 
 use std::thread;
 
-use ademan::control::Caller;
+use ademan::control::Client;
 use serde_json::Value;
 use support::binary::ademan;
 use support::run::{ARMED, MOVE, Run};
@@ -15,8 +15,8 @@ const SILENT: &str = "stall_ms: 10000";
 
 fn ask(run: &Run, request: &str) -> Value {
     let socket = run.folder.path().join("c.sock");
-    let mut caller = Caller::connect(&socket).expect("the run listens");
-    let answer = caller.ask(request).expect("there is an answer");
+    let mut caller = Client::connect(&socket).expect("the run listens");
+    let answer = caller.request(request).expect("there is an answer");
     serde_json::from_str(&answer).expect("it is JSON")
 }
 

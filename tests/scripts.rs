@@ -3,39 +3,39 @@
 #[path = "support/judged.rs"]
 mod judged;
 
-use ademan::capture::{Capture, LineSettings, Source};
+use ademan::capture::{Source, SourceEvent, StreamOptions};
 use ademan::device::Events;
 use ademan::hand::Finger;
 use ademan::kinematics::HandPose;
-use ademan::lab::Typist;
 use ademan::output::{Sink, Transcript};
-use ademan::settings::{Assembly, Hand, Setup};
+use ademan::setup::{ArmSetup, LoadedSetup, Setup};
+use ademan::sim::SimulatedTypist;
 use judged::Judged;
 use parry3d::math::Vec3;
 
-fn assembly(layout: &str) -> Assembly {
+fn assembly(layout: &str) -> LoadedSetup {
     let setup = Setup {
         layout: layout.into(),
         ..Setup::default()
     };
-    setup.assemble().expect("a shipped layout")
+    setup.load_files().expect("a shipped layout")
 }
 
-fn hand(assembly: &Assembly, script: &str) -> Result<Typist, String> {
-    let hand = assembly.scripted(script, &LineSettings::default(), 0.0, 0);
+fn hand(assembly: &LoadedSetup, script: &str) -> Result<SimulatedTypist, String> {
+    let hand = assembly.scripted(script, &StreamOptions::default(), 0.0, 0);
     hand.map_err(|error| error.to_string())
 }
 
 /// What comes out of a script: the poses of the hand, and the lines of the transcript.
-fn play(assembly: &Assembly, script: &str) -> (Vec<HandPose>, Vec<String>) {
+fn play(assembly: &LoadedSetup, script: &str) -> (Vec<HandPose>, Vec<String>) {
     let mut hand = hand(assembly, script).unwrap_or_else(|error| panic!("{error}"));
     let mut pipeline = Judged::of(assembly);
     let mut lines = Vec::new();
     let mut transcript = Transcript::new("test", &mut lines);
-    transcript.rename(&assembly.layout.target_names());
+    transcript.set_target_names(&assembly.layout.target_names());
     let mut poses = Vec::new();
     let mut events = Events::new();
-    while let Ok(Capture::Reading(reading)) = hand.next() {
+    while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         events.clear();
         let frame = pipeline.step(&reading, &mut events);
         let frame = frame.unwrap_or_else(|reason| panic!("{reason} at {:?}", reading.time));
@@ -64,12 +64,12 @@ fn keys(layout: &str, script: &str) -> Vec<String> {
 }
 
 /// Where the pad of the index finger is in the frame of a key, in each pose, in metres.
-fn on_key(assembly: &Assembly, name: &str, poses: &[HandPose]) -> Vec<Vec3> {
+fn on_key(assembly: &LoadedSetup, name: &str, poses: &[HandPose]) -> Vec<Vec3> {
     let key = assembly.layout.key(name).expect("the layout has it");
     let (surface, target) = assembly
         .layout
         .scene
-        .target(key.front.target)
+        .target(key.face.target)
         .expect("a target");
     let pad = |pose: &HandPose| {
         let world_from_surface = surface.world_from_surface(pose).expect("an elbow");
@@ -236,14 +236,14 @@ fn thumb_and_index_finger_meet_stay_together_and_part() {
 fn small_and_large_hands_pinch_wherever_they_point() {
     for hand_length_mm in [165.0, 190.0, 205.0] {
         let setup = Setup {
-            hand: Hand::Measured {
+            arm: ArmSetup::Measured {
                 hand_length_mm,
                 forearm_length_mm: hand_length_mm * 1.34,
             },
             layout: "arrows".into(),
             ..Setup::default()
         };
-        let assembly = setup.assemble().expect("a person of these measures");
+        let assembly = setup.load_files().expect("a person of these measures");
         for place in ["100 -100 -280", "150 -40 -300", "120 -70 -300"] {
             let script = format!("point {place}; pinch; wait 500; unpinch; wait 500");
             let (poses, _) = play(&assembly, &script);
@@ -318,7 +318,7 @@ fn a_script_plays_the_same_every_time() {
     let assembly = assembly("numpad");
     let counts = || {
         let mut hand = assembly
-            .scripted(script, &LineSettings::default(), 1.5, 3)
+            .scripted(script, &StreamOptions::default(), 1.5, 3)
             .unwrap();
         std::iter::from_fn(move || hand.next_counts()).collect::<Vec<_>>()
     };
@@ -333,10 +333,10 @@ fn a_script_is_a_source_in_a_file_too() {
     let assembly = assembly("numpad");
     let name = format!("script:{}", path.display());
     let source = assembly
-        .open(&name.parse().expect("a source"))
+        .open_source(&name.parse().expect("a source"))
         .expect("it opens");
     assert_eq!(source.name(), name);
-    let missing = assembly.open(&"script:none.txt".parse().expect("a source"));
+    let missing = assembly.open_source(&"script:none.txt".parse().expect("a source"));
     let error = missing.err().expect("no such file").to_string();
     assert_eq!(error, "none.txt: there is no such file");
 }

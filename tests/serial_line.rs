@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-use ademan::capture::hc11::{BODY_BYTES, FRAME_BYTES, Framing, encode};
+use ademan::capture::hc11::{BODY_BYTES, Framing, PACKET_BYTES, encode};
 use ademan::capture::{
-    Arrival, Capture, CaptureError, LineSettings, Sample, Source, SourceName, on_thread, open,
-    open_wire,
+    CaptureError, CaptureEvent, Sample, Source, SourceEvent, SourceUri, StreamOptions, open,
+    open_loopback, spawn,
 };
 use random::Random;
 use serialport::{SerialPort, TTYPort};
@@ -66,12 +66,12 @@ impl Port {
         master.write_all(bytes).expect("the terminal takes bytes");
     }
 
-    fn name(&self, baud: u32) -> SourceName {
+    fn name(&self, baud: u32) -> SourceUri {
         name(&self.path(), baud)
     }
 }
 
-fn name(path: &Path, baud: u32) -> SourceName {
+fn name(path: &Path, baud: u32) -> SourceUri {
     let text = format!("serial:{}?protocol=hc11&baud={baud}", path.display());
     text.parse().expect("the name of a source")
 }
@@ -95,13 +95,13 @@ fn body(sample: &Sample) -> Vec<u8> {
     }
 }
 
-fn next(source: &mut dyn Source) -> Result<Capture, CaptureError> {
+fn next(source: &mut dyn Source) -> Result<SourceEvent, CaptureError> {
     next_within(source, LIMIT)
 }
 
 fn next_body(source: &mut dyn Source) -> Vec<u8> {
     match next(source) {
-        Ok(Capture::Reading(reading)) => body(&reading.sample),
+        Ok(SourceEvent::Reading(reading)) => body(&reading.sample),
         other => panic!("no reading: {other:?}"),
     }
 }
@@ -168,10 +168,10 @@ fn every_frame_arrives_at_the_pace_of(baud: u32, frames: usize) {
 
     let mut last_time = None;
     for (number, expected) in sent.iter().enumerate() {
-        let Ok(Capture::Reading(reading)) = next(&mut *source) else {
+        let Ok(SourceEvent::Reading(reading)) = next(&mut *source) else {
             panic!("no frame {number}");
         };
-        let counts = source.counts();
+        let counts = source.stats();
         assert_eq!(body(&reading.sample), expected, "frame {number}");
         assert_eq!(counts.readings as usize, number + 1);
         assert!(
@@ -180,7 +180,7 @@ fn every_frame_arrives_at_the_pace_of(baud: u32, frames: usize) {
         );
         last_time = Some(reading.time);
         // The source was opened before the first byte was sent: no frame can have been complete earlier.
-        let complete = wire_time(noise.len() + (number + 1) * FRAME_BYTES);
+        let complete = wire_time(noise.len() + (number + 1) * PACKET_BYTES);
         let stamped = Duration::from_micros(reading.time.0);
         assert!(
             stamped + Duration::from_millis(1) >= complete,
@@ -209,7 +209,7 @@ fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_device() {
     let bytes = stream(&sent);
     let mut port = Port::plugged_in();
     let mut source = open(&port.name(115_200)).unwrap();
-    port.send(&bytes[..FRAME_BYTES + 40]);
+    port.send(&bytes[..PACKET_BYTES + 40]);
     assert_eq!(next_body(&mut *source), sent[0]);
 
     port.unplug();
@@ -224,7 +224,7 @@ fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_device() {
     let start = Instant::now();
     while start.elapsed() < Duration::from_millis(500) {
         let asked = Instant::now();
-        assert_eq!(source.next().unwrap(), Capture::Quiet);
+        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
         assert!(
             asked.elapsed() < Duration::from_secs(2),
             "asked in vain for {:?}",
@@ -235,14 +235,14 @@ fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_device() {
     port.plug_in();
     let start = Instant::now();
     while logged(&port, "is back as") == 0 && start.elapsed() < LIMIT {
-        assert_eq!(source.next().unwrap(), Capture::Quiet);
+        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
     }
     // The rest of the frame that was cut, and whole frames.
-    port.send(&bytes[FRAME_BYTES + 40..]);
+    port.send(&bytes[PACKET_BYTES + 40..]);
     port.send(&[6, 6]);
     assert_eq!(next_body(&mut *source), sent[2]);
     assert_eq!(next_body(&mut *source), sent[3]);
-    assert_eq!(source.counts().losses, 1);
+    assert_eq!(source.stats().losses, 1);
     assert_eq!(logged(&port, "is back as"), 1);
 }
 
@@ -250,15 +250,15 @@ fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_device() {
 fn a_loss_is_told_within_50_ms() {
     let lose = || {
         let mut port = Port::plugged_in();
-        let captured = on_thread(open(&port.name(9600)).unwrap()).unwrap();
+        let captured = spawn(open(&port.name(9600)).unwrap()).unwrap();
         std::thread::sleep(Duration::from_millis(20));
         let start = Instant::now();
         port.unplug();
         let arrival = captured
-            .arrivals()
+            .events()
             .recv_timeout(LIMIT)
             .expect("news of the loss");
-        assert!(matches!(arrival, Arrival::Lost(_)), "{arrival:?}");
+        assert!(matches!(arrival, CaptureEvent::Lost(_)), "{arrival:?}");
         start.elapsed()
     };
     // The best of some: a busy machine may let any one wait.
@@ -310,7 +310,7 @@ fn garbage_for_two_seconds_is_warned_of_once() {
     let start = Instant::now();
     while start.elapsed() < Duration::from_secs(3) {
         port.send(&[random.byte(), 0]);
-        assert_eq!(source.next().unwrap(), Capture::Quiet);
+        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
         std::thread::sleep(Duration::from_millis(5));
         if start.elapsed() < Duration::from_millis(1900) {
             assert_eq!(logged(&port, "no valid frame"), 0);
@@ -336,7 +336,7 @@ fn a_megabyte_of_noise_gives_no_frame_and_the_next_frames_do() {
     });
     assert_eq!(next_body(&mut *source), sent[0]);
     assert_eq!(next_body(&mut *source), sent[1]);
-    let counts = source.counts();
+    let counts = source.stats();
     assert_eq!(
         (counts.skipped_bytes, counts.readings, counts.resyncs),
         (NOISE as u64, 2, 1)
@@ -346,7 +346,7 @@ fn a_megabyte_of_noise_gives_no_frame_and_the_next_frames_do() {
 
 #[test]
 fn a_wire_that_nobody_reads_takes_bytes_all_the_same() {
-    let mut wire = open_wire(LineSettings::default()).unwrap();
+    let mut wire = open_loopback(StreamOptions::default()).unwrap();
     // More than the terminal holds, 70 kB on Linux.
     wire.writer.write_all(&[0; 90_000]).unwrap();
 }
@@ -382,23 +382,23 @@ fn a_terminal_that_got_the_number_of_a_lost_one_is_left_alone() {
     while start.elapsed() < Duration::from_millis(1500) {
         let _ = shell.write(&stream(&bodies));
         let news = source.next();
-        assert!(matches!(news, Ok(Capture::Quiet)), "{news:?}");
+        assert!(matches!(news, Ok(SourceEvent::Idle)), "{news:?}");
     }
 }
 
 #[test]
 fn a_wire_is_a_serial_port_whose_cable_is_its_writer() {
     let sent = bodies(&mut Random::new(8), 3);
-    let mut wire = open_wire(LineSettings::default()).unwrap();
-    assert!(matches!(wire.source, SourceName::Serial { .. }));
-    let mut source = open(&wire.source).unwrap();
+    let mut wire = open_loopback(StreamOptions::default()).unwrap();
+    assert!(matches!(wire.uri, SourceUri::Serial { .. }));
+    let mut source = open(&wire.uri).unwrap();
     wire.writer.write_all(&stream(&sent)).unwrap();
     assert_eq!(next_body(&mut *source), sent[0]);
     assert_eq!(next_body(&mut *source), sent[1]);
     drop(wire.writer);
     let error = next(&mut *source).unwrap_err();
     assert!(matches!(error, CaptureError::Lost { .. }), "{error}");
-    let SourceName::Serial { port, .. } = &wire.source else {
+    let SourceUri::Serial { port, .. } = &wire.uri else {
         panic!("not serial");
     };
     assert!(!Path::new(port).is_symlink(), "the port keeps its name");

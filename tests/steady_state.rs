@@ -7,20 +7,22 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
-use ademan::capture::hc11::{self, Decoder, Framing, encode};
-use ademan::capture::{LineSettings, Reading, Sample};
+use ademan::capture::hc11::{self, Framing, Hc11Decoder, encode};
+use ademan::capture::{Reading, Sample, StreamOptions};
 use ademan::contact::{Phase, TargetId, Touch, Touches};
 use ademan::device::keyboard::Keyboard;
-use ademan::device::{Action, Axis, Events, Out, OutputEvent, Seen, Switchboard, VirtualDevice};
+use ademan::device::{
+    Axis, DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, OutputEvent, VirtualDevice,
+};
 use ademan::estimate::{JointAngles, Rejection};
 use ademan::hand::{Dof, Finger, Joint, Side};
 use ademan::kinematics::HandPose;
-use ademan::lab::Typist;
 use ademan::layout::Layout as Keys;
-use ademan::monitor::State;
 use ademan::pipeline::Pipeline;
-use ademan::runtime::drive;
-use ademan::settings::{Assembly, Setup, controls};
+use ademan::session::run_pipeline;
+use ademan::setup::{LoadedSetup, Setup, controls};
+use ademan::sim::SimulatedTypist;
+use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
@@ -68,7 +70,7 @@ fn frees() -> u64 {
 }
 
 /// The bytes of a glove that types.
-fn stream(mut typist: Typist) -> Vec<u8> {
+fn stream(mut typist: SimulatedTypist) -> Vec<u8> {
     let mut bytes = Vec::new();
     while let Some(counts) = typist.next_counts() {
         let mut body = [0; 64];
@@ -86,9 +88,9 @@ fn boards_that_move_or_drift_allocate_nothing() {
                 bearing_deg: 35, forward_mm: 300, height_mm: -145), \
                 rows: [(at_mm: (0, 0), keys: \"A B C\")])])";
     let mut assembly = Setup::default()
-        .assemble()
+        .load_files()
         .expect("the default setup is there");
-    let typist = assembly.typist("h", &LineSettings::default(), 0.0, 0);
+    let typist = assembly.typist("h", &StreamOptions::default(), 0.0, 0);
     let counts = typist.expect("h can be typed").next_counts();
     let counts = counts.expect("it begins over the key");
     let body: [u8; 64] = std::array::from_fn(|channel| counts[channel] as u8);
@@ -109,17 +111,17 @@ fn boards_that_move_or_drift_allocate_nothing() {
     for frame in 1..40 {
         allocated += step(&mut pipeline, frame);
     }
-    assert_eq!(pipeline.state(), State::Running);
-    let rest = pipeline.places().next();
+    assert_eq!(pipeline.state(), PipelineState::Running);
+    let rest = pipeline.board_poses().next();
     for frame in 40..100 {
         allocated += step(&mut pipeline, frame);
     }
-    assert_ne!(pipeline.places().next(), rest, "it drifts");
+    assert_ne!(pipeline.board_poses().next(), rest, "it drifts");
     let mut events = Events::new();
     let before = allocations();
     let nudged = pipeline.nudge(Vec3::splat(0.01), &mut events);
     let tilted = pipeline.tilt(0.1, &mut events);
-    let brought = pipeline.recentre(&mut events);
+    let brought = pipeline.recenter(&mut events);
     allocated += allocations() - before;
     assert_eq!([nudged, tilted, brought], [Ok(()); 3]);
     assert_eq!(allocated, 0);
@@ -128,13 +130,13 @@ fn boards_that_move_or_drift_allocate_nothing() {
 #[test]
 fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
     let assembly = Setup::default()
-        .assemble()
+        .load_files()
         .expect("the default setup is there");
     let text = "Steady State!";
-    let typist = assembly.typist(text, &LineSettings::default(), 0.5, 7);
+    let typist = assembly.typist(text, &StreamOptions::default(), 0.5, 7);
     let bytes = stream(typist.expect("the text can be typed"));
     let mut pipeline = assembly.pipeline();
-    let mut decoder = Decoder::new(Framing::Double06);
+    let mut decoder = Hc11Decoder::new(Framing::Double06);
     let mut events = Events::new();
     let (mut frames, mut sent) = (0, 0);
 
@@ -164,8 +166,8 @@ fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
 }
 
 /// The readings of a hand that types `text`, 5.7 ms apart.
-fn readings(assembly: &Assembly, text: &str) -> Vec<Reading> {
-    let typist = assembly.typist(text, &LineSettings::default(), 0.5, 7);
+fn readings(assembly: &LoadedSetup, text: &str) -> Vec<Reading> {
+    let typist = assembly.typist(text, &StreamOptions::default(), 0.5, 7);
     let mut typist = typist.expect("the text can be typed");
     let mut readings = Vec::new();
     while let Some(counts) = typist.next_counts() {
@@ -194,7 +196,7 @@ fn play(pipeline: &mut Pipeline, readings: &mut [Reading], later: u64) -> usize 
 
 #[test]
 fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
-    let setup = Setup::default().assemble().expect("the default setup");
+    let setup = Setup::default().load_files().expect("the default setup");
     let mut typing = readings(&setup, "ab");
     let mut pipeline = setup.pipeline();
     let mut impossible = typing[200].clone();
@@ -238,12 +240,12 @@ fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
     let allocated = allocations() - before;
 
     assert_eq!([typed, typed_again, typed_after_a_gap], [4; 3]);
-    assert_eq!(stalled, State::Stalled);
+    assert_eq!(stalled, PipelineState::Stalled);
     assert_eq!(pipeline.stalls(), 2);
     for reason in [
-        Rejection::Shape,
+        Rejection::WrongShape,
         Rejection::Stale,
-        Rejection::Impossible,
+        Rejection::OutsideLimits,
         Rejection::TooFast,
     ] {
         assert!(pipeline.rejected()[reason.index()] > 0, "{reason}");
@@ -253,21 +255,21 @@ fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
 
 fn update(
     keyboard: &mut Keyboard,
-    switchboard: &mut Switchboard,
+    switchboard: &mut KeyArbiter,
     pose: &HandPose,
     touches: &[Touch],
     events: &mut Events,
 ) {
-    let seen = Seen {
+    let seen = DeviceInput {
         scene: &ademan::contact::surface::Scene::new(),
-        angles: &JointAngles::at(pose.time),
+        angles: &JointAngles::new(pose.time),
         pose,
         touches,
     };
     keyboard.update(
         &seen,
-        &mut Out {
-            switchboard,
+        &mut DeviceOutput {
+            arbiter: switchboard,
             events,
         },
     );
@@ -275,15 +277,15 @@ fn update(
 
 fn release_all(
     keyboard: &mut Keyboard,
-    switchboard: &mut Switchboard,
+    switchboard: &mut KeyArbiter,
     time: Timestamp,
     events: &mut Events,
 ) {
     switchboard.release_all(time, events);
     keyboard.release_all(
         time,
-        &mut Out {
-            switchboard,
+        &mut DeviceOutput {
+            arbiter: switchboard,
             events,
         },
     );
@@ -299,9 +301,9 @@ fn every_option_of_a_key_allocates_nothing() {
         (layer: "l", latch: Lock, at_mm: (80, 0)),
     ])], layers: [(name: "l", keys: {"A": "1"})])"#;
     let keys = Keys::parse(text, "t.ron").expect("a layout");
-    let mut keyboard = Keyboard::new(keys.keyboard_bindings());
-    let mut switchboard = Switchboard::default();
-    let mut pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
+    let mut keyboard = Keyboard::new(keys.key_bindings());
+    let mut switchboard = KeyArbiter::default();
+    let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
     let (mut random, mut sent) = (1_u64, 0);
 
     let before = allocations();
@@ -318,7 +320,7 @@ fn every_option_of_a_key_allocates_nothing() {
                 target: TargetId(finger.index() as u32),
                 phase: Phase::ALL[(random >> 33) as usize % Phase::ALL.len()],
                 depth: 0.5,
-                at: Vec2::ZERO,
+                position: Vec2::ZERO,
             }
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
@@ -361,8 +363,8 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
     let layout = Keys::parse(text, "t.ron").expect("a layout");
     let targets = layout.scene.len() as u64;
     let mut devices = layout.devices();
-    let mut switchboard = Switchboard::new(layout.texts.clone());
-    let mut angles = JointAngles::at(Timestamp(0));
+    let mut switchboard = KeyArbiter::new(layout.texts.clone());
+    let mut angles = JointAngles::new(Timestamp(0));
     let mut random = 1_u64;
     let mut next = |below: u64| {
         random = random
@@ -374,7 +376,7 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
 
     let before = allocations();
     for frame in 0..10_000_u64 {
-        let mut pose = HandPose::at(Timestamp(frame * 15_000), Side::Right, 0.005);
+        let mut pose = HandPose::new(Timestamp(frame * 15_000), Side::Right, 0.005);
         for tip in [Joint::ThumbTip, Joint::IndexTip] {
             let place = Vec3::X * next(60) as f32 * 1e-3;
             pose.set(tip, Pose::from_translation(place));
@@ -387,18 +389,18 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
             target: TargetId(next(targets) as u32),
             phase: Phase::ALL[next(Phase::COUNT as u64) as usize],
             depth: 0.5,
-            at: Vec2::new(next(40) as f32, next(40) as f32) * 1e-3,
+            position: Vec2::new(next(40) as f32, next(40) as f32) * 1e-3,
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
-        let seen = Seen {
+        let seen = DeviceInput {
             scene: &layout.scene,
             angles: &angles,
             pose: &pose,
             touches: &touches,
         };
         let mut events = Events::new();
-        let mut out = Out {
-            switchboard: &mut switchboard,
+        let mut out = DeviceOutput {
+            arbiter: &mut switchboard,
             events: &mut events,
         };
         for device in &mut devices {
@@ -417,7 +419,7 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
 
 #[test]
 fn a_new_layout_costs_the_loop_no_allocation_and_nothing_is_freed_in_it() {
-    let setup = Setup::default().assemble().expect("the default setup");
+    let setup = Setup::default().load_files().expect("the default setup");
     let mut typing = readings(&setup, "ab");
     let mut pipeline = setup.pipeline();
     let typed = play(&mut pipeline, &mut typing, 0);
@@ -426,7 +428,7 @@ fn a_new_layout_costs_the_loop_no_allocation_and_nothing_is_freed_in_it() {
     let mut events = Events::new();
 
     let before = (allocations(), frees());
-    pipeline.replace(0, &mut others, &mut events);
+    pipeline.replace_profile(0, &mut others, &mut events);
     let typed_again = play(&mut pipeline, &mut typing, 10_000_000);
     let after = (allocations(), frees());
 
@@ -439,9 +441,9 @@ fn a_new_layout_costs_the_loop_no_allocation_and_nothing_is_freed_in_it() {
 #[test]
 fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
     let arrows = Keys::load("arrows").expect("the shipped layout");
-    let mut keyboard = Keyboard::new(arrows.keyboard_bindings());
-    let mut switchboard = Switchboard::default();
-    let pose = HandPose::at(Timestamp(0), Side::Right, 0.005);
+    let mut keyboard = Keyboard::new(arrows.key_bindings());
+    let mut switchboard = KeyArbiter::default();
+    let pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
     let mut depths = 0;
 
     let before = allocations();
@@ -451,9 +453,9 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
             side: Side::Right,
             finger,
             target: TargetId(finger.index() as u32 % 4),
-            phase: [Phase::Touched, Phase::Pressed, Phase::Held][(frame % 3) as usize],
+            phase: [Phase::Touched, Phase::Pressed, Phase::Moved][(frame % 3) as usize],
             depth: (frame % 7) as f32 / 7.0,
-            at: Vec2::ZERO,
+            position: Vec2::ZERO,
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
         let mut events = Events::new();
@@ -472,8 +474,8 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
                 &mut events,
             );
         }
-        let is_depth = |action| matches!(action, Action::Depth(..));
-        depths += events.iter().filter(|event| is_depth(event.action)).count();
+        let is_depth = |action| matches!(action, EventKind::Depth(..));
+        depths += events.iter().filter(|event| is_depth(event.kind)).count();
     }
     let allocated = allocations() - before;
 
@@ -483,12 +485,13 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
 
 #[test]
 fn the_loop_around_a_frame_allocates_nothing() {
-    let assembly = Setup::default().assemble().expect("the default setup");
-    let typist = assembly.typist("loops", &LineSettings::default(), 0.0, 0);
-    let mut nowhere = ademan::output::open("none", &assembly.needs()).expect("nowhere");
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let typist = assembly.typist("loops", &StreamOptions::default(), 0.0, 0);
+    let mut nowhere =
+        ademan::output::open("none", &assembly.required_capabilities()).expect("nowhere");
     let mut pipeline = assembly.pipeline();
     let (mut frames, mut at_start, mut at_end) = (0, 0, 0);
-    let observe = &mut |_: &ademan::monitor::Snapshot| {
+    let observe = &mut |_: &ademan::snapshot::Snapshot| {
         frames += 1;
         match frames {
             // By then every queue has met the thread that it wakes.
@@ -499,7 +502,7 @@ fn the_loop_around_a_frame_allocates_nothing() {
     };
     let stop = crossbeam_channel::never();
     let source = typist.expect("the text can be typed");
-    drive(source, &mut pipeline, &mut *nowhere, &stop, observe).expect("a run");
+    run_pipeline(source, &mut pipeline, &mut *nowhere, &stop, observe).expect("a run");
     assert!(frames > 500);
     assert_eq!(at_end - at_start, 0, "in 400 frames");
 }
@@ -519,7 +522,7 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
             press: Key("E"), moves_px_per_s: 500)])])"#;
     let layout = Keys::parse(text, "t.ron").expect("a layout");
     let mut devices = layout.devices();
-    let mut switchboard = Switchboard::default();
+    let mut switchboard = KeyArbiter::default();
     let mut state = 1_u64;
     let mut random = move || {
         state = state
@@ -532,7 +535,7 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
 
     let before = allocations();
     for frame in 0..20_000_u64 {
-        let mut pose = HandPose::at(Timestamp(frame * 15_000), Side::Right, 0.005);
+        let mut pose = HandPose::new(Timestamp(frame * 15_000), Side::Right, 0.005);
         let turn = Rotation::from_rotation_y(random() - 0.5);
         pose.set(Joint::Wrist, Pose::from_parts(Vec3::ZERO, turn));
         for (joint, side) in [(Joint::ThumbTip, -0.5), (Joint::IndexTip, 0.5)] {
@@ -549,7 +552,7 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
                 target: TargetId((random() * 5.0) as u32),
                 phase: Phase::ALL[(random() * Phase::COUNT as f32) as usize],
                 depth: random(),
-                at: Vec2::new(random() - 0.5, random() - 0.5) * 0.1,
+                position: Vec2::new(random() - 0.5, random() - 0.5) * 0.1,
             })
             .collect();
         let lets_go = frame % 50 == 49;
@@ -558,17 +561,17 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
             // No room for anything but releases.
             let filler = OutputEvent {
                 time: pose.time,
-                action: Action::Scroll(0, 0),
+                kind: EventKind::Scroll(0, 0),
             };
             events.extend(std::iter::repeat_n(filler, events.capacity() - 2));
         }
-        let mut out = Out {
-            switchboard: &mut switchboard,
+        let mut out = DeviceOutput {
+            arbiter: &mut switchboard,
             events: &mut events,
         };
-        let seen = Seen {
+        let seen = DeviceInput {
             scene: &layout.scene,
-            angles: &JointAngles::at(pose.time),
+            angles: &JointAngles::new(pose.time),
             pose: &pose,
             touches: &touches,
         };
@@ -576,16 +579,16 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
             device.update(&seen, &mut out);
         }
         if lets_go {
-            out.switchboard.release_all(pose.time, out.events);
+            out.arbiter.release_all(pose.time, out.events);
             for device in &mut devices {
                 device.release_all(pose.time, &mut out);
             }
         }
         for event in &events {
-            match event.action {
-                Action::KeyDown(_) => down += 1,
-                Action::KeyUp(_) => down -= 1,
-                Action::Axis(axis, place) => {
+            match event.kind {
+                EventKind::KeyDown(_) => down += 1,
+                EventKind::KeyUp(_) => down -= 1,
+                EventKind::Axis(axis, place) => {
                     assert!((-1.0..=1.0).contains(&place), "{axis} {place}");
                     moved += usize::from(place != axes[axis.index()]);
                     axes[axis.index()] = place;
@@ -629,7 +632,7 @@ fn a_pointer_and_targets_in_space_allocate_nothing() {
     );
     let layout = Keys::parse(&text, "t.ron").expect("a layout");
     let mut devices = layout.devices();
-    let mut switchboard = Switchboard::default();
+    let mut switchboard = KeyArbiter::default();
     let mut state = 1_u64;
     let mut random = move || {
         state = state
@@ -641,22 +644,22 @@ fn a_pointer_and_targets_in_space_allocate_nothing() {
 
     let before = allocations();
     for frame in 0..20_000_u64 {
-        let mut pose = HandPose::at(Timestamp(frame * 5_729), Side::Right, 0.005);
-        let mut angles = JointAngles::at(pose.time);
+        let mut pose = HandPose::new(Timestamp(frame * 5_729), Side::Right, 0.005);
+        let mut angles = JointAngles::new(pose.time);
         angles.set(Dof::WristFlexion, f64::from(random()));
         for &finger in Finger::ALL {
             let tip = Vec3::new(random() - 0.5, random() - 0.5, random() - 0.5) * 0.2;
             pose.set(Joint::tip(finger), Pose::from_translation(tip));
         }
-        let seen = Seen {
+        let seen = DeviceInput {
             scene: &layout.scene,
             angles: &angles,
             pose: &pose,
             touches: &[],
         };
         let mut events = Events::new();
-        let mut out = Out {
-            switchboard: &mut switchboard,
+        let mut out = DeviceOutput {
+            arbiter: &mut switchboard,
             events: &mut events,
         };
         for device in &mut devices {
@@ -666,11 +669,11 @@ fn a_pointer_and_targets_in_space_allocate_nothing() {
             }
         }
         for event in &events {
-            match event.action {
-                Action::MoveTo(..) => sent[0] += 1,
-                Action::Select(_) => sent[1] += 1,
-                Action::KeyDown(_) => sent[2] += 1,
-                Action::Scroll(..) => sent[3] += 1,
+            match event.kind {
+                EventKind::MoveTo(..) => sent[0] += 1,
+                EventKind::Select(_) => sent[1] += 1,
+                EventKind::KeyDown(_) => sent[2] += 1,
+                EventKind::Scroll(..) => sent[3] += 1,
                 _ => {}
             }
         }

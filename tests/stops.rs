@@ -6,14 +6,14 @@ mod judged;
 use std::fs;
 
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
-use ademan::device::{Action, Events, OutputEvent, Request};
+use ademan::device::{EventKind, Events, OutputEvent, Request};
 use ademan::estimate::{ChannelMap, JointAngles, Rejection};
 use ademan::hand::{Dof, Side};
 use ademan::kinematics::ArmModel;
-use ademan::lab::TypingHand;
 use ademan::layout::Document;
-use ademan::monitor::State;
-use ademan::settings::{Assembly, OtherHand, Setup, SmoothingChoice};
+use ademan::setup::{LoadedSetup, OtherHand, Setup, SmoothingSetup};
+use ademan::sim::TypingHand;
+use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use arrayvec::ArrayVec;
 use judged::Judged;
@@ -30,7 +30,7 @@ const READINGS: u64 = 60;
 
 /// Two hands over a board in two halves, a reading of each in a millisecond: far more than any line brings.
 struct Wearer {
-    assembly: Assembly,
+    assembly: LoadedSetup,
     engine: Judged,
     /// Of the hand of each side over its key and on it.
     angles: Vec<(JointAngles, JointAngles)>,
@@ -41,12 +41,12 @@ struct Wearer {
     /// How many events wait already when a reading comes.
     waiting: usize,
     /// What went out since it was asked for.
-    out: Vec<Action>,
+    out: Vec<EventKind>,
 }
 
 /// The arm and the channels of a side.
-fn worn(assembly: &Assembly, side: Side) -> (&ArmModel, &ChannelMap) {
-    let other = assembly.other.as_ref().expect("two hands");
+fn worn(assembly: &LoadedSetup, side: Side) -> (&ArmModel, &ChannelMap) {
+    let other = assembly.other_hand.as_ref().expect("two hands");
     match side {
         Side::Left => (&other.arm, &other.glove.map),
         Side::Right => (&assembly.arm, &assembly.glove.map),
@@ -54,15 +54,15 @@ fn worn(assembly: &Assembly, side: Side) -> (&ArmModel, &ChannelMap) {
 }
 
 /// The hand of a side over F or J, and with that key pushed in.
-fn strokes(assembly: &Assembly, side: Side) -> (JointAngles, JointAngles) {
+fn strokes(assembly: &LoadedSetup, side: Side) -> (JointAngles, JointAngles) {
     let (arm, map) = worn(assembly, side);
     let layout = &assembly.layout;
     let key = if side == Side::Left { "F" } else { "J" };
-    let target = layout.key(key).expect("a key").front.target;
+    let target = layout.key(key).expect("a key").face.target;
     let hand = TypingHand::new(arm, map);
-    let stroke = hand.stroke(&layout.scene, target).expect("within reach");
+    let stroke = hand.tap_path(&layout.scene, target).expect("within reach");
     let angles = |tip| {
-        let mut values = hand.rest();
+        let mut values = hand.rest_values();
         hand.reach(tip, &mut values, &[]);
         hand.angles(&values)
     };
@@ -81,10 +81,10 @@ impl Wearer {
         let setup = Setup {
             other_hand: Some(OtherHand::default()),
             layout: path.display().to_string(),
-            smoothing: SmoothingChoice::Off,
+            smoothing: SmoothingSetup::Off,
             ..Setup::default()
         };
-        let assembly = setup.assemble().expect("a setup");
+        let assembly = setup.load_files().expect("a setup");
         let mut wearer = Self {
             engine: Judged::of(&assembly),
             angles: Side::ALL
@@ -99,7 +99,7 @@ impl Wearer {
             out: Vec::new(),
         };
         wearer.stay(400);
-        assert_eq!(wearer.engine.state(), State::Running);
+        assert_eq!(wearer.engine.state(), PipelineState::Running);
         wearer
     }
 
@@ -119,14 +119,17 @@ impl Wearer {
             } else {
                 0.0
             };
-            let exact = row.line.reading(angles.get(row.dof) + more).round();
+            let exact = row
+                .calibration
+                .apply_inverse(angles.get(row.dof) + more)
+                .round();
             counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
         }
         Channels { full_scale, counts }
     }
 
     /// One reading of a hand; what goes out because of it.
-    fn see(&mut self, side: Side, channels: &Channels) -> (Vec<Action>, Option<Rejection>) {
+    fn see(&mut self, side: Side, channels: &Channels) -> (Vec<EventKind>, Option<Rejection>) {
         let reading = Reading {
             time: Timestamp(self.milliseconds * 1_000),
             side: Some(side),
@@ -134,12 +137,12 @@ impl Wearer {
         };
         let other = OutputEvent {
             time: reading.time,
-            action: Action::MoveBy(0, 0),
+            kind: EventKind::MoveBy(0, 0),
         };
         let mut events: Events = std::iter::repeat_n(other, self.waiting).collect();
         let rejection = self.engine.step(&reading, &mut events).err();
         let new = events.iter().skip(self.waiting);
-        let out: Vec<Action> = new.map(|event| event.action).collect();
+        let out: Vec<EventKind> = new.map(|event| event.kind).collect();
         self.out.extend(&out);
         (out, rejection)
     }
@@ -162,7 +165,7 @@ impl Wearer {
     }
 
     /// Bends the ring finger, or holds it up again; what goes out in each reading that lets something out.
-    fn bend(&mut self, is_bent: bool) -> Vec<Vec<Action>> {
+    fn bend(&mut self, is_bent: bool) -> Vec<Vec<EventKind>> {
         let mut frames = Vec::new();
         let right = self.posture(Side::Right);
         for number in 1..=READINGS {
@@ -178,20 +181,20 @@ impl Wearer {
         frames
     }
 
-    fn said(&mut self) -> Vec<Action> {
+    fn said(&mut self) -> Vec<EventKind> {
         self.out
             .drain(..)
-            .filter(|action| !matches!(action, Action::Value(..)))
+            .filter(|action| !matches!(action, EventKind::Value(..)))
             .collect()
     }
 }
 
-fn j(down: bool) -> Action {
+fn j(down: bool) -> EventKind {
     let key = "J".parse().expect("a key");
     if down {
-        Action::KeyDown(key)
+        EventKind::KeyDown(key)
     } else {
-        Action::KeyUp(key)
+        EventKind::KeyUp(key)
     }
 }
 
@@ -210,11 +213,11 @@ fn a_gesture_of_one_hand_lets_go_of_what_the_other_holds_in_that_very_frame_and_
         };
         let frames = wearer.bend(true);
         wearer.waiting = 0;
-        let ask = Action::Ask(Request::Pause);
+        let ask = EventKind::Ask(Request::Pause);
         let stop = frames.iter().find(|frame| frame.contains(&ask));
         let stop = stop.expect("the gesture is seen");
         assert!(stop.contains(&j(false)), "round {round}: {stop:?}");
-        assert_eq!(wearer.engine.state(), State::Paused);
+        assert_eq!(wearer.engine.state(), PipelineState::Paused);
         assert!(!wearer.engine.holds());
         assert_eq!(wearer.said(), [ask, j(false)], "round {round}");
 
@@ -226,12 +229,16 @@ fn a_gesture_of_one_hand_lets_go_of_what_the_other_holds_in_that_very_frame_and_
         wearer.push_j(false);
         wearer.stay(500);
         assert_eq!(wearer.said(), [], "round {round}: it is paused");
-        assert_eq!(wearer.engine.state(), State::Paused);
+        assert_eq!(wearer.engine.state(), PipelineState::Paused);
 
         wearer.bend(true);
         wearer.bend(false);
         wearer.stay(400);
-        assert_eq!(wearer.engine.state(), State::Running, "the same ends it");
+        assert_eq!(
+            wearer.engine.state(),
+            PipelineState::Running,
+            "the same ends it"
+        );
         assert_eq!(wearer.said(), []);
     }
 }
@@ -250,7 +257,10 @@ fn a_hand_whose_elbow_is_not_told_any_more_lets_go_at_the_third_reading() {
         wearer.milliseconds += 1;
         assert_eq!(wearer.see(Side::Left, &left), (Vec::new(), None));
         let (out, rejection) = wearer.see(Side::Right, &armless);
-        assert_eq!((&out[..], rejection), (expected, Some(Rejection::Shape)));
+        assert_eq!(
+            (&out[..], rejection),
+            (expected, Some(Rejection::WrongShape))
+        );
     }
     assert!(!wearer.engine.holds());
     wearer.said();

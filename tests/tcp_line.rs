@@ -7,15 +7,15 @@ use std::io::Write;
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-use ademan::capture::hc11::{BODY_BYTES, FRAME_BYTES, Framing, encode};
-use ademan::capture::wire::open_tcp_wire;
-use ademan::capture::{Capture, CaptureError, LineSettings, Sample, Source, SourceName, open};
+use ademan::capture::hc11::{BODY_BYTES, Framing, PACKET_BYTES, encode};
+use ademan::capture::loopback::open_tcp_loopback;
+use ademan::capture::{CaptureError, Sample, Source, SourceEvent, SourceUri, StreamOptions, open};
 use source::next_within;
 
 /// Longer than anything here takes on a busy machine.
 const LIMIT: Duration = Duration::from_secs(60);
 
-fn converter() -> (TcpListener, SourceName) {
+fn converter() -> (TcpListener, SourceUri) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
     let address = listener.local_addr().expect("its address");
     let name = format!("tcp:{address}?protocol=hc11&baud=115200");
@@ -32,14 +32,14 @@ fn stream(first: u8, frames: u8) -> Vec<u8> {
         .collect()
 }
 
-fn next(source: &mut dyn Source) -> Result<Capture, CaptureError> {
+fn next(source: &mut dyn Source) -> Result<SourceEvent, CaptureError> {
     next_within(source, LIMIT)
 }
 
 /// The first count of the next reading.
 fn next_count(source: &mut dyn Source) -> u16 {
     match next(source) {
-        Ok(Capture::Reading(reading)) => match reading.sample {
+        Ok(SourceEvent::Reading(reading)) => match reading.sample {
             Sample::Channels(channels) => channels.counts[0],
             other => panic!("not channels: {other:?}"),
         },
@@ -53,7 +53,7 @@ fn a_connection_that_drops_in_a_frame_is_lost_once_and_made_again() {
     let mut source = open(&name).unwrap();
     let mut peer = accept(&listener);
     let bytes = stream(10, 6);
-    peer.write_all(&bytes[..2 * FRAME_BYTES + 30]).unwrap();
+    peer.write_all(&bytes[..2 * PACKET_BYTES + 30]).unwrap();
     assert_eq!(
         (next_count(&mut *source), next_count(&mut *source)),
         (10, 11)
@@ -62,17 +62,17 @@ fn a_connection_that_drops_in_a_frame_is_lost_once_and_made_again() {
     drop(peer);
     let error = next(&mut *source).unwrap_err();
     assert!(error.is_recoverable(), "{error}");
-    assert_eq!(source.next().unwrap(), Capture::Quiet);
+    assert_eq!(source.next().unwrap(), SourceEvent::Idle);
 
     let mut peer = accept(&listener);
-    peer.write_all(&bytes[2 * FRAME_BYTES + 30..]).unwrap();
+    peer.write_all(&bytes[2 * PACKET_BYTES + 30..]).unwrap();
     assert_eq!(
         (next_count(&mut *source), next_count(&mut *source)),
         (13, 14)
     );
-    let counts = source.counts();
+    let counts = source.stats();
     assert_eq!((counts.losses, counts.readings), (1, 4));
-    assert_eq!(counts.skipped_bytes as usize, FRAME_BYTES);
+    assert_eq!(counts.skipped_bytes as usize, PACKET_BYTES);
 }
 
 #[test]
@@ -110,16 +110,16 @@ fn a_refused_connection_cannot_be_opened() {
 
 #[test]
 fn a_source_may_leave_a_wire_and_come_again() {
-    let mut wire = open_tcp_wire(LineSettings::default()).unwrap();
+    let mut wire = open_tcp_loopback(StreamOptions::default()).unwrap();
     wire.writer.write_all(b"nobody listens").unwrap();
     for first in [10, 20] {
-        let mut source = open(&wire.source).unwrap();
+        let mut source = open(&wire.uri).unwrap();
         let start = Instant::now();
         let mut seen = None;
         while seen.is_none() && start.elapsed() < LIMIT {
             // What is sent before the end of the former connection is seen gets lost.
             wire.writer.write_all(&stream(first, 3)).unwrap();
-            if let Capture::Reading(_) = source.next().unwrap() {
+            if let SourceEvent::Reading(_) = source.next().unwrap() {
                 seen = Some(next_count(&mut *source));
             }
         }

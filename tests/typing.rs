@@ -2,57 +2,57 @@
 
 use std::num::NonZeroU32;
 
-use ademan::capture::{Capture, LineSettings, Source};
+use ademan::capture::{Source, SourceEvent, StreamOptions};
 use ademan::contact::{Phase, TargetId};
 use ademan::device::Events;
 use ademan::hand::Side;
-use ademan::lab::{Order, Typist, TypistSettings, UsKeymap};
 use ademan::layout::Layout;
-use ademan::settings::{Assembly, Hand, OtherHand, Setup, SmoothingChoice};
+use ademan::setup::{ArmSetup, LoadedSetup, OtherHand, Setup, SmoothingSetup};
+use ademan::sim::{HandAction, SimulatedTypist, TypistSettings, UsTextField};
 
 const ALL_OF_ASCII: &str = "The quick brown fox, jumps over\nthe lazy dog! 0123456789\n\
     @#$%^&*()-_=+[]{}\\|;:'\"/?.,<>`~\tend";
 
-fn line(baud: u32) -> LineSettings {
-    LineSettings {
+fn line(baud: u32) -> StreamOptions {
+    StreamOptions {
         baud: NonZeroU32::new(baud).expect("a baud"),
-        ..LineSettings::default()
+        ..StreamOptions::default()
     }
 }
 
-fn assembly(layout: &str) -> Assembly {
-    with(layout, SmoothingChoice::Default)
+fn assembly(layout: &str) -> LoadedSetup {
+    with(layout, SmoothingSetup::Default)
 }
 
-fn with(layout: &str, smoothing: SmoothingChoice) -> Assembly {
+fn with(layout: &str, smoothing: SmoothingSetup) -> LoadedSetup {
     let setup = Setup {
         layout: layout.into(),
         smoothing,
         ..Setup::default()
     };
-    setup.assemble().expect("a shipped layout")
+    setup.load_files().expect("a shipped layout")
 }
 
-fn assembly_for_two_hands(layout: &str) -> Assembly {
+fn assembly_for_two_hands(layout: &str) -> LoadedSetup {
     let setup = Setup {
         layout: layout.into(),
         other_hand: Some(OtherHand::default()),
         ..Setup::default()
     };
-    setup.assemble().expect("a shipped layout")
+    setup.load_files().expect("a shipped layout")
 }
 
 /// What comes out when the hand plays, and the keys it pressed in order.
-fn play(assembly: &Assembly, mut hand: Typist) -> (String, Vec<TargetId>) {
+fn play(assembly: &LoadedSetup, mut hand: SimulatedTypist) -> (String, Vec<TargetId>) {
     let mut pipeline = assembly.pipeline();
-    let mut field = UsKeymap::new();
+    let mut field = UsTextField::new();
     let mut pressed = Vec::new();
     let mut events = Events::new();
-    while let Ok(Capture::Reading(reading)) = hand.next() {
+    while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         events.clear();
         let frame = pipeline.step(&reading, &mut events);
         let frame = frame.unwrap_or_else(|reason| panic!("{reason} at {:?}", reading.time));
-        events.iter().for_each(|event| field.take(event));
+        events.iter().for_each(|event| field.handle(event));
         let new = frame
             .touches
             .iter()
@@ -62,11 +62,11 @@ fn play(assembly: &Assembly, mut hand: Typist) -> (String, Vec<TargetId>) {
     events.clear();
     pipeline.stop(&mut events);
     assert!(events.is_empty(), "nothing is down at the end: {events:?}");
-    assert!(field.down().is_empty());
+    assert!(field.pressed().is_empty());
     (field.text().to_owned(), pressed)
 }
 
-fn type_text(assembly: &Assembly, text: &str, baud: u32, noise_counts: f64) -> String {
+fn type_text(assembly: &LoadedSetup, text: &str, baud: u32, noise_counts: f64) -> String {
     let hand = assembly.typist(text, &line(baud), noise_counts, 11);
     play(
         assembly,
@@ -120,28 +120,28 @@ fn every_key_of_every_shipped_keyboard_can_be_tapped_and_no_other_key_is_hit() {
         .into_iter()
         .filter(|(_, layout)| layout.chords.is_empty());
     for (name, layout) in for_one_finger {
-        let assembly = match layout.is_there_for(Side::Left) {
+        let assembly = match layout.has_board_for(Side::Left) {
             true => assembly_for_two_hands(name),
             false => assembly(name),
         };
         // There and back, so that every key is reached from more than one side.
-        let keys = layout.keys.iter().map(|key| key.front.target);
+        let keys = layout.keys.iter().map(|key| key.face.target);
         let wanted: Vec<TargetId> = keys.clone().chain(keys.rev()).collect();
-        let taps: Vec<Order> = wanted.iter().copied().map(Order::tap).collect();
+        let taps: Vec<HandAction> = wanted.iter().copied().map(HandAction::tap).collect();
         let settings = TypistSettings {
             name: name.into(),
-            frame_period: line(115_200).frame_period(),
+            packet_period: line(115_200).packet_period(),
             noise_counts: 0.0,
             seed: 0,
         };
         let mut hands = vec![(&assembly.arm, &assembly.glove.map)];
         hands.extend(
             assembly
-                .other
+                .other_hand
                 .iter()
                 .map(|other| (&other.arm, &other.glove.map)),
         );
-        let hand = Typist::with_hands(&settings, &taps, &layout.scene, &hands);
+        let hand = SimulatedTypist::with_hands(&settings, &taps, &layout.scene, &hands);
         let (_, pressed) = play(
             &assembly,
             hand.unwrap_or_else(|error| panic!("{name}: {error}")),
@@ -155,9 +155,9 @@ fn the_filters_of_the_thesis_and_none_at_all_do_as_well() {
     let text = "Filters of the thesis.";
     // At 14.5 frames a second its filters take half a second to follow a stroke.
     let cases = [
-        (SmoothingChoice::Thesis, 115_200),
-        (SmoothingChoice::Off, 115_200),
-        (SmoothingChoice::Off, 9_600),
+        (SmoothingSetup::Thesis, 115_200),
+        (SmoothingSetup::Off, 115_200),
+        (SmoothingSetup::Off, 9_600),
     ];
     for (smoothing, baud) in cases {
         let assembly = with("qwerty-flat", smoothing);
@@ -179,14 +179,14 @@ fn a_count_of_noise_on_every_channel_does_not_change_the_text() {
 #[test]
 fn a_hand_with_other_measures_types_as_well() {
     let setup = Setup {
-        hand: Hand::Measured {
+        arm: ArmSetup::Measured {
             hand_length_mm: 175.0,
             forearm_length_mm: 225.0,
         },
         layout: "qwerty-flat".into(),
         ..Setup::default()
     };
-    let assembly = setup.assemble().expect("a person of these measures");
+    let assembly = setup.load_files().expect("a person of these measures");
     let text = "Other measures.";
     assert_eq!(type_text(&assembly, text, 115_200, 0.0), text);
 }

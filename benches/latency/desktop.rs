@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::Instant;
 
-use ademan::device::{Action, KeyCode, Needs, OutputEvent};
+use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan::output::Sink;
 use ademan::output::desktop::Desktop;
 use ademan::time::Timestamp;
@@ -39,7 +39,8 @@ pub fn output() -> Option<Output> {
         })
     };
     let ours = Ours {
-        desktop: Desktop::open(Some(&display), &Needs::default()).expect("the server answers"),
+        desktop: Desktop::open(Some(&display), &Capabilities::default())
+            .expect("the server answers"),
         key: "D".parse().expect("there is such a key"),
         is_down: false,
         _server: server,
@@ -115,12 +116,12 @@ impl Writer for Ours {
     fn write(&mut self) {
         self.is_down = !self.is_down;
         let action = if self.is_down {
-            Action::KeyDown(self.key)
+            EventKind::KeyDown(self.key)
         } else {
-            Action::KeyUp(self.key)
+            EventKind::KeyUp(self.key)
         };
         let time = Timestamp(0);
-        let sent = self.desktop.send(&[OutputEvent { time, action }]);
+        let sent = self.desktop.send(&[OutputEvent { time, kind: action }]);
         sent.expect("the server is there");
     }
 }

@@ -6,8 +6,8 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::control::{Control, Desk, Profile, Reporter};
-use ademan::runtime::{Calls, calls};
+use ademan::control::{ControlServer, Notifier, ProfileInfo, ServerContext};
+use ademan::session::{Calls, calls};
 use crossbeam_channel::Receiver;
 use tempfile::TempDir;
 
@@ -19,9 +19,9 @@ const JUNK: usize = 12_500_000;
 
 /// A control socket with all of them.
 pub struct Load {
-    pub reporter: Reporter,
-    pub calls: Receiver<ademan::runtime::Call>,
-    _control: Control,
+    pub reporter: Notifier,
+    pub calls: Receiver<ademan::session::Call>,
+    _control: ControlServer,
     _clients: Vec<UnixStream>,
     _folder: TempDir,
 }
@@ -31,8 +31,8 @@ impl Load {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("control");
         let (sender, calls) = calls();
-        let mut control = Control::open(&path).expect("a socket");
-        let reporter = control.reporter();
+        let mut control = ControlServer::bind(&path).expect("a socket");
+        let reporter = control.notifier();
         control.serve(desk(sender)).expect("it listens");
         let clients = (0..DEAF).map(|_| deaf(&path)).collect();
         let to = path.clone();
@@ -47,9 +47,9 @@ impl Load {
     }
 }
 
-fn desk(calls: Calls) -> Desk {
-    Desk {
-        profiles: vec![Profile {
+fn desk(calls: Calls) -> ServerContext {
+    ServerContext {
+        profiles: vec![ProfileInfo {
             name: "main".into(),
             file: "qwerty-flat".into(),
         }],

@@ -6,13 +6,13 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
-use ademan::capture::{LineSettings, SourceName, Wire, open, open_wire};
+use ademan::capture::{Loopback, SourceUri, StreamOptions, open, open_loopback};
 use ademan::device::OutputEvent;
-use ademan::lab::Typist;
-use ademan::monitor::Snapshot;
 use ademan::output::{OutputError, Sink};
-use ademan::runtime::{Commands, drive};
-use ademan::settings::Setup;
+use ademan::session::{Commands, run_pipeline};
+use ademan::setup::Setup;
+use ademan::sim::SimulatedTypist;
+use ademan::snapshot::Snapshot;
 use crossbeam_channel::{Receiver, Sender, bounded, never};
 use serialport::{DataBits, FlowControl, Parity, SerialPort, StopBits, TTYPort};
 
@@ -32,7 +32,7 @@ const LIMIT: Duration = Duration::from_secs(2);
 const OURS: &str = "ours";
 
 /// Starts a program that writes there, and gives the line that it reads from.
-type Start = fn(Box<dyn Writer>) -> Wire;
+type Start = fn(Box<dyn Writer>) -> Loopback;
 
 /// Writes one event for each frame.
 pub trait Writer: Send + 'static {
@@ -57,7 +57,7 @@ pub fn main() {
         "byte-complete to event", "a frame", "", "p50", "p99"
     );
     let millisecond = Duration::from_millis(1);
-    for pace in [millisecond, LineSettings::default().frame_period()] {
+    for pace in [millisecond, StreamOptions::default().packet_period()] {
         measure(to_pipe(), pace, frames, warm_up);
         match desktop::output() {
             Some(output) => measure(output, pace, frames, warm_up),
@@ -142,9 +142,9 @@ fn percentile(times: &mut [Duration], percent: usize) -> f64 {
 
 /// What somebody sends who types; each comes with the marks of the next frame.
 fn bodies() -> Vec<[u8; FRAME_BYTES]> {
-    let assembly = Setup::default().assemble().expect("the default setup");
-    let typist = assembly.typist("hello world", &LineSettings::default(), 0.5, 1);
-    let mut typist: Typist = typist.expect("the text is on the board");
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let typist = assembly.typist("hello world", &StreamOptions::default(), 0.5, 1);
+    let mut typist: SimulatedTypist = typist.expect("the text is on the board");
     std::iter::from_fn(|| typist.next_counts())
         .map(|counts| {
             let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
@@ -184,9 +184,9 @@ impl Writer for ToPipe {
 }
 
 /// Starts a program that knows nothing of gloves.
-fn start(program: fn(File, Box<dyn Writer>), writer: Box<dyn Writer>) -> Wire {
-    let wire = open_wire(LineSettings::default()).expect("a line");
-    let SourceName::Serial { port, line } = &wire.source else {
+fn start(program: fn(File, Box<dyn Writer>), writer: Box<dyn Writer>) -> Loopback {
+    let wire = open_loopback(StreamOptions::default()).expect("a line");
+    let SourceUri::Serial { port, line } = &wire.uri else {
         unreachable!("it is a serial port");
     };
     let settings = TTYPort::open(
@@ -226,10 +226,10 @@ fn null_with_a_hop(mut line: File, mut writer: Box<dyn Writer>) {
 }
 
 /// Starts the library, perhaps with others who ask for things.
-fn start_ours(writer: Box<dyn Writer>, load: Option<Load>) -> Wire {
-    let mut wire = open_wire(LineSettings::default()).expect("a line");
-    let source = open(&wire.source).expect("the line opens");
-    let assembly = Setup::default().assemble().expect("the default setup");
+fn start_ours(writer: Box<dyn Writer>, load: Option<Load>) -> Loopback {
+    let mut wire = open_loopback(StreamOptions::default()).expect("a line");
+    let source = open(&wire.uri).expect("the line opens");
+    let assembly = Setup::default().load_files().expect("the default setup");
     thread::spawn(move || {
         let mut pipeline = assembly.pipeline();
         let mut sink = ForEachFrame(writer);
@@ -241,11 +241,11 @@ fn start_ours(writer: Box<dyn Writer>, load: Option<Load>) -> Wire {
         };
         let observe = &mut |frame: &Snapshot| {
             if let Some(reporter) = &mut reporter {
-                reporter.show(frame);
+                reporter.notify_snapshot(frame);
             }
         };
         // It ends with the program.
-        let _ = drive(source, &mut pipeline, &mut sink, commands, observe);
+        let _ = run_pipeline(source, &mut pipeline, &mut sink, commands, observe);
     });
     let marks = &encode(Framing::Double06, &[0; BODY_BYTES])[..FRAME_BYTES - BODY_BYTES];
     wire.writer.write_all(marks).expect("the line is open");

@@ -11,10 +11,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::capture::{Capture, CaptureError, Source};
+use ademan::capture::{CaptureError, Source, SourceEvent};
 use ademan::output;
-use ademan::runtime::drive;
-use ademan::settings::Setup;
+use ademan::session::run_pipeline;
+use ademan::setup::Setup;
 
 use crate::held::Hand;
 use crate::panics;
@@ -65,18 +65,18 @@ pub fn run_if_asked(arguments: &[String]) {
     let (stopper, stop) = Stopper::new();
     panics::ring(&stopper);
     let setup = Setup {
-        armed: true,
+        start_armed: true,
         ..Setup::default()
     };
-    let assembly = setup.assemble().expect("the default setup");
-    let mut sink = output::open(output, &assembly.needs()).expect("it is there");
+    let assembly = setup.load_files().expect("the default setup");
+    let mut sink = output::open(output, &assembly.required_capabilities()).expect("it is there");
     let [source, of_loop, _] = THREADS.map(|name| light(Path::new(fuse), name, thread));
     eprintln!("ready");
     let source = Fused(Hand::that_holds(&Press::of("h"), Duration::MAX), source);
     let mut pipeline = assembly.pipeline();
     let mut observe = |_: &_| check(&of_loop);
-    let drive = || drive(source, &mut pipeline, &mut *sink, &stop, &mut observe).map(drop);
-    let _ = catch_unwind(AssertUnwindSafe(drive));
+    let drive = || run_pipeline(source, &mut pipeline, &mut *sink, &stop, &mut observe).map(drop);
+    let _ = catch_unwind(AssertUnwindSafe(run_pipeline));
     loop {
         thread::park();
     }
@@ -107,7 +107,7 @@ fn check(is_lit: &AtomicBool) {
 struct Fused(Hand, Arc<AtomicBool>);
 
 impl Source for Fused {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         check(&self.1);
         self.0.next()
     }

@@ -2,19 +2,19 @@
 
 use std::time::Instant;
 
-use super::hc11::FRAME_BYTES;
-use super::uri::LineSettings;
+use super::hc11::PACKET_BYTES;
+use super::uri::StreamOptions;
 use crate::time::Timestamp;
 
 /// The clock of a source.
-pub(super) enum Clock {
+pub(super) enum PacketClock {
     /// By the monotonic clock, from the moment the source was opened.
     Live { opened: Instant, last: Timestamp },
     /// By the number of frames, at the pace of the baud.
     Nominal { frames: u64, last: Timestamp },
 }
 
-impl Clock {
+impl PacketClock {
     pub fn new(is_live: bool) -> Self {
         let last = Timestamp::default();
         match is_live {
@@ -27,15 +27,15 @@ impl Clock {
     }
 
     /// The time of a frame after which `bytes_after` more came in until `now`; always later than the one before.
-    pub fn stamp(&mut self, now: Instant, bytes_after: usize, line: &LineSettings) -> Timestamp {
+    pub fn stamp(&mut self, now: Instant, bytes_after: usize, line: &StreamOptions) -> Timestamp {
         let (time, last) = match self {
             Self::Live { opened, last } => {
                 let arrived = Timestamp::default() + now.saturating_duration_since(*opened);
-                (arrived - line.wire_time(bytes_after), last)
+                (arrived - line.transmission_time(bytes_after), last)
             }
             Self::Nominal { frames, last } => {
                 *frames += 1;
-                let microseconds = *frames as u128 * FRAME_BYTES as u128 * 10_000_000
+                let microseconds = *frames as u128 * PACKET_BYTES as u128 * 10_000_000
                     / u128::from(line.baud.get());
                 (Timestamp(microseconds as u64), last)
             }
@@ -54,12 +54,12 @@ mod tests {
 
     #[test]
     fn frames_of_one_read_are_dated_back_by_what_came_after_them() {
-        let line = LineSettings {
+        let line = StreamOptions {
             baud: NonZeroU32::new(9600).unwrap(),
-            ..LineSettings::default()
+            ..StreamOptions::default()
         };
-        let mut clock = Clock::new(true);
-        let Clock::Live { opened, .. } = clock else {
+        let mut clock = PacketClock::new(true);
+        let PacketClock::Live { opened, .. } = clock else {
             panic!("not live");
         };
         let now = opened + Duration::from_secs(1);

@@ -3,7 +3,7 @@
 use std::io::{Error, ErrorKind, Read, Result};
 use std::time::Duration;
 
-use super::interrupt::Interrupt;
+use super::cancel::CancelToken;
 use super::wait::Readiness;
 
 /// The longest time that one read may block where it cannot be interrupted.
@@ -12,16 +12,16 @@ pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
 /// How a line is opened, and opened again after it was lost.
 ///
 /// A clone of it looks for the lost device on a thread of its own, because opening may block.
-pub(super) trait Connect: Clone + Send + 'static {
+pub(super) trait Transport: Clone + Send + 'static {
     /// Whether bytes come at their own pace and the end of the stream is a loss. A line that is not live
     /// ends with its stream, and its time is that of the nominal baud.
-    const LIVE: bool;
+    const IS_LIVE: bool;
 
     /// How long a connection may be silent before it counts as lost.
-    const SILENCE_LIMIT: Option<Duration> = None;
+    const IDLE_TIMEOUT: Option<Duration> = None;
 
     /// Opens the line. Its reads block for [`READ_TIMEOUT`] at most, or not at all where it says when it is ready.
-    fn connect(&mut self) -> std::result::Result<Connection, Refusal>;
+    fn connect(&mut self) -> std::result::Result<Connection, ConnectError>;
 }
 
 /// An open line.
@@ -31,7 +31,7 @@ pub(super) struct Connection {
     /// Says when there are some; `None` where a read has to be tried.
     pub readiness: Option<Readiness>,
     /// Where it was found: the port or address in use.
-    pub place: String,
+    pub endpoint: String,
 }
 
 impl Connection {
@@ -40,7 +40,7 @@ impl Connection {
     pub fn read(
         &mut self,
         buffer: &mut [u8],
-        interrupt: Option<&Interrupt>,
+        interrupt: Option<&CancelToken>,
         patience: Option<Duration>,
     ) -> Result<usize> {
         if let Some(readiness) = &self.readiness
@@ -54,14 +54,14 @@ impl Connection {
 
 /// Why a line does not open.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Refusal {
+pub(super) enum ConnectError {
     /// It is not there: what is usual while a cable is out.
     Absent(String),
     /// It is there and cannot be used before its user does something.
     Unusable(String),
 }
 
-impl Refusal {
+impl ConnectError {
     pub fn into_reason(self) -> String {
         match self {
             Self::Absent(reason) | Self::Unusable(reason) => reason,

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use super::connect::{Connect, Connection, Refusal};
+use super::connect::{Transport, Connection, ConnectError};
 
 /// Opens a file of bytes.
 #[derive(Clone)]
@@ -19,21 +19,21 @@ impl FileConnector {
     }
 }
 
-impl Connect for FileConnector {
-    const LIVE: bool = false;
+impl Transport for FileConnector {
+    const IS_LIVE: bool = false;
 
-    fn connect(&mut self) -> Result<Connection, Refusal> {
-        let refuse = |error: std::io::Error| Refusal::Absent(error.to_string());
+    fn connect(&mut self) -> Result<Connection, ConnectError> {
+        let refuse = |error: std::io::Error| ConnectError::Absent(error.to_string());
         let kind = std::fs::metadata(&self.path).map_err(refuse)?;
         if !kind.is_file() {
             // Pipes and devices block, and a source that blocks cannot be stopped.
-            return Err(Refusal::Unusable("it is not a regular file".to_owned()));
+            return Err(ConnectError::Unusable("it is not a regular file".to_owned()));
         }
         let file = File::open(&self.path).map_err(refuse)?;
         Ok(Connection {
             bytes: Box::new(file),
             readiness: None,
-            place: self.path.display().to_string(),
+            endpoint: self.path.display().to_string(),
         })
     }
 }
@@ -42,14 +42,14 @@ impl Connect for FileConnector {
 mod tests {
     use super::*;
     use crate::capture::hc11::{Framing, encode};
-    use crate::capture::{Capture, LineSettings, SourceName, open};
+    use crate::capture::{SourceEvent, StreamOptions, SourceUri, open};
 
-    fn name(path: &Path) -> SourceName {
-        SourceName::File {
+    fn name(path: &Path) -> SourceUri {
+        SourceUri::File {
             path: path.to_owned(),
-            line: LineSettings {
+            line: StreamOptions {
                 baud: 9600.try_into().unwrap(),
-                ..LineSettings::default()
+                ..StreamOptions::default()
             },
         }
     }
@@ -65,14 +65,14 @@ mod tests {
         let mut source = open(&name(file.path())).unwrap();
         assert!(!source.is_live());
         for number in 1..=30 {
-            let Capture::Reading(reading) = source.next().unwrap() else {
+            let SourceEvent::Reading(reading) = source.next().unwrap() else {
                 panic!("no frame {number}");
             };
             assert_eq!(reading.time.0, number * 68_750);
         }
-        assert_eq!(source.next().unwrap(), Capture::End);
-        assert_eq!(source.next().unwrap(), Capture::End);
-        let counts = source.counts();
+        assert_eq!(source.next().unwrap(), SourceEvent::End);
+        assert_eq!(source.next().unwrap(), SourceEvent::End);
+        let counts = source.stats();
         assert_eq!(
             (counts.readings, counts.skipped_bytes, counts.losses),
             (30, 5, 0)

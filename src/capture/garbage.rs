@@ -4,12 +4,12 @@ use std::time::{Duration, Instant};
 
 /// Notices bytes that never become a frame.
 #[derive(Default)]
-pub(super) struct GarbageWatch {
+pub(super) struct GarbageDetector {
     since: Option<Instant>,
     has_warned: bool,
 }
 
-impl GarbageWatch {
+impl GarbageDetector {
     /// Bytes without a frame for so long are garbage.
     pub const LIMIT: Duration = Duration::from_secs(2);
 
@@ -33,7 +33,7 @@ mod tests {
     #[test]
     fn garbage_is_told_once_until_frames_come_in_between() {
         let start = Instant::now();
-        let mut watch = GarbageWatch::default();
+        let mut watch = GarbageDetector::default();
         let table = [
             (0, true, false),
             (1_900, true, false),

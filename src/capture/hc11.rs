@@ -1,13 +1,13 @@
 //! The packets of the HC11 glove: 64 counts between marks, found in a stream that may be cut anywhere.
 
-use super::text_watch::TextWatch;
-use super::{Channels, Counts};
+use super::text_watch::TextDetector;
+use super::{Channels, SourceStats};
 use crate::names::named_enum;
 
 /// Bytes between the marks of a frame: one per sensor channel, in wire order.
 pub const BODY_BYTES: usize = 64;
 /// Bytes of a whole frame on the wire, marks included, in both framings.
-pub const FRAME_BYTES: usize = 66;
+pub const PACKET_BYTES: usize = 66;
 
 named_enum! {
     /// How a frame is marked. Neither framing escapes its data: a body may contain its own mark.
@@ -31,7 +31,7 @@ impl Framing {
     }
 
     /// Where marks must stand, counted from the first byte of a frame. Those at 66 and 67 are the next frame's.
-    const fn mark_places(self) -> &'static [usize] {
+    const fn mark_offsets(self) -> &'static [usize] {
         match self {
             Self::Double06 => &[0, 1, 66, 67],
             Self::Hash => &[0, 65],
@@ -48,15 +48,15 @@ impl Framing {
     /// Bytes from the first mark of a frame that decide about it while the stream goes on.
     const fn bytes_to_decide(self) -> usize {
         match self {
-            Self::Double06 => FRAME_BYTES + 2,
-            Self::Hash => FRAME_BYTES,
+            Self::Double06 => PACKET_BYTES + 2,
+            Self::Hash => PACKET_BYTES,
         }
     }
 
     /// Judges whether a frame starts with `window`, as early as its bytes allow.
     fn judge(self, window: &[u8], bytes_to_decide: usize) -> Verdict<'_> {
         let is_wrong = |&place: &usize| window.get(place).is_some_and(|&byte| byte != self.mark());
-        if self.mark_places().iter().any(is_wrong) {
+        if self.mark_offsets().iter().any(is_wrong) {
             return Verdict::NotHere;
         }
         if window.len() < bytes_to_decide {
@@ -79,8 +79,8 @@ enum Verdict<'a> {
 }
 
 /// Writes `body` as the glove does: with the marks of `framing`.
-pub fn encode(framing: Framing, body: &[u8; BODY_BYTES]) -> [u8; FRAME_BYTES] {
-    let mut frame = [framing.mark(); FRAME_BYTES];
+pub fn encode(framing: Framing, body: &[u8; BODY_BYTES]) -> [u8; PACKET_BYTES] {
+    let mut frame = [framing.mark(); PACKET_BYTES];
     frame[framing.body_start()..][..BODY_BYTES].copy_from_slice(body);
     frame
 }
@@ -101,20 +101,20 @@ pub fn channels(body: &[u8; BODY_BYTES]) -> Channels {
 ///
 /// Every byte is counted once: `bytes = 66 · readings + skipped_bytes + waiting`.
 #[derive(Clone, Debug)]
-pub struct Decoder {
+pub struct Hc11Decoder {
     framing: Framing,
     buffer: [u8; CAPACITY],
     start: usize,
     end: usize,
-    counts: Counts,
+    stats: SourceStats,
     is_searching: bool,
-    text: TextWatch,
+    text: TextDetector,
 }
 
 /// Room for the 67 bytes that may be undecided, and for enough new ones that moving them to the front is rare.
 const CAPACITY: usize = 512;
 
-impl Decoder {
+impl Hc11Decoder {
     /// A decoder at the start of a stream.
     pub fn new(framing: Framing) -> Self {
         Self {
@@ -122,15 +122,15 @@ impl Decoder {
             buffer: [0; CAPACITY],
             start: 0,
             end: 0,
-            counts: Counts::default(),
+            stats: SourceStats::default(),
             is_searching: false,
-            text: TextWatch::default(),
+            text: TextDetector::default(),
         }
     }
 
     /// Takes the next bytes of the stream and hands each frame that is now certain to `emit`.
     pub fn push(&mut self, mut bytes: &[u8], emit: &mut impl FnMut(&[u8; BODY_BYTES])) {
-        self.counts.bytes += bytes.len() as u64;
+        self.stats.bytes += bytes.len() as u64;
         while !bytes.is_empty() {
             self.move_to_front_when_full();
             let (piece, rest) = bytes.split_at(bytes.len().min(CAPACITY - self.end));
@@ -143,19 +143,19 @@ impl Decoder {
 
     /// Ends the stream: a whole frame that waited for the next one comes out, what is left is skipped.
     pub fn finish(&mut self, emit: &mut impl FnMut(&[u8; BODY_BYTES])) {
-        self.settle(FRAME_BYTES, emit);
-        self.abandon();
+        self.settle(PACKET_BYTES, emit);
+        self.reset();
     }
 
     /// Skips what waits, for a stream that broke off: what comes next has nothing to do with it.
-    pub fn abandon(&mut self) {
-        self.counts.skipped_bytes += self.waiting() as u64;
+    pub fn reset(&mut self) {
+        self.stats.skipped_bytes += self.pending_bytes() as u64;
         (self.start, self.end) = (0, 0);
         self.is_searching = false;
     }
 
     /// Bytes that may still become part of a frame, 0..=67.
-    pub fn waiting(&self) -> usize {
+    pub fn pending_bytes(&self) -> usize {
         self.end - self.start
     }
 
@@ -167,8 +167,8 @@ impl Decoder {
 
     /// What came in. `readings` are frames; `resyncs` are the runs of skipped bytes that were searched for a
     /// frame (the cut frame at the end of a stream is skipped without a search).
-    pub fn counts(&self) -> Counts {
-        self.counts
+    pub fn stats(&self) -> SourceStats {
+        self.stats
     }
 
     fn settle(&mut self, bytes_to_decide: usize, emit: &mut impl FnMut(&[u8; BODY_BYTES])) {
@@ -177,8 +177,8 @@ impl Decoder {
             match self.framing.judge(window, bytes_to_decide) {
                 Verdict::Frame(body) => {
                     emit(body);
-                    self.start += FRAME_BYTES;
-                    self.counts.readings += 1;
+                    self.start += PACKET_BYTES;
+                    self.stats.readings += 1;
                     self.is_searching = false;
                     self.text.see_frame();
                 }
@@ -191,8 +191,8 @@ impl Decoder {
     fn skip_byte(&mut self) {
         self.text.see_byte(self.buffer[self.start]);
         self.start += 1;
-        self.counts.skipped_bytes += 1;
-        self.counts.resyncs += u64::from(!self.is_searching);
+        self.stats.skipped_bytes += 1;
+        self.stats.resyncs += u64::from(!self.is_searching);
         self.is_searching = true;
     }
 
@@ -201,7 +201,7 @@ impl Decoder {
             return;
         }
         self.buffer.copy_within(self.start..self.end, 0);
-        (self.start, self.end) = (0, self.waiting());
+        (self.start, self.end) = (0, self.pending_bytes());
     }
 }
 
@@ -269,32 +269,32 @@ mod tests {
     fn decode(
         case: &Case,
         sizes: impl IntoIterator<Item = usize>,
-    ) -> (Vec<Vec<u8>>, usize, Counts) {
-        let mut decoder = Decoder::new(case.framing);
+    ) -> (Vec<Vec<u8>>, usize, SourceStats) {
+        let mut decoder = Hc11Decoder::new(case.framing);
         let mut frames = Vec::new();
         let mut emit = |body: &[u8; BODY_BYTES]| frames.push(body.to_vec());
         let mut rest = case.stream.as_slice();
         for size in sizes {
             let (piece, later) = rest.split_at(size.min(rest.len()));
             decoder.push(piece, &mut emit);
-            assert!(decoder.waiting() < 68, "{}", case.name);
+            assert!(decoder.pending_bytes() < 68, "{}", case.name);
             rest = later;
             if rest.is_empty() {
                 break;
             }
         }
         decoder.push(rest, &mut emit);
-        let before_end = decoder.counts();
+        let before_end = decoder.stats();
         assert_eq!(
             before_end.bytes,
-            66 * before_end.readings + before_end.skipped_bytes + decoder.waiting() as u64,
+            66 * before_end.readings + before_end.skipped_bytes + decoder.pending_bytes() as u64,
             "{}",
             case.name
         );
         decoder.finish(&mut emit);
-        let counts = decoder.counts();
+        let counts = decoder.stats();
         assert_eq!(
-            (counts.bytes, decoder.waiting()),
+            (counts.bytes, decoder.pending_bytes()),
             (66 * counts.readings + counts.skipped_bytes, 0)
         );
         (frames, before_end.readings as usize, counts)
@@ -345,68 +345,68 @@ mod tests {
             let bodies: Vec<[u8; BODY_BYTES]> = (0..50)
                 .map(|_| [(); BODY_BYTES].map(|()| random.byte()))
                 .collect();
-            let mut decoder = Decoder::new(framing);
+            let mut decoder = Hc11Decoder::new(framing);
             let mut frames = Vec::new();
             for body in &bodies {
                 decoder.push(&encode(framing, body), &mut |body| frames.push(*body));
             }
             decoder.finish(&mut |body| frames.push(*body));
             assert_eq!(frames, bodies, "{framing}");
-            assert_eq!(decoder.counts().skipped_bytes, 0, "{framing}");
+            assert_eq!(decoder.stats().skipped_bytes, 0, "{framing}");
         }
     }
 
     #[test]
     fn a_megabyte_of_noise_gives_no_frame_and_nothing_piles_up() {
         let mut random = Random::new(3);
-        let mut decoder = Decoder::new(Framing::Double06);
+        let mut decoder = Hc11Decoder::new(Framing::Double06);
         for _ in 0..1024 {
             let noise = [(); 1024].map(|()| random.byte());
             decoder.push(&noise, &mut |_| panic!("a frame in noise"));
-            assert!(decoder.waiting() < 68);
+            assert!(decoder.pending_bytes() < 68);
         }
-        let counts = decoder.counts();
+        let counts = decoder.stats();
         assert_eq!(counts.bytes, 1 << 20);
         assert_eq!(counts.resyncs, 1);
         assert_eq!(
-            counts.skipped_bytes + decoder.waiting() as u64,
+            counts.skipped_bytes + decoder.pending_bytes() as u64,
             counts.bytes
         );
-        assert!(size_of::<Decoder>() < 1024);
+        assert!(size_of::<Hc11Decoder>() < 1024);
     }
 
     #[test]
     fn a_wrong_mark_is_rejected_as_soon_as_it_is_seen() {
-        let mut decoder = Decoder::new(Framing::Double06);
+        let mut decoder = Hc11Decoder::new(Framing::Double06);
         let mut stream = encode(Framing::Double06, &[9; BODY_BYTES]).to_vec();
         decoder.push(&stream, &mut |_| panic!("not confirmed yet"));
-        assert_eq!(decoder.waiting(), FRAME_BYTES);
+        assert_eq!(decoder.pending_bytes(), PACKET_BYTES);
         stream.clear();
         decoder.push(&[7], &mut |_| panic!("not confirmed"));
-        assert_eq!(decoder.waiting(), 0);
-        assert_eq!(decoder.counts().resyncs, 1);
+        assert_eq!(decoder.pending_bytes(), 0);
+        assert_eq!(decoder.stats().resyncs, 1);
     }
 
     #[test]
     fn a_frame_waits_for_the_next_marks_and_no_longer() {
-        let mut decoder = Decoder::new(Framing::Double06);
+        let mut decoder = Hc11Decoder::new(Framing::Double06);
         let mut frames = 0;
         let mut emit = |_: &[u8; BODY_BYTES]| frames += 1;
         decoder.push(&encode(Framing::Double06, &[9; BODY_BYTES]), &mut emit);
         decoder.push(&[6], &mut emit);
-        assert_eq!(decoder.counts().readings, 0);
+        assert_eq!(decoder.stats().readings, 0);
         decoder.push(&[6], &mut emit);
-        assert_eq!(decoder.counts().readings, 1);
+        assert_eq!(decoder.stats().readings, 1);
         assert_eq!(frames, 1);
     }
 
     #[test]
     fn what_waited_before_a_break_is_not_joined_with_what_comes_after() {
         let frame = encode(Framing::Double06, &[9; BODY_BYTES]);
-        let mut decoder = Decoder::new(Framing::Double06);
+        let mut decoder = Hc11Decoder::new(Framing::Double06);
         decoder.push(&frame[..30], &mut |_| panic!("half a frame"));
-        decoder.abandon();
-        assert_eq!(decoder.counts().skipped_bytes, 30);
+        decoder.reset();
+        assert_eq!(decoder.stats().skipped_bytes, 30);
         decoder.push(&frame[30..], &mut |_| panic!("the other half"));
         decoder.push(&[6, 6], &mut |_| panic!("confirmed the other half"));
     }

@@ -5,33 +5,33 @@ use std::time::{Duration, Instant};
 
 use arrayvec::ArrayVec;
 
-use super::clock::Clock;
-use super::connect::{Connect, Connection, READ_TIMEOUT};
-use super::garbage::GarbageWatch;
-use super::hc11::{self, BODY_BYTES, Decoder, FRAME_BYTES};
-use super::interrupt::Interrupt;
-use super::search::{BackOff, Finding, Search};
-use super::uri::LineSettings;
-use super::{Capture, CaptureError, Counts, Reading, Sample, Source};
+use super::clock::PacketClock;
+use super::connect::{Transport, Connection, READ_TIMEOUT};
+use super::garbage::GarbageDetector;
+use super::hc11::{self, BODY_BYTES, Hc11Decoder, PACKET_BYTES};
+use super::cancel::CancelToken;
+use super::reconnect::{BackOff, ReconnectEvent, Reconnect};
+use super::uri::StreamOptions;
+use super::{SourceEvent, CaptureError, SourceStats, Reading, Sample, Source};
 use crate::time::Timestamp;
 
 /// Bytes that one read takes at most.
 const READ_BYTES: usize = 512;
 /// With the 67 bytes that may wait in the decoder, one read completes no more frames.
-const FRAMES_PER_READ: usize = (READ_BYTES + 67) / FRAME_BYTES + 1;
+const FRAMES_PER_READ: usize = (READ_BYTES + 67) / PACKET_BYTES + 1;
 
 /// The source that decodes what a line brings.
-pub(super) struct LineSource<C> {
+pub(super) struct StreamSource<C> {
     name: String,
-    settings: LineSettings,
+    settings: StreamOptions,
     connector: C,
-    interrupt: Option<Interrupt>,
+    interrupt: Option<CancelToken>,
     state: State,
-    decoder: Decoder,
+    decoder: Hc11Decoder,
     buffer: [u8; READ_BYTES],
     pending: ArrayVec<Reading, FRAMES_PER_READ>,
-    clock: Clock,
-    garbage: GarbageWatch,
+    clock: PacketClock,
+    garbage: GarbageDetector,
     heard: Instant,
     /// Starts over only when a frame has come in: a device that comes and goes is asked less and less often.
     back_off: BackOff,
@@ -40,15 +40,15 @@ pub(super) struct LineSource<C> {
 
 enum State {
     Connected(Connection),
-    Searching(Search),
+    Searching(Reconnect),
     Ended,
 }
 
-impl<C: Connect> LineSource<C> {
+impl<C: Transport> StreamSource<C> {
     /// Opens the line for the first time.
     pub fn open(
         name: String,
-        settings: LineSettings,
+        settings: StreamOptions,
         mut connector: C,
     ) -> Result<Self, CaptureError> {
         let connection = match connector.connect() {
@@ -66,35 +66,35 @@ impl<C: Connect> LineSource<C> {
             connector,
             interrupt: None,
             state: State::Connected(connection),
-            decoder: Decoder::new(settings.framing),
+            decoder: Hc11Decoder::new(settings.framing),
             buffer: [0; READ_BYTES],
             pending: ArrayVec::new(),
-            clock: Clock::new(C::LIVE),
-            garbage: GarbageWatch::default(),
+            clock: PacketClock::new(C::IS_LIVE),
+            garbage: GarbageDetector::default(),
             heard: Instant::now(),
             back_off: BackOff::default(),
             losses: 0,
         })
     }
 
-    fn listen(&mut self) -> Result<Capture, CaptureError> {
+    fn listen(&mut self) -> Result<SourceEvent, CaptureError> {
         let patience = self.patience();
         let State::Connected(connection) = &mut self.state else {
-            return Ok(Capture::End);
+            return Ok(SourceEvent::End);
         };
         let interrupt = self.interrupt.as_ref();
         match connection.read(&mut self.buffer, interrupt, patience) {
             Ok(0) => self.over(),
             Ok(length) => self.take(length),
             Err(error) if is_quiet(error.kind()) => self.be_patient(),
-            Err(error) if C::LIVE => Err(self.lose(error.to_string())),
+            Err(error) if C::IS_LIVE => Err(self.lose(error.to_string())),
             Err(error) => {
                 self.state = State::Ended;
                 Err(CaptureError::Malformed {
                     source_name: self.name.clone(),
                     reason: format!(
                         "reading stopped after {} bytes: {error}",
-                        self.decoder.counts().bytes
+                        self.decoder.stats().bytes
                     ),
                 })
             }
@@ -105,11 +105,11 @@ impl<C: Connect> LineSource<C> {
     fn patience(&self) -> Option<Duration> {
         match self.interrupt {
             None => Some(READ_TIMEOUT),
-            Some(_) => C::SILENCE_LIMIT.map(|limit| limit.saturating_sub(self.heard.elapsed())),
+            Some(_) => C::IDLE_TIMEOUT.map(|limit| limit.saturating_sub(self.heard.elapsed())),
         }
     }
 
-    fn take(&mut self, length: usize) -> Result<Capture, CaptureError> {
+    fn take(&mut self, length: usize) -> Result<SourceEvent, CaptureError> {
         let now = Instant::now();
         self.heard = now;
         let pending = &mut self.pending;
@@ -121,59 +121,59 @@ impl<C: Connect> LineSource<C> {
             tracing::warn!(
                 "no valid frame from {} for {} s, check baud and protocol",
                 self.name,
-                GarbageWatch::LIMIT.as_secs()
+                GarbageDetector::LIMIT.as_secs()
             );
         }
         if !self.pending.is_empty() {
             self.back_off = BackOff::default();
         }
-        if C::LIVE && self.decoder.take_text() {
+        if C::IS_LIVE && self.decoder.take_text() {
             self.losses += 1;
             return Err(CaptureError::Interrupted {
                 source_name: self.name.clone(),
                 reason: "text came in between, as from a board that starts anew".to_owned(),
             });
         }
-        Ok(self.next_pending().unwrap_or(Capture::Quiet))
+        Ok(self.next_pending().unwrap_or(SourceEvent::Idle))
     }
 
     /// Dates each frame back by what came after it.
     fn stamp(&mut self, now: Instant) {
         let frames = self.pending.len();
         for (index, reading) in self.pending.iter_mut().enumerate() {
-            let bytes_after = (frames - 1 - index) * FRAME_BYTES + self.decoder.waiting();
+            let bytes_after = (frames - 1 - index) * PACKET_BYTES + self.decoder.pending_bytes();
             reading.time = self.clock.stamp(now, bytes_after, &self.settings);
         }
     }
 
-    fn next_pending(&mut self) -> Option<Capture> {
-        self.pending.pop_at(0).map(Capture::Reading)
+    fn next_pending(&mut self) -> Option<SourceEvent> {
+        self.pending.pop_at(0).map(SourceEvent::Reading)
     }
 
-    fn over(&mut self) -> Result<Capture, CaptureError> {
-        if C::LIVE {
+    fn over(&mut self) -> Result<SourceEvent, CaptureError> {
+        if C::IS_LIVE {
             return Err(self.lose("the device has closed the line".to_owned()));
         }
         self.state = State::Ended;
         let pending = &mut self.pending;
         self.decoder.finish(&mut |body| pending.push(reading(body)));
         self.stamp(Instant::now());
-        Ok(self.next_pending().unwrap_or(Capture::End))
+        Ok(self.next_pending().unwrap_or(SourceEvent::End))
     }
 
-    fn be_patient(&mut self) -> Result<Capture, CaptureError> {
-        match C::SILENCE_LIMIT {
+    fn be_patient(&mut self) -> Result<SourceEvent, CaptureError> {
+        match C::IDLE_TIMEOUT {
             Some(limit) if self.heard.elapsed() >= limit => {
                 Err(self.lose(format!("nothing came for {} s", limit.as_secs())))
             }
-            _ => Ok(Capture::Quiet),
+            _ => Ok(SourceEvent::Idle),
         }
     }
 
     fn lose(&mut self, reason: String) -> CaptureError {
         self.losses += 1;
-        self.decoder.abandon();
-        self.garbage = GarbageWatch::default();
+        self.decoder.reset();
+        self.garbage = GarbageDetector::default();
         let search = self.start_search();
         if let State::Connected(dead) = std::mem::replace(&mut self.state, State::Searching(search))
         {
@@ -185,48 +185,48 @@ impl<C: Connect> LineSource<C> {
         }
     }
 
-    fn start_search(&mut self) -> Search {
+    fn start_search(&mut self) -> Reconnect {
         let back_off = self.back_off.clone();
         self.back_off.next_interval();
-        Search::start(self.connector.clone(), back_off)
+        Reconnect::start(self.connector.clone(), back_off)
     }
 
-    fn look(&mut self) -> Capture {
+    fn look(&mut self) -> SourceEvent {
         let State::Searching(search) = &self.state else {
-            return Capture::Quiet;
+            return SourceEvent::Idle;
         };
         match search.wait(self.interrupt.as_ref()) {
-            Finding::Nothing => {}
-            Finding::Refused(reason) => {
+            ReconnectEvent::Idle => {}
+            ReconnectEvent::Refused(reason) => {
                 tracing::warn!("cannot take up {} again: {reason}", self.name);
             }
-            Finding::Over => {
+            ReconnectEvent::Stopped => {
                 let search = self.start_search();
                 self.state = State::Searching(search);
             }
-            Finding::Found(connection) => {
-                tracing::info!("{} is back as {}", self.name, connection.place);
+            ReconnectEvent::Connected(connection) => {
+                tracing::info!("{} is back as {}", self.name, connection.endpoint);
                 self.heard = Instant::now();
                 self.state = State::Connected(connection);
             }
         }
-        Capture::Quiet
+        SourceEvent::Idle
     }
 }
 
-impl<C: Connect> Source for LineSource<C> {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+impl<C: Transport> Source for StreamSource<C> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         if let Some(reading) = self.next_pending() {
             return Ok(reading);
         }
         match &self.state {
             State::Connected(_) => self.listen(),
             State::Searching(_) => Ok(self.look()),
-            State::Ended => Ok(Capture::End),
+            State::Ended => Ok(SourceEvent::End),
         }
     }
 
-    fn heed(&mut self, interrupt: &Interrupt) {
+    fn set_cancel_token(&mut self, interrupt: &CancelToken) {
         self.interrupt = Some(interrupt.clone());
     }
 
@@ -234,17 +234,17 @@ impl<C: Connect> Source for LineSource<C> {
         &self.name
     }
 
-    fn frame_period(&self) -> Option<Duration> {
-        Some(self.settings.frame_period())
+    fn packet_period(&self) -> Option<Duration> {
+        Some(self.settings.packet_period())
     }
 
     fn is_live(&self) -> bool {
-        C::LIVE
+        C::IS_LIVE
     }
 
-    fn counts(&self) -> Counts {
-        let decoded = self.decoder.counts();
-        Counts {
+    fn stats(&self) -> SourceStats {
+        let decoded = self.decoder.stats();
+        SourceStats {
             readings: decoded.readings - self.pending.len() as u64,
             losses: self.losses,
             ..decoded
@@ -284,7 +284,7 @@ mod tests {
     use std::sync::{Arc, Mutex};
 
     use super::*;
-    use crate::capture::connect::Refusal;
+    use crate::capture::connect::ConnectError;
     use crate::capture::hc11::{Framing, encode};
 
     const LIMIT: Duration = Duration::from_secs(20);
@@ -319,20 +319,20 @@ mod tests {
         }
     }
 
-    impl Connect for Script {
-        const LIVE: bool = true;
+    impl Transport for Script {
+        const IS_LIVE: bool = true;
 
-        fn connect(&mut self) -> Result<Connection, Refusal> {
+        fn connect(&mut self) -> Result<Connection, ConnectError> {
             Ok(Connection {
                 bytes: Box::new(self.clone()),
                 readiness: None,
-                place: "script".to_owned(),
+                endpoint: "script".to_owned(),
             })
         }
     }
 
-    fn open(script: Script) -> LineSource<Script> {
-        LineSource::open("script".to_owned(), LineSettings::default(), script).unwrap()
+    fn open(script: Script) -> StreamSource<Script> {
+        StreamSource::open("script".to_owned(), StreamOptions::default(), script).unwrap()
     }
 
     fn frames(count: u8) -> Vec<u8> {
@@ -342,14 +342,14 @@ mod tests {
     }
 
     /// Asks until the script has been read to its end twice, and tells what came.
-    fn hear(source: &mut LineSource<Script>) -> Vec<String> {
+    fn hear(source: &mut StreamSource<Script>) -> Vec<String> {
         let mut heard = Vec::new();
         let start = Instant::now();
         while source.losses < 2 && start.elapsed() < LIMIT {
             match source.next() {
-                Ok(Capture::Quiet) => {}
-                Ok(Capture::End) => heard.push("end".to_owned()),
-                Ok(Capture::Reading(reading)) => {
+                Ok(SourceEvent::Idle) => {}
+                Ok(SourceEvent::End) => heard.push("end".to_owned()),
+                Ok(SourceEvent::Reading(reading)) => {
                     let Sample::Channels(channels) = reading.sample;
                     heard.push(channels.counts[0].to_string());
                 }
@@ -381,11 +381,11 @@ mod tests {
         }
         assert_eq!(
             seen.iter()
-                .filter(|capture| **capture != Capture::Quiet)
+                .filter(|capture| **capture != SourceEvent::Idle)
                 .count(),
             2
         );
-        assert_eq!(source.counts().losses, 0);
+        assert_eq!(source.stats().losses, 0);
     }
 
     #[test]
@@ -397,7 +397,7 @@ mod tests {
         let mut losses = 0;
         while start.elapsed() < Duration::from_secs(1) {
             match source.next() {
-                Ok(capture) => assert_eq!(capture, Capture::Quiet),
+                Ok(capture) => assert_eq!(capture, SourceEvent::Idle),
                 Err(error) => {
                     losses += 1;
                     assert!(error.is_recoverable());
@@ -407,7 +407,7 @@ mod tests {
         let reads = *asked.lock().unwrap();
         // At 0, 0.1, 0.3 and 0.7 s, for want of a frame in between.
         assert!((2..=4).contains(&reads), "{reads}");
-        assert_eq!((losses, source.counts().losses), (reads, reads as u64));
+        assert_eq!((losses, source.stats().losses), (reads, reads as u64));
     }
 
     #[test]
@@ -428,7 +428,7 @@ mod tests {
             heard[3],
             "lost script: the device has closed the line; looking for it"
         );
-        let counts = source.counts();
+        let counts = source.stats();
         assert_eq!(counts.bytes, 200);
         assert_eq!(counts.bytes, 66 * counts.readings + counts.skipped_bytes);
     }
@@ -438,15 +438,15 @@ mod tests {
         let mut stream = frames(4);
         stream.extend([6, 6]);
         let mut source = open(Script::new([Ok(stream)]));
-        std::thread::sleep(source.settings.frame_period() * 6);
+        std::thread::sleep(source.settings.packet_period() * 6);
         let mut times = Vec::new();
         for _ in 0..4 {
-            if let Capture::Reading(reading) = source.next().unwrap() {
+            if let SourceEvent::Reading(reading) = source.next().unwrap() {
                 times.push(reading.time.0);
             }
         }
         let gaps: Vec<u64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let period = source.settings.frame_period().as_micros() as u64;
+        let period = source.settings.packet_period().as_micros() as u64;
         assert_eq!(gaps.len(), 3);
         assert!(
             gaps.iter().all(|&gap| gap.abs_diff(period) <= 1),
@@ -472,25 +472,25 @@ mod tests {
     #[derive(Clone)]
     struct StickyPort;
 
-    impl Connect for StickyPort {
-        const LIVE: bool = true;
+    impl Transport for StickyPort {
+        const IS_LIVE: bool = true;
 
-        fn connect(&mut self) -> Result<Connection, Refusal> {
+        fn connect(&mut self) -> Result<Connection, ConnectError> {
             Ok(Connection {
                 bytes: Box::new(Sticky),
                 readiness: None,
-                place: "sticky".to_owned(),
+                endpoint: "sticky".to_owned(),
             })
         }
     }
 
     #[test]
     fn a_dead_port_that_blocks_at_closing_keeps_nobody_waiting() {
-        let settings = LineSettings::default();
-        let mut source = LineSource::open("sticky".to_owned(), settings, StickyPort).unwrap();
+        let settings = StreamOptions::default();
+        let mut source = StreamSource::open("sticky".to_owned(), settings, StickyPort).unwrap();
         let start = Instant::now();
         assert!(source.next().is_err());
-        assert_eq!(source.next().unwrap(), Capture::Quiet);
+        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
         assert!(
             start.elapsed() < Duration::from_secs(2),
             "{:?}",

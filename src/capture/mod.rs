@@ -23,7 +23,7 @@ pub mod uri;
 mod connect;
 mod clock;
 mod garbage;
-pub mod interrupt;
+pub mod cancel;
 #[cfg(target_os = "linux")]
 mod wait;
 #[cfg(not(target_os = "linux"))]
@@ -31,7 +31,7 @@ mod wait;
 mod wait;
 mod text_watch;
 mod line;
-mod search;
+mod reconnect;
 mod usb;
 mod serial;
 mod tcp;
@@ -39,10 +39,10 @@ mod file;
 pub mod recording;
 pub mod pace;
 #[cfg_attr(not(target_os = "linux"), path = "always_awake.rs")]
-mod awake;
+mod suspend;
 pub mod thread;
-mod both;
-pub mod wire;
+mod merge;
+pub mod loopback;
 #[cfg(unix)]
 mod pty;
 #[cfg(test)]
@@ -56,43 +56,43 @@ use serde::{Deserialize, Serialize};
 use crate::hand::Side;
 use crate::time::Timestamp;
 
-pub use both::Both;
-pub use interrupt::Interrupt;
-pub use pace::Paced;
+pub use merge::MergedSource;
+pub use cancel::CancelToken;
+pub use pace::PacedSource;
 #[cfg(unix)]
-pub use pty::open_wire;
-pub use search::BackOff;
-pub use thread::{Arrival, Captured, on_thread};
-pub use uri::{LineSettings, Protocol, SourceName};
-pub use wire::Wire;
+pub use pty::open_loopback;
+pub use reconnect::BackOff;
+pub use thread::{CaptureEvent, CaptureThread, spawn};
+pub use uri::{StreamOptions, Protocol, SourceUri};
+pub use loopback::Loopback;
 #[cfg(not(unix))]
-pub use wire::open_tcp_wire as open_wire;
+pub use loopback::open_tcp_loopback as open_wire;
 
 use file::FileConnector;
-use line::LineSource;
+use line::StreamSource;
 use serial::SerialConnector;
 use tcp::TcpConnector;
 
 /// Opens a source whose bytes come over a line: `serial:`, `tcp:` or `file:`.
 ///
 /// Recordings and the simulated hand are made by modules of their own; their names are refused.
-pub fn open(name: &SourceName) -> Result<Box<dyn Source>, CaptureError> {
+pub fn open(name: &SourceUri) -> Result<Box<dyn Source>, CaptureError> {
     let text = name.to_string();
     match name {
-        SourceName::Serial { port, line } => {
+        SourceUri::Serial { port, line } => {
             let connector = SerialConnector::new(port, line.baud.get());
-            Ok(Box::new(LineSource::open(text, *line, connector)?))
+            Ok(Box::new(StreamSource::open(text, *line, connector)?))
         }
-        SourceName::Tcp { address, line } => {
+        SourceUri::Tcp { address, line } => {
             let connector = TcpConnector::new(address);
-            Ok(Box::new(LineSource::open(text, *line, connector)?))
+            Ok(Box::new(StreamSource::open(text, *line, connector)?))
         }
-        SourceName::File { path, line } => {
+        SourceUri::File { path, line } => {
             let connector = FileConnector::new(path);
-            Ok(Box::new(LineSource::open(text, *line, connector)?))
+            Ok(Box::new(StreamSource::open(text, *line, connector)?))
         }
-        SourceName::Recording { .. } | SourceName::Typist { .. } | SourceName::Script { .. } => {
-            Err(CaptureError::Name {
+        SourceUri::Recording { .. } | SourceUri::Typist { .. } | SourceUri::Script { .. } => {
+            Err(CaptureError::InvalidUri {
                 text,
                 reason: "it is not a line of bytes; use a `serial:`, `tcp:` or `file:` source"
                     .to_owned(),
@@ -146,11 +146,11 @@ pub struct Channels {
 
 /// What a source has to say when it is asked for the next reading.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Capture {
+pub enum SourceEvent {
     /// A reading.
     Reading(Reading),
     /// Nothing for the moment; ask again.
-    Quiet,
+    Idle,
     /// The stream is over; there will be no more.
     End,
 }
@@ -163,19 +163,19 @@ pub trait Source: Send {
     /// its thread can be stopped; one that [heeds](Self::heed) an interrupt answers at the latest when it rings.
     /// After a [recoverable](CaptureError::is_recoverable) error it may be
     /// asked again: a source that was lost looks for its device at each call.
-    fn next(&mut self) -> Result<Capture, CaptureError>;
+    fn next(&mut self) -> Result<SourceEvent, CaptureError>;
 
     /// Takes what rings when the thread of the source is to stop: from then on the source may wait for as long as
     /// there is nothing, so that a sensor at rest costs nothing. By default it is not heeded.
-    fn heed(&mut self, interrupt: &Interrupt) {
-        let _ = interrupt;
+    fn set_cancel_token(&mut self, cancel: &CancelToken) {
+        let _ = cancel;
     }
 
     /// The source as its user named it.
     fn name(&self) -> &str;
 
     /// The time between two readings, where the source knows it.
-    fn frame_period(&self) -> Option<Duration> {
+    fn packet_period(&self) -> Option<Duration> {
         None
     }
 
@@ -185,43 +185,43 @@ pub trait Source: Send {
     }
 
     /// What has come in so far.
-    fn counts(&self) -> Counts {
-        Counts::default()
+    fn stats(&self) -> SourceStats {
+        SourceStats::default()
     }
 }
 
 impl Source for Box<dyn Source> {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         (**self).next()
     }
 
-    fn heed(&mut self, interrupt: &Interrupt) {
-        (**self).heed(interrupt);
+    fn set_cancel_token(&mut self, cancel: &CancelToken) {
+        (**self).set_cancel_token(cancel);
     }
 
     fn name(&self) -> &str {
         (**self).name()
     }
 
-    fn frame_period(&self) -> Option<Duration> {
-        (**self).frame_period()
+    fn packet_period(&self) -> Option<Duration> {
+        (**self).packet_period()
     }
 
     fn is_live(&self) -> bool {
         (**self).is_live()
     }
 
-    fn counts(&self) -> Counts {
-        (**self).counts()
+    fn stats(&self) -> SourceStats {
+        (**self).stats()
     }
 }
 
 /// The longest time that [`Source::next`] blocks, unless the source heeds an interrupt.
-pub const PATIENCE: Duration = Duration::from_millis(100);
+pub const MAX_BLOCK: Duration = Duration::from_millis(100);
 
 /// What came in at a source: every byte and every reading is in exactly one place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Counts {
+pub struct SourceStats {
     /// Bytes received.
     pub bytes: u64,
     /// Bytes that belong to no frame: noise, cut frames, resynchronisation.
@@ -231,7 +231,7 @@ pub struct Counts {
     /// Readings that came out.
     pub readings: u64,
     /// Readings that were replaced by a newer one before anybody took them, or still waited at the end.
-    pub superseded: u64,
+    pub dropped: u64,
     /// Times that the device was lost.
     pub losses: u64,
 }
@@ -242,7 +242,7 @@ pub struct Counts {
 pub enum CaptureError {
     /// The text does not name a source.
     #[error("cannot read `{text}` as a source: {reason}")]
-    Name {
+    InvalidUri {
         /// The text as given.
         text: String,
         /// What is wrong with it.

@@ -2,20 +2,20 @@
 
 use std::time::{Duration, Instant};
 
-use super::{Capture, CaptureError, Counts, PATIENCE, Reading, Source};
+use super::{SourceEvent, CaptureError, SourceStats, MAX_BLOCK, Reading, Source};
 use crate::time::Timestamp;
 
 /// The longest wait for one reading; a longer gap is shortened to it.
-pub const LONGEST_GAP: Duration = Duration::from_secs(2);
+pub const MAX_GAP: Duration = Duration::from_secs(2);
 
 /// One wait is not longer, so that the inner source has the other half of the patience.
-const LONGEST_WAIT: Duration = PATIENCE.checked_div(2).unwrap();
+const MAX_SLEEP: Duration = MAX_BLOCK.checked_div(2).unwrap();
 
 /// Lets the readings of a source that is not live come by their own timestamps.
 ///
 /// A consumer that is slow does not shift the schedule, unless it is behind by more than [`PATIENCE`]: then
 /// the schedule starts over, so that what was missed does not come in a burst.
-pub struct Paced<S> {
+pub struct PacedSource<S> {
     source: S,
     speed: f64,
     waiting: Option<(Reading, Instant)>,
@@ -23,7 +23,7 @@ pub struct Paced<S> {
     previous: Option<(Timestamp, Instant)>,
 }
 
-impl<S: Source> Paced<S> {
+impl<S: Source> PacedSource<S> {
     /// Plays `source` at `speed` times real time: from 0.01 to 1000, other values are moved to the nearer
     /// end. What is not a number counts as 1.
     pub fn new(source: S, speed: f64) -> Self {
@@ -41,23 +41,23 @@ impl<S: Source> Paced<S> {
         let due = match self.previous {
             Some((previous, due)) => {
                 let gap = time.since(previous).div_f64(self.speed);
-                due + gap.min(LONGEST_GAP)
+                due + gap.min(MAX_GAP)
             }
             None => now,
         };
-        let is_far_behind = now.saturating_duration_since(due) > PATIENCE;
+        let is_far_behind = now.saturating_duration_since(due) > MAX_BLOCK;
         let due = if is_far_behind { now } else { due };
         self.previous = Some((time, due));
         due
     }
 }
 
-impl<S: Source> Source for Paced<S> {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+impl<S: Source> Source for PacedSource<S> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         let (reading, due) = match self.waiting.take() {
             Some(waiting) => waiting,
             None => match self.source.next()? {
-                Capture::Reading(reading) => {
+                SourceEvent::Reading(reading) => {
                     let due = self.schedule(reading.time);
                     (reading, due)
                 }
@@ -65,12 +65,12 @@ impl<S: Source> Source for Paced<S> {
             },
         };
         let wait = due.saturating_duration_since(Instant::now());
-        std::thread::sleep(wait.min(LONGEST_WAIT));
-        if wait > LONGEST_WAIT {
+        std::thread::sleep(wait.min(MAX_SLEEP));
+        if wait > MAX_SLEEP {
             self.waiting = Some((reading, due));
-            return Ok(Capture::Quiet);
+            return Ok(SourceEvent::Idle);
         }
-        Ok(Capture::Reading(reading))
+        Ok(SourceEvent::Reading(reading))
     }
 
     fn name(&self) -> &str {
@@ -78,16 +78,16 @@ impl<S: Source> Source for Paced<S> {
     }
 
     /// That of the source, whose times the readings keep at any speed.
-    fn frame_period(&self) -> Option<Duration> {
-        self.source.frame_period()
+    fn packet_period(&self) -> Option<Duration> {
+        self.source.packet_period()
     }
 
     fn is_live(&self) -> bool {
         self.source.is_live()
     }
 
-    fn counts(&self) -> Counts {
-        self.source.counts()
+    fn stats(&self) -> SourceStats {
+        self.source.stats()
     }
 }
 
@@ -99,11 +99,11 @@ mod tests {
     struct Times(Vec<u64>);
 
     impl Source for Times {
-        fn next(&mut self) -> Result<Capture, CaptureError> {
+        fn next(&mut self) -> Result<SourceEvent, CaptureError> {
             if self.0.is_empty() {
-                return Ok(Capture::End);
+                return Ok(SourceEvent::End);
             }
-            Ok(Capture::Reading(Reading {
+            Ok(SourceEvent::Reading(Reading {
                 time: Timestamp(self.0.remove(0) * 1000),
                 side: None,
                 sample: Sample::Channels(Channels {
@@ -117,7 +117,7 @@ mod tests {
             "times"
         }
 
-        fn frame_period(&self) -> Option<Duration> {
+        fn packet_period(&self) -> Option<Duration> {
             Some(Duration::from_millis(10))
         }
 
@@ -128,7 +128,7 @@ mod tests {
 
     /// Plays readings at the times given, in milliseconds; how long each took, and the times that were let out.
     fn play(times: &[u64], speed: f64) -> (Vec<Duration>, Vec<u64>) {
-        let mut paced = Paced::new(Times(times.to_vec()), speed);
+        let mut paced = PacedSource::new(Times(times.to_vec()), speed);
         let start = Instant::now();
         let (mut moments, mut out) = (Vec::new(), Vec::new());
         loop {
@@ -140,12 +140,12 @@ mod tests {
                 asked.elapsed()
             );
             match capture {
-                Capture::Reading(reading) => {
+                SourceEvent::Reading(reading) => {
                     moments.push(start.elapsed());
                     out.push(reading.time.0 / 1000);
                 }
-                Capture::Quiet => assert!(asked.elapsed() >= LONGEST_WAIT),
-                Capture::End => return (moments, out),
+                SourceEvent::Idle => assert!(asked.elapsed() >= MAX_SLEEP),
+                SourceEvent::End => return (moments, out),
             }
         }
     }
@@ -163,16 +163,16 @@ mod tests {
     fn a_gap_of_a_year_takes_two_seconds() {
         let (moments, _) = play(&[0, 365 * 86_400_000], 1.0);
         assert!(
-            moments[1] >= LONGEST_GAP && moments[1] < Duration::from_secs(20),
+            moments[1] >= MAX_GAP && moments[1] < Duration::from_secs(20),
             "{moments:?}"
         );
     }
 
     #[test]
     fn a_slow_consumer_is_not_given_a_burst() {
-        let mut paced = Paced::new(Times(vec![0, 10, 20, 100]), 1.0);
+        let mut paced = PacedSource::new(Times(vec![0, 10, 20, 100]), 1.0);
         paced.next().unwrap();
-        std::thread::sleep(PATIENCE * 2);
+        std::thread::sleep(MAX_BLOCK * 2);
         let start = Instant::now();
         paced.next().unwrap();
         paced.next().unwrap();
@@ -188,14 +188,14 @@ mod tests {
             (1e9, 1000.0),
             (2.0, 2.0),
         ] {
-            assert_eq!(Paced::new(Times(Vec::new()), speed).speed, moved, "{speed}");
+            assert_eq!(PacedSource::new(Times(Vec::new()), speed).speed, moved, "{speed}");
         }
     }
 
     #[test]
     fn it_is_the_same_source_at_any_speed() {
-        let paced = Paced::new(Times(Vec::new()), 20.0);
-        assert_eq!(paced.frame_period(), Some(Duration::from_millis(10)));
+        let paced = PacedSource::new(Times(Vec::new()), 20.0);
+        assert_eq!(paced.packet_period(), Some(Duration::from_millis(10)));
         assert!(!paced.is_live());
     }
 }

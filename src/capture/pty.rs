@@ -7,14 +7,14 @@ use std::time::Duration;
 
 use serialport::{SerialPort, TTYPort};
 
-use super::uri::LineSettings;
-use super::{SourceName, wire::Wire};
+use super::uri::StreamOptions;
+use super::{SourceUri, loopback::Loopback};
 
 /// Opens a wire over a pair of pseudo terminals.
 ///
 /// The port has a name of its own, a link in the folder for temporary files. The system's name of the terminal
 /// goes to the next one that is opened, and a source that looks for this port must not find that one.
-pub fn open_wire(line: LineSettings) -> Result<Wire> {
+pub fn open_loopback(line: StreamOptions) -> Result<Loopback> {
     let (master, slave) = TTYPort::pair()?;
     // The copies are closed in programs that this one starts, which would keep the line alive.
     let (mut master, slave) = (master.try_clone_native()?, slave.try_clone_native()?);
@@ -29,9 +29,9 @@ pub fn open_wire(line: LineSettings) -> Result<Wire> {
         master,
         _slave: slave,
     };
-    Ok(Wire {
+    Ok(Loopback {
         writer: Box::new(writer),
-        source: SourceName::Serial { port, line },
+        uri: SourceUri::Serial { port, line },
     })
 }
 

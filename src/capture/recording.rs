@@ -17,28 +17,28 @@ use mcap::records::{Metadata, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
 
-use super::{Capture, CaptureError, Counts, Reading, Sample, Source};
+use super::{SourceEvent, CaptureError, SourceStats, Reading, Sample, Source};
 
 /// The channel that readings are on.
-pub const TOPIC: &str = "/readings";
+pub const READINGS_TOPIC: &str = "/readings";
 
 /// How the messages of all channels are encoded.
-pub const ENCODING: &str = "json";
+pub const MESSAGE_ENCODING: &str = "json";
 
 /// The metadata record that says which version of the format the file has, under the key `format`.
 pub const FORMAT_RECORD: &str = "ademan";
 
 /// The version of the format that is written and read here.
-pub const FORMAT: &str = "1";
+pub const FORMAT_VERSION: &str = "1";
 
 /// The metadata records that hold the setup: `kind`, `name` and `text` of each.
 pub const SETUP_RECORD: &str = "ademan.setup";
 
 /// The most bytes that one record may have: enough for the largest setup text.
-pub const RECORD_LIMIT: usize = 4 << 20;
+pub const MAX_RECORD_BYTES: usize = 4 << 20;
 
 /// The kind of the setup text that is the time between two readings, in microseconds.
-const FRAME_PERIOD: &str = "frame-period";
+const PACKET_PERIOD: &str = "frame-period";
 
 /// The texts that describe how a recording was made: the glove, the arm, the layout, the settings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -72,9 +72,9 @@ impl RecordedSetup {
 
     /// Adds the time between two readings of the source, on which the stall limit depends.
     #[must_use]
-    pub fn with_frame_period(self, period: Option<Duration>) -> Self {
+    pub fn with_packet_period(self, period: Option<Duration>) -> Self {
         match period {
-            Some(period) => self.with(FRAME_PERIOD, "µs", &period.as_micros().to_string()),
+            Some(period) => self.with(PACKET_PERIOD, "µs", &period.as_micros().to_string()),
             None => self,
         }
     }
@@ -87,7 +87,7 @@ impl RecordedSetup {
 
 /// Where and how a recording ends before its end.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Cut {
+pub struct Truncation {
     /// The byte at which the last whole record ends.
     pub offset: u64,
     /// What follows there.
@@ -108,12 +108,12 @@ pub struct Replay<R = File> {
     channel: Option<u16>,
     pending: Option<Reading>,
     readings: u64,
-    cut: CutNote,
+    cut: SharedTruncation,
     ended: bool,
 }
 
 /// Where a replay notes that its recording is cut off, for whoever does not have the replay any more then.
-pub type CutNote = Arc<OnceLock<Cut>>;
+pub type SharedTruncation = Arc<OnceLock<Truncation>>;
 
 impl Replay {
     /// Opens the recording at `path` and reads its setup; the source is called `recording:PATH`.
@@ -127,13 +127,13 @@ impl Replay {
         if path.is_dir() {
             return Err(refuse("it is a directory, name a file in it".into()));
         }
-        Self::read(name, file)
+        Self::from_reader(name, file)
     }
 }
 
 impl<R: Read + Send> Replay<R> {
     /// Reads a recording from anywhere; `name` is what errors call it.
-    pub fn read(name: impl Into<String>, bytes: R) -> Result<Self, CaptureError> {
+    pub fn from_reader(name: impl Into<String>, bytes: R) -> Result<Self, CaptureError> {
         let mut replay = Self {
             name: name.into(),
             records: Records::new(bytes),
@@ -141,7 +141,7 @@ impl<R: Read + Send> Replay<R> {
             channel: None,
             pending: None,
             readings: 0,
-            cut: CutNote::default(),
+            cut: SharedTruncation::default(),
             ended: false,
         };
         match replay.records.read_magic() {
@@ -157,12 +157,12 @@ impl<R: Read + Send> Replay<R> {
     }
 
     /// Where the recording is cut off, once its end has been read.
-    pub fn cut(&self) -> Option<&Cut> {
+    pub fn truncation(&self) -> Option<&Truncation> {
         self.cut.get()
     }
 
     /// Where it will be noted that the recording is cut off.
-    pub fn cut_note(&self) -> CutNote {
+    pub fn shared_truncation(&self) -> SharedTruncation {
         self.cut.clone()
     }
 
@@ -182,11 +182,11 @@ impl<R: Read + Send> Replay<R> {
 
     fn take(&mut self, content: Content) -> Result<(), CaptureError> {
         match content {
-            Content::Channel(channel) if channel.topic == TOPIC => {
-                if channel.message_encoding != ENCODING {
+            Content::Channel(channel) if channel.topic == READINGS_TOPIC => {
+                if channel.message_encoding != MESSAGE_ENCODING {
                     let encoding = channel.message_encoding;
                     return Err(self.malformed(format!(
-                        "its readings are encoded as `{encoding}`, not as `{ENCODING}`"
+                        "its readings are encoded as `{encoding}`, not as `{MESSAGE_ENCODING}`"
                     )));
                 }
                 self.channel = Some(channel.id);
@@ -203,11 +203,11 @@ impl<R: Read + Send> Replay<R> {
         match record.name.as_str() {
             FORMAT_RECORD => {
                 let format = field("format");
-                if format == FORMAT {
+                if format == FORMAT_VERSION {
                     return Ok(());
                 }
                 Err(self.malformed(format!(
-                    "it has format `{format}` and this program reads format `{FORMAT}`; use the version that wrote it"
+                    "it has format `{format}` and this program reads format `{FORMAT_VERSION}`; use the version that wrote it"
                 )))
             }
             SETUP_RECORD => {
@@ -243,7 +243,7 @@ impl<R: Read + Send> Replay<R> {
         let offset = self.records.whole;
         match stop {
             Stop::Finished if self.channel.is_none() => Err(self.malformed(format!(
-                "it has no channel `{TOPIC}`; only what `ademan record` wrote can be replayed"
+                "it has no channel `{READINGS_TOPIC}`; only what `ademan record` wrote can be replayed"
             ))),
             Stop::Finished => Ok(()),
             Stop::Cut => {
@@ -253,7 +253,7 @@ impl<R: Read + Send> Replay<R> {
                     _ => format!("the file ends {left} bytes into a record"),
                 };
                 tracing::warn!("{} is cut off at byte {offset}: {reason}", self.name);
-                let _ = self.cut.set(Cut { offset, reason });
+                let _ = self.cut.set(Truncation { offset, reason });
                 Ok(())
             }
             Stop::Unreadable(error) => Err(CaptureError::Open {
@@ -275,16 +275,16 @@ impl<R: Read + Send> Replay<R> {
 }
 
 impl<R: Read + Send> Source for Replay<R> {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         let reading = match self.pending.take() {
             Some(reading) => Some(reading),
             None => self.next_reading()?,
         };
         let Some(reading) = reading else {
-            return Ok(Capture::End);
+            return Ok(SourceEvent::End);
         };
         self.readings += 1;
-        Ok(Capture::Reading(reading))
+        Ok(SourceEvent::Reading(reading))
     }
 
     fn name(&self) -> &str {
@@ -292,8 +292,8 @@ impl<R: Read + Send> Source for Replay<R> {
     }
 
     /// That of the source that was recorded, where it knew it.
-    fn frame_period(&self) -> Option<Duration> {
-        let microseconds = self.setup.get(FRAME_PERIOD)?.text.parse().ok()?;
+    fn packet_period(&self) -> Option<Duration> {
+        let microseconds = self.setup.get(PACKET_PERIOD)?.text.parse().ok()?;
         Some(Duration::from_micros(microseconds))
     }
 
@@ -301,15 +301,15 @@ impl<R: Read + Send> Source for Replay<R> {
         false
     }
 
-    fn counts(&self) -> Counts {
-        Counts {
+    fn stats(&self) -> SourceStats {
+        SourceStats {
             bytes: self.records.fed,
-            skipped_bytes: match self.cut() {
+            skipped_bytes: match self.truncation() {
                 Some(_) => self.records.fed - self.records.whole,
                 None => 0,
             },
             readings: self.readings,
-            ..Counts::default()
+            ..SourceStats::default()
         }
     }
 }
@@ -349,7 +349,7 @@ impl<R: Read> Records<R> {
         let options = LinearReaderOptions::default()
             .with_validate_data_section_crc(true)
             .with_validate_chunk_crcs(true)
-            .with_record_length_limit(RECORD_LIMIT);
+            .with_record_length_limit(MAX_RECORD_BYTES);
         Self {
             bytes: BufReader::new(bytes),
             reader: LinearReader::new_with_options(options),
@@ -447,7 +447,7 @@ fn reason(error: McapError) -> String {
         McapError::BadDataCrc { .. } => "the contents before do not match their checksum".into(),
         McapError::BadMagic => "the end mark is damaged".into(),
         McapError::RecordTooLarge { len, .. } => {
-            format!("a record says that it has {len} bytes; the limit is {RECORD_LIMIT}")
+            format!("a record says that it has {len} bytes; the limit is {MAX_RECORD_BYTES}")
         }
         McapError::Parse(_) => "a record cannot be decoded".into(),
         other => other.to_string(),

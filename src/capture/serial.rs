@@ -7,11 +7,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
 
-use super::connect::{Connect, Connection, READ_TIMEOUT, Refusal};
+use super::connect::{Transport, Connection, READ_TIMEOUT, ConnectError};
 use super::lists_serial_ports;
-use super::usb::{Choice, KnownDevice, Port, choose_port};
+use super::usb::{PortChoice, KnownDevice, Port, choose_port};
 use super::wait::{self, Readiness, TerminalName};
-use crate::access::{self, Denied};
+use crate::advice::{self, AccessDenied};
 
 /// Opens a serial port, and finds its device again under another name.
 #[derive(Clone)]
@@ -34,22 +34,22 @@ impl SerialConnector {
     }
 }
 
-impl Connect for SerialConnector {
-    const LIVE: bool = true;
+impl Transport for SerialConnector {
+    const IS_LIVE: bool = true;
 
-    fn connect(&mut self) -> Result<Connection, Refusal> {
+    fn connect(&mut self) -> Result<Connection, ConnectError> {
         let present = present_ports();
         let wanted = resolve(&self.port);
         let place = match choose_port(&wanted, self.known.as_ref(), &present) {
-            Choice::Open(name) if name == wanted => self.port.clone(),
-            Choice::Open(name) => name,
+            PortChoice::Open(name) if name == wanted => self.port.clone(),
+            PortChoice::Open(name) => name,
             refused => return Err(refuse(refused, self)),
         };
         let name = TerminalName::of(&place);
         let mut terminal = self.terminal.lock().unwrap_or_else(PoisonError::into_inner);
         if name.is_some() && *terminal == name {
             // Whoever has that number now is somebody else, such as a shell: what is typed there is not for us.
-            return Err(Refusal::Absent(
+            return Err(ConnectError::Absent(
                 "that pseudo-terminal has ended; give its successor a link of the same name".into(),
             ));
         }
@@ -73,7 +73,7 @@ fn connection(port: Box<dyn SerialPort>, file: Option<File>, place: String) -> C
     Connection {
         bytes,
         readiness,
-        place,
+        endpoint: place,
     }
 }
 
@@ -136,51 +136,51 @@ fn open(place: &str, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
     Ok(port)
 }
 
-fn refuse(choice: Choice, connector: &SerialConnector) -> Refusal {
+fn refuse(choice: PortChoice, connector: &SerialConnector) -> ConnectError {
     let wanted = match &connector.known {
         Some(device) => device.identity.to_string(),
         None => "the device".to_owned(),
     };
     let port = &connector.port;
     match choice {
-        Choice::Stranger(Some(other)) => Refusal::Unusable(format!(
+        PortChoice::OtherDevice(Some(other)) => ConnectError::Unusable(format!(
             "{port} is now another device ({other}), plug in {wanted} or start again with the new one"
         )),
-        Choice::Stranger(None) => Refusal::Unusable(format!(
+        PortChoice::OtherDevice(None) => ConnectError::Unusable(format!(
             "{port} is now another device, plug in {wanted} or start again with the new one"
         )),
-        Choice::Ambiguous(names) => Refusal::Unusable(format!(
+        PortChoice::Ambiguous(names) => ConnectError::Unusable(format!(
             "{} are all {wanted}, unplug all but one or start again with the port to use",
             names.join(" and ")
         )),
-        Choice::Absent | Choice::Open(_) => Refusal::Absent(format!("{wanted} is not plugged in")),
+        PortChoice::Absent | PortChoice::Open(_) => ConnectError::Absent(format!("{wanted} is not plugged in")),
     }
 }
 
 /// Says what happened at opening and what to do.
-fn explain(error: &serialport::Error, place: &str, present: &[Port]) -> Refusal {
+fn explain(error: &serialport::Error, place: &str, present: &[Port]) -> ConnectError {
     let path = Path::new(place);
     let exists = path.exists() || present.iter().any(|port| port.name == place);
     match error.kind {
         ErrorKind::NoDevice if exists => {
-            Refusal::Unusable("it is in use by another program, close that one first".to_owned())
+            ConnectError::Unusable("it is in use by another program, close that one first".to_owned())
         }
         ErrorKind::Io(std::io::ErrorKind::PermissionDenied) => {
-            Refusal::Unusable(access::port_denied(place, &Denied::Unknown).to_string())
+            ConnectError::Unusable(advice::serial_port_denied(place, &AccessDenied::Unknown).to_string())
         }
         ErrorKind::NoDevice | ErrorKind::Io(std::io::ErrorKind::NotFound) => {
-            Refusal::Absent(format!("there is no such port; {}", list(present)))
+            ConnectError::Absent(format!("there is no such port; {}", list(present)))
         }
-        _ if path.is_dir() => Refusal::Unusable("it is a folder, not a serial port".to_owned()),
-        _ if path.is_file() => Refusal::Unusable(format!(
+        _ if path.is_dir() => ConnectError::Unusable("it is a folder, not a serial port".to_owned()),
+        _ if path.is_file() => ConnectError::Unusable(format!(
             "it is a file, not a serial port; to read bytes from a file write `file:{place}`"
         )),
-        _ if exists => Refusal::Unusable(format!(
+        _ if exists => ConnectError::Unusable(format!(
             "it does not work as a serial port ({}); {}",
             error.description,
             list(present)
         )),
-        _ => Refusal::Absent(error.description.clone()),
+        _ => ConnectError::Absent(error.description.clone()),
     }
 }
 
@@ -252,7 +252,7 @@ mod tests {
         ];
         for (place, kind, part) in table {
             let error = serialport::Error::new(kind, "why");
-            let (Refusal::Absent(reason) | Refusal::Unusable(reason)) =
+            let (ConnectError::Absent(reason) | ConnectError::Unusable(reason)) =
                 explain(&error, place, &present);
             assert!(reason.contains(part), "{place} {kind:?}: {reason}");
             assert!(!reason.contains("as root"), "{reason}");
@@ -263,8 +263,8 @@ mod tests {
     fn a_stranger_and_twins_are_refused_by_name() {
         let mut connector = SerialConnector::new("/dev/ttyUSB0", 9600);
         connector.known = KnownDevice::on("/dev/ttyUSB0", &[usb_port("/dev/ttyUSB0")]);
-        let stranger = refuse(Choice::Stranger(None), &connector);
-        let Refusal::Unusable(reason) = stranger else {
+        let stranger = refuse(PortChoice::OtherDevice(None), &connector);
+        let ConnectError::Unusable(reason) = stranger else {
             panic!("{stranger:?}");
         };
         assert_eq!(
@@ -272,15 +272,15 @@ mod tests {
             "/dev/ttyUSB0 is now another device, plug in USB 0403:6001 serial number A1 or start again with the new one"
         );
         let twins = refuse(
-            Choice::Ambiguous(vec!["a".to_owned(), "b".to_owned()]),
+            PortChoice::Ambiguous(vec!["a".to_owned(), "b".to_owned()]),
             &connector,
         );
         assert!(
-            matches!(twins, Refusal::Unusable(reason) if reason.starts_with("a and b are all USB"))
+            matches!(twins, ConnectError::Unusable(reason) if reason.starts_with("a and b are all USB"))
         );
         assert!(matches!(
-            refuse(Choice::Absent, &connector),
-            Refusal::Absent(_)
+            refuse(PortChoice::Absent, &connector),
+            ConnectError::Absent(_)
         ));
     }
 }

@@ -4,7 +4,7 @@ use std::io::Error;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-use super::connect::{Connect, Connection, READ_TIMEOUT, Refusal};
+use super::connect::{Transport, Connection, READ_TIMEOUT, ConnectError};
 use super::wait::Readiness;
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
@@ -23,22 +23,22 @@ impl TcpConnector {
     }
 }
 
-impl Connect for TcpConnector {
-    const LIVE: bool = true;
+impl Transport for TcpConnector {
+    const IS_LIVE: bool = true;
 
     /// A peer whose power was cut never closes its end; a glove that runs is never silent for so long.
-    const SILENCE_LIMIT: Option<Duration> = Some(Duration::from_secs(5));
+    const IDLE_TIMEOUT: Option<Duration> = Some(Duration::from_secs(5));
 
-    fn connect(&mut self) -> Result<Connection, Refusal> {
+    fn connect(&mut self) -> Result<Connection, ConnectError> {
         let stream = connect(&self.address).map_err(|error| {
-            Refusal::Absent(format!(
+            ConnectError::Absent(format!(
                 "{error}; check that the converter is on and that address and port are right"
             ))
         })?;
         Ok(Connection {
             readiness: Readiness::of(&stream),
             bytes: Box::new(stream),
-            place: self.address.clone(),
+            endpoint: self.address.clone(),
         })
     }
 }

@@ -6,14 +6,14 @@ const SHORTEST_LINE: u8 = 8;
 
 /// Looks for a line of text among the bytes that belong to no frame.
 #[derive(Clone, Debug, Default)]
-pub(super) struct TextWatch {
+pub(super) struct TextDetector {
     /// Printable characters in a row, up to now.
     printable: u8,
     has_seen_frame: bool,
     has_text: bool,
 }
 
-impl TextWatch {
+impl TextDetector {
     /// Takes a byte that belongs to no frame.
     pub fn see_byte(&mut self, byte: u8) {
         match byte {
@@ -54,7 +54,7 @@ mod tests {
             (b"noise\xff\x00Glove v2\r", true),
         ];
         for (bytes, is_text) in table {
-            let mut watch = TextWatch::default();
+            let mut watch = TextDetector::default();
             bytes.iter().for_each(|&byte| watch.see_byte(byte));
             assert!(
                 !watch.take(),

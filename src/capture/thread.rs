@@ -6,34 +6,34 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded, select};
 
-use super::awake::Awake;
-use super::interrupt::{Bell, bell};
-use super::{Capture, CaptureError, Counts, Interrupt, Reading, Source};
+use super::suspend::SuspendDetector;
+use super::cancel::{CancelHandle, cancel_token};
+use super::{SourceEvent, CaptureError, SourceStats, CancelToken, Reading, Source};
 
 /// What a capture thread sends.
 ///
 /// After [`Failed`](Self::Failed) or [`End`](Self::End) the channel is disconnected. A thread that is
 /// stopped by dropping its [`Captured`] sends neither.
 #[derive(Clone, Debug)]
-pub enum Arrival {
+pub enum CaptureEvent {
     /// A reading.
     Reading {
         /// What the sensor saw.
         reading: Reading,
         /// When the capture thread had it.
-        arrived: Instant,
+        received_at: Instant,
         /// What has come in up to and with this reading.
-        counts: Counts,
+        stats: SourceStats,
     },
     /// Bytes come of which none belongs to a reading: what has come in by now. At most twice a second.
-    Noise(Counts),
+    Noise(SourceStats),
     /// The device is gone and the source looks for it, or it was interrupted; readings may follow. Never superseded, and always
     /// before the readings that came after it.
     Lost(CaptureError),
     /// The source gave up, or panicked.
     Failed(CaptureError),
     /// The stream is over.
-    End(Counts),
+    End(SourceStats),
 }
 
 /// Arrivals that wait for whoever takes them: enough for a pause of 90 ms at 115 200 baud, few enough that
@@ -49,13 +49,13 @@ const JOIN_LIMIT: Duration = Duration::from_secs(1);
 /// A source that runs on its own thread. Dropping it stops the thread: at once where the source
 /// [heeds](Source::heed) that, else within [`PATIENCE`](super::PATIENCE), and within one second at most.
 #[derive(Debug)]
-pub struct Captured {
-    arrivals: Receiver<Arrival>,
+pub struct CaptureThread {
+    events: Receiver<CaptureEvent>,
     name: String,
-    frame_period: Option<Duration>,
+    packet_period: Option<Duration>,
     is_live: bool,
     /// Rings when it is dropped.
-    bell: Option<Bell>,
+    bell: Option<CancelHandle>,
     /// Disconnected when the thread is over.
     over: Receiver<()>,
     thread: Option<JoinHandle<()>>,
@@ -65,9 +65,9 @@ pub struct Captured {
 ///
 /// When nobody takes what arrives, a [live](Source::is_live) source drops its oldest readings and counts
 /// them in [`Counts::superseded`]; any other source waits.
-pub fn on_thread(mut source: impl Source + 'static) -> Result<Captured, CaptureError> {
+pub fn spawn(mut source: impl Source + 'static) -> Result<CaptureThread, CaptureError> {
     let name = source.name().to_owned();
-    let frame_period = source.frame_period();
+    let frame_period = source.packet_period();
     let is_live = source.is_live();
     let (sender, arrivals) = bounded(WAITING_ARRIVALS);
     let (thread_is_over, over) = bounded(0);
@@ -75,8 +75,8 @@ pub fn on_thread(mut source: impl Source + 'static) -> Result<Captured, CaptureE
         source_name: name.clone(),
         reason: format!("no {what} for it: {error}; close other programs"),
     };
-    let (bell, interrupt) = bell().map_err(|error| refuse("pipe", error))?;
-    source.heed(&interrupt);
+    let (bell, interrupt) = cancel_token().map_err(|error| refuse("pipe", error))?;
+    source.set_cancel_token(&interrupt);
     let mut outlet = Outlet {
         sender,
         waiting: arrivals.clone(),
@@ -94,10 +94,10 @@ pub fn on_thread(mut source: impl Source + 'static) -> Result<Captured, CaptureE
         .name("capture".to_owned())
         .spawn(run);
     let thread = thread.map_err(|error| refuse("thread", error))?;
-    Ok(Captured {
-        arrivals,
+    Ok(CaptureThread {
+        events: arrivals,
         name,
-        frame_period,
+        packet_period: frame_period,
         is_live,
         bell: Some(bell),
         over,
@@ -105,11 +105,11 @@ pub fn on_thread(mut source: impl Source + 'static) -> Result<Captured, CaptureE
     })
 }
 
-impl Captured {
+impl CaptureThread {
     /// Where the arrivals come out, for `recv`, `try_recv` and `select!`. With each of them, and when there will be no
     /// more, the thread that made this is [unparked](std::thread::Thread::unpark), so that it may wait by parking.
-    pub fn arrivals(&self) -> &Receiver<Arrival> {
-        &self.arrivals
+    pub fn events(&self) -> &Receiver<CaptureEvent> {
+        &self.events
     }
 
     /// The [name](Source::name) of the source.
@@ -118,8 +118,8 @@ impl Captured {
     }
 
     /// The [time between two readings](Source::frame_period) of the source.
-    pub fn frame_period(&self) -> Option<Duration> {
-        self.frame_period
+    pub fn packet_period(&self) -> Option<Duration> {
+        self.packet_period
     }
 
     /// Whether the source is [live](Source::is_live).
@@ -128,7 +128,7 @@ impl Captured {
     }
 }
 
-impl Drop for Captured {
+impl Drop for CaptureThread {
     fn drop(&mut self) {
         self.bell = None;
         if self.over.recv_timeout(JOIN_LIMIT) == Err(RecvTimeoutError::Timeout) {
@@ -144,11 +144,11 @@ impl Drop for Captured {
 
 fn capture(source: impl Source, name: String, outlet: &mut Outlet) {
     let whole_run = catch_unwind(AssertUnwindSafe(|| {
-        run(source, &mut Awake::default(), outlet);
+        run(source, &mut SuspendDetector::default(), outlet);
     }));
     if let Err(panic) = whole_run {
         outlet.send(|_| {
-            Arrival::Failed(CaptureError::Malformed {
+            CaptureEvent::Failed(CaptureError::Malformed {
                 source_name: name,
                 reason: format!("it panicked: {}; please report this", panic_text(&*panic)),
             })
@@ -156,70 +156,70 @@ fn capture(source: impl Source, name: String, outlet: &mut Outlet) {
     }
 }
 
-fn run(mut source: impl Source, awake: &mut Awake, outlet: &mut Outlet) {
+fn run(mut source: impl Source, awake: &mut SuspendDetector, outlet: &mut Outlet) {
     let mut interruptions = 0;
     let (mut told, mut told_bytes) = (Instant::now(), 0);
-    while !outlet.interrupt.has_rung() {
+    while !outlet.interrupt.is_cancelled() {
         let news = source.next();
-        if outlet.is_live && awake.has_slept() {
+        if outlet.is_live && awake.was_suspended() {
             // The clocks of readings stand still meanwhile: nobody else notices.
             interruptions += 1;
             let source_name = source.name().to_owned();
             let reason = "the machine has slept".to_owned();
             outlet.send(|_| {
-                Arrival::Lost(CaptureError::Interrupted {
+                CaptureEvent::Lost(CaptureError::Interrupted {
                     source_name,
                     reason,
                 })
             });
         }
         let counts = || {
-            let counts = source.counts();
-            Counts {
+            let counts = source.stats();
+            SourceStats {
                 losses: counts.losses + interruptions,
                 ..counts
             }
         };
         match news {
-            Ok(Capture::Quiet) if told.elapsed() < NOISE => {}
-            Ok(Capture::Quiet) => {
+            Ok(SourceEvent::Idle) if told.elapsed() < NOISE => {}
+            Ok(SourceEvent::Idle) => {
                 told = Instant::now();
                 let counts = counts();
                 if std::mem::replace(&mut told_bytes, counts.bytes) < counts.bytes {
                     outlet.send(|superseded| {
-                        Arrival::Noise(Counts {
-                            superseded,
+                        CaptureEvent::Noise(SourceStats {
+                            dropped: superseded,
                             ..counts
                         })
                     });
                 }
             }
-            Ok(Capture::Reading(reading)) => {
+            Ok(SourceEvent::Reading(reading)) => {
                 let arrived = Instant::now();
                 let counts = counts();
                 (told, told_bytes) = (arrived, counts.bytes);
-                outlet.send(|superseded| Arrival::Reading {
+                outlet.send(|superseded| CaptureEvent::Reading {
                     reading,
-                    arrived,
-                    counts: Counts {
-                        superseded,
+                    received_at: arrived,
+                    stats: SourceStats {
+                        dropped: superseded,
                         ..counts
                     },
                 });
             }
-            Ok(Capture::End) => {
+            Ok(SourceEvent::End) => {
                 let counts = counts();
                 outlet.send(|superseded| {
-                    Arrival::End(Counts {
-                        superseded,
+                    CaptureEvent::End(SourceStats {
+                        dropped: superseded,
                         ..counts
                     })
                 });
                 return;
             }
-            Err(error) if error.is_recoverable() => outlet.send(|_| Arrival::Lost(error)),
+            Err(error) if error.is_recoverable() => outlet.send(|_| CaptureEvent::Lost(error)),
             Err(error) => {
-                outlet.send(|_| Arrival::Failed(error));
+                outlet.send(|_| CaptureEvent::Failed(error));
                 return;
             }
         }
@@ -234,11 +234,11 @@ fn panic_text(panic: &(dyn std::any::Any + Send)) -> &str {
 
 /// The sending end. Only its thread sends, so room that it has made stays.
 struct Outlet {
-    sender: Sender<Arrival>,
+    sender: Sender<CaptureEvent>,
     /// The same arrivals that the consumer takes, to take back the oldest.
-    waiting: Receiver<Arrival>,
+    waiting: Receiver<CaptureEvent>,
     is_live: bool,
-    interrupt: Interrupt,
+    interrupt: CancelToken,
     superseded: u64,
     // After the sender, so that whoever is woken by its end finds the channel closed.
     waiter: Waiter,
@@ -262,7 +262,7 @@ impl Drop for Waiter {
 
 impl Outlet {
     /// Sends what `arrival` makes of the number of superseded readings.
-    fn send(&mut self, arrival: impl FnOnce(u64) -> Arrival) {
+    fn send(&mut self, arrival: impl FnOnce(u64) -> CaptureEvent) {
         if self.is_live {
             self.make_room();
         }
@@ -278,9 +278,9 @@ impl Outlet {
     fn make_room(&mut self) {
         while self.sender.is_full() {
             match self.waiting.try_recv() {
-                Ok(Arrival::Reading { .. }) => self.superseded += 1,
+                Ok(CaptureEvent::Reading { .. }) => self.superseded += 1,
                 // What comes next tells it all.
-                Ok(Arrival::Noise(_)) => {}
+                Ok(CaptureEvent::Noise(_)) => {}
                 Ok(loss) => self.keep_only(loss),
                 // The consumer was faster.
                 Err(_) => {}
@@ -289,11 +289,11 @@ impl Outlet {
     }
 
     /// Drops all that waits but the latest loss: a loss must stay before the readings that come after it.
-    fn keep_only(&mut self, mut loss: Arrival) {
+    fn keep_only(&mut self, mut loss: CaptureEvent) {
         while let Ok(arrival) = self.waiting.try_recv() {
             match arrival {
-                Arrival::Reading { .. } => self.superseded += 1,
-                Arrival::Noise(_) => {}
+                CaptureEvent::Reading { .. } => self.superseded += 1,
+                CaptureEvent::Noise(_) => {}
                 later => loss = later,
             }
         }

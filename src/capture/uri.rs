@@ -9,7 +9,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::CaptureError;
-use super::hc11::{FRAME_BYTES, Framing};
+use super::hc11::{PACKET_BYTES, Framing};
 use crate::names::{UnknownName, named_enum, nearest};
 
 /// Where readings come from.
@@ -31,27 +31,27 @@ use crate::names::{UnknownName, named_enum, nearest};
 /// `typist:` and `script:` is taken as it stands.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub enum SourceName {
+pub enum SourceUri {
     /// A serial port.
     Serial {
         /// The port as the operating system names it.
         port: String,
         /// What is spoken on it.
-        line: LineSettings,
+        line: StreamOptions,
     },
     /// A TCP server that passes on the bytes of a serial line.
     Tcp {
         /// Host and port: `192.168.1.7:4001`, `glove.local:4001`, `[::1]:4001`.
         address: String,
         /// What is spoken on it.
-        line: LineSettings,
+        line: StreamOptions,
     },
     /// A file with the bytes of a serial line.
     File {
         /// The file.
         path: PathBuf,
         /// What was spoken on the line.
-        line: LineSettings,
+        line: StreamOptions,
     },
     /// A recording of readings.
     Recording {
@@ -72,7 +72,7 @@ pub enum SourceName {
 
 /// What is spoken on a line of bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LineSettings {
+pub struct StreamOptions {
     /// Which device sends.
     pub protocol: Protocol,
     /// How it marks its frames.
@@ -94,7 +94,7 @@ named_enum! {
 const SCHEMES: [&str; 6] = ["serial", "tcp", "file", "recording", "typist", "script"];
 
 named_enum! {
-    enum Key ("option") {
+    enum OptionKey ("option") {
         Protocol = "protocol",
         Framing = "framing",
         Baud = "baud",
@@ -104,7 +104,7 @@ named_enum! {
 const DEFAULT_BAUD: NonZeroU32 = NonZeroU32::new(115_200).unwrap();
 const BITS_PER_BYTE: u64 = 10;
 
-impl Default for LineSettings {
+impl Default for StreamOptions {
     fn default() -> Self {
         Self {
             protocol: Protocol::default(),
@@ -114,24 +114,24 @@ impl Default for LineSettings {
     }
 }
 
-impl LineSettings {
+impl StreamOptions {
     /// The time that `bytes` take on the wire, rounded down to nanoseconds.
-    pub fn wire_time(&self, bytes: usize) -> Duration {
+    pub fn transmission_time(&self, bytes: usize) -> Duration {
         let nanoseconds = bytes as u64 * BITS_PER_BYTE * 1_000_000_000 / u64::from(self.baud.get());
         Duration::from_nanos(nanoseconds)
     }
 
     /// The time that one frame takes on the wire: the shortest time between two readings.
-    pub fn frame_period(&self) -> Duration {
-        self.wire_time(FRAME_BYTES)
+    pub fn packet_period(&self) -> Duration {
+        self.transmission_time(PACKET_BYTES)
     }
 
     fn parse(options: &str) -> Result<Self, String> {
         let mut settings = Self::default();
-        let mut seen = [false; Key::COUNT];
+        let mut seen = [false; OptionKey::COUNT];
         for pair in options.split('&').filter(|pair| !pair.is_empty()) {
             let (key, value) = pair.split_once('=').unwrap_or((pair, ""));
-            let key: Key = key.parse().map_err(|error| format!("{error}"))?;
+            let key: OptionKey = key.parse().map_err(|error| format!("{error}"))?;
             if std::mem::replace(&mut seen[key.index()], true) {
                 return Err(format!("option `{key}` is given twice"));
             }
@@ -140,11 +140,11 @@ impl LineSettings {
         Ok(settings)
     }
 
-    fn set(&mut self, key: Key, value: &str) -> Result<(), String> {
+    fn set(&mut self, key: OptionKey, value: &str) -> Result<(), String> {
         match key {
-            Key::Protocol => self.protocol = named(value)?,
-            Key::Framing => self.framing = named(value)?,
-            Key::Baud => {
+            OptionKey::Protocol => self.protocol = named(value)?,
+            OptionKey::Framing => self.framing = named(value)?,
+            OptionKey::Baud => {
                 self.baud = value.parse().map_err(|_| {
                     format!("`{value}` is no baud, write bits per second such as `baud=115200`")
                 })?;
@@ -158,25 +158,25 @@ fn named<T: FromStr<Err = UnknownName>>(value: &str) -> Result<T, String> {
     value.parse().map_err(|error: T::Err| error.to_string())
 }
 
-impl SourceName {
+impl SourceUri {
     /// Whether readings come over a network, where others may send some too.
     pub const fn is_remote(&self) -> bool {
         matches!(self, Self::Tcp { .. })
     }
 }
 
-impl FromStr for SourceName {
+impl FromStr for SourceUri {
     type Err = CaptureError;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        parse(text).map_err(|reason| CaptureError::Name {
+        parse(text).map_err(|reason| CaptureError::InvalidUri {
             text: text.to_owned(),
             reason,
         })
     }
 }
 
-fn parse(text: &str) -> Result<SourceName, String> {
+fn parse(text: &str) -> Result<SourceUri, String> {
     let Some((scheme, rest)) = text.split_once(':') else {
         return Err(no_scheme(text));
     };
@@ -186,21 +186,21 @@ fn parse(text: &str) -> Result<SourceName, String> {
     match scheme {
         "serial" => {
             let (port, line) = split_plain(rest)?;
-            Ok(SourceName::Serial { port, line })
+            Ok(SourceUri::Serial { port, line })
         }
         "tcp" => {
             let (address, line) = split_plain(rest)?;
             check_address(&address)?;
-            Ok(SourceName::Tcp { address, line })
+            Ok(SourceUri::Tcp { address, line })
         }
         "file" => {
             let (path, line) = split_options(rest)?;
             let path = PathBuf::from(path);
-            Ok(SourceName::File { path, line })
+            Ok(SourceUri::File { path, line })
         }
-        "recording" => Ok(SourceName::Recording { path: rest.into() }),
-        "typist" => Ok(SourceName::Typist { text: rest.into() }),
-        "script" => Ok(SourceName::Script {
+        "recording" => Ok(SourceUri::Recording { path: rest.into() }),
+        "typist" => Ok(SourceUri::Typist { text: rest.into() }),
+        "script" => Ok(SourceUri::Script {
             script: rest.into(),
         }),
         unknown => Err(UnknownName::new("kind of source", unknown, SCHEMES).to_string()),
@@ -221,7 +221,7 @@ fn no_scheme(text: &str) -> String {
 }
 
 /// Splits what may contain a `?` of its own.
-fn split_options(rest: &str) -> Result<(&str, LineSettings), String> {
+fn split_options(rest: &str) -> Result<(&str, StreamOptions), String> {
     let (place, options) = match rest.rsplit_once('?') {
         Some((place, options)) if are_pairs(options) => (place, options),
         _ => (rest, ""),
@@ -229,11 +229,11 @@ fn split_options(rest: &str) -> Result<(&str, LineSettings), String> {
     if place.is_empty() {
         return Err("nothing stands before the options".to_owned());
     }
-    Ok((place, LineSettings::parse(options)?))
+    Ok((place, StreamOptions::parse(options)?))
 }
 
 /// Splits a port or an address, which has no `?`.
-fn split_plain(rest: &str) -> Result<(String, LineSettings), String> {
+fn split_plain(rest: &str) -> Result<(String, StreamOptions), String> {
     let (place, line) = split_options(rest)?;
     if place.contains('?') {
         return Err("after `?` options are wanted, such as `baud=115200`".to_owned());
@@ -265,7 +265,7 @@ fn check_address(address: &str) -> Result<(), String> {
     }
 }
 
-impl fmt::Display for SourceName {
+impl fmt::Display for SourceUri {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Serial { port, line } => write!(f, "serial:{port}{line}"),
@@ -278,7 +278,7 @@ impl fmt::Display for SourceName {
     }
 }
 
-impl fmt::Display for LineSettings {
+impl fmt::Display for StreamOptions {
     /// The options that give these settings, with the `?` before them.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "?protocol={}", self.protocol)?;
@@ -289,7 +289,7 @@ impl fmt::Display for LineSettings {
     }
 }
 
-impl TryFrom<String> for SourceName {
+impl TryFrom<String> for SourceUri {
     type Error = CaptureError;
 
     fn try_from(text: String) -> Result<Self, Self::Error> {
@@ -297,8 +297,8 @@ impl TryFrom<String> for SourceName {
     }
 }
 
-impl From<SourceName> for String {
-    fn from(name: SourceName) -> Self {
+impl From<SourceUri> for String {
+    fn from(name: SourceUri) -> Self {
         name.to_string()
     }
 }
@@ -307,29 +307,29 @@ impl From<SourceName> for String {
 mod tests {
     use super::*;
 
-    fn line(framing: Framing, baud: u32) -> LineSettings {
-        LineSettings {
+    fn line(framing: Framing, baud: u32) -> StreamOptions {
+        StreamOptions {
             framing,
             baud: NonZeroU32::new(baud).unwrap(),
-            ..LineSettings::default()
+            ..StreamOptions::default()
         }
     }
 
     #[test]
     fn every_kind_of_source_has_its_text() {
-        let serial = |port: &str, line| SourceName::Serial {
+        let serial = |port: &str, line| SourceUri::Serial {
             port: port.to_owned(),
             line,
         };
-        let file = |path: &str, line| SourceName::File {
+        let file = |path: &str, line| SourceUri::File {
             path: path.into(),
             line,
         };
-        let tcp = |address: &str, line| SourceName::Tcp {
+        let tcp = |address: &str, line| SourceUri::Tcp {
             address: address.to_owned(),
             line,
         };
-        let usual = LineSettings::default();
+        let usual = StreamOptions::default();
         let table = [
             ("serial:/dev/ttyUSB0", serial("/dev/ttyUSB0", usual)),
             (
@@ -354,28 +354,28 @@ mod tests {
             ),
             (
                 "recording:x?baud=2.mcap",
-                SourceName::Recording {
+                SourceUri::Recording {
                     path: "x?baud=2.mcap".into(),
                 },
             ),
             (
                 "typist:really? a=b & c: d",
-                SourceName::Typist {
+                SourceUri::Typist {
                     text: "really? a=b & c: d".into(),
                 },
             ),
             (
                 "script:tap Q; wait 5",
-                SourceName::Script {
+                SourceUri::Script {
                     script: "tap Q; wait 5".into(),
                 },
             ),
         ];
         for (text, expected) in table {
-            let name: SourceName = text.parse().unwrap();
+            let name: SourceUri = text.parse().unwrap();
             assert_eq!(name, expected, "{text}");
             assert_eq!(
-                name.to_string().parse::<SourceName>().unwrap(),
+                name.to_string().parse::<SourceUri>().unwrap(),
                 name,
                 "{text}"
             );
@@ -416,8 +416,8 @@ mod tests {
             ("tcp::4001", "write `tcp:HOST:PORT`"),
         ];
         for (text, part) in table {
-            let error = text.parse::<SourceName>().unwrap_err();
-            assert!(matches!(error, CaptureError::Name { .. }), "{text}");
+            let error = text.parse::<SourceUri>().unwrap_err();
+            assert!(matches!(error, CaptureError::InvalidUri { .. }), "{text}");
             let message = error.to_string();
             assert!(message.contains(part), "{text}: {message}");
             assert!(message.contains(text), "{text}: {message}");
@@ -427,11 +427,11 @@ mod tests {
     #[test]
     fn a_frame_takes_660_bit_times() {
         assert_eq!(
-            line(Framing::Hash, 9600).frame_period(),
+            line(Framing::Hash, 9600).packet_period(),
             Duration::from_micros(68_750)
         );
         assert_eq!(
-            line(Framing::Hash, 660).frame_period(),
+            line(Framing::Hash, 660).packet_period(),
             Duration::from_secs(1)
         );
     }

@@ -69,13 +69,13 @@ impl KnownDevice {
 
 /// Which port to open.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Choice {
+pub(super) enum PortChoice {
     /// The port of this name.
     Open(String),
     /// The device is on no port.
     Absent,
     /// The device is on no port, and another one has its name.
-    Stranger(Option<UsbIdentity>),
+    OtherDevice(Option<UsbIdentity>),
     /// More than one port may be the device.
     Ambiguous(Vec<String>),
 }
@@ -84,9 +84,9 @@ pub(super) enum Choice {
 ///
 /// A device whose identity is not known is wherever its name is. One that is known is followed to another
 /// name, unless it has a twin.
-pub(super) fn choose_port(name: &str, known: Option<&KnownDevice>, present: &[Port]) -> Choice {
+pub(super) fn choose_port(name: &str, known: Option<&KnownDevice>, present: &[Port]) -> PortChoice {
     let Some(device) = known else {
-        return Choice::Open(name.to_owned());
+        return PortChoice::Open(name.to_owned());
     };
     let matching: Vec<&Port> = present
         .iter()
@@ -94,12 +94,12 @@ pub(super) fn choose_port(name: &str, known: Option<&KnownDevice>, present: &[Po
         .filter(|port| !device.has_twin || port.name == name)
         .collect();
     match matching.as_slice() {
-        [port] => Choice::Open(port.name.clone()),
+        [port] => PortChoice::Open(port.name.clone()),
         [] => match present.iter().find(|port| port.name == name) {
-            Some(stranger) => Choice::Stranger(stranger.usb.clone()),
-            None => Choice::Absent,
+            Some(stranger) => PortChoice::OtherDevice(stranger.usb.clone()),
+            None => PortChoice::Absent,
         },
-        several => Choice::Ambiguous(several.iter().map(|port| port.name.clone()).collect()),
+        several => PortChoice::Ambiguous(several.iter().map(|port| port.name.clone()).collect()),
     }
 }
 
@@ -139,11 +139,11 @@ mod tests {
             identity: nameless().unwrap(),
             has_twin: true,
         };
-        let open = |name: &str| Choice::Open(name.to_owned());
+        let open = |name: &str| PortChoice::Open(name.to_owned());
         let (usb0, usb1) = ("/dev/ttyUSB0", "/dev/ttyUSB1");
-        let table: [(&str, Option<&KnownDevice>, Vec<Port>, Choice); 12] = [
+        let table: [(&str, Option<&KnownDevice>, Vec<Port>, PortChoice); 12] = [
             ("identity unknown", None, vec![], open(usb0)),
-            ("gone", Some(&known), vec![], Choice::Absent),
+            ("gone", Some(&known), vec![], PortChoice::Absent),
             (
                 "same name",
                 Some(&known),
@@ -166,25 +166,25 @@ mod tests {
                 "other device only, other name",
                 Some(&known),
                 vec![port(usb1, other())],
-                Choice::Absent,
+                PortChoice::Absent,
             ),
             (
                 "other device on its name",
                 Some(&known),
                 vec![port(usb0, other())],
-                Choice::Stranger(other()),
+                PortChoice::OtherDevice(other()),
             ),
             (
                 "port without USB on its name",
                 Some(&known),
                 vec![port(usb0, None)],
-                Choice::Stranger(None),
+                PortChoice::OtherDevice(None),
             ),
             (
                 "two alike",
                 Some(&known_nameless),
                 vec![port(usb0, nameless()), port(usb1, nameless())],
-                Choice::Ambiguous(vec![usb0.to_owned(), usb1.to_owned()]),
+                PortChoice::Ambiguous(vec![usb0.to_owned(), usb1.to_owned()]),
             ),
             (
                 "twins, same name",
@@ -196,13 +196,13 @@ mod tests {
                 "twin, other name",
                 Some(&twin),
                 vec![port(usb1, nameless())],
-                Choice::Absent,
+                PortChoice::Absent,
             ),
             (
                 "twin, stranger on its name",
                 Some(&twin),
                 vec![port(usb0, glove()), port(usb1, nameless())],
-                Choice::Stranger(glove()),
+                PortChoice::OtherDevice(glove()),
             ),
         ];
         for (what, known, present, expected) in table {

@@ -10,7 +10,7 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{Mode, OFlags, open};
 use rustix::io::Errno;
 
-use super::interrupt::Interrupt;
+use super::cancel::CancelToken;
 
 /// Where the kernel has its pseudo-terminals.
 const TERMINALS: &str = "/dev/pts";
@@ -26,7 +26,7 @@ impl Readiness {
 
     /// Whether there is something to read, an end or an error included. Waits for it, for `patience` at most and only
     /// until `interrupt` rings; without a patience for good.
-    pub fn wait(&self, interrupt: Option<&Interrupt>, patience: Option<Duration>) -> Result<bool> {
+    pub fn wait(&self, interrupt: Option<&CancelToken>, patience: Option<Duration>) -> Result<bool> {
         let limit = patience.map(timespec);
         let pipe = interrupt.map(|interrupt| PollFd::new(interrupt.pipe(), PollFlags::IN));
         let line = PollFd::new(&self.0, PollFlags::IN);
@@ -85,7 +85,7 @@ fn timespec(duration: Duration) -> Timespec {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::interrupt::bell;
+    use crate::capture::cancel::cancel_token;
     use std::io::{Write, pipe};
     use std::thread::{sleep, spawn};
 
@@ -93,10 +93,10 @@ mod tests {
     fn bytes_and_a_bell_end_a_wait_that_has_no_limit() {
         let (line, mut end) = pipe().unwrap();
         let readiness = Readiness::of(&line).unwrap();
-        let (bell, interrupt) = bell().unwrap();
+        let (bell, interrupt) = cancel_token().unwrap();
         let later = spawn(move || {
             sleep(Duration::from_millis(50));
-            drop(bell);
+            drop(cancel_token);
             sleep(Duration::from_millis(50));
             end.write_all(&[1]).unwrap();
             end
@@ -112,9 +112,9 @@ mod tests {
         let link = folder.path().join("glove");
         let name = || TerminalName::of(link.to_str().unwrap());
         assert_eq!(name(), None);
-        let wire = crate::capture::open_wire(Default::default()).unwrap();
-        let crate::capture::SourceName::Serial { port, .. } = &wire.source else {
-            panic!("{}", wire.source);
+        let wire = crate::capture::open_loopback(Default::default()).unwrap();
+        let crate::capture::SourceUri::Serial { port, .. } = &wire.uri else {
+            panic!("{}", wire.uri);
         };
         let slave = std::fs::canonicalize(port).unwrap();
         std::os::unix::fs::symlink(&slave, &link).unwrap();

@@ -3,7 +3,7 @@
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Vec3;
 
-use super::stroke::{Stroke, is_inside, pad};
+use super::sweep::{Stroke, is_inside, pad};
 use super::surface::{Surface, Target};
 
 /// Two fronts that are crossed closer together than this share of a frame's way count as crossed
@@ -92,11 +92,11 @@ pub fn first_crossing(
     let [from, to] = centres;
     let swept = Aabb::new(from.min(to) - reach, from.max(to) + reach);
     // Most fingers are nowhere near most of the time: a third less than opening the tree.
-    if !surface.fronts().root_aabb().intersects(&swept) {
+    if !surface.front_bvh().root_aabb().intersects(&swept) {
         return None;
     }
-    for place in surface.fronts().intersect_aabb(&swept) {
-        let Some(target) = surface.target(surface.id(place)) else {
+    for place in surface.front_bvh().intersect_aabb(&swept) {
+        let Some(target) = surface.target(surface.target_id(place)) else {
             continue;
         };
         let stroke = Stroke::of(target, centres, radius);
@@ -120,8 +120,8 @@ pub fn first_crossing(
 pub fn is_in_a_target(surface: &Surface, centre: Vec3, radius: f32) -> bool {
     let reach = Vec3::splat(radius + BEHIND_REACH);
     let near = Aabb::new(centre - reach, centre + reach);
-    surface.fronts().intersect_aabb(&near).any(|place| {
-        surface.target(surface.id(place)).is_some_and(|target| {
+    surface.front_bvh().intersect_aabb(&near).any(|place| {
+        surface.target(surface.target_id(place)).is_some_and(|target| {
             let pad = pad(target, centre, radius);
             pad.z > -BEHIND_REACH && depth(target, pad).is_some()
         })
@@ -133,8 +133,8 @@ pub fn is_in_a_target(surface: &Surface, centre: Vec3, radius: f32) -> bool {
 pub fn is_near_a_target(surface: &Surface, centre: Vec3, radius: f32, reach: f32) -> bool {
     let reach = Vec3::splat(radius + reach);
     let near = Aabb::new(centre - reach, centre + reach);
-    surface.fronts().root_aabb().intersects(&near)
-        && surface.fronts().intersect_aabb(&near).next().is_some()
+    surface.front_bvh().root_aabb().intersects(&near)
+        && surface.front_bvh().intersect_aabb(&near).next().is_some()
 }
 
 #[cfg(test)]
@@ -144,8 +144,8 @@ mod tests {
     use parry3d::math::{Pose, Rotation, Vec2};
 
     use super::*;
-    use crate::contact::stroke::tests::assert_close;
-    use crate::contact::surface::{Anchor, Scene, Shape, TREMBLE};
+    use crate::contact::sweep::tests::assert_close;
+    use crate::contact::surface::{Anchor, Scene, Shape, TREMOR_MARGIN};
 
     const KEY: Shape = Shape::Box(Vec2::new(0.008, 0.006));
     fn target(shape: Shape, surface_from_target: Pose) -> Target {
@@ -153,9 +153,9 @@ mod tests {
             shape,
             surface_from_target,
             travel: 0.004,
-            press_share: 0.5,
-            release_share: 0.25,
-            margin: TREMBLE,
+            press_at: 0.5,
+            release_at: 0.25,
+            margin: TREMOR_MARGIN,
         }
     }
 
@@ -185,7 +185,7 @@ mod tests {
         let at = |x: f32, z: f32| target(KEY, Pose::from_translation(Vec3::new(x, 0.0, z) * 1e-3));
         let cross = |targets: Vec<Target>, x: f32| {
             let mut scene = Scene::new();
-            scene.add(Anchor::World, Pose::IDENTITY, targets);
+            scene.add_surface(Anchor::World, Pose::IDENTITY, targets);
             let centres = [
                 Vec3::new(x, 0.0, 15.0) * 1e-3,
                 Vec3::new(x, 0.0, -5.0) * 1e-3,
@@ -217,7 +217,7 @@ mod tests {
             target(shape, pose)
         });
         let mut scene = Scene::new();
-        scene.add(Anchor::World, Pose::IDENTITY, targets.collect());
+        scene.add_surface(Anchor::World, Pose::IDENTITY, targets.collect());
         let surface = &scene.surfaces()[0];
         let mut found = 0;
         for _ in 0..2_000 {

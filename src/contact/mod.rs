@@ -1,8 +1,8 @@
 //! 4 · [`HandPose`](crate::kinematics::HandPose) → [`Touches`].
 
-pub mod place;
+pub mod board_pose;
 pub mod surface;
-pub mod stroke;
+pub mod sweep;
 pub mod hit_test;
 pub mod tracker;
 pub mod volume;
@@ -42,7 +42,7 @@ pub struct Touch {
     pub depth: f32,
     /// Where on the target's front the fingertip is, in metres from its middle along the target's own X
     /// and Y; where it was last when it is no longer seen.
-    pub at: Vec2,
+    pub position: Vec2,
 }
 
 named_enum! {
@@ -54,7 +54,7 @@ named_enum! {
         /// It went past the press share of the travel.
         Pressed = "pressed",
         /// It stays on the target; only its place and depth are new. At most one a frame and finger.
-        Held = "held",
+        Moved = "held",
         /// It came back above the release share.
         Released = "released",
         /// It left through the front.
@@ -65,10 +65,10 @@ named_enum! {
 }
 
 /// How many touches a frame can have, and some to spare.
-pub const MOST_TOUCHES: usize = 32;
+pub const MAX_TOUCHES: usize = 32;
 
 /// The touches of one frame, in order of time for each finger.
 ///
 /// One frame can end a contact (released, left) and begin another (touched, pressed, and held or
 /// cancelled): at most 5 for each of 5 fingers, and 5 more when everything is cancelled.
-pub type Touches = ArrayVec<Touch, MOST_TOUCHES>;
+pub type Touches = ArrayVec<Touch, MAX_TOUCHES>;

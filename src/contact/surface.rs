@@ -30,9 +30,9 @@ pub struct Target {
     /// How far it can be pushed in, in metres; more than 0.
     pub travel: f32,
     /// The share of the travel at which it counts as pressed, more than `release_share`, at most 1.
-    pub press_share: f32,
+    pub press_at: f32,
     /// The share of the travel at which it counts as let go again, 0 or more.
-    pub release_share: f32,
+    pub release_at: f32,
     /// Metres by which the outline is wider for a fingertip that is on it: [`TREMBLE`] for what is
     /// only pushed, [`STRAY`] or more for a handle that is held on to while it moves.
     pub margin: f32,
@@ -41,12 +41,12 @@ pub struct Target {
 /// The least that a fingertip on a target may be beside its outline, in metres, so that a tremble at
 /// the edge does not cancel. An unsupported arm sways 0.5–2 mm below 2 Hz, a fingertip trembles
 /// 0.02–0.1 mm (Arch Neurol 1982;39:358).
-pub const TREMBLE: f32 = 0.002;
+pub const TREMOR_MARGIN: f32 = 0.002;
 
 /// How far a fingertip may be beside the outline of a handle that it drags, in metres: whoever drags
 /// looks at what comes of it and not at the finger. Poke interaction of shipped headsets gives up as far
 /// beside a panel.
-pub const STRAY: f32 = 0.03;
+pub const DRAG_MARGIN: f32 = 0.03;
 
 /// Metres by which the box around a front is thicker than the front on every side.
 ///
@@ -106,7 +106,7 @@ impl Surface {
     }
 
     /// The mean of the middles of its fronts, in its own frame (metres).
-    pub fn middle(&self) -> Vec3 {
+    pub fn center(&self) -> Vec3 {
         self.middle
     }
 
@@ -118,12 +118,12 @@ impl Surface {
 
     /// The bounding volume hierarchy over the fronts, in the surface's frame; leaf `i` is the
     /// surface's target number `i`.
-    pub fn fronts(&self) -> &Bvh {
+    pub fn front_bvh(&self) -> &Bvh {
         &self.fronts
     }
 
     /// The id of the surface's target number `place`.
-    pub fn id(&self, place: u32) -> TargetId {
+    pub fn target_id(&self, place: u32) -> TargetId {
         TargetId(self.first + place)
     }
 
@@ -148,17 +148,17 @@ impl Scene {
 
     /// Adds a surface for either hand; its targets get the next ids, in order. Returns the id of the
     /// first.
-    pub fn add(
+    pub fn add_surface(
         &mut self,
         anchor: Anchor,
         anchor_from_surface: Pose,
         targets: Vec<Target>,
     ) -> TargetId {
-        self.add_for(None, anchor, anchor_from_surface, targets)
+        self.add_surface_for(None, anchor, anchor_from_surface, targets)
     }
 
     /// As [`add`](Self::add), for one hand only where `side` names one.
-    pub fn add_for(
+    pub fn add_surface_for(
         &mut self,
         side: Option<Side>,
         anchor: Anchor,
@@ -192,7 +192,7 @@ impl Scene {
     ///
     /// Whoever follows fingertips over it takes the way of the surface for one of theirs, unless they are
     /// [reset](super::ContactTracker::reset).
-    pub fn put(&mut self, place: usize, anchor_from_surface: Pose) {
+    pub fn set_surface_pose(&mut self, place: usize, anchor_from_surface: Pose) {
         if let Some(surface) = self.surfaces.get_mut(place) {
             surface.anchor_from_surface = anchor_from_surface;
         }
@@ -241,15 +241,15 @@ mod tests {
                     shape: Shape::Box(Vec2::splat(0.008)),
                     surface_from_target: Pose::from_translation(middle * 0.019),
                     travel: 0.004,
-                    press_share: 0.5,
-                    release_share: 0.25,
-                    margin: TREMBLE,
+                    press_at: 0.5,
+                    release_at: 0.25,
+                    margin: TREMOR_MARGIN,
                 }
             };
             let mut scene = Scene::new();
             let keys = (0..columns * rows).map(key).collect();
-            scene.add(Anchor::World, Pose::IDENTITY, keys);
-            let depth = scene.surfaces()[0].fronts().subtree_depth(0);
+            scene.add_surface(Anchor::World, Pose::IDENTITY, keys);
+            let depth = scene.surfaces()[0].front_bvh().subtree_depth(0);
             assert!(depth <= 24, "{columns} × {rows}: {depth} levels");
         }
     }

@@ -18,7 +18,7 @@ pub enum TargetName<'a> {
     /// The name.
     Name(&'a str),
     /// The number.
-    Number(TargetId),
+    Id(TargetId),
 }
 
 impl TargetNames {
@@ -39,10 +39,10 @@ impl TargetNames {
     }
 
     /// What a target is called.
-    pub fn of(&self, target: TargetId) -> TargetName<'_> {
+    pub fn get(&self, target: TargetId) -> TargetName<'_> {
         match self.0.get(target.0 as usize) {
             Some(name) => TargetName::Name(name),
-            None => TargetName::Number(target),
+            None => TargetName::Id(target),
         }
     }
 }
@@ -51,7 +51,7 @@ impl fmt::Display for TargetName<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Name(name) => f.pad(name),
-            Self::Number(TargetId(number)) => number.fmt(f),
+            Self::Id(TargetId(number)) => number.fmt(f),
         }
     }
 }

@@ -3,7 +3,7 @@
 use parry3d::math::{Vec2, Vec3};
 
 use super::hit_test::{self, Crossing};
-use super::stroke::{self, Stroke};
+use super::sweep::{self, Stroke};
 use super::surface::{Scene, Shape, Target};
 use super::{Phase, TargetId, Touch, Touches};
 use crate::hand::{Finger, Side};
@@ -130,7 +130,7 @@ impl ContactTracker {
         if !self.is_idle() {
             return false;
         }
-        let believed = |&finger: &Finger| believed_fingertip(pose, finger).is_some();
+        let believed = |&finger: &Finger| trusted_fingertip(pose, finger).is_some();
         // Where there is nothing to touch, no surface has to be known.
         let mut is_seen = scene.surfaces().is_empty() && Finger::ALL.iter().any(believed);
         for surface in scene.surfaces() {
@@ -138,7 +138,7 @@ impl ContactTracker {
                 continue;
             };
             for &finger in Finger::ALL {
-                let Some(centre) = believed_fingertip(pose, finger) else {
+                let Some(centre) = trusted_fingertip(pose, finger) else {
                     continue;
                 };
                 let centre = world_from_surface.inverse_transform_point(centre);
@@ -164,7 +164,7 @@ impl ContactTracker {
             };
             let surface_from_world = world_from_surface.inverse();
             for (now, &finger) in track.now.iter_mut().zip(Finger::ALL) {
-                *now = believed_fingertip(pose, finger)
+                *now = trusted_fingertip(pose, finger)
                     .map(|centre| surface_from_world.transform_point(centre))
                     .filter(|centre| centre.is_finite());
             }
@@ -174,7 +174,7 @@ impl ContactTracker {
 
 /// The centre of a fingertip that a press can come from (world, metres); `None` where it is not known,
 /// not finite or not to be trusted.
-pub fn believed_fingertip(pose: &HandPose, finger: Finger) -> Option<Vec3> {
+pub fn trusted_fingertip(pose: &HandPose, finger: Finger) -> Option<Vec3> {
     if pose.untrusted.contains(finger) || !pose.tip_radius.is_finite() {
         return None;
     }
@@ -200,7 +200,7 @@ fn push(
             Phase::Left | Phase::Cancelled => 0.0,
             _ => contact.depth,
         },
-        at: contact.at,
+        position: contact.at,
     });
 }
 
@@ -245,7 +245,7 @@ impl<'a> Step<'a> {
             if first.is_none_or(|(_, other)| crossing.beats(&other)) {
                 let place = Place {
                     surface: number,
-                    target: surface.id(crossing.place),
+                    target: surface.target_id(crossing.place),
                 };
                 first = Some((place, crossing));
             }
@@ -254,7 +254,7 @@ impl<'a> Step<'a> {
     }
 
     fn tell(&mut self, share: f32, finger: Finger, phase: Phase, contact: &Contact) {
-        let time = self.start.toward(self.end, share);
+        let time = self.start.lerp(self.end, share);
         push(self.touches, time, (self.side, finger), phase, contact);
     }
 }
@@ -274,14 +274,14 @@ impl FingerState {
         let Some((place, share)) = step.first_crossing(finger, since) else {
             return;
         };
-        let Some((_, stroke)) = step.stroke(place, finger) else {
+        let Some((_, sweep)) = step.stroke(place, finger) else {
             return;
         };
         let contact = Contact {
             place,
             is_pressed: false,
             depth: 0.0,
-            at: stroke.at(share).truncate(),
+            at: sweep.at(share).truncate(),
         };
         step.tell(share, finger, Phase::Touched, &contact);
         self.follow(contact, finger, share, step);
@@ -298,23 +298,23 @@ impl FingerState {
     ) -> Option<f32> {
         let place = contact.place;
         self.contact = None;
-        let Some((target, stroke)) = step.stroke(place, finger) else {
+        let Some((target, sweep)) = step.stroke(place, finger) else {
             step.tell(1.0, finger, Phase::Cancelled, &contact);
             return Some(1.0);
         };
-        let slides_off = stroke
+        let slides_off = sweep
             .leaves_sideways(target.shape, target.margin)
             .map(|share| share.max(since));
         let (turn, phase, level) = if contact.is_pressed {
-            let depth = target.release_share * target.travel;
+            let depth = target.release_at * target.travel;
             (
-                stroke.rises_to(depth),
+                sweep.rises_to(depth),
                 Phase::Released,
-                target.release_share,
+                target.release_at,
             )
         } else {
-            let depth = target.press_share * target.travel;
-            (stroke.sinks_to(depth), Phase::Pressed, target.press_share)
+            let depth = target.press_at * target.travel;
+            (sweep.sinks_to(depth), Phase::Pressed, target.press_at)
         };
         // On a tie sliding off wins, so that nothing fires.
         let is_before_sliding_off = |share: f32| slides_off.is_none_or(|end| share < end);
@@ -323,27 +323,27 @@ impl FingerState {
         {
             contact.is_pressed = phase == Phase::Pressed;
             contact.depth = level;
-            contact.at = stroke.at(share).truncate();
+            contact.at = sweep.at(share).truncate();
             step.tell(share, finger, phase, &contact);
         }
-        let leaves = stroke.rises_to(0.0).map(|share| share.max(since));
+        let leaves = sweep.rises_to(0.0).map(|share| share.max(since));
         if let Some(share) = leaves.filter(|&share| is_before_sliding_off(share)) {
-            contact.at = stroke.at(share).truncate();
+            contact.at = sweep.at(share).truncate();
             step.tell(share, finger, Phase::Left, &contact);
             return Some(share);
         }
         if let Some(share) = slides_off {
-            contact.at = stroke.at(share).truncate();
+            contact.at = sweep.at(share).truncate();
             step.tell(share, finger, Phase::Cancelled, &contact);
             self.slid_off = Some(place);
             return Some(share);
         }
-        let depth = (-stroke.to.z / target.travel).clamp(0.0, 1.0);
-        let at = stroke.to.truncate();
+        let depth = (-sweep.to.z / target.travel).clamp(0.0, 1.0);
+        let at = sweep.to.truncate();
         if depth != contact.depth || at != contact.at {
             contact.depth = depth;
             contact.at = at;
-            step.tell(1.0, finger, Phase::Held, &contact);
+            step.tell(1.0, finger, Phase::Moved, &contact);
         }
         self.contact = Some(contact);
         None
@@ -354,8 +354,8 @@ impl FingerState {
         let Some(place) = self.slid_off else {
             return false;
         };
-        let is_free = step.stroke(place, finger).is_none_or(|(target, stroke)| {
-            stroke.from.z >= 0.0 || is_well_beside(target, stroke.from)
+        let is_free = step.stroke(place, finger).is_none_or(|(target, sweep)| {
+            sweep.from.z >= 0.0 || is_well_beside(target, sweep.from)
         });
         if is_free {
             self.slid_off = None;
@@ -372,5 +372,5 @@ fn is_well_beside(target: &Target, pad: Vec3) -> bool {
         Shape::Box(half) => 2.0 * half.max_element(),
         Shape::Disc(radius) => 2.0 * radius,
     };
-    !stroke::is_inside(target.shape, pad.truncate(), width)
+    !sweep::is_inside(target.shape, pad.truncate(), width)
 }

@@ -24,10 +24,10 @@
 //! [`Calls`](crate::runtime::Calls). A client that does not read loses the oldest of 64 lines of news, and
 //! is cut off when it takes nothing for 1 s.
 
-mod answer;
-mod caller;
-mod conversation;
-mod news;
+mod response;
+mod client;
+mod connection;
+mod notification;
 pub mod request;
 mod server;
 
@@ -35,13 +35,13 @@ use std::path::{Path, PathBuf};
 
 use crate::output::socket::{self, SocketError};
 
-pub use caller::Caller;
-pub use news::Reporter;
-pub use server::{Control, Desk};
+pub use client::Client;
+pub use notification::Notifier;
+pub use server::{ControlServer, ServerContext};
 
 /// A layout of the setup.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Profile {
+pub struct ProfileInfo {
     /// What it is called.
     pub name: String,
     /// The file that it is in, or the name of a shipped one.
@@ -55,7 +55,7 @@ pub enum ControlError {
     #[error(
         "cannot listen at {}: the path has {length} bytes, that of a socket {most} at most; name a shorter one with --control", path.display()
     )]
-    Long {
+    PathTooLong {
         /// The path.
         path: PathBuf,
         /// Its length, in bytes.
@@ -73,7 +73,7 @@ pub enum ControlError {
     },
     /// The socket cannot be made.
     #[error("cannot listen at {}: {reason}; name another path with --control, or do without: --control off", path.display())]
-    Open {
+    Bind {
         /// The path.
         path: PathBuf,
         /// What happened.
@@ -89,7 +89,7 @@ pub enum ControlError {
     },
     /// A run was there and is not any more, or does not answer.
     #[error("the run at {} gave no answer: {reason}", path.display())]
-    Answer {
+    NoResponse {
         /// The path.
         path: PathBuf,
         /// What happened.
@@ -101,9 +101,9 @@ impl ControlError {
     fn open(path: &Path, error: SocketError) -> Self {
         let path = path.into();
         match error {
-            SocketError::Long { length, most } => Self::Long { path, length, most },
+            SocketError::PathTooLong { length, most } => Self::PathTooLong { path, length, most },
             SocketError::InUse => Self::InUse { path },
-            SocketError::Other(reason) => Self::Open { path, reason },
+            SocketError::Other(reason) => Self::Bind { path, reason },
         }
     }
 }
@@ -115,6 +115,6 @@ pub fn default_path() -> Option<PathBuf> {
 }
 
 /// Whether a socket can have this path: it is not too long, and the system has such sockets.
-pub fn fits(path: &Path) -> Result<(), ControlError> {
-    socket::fits(path).map_err(|error| ControlError::open(path, error))
+pub fn check_path(path: &Path) -> Result<(), ControlError> {
+    socket::check_path(path).map_err(|error| ControlError::open(path, error))
 }

@@ -6,14 +6,14 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, MapAccess, Visitor};
 
 use crate::names::{UnknownName, named_enum};
-use crate::runtime::Order;
+use crate::session::Order;
 
 /// The longest line that is read, in bytes without its end: 4 KiB.
-pub const LONGEST_LINE: usize = 4096;
+pub const MAX_LINE_BYTES: usize = 4096;
 
 named_enum! {
     /// What can be asked for.
-    pub enum Ask ("request") {
+    pub enum RequestKind ("request") {
         /// How the run is.
         State = "state",
         /// Let go of everything and let nothing out.
@@ -86,29 +86,29 @@ impl Request {
             .parse()
             .map_err(|error: UnknownName| error.to_string())?
         {
-            Ask::State => Self::Order(Order::State),
-            Ask::Pause => Self::Order(Order::Pause),
-            Ask::Resume => Self::Order(Order::Resume),
-            Ask::Reload => Self::Reload,
-            Ask::Profile => Self::Order(Order::Profile(written.profile(profiles)?)),
-            Ask::NextProfile => Self::Order(Order::NextProfile),
-            Ask::Recentre => Self::Order(Order::Recentre),
-            Ask::Nudge => {
+            RequestKind::State => Self::Order(Order::State),
+            RequestKind::Pause => Self::Order(Order::Pause),
+            RequestKind::Resume => Self::Order(Order::Resume),
+            RequestKind::Reload => Self::Reload,
+            RequestKind::Profile => Self::Order(Order::Profile(written.profile(profiles)?)),
+            RequestKind::NextProfile => Self::Order(Order::NextProfile),
+            RequestKind::Recentre => Self::Order(Order::Recentre),
+            RequestKind::Nudge => {
                 let mut axis = |field| written.number(field, -1000.0, 1000.0);
                 let millimetres = [axis(Field::X)?, axis(Field::Y)?, axis(Field::Z)?];
                 Self::Order(Order::Nudge(millimetres.map(|value| (value * 1e-3) as f32)))
             }
-            Ask::Tilt => {
+            RequestKind::Tilt => {
                 let degrees = written.number(Field::Degrees, -90.0, 90.0)?;
                 Self::Order(Order::Tilt(degrees.to_radians() as f32))
             }
-            Ask::Scale => {
+            RequestKind::Scale => {
                 let factor = written.number(Field::Factor, 0.5, 2.0)?;
                 Self::Scale(factor as f32)
             }
-            Ask::Save => Self::Save,
-            Ask::Subscribe => Self::Subscribe,
-            Ask::Stop => Self::Stop,
+            RequestKind::Save => Self::Save,
+            RequestKind::Subscribe => Self::Subscribe,
+            RequestKind::Stop => Self::Stop,
         };
         match written.rest() {
             Some(field) => Err(format!("`{ask}` takes no `{field}`")),
@@ -119,7 +119,7 @@ impl Request {
 
 /// Reads a line as the socket does, and says what is wrong with it. `profiles` are the names of the layouts of
 /// the setup, in order. Nothing is asked for.
-pub fn check(line: &[u8], profiles: &[String]) -> Result<(), String> {
+pub fn validate(line: &[u8], profiles: &[String]) -> Result<(), String> {
     Request::parse(line, profiles).map(drop)
 }
 
@@ -215,12 +215,12 @@ mod tests {
 
     #[test]
     fn every_request_is_read_in_the_units_of_the_engine() {
-        for &ask in Ask::ALL {
+        for &ask in RequestKind::ALL {
             let fields = match ask {
-                Ask::Profile => r#","name":"sofa""#,
-                Ask::Nudge => r#","x_mm":10,"y_mm":0.0,"z_mm":-5"#,
-                Ask::Tilt => r#","deg":-90"#,
-                Ask::Scale => r#","factor":1.5"#,
+                RequestKind::Profile => r#","name":"sofa""#,
+                RequestKind::Nudge => r#","x_mm":10,"y_mm":0.0,"z_mm":-5"#,
+                RequestKind::Tilt => r#","deg":-90"#,
+                RequestKind::Scale => r#","factor":1.5"#,
                 _ => "",
             };
             let request = parse(&format!(r#"{{"ask":"{ask}"{fields}}}"#));
@@ -229,11 +229,11 @@ mod tests {
                     let word = format!("{order:?}").to_lowercase();
                     assert!(word.starts_with(&ask.name().replace('-', "")), "{word}");
                 }
-                Request::Reload => assert_eq!(ask, Ask::Reload),
-                Request::Scale(factor) => assert_eq!((ask, factor), (Ask::Scale, 1.5)),
-                Request::Save => assert_eq!(ask, Ask::Save),
-                Request::Subscribe => assert_eq!(ask, Ask::Subscribe),
-                Request::Stop => assert_eq!(ask, Ask::Stop),
+                Request::Reload => assert_eq!(ask, RequestKind::Reload),
+                Request::Scale(factor) => assert_eq!((ask, factor), (RequestKind::Scale, 1.5)),
+                Request::Save => assert_eq!(ask, RequestKind::Save),
+                Request::Subscribe => assert_eq!(ask, RequestKind::Subscribe),
+                Request::Stop => assert_eq!(ask, RequestKind::Stop),
             }
         }
         assert_eq!(
@@ -309,7 +309,7 @@ mod tests {
     #[test]
     fn json_that_is_as_deep_as_a_line_is_long_is_refused() {
         for deep in ["[", "{\"ask\":", "{\"deg\":["] {
-            let line = deep.repeat(LONGEST_LINE / deep.len());
+            let line = deep.repeat(MAX_LINE_BYTES / deep.len());
             error(&line);
         }
     }

@@ -7,23 +7,23 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use super::conversation::{self, Mouth};
-use super::news::{Reporter, Subscribers, Untold, tell_all};
-use super::{ControlError, Profile, answer};
+use super::connection::{self, LineWriter};
+use super::notification::{Notifier, Subscribers, NotificationQueue, broadcast};
+use super::{ControlError, ProfileInfo, response};
 use crate::output::socket::{Listener, Stream};
 use crate::reload::FileCalls;
-use crate::runtime::Calls;
+use crate::session::Calls;
 
 /// Clients at a time.
-const MOST_CLIENTS: usize = 16;
+const MAX_CLIENTS: usize = 16;
 
 /// How long no client is accepted after that failed for want of something, such as file numbers.
 const RECOVERY: Duration = Duration::from_millis(100);
 
 /// Who does what clients ask for.
-pub struct Desk {
+pub struct ServerContext {
     /// The layouts of the setup, in order.
-    pub profiles: Vec<Profile>,
+    pub profiles: Vec<ProfileInfo>,
     /// The run.
     pub calls: Calls,
     /// Whoever looks after the layouts: one for each.
@@ -33,21 +33,21 @@ pub struct Desk {
 }
 
 /// A control socket. It is taken away when this is dropped; clients then hear no more.
-pub struct Control {
+pub struct ControlServer {
     listener: Arc<Listener>,
-    reporter: Reporter,
-    untold: Option<Untold>,
+    reporter: Notifier,
+    untold: Option<NotificationQueue>,
     is_over: Arc<AtomicBool>,
 }
 
-impl Control {
+impl ControlServer {
     /// Takes the socket at `path`; clients wait until it is [served](Self::serve).
     ///
     /// It is its owner's alone from the first instant on. One that a dead owner has left is taken over; one
     /// of a run that is alive is refused.
-    pub fn open(path: &Path) -> Result<Self, ControlError> {
+    pub fn bind(path: &Path) -> Result<Self, ControlError> {
         let listener = Listener::open(path).map_err(|error| ControlError::open(path, error))?;
-        let (reporter, untold) = Reporter::new();
+        let (reporter, untold) = Notifier::new();
         Ok(Self {
             listener: Arc::new(listener),
             reporter,
@@ -62,50 +62,50 @@ impl Control {
     }
 
     /// Takes what happens in the run, for clients that ask for it.
-    pub fn reporter(&self) -> Reporter {
+    pub fn notifier(&self) -> Notifier {
         self.reporter.clone()
     }
 
     /// Serves clients from now on, on threads of its own. Only the first call does so.
-    pub fn serve(&mut self, desk: Desk) -> io::Result<()> {
+    pub fn serve(&mut self, desk: ServerContext) -> io::Result<()> {
         let Some(untold) = self.untold.take() else {
             return Ok(());
         };
-        let reception = Reception {
+        let reception = Acceptor {
             listener: self.listener.clone(),
             is_over: self.is_over.clone(),
             subscribers: untold.subscribers.clone(),
             desk: Arc::new(desk),
             clients: Arc::default(),
         };
-        spawn("control news", move || tell_all(&untold))?;
-        spawn("control", move || reception.work())
+        spawn("control news", move || broadcast(&untold))?;
+        spawn("control", move || reception.run())
     }
 }
 
-impl Drop for Control {
+impl Drop for ControlServer {
     fn drop(&mut self) {
         self.is_over.store(true, Ordering::Relaxed);
         self.listener.close();
     }
 }
 
-struct Reception {
+struct Acceptor {
     listener: Arc<Listener>,
     is_over: Arc<AtomicBool>,
     subscribers: Subscribers,
-    desk: Arc<Desk>,
+    desk: Arc<ServerContext>,
     clients: Arc<AtomicUsize>,
 }
 
-impl Reception {
-    fn work(&self) {
+impl Acceptor {
+    fn run(&self) {
         loop {
             let accepted = self.listener.accept();
             if self.is_over.load(Ordering::Relaxed) {
                 return;
             }
-            let started = accepted.and_then(|stream| self.welcome(stream));
+            let started = accepted.and_then(|stream| self.serve_client(stream));
             match started {
                 Ok(()) => {}
                 Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
@@ -116,34 +116,34 @@ impl Reception {
         }
     }
 
-    fn welcome(&self, stream: Stream) -> io::Result<()> {
-        let mouth = Mouth::of(&stream)?;
-        let Some(seat) = Seat::take(&self.clients) else {
-            let full = format!("{MOST_CLIENTS} clients are here already, come back later");
+    fn serve_client(&self, stream: Stream) -> io::Result<()> {
+        let mouth = LineWriter::new(&stream)?;
+        let Some(seat) = ClientSlot::acquire(&self.clients) else {
+            let full = format!("{MAX_CLIENTS} clients are here already, come back later");
             // Nothing else is in its way; whether the client hears it is up to the client.
-            let _ = mouth.say(&answer::refused(&full));
+            let _ = mouth.write_line(&response::failure(&full));
             return Ok(());
         };
         let (desk, subscribers) = (self.desk.clone(), self.subscribers.clone());
         spawn("control client", move || {
-            conversation::hold(stream, mouth, &desk, &subscribers);
+            connection::serve(stream, mouth, &desk, &subscribers);
             drop(seat);
         })
     }
 }
 
 /// One of the places for clients, free again when it is dropped.
-struct Seat(Arc<AtomicUsize>);
+struct ClientSlot(Arc<AtomicUsize>);
 
-impl Seat {
-    fn take(taken: &Arc<AtomicUsize>) -> Option<Self> {
+impl ClientSlot {
+    fn acquire(taken: &Arc<AtomicUsize>) -> Option<Self> {
         let seat = Self(taken.clone());
         let before = taken.fetch_add(1, Ordering::Relaxed);
-        (before < MOST_CLIENTS).then_some(seat)
+        (before < MAX_CLIENTS).then_some(seat)
     }
 }
 
-impl Drop for Seat {
+impl Drop for ClientSlot {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::Relaxed);
     }

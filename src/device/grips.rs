@@ -3,12 +3,12 @@
 use arrayvec::ArrayVec;
 
 use crate::contact::Touch;
-use crate::hand::{FINGERS, Finger, Side};
+use crate::hand::{FINGERS_OF_BOTH_HANDS, Finger, Side};
 
 /// What each fingertip holds on to: a control has one at most, whoever presses it while it is held is
 /// ignored.
 #[derive(Clone, Debug)]
-pub(super) struct Grips<T>(ArrayVec<Grip<T>, FINGERS>);
+pub(super) struct Grips<T>(ArrayVec<Grip<T>, FINGERS_OF_BOTH_HANDS>);
 
 /// One fingertip and its control.
 #[derive(Clone, Copy, Debug)]

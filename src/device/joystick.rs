@@ -6,10 +6,10 @@ use arrayvec::ArrayVec;
 use parry3d::math::Vec2;
 
 use self::stick::{PARTS, Stick};
-use super::places::Places;
-use super::{Axis, KeyAction, Need, Needs, Out, Seen, VirtualDevice};
+use super::target_index::Places;
+use super::{Axis, KeyAction, Capability, Capabilities, DeviceOutput, DeviceInput, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
-use crate::hand::FINGERS;
+use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::time::Timestamp;
 
 /// One joystick.
@@ -18,7 +18,7 @@ pub struct Joystick {
     /// The target that is its cap.
     pub target: TargetId,
     /// How far it goes to every side, in metres, more than 0.
-    pub reach: f32,
+    pub max_deflection: f32,
     /// The share of the reach within which it stands in the middle, 0..1.
     pub dead_zone: f32,
     /// The exponent of the way from the dead zone to the full throw: 1 is in proportion, more is finer near
@@ -27,18 +27,18 @@ pub struct Joystick {
     /// What it drives to the right and away from the wearer.
     pub axes: Option<[Axis; 2]>,
     /// What is pressed while it points up (away from the wearer), down, left and right.
-    pub keys: Option<[KeyAction; 4]>,
+    pub direction_keys: Option<[KeyAction; 4]>,
     /// What is pressed while it is pushed in deep.
-    pub press: Option<KeyAction>,
+    pub push_action: Option<KeyAction>,
     /// How fast it moves the pointer at full throw, in pixels a second; 0 for a joystick that does not.
-    pub speed: f32,
+    pub pointer_speed_px_s: f32,
 }
 
 impl Joystick {
     /// What a part presses: up, down, left, right and the push.
     fn action(&self, part: usize) -> Option<KeyAction> {
-        match self.keys.and_then(|keys| keys.get(part).copied()) {
-            None if part == PARTS - 1 => self.press,
+        match self.direction_keys.and_then(|keys| keys.get(part).copied()) {
+            None if part == PARTS - 1 => self.push_action,
             action => action,
         }
     }
@@ -64,7 +64,7 @@ impl Joystick {
 const ROUNDING: f32 = 1e-4;
 
 /// Ten fingers, and as many sticks that still wait for room to tell that they are back in the middle.
-const MOST_STICKS: usize = 2 * FINGERS;
+const MOST_STICKS: usize = 2 * FINGERS_OF_BOTH_HANDS;
 
 /// The joysticks of a layout.
 ///
@@ -90,7 +90,7 @@ impl Joysticks {
         }
     }
 
-    fn grab(&mut self, touch: &Touch, out: &mut Out) {
+    fn grab(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         self.let_go(touch, out);
         let Some(place) = self.places.of(touch.target) else {
             return;
@@ -106,7 +106,7 @@ impl Joysticks {
         }
     }
 
-    fn push(&mut self, touch: &Touch, out: &mut Out) {
+    fn push(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         let joysticks = &self.joysticks;
         let of_finger = self.sticks.iter_mut().find(|stick| stick.is_of(touch));
         if let Some(stick) = of_finger {
@@ -114,7 +114,7 @@ impl Joysticks {
         }
     }
 
-    fn let_go(&mut self, touch: &Touch, out: &mut Out) {
+    fn let_go(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         let joysticks = &self.joysticks;
         for stick in &mut self.sticks {
             if stick.is_of(touch) {
@@ -124,7 +124,7 @@ impl Joysticks {
     }
 
     /// Drives what the sticks drive by `time`, and forgets those that are back in the middle.
-    fn drive(&mut self, time: Timestamp, seen: Option<&Seen>, out: &mut Out) {
+    fn drive(&mut self, time: Timestamp, seen: Option<&DeviceInput>, out: &mut DeviceOutput) {
         let joysticks = &self.joysticks;
         self.sticks.retain(|stick| {
             let joystick = &joysticks[stick.place];
@@ -138,28 +138,28 @@ impl Joysticks {
 }
 
 impl VirtualDevice for Joysticks {
-    fn add_needs(&self, needs: &mut Needs) {
+    fn add_capabilities(&self, needs: &mut Capabilities) {
         for stick in &self.joysticks {
-            let actions = stick.keys.into_iter().flatten().chain(stick.press);
-            needs.extend(actions.filter_map(KeyAction::need));
-            needs.extend(stick.axes.into_iter().flatten().map(Need::Axis));
-            needs.extend((stick.speed > 0.0).then_some(Need::Move));
+            let actions = stick.direction_keys.into_iter().flatten().chain(stick.push_action);
+            needs.extend(actions.filter_map(KeyAction::required_capability));
+            needs.extend(stick.axes.into_iter().flatten().map(Capability::Axis));
+            needs.extend((stick.pointer_speed_px_s > 0.0).then_some(Capability::RelativeMotion));
         }
     }
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         for touch in seen.touches {
             match touch.phase {
                 Phase::Touched => {}
                 Phase::Pressed => self.grab(touch, out),
-                Phase::Held => self.push(touch, out),
+                Phase::Moved => self.push(touch, out),
                 Phase::Released | Phase::Left | Phase::Cancelled => self.let_go(touch, out),
             }
         }
         self.drive(seen.pose.time, Some(seen), out);
     }
 
-    fn release_all(&mut self, time: Timestamp, out: &mut Out) {
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         for stick in &mut self.sticks {
             stick.forget();
         }
@@ -174,13 +174,13 @@ mod tests {
     fn joystick(dead_zone: f32, curve: f32) -> Joystick {
         Joystick {
             target: TargetId(0),
-            reach: 0.02,
+            max_deflection: 0.02,
             dead_zone,
             curve,
             axes: None,
-            keys: None,
-            press: None,
-            speed: 0.0,
+            direction_keys: None,
+            push_action: None,
+            pointer_speed_px_s: 0.0,
         }
     }
 

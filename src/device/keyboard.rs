@@ -1,26 +1,26 @@
 //! A keyboard: touches of keys become presses, with modifiers and layers.
 
 mod binding;
-mod bounces;
+mod debounce;
 mod chords;
 mod depths;
 mod dwell;
-mod waiting;
+mod pending;
 
-pub use self::binding::{Fires, Hold, KeyBinding};
-pub use self::chords::{Chord, MOST_CHORD_KEYS};
+pub use self::binding::{Activation, TapHold, KeyBinding};
+pub use self::chords::{Chord, MAX_CHORD_KEYS};
 
 use arrayvec::ArrayVec;
 
-use self::bounces::Bounces;
+use self::debounce::Bounces;
 use self::chords::Chords;
 use self::depths::Depths;
 use self::dwell::Dwell;
-use self::waiting::Waiting;
-use super::places::Places;
-use super::{KeyAction, Needs, Out, Owner, Seen, VirtualDevice};
-use crate::contact::{MOST_TOUCHES, Phase, TargetId, Touch};
-use crate::hand::{FINGERS, FingerSet};
+use self::pending::Waiting;
+use super::target_index::Places;
+use super::{KeyAction, Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
+use crate::contact::{MAX_TOUCHES, Phase, TargetId, Touch};
+use crate::hand::{FINGERS_OF_BOTH_HANDS, FingerSet};
 use crate::time::Timestamp;
 
 /// Turns touches into presses.
@@ -36,15 +36,15 @@ pub struct Keyboard {
     bindings: Vec<KeyBinding>,
     places: Places,
     /// Presses of which it is not known yet what they do, in order of pressing.
-    waiting: ArrayVec<Waiting, FINGERS>,
-    dwells: ArrayVec<Dwell, FINGERS>,
+    waiting: ArrayVec<Waiting, FINGERS_OF_BOTH_HANDS>,
+    dwells: ArrayVec<Dwell, FINGERS_OF_BOTH_HANDS>,
     chords: Chords,
     bounces: Bounces,
     depths: Depths,
 }
 
 /// The touches of a frame, in the order in which a keyboard takes them.
-type Sorted<'a> = ArrayVec<(Turn, Timestamp, usize, &'a Touch), MOST_TOUCHES>;
+type Sorted<'a> = ArrayVec<(Turn, Timestamp, usize, &'a Touch), MAX_TOUCHES>;
 
 /// When in a frame a touch is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -80,14 +80,14 @@ impl Keyboard {
         own.or_else(|| actions.first().copied().flatten())
     }
 
-    fn press(&mut self, touch: &Touch, out: &mut Out) {
+    fn press(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         self.lift(touch, out);
         self.press_gathered_by(touch.time, out);
         let Some(place) = self.places.of(touch.target) else {
             return;
         };
-        let KeyBinding { fires, repress, .. } = self.bindings[place];
-        let is_dwell = matches!(fires, Fires::Dwell(_));
+        let KeyBinding { activation: fires, debounce: repress, .. } = self.bindings[place];
+        let is_dwell = matches!(fires, Activation::Dwell(_));
         if is_dwell || self.bounces.is_bounce(place, touch.time, repress) {
             return;
         }
@@ -98,18 +98,18 @@ impl Keyboard {
     }
 
     /// Lets a key that was pressed by a touch act on its own at `time`.
-    fn press_alone(&mut self, touch: &Touch, time: Timestamp, out: &mut Out) {
-        let owner = Owner::of(touch);
+    fn press_alone(&mut self, touch: &Touch, time: Timestamp, out: &mut DeviceOutput) {
+        let owner = PressSource::from_touch(touch);
         let Some(binding) = self.binding(touch.target) else {
             return;
         };
-        let fires = binding.fires;
+        let fires = binding.activation;
         self.hold_for_another_key(time, out);
-        let Some(action) = self.action(touch.target, out.switchboard.layer()) else {
+        let Some(action) = self.action(touch.target, out.arbiter.active_layer()) else {
             return;
         };
         match Waiting::of(owner, action, fires, touch.time) {
-            Some(waiting) if out.switchboard.has_room(out.events) => {
+            Some(waiting) if out.arbiter.has_room(out.events) => {
                 // Each finger has one press at most, so there is room.
                 let _ = self.waiting.try_push(waiting);
             }
@@ -121,55 +121,55 @@ impl Keyboard {
     }
 
     /// A finger that presses a second target has let go of the first, told or not.
-    fn lift(&mut self, touch: &Touch, out: &mut Out) {
+    fn lift(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         let places = &self.places;
-        let is_of_finger = |owner: Owner| match owner {
-            Owner::Touch(side, finger, target) => {
+        let is_of_finger = |owner: PressSource| match owner {
+            PressSource::Touch(side, finger, target) => {
                 (side, finger) == (touch.side, touch.finger) && places.of(target).is_some()
             }
-            Owner::Part(..) => false,
+            PressSource::Part(..) => false,
         };
-        out.switchboard.cancel(is_of_finger);
+        out.arbiter.cancel(is_of_finger);
         self.waiting.retain(|press| !is_of_finger(press.owner));
         self.chords.lift(is_of_finger, out);
     }
 
     /// Ends a press; one that is cancelled does not count as tapped.
-    fn end(&mut self, touch: &Touch, out: &mut Out) {
-        let owner = Owner::of(touch);
+    fn end(&mut self, touch: &Touch, out: &mut DeviceOutput) {
+        let owner = PressSource::from_touch(touch);
         if let Some(place) = self.places.of(touch.target)
-            && (self.is_pending(owner) || out.switchboard.has_press_of(owner))
+            && (self.is_pending(owner) || out.arbiter.has_press_from(owner))
         {
             self.bounces.came_up(place, touch.time);
         }
         self.waiting.retain(|press| press.owner != owner);
         match touch.phase {
-            Phase::Cancelled => out.switchboard.cancel(|other| other == owner),
-            _ => out.switchboard.end(|other| other == owner),
+            Phase::Cancelled => out.arbiter.cancel(|other| other == owner),
+            _ => out.arbiter.release(|other| other == owner),
         }
     }
 
     /// Takes at most as many touches as a frame can have.
-    fn take_presses(&mut self, touches: &[Touch], out: &mut Out) {
+    fn take_presses(&mut self, touches: &[Touch], out: &mut DeviceOutput) {
         for (.., touch) in self.sorted(touches, out) {
             match touch.phase {
                 Phase::Pressed => self.press(touch, out),
                 phase => {
                     self.end_in_chords(touch, out);
                     if phase != Phase::Cancelled {
-                        self.fire(Owner::of(touch), touch.time, out);
+                        self.fire(PressSource::from_touch(touch), touch.time, out);
                     }
                     self.end(touch, out);
                 }
             }
-            out.switchboard.settle(touch.time, out.events);
+            out.arbiter.emit_changes(touch.time, out.events);
         }
     }
 
-    fn take_depths(&mut self, touches: &[Touch], out: &mut Out) {
-        let mut time = out.switchboard.time();
+    fn take_depths(&mut self, touches: &[Touch], out: &mut DeviceOutput) {
+        let mut time = out.arbiter.last_event_time();
         for touch in touches {
-            let is_analogue = |binding: &KeyBinding| binding.analogue;
+            let is_analogue = |binding: &KeyBinding| binding.reports_depth;
             if self.binding(touch.target).is_some_and(is_analogue) {
                 self.depths.take(touch);
                 time = time.max(touch.time);
@@ -180,12 +180,12 @@ impl Keyboard {
 
     /// The beginnings and ends of presses, in the order in which they are taken; touches of one
     /// finger keep their order.
-    fn sorted<'a>(&self, touches: &'a [Touch], out: &Out) -> Sorted<'a> {
+    fn sorted<'a>(&self, touches: &'a [Touch], out: &DeviceOutput) -> Sorted<'a> {
         let mut begun = FingerSet::NONE;
         let mut sorted = Sorted::new();
         for (place, touch) in touches.iter().enumerate() {
             let turn = match touch.phase {
-                Phase::Touched | Phase::Held => continue,
+                Phase::Touched | Phase::Moved => continue,
                 Phase::Pressed => {
                     begun = begun.with(touch.finger);
                     Turn::Begins
@@ -203,23 +203,23 @@ impl Keyboard {
 }
 
 impl VirtualDevice for Keyboard {
-    fn add_needs(&self, needs: &mut Needs) {
+    fn add_capabilities(&self, needs: &mut Capabilities) {
         for binding in &self.bindings {
-            let held = match binding.fires {
-                Fires::TapOrHold(Hold { action, .. }) => Some(action),
+            let held = match binding.activation {
+                Activation::TapHold(TapHold { hold_action: action, .. }) => Some(action),
                 _ => None,
             };
             let actions = binding.actions.iter().copied().flatten().chain(held);
-            needs.extend(actions.filter_map(KeyAction::need));
+            needs.extend(actions.filter_map(KeyAction::required_capability));
         }
-        needs.extend(self.chords.actions().filter_map(KeyAction::need));
+        needs.extend(self.chords.actions().filter_map(KeyAction::required_capability));
     }
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         // Releases that found no room in the frame before.
-        out.switchboard.settle(out.switchboard.time(), out.events);
+        out.arbiter.emit_changes(out.arbiter.last_event_time(), out.events);
         // One frame of one hand is one chunk; a longer list must not lose a release either.
-        for touches in seen.touches.chunks(MOST_TOUCHES) {
+        for touches in seen.touches.chunks(MAX_TOUCHES) {
             self.take_presses(touches, out);
         }
         self.take_dwells(seen.touches, out);
@@ -229,7 +229,7 @@ impl VirtualDevice for Keyboard {
         self.take_depths(seen.touches, out);
     }
 
-    fn release_all(&mut self, time: Timestamp, out: &mut Out) {
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.waiting.clear();
         self.dwells.clear();
         self.chords.forget();

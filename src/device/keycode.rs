@@ -21,11 +21,11 @@ pub struct KeyCode(u16);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyKind {
     /// A keyboard.
-    Key,
+    Keyboard,
     /// A mouse.
     Mouse,
     /// A gamepad.
-    Pad,
+    Gamepad,
 }
 
 struct Key {
@@ -247,9 +247,9 @@ impl KeyCode {
     /// What kind of device has it.
     pub const fn kind(self) -> KeyKind {
         match self.0 {
-            0..0x110 => KeyKind::Key,
+            0..0x110 => KeyKind::Keyboard,
             0x110..0x120 => KeyKind::Mouse,
-            _ => KeyKind::Pad,
+            _ => KeyKind::Gamepad,
         }
     }
 
@@ -260,13 +260,13 @@ impl KeyCode {
 
     /// Whether this key alone acts on the system rather than on the program that has the focus: it opens the
     /// menu of a desktop (Meta), or gives orders to the kernel (PrintScreen, which is SysRq too).
-    pub const fn is_of_system(self) -> bool {
+    pub const fn is_system_key(self) -> bool {
         matches!(self.0, 99 | 125 | 126)
     }
 
     /// Whether it does so together with Control and Alt: other consoles (F1 to F12), a restart (Delete), the end
     /// of an X server (Backspace).
-    pub const fn is_of_system_with_control_and_alt(self) -> bool {
+    pub const fn is_system_key_with_ctrl_alt(self) -> bool {
         matches!(self.0, 14 | 59..=68 | 83 | 87 | 88 | 111)
     }
 
@@ -339,8 +339,8 @@ mod tests {
         for key in KeyCode::all() {
             let by_name = match key.name() {
                 name if name.starts_with("Mouse") => KeyKind::Mouse,
-                name if name.starts_with("Pad") => KeyKind::Pad,
-                _ => KeyKind::Key,
+                name if name.starts_with("Pad") => KeyKind::Gamepad,
+                _ => KeyKind::Keyboard,
             };
             assert_eq!(key.kind(), by_name, "{key}");
         }

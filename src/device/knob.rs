@@ -7,12 +7,12 @@ use std::f32::consts::TAU;
 use parry3d::math::Vec2;
 
 use self::pinch::{Pinch, Tips};
-use super::drive::{Drive, Driver};
+use super::value_output::{ValueOutput, Driver};
 use super::grips::Grips;
-use super::places::Places;
-use super::resting::Resting;
+use super::target_index::Places;
+use super::pending_returns::Resting;
 use super::steps::{nearest, step_to};
-use super::{Needs, Out, Seen, VirtualDevice};
+use super::{Capabilities, DeviceOutput, DeviceInput, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::hand::Side;
 use crate::time::Timestamp;
@@ -29,20 +29,20 @@ pub struct Knob {
     /// Its radius, in metres, more than 0.
     pub radius: f32,
     /// How far it turns.
-    pub range: Range,
+    pub range: KnobRange,
     /// The value is on one of so many steps of the range, at least 1; anywhere when `None`.
     pub steps: Option<u16>,
     /// Where it stands at first: 0..=1 where it has ends.
-    pub start: f32,
+    pub initial: f32,
     /// What its value drives.
-    pub drive: Drive,
+    pub output: ValueOutput,
 }
 
 /// How far a knob turns.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Range {
+pub enum KnobRange {
     /// By this angle between its ends, in radians, more than 0, any number of turns; the value is 0..=1.
-    Between(f32),
+    Limited(f32),
     /// On and on; the value is the number of turns.
     Endless,
 }
@@ -51,8 +51,8 @@ impl Knob {
     /// The value after the knob was turned counter-clockwise by an angle, in radians.
     fn turned(&self, value: f32, angle: f32) -> f32 {
         match self.range {
-            Range::Between(range) => (value - angle / range).clamp(0.0, 1.0),
-            Range::Endless => value - angle / TAU,
+            KnobRange::Limited(range) => (value - angle / range).clamp(0.0, 1.0),
+            KnobRange::Endless => value - angle / TAU,
         }
     }
 }
@@ -92,8 +92,8 @@ impl Knobs {
     /// All where they stand at first.
     pub fn new(knobs: Vec<Knob>) -> Self {
         let with_driver = |knob: Knob| {
-            let start = nearest(knob.start, knob.steps);
-            (knob, Driver::new(knob.target, knob.drive, start))
+            let start = nearest(knob.initial, knob.steps);
+            (knob, Driver::new(knob.target, knob.output, start))
         };
         Self {
             places: Places::new(knobs.iter().map(|knob| knob.target)),
@@ -104,7 +104,7 @@ impl Knobs {
         }
     }
 
-    fn grab(&mut self, touch: &Touch, out: &mut Out) {
+    fn grab(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         self.rims.end(touch);
         let Some(place) = self.places.of(touch.target) else {
             return;
@@ -114,12 +114,12 @@ impl Knobs {
             return;
         }
         let value = self.hold(place, touch.time, out);
-        let from = self.off_centre(place, touch.at);
+        let from = self.off_centre(place, touch.position);
         self.rims.begin(touch, place, Rim { from, value });
     }
 
     /// Somebody takes a knob: an axis that went to 0 comes back. Gives the value that it stands at.
-    fn hold(&mut self, place: usize, time: Timestamp, out: &mut Out) -> f32 {
+    fn hold(&mut self, place: usize, time: Timestamp, out: &mut DeviceOutput) -> f32 {
         self.resting.end(place);
         let (_, driver) = &mut self.knobs[place];
         driver.set(driver.value(), time, out);
@@ -131,12 +131,12 @@ impl Knobs {
         (at.length_squared() > dead * dead).then_some(at)
     }
 
-    fn follow(&mut self, touch: &Touch, out: &mut Out) {
+    fn follow(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         let Some(grip) = self.rims.of(touch) else {
             return;
         };
         let (place, before) = (grip.place, grip.state.from);
-        let now = self.off_centre(place, touch.at);
+        let now = self.off_centre(place, touch.position);
         let angle = match (before, now) {
             (Some(before), Some(now)) => before.angle_to(now),
             _ => 0.0,
@@ -154,7 +154,7 @@ impl Knobs {
         );
     }
 
-    fn take_pinch(&mut self, seen: &Seen, out: &mut Out) {
+    fn take_pinch(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         let pose = seen.pose;
         let hand = pose.side.index();
         let tips = Tips::of(pose);
@@ -168,7 +168,7 @@ impl Knobs {
     }
 
     /// Thumb and index finger close: takes the knob under them.
-    fn pinch(&mut self, tips: &Tips, seen: &Seen, out: &mut Out) -> Pinch {
+    fn pinch(&mut self, tips: &Tips, seen: &DeviceInput, out: &mut DeviceOutput) -> Pinch {
         let pose = seen.pose;
         let Some(mut held) = pinch::knob_under(tips, pose, seen.scene, &self.places) else {
             return Pinch::Closed;
@@ -186,7 +186,7 @@ impl Knobs {
         Pinch::On(held)
     }
 
-    fn rotate(&mut self, mut held: pinch::Held, seen: &Seen, out: &mut Out) -> Pinch {
+    fn rotate(&mut self, mut held: pinch::Held, seen: &DeviceInput, out: &mut DeviceOutput) -> Pinch {
         let Some(angle) = held.turn(seen.pose, seen.scene) else {
             return Pinch::Closed;
         };
@@ -202,7 +202,7 @@ fn turn(
     value: &mut f32,
     angle: f32,
     time: Timestamp,
-    out: &mut Out,
+    out: &mut DeviceOutput,
 ) {
     // A hand at an impossible angle turns nothing.
     if !angle.is_finite() || angle == 0.0 {
@@ -213,19 +213,19 @@ fn turn(
 }
 
 impl VirtualDevice for Knobs {
-    fn add_needs(&self, needs: &mut Needs) {
+    fn add_capabilities(&self, needs: &mut Capabilities) {
         for (knob, _) in &self.knobs {
-            knob.drive.add_needs(needs);
+            knob.output.add_capabilities(needs);
         }
     }
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         self.resting.go_on(&mut self.knobs, seen.pose.time, out);
         for touch in seen.touches {
             match touch.phase {
                 Phase::Touched => {}
                 Phase::Pressed => self.grab(touch, out),
-                Phase::Held => self.follow(touch, out),
+                Phase::Moved => self.follow(touch, out),
                 Phase::Released | Phase::Left | Phase::Cancelled => {
                     self.rims.end(touch);
                 }
@@ -234,7 +234,7 @@ impl VirtualDevice for Knobs {
         self.take_pinch(seen, out);
     }
 
-    fn release_all(&mut self, time: Timestamp, out: &mut Out) {
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.rims.clear();
         self.pinches = [Pinch::default(); Side::COUNT];
         for (place, (_, driver)) in self.knobs.iter_mut().enumerate() {

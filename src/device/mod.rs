@@ -10,14 +10,14 @@ use crate::names::named_enum;
 use crate::time::Timestamp;
 
 pub mod keycode;
-pub mod needs;
+pub mod capabilities;
 pub mod pointer;
-pub mod switchboard;
-mod places;
+pub mod key_arbiter;
+mod target_index;
 mod grips;
-mod resting;
+mod pending_returns;
 mod steps;
-pub mod drive;
+pub mod value_output;
 pub mod keyboard;
 pub mod radio;
 pub mod toggle;
@@ -28,8 +28,8 @@ pub mod knob;
 pub mod joystick;
 
 pub use keycode::{KeyCode, KeyKind};
-pub use needs::{Need, Needs};
-pub use switchboard::{KeyAction, Latch, Owner, Switchboard, TextId};
+pub use capabilities::{Capability, Capabilities};
+pub use key_arbiter::{KeyAction, Latch, PressSource, KeyArbiter, TextId};
 
 /// Something for the operating system or a peer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,7 +37,7 @@ pub struct OutputEvent {
     /// When it happened.
     pub time: Timestamp,
     /// What happened.
-    pub action: Action,
+    pub kind: EventKind,
 }
 
 /// What an output is to do.
@@ -46,13 +46,13 @@ pub struct OutputEvent {
 /// changes or the run ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Action {
+pub enum EventKind {
     /// A key or button goes down.
     KeyDown(KeyCode),
     /// A key or button comes up.
     KeyUp(KeyCode),
     /// A character is written, whichever keys the receiver's keymap has for it.
-    Write(char),
+    Character(char),
     /// The pointer moves by so many pixels to the right and down.
     MoveBy(i32, i32),
     /// The pointer goes to this place on the screen: 0..=1 from left to right and from top to bottom.
@@ -84,7 +84,7 @@ pub enum Request {
     /// The same with the one after the one in force; after the last comes the first.
     NextProfile,
     /// Bring the boards to where the hand is.
-    Recentre,
+    Recenter,
     /// Move the boards to the right, up and towards the wearer, in micrometres.
     Nudge([i32; 3]),
     /// Lift the far sides of the boards, in thousandths of a degree.
@@ -127,7 +127,7 @@ named_enum! {
 
 impl Axis {
     /// Whether a gamepad has it; otherwise a 6-DoF device does.
-    pub const fn is_of_gamepad(self) -> bool {
+    pub const fn is_gamepad(self) -> bool {
         self.index() < Self::MoveX.index()
     }
 
@@ -146,7 +146,7 @@ pub type Events = ArrayVec<OutputEvent, 192>;
 
 /// What a device sees of one hand in one frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Seen<'a> {
+pub struct DeviceInput<'a> {
     /// Where the controls are.
     pub scene: &'a Scene,
     /// The angles of its joints.
@@ -159,43 +159,43 @@ pub struct Seen<'a> {
 
 /// Where a device puts what comes of it.
 #[derive(Debug)]
-pub struct Out<'a> {
+pub struct DeviceOutput<'a> {
     /// What is down; shared by all devices of a layout.
-    pub switchboard: &'a mut Switchboard,
+    pub arbiter: &'a mut KeyArbiter,
     /// What goes out in this frame.
     pub events: &'a mut Events,
 }
 
-impl Out<'_> {
+impl DeviceOutput<'_> {
     /// Begins a press, see [`Switchboard::press`]; whether it found room.
-    pub fn press(&mut self, owner: Owner, action: KeyAction, time: Timestamp) -> bool {
-        let is_pressed = self.switchboard.press(owner, action, time, self.events);
-        self.switchboard.settle(time, self.events);
+    pub fn press(&mut self, owner: PressSource, action: KeyAction, time: Timestamp) -> bool {
+        let is_pressed = self.arbiter.press(owner, action, time, self.events);
+        self.arbiter.emit_changes(time, self.events);
         is_pressed
     }
 
     /// Ends the press of this owner, who let go.
-    pub fn end(&mut self, owner: Owner, time: Timestamp) {
-        self.switchboard.end(|other| other == owner);
-        self.switchboard.settle(time, self.events);
+    pub fn release(&mut self, owner: PressSource, time: Timestamp) {
+        self.arbiter.release(|other| other == owner);
+        self.arbiter.emit_changes(time, self.events);
     }
 
     /// Ends the press of this owner, who was lost or slid off.
-    pub fn cancel(&mut self, owner: Owner, time: Timestamp) {
-        self.switchboard.cancel(|other| other == owner);
-        self.switchboard.settle(time, self.events);
+    pub fn cancel(&mut self, owner: PressSource, time: Timestamp) {
+        self.arbiter.cancel(|other| other == owner);
+        self.arbiter.emit_changes(time, self.events);
     }
 
     /// Begins a press and ends it at once; whether it found room.
-    pub fn tap(&mut self, owner: Owner, action: KeyAction, time: Timestamp) -> bool {
+    pub fn tap(&mut self, owner: PressSource, action: KeyAction, time: Timestamp) -> bool {
         let is_pressed = self.press(owner, action, time);
-        self.end(owner, time);
+        self.release(owner, time);
         is_pressed
     }
 
     /// Tells of something that is neither down nor up; `false` when there is no room for it.
-    pub fn tell(&mut self, time: Timestamp, action: Action) -> bool {
-        self.switchboard.tell(time, action, self.events)
+    pub fn emit(&mut self, time: Timestamp, action: EventKind) -> bool {
+        self.arbiter.emit(time, action, self.events)
     }
 }
 
@@ -203,13 +203,13 @@ impl Out<'_> {
 pub trait VirtualDevice: Send {
     /// Adds everything that it can ever send to an output, so that an output which cannot carry it is
     /// refused before anything is sent.
-    fn add_needs(&self, needs: &mut Needs);
+    fn add_capabilities(&self, needs: &mut Capabilities);
 
     /// Takes one frame of one hand.
-    fn update(&mut self, seen: &Seen, out: &mut Out);
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput);
 
     /// Lets go of everything at `time`: tracking lost, paused, layout changed, exit. What is pressed on
     /// the switchboard is ended there for all devices at once; what is left are values that spring back,
     /// and what the device remembers.
-    fn release_all(&mut self, time: Timestamp, out: &mut Out);
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput);
 }

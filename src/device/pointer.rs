@@ -4,37 +4,37 @@
 mod cursor;
 mod direct;
 mod dwell;
-mod frame;
+mod anchored_frame;
 mod gesture;
-mod gestures;
+mod gesture_set;
 mod joint;
 pub mod mode;
 mod push;
 mod rate;
 mod ray;
 mod settings;
-mod sight;
-mod spaces;
-mod way;
+mod trusted_hand;
+mod selection;
+mod motion;
 
-pub use dwell::Dwell;
-pub use frame::Frame;
+pub use dwell::DwellSettings;
+pub use anchored_frame::AnchoredFrame;
 pub use gesture::{Gesture, PinchGaps};
-pub use mode::Mode;
-pub use settings::{By, MOST_CLICKS, Moves, Scroll, Settings};
-pub use spaces::Space;
+pub use mode::PointingMode;
+pub use settings::{ClickMethod, MAX_CLICKS, CursorOutput, ScrollSettings, PointerSettings};
+pub use selection::SelectionSpace;
 
 use parry3d::math::{Vec2, Vec3};
 
 use self::cursor::Cursor;
 use self::dwell::Resting;
-use self::gestures::Gestures;
+use self::gesture_set::Gestures;
 use self::mode::Aim;
-use self::sight::Sight;
-use self::spaces::{At, Selector};
-use self::way::Way;
-use super::drive::Driver;
-use super::{Action, KeyAction, Need, Needs, Out, Owner, Seen, VirtualDevice};
+use self::trusted_hand::Sight;
+use self::selection::{At, Selector};
+use self::motion::Way;
+use super::value_output::Driver;
+use super::{EventKind, KeyAction, Capability, Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
 
@@ -65,7 +65,7 @@ pub struct Pointer {
 
 /// What moves the cursor.
 struct Hand {
-    settings: Settings,
+    settings: PointerSettings,
     way: Way,
     cursor: Cursor,
     gestures: Gestures,
@@ -83,7 +83,7 @@ struct Hand {
 impl Pointer {
     /// One that has seen nothing yet. Without settings there is no cursor, and the index fingertip
     /// selects targets in space.
-    pub fn new(settings: Option<Settings>, spaces: Vec<Space>) -> Self {
+    pub fn new(settings: Option<PointerSettings>, spaces: Vec<SelectionSpace>) -> Self {
         Self {
             cursor: settings.map(Hand::new),
             selector: Selector::new(spaces),
@@ -99,7 +99,7 @@ impl Pointer {
 }
 
 impl Hand {
-    fn new(settings: Settings) -> Self {
+    fn new(settings: PointerSettings) -> Self {
         let rest = 0.5;
         Self {
             way: Way::new(&settings),
@@ -118,7 +118,7 @@ impl Hand {
     }
 
     /// Takes a frame; `false` when the hand points nowhere.
-    fn follow(&mut self, sight: &Sight, out: &mut Out) -> bool {
+    fn follow(&mut self, sight: &Sight, out: &mut DeviceOutput) -> bool {
         let time = sight.pose().time;
         let before = self.time.replace(time).unwrap_or(time);
         let seconds = time.since(before).as_secs_f32().min(LONGEST_GAP);
@@ -140,7 +140,7 @@ impl Hand {
         true
     }
 
-    fn move_along(&mut self, aim: Aim, seconds: f32, time: Timestamp, out: &mut Out) {
+    fn move_along(&mut self, aim: Aim, seconds: f32, time: Timestamp, out: &mut DeviceOutput) {
         let moved = self.way.follow(aim, seconds);
         if self.gestures.scrolls() {
             self.cursor.hold();
@@ -160,28 +160,28 @@ impl Hand {
     }
 
     /// Whether the cursor stays where it is however the hand moves.
-    fn is_still(&mut self, by: Vec3, out: &Out) -> bool {
+    fn is_still(&mut self, by: Vec3, out: &DeviceOutput) -> bool {
         let is_clicking = self.gestures.presses();
         if !is_clicking {
             self.swallowed = Vec2::ZERO;
             self.is_dragging = false;
         }
-        if self.gestures.is_let_go() || out.switchboard.is_pressed(KeyAction::Clutch) {
+        if self.gestures.is_let_go() || out.arbiter.is_pressed(KeyAction::Clutch) {
             return true;
         }
         if is_clicking && !self.is_dragging {
             self.swallowed += by.truncate();
-            self.is_dragging = self.swallowed.length() > self.settings.drag;
+            self.is_dragging = self.swallowed.length() > self.settings.drag_threshold_px;
             return true;
         }
         !is_clicking && self.gestures.is_ready()
     }
 
-    fn gain(&self, by: Vec2, seconds: f32, out: &Out) -> f32 {
+    fn gain(&self, by: Vec2, seconds: f32, out: &DeviceOutput) -> f32 {
         let is_precise =
-            self.gestures.is_precise() || out.switchboard.is_pressed(KeyAction::Precision);
+            self.gestures.is_precise() || out.arbiter.is_pressed(KeyAction::Precision);
         let precision = if is_precise {
-            self.settings.precision
+            self.settings.precision_factor
         } else {
             1.0
         };
@@ -193,20 +193,20 @@ impl Hand {
         precision * settings::gain(&self.settings.acceleration, speed)
     }
 
-    fn scroll(&mut self, by: Vec2, time: Timestamp, out: &mut Out) {
+    fn scroll(&mut self, by: Vec2, time: Timestamp, out: &mut DeviceOutput) {
         let Some(scroll) = self.settings.scroll else {
             return;
         };
         let most = Vec2::splat(MOST_BEHIND);
-        self.scrolled = (self.scrolled + by * (CLICK / scroll.pixels)).clamp(-most, most);
+        self.scrolled = (self.scrolled + by * (CLICK / scroll.px_per_detent)).clamp(-most, most);
         let whole = self.scrolled.trunc();
-        let action = Action::Scroll(whole.x as i32, whole.y as i32);
-        if whole != Vec2::ZERO && out.tell(time, action) {
+        let action = EventKind::Scroll(whole.x as i32, whole.y as i32);
+        if whole != Vec2::ZERO && out.emit(time, action) {
             self.scrolled -= whole;
         }
     }
 
-    fn click_at_rest(&mut self, time: Timestamp, out: &mut Out) {
+    fn click_at_rest(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let Some((dwell, action)) = self.settings.dwell else {
             return;
         };
@@ -216,12 +216,12 @@ impl Hand {
         }
         let at = self.cursor.way();
         if self.resting.clicks(dwell, at, time) {
-            out.tap(Owner::Part(self.settings.target, DWELL), action, time);
+            out.tap(PressSource::Part(self.settings.target, DWELL), action, time);
         }
     }
 
     /// The hand, or what the mode needs of it, is not seen.
-    fn lose(&mut self, time: Timestamp, out: &mut Out) {
+    fn lose(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.gestures.lose(self.settings.target, time, out);
         self.way.forget();
         self.time = None;
@@ -236,28 +236,28 @@ impl Hand {
     /// Where it is in space.
     fn point(&self) -> Option<At> {
         match &self.settings.mode {
-            Mode::Joint(joints) => Some(At::InEachSpace(joints.point(self.cursor.shares()))),
+            PointingMode::Joint(joints) => Some(At::InEachSpace(joints.point(self.cursor.shares()))),
             _ => None,
         }
     }
 }
 
 impl VirtualDevice for Pointer {
-    fn add_needs(&self, needs: &mut Needs) {
+    fn add_capabilities(&self, needs: &mut Capabilities) {
         self.selector.add_needs(needs);
         let Some(Hand { settings, .. }) = &self.cursor else {
             return;
         };
-        match settings.moves {
-            Moves::To => needs.insert(Need::Place),
-            Moves::By => needs.insert(Need::Move),
-            Moves::Nothing => {}
+        match settings.output {
+            CursorOutput::Absolute => needs.insert(Capability::AbsoluteMotion),
+            CursorOutput::Relative => needs.insert(Capability::RelativeMotion),
+            CursorOutput::None => {}
         }
         if settings.scroll.is_some() {
-            needs.insert(Need::Scroll);
+            needs.insert(Capability::Scroll);
         }
         if let Some(drive) = settings.depth {
-            drive.add_needs(needs);
+            drive.add_capabilities(needs);
         }
         let dwell = settings.dwell.iter().map(|(_, action)| action);
         let clicks = settings
@@ -265,10 +265,10 @@ impl VirtualDevice for Pointer {
             .iter()
             .map(|(_, action)| action)
             .chain(dwell);
-        needs.extend(clicks.filter_map(|action| action.need()));
+        needs.extend(clicks.filter_map(|action| action.required_capability()));
     }
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         if !self.points(seen.pose.side) {
             return;
         }
@@ -285,7 +285,7 @@ impl VirtualDevice for Pointer {
         self.selector.follow(point, seen.pose, out);
     }
 
-    fn release_all(&mut self, time: Timestamp, out: &mut Out) {
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         if let Some(hand) = &mut self.cursor {
             hand.lose(time, out);
         }

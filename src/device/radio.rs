@@ -1,8 +1,8 @@
 //! Radio groups: of several options one is on, and poking another switches over.
 
-use super::places::Places;
+use super::target_index::Places;
 use super::toggle::{ToggleOutput, value};
-use super::{Needs, Out, Owner, Seen, VirtualDevice};
+use super::{Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
 use crate::contact::{Phase, TargetId};
 use crate::time::Timestamp;
 
@@ -12,7 +12,7 @@ pub struct Radio {
     /// What it can be switched to.
     pub options: Vec<RadioOption>,
     /// The place of the option that is on at the start; nothing goes out for that.
-    pub starts: Option<usize>,
+    pub initial: Option<usize>,
 }
 
 /// One option of a group.
@@ -43,7 +43,7 @@ impl Radios {
         let (mut options, mut on) = (Vec::new(), Vec::new());
         for (group, radio) in radios.into_iter().enumerate() {
             let first = options.len();
-            let starts = radio.starts.filter(|&place| place < radio.options.len());
+            let starts = radio.initial.filter(|&place| place < radio.options.len());
             on.push(starts.map(|place| first + place));
             options.extend(radio.options.into_iter().map(|option| (option, group)));
         }
@@ -54,43 +54,43 @@ impl Radios {
         }
     }
 
-    fn poke(&mut self, place: usize, time: Timestamp, out: &mut Out) {
+    fn poke(&mut self, place: usize, time: Timestamp, out: &mut DeviceOutput) {
         let (RadioOption { target, output }, group) = self.options[place];
         if self.on[group] == Some(place) {
             return;
         }
         self.switch_off(group, time, out);
-        let owner = Owner::Part(target, 0);
+        let owner = PressSource::Part(target, 0);
         let is_on = match output {
-            ToggleOutput::Told => true,
-            ToggleOutput::Holds(action) => out.press(owner, action, time),
-            ToggleOutput::Taps(action) => out.tap(owner, action, time),
+            ToggleOutput::ValueOnly => true,
+            ToggleOutput::Hold(action) => out.press(owner, action, time),
+            ToggleOutput::Tap(action) => out.tap(owner, action, time),
         };
         if is_on {
             self.on[group] = Some(place);
-            out.tell(time, value(target, true));
+            out.emit(time, value(target, true));
         }
     }
 
-    fn switch_off(&mut self, group: usize, time: Timestamp, out: &mut Out) {
+    fn switch_off(&mut self, group: usize, time: Timestamp, out: &mut DeviceOutput) {
         let Some(place) = self.on[group].take() else {
             return;
         };
         let (RadioOption { target, output }, _) = self.options[place];
-        if let ToggleOutput::Holds(_) = output {
-            out.end(Owner::Part(target, 0), time);
+        if let ToggleOutput::Hold(_) = output {
+            out.release(PressSource::Part(target, 0), time);
         }
-        out.tell(time, value(target, false));
+        out.emit(time, value(target, false));
     }
 }
 
 impl VirtualDevice for Radios {
-    fn add_needs(&self, needs: &mut Needs) {
+    fn add_capabilities(&self, needs: &mut Capabilities) {
         let options = self.options.iter();
-        needs.extend(options.filter_map(|(option, _)| option.output.need()));
+        needs.extend(options.filter_map(|(option, _)| option.output.required_capability()));
     }
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         for touch in seen.touches {
             if touch.phase == Phase::Pressed
                 && let Some(place) = self.places.of(touch.target)
@@ -100,10 +100,10 @@ impl VirtualDevice for Radios {
         }
     }
 
-    fn release_all(&mut self, time: Timestamp, out: &mut Out) {
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         for group in 0..self.on.len() {
             let holds = self.on[group].is_some_and(|place| {
-                matches!(self.options[place].0.output, ToggleOutput::Holds(_))
+                matches!(self.options[place].0.output, ToggleOutput::Hold(_))
             });
             if holds {
                 self.switch_off(group, time, out);

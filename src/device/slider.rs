@@ -1,11 +1,11 @@
 //! Sliders and levers: a handle that a fingertip moves along a track.
 
-use super::drive::{Drive, Driver};
+use super::value_output::{ValueOutput, Driver};
 use super::grips::Grips;
-use super::places::Places;
-use super::resting::Resting;
+use super::target_index::Places;
+use super::pending_returns::Resting;
 use super::steps::{nearest, step_to};
-use super::{Needs, Out, Seen, VirtualDevice};
+use super::{Capabilities, DeviceOutput, DeviceInput, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::time::Timestamp;
 
@@ -19,15 +19,15 @@ pub struct Slider {
     /// What the value is between them.
     pub track: Track,
     /// What a press does to the handle.
-    pub grab: Grab,
+    pub grab: GrabMode,
     /// The value is on one of so many steps, at least 1; anywhere when `None`.
     pub steps: Option<u16>,
     /// Where it stands at first, 0..=1.
-    pub start: f32,
+    pub initial: f32,
     /// Whether it springs back to `start` when it is let go of. Then its axis is 0 there.
-    pub springs: bool,
+    pub springs_back: bool,
     /// What its value drives.
-    pub drive: Drive,
+    pub output: ValueOutput,
 }
 
 /// How the value goes with the way along a track.
@@ -43,9 +43,9 @@ pub enum Track {
 
 /// What a press does to the handle of a slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Grab {
+pub enum GrabMode {
     /// The handle comes to the fingertip.
-    Anywhere,
+    Absolute,
     /// The handle stays where it is and moves as far as the fingertip does.
     Relative,
 }
@@ -88,9 +88,9 @@ impl Sliders {
     /// All where they stand at first.
     pub fn new(sliders: Vec<Slider>) -> Self {
         let with_driver = |slider: Slider| {
-            let start = nearest(slider.start, slider.steps);
-            let driver = Driver::new(slider.target, slider.drive, start);
-            let springs_to = slider.springs.then_some(start);
+            let start = nearest(slider.initial, slider.steps);
+            let driver = Driver::new(slider.target, slider.output, start);
+            let springs_to = slider.springs_back.then_some(start);
             (slider, driver.springing_to(springs_to))
         };
         Self {
@@ -101,7 +101,7 @@ impl Sliders {
         }
     }
 
-    fn grab(&mut self, touch: &Touch, out: &mut Out) {
+    fn grab(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         self.let_go(touch, out);
         let Some(place) = self.places.of(touch.target) else {
             return;
@@ -112,20 +112,20 @@ impl Sliders {
         self.resting.end(place);
         let (slider, driver) = &mut self.sliders[place];
         let ahead = match slider.grab {
-            Grab::Anywhere => 0.0,
-            Grab::Relative => slider.track.place(driver.value()) * slider.half_length - touch.at.x,
+            GrabMode::Absolute => 0.0,
+            GrabMode::Relative => slider.track.place(driver.value()) * slider.half_length - touch.position.x,
         };
         self.grips.begin(touch, place, ahead);
         // Also where the handle stays: an axis that went to 0 comes back.
         self.follow(touch, out);
     }
 
-    fn follow(&mut self, touch: &Touch, out: &mut Out) {
+    fn follow(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         let Some(grip) = self.grips.of(touch) else {
             return;
         };
         let (slider, driver) = &mut self.sliders[grip.place];
-        let place = (touch.at.x + grip.state) / slider.half_length;
+        let place = (touch.position.x + grip.state) / slider.half_length;
         let value = slider.track.value(place.clamp(-1.0, 1.0));
         driver.set(
             step_to(value, slider.steps, driver.value()),
@@ -134,7 +134,7 @@ impl Sliders {
         );
     }
 
-    fn let_go(&mut self, touch: &Touch, out: &mut Out) {
+    fn let_go(&mut self, touch: &Touch, out: &mut DeviceOutput) {
         let Some(grip) = self.grips.end(touch) else {
             return;
         };
@@ -146,25 +146,25 @@ impl Sliders {
 }
 
 impl VirtualDevice for Sliders {
-    fn add_needs(&self, needs: &mut Needs) {
+    fn add_capabilities(&self, needs: &mut Capabilities) {
         for (slider, _) in &self.sliders {
-            slider.drive.add_needs(needs);
+            slider.output.add_capabilities(needs);
         }
     }
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         self.resting.go_on(&mut self.sliders, seen.pose.time, out);
         for touch in seen.touches {
             match touch.phase {
                 Phase::Touched => {}
                 Phase::Pressed => self.grab(touch, out),
-                Phase::Held => self.follow(touch, out),
+                Phase::Moved => self.follow(touch, out),
                 Phase::Released | Phase::Left | Phase::Cancelled => self.let_go(touch, out),
             }
         }
     }
 
-    fn release_all(&mut self, time: Timestamp, out: &mut Out) {
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.grips.clear();
         for (place, (_, driver)) in self.sliders.iter_mut().enumerate() {
             self.resting.begin(place, driver, time, out);

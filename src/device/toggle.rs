@@ -1,7 +1,7 @@
 //! Toggle switches: one poke turns one on, the next turns it off.
 
-use super::places::Places;
-use super::{Action, KeyAction, Need, Needs, Out, Owner, Seen, VirtualDevice};
+use super::target_index::Places;
+use super::{EventKind, KeyAction, Capability, Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
 use crate::contact::{Phase, TargetId};
 use crate::time::Timestamp;
 
@@ -18,20 +18,20 @@ pub struct Toggle {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ToggleOutput {
     /// Only its value is told: 1 for on, 0 for off.
-    Told,
+    ValueOnly,
     /// Something is pressed as long as it is on. When everything is let go of, it is off again.
-    Holds(KeyAction),
+    Hold(KeyAction),
     /// Something is tapped at each change, for a receiver that has the state itself. It stays as it is
     /// when everything is let go of.
-    Taps(KeyAction),
+    Tap(KeyAction),
 }
 
 impl ToggleOutput {
     /// What an output must be able to carry for it.
-    pub fn need(self) -> Option<Need> {
+    pub fn required_capability(self) -> Option<Capability> {
         match self {
-            Self::Told => None,
-            Self::Holds(action) | Self::Taps(action) => action.need(),
+            Self::ValueOnly => None,
+            Self::Hold(action) | Self::Tap(action) => action.required_capability(),
         }
     }
 }
@@ -55,38 +55,38 @@ impl Toggles {
         }
     }
 
-    fn poke(&mut self, place: usize, time: Timestamp, out: &mut Out) {
+    fn poke(&mut self, place: usize, time: Timestamp, out: &mut DeviceOutput) {
         let (Toggle { target, output }, is_on) = &mut self.toggles[place];
-        let owner = Owner::Part(*target, 0);
+        let owner = PressSource::Part(*target, 0);
         let will_be_on = !*is_on;
         let has_changed = match *output {
-            ToggleOutput::Told => true,
-            ToggleOutput::Holds(action) if will_be_on => out.press(owner, action, time),
-            ToggleOutput::Holds(_) => {
-                out.end(owner, time);
+            ToggleOutput::ValueOnly => true,
+            ToggleOutput::Hold(action) if will_be_on => out.press(owner, action, time),
+            ToggleOutput::Hold(_) => {
+                out.release(owner, time);
                 true
             }
-            ToggleOutput::Taps(action) => out.tap(owner, action, time),
+            ToggleOutput::Tap(action) => out.tap(owner, action, time),
         };
         if has_changed {
             *is_on = will_be_on;
-            out.tell(time, value(*target, *is_on));
+            out.emit(time, value(*target, *is_on));
         }
     }
 }
 
 /// What is told of a target that is on or off.
-pub(super) fn value(target: TargetId, is_on: bool) -> Action {
-    Action::Value(target, f32::from(u8::from(is_on)))
+pub(super) fn value(target: TargetId, is_on: bool) -> EventKind {
+    EventKind::Value(target, f32::from(u8::from(is_on)))
 }
 
 impl VirtualDevice for Toggles {
-    fn add_needs(&self, needs: &mut Needs) {
+    fn add_capabilities(&self, needs: &mut Capabilities) {
         let toggles = self.toggles.iter();
-        needs.extend(toggles.filter_map(|(toggle, _)| toggle.output.need()));
+        needs.extend(toggles.filter_map(|(toggle, _)| toggle.output.required_capability()));
     }
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         for touch in seen.touches {
             if touch.phase == Phase::Pressed
                 && let Some(place) = self.places.of(touch.target)
@@ -96,11 +96,11 @@ impl VirtualDevice for Toggles {
         }
     }
 
-    fn release_all(&mut self, time: Timestamp, out: &mut Out) {
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         for (toggle, is_on) in &mut self.toggles {
-            let holds = matches!(toggle.output, ToggleOutput::Holds(_));
+            let holds = matches!(toggle.output, ToggleOutput::Hold(_));
             if holds && std::mem::take(is_on) {
-                out.tell(time, value(toggle.target, false));
+                out.emit(time, value(toggle.target, false));
             }
         }
     }

@@ -1,17 +1,17 @@
 //! Touch surfaces: touch screens, where a place is a place on the screen, and touch pads, where a way is
 //! a way of the pointer.
 
-mod pad;
-mod screen;
+mod touchpad;
+mod touchscreen;
 
-pub use self::pad::PadSettings;
+pub use self::touchpad::TouchpadSettings;
 
 use parry3d::math::Vec2;
 
-use self::pad::Pad;
-use self::screen::Screen;
-use super::places::Places;
-use super::{KeyAction, KeyCode, Need, Needs, Out, Owner, Seen, VirtualDevice};
+use self::touchpad::Pad;
+use self::touchscreen::Screen;
+use super::target_index::Places;
+use super::{KeyAction, KeyCode, Capability, Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
 use crate::contact::{TargetId, Touch};
 use crate::time::Timestamp;
 
@@ -33,9 +33,9 @@ pub enum TouchMode {
     /// The pointer goes to where the finger is; pressing holds the left mouse button. Of several fingers
     /// the first counts. The surface has these half extents, in metres; beyond its edge the pointer stays
     /// at the edge.
-    Screen(Vec2),
+    Touchscreen(Vec2),
     /// One finger moves the pointer, two turn the wheel; a short touch clicks.
-    Pad(PadSettings),
+    Touchpad(TouchpadSettings),
 }
 
 /// The touch surfaces of a layout.
@@ -55,8 +55,8 @@ impl TouchSurfaces {
     /// With no finger on any of them.
     pub fn new(surfaces: Vec<TouchSurface>) -> Self {
         let surface = |surface: TouchSurface| match surface.mode {
-            TouchMode::Screen(half) => Surface::Screen(Screen::new(half)),
-            TouchMode::Pad(settings) => Surface::Pad(Box::new(Pad::new(settings))),
+            TouchMode::Touchscreen(half) => Surface::Screen(Screen::new(half)),
+            TouchMode::Touchpad(settings) => Surface::Pad(Box::new(Pad::new(settings))),
         };
         Self {
             places: Places::new(surfaces.iter().map(|surface| surface.target)),
@@ -74,19 +74,19 @@ impl TouchSurfaces {
 }
 
 impl VirtualDevice for TouchSurfaces {
-    fn add_needs(&self, needs: &mut Needs) {
+    fn add_capabilities(&self, needs: &mut Capabilities) {
         for (_, surface) in &self.surfaces {
-            needs.insert(Need::Code(KeyCode::MOUSE_LEFT));
+            needs.insert(Capability::Key(KeyCode::MOUSE_LEFT));
             match surface {
-                Surface::Screen(_) => needs.insert(Need::Place),
+                Surface::Screen(_) => needs.insert(Capability::AbsoluteMotion),
                 Surface::Pad(_) => {
-                    needs.extend([Need::Code(KeyCode::MOUSE_RIGHT), Need::Move, Need::Scroll])
+                    needs.extend([Capability::Key(KeyCode::MOUSE_RIGHT), Capability::RelativeMotion, Capability::Scroll])
                 }
             }
         }
     }
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         for touch in seen.touches {
             match self.surface(touch) {
                 Some((button, Surface::Screen(screen))) => screen.take(touch, button, out),
@@ -102,7 +102,7 @@ impl VirtualDevice for TouchSurfaces {
         }
     }
 
-    fn release_all(&mut self, _: Timestamp, _: &mut Out) {
+    fn release_all(&mut self, _: Timestamp, _: &mut DeviceOutput) {
         for (_, surface) in &mut self.surfaces {
             match surface {
                 Surface::Screen(screen) => screen.forget(),
@@ -117,23 +117,23 @@ impl VirtualDevice for TouchSurfaces {
 struct Button(TargetId);
 
 impl Button {
-    fn press(self, time: Timestamp, out: &mut Out) -> bool {
+    fn press(self, time: Timestamp, out: &mut DeviceOutput) -> bool {
         out.press(self.owner(), LEFT, time)
     }
 
-    fn end(self, time: Timestamp, out: &mut Out) {
-        out.end(self.owner(), time);
+    fn end(self, time: Timestamp, out: &mut DeviceOutput) {
+        out.release(self.owner(), time);
     }
 
-    fn cancel(self, time: Timestamp, out: &mut Out) {
+    fn cancel(self, time: Timestamp, out: &mut DeviceOutput) {
         out.cancel(self.owner(), time);
     }
 
-    fn click(self, action: KeyAction, time: Timestamp, out: &mut Out) -> bool {
+    fn click(self, action: KeyAction, time: Timestamp, out: &mut DeviceOutput) -> bool {
         out.tap(self.owner(), action, time)
     }
 
-    fn owner(self) -> Owner {
-        Owner::Part(self.0, 0)
+    fn owner(self) -> PressSource {
+        PressSource::Part(self.0, 0)
     }
 }

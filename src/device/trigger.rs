@@ -1,13 +1,13 @@
 //! Triggers: an angle of a joint or a pinch as a control, without anything to touch.
 
-use super::drive::{Drive, Driver};
-use super::{KeyAction, Needs, Out, Owner, Seen, VirtualDevice};
+use super::value_output::{ValueOutput, Driver};
+use super::{KeyAction, Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
 use crate::contact::TargetId;
 use crate::hand::{Dof, Finger, Side};
 use crate::time::Timestamp;
 
 /// The most triggers that a layout has: each is looked at in each frame.
-pub const MOST_TRIGGERS: usize = 64;
+pub const MAX_TRIGGERS: usize = 64;
 
 /// The steps in which a value is told, so that a tremble is no news.
 const STEPS: f32 = 1000.0;
@@ -36,7 +36,7 @@ pub struct Trigger {
     /// What is pressed as long as it is on.
     pub action: Option<KeyAction>,
     /// What its value drives.
-    pub drive: Drive,
+    pub output: ValueOutput,
 }
 
 /// What a trigger measures.
@@ -72,20 +72,20 @@ enum State {
 impl Triggers {
     /// All off; those after the first [`MOST_TRIGGERS`] are left out.
     pub fn new(triggers: impl IntoIterator<Item = Trigger>) -> Self {
-        let triggers = triggers.into_iter().take(MOST_TRIGGERS);
+        let triggers = triggers.into_iter().take(MAX_TRIGGERS);
         Self(triggers.flat_map(Followed::on_its_hands).collect())
     }
 }
 
 impl VirtualDevice for Triggers {
-    fn add_needs(&self, needs: &mut Needs) {
+    fn add_capabilities(&self, needs: &mut Capabilities) {
         for Followed { trigger, .. } in &self.0 {
-            needs.extend(trigger.action.and_then(KeyAction::need));
-            trigger.drive.add_needs(needs);
+            needs.extend(trigger.action.and_then(KeyAction::required_capability));
+            trigger.output.add_capabilities(needs);
         }
     }
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         for followed in &mut self.0 {
             if followed.side != seen.pose.side {
                 continue;
@@ -97,7 +97,7 @@ impl VirtualDevice for Triggers {
         }
     }
 
-    fn release_all(&mut self, time: Timestamp, out: &mut Out) {
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         for followed in &mut self.0 {
             followed.lose(time, out);
         }
@@ -109,18 +109,18 @@ impl Followed {
         let sides = Side::ALL.iter().copied();
         let sides = sides.filter(move |&side| trigger.side.is_none_or(|own| own == side));
         sides.map(move |side| Self {
-            driver: Driver::new(trigger.target, trigger.drive, 0.0),
+            driver: Driver::new(trigger.target, trigger.output, 0.0),
             trigger,
             side,
             state: State::Lost,
         })
     }
 
-    fn owner(&self) -> Owner {
-        Owner::Part(self.trigger.target, self.side.index() as u8)
+    fn owner(&self) -> PressSource {
+        PressSource::Part(self.trigger.target, self.side.index() as u8)
     }
 
-    fn follow(&mut self, measured: f32, time: Timestamp, out: &mut Out) {
+    fn follow(&mut self, measured: f32, time: Timestamp, out: &mut DeviceOutput) {
         let Trigger { on, off, .. } = self.trigger;
         let is_past = |limit: f32| (measured - limit) * (on - off).signum() >= 0.0;
         let is_back = measured == off || !is_past(off);
@@ -133,7 +133,7 @@ impl Followed {
             }
             State::Off if is_past(on) => self.go_on(time, out),
             State::On if is_back => {
-                out.end(self.owner(), time);
+                out.release(self.owner(), time);
                 self.state = State::Off;
             }
             State::Off | State::On => {}
@@ -142,14 +142,14 @@ impl Followed {
     }
 
     /// Goes on, or stays off until there is room.
-    fn go_on(&mut self, time: Timestamp, out: &mut Out) {
+    fn go_on(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let action = self.trigger.action;
         if action.is_none_or(|action| out.press(self.owner(), action, time)) {
             self.state = State::On;
         }
     }
 
-    fn lose(&mut self, time: Timestamp, out: &mut Out) {
+    fn lose(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         if self.state == State::Lost && self.driver.value() == 0.0 {
             return;
         }
@@ -169,7 +169,7 @@ impl Followed {
 
 impl Measure {
     /// What it is now; `None` where that is not known.
-    fn of(self, seen: &Seen) -> Option<f32> {
+    fn of(self, seen: &DeviceInput) -> Option<f32> {
         let untrusted = seen.pose.untrusted.union(seen.angles.untrusted);
         let is_believed = |finger: Finger| !untrusted.contains(finger);
         if seen.pose.jumped || seen.angles.jumped {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::access::Denied;
+use crate::advice::AccessDenied;
 
 /// What was found on a machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -10,17 +10,17 @@ pub struct Facts {
     /// Who asks.
     pub user: User,
     /// Serial ports by their names: those that are wanted, and USB adapters that are there.
-    pub ports: Vec<(String, Node)>,
+    pub ports: Vec<(String, DeviceNode)>,
     /// The way to make devices of the kernel.
-    pub uinput: Uinput,
+    pub uinput: UinputFacts,
     /// What `DISPLAY` names.
-    pub display: Display,
+    pub display: XDisplay,
     /// What `WAYLAND_DISPLAY` names.
     pub compositor: Compositor,
     /// Whether this program was built to speak with a compositor.
-    pub speaks_wayland: bool,
+    pub has_wayland: bool,
     /// Where the control socket would be.
-    pub runtime: Runtime,
+    pub runtime: RuntimeDir,
 }
 
 /// Who asks.
@@ -36,22 +36,22 @@ pub struct User {
 
 /// A device file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Node {
+pub enum DeviceNode {
     /// It is not there.
     Absent,
     /// It is there, and this user may not read and write it.
-    Denied(Denied),
+    Denied(AccessDenied),
     /// This user may read and write it.
     Usable,
     /// It cannot be looked at, for this reason.
-    Odd(String),
+    Error(String),
 }
 
 /// `/dev/uinput` and the module behind it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Uinput {
+pub struct UinputFacts {
     /// The device file; absent too when there is nothing behind it.
-    pub node: Node,
+    pub node: DeviceNode,
     /// Whether the kernel has the module in it now.
     pub is_loaded: bool,
     /// Whether it could be loaded; `None` where the files of the kernel are not at hand, as in a container.
@@ -60,15 +60,15 @@ pub struct Uinput {
 
 /// An X server.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Display {
+pub enum XDisplay {
     /// `DISPLAY` is not set.
     Unset,
     /// It is this one, and somebody listens there.
-    Listens(String),
+    Reachable(String),
     /// It is this one, and nobody listens there.
-    Silent(String),
+    Unreachable(String),
     /// Only using it shows whether there is one, for this reason.
-    Unseen(String),
+    Unknown(String),
 }
 
 /// A Wayland compositor.
@@ -77,14 +77,14 @@ pub enum Compositor {
     /// `WAYLAND_DISPLAY` is not set.
     Unset,
     /// It is this socket, and nobody tells there what he has.
-    Silent {
+    Unreachable {
         /// The socket.
         socket: PathBuf,
         /// What happened.
         reason: String,
     },
     /// Somebody has told what he has.
-    Answers {
+    Reachable {
         /// The program at the other end; `None` where it cannot be seen.
         program: Option<String>,
         /// The interfaces that it offers to this program, such as `zwp_virtual_keyboard_manager_v1`.
@@ -94,7 +94,7 @@ pub enum Compositor {
 
 /// The runtime folder of the user and the control socket in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Runtime {
+pub enum RuntimeDir {
     /// `XDG_RUNTIME_DIR` names no folder.
     Absent,
     /// It does, and the control socket has its place in it.
@@ -102,13 +102,13 @@ pub enum Runtime {
         /// Where the control socket is, or would be.
         socket: PathBuf,
         /// Who listens there; `None` when nobody does.
-        run: Option<Run>,
+        run: Option<RunningInstance>,
     },
 }
 
 /// A run that listens at its control socket.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Run {
+pub struct RunningInstance {
     /// Its process; `None` where it cannot be seen.
     pub process: Option<i32>,
 }

@@ -7,7 +7,7 @@
 
 mod checks;
 mod facts;
-mod trial;
+mod output_test;
 
 #[cfg(target_os = "linux")]
 mod probe;
@@ -18,20 +18,20 @@ mod wayland;
 #[path = "elsewhere.rs"]
 mod probe;
 
-pub use checks::examine;
-pub use facts::{Compositor, Display, Facts, Node, Run, Runtime, Uinput, User};
-pub use trial::{Trial, try_out};
+pub use checks::check;
+pub use facts::{Compositor, XDisplay, Facts, DeviceNode, RunningInstance, RuntimeDir, UinputFacts, User};
+pub use output_test::{OutputTest, test_output};
 
 use std::path::Path;
 
 use serde::Serialize;
 
-use crate::capture::SourceName;
-use crate::settings::Setup;
+use crate::capture::SourceUri;
+use crate::setup::Setup;
 
 /// What a setup needs of the machine.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Wants {
+pub struct Requirements {
     /// Serial ports that are to be read.
     pub ports: Vec<String>,
     /// Keys and pointer of a desktop.
@@ -40,16 +40,16 @@ pub struct Wants {
     pub uinput: bool,
 }
 
-impl Wants {
+impl Requirements {
     /// What a setup names.
-    pub fn of(setup: &Setup) -> Self {
+    pub fn from_setup(setup: &Setup) -> Self {
         let other = setup.other_hand.as_ref();
         let sources = [
             setup.source.as_ref(),
             other.and_then(|hand| hand.source.as_ref()),
         ];
-        let port = |source: &SourceName| match source {
-            SourceName::Serial { port, .. } => Some(port.clone()),
+        let port = |source: &SourceUri| match source {
+            SourceUri::Serial { port, .. } => Some(port.clone()),
             _ => None,
         };
         let names = |wanted: &str| setup.output.split(',').any(|name| name.trim() == wanted);
@@ -64,22 +64,22 @@ impl Wants {
 /// How something is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum State {
+pub enum CheckStatus {
     /// It is there and can be used.
     Ok,
     /// It is not there, or this user may not use it.
     Missing,
     /// Nothing says so without trying it.
-    CannotTell,
+    Unknown,
 }
 
-impl State {
+impl CheckStatus {
     /// In words: `ok`, `missing`, `cannot tell`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ok => "ok",
             Self::Missing => "missing",
-            Self::CannotTell => "cannot tell",
+            Self::Unknown => "cannot tell",
         }
     }
 }
@@ -90,7 +90,7 @@ pub struct Finding {
     /// What was looked at: `user`, `serial port`, `uinput`, `display`, `compositor`, `sockets`.
     pub check: &'static str,
     /// How it is.
-    pub state: State,
+    pub state: CheckStatus,
     /// Whether the setup needs it.
     pub needed: bool,
     /// What was found.
@@ -103,19 +103,19 @@ pub struct Finding {
 
 impl Finding {
     /// Whether the setup can do with it as it is.
-    pub fn suffices(&self) -> bool {
-        !self.needed || self.state == State::Ok
+    pub fn is_satisfied(&self) -> bool {
+        !self.needed || self.state == CheckStatus::Ok
     }
 }
 
 /// Looks at the machine, as far as a setup with these wants has to do with it.
-pub fn look(wants: &Wants) -> Facts {
-    probe::look(Path::new("/"), &probe::Environment::of_process(), wants)
+pub fn gather_facts(wants: &Requirements) -> Facts {
+    probe::gather_facts(Path::new("/"), &probe::Environment::from_process(), wants)
 }
 
 /// Whether the user of this process may do everything, so that whatever comes in on a glove's line could.
 /// Elsewhere than on Linux nobody knows: `false`.
-pub fn is_root() -> bool {
+pub fn is_running_as_root() -> bool {
     probe::is_root()
 }
 
@@ -130,20 +130,20 @@ mod tests {
             output: "transcript, uinput".into(),
             ..Setup::default()
         };
-        let mut wants = Wants {
+        let mut wants = Requirements {
             ports: vec!["/dev/ttyUSB0".into()],
             desktop: false,
             uinput: true,
         };
-        assert_eq!(Wants::of(&setup), wants);
-        setup.other_hand = Some(crate::settings::OtherHand {
+        assert_eq!(Requirements::from_setup(&setup), wants);
+        setup.other_hand = Some(crate::setup::OtherHand {
             source: Some("serial:/dev/ttyUSB1".parse().unwrap()),
             ..Default::default()
         });
         setup.output = "desktop".into();
         wants.ports.push("/dev/ttyUSB1".into());
         (wants.desktop, wants.uinput) = (true, false);
-        assert_eq!(Wants::of(&setup), wants);
-        assert_eq!(Wants::of(&Setup::default()), Wants::default());
+        assert_eq!(Requirements::from_setup(&setup), wants);
+        assert_eq!(Requirements::from_setup(&Setup::default()), Requirements::default());
     }
 }

@@ -11,12 +11,12 @@ use rustix::fs::{Access, AtFlags, CWD, OFlags, accessat};
 use rustix::io::Errno;
 use rustix::process::{getegid, geteuid, getgroups};
 
-use super::facts::{Compositor, Display, Facts, Node, Run, Runtime, Uinput, User};
-use super::{Wants, wayland};
-use crate::access::Denied;
-use crate::device::Needs;
-use crate::output::uinput::{self, is_absent};
-use crate::output::{OutputError, SPEAKS_WAYLAND, Sink};
+use super::facts::{Compositor, XDisplay, Facts, DeviceNode, RunningInstance, RuntimeDir, UinputFacts, User};
+use super::{Requirements, wayland};
+use crate::advice::AccessDenied;
+use crate::device::Capabilities;
+use crate::output::uinput::{self, is_missing};
+use crate::output::{OutputError, SUPPORTS_WAYLAND, Sink};
 
 /// How the device files of USB serial adapters begin.
 const ADAPTERS: [&str; 2] = ["ttyUSB", "ttyACM"];
@@ -34,7 +34,7 @@ pub(super) struct Environment {
 
 impl Environment {
     /// Those of this process; an empty one counts as not set.
-    pub fn of_process() -> Self {
+    pub fn from_process() -> Self {
         let set = |name| std::env::var_os(name).filter(|value| !value.is_empty());
         Self {
             display: set("DISPLAY").map(|value| value.to_string_lossy().into_owned()),
@@ -45,7 +45,7 @@ impl Environment {
 }
 
 /// Looks at everything.
-pub(super) fn look(root: &Path, environment: &Environment, wants: &Wants) -> Facts {
+pub(super) fn gather_facts(root: &Path, environment: &Environment, wants: &Requirements) -> Facts {
     let machine = Machine::new(root);
     Facts {
         user: machine.user(),
@@ -53,7 +53,7 @@ pub(super) fn look(root: &Path, environment: &Environment, wants: &Wants) -> Fac
         uinput: machine.uinput(),
         display: machine.display(environment.display.as_deref()),
         compositor: machine.compositor(environment),
-        speaks_wayland: SPEAKS_WAYLAND,
+        has_wayland: SUPPORTS_WAYLAND,
         runtime: runtime(environment.runtime_folder.as_deref()),
     }
 }
@@ -64,7 +64,7 @@ pub(super) fn is_root() -> bool {
 }
 
 /// Makes a keyboard of the kernel.
-pub(super) fn open_keyboard(needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+pub(super) fn open_keyboard(needs: &Capabilities) -> Result<Box<dyn Sink>, OutputError> {
     Ok(Box::new(uinput::Uinput::open(NAME, needs)?))
 }
 
@@ -132,7 +132,7 @@ impl<'a> Machine<'a> {
         found.map_or_else(|| number.to_string(), |(name, ..)| name.clone())
     }
 
-    fn ports(&self, wants: &Wants) -> Vec<(String, Node)> {
+    fn ports(&self, wants: &Requirements) -> Vec<(String, DeviceNode)> {
         let mut names = wants.ports.clone();
         let entries = fs::read_dir(self.at("/dev")).into_iter().flatten();
         let mut adapters: Vec<_> = entries
@@ -158,28 +158,28 @@ impl<'a> Machine<'a> {
     }
 
     /// A device file, without opening it.
-    fn node(&self, path: &Path) -> Node {
+    fn node(&self, path: &Path) -> DeviceNode {
         match accessat(
             CWD,
             path,
             Access::READ_OK | Access::WRITE_OK,
             AtFlags::EACCESS,
         ) {
-            Ok(()) => Node::Usable,
-            Err(Errno::NOENT) => Node::Absent,
-            Err(Errno::ACCESS | Errno::PERM) => Node::Denied(self.denied(path)),
-            Err(error) => Node::Odd(std::io::Error::from(error).to_string()),
+            Ok(()) => DeviceNode::Usable,
+            Err(Errno::NOENT) => DeviceNode::Absent,
+            Err(Errno::ACCESS | Errno::PERM) => DeviceNode::Denied(self.denied(path)),
+            Err(error) => DeviceNode::Error(std::io::Error::from(error).to_string()),
         }
     }
 
     /// To whom a file is open, when not to this user.
-    fn denied(&self, path: &Path) -> Denied {
+    fn denied(&self, path: &Path) -> AccessDenied {
         let Ok(metadata) = fs::metadata(path) else {
-            return Denied::Unknown;
+            return AccessDenied::Unknown;
         };
         let is_for_group = metadata.mode() & 0o060 == 0o060;
         if !is_for_group || metadata.gid() == 0 || own_groups().contains(&metadata.gid()) {
-            return Denied::ToAll;
+            return AccessDenied::OwnerOnly;
         }
         let group = self.group_name(metadata.gid());
         let user = self.user().name;
@@ -187,12 +187,12 @@ impl<'a> Machine<'a> {
             *name == group && members.contains(&user)
         };
         match self.groups.iter().any(is_member) {
-            true => Denied::UntilLogin(group),
-            false => Denied::ToOthersThan(group),
+            true => AccessDenied::LoginRequired(group),
+            false => AccessDenied::NotInGroup(group),
         }
     }
 
-    fn uinput(&self) -> Uinput {
+    fn uinput(&self) -> UinputFacts {
         let path = self.at("/dev/uinput");
         // A device comes of it by a request only: opening it does nothing, but shows whether there is something
         // behind it.
@@ -201,14 +201,14 @@ impl<'a> Machine<'a> {
             .write(true)
             .custom_flags(OFlags::NONBLOCK.bits() as i32);
         let node = match options.open(&path) {
-            Ok(_) => Node::Usable,
-            Err(error) if is_absent(&error) => Node::Absent,
+            Ok(_) => DeviceNode::Usable,
+            Err(error) if is_missing(&error) => DeviceNode::Absent,
             Err(error) if error.kind() == ErrorKind::PermissionDenied => {
-                Node::Denied(self.denied(&path))
+                DeviceNode::Denied(self.denied(&path))
             }
-            Err(error) => Node::Odd(error.to_string()),
+            Err(error) => DeviceNode::Error(error.to_string()),
         };
-        Uinput {
+        UinputFacts {
             node,
             is_loaded: self.at("/sys/class/misc/uinput").exists(),
             can_be_loaded: self.has_module("uinput"),
@@ -226,19 +226,19 @@ impl<'a> Machine<'a> {
         Some(lists.iter().flatten().any(has))
     }
 
-    fn display(&self, name: Option<&str>) -> Display {
+    fn display(&self, name: Option<&str>) -> XDisplay {
         let Some(name) = name else {
-            return Display::Unset;
+            return XDisplay::Unset;
         };
         let (host, screen) = name.rsplit_once(':').unwrap_or((name, ""));
         if !matches!(host, "" | "unix") {
-            return Display::Unseen(format!("`{name}` is on the network"));
+            return XDisplay::Unknown(format!("`{name}` is on the network"));
         }
         let number = screen.split('.').next().unwrap_or_default();
         let socket = self.at(format!("/tmp/.X11-unix/X{number}"));
         match UnixStream::connect(socket) {
-            Ok(_) => Display::Listens(name.to_owned()),
-            Err(_) => Display::Silent(name.to_owned()),
+            Ok(_) => XDisplay::Reachable(name.to_owned()),
+            Err(_) => XDisplay::Unreachable(name.to_owned()),
         }
     }
 
@@ -249,11 +249,11 @@ impl<'a> Machine<'a> {
         let folder = environment.runtime_folder.as_deref();
         let socket = folder.unwrap_or(Path::new("/")).join(name);
         match wayland::globals(&socket) {
-            Ok((process, globals)) => Compositor::Answers {
+            Ok((process, globals)) => Compositor::Reachable {
                 program: process.and_then(|process| self.program(process)),
                 globals,
             },
-            Err(error) => Compositor::Silent {
+            Err(error) => Compositor::Unreachable {
                 socket,
                 reason: error.to_string(),
             },
@@ -280,15 +280,15 @@ fn own_groups() -> Vec<u32> {
     groups
 }
 
-fn runtime(folder: Option<&Path>) -> Runtime {
+fn runtime(folder: Option<&Path>) -> RuntimeDir {
     let Some(folder) = folder.filter(|folder| folder.is_absolute() && folder.is_dir()) else {
-        return Runtime::Absent;
+        return RuntimeDir::Absent;
     };
     let socket = folder.join("ademan").join("control.sock");
-    let run = UnixStream::connect(&socket).ok().map(|stream| Run {
+    let run = UnixStream::connect(&socket).ok().map(|stream| RunningInstance {
         process: wayland::peer(&stream),
     });
-    Runtime::Present { socket, run }
+    RuntimeDir::Present { socket, run }
 }
 
 #[cfg(test)]

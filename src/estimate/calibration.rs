@@ -2,30 +2,30 @@
 
 /// A straight line from a reading to an angle: `angle = reading × factor + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct AffineMap {
     /// Angle per count.
-    pub factor: f64,
+    pub gain: f64,
     /// Angle at reading 0.
     pub offset: f64,
 }
 
-impl Line {
+impl AffineMap {
     /// The line that is written as `initial + (reading + offset_counts) × factor`.
     pub fn from_counts(offset_counts: f64, factor: f64, initial: f64) -> Self {
         Self {
-            factor,
+            gain: factor,
             offset: offset_counts * factor + initial,
         }
     }
 
     /// The angle of a reading, in the unit of the line.
-    pub fn angle(&self, reading: f64) -> f64 {
-        reading * self.factor + self.offset
+    pub fn apply(&self, reading: f64) -> f64 {
+        reading * self.gain + self.offset
     }
 
     /// The reading that gives `angle`; not finite for a line of factor 0.
-    pub fn reading(&self, angle: f64) -> f64 {
-        (angle - self.offset) / self.factor
+    pub fn apply_inverse(&self, angle: f64) -> f64 {
+        (angle - self.offset) / self.gain
     }
 
     /// The line that comes nearest to known poses, `(reading, angle)`, by least squares.
@@ -48,7 +48,7 @@ impl Line {
             .sum();
         let factor = shared / spread;
         Ok(Self {
-            factor,
+            gain: factor,
             offset: mean_angle - factor * mean_reading,
         })
     }
@@ -79,15 +79,15 @@ mod tests {
 
     #[test]
     fn two_poses_with_one_reading_give_no_line() {
-        let error = Line::fit(&[(100.0, 0.0), (100.0, 1.5)]).unwrap_err();
+        let error = AffineMap::fit(&[(100.0, 0.0), (100.0, 1.5)]).unwrap_err();
         assert!(error.to_string().contains("2 poses"));
-        assert!(Line::fit(&[]).is_err());
-        assert!(Line::fit(&[(0.0, f64::NAN), (1.0, 1.0)]).is_err());
+        assert!(AffineMap::fit(&[]).is_err());
+        assert!(AffineMap::fit(&[(0.0, f64::NAN), (1.0, 1.0)]).is_err());
     }
 
     #[test]
     fn a_line_and_its_inverse_agree() {
-        let line = Line::from_counts(-25.0, 3.3 / 255.0, -0.8);
-        assert!((line.reading(line.angle(100.0)) - 100.0).abs() < 1e-9);
+        let line = AffineMap::from_counts(-25.0, 3.3 / 255.0, -0.8);
+        assert!((line.apply_inverse(line.apply(100.0)) - 100.0).abs() < 1e-9);
     }
 }

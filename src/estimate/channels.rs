@@ -1,6 +1,6 @@
 //! Which sensor channel tells which angle.
 
-use super::calibration::Line;
+use super::calibration::AffineMap;
 use crate::capture::MAX_CHANNELS;
 use crate::hand::{Dof, FingerSet};
 
@@ -14,7 +14,7 @@ pub struct ChannelRow {
     /// The channel in wire order, from 0.
     pub channel: usize,
     /// From counts to radians.
-    pub line: Line,
+    pub calibration: AffineMap,
 }
 
 /// All channels of a glove that are in use. Where two rows tell the same angle, the later one counts.
@@ -49,7 +49,7 @@ impl ChannelMap {
     }
 
     /// How many channels a reading needs to have.
-    pub fn channels_needed(&self) -> usize {
+    pub fn required_channels(&self) -> usize {
         self.rows
             .iter()
             .map(|row| row.channel + 1)
@@ -58,7 +58,7 @@ impl ChannelMap {
     }
 
     /// The fingers that cannot be placed without `channel`: all of them when it moves the whole hand.
-    pub fn fingers_of(&self, channel: usize) -> FingerSet {
+    pub fn fingers_affected_by(&self, channel: usize) -> FingerSet {
         self.rows.iter().filter(|row| row.channel == channel).fold(
             FingerSet::NONE,
             |fingers, row| match row.dof.finger() {

@@ -32,10 +32,10 @@ pub struct EstimatorSettings {
     /// The fastest that a joint turns, in rad/s; `None` lets every step pass.
     pub max_speed: Option<f64>,
     /// A gap between two readings after which the filters start anew.
-    pub gap: Duration,
+    pub max_gap: Duration,
     /// How long a channel may stay at one end of its range before its fingers are not believed
     /// any more: a broken wire or a short circuit; `None` believes it for ever.
-    pub rail: Option<Duration>,
+    pub rail_timeout: Option<Duration>,
 }
 
 impl Default for EstimatorSettings {
@@ -46,8 +46,8 @@ impl Default for EstimatorSettings {
             smoothing: Smoothing::default(),
             limits: Some(JointLimits::human()),
             max_speed: Some(40.0),
-            gap: Duration::from_millis(500),
-            rail: Some(Duration::from_secs(1)),
+            max_gap: Duration::from_millis(500),
+            rail_timeout: Some(Duration::from_secs(1)),
         }
     }
 }
@@ -59,8 +59,8 @@ impl EstimatorSettings {
             smoothing,
             limits: None,
             max_speed: None,
-            gap: Duration::MAX,
-            rail: None,
+            max_gap: Duration::MAX,
+            rail_timeout: None,
         }
     }
 }
@@ -71,7 +71,7 @@ pub struct Estimator {
     full_scale: u16,
     channels_needed: usize,
     rows: Vec<Row>,
-    wires: Vec<Wire>,
+    channel_health: Vec<Wire>,
     settings: EstimatorSettings,
     smoother: Smoother,
     last: Option<Measured>,
@@ -95,10 +95,10 @@ impl Estimator {
         let (rows, wires) = prepare(&map, settings.limits.as_ref());
         Self {
             smoother: Smoother::new(settings.smoothing, rows.len()),
-            channels_needed: map.channels_needed(),
+            channels_needed: map.required_channels(),
             full_scale: map.full_scale(),
             rows,
-            wires,
+            channel_health: wires,
             settings,
             last: None,
             candidate: None,
@@ -106,10 +106,10 @@ impl Estimator {
     }
 
     /// The angles that a reading tells, or why it tells none; then nothing is remembered of it.
-    pub fn apply(&mut self, reading: &Reading) -> Result<JointAngles, Rejection> {
+    pub fn update(&mut self, reading: &Reading) -> Result<JointAngles, Rejection> {
         let Sample::Channels(channels) = &reading.sample;
         if !self.fits(channels) {
-            return Err(Rejection::Shape);
+            return Err(Rejection::WrongShape);
         }
         let time = reading.time;
         let last_time = self.last.as_ref().map(|last| last.time);
@@ -120,7 +120,7 @@ impl Estimator {
         let measured = self.measure(time, channels)?;
         let jumped = self.check_speed(&measured)?;
         let gap = last_time.map_or(Duration::ZERO, |last| time.since(last));
-        if jumped || gap > self.settings.gap {
+        if jumped || gap > self.settings.max_gap {
             self.smoother.reset();
         }
         let measured = self.last.insert(measured);
@@ -129,7 +129,7 @@ impl Estimator {
         let seconds = gap.as_secs_f64();
         self.smoother
             .smooth(&mut smooth[..rows], &self.rows, channels, seconds);
-        let mut angles = JointAngles::at(time);
+        let mut angles = JointAngles::new(time);
         angles.untrusted = untrusted;
         angles.jumped = jumped;
         for (row, smooth) in self.rows.iter().zip(smooth) {
@@ -145,10 +145,10 @@ impl Estimator {
     /// Gives the fingers that hang on a dead wire.
     fn watch_wires(&mut self, time: Timestamp, channels: &Channels) -> FingerSet {
         let mut untrusted = FingerSet::NONE;
-        let Some(limit) = self.settings.rail else {
+        let Some(limit) = self.settings.rail_timeout else {
             return untrusted;
         };
-        for wire in &mut self.wires {
+        for wire in &mut self.channel_health {
             wire.watch(time, channels, limit);
             if wire.is_dead {
                 untrusted = untrusted.union(wire.fingers);
@@ -160,12 +160,12 @@ impl Estimator {
     fn measure(&self, time: Timestamp, channels: &Channels) -> Result<Measured, Rejection> {
         let mut rows = [0.0; MAX_ROWS];
         for (row, angle) in self.rows.iter().zip(&mut rows) {
-            let measured = row.line.angle(row.count(channels));
+            let measured = row.calibration.apply(row.count(channels));
             *angle = match row.range.admit(measured) {
                 _ if !measured.is_finite() => return Err(Rejection::NotFinite),
                 Some(admitted) => admitted,
-                None if self.wires[row.wire].is_dead => row.range.clamp(measured),
-                None => return Err(Rejection::Impossible),
+                None if self.channel_health[row.health].is_dead => row.range.clamp(measured),
+                None => return Err(Rejection::OutsideLimits),
             };
         }
         Ok(Measured { time, rows })

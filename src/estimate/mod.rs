@@ -8,11 +8,11 @@ mod one_euro;
 mod rows;
 mod smoothing;
 
-pub use calibration::{FitError, Line, divider_resistance};
+pub use calibration::{FitError, AffineMap, divider_resistance};
 pub use channels::{ChannelMap, ChannelRow};
 pub use estimator::{Estimator, EstimatorSettings, MAX_ROWS};
 pub use limits::JointLimits;
-pub use one_euro::{OneEuro, OneEuroSettings};
+pub use one_euro::{OneEuroFilter, OneEuroSettings};
 pub use smoothing::Smoothing;
 
 use crate::hand::{Dof, FingerSet};
@@ -34,7 +34,7 @@ pub struct JointAngles {
 
 impl JointAngles {
     /// The zero pose, with nothing known.
-    pub fn at(time: Timestamp) -> Self {
+    pub fn new(time: Timestamp) -> Self {
         Self {
             time,
             untrusted: FingerSet::NONE,
@@ -78,13 +78,13 @@ named_enum! {
     /// Why a reading gave no angles.
     pub enum Rejection ("reason") {
         /// The reading has too few channels, or is of another kind than the estimator reads.
-        Shape = "wrong-shape",
+        WrongShape = "wrong-shape",
         /// It is not later than the one before.
         Stale = "not-later",
         /// An angle came out that is not a finite number.
         NotFinite = "not-finite",
         /// An angle is further outside the joint's range than a calibration error explains.
-        Impossible = "outside-limits",
+        OutsideLimits = "outside-limits",
         /// A joint turned faster than a person can; accepted once it stays there.
         TooFast = "too-fast",
     }

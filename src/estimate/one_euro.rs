@@ -18,14 +18,14 @@ pub struct OneEuroSettings {
 /// The reference form of August 2023 (github.com/casiez/OneEuroFilter): the derivative is taken
 /// against the last *filtered* value, and is 0 for the first sample.
 #[derive(Clone, Debug)]
-pub struct OneEuro {
+pub struct OneEuroFilter {
     settings: OneEuroSettings,
     has_begun: bool,
     values: Vec<f64>,
     speeds: Vec<f64>,
 }
 
-impl OneEuro {
+impl OneEuroFilter {
     /// A filter for so many values that has seen none yet.
     pub fn new(settings: OneEuroSettings, values: usize) -> Self {
         Self {
@@ -91,7 +91,7 @@ fn share(cutoff_hz: f64, seconds: f64) -> f64 {
 mod tests {
     use super::*;
 
-    fn next(filter: &mut OneEuro, value: f64, seconds: f64) -> f64 {
+    fn next(filter: &mut OneEuroFilter, value: f64, seconds: f64) -> f64 {
         let mut values = [value];
         filter.filter(&mut values, seconds);
         values[0]
@@ -104,7 +104,7 @@ mod tests {
             beta: 0.5,
             derivative_cutoff_hz: 1.0,
         };
-        let mut filter = OneEuro::new(settings, 1);
+        let mut filter = OneEuroFilter::new(settings, 1);
         assert_eq!(next(&mut filter, 2.0, 0.0), 2.0);
         assert_eq!(next(&mut filter, 2.0, 0.01), 2.0);
         let mut last = 2.0;
@@ -123,7 +123,7 @@ mod tests {
             beta: 0.0,
             derivative_cutoff_hz: 1.0,
         };
-        let mut filter = OneEuro::new(settings, 1);
+        let mut filter = OneEuroFilter::new(settings, 1);
         next(&mut filter, 1.0, 0.0);
         assert_eq!(next(&mut filter, 9.0, 0.0), 1.0);
     }
@@ -135,8 +135,8 @@ mod tests {
             beta: 0.5,
             derivative_cutoff_hz: 1.0,
         };
-        let mut both = OneEuro::new(settings, 2);
-        let mut alone = OneEuro::new(settings, 1);
+        let mut both = OneEuroFilter::new(settings, 2);
+        let mut alone = OneEuroFilter::new(settings, 1);
         for step in 0..20 {
             let mut values = [f64::from(step), -1.0];
             both.filter(&mut values, 0.01);

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::calibration::Line;
+use super::calibration::AffineMap;
 use super::channels::ChannelMap;
 use super::limits::{JointLimits, JointRange};
 use crate::capture::Channels;
@@ -13,11 +13,11 @@ use crate::time::Timestamp;
 #[derive(Clone, Debug)]
 pub(super) struct Row {
     pub(super) dof: Dof,
-    pub(super) line: Line,
+    pub(super) calibration: AffineMap,
     /// Where the angle has to be.
     pub(super) range: JointRange,
     /// The place of its wire.
-    pub(super) wire: usize,
+    pub(super) health: usize,
     channel: usize,
 }
 
@@ -33,7 +33,7 @@ impl Row {
 pub(super) struct Wire {
     channel: usize,
     pub(super) fingers: FingerSet,
-    at_end_since: Option<Timestamp>,
+    railed_since: Option<Timestamp>,
     /// Whether it has been at an end for too long to be believed.
     pub(super) is_dead: bool,
 }
@@ -43,11 +43,11 @@ impl Wire {
     pub(super) fn watch(&mut self, time: Timestamp, channels: &Channels, limit: Duration) {
         let count = channels.counts[self.channel];
         if count != 0 && count != channels.full_scale {
-            self.at_end_since = None;
+            self.railed_since = None;
             self.is_dead = false;
             return;
         }
-        let since = *self.at_end_since.get_or_insert(time);
+        let since = *self.railed_since.get_or_insert(time);
         self.is_dead = time.since(since) >= limit;
     }
 }
@@ -61,17 +61,17 @@ pub(super) fn prepare(map: &ChannelMap, limits: Option<&JointLimits>) -> (Vec<Ro
         }
         wires.push(Wire {
             channel,
-            fingers: map.fingers_of(channel),
-            at_end_since: None,
+            fingers: map.fingers_affected_by(channel),
+            railed_since: None,
             is_dead: false,
         });
         wires.len() - 1
     };
     let rows = map.rows().iter().map(|row| Row {
         dof: row.dof,
-        line: row.line,
+        calibration: row.calibration,
         range: limits.map_or(JointRange::ANY, |limits| limits.joint(row.dof)),
-        wire: wire_of(row.channel),
+        health: wire_of(row.channel),
         channel: row.channel,
     });
     (rows.collect(), wires)

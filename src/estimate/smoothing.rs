@@ -1,6 +1,6 @@
 //! Filters between the calibrated angles and the hand.
 
-use super::one_euro::{OneEuro, OneEuroSettings};
+use super::one_euro::{OneEuroFilter, OneEuroSettings};
 use super::rows::Row;
 use crate::capture::Channels;
 
@@ -11,7 +11,7 @@ pub enum Smoothing {
     Off,
     /// The filters of the thesis that the glove comes from, corrected: the mean of this and the last smoothed count of each
     /// channel, then y = (x + y₁ + y₂) / 3 on each angle, its state its own.
-    Thesis,
+    RecursiveAverage,
     /// A 1-Euro filter on each angle; `beta` in Hz per rad/s.
     OneEuro(OneEuroSettings),
 }
@@ -32,7 +32,7 @@ impl Default for Smoothing {
 pub(super) enum Smoother {
     Off,
     Thesis(Vec<Option<Thesis>>),
-    OneEuro(OneEuro),
+    OneEuro(OneEuroFilter),
 }
 
 /// What the thesis's filters remember of one row.
@@ -47,8 +47,8 @@ impl Smoother {
     pub(super) fn new(kind: Smoothing, rows: usize) -> Self {
         match kind {
             Smoothing::Off => Self::Off,
-            Smoothing::Thesis => Self::Thesis(vec![None; rows]),
-            Smoothing::OneEuro(settings) => Self::OneEuro(OneEuro::new(settings, rows)),
+            Smoothing::RecursiveAverage => Self::Thesis(vec![None; rows]),
+            Smoothing::OneEuro(settings) => Self::OneEuro(OneEuroFilter::new(settings, rows)),
         }
     }
 
@@ -83,7 +83,7 @@ impl Smoother {
 impl Thesis {
     fn filter(memory: &mut Option<Self>, row: &Row, count: f64) -> f64 {
         let count = memory.map_or(count, |last| (count + last.count) / 2.0);
-        let angle = row.range.clamp(row.line.angle(count));
+        let angle = row.range.clamp(row.calibration.apply(count));
         let (value, newer) = match memory {
             Some(last) => ((angle + last.newer + last.older) / 3.0, last.newer),
             None => (angle, angle),

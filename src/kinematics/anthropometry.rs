@@ -2,7 +2,7 @@
 
 use parry3d::math::Vec3;
 
-use super::arm_model::{ArmModel, Link, ModelError};
+use super::arm_model::{ArmModel, Link, ArmModelError};
 use crate::hand::{Dof, Finger, Joint, Side};
 
 /// Hand breadth as a share of hand length: 84/183 mm and 75/166 mm (Buryanov & Kotiuk 2010).
@@ -38,7 +38,7 @@ impl BoneLengths {
     ///
     /// # Errors
     /// A text, when a length is not that of a person: hand 0.1..=0.3 m, forearm 0.1..=0.5 m.
-    pub fn of(hand: f64, forearm: f64) -> Result<Self, String> {
+    pub fn from_hand_and_forearm(hand: f64, forearm: f64) -> Result<Self, String> {
         if !(0.1..=0.3).contains(&hand) {
             return Err(format!(
                 "a hand is 100 to 300 mm long, not {} mm",
@@ -86,7 +86,7 @@ impl ArmModel {
     ///
     /// The axes are those of the hierarchical arm: fingers along +X, palm side +Y, flexion about
     /// +Z. On a left arm everything sideways is mirrored.
-    pub fn anthropometric(side: Side, bones: &BoneLengths) -> Result<Self, ModelError> {
+    pub fn anthropometric(side: Side, bones: &BoneLengths) -> Result<Self, ArmModelError> {
         let mut tree = Tree {
             thumb_side: match side {
                 Side::Right => 1.0,
@@ -98,7 +98,7 @@ impl ArmModel {
         for &finger in Finger::ALL {
             tree.finger(palm, finger, bones);
         }
-        Self::new(side, tree.links, Self::palm_down(), TIP_RADIUS)
+        Self::new(side, tree.links, Self::palm_down_pose(), TIP_RADIUS)
     }
 }
 
@@ -122,7 +122,7 @@ impl Tree {
             dof,
             length: 0.0,
             joint: None,
-            tip: None,
+            fingertip: None,
         });
         self.links.len() - 1
     }
@@ -181,7 +181,7 @@ impl Tree {
             self.links[parent].joint = Some(*joint);
             at = length;
         }
-        self.links[parent].tip = Some(finger);
+        self.links[parent].fingertip = Some(finger);
     }
 }
 
@@ -199,9 +199,9 @@ mod tests {
     use crate::time::Timestamp;
 
     fn flat(side: Side) -> crate::kinematics::HandPose {
-        let bones = BoneLengths::of(0.190, 0.255).unwrap();
+        let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).unwrap();
         let model = ArmModel::anthropometric(side, &bones).unwrap();
-        model.forward(&JointAngles::at(Timestamp(0)))
+        model.forward(&JointAngles::new(Timestamp(0)))
     }
 
     #[test]
@@ -220,7 +220,7 @@ mod tests {
     #[test]
     fn phalanges_agree_with_the_radiographic_means_to_3_mm() {
         // Buryanov & Kotiuk 2010, means of 66 adults; their hands were about 175 mm long.
-        let bones = BoneLengths::of(0.175, 0.24).unwrap();
+        let bones = BoneLengths::from_hand_and_forearm(0.175, 0.24).unwrap();
         let radiographic = [
             [39.8, 22.4, 15.8 + 3.8],
             [44.6, 26.3, 17.4 + 4.0],
@@ -247,8 +247,8 @@ mod tests {
 
     #[test]
     fn lengths_that_no_person_has_are_refused() {
-        assert!(BoneLengths::of(1.9, 0.255).is_err());
-        assert!(BoneLengths::of(f64::NAN, 0.255).is_err());
-        assert!(BoneLengths::of(0.19, 2.55).unwrap_err().contains("2550 mm"));
+        assert!(BoneLengths::from_hand_and_forearm(1.9, 0.255).is_err());
+        assert!(BoneLengths::from_hand_and_forearm(f64::NAN, 0.255).is_err());
+        assert!(BoneLengths::from_hand_and_forearm(0.19, 2.55).unwrap_err().contains("2550 mm"));
     }
 }

@@ -5,7 +5,7 @@ use glam::Quat;
 use parry3d::math::{Mat3, Pose, Vec3};
 
 use super::HandPose;
-use super::turns::Turns;
+use super::joint_rotations::Turns;
 use crate::estimate::JointAngles;
 use crate::hand::{Dof, Finger, Joint, Side};
 
@@ -34,7 +34,7 @@ pub struct Link {
     /// The joint that its pivot is.
     pub joint: Option<Joint>,
     /// The finger whose tip is its far end.
-    pub tip: Option<Finger>,
+    pub fingertip: Option<Finger>,
 }
 
 /// A right or left arm from shoulder to fingertips.
@@ -48,7 +48,7 @@ pub struct ArmModel {
 
 /// Why a list of links is no arm.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ModelError {
+pub enum ArmModelError {
     /// Too many links.
     #[error("an arm model has at most {MAX_LINKS} links, this one has {0}")]
     TooManyLinks(usize),
@@ -74,15 +74,15 @@ impl ArmModel {
         links: Vec<Link>,
         world_from_root: Pose,
         tip_radius: f32,
-    ) -> Result<Self, ModelError> {
+    ) -> Result<Self, ArmModelError> {
         if links.len() > MAX_LINKS {
-            return Err(ModelError::TooManyLinks(links.len()));
+            return Err(ArmModelError::TooManyLinks(links.len()));
         }
         for (place, link) in links.iter().enumerate() {
             check(link, place, &links[..place])?;
         }
-        if links.iter().all(|link| link.tip.is_none()) {
-            return Err(ModelError::NoFingertip);
+        if links.iter().all(|link| link.fingertip.is_none()) {
+            return Err(ArmModelError::NoFingertip);
         }
         Ok(Self {
             side,
@@ -94,7 +94,7 @@ impl ArmModel {
 
     /// The pose of a root whose forearm points straight forward with the palm down: the model's +X
     /// is the world's −Z, its +Y (palm side) the world's −Y, its +Z the world's −X.
-    pub fn palm_down() -> Pose {
+    pub fn palm_down_pose() -> Pose {
         let axes = Mat3::from_cols(Vec3::NEG_Z, Vec3::NEG_Y, Vec3::NEG_X);
         Pose::from_parts(Vec3::ZERO, Quat::from_mat3(&axes))
     }
@@ -155,14 +155,14 @@ impl ArmModel {
     /// Where the arm and hand are for these angles.
     pub fn forward(&self, angles: &JointAngles) -> HandPose {
         let poses = self.link_poses(angles);
-        let mut hand = HandPose::at(angles.time, self.side, self.tip_radius);
+        let mut hand = HandPose::new(angles.time, self.side, self.tip_radius);
         hand.untrusted = angles.untrusted;
         hand.jumped = angles.jumped;
         for (link, pose) in self.links.iter().zip(&poses) {
             if let Some(joint) = link.joint {
                 hand.set(joint, *pose);
             }
-            if let Some(finger) = link.tip {
+            if let Some(finger) = link.fingertip {
                 hand.set(Joint::tip(finger), far_end(link, pose));
             }
         }
@@ -178,20 +178,20 @@ pub(super) fn far_end(link: &Link, pose: &Pose) -> Pose {
     )
 }
 
-fn check(link: &Link, place: usize, before: &[Link]) -> Result<(), ModelError> {
+fn check(link: &Link, place: usize, before: &[Link]) -> Result<(), ArmModelError> {
     if link.parent.is_some_and(|parent| parent >= place) {
-        return Err(ModelError::ParentNotBefore(link.name.clone()));
+        return Err(ArmModelError::ParentNotBefore(link.name.clone()));
     }
     let usable = link.offset.is_finite() && link.axis.is_normalized() && link.length.is_finite();
     if !usable {
-        return Err(ModelError::NotFinite(link.name.clone()));
+        return Err(ArmModelError::NotFinite(link.name.clone()));
     }
     let twice = before.iter().any(|other| {
         (link.joint.is_some() && link.joint == other.joint)
-            || (link.tip.is_some() && link.tip == other.tip)
+            || (link.fingertip.is_some() && link.fingertip == other.fingertip)
     });
     if twice {
-        return Err(ModelError::Twice(link.name.clone()));
+        return Err(ArmModelError::Twice(link.name.clone()));
     }
     Ok(())
 }

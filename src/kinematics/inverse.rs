@@ -5,11 +5,11 @@ use glam::{DMat3, DVec3};
 use parry3d::math::{Pose, Vec3};
 
 use super::arm_model::{ArmModel, MAX_LINKS, far_end};
-use crate::estimate::{JointAngles, Line};
+use crate::estimate::{JointAngles, AffineMap};
 use crate::hand::{Dof, Finger};
 
 /// The most controls that one solution moves.
-pub const MAX_CONTROLS: usize = 16;
+pub const MAX_IK_VARIABLES: usize = 16;
 
 const ITERATIONS: usize = 120;
 /// The longest way that the fingertip is asked to go in one step, in metres: further than that the
@@ -25,24 +25,24 @@ const CLOSE_ENOUGH: f64 = 5e-5;
 
 /// Something that can be turned: one angle, or several that a shared sensor or tendon couples.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Control {
+pub struct IkVariable {
     /// What it moves: each angle (radians) is a line of the control's value.
-    pub moves: ArrayVec<(Dof, Line), 4>,
+    pub mappings: ArrayVec<(Dof, AffineMap), 4>,
     /// The values that it can take, lowest first.
     pub range: (f64, f64),
     /// The value that it takes where nothing else is wanted of it.
     pub rest: f64,
 }
 
-impl Control {
+impl IkVariable {
     /// A control that is one angle, in radians.
-    pub fn angle(dof: Dof, range: (f64, f64), rest: f64) -> Self {
-        let itself = Line {
-            factor: 1.0,
+    pub fn from_dof(dof: Dof, range: (f64, f64), rest: f64) -> Self {
+        let itself = AffineMap {
+            gain: 1.0,
             offset: 0.0,
         };
         Self {
-            moves: [(dof, itself)].into_iter().collect(),
+            mappings: [(dof, itself)].into_iter().collect(),
             range,
             rest,
         }
@@ -50,18 +50,18 @@ impl Control {
 
     /// Radians that its fastest angle turns for a change of 1.
     fn scale(&self) -> f64 {
-        self.moves
+        self.mappings
             .iter()
-            .map(|(_, line)| line.factor.abs())
+            .map(|(_, line)| line.gain.abs())
             .fold(f64::MIN_POSITIVE, f64::max)
     }
 }
 
 /// What was found for a target.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Solution {
+pub struct IkSolution {
     /// The value of each control, within its range.
-    pub values: ArrayVec<f64, MAX_CONTROLS>,
+    pub values: ArrayVec<f64, MAX_IK_VARIABLES>,
     /// How far the fingertip is from the target, in metres; large when it is out of reach.
     pub distance: f64,
 }
@@ -74,22 +74,22 @@ pub struct Solution {
 ///
 /// # Panics
 /// When there are more than [`MAX_CONTROLS`] controls, or the model lacks the finger.
-pub fn solve(
+pub fn solve_ik(
     model: &ArmModel,
-    controls: &[Control],
+    controls: &[IkVariable],
     fixed: &JointAngles,
     start: &[f64],
     finger: Finger,
     target: Vec3,
-) -> Solution {
+) -> IkSolution {
     let chain = Chain::to(model, finger);
-    let mut values: ArrayVec<f64, MAX_CONTROLS> = start.iter().copied().collect();
-    let mut best = Solution {
+    let mut values: ArrayVec<f64, MAX_IK_VARIABLES> = start.iter().copied().collect();
+    let mut best = IkSolution {
         values: values.clone(),
         distance: f64::INFINITY,
     };
     for _ in 0..ITERATIONS {
-        let angles = angles_of(controls, &values, fixed);
+        let angles = angles_from_variables(controls, &values, fixed);
         let poses = model.link_poses(&angles);
         let missing = (target - chain.tip(model, &poses)).as_dvec3();
         if missing.length() < best.distance - CLOSE_ENOUGH / 10.0 {
@@ -110,22 +110,22 @@ pub fn solve(
 }
 
 /// The angles that the controls give with these values, over those of `fixed`.
-pub fn angles_of(controls: &[Control], values: &[f64], fixed: &JointAngles) -> JointAngles {
+pub fn angles_from_variables(controls: &[IkVariable], values: &[f64], fixed: &JointAngles) -> JointAngles {
     let mut angles = *fixed;
     for (control, value) in controls.iter().zip(values) {
-        for (dof, line) in &control.moves {
-            angles.set(*dof, line.angle(*value));
+        for (dof, line) in &control.mappings {
+            angles.set(*dof, line.apply(*value));
         }
     }
     angles
 }
 
 /// One step: towards the target, and to rest where that does not move the fingertip.
-fn step(controls: &[Control], columns: &[DVec3], missing: DVec3, values: &mut [f64]) {
-    let mut free: ArrayVec<bool, MAX_CONTROLS> = controls.iter().map(|_| true).collect();
+fn step(controls: &[IkVariable], columns: &[DVec3], missing: DVec3, values: &mut [f64]) {
+    let mut free: ArrayVec<bool, MAX_IK_VARIABLES> = controls.iter().map(|_| true).collect();
     // A control that would leave its range stands at the end, and the others do its share.
     for _ in 0..controls.len() {
-        let active: ArrayVec<DVec3, MAX_CONTROLS> = columns
+        let active: ArrayVec<DVec3, MAX_IK_VARIABLES> = columns
             .iter()
             .zip(&free)
             .map(|(column, free)| if *free { *column } else { DVec3::ZERO })
@@ -149,17 +149,17 @@ fn step(controls: &[Control], columns: &[DVec3], missing: DVec3, values: &mut [f
 
 /// Δ = J⁺ · missing + (1 − J⁺ J) · pull, with J⁺ = Jᵀ (J Jᵀ + λ²)⁻¹, in radians of each control.
 fn changes(
-    controls: &[Control],
+    controls: &[IkVariable],
     columns: &[DVec3],
     missing: DVec3,
     values: &[f64],
-) -> ArrayVec<f64, MAX_CONTROLS> {
+) -> ArrayVec<f64, MAX_IK_VARIABLES> {
     let mut square = DMat3::from_diagonal(DVec3::splat(DAMPING * DAMPING));
     for column in columns {
         square += DMat3::from_cols(*column * column.x, *column * column.y, *column * column.z);
     }
     let inverse = square.inverse();
-    let pulls: ArrayVec<f64, MAX_CONTROLS> = controls
+    let pulls: ArrayVec<f64, MAX_IK_VARIABLES> = controls
         .iter()
         .zip(values)
         .map(|(control, value)| REST_PULL * (control.rest - value) * control.scale())
@@ -188,7 +188,7 @@ impl Chain {
         let last = model
             .links()
             .iter()
-            .position(|link| link.tip == Some(finger));
+            .position(|link| link.fingertip == Some(finger));
         let mut links = ArrayVec::new();
         let mut next = Some(last.expect("the model has the finger"));
         while let Some(place) = next {
@@ -208,8 +208,8 @@ impl Chain {
         &self,
         model: &ArmModel,
         poses: &[Pose],
-        controls: &[Control],
-    ) -> ArrayVec<DVec3, MAX_CONTROLS> {
+        controls: &[IkVariable],
+    ) -> ArrayVec<DVec3, MAX_IK_VARIABLES> {
         let tip = self.tip(model, poses);
         controls
             .iter()
@@ -217,13 +217,13 @@ impl Chain {
                 let moved = self.links.iter().map(|&place| {
                     let link = &model.links()[place];
                     let Some((_, line)) =
-                        control.moves.iter().find(|(dof, _)| link.dof == Some(*dof))
+                        control.mappings.iter().find(|(dof, _)| link.dof == Some(*dof))
                     else {
                         return DVec3::ZERO;
                     };
                     let axis = poses[place].rotation * link.axis;
                     let arm = tip - poses[place].translation;
-                    axis.cross(arm).as_dvec3() * line.factor
+                    axis.cross(arm).as_dvec3() * line.gain
                 });
                 moved.sum::<DVec3>() / control.scale()
             })
@@ -239,8 +239,8 @@ mod tests {
     use crate::kinematics::BoneLengths;
     use crate::time::Timestamp;
 
-    fn arm() -> (ArmModel, Vec<Control>) {
-        let bones = BoneLengths::of(0.190, 0.255).unwrap();
+    fn arm() -> (ArmModel, Vec<IkVariable>) {
+        let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).unwrap();
         let limits = JointLimits::human();
         let moved = [
             (Dof::ElbowFlexion, 0.6),
@@ -249,7 +249,7 @@ mod tests {
             (Dof::IndexMcpFlexion, 0.5),
             (Dof::IndexPipFlexion, 0.5),
         ];
-        let controls = moved.map(|(dof, rest)| Control::angle(dof, limits.range(dof), rest));
+        let controls = moved.map(|(dof, rest)| IkVariable::from_dof(dof, limits.range(dof), rest));
         let model = ArmModel::anthropometric(Side::Right, &bones).unwrap();
         (model, controls.to_vec())
     }
@@ -257,7 +257,7 @@ mod tests {
     #[test]
     fn every_place_away_from_the_ends_of_the_joints_is_reached() {
         let (model, controls) = arm();
-        let fixed = JointAngles::at(Timestamp(0));
+        let fixed = JointAngles::new(Timestamp(0));
         let rest: Vec<f64> = controls.iter().map(|control| control.rest).collect();
         for number in 0..200 {
             let wanted: Vec<f64> = controls
@@ -269,9 +269,9 @@ mod tests {
                     low + (0.05 + 0.9 * share) * (high - low)
                 })
                 .collect();
-            let pose = model.forward(&angles_of(&controls, &wanted, &fixed));
+            let pose = model.forward(&angles_from_variables(&controls, &wanted, &fixed));
             let target = pose.fingertip(Finger::Index).unwrap();
-            let found = solve(&model, &controls, &fixed, &rest, Finger::Index, target);
+            let found = solve_ik(&model, &controls, &fixed, &rest, Finger::Index, target);
             assert!(found.distance < 1e-3, "{number}: {}", found.distance);
             for (value, control) in found.values.iter().zip(&controls) {
                 assert!((control.range.0..=control.range.1).contains(value));
@@ -282,10 +282,10 @@ mod tests {
     #[test]
     fn what_is_out_of_reach_says_how_far() {
         let (model, controls) = arm();
-        let fixed = JointAngles::at(Timestamp(0));
+        let fixed = JointAngles::new(Timestamp(0));
         let rest: Vec<f64> = controls.iter().map(|control| control.rest).collect();
         let far = Vec3::new(0.0, 0.0, -5.0);
-        let found = solve(&model, &controls, &fixed, &rest, Finger::Index, far);
+        let found = solve_ik(&model, &controls, &fixed, &rest, Finger::Index, far);
         assert!(found.distance > 4.0 && found.distance.is_finite());
     }
 }

@@ -3,11 +3,11 @@
 mod anthropometry;
 mod arm_model;
 mod inverse;
-mod turns;
+mod joint_rotations;
 
 pub use anthropometry::BoneLengths;
-pub use arm_model::{ArmModel, Link, MAX_LINKS, ModelError};
-pub use inverse::{Control, MAX_CONTROLS, Solution, angles_of, solve};
+pub use arm_model::{ArmModel, Link, MAX_LINKS, ArmModelError};
+pub use inverse::{IkVariable, MAX_IK_VARIABLES, IkSolution, angles_from_variables, solve_ik};
 
 use parry3d::math::{Pose, Vec3};
 
@@ -33,7 +33,7 @@ pub struct HandPose {
 
 impl HandPose {
     /// A pose in which no joint is known yet.
-    pub fn at(time: Timestamp, side: Side, tip_radius: f32) -> Self {
+    pub fn new(time: Timestamp, side: Side, tip_radius: f32) -> Self {
         Self {
             time,
             side,

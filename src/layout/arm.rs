@@ -3,8 +3,8 @@
 use parry3d::math::{Mat3, Pose, Vec3};
 use serde::Deserialize;
 
-use super::error::LayoutError;
-use super::file::Document;
+use super::error::DocumentError;
+use super::document::Document;
 use crate::hand::{Dof, Finger, Joint, Side};
 use crate::kinematics::{ArmModel, Link};
 
@@ -54,21 +54,21 @@ enum Axis {
 
 impl ArmModel {
     /// The arm with this name or path.
-    pub fn load(name: &str) -> Result<Self, LayoutError> {
+    pub fn load(name: &str) -> Result<Self, DocumentError> {
         Self::parse(&Document::open(name)?)
     }
 
     /// The arm that a document describes.
-    pub fn parse(document: &Document) -> Result<Self, LayoutError> {
+    pub fn parse(document: &Document) -> Result<Self, DocumentError> {
         let written: Written = document.parse()?;
         let Some(world_from_root) = written.mount.pose() else {
             let message =
                 "the mount's x, y and z are three unit axes at right angles, right-handed";
-            return Err(document.error(&document.text, message));
+            return Err(document.error_at(&document.text, message));
         };
         if !(0.1..=30.0).contains(&written.tip_radius_mm) {
             let message = "`tip_radius_mm` is 0.1 to 30 mm";
-            return Err(document.error(&document.text, message));
+            return Err(document.error_at(&document.text, message));
         }
         let mut links: Vec<Link> = Vec::with_capacity(written.links.len());
         for link in &written.links {
@@ -81,7 +81,7 @@ impl ArmModel {
             world_from_root,
             written.tip_radius_mm * 1e-3,
         )
-        .map_err(|error| document.error(&document.text, error))
+        .map_err(|error| document.error_at(&document.text, error))
     }
 }
 
@@ -97,16 +97,16 @@ impl Mount {
 }
 
 impl WrittenLink<'_> {
-    fn checked(&self, before: &[Link], document: &Document) -> Result<Link, LayoutError> {
+    fn checked(&self, before: &[Link], document: &Document) -> Result<Link, DocumentError> {
         if before.iter().any(|other| other.name == self.name) {
-            return Err(document.error(self.name, format!("two links are called `{}`", self.name)));
+            return Err(document.error_at(self.name, format!("two links are called `{}`", self.name)));
         }
         let parent = match self.parent {
             None => None,
             Some(parent) => {
                 let place = before.iter().position(|other| other.name == parent);
                 let message = || format!("no link `{parent}` comes before `{}`", self.name);
-                Some(place.ok_or_else(|| document.error(parent, message()))?)
+                Some(place.ok_or_else(|| document.error_at(parent, message()))?)
             }
         };
         Ok(Link {
@@ -121,7 +121,7 @@ impl WrittenLink<'_> {
             dof: self.dof,
             length: self.length_cm * CM,
             joint: self.joint,
-            tip: self.tip,
+            fingertip: self.tip,
         })
     }
 }
@@ -145,12 +145,12 @@ mod tests {
         let arm = ArmModel::load("unam").unwrap();
         assert_eq!(arm.links().len(), 25);
         assert_eq!(
-            arm.links().iter().filter(|link| link.tip.is_some()).count(),
+            arm.links().iter().filter(|link| link.fingertip.is_some()).count(),
             5
         );
         assert_eq!(
             arm.world_from_root().rotation,
-            ArmModel::palm_down().rotation
+            ArmModel::palm_down_pose().rotation
         );
     }
 

@@ -15,7 +15,7 @@ pub mod valve;
 
 pub use drives::Drives;
 
-use super::keyboard::{Front, Layout};
+use super::model::{Face, Layout};
 use crate::device::VirtualDevice;
 use crate::device::joystick::{Joystick, Joysticks};
 use crate::device::keyboard::Keyboard;
@@ -31,14 +31,14 @@ use crate::device::trigger::Triggers;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Control {
     /// What is seen of it, target by target.
-    pub fronts: Vec<Front>,
+    pub faces: Vec<Face>,
     /// What it is and does.
-    pub kind: Kind,
+    pub kind: ControlKind,
 }
 
 /// What a control is and does.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Kind {
+pub enum ControlKind {
     /// A toggle switch.
     Toggle(Toggle),
     /// A radio group.
@@ -56,19 +56,19 @@ pub enum Kind {
 /// One device for all keys, and one for each other kind of control that the layout has.
 pub(super) fn devices(layout: &Layout) -> Vec<Box<dyn VirtualDevice>> {
     let keyboard =
-        Keyboard::new(layout.keyboard_bindings()).with_chords(&layout.chords, layout.chord_within);
+        Keyboard::new(layout.key_bindings()).with_chords(&layout.chords, layout.chord_timeout);
     let mut devices: Vec<Box<dyn VirtualDevice>> = vec![Box::new(keyboard)];
     let mut toggles = Vec::new();
     let (mut radios, mut touch_surfaces) = (Vec::new(), Vec::new());
     let (mut sliders, mut knobs, mut joysticks) = (Vec::new(), Vec::new(), Vec::new());
     for control in &layout.controls {
         match &control.kind {
-            Kind::Toggle(toggle) => toggles.push(*toggle),
-            Kind::Radio(radio) => radios.push(radio.clone()),
-            Kind::TouchSurface(surface) => touch_surfaces.push(*surface),
-            Kind::Slider(slider) => sliders.push(*slider),
-            Kind::Knob(knob) => knobs.push(*knob),
-            Kind::Joystick(joystick) => joysticks.push(*joystick),
+            ControlKind::Toggle(toggle) => toggles.push(*toggle),
+            ControlKind::Radio(radio) => radios.push(radio.clone()),
+            ControlKind::TouchSurface(surface) => touch_surfaces.push(*surface),
+            ControlKind::Slider(slider) => sliders.push(*slider),
+            ControlKind::Knob(knob) => knobs.push(*knob),
+            ControlKind::Joystick(joystick) => joysticks.push(*joystick),
         }
     }
     if !toggles.is_empty() {

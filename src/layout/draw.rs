@@ -4,7 +4,7 @@ mod describe;
 
 use parry3d::math::Vec2;
 
-use super::keyboard::{Board, Front, Layout};
+use super::model::{Board, Face, Layout};
 use crate::contact::TargetId;
 use crate::contact::surface::Shape;
 
@@ -49,8 +49,8 @@ pub struct Cell {
 }
 
 impl Grid {
-    fn of(board: &Board, fronts: &[&Front]) -> Self {
-        let half = |front: &Front| board.reach_along_rows(front);
+    fn of(board: &Board, fronts: &[&Face]) -> Self {
+        let half = |front: &Face| board.row_half_extents(front);
         let narrowest = fronts
             .iter()
             .map(|front| half(front).x)
@@ -59,11 +59,11 @@ impl Grid {
         let gap = (board.pitch / 2.0 - narrowest).max(0.0);
         let low = fronts
             .iter()
-            .map(|front| front.at - half(front) - gap)
+            .map(|front| front.row_position - half(front) - gap)
             .reduce(Vec2::min);
         let high = fronts
             .iter()
-            .map(|front| front.at + half(front) + gap)
+            .map(|front| front.row_position + half(front) + gap)
             .reduce(Vec2::max);
         let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
         let size = high - low;
@@ -84,10 +84,10 @@ impl Grid {
         grid
     }
 
-    fn add(&mut self, front: &Front, half: Vec2) {
+    fn add(&mut self, front: &Face, half: Vec2) {
         let count = |length: f32| length.round().max(0.0) as usize;
-        let from = (front.at + Vec2::new(-half.x, half.y) - self.corner) / self.step;
-        let to = (front.at + Vec2::new(half.x, -half.y) - self.corner) / self.step;
+        let from = (front.row_position + Vec2::new(-half.x, half.y) - self.corner) / self.step;
+        let to = (front.row_position + Vec2::new(half.x, -half.y) - self.corner) / self.step;
         let (column, row) = (count(from.x), count(-from.y));
         let cell = Cell {
             target: front.target,
@@ -104,7 +104,7 @@ impl Grid {
 
     /// The character, by column and row, in which a point along and across the rows lies (metres, as
     /// [`Front::at`]); `None` beyond the edges.
-    pub fn character_at(&self, at: Vec2) -> Option<(usize, usize)> {
+    pub fn cell_at(&self, at: Vec2) -> Option<(usize, usize)> {
         let place = (at - self.corner) / self.step;
         if place.x < 0.0 || place.y > 0.0 {
             return None;
@@ -116,7 +116,7 @@ impl Grid {
     fn draw(&self, layout: &Layout) -> String {
         let mut canvas = vec![vec![' '; self.columns]; self.rows];
         for cell in &self.cells {
-            let label = layout.front(cell.target).map_or("", |front| &front.label);
+            let label = layout.face(cell.target).map_or("", |front| &front.label);
             cell.draw(label, &mut canvas);
         }
         let line =
@@ -160,13 +160,13 @@ impl Layout {
     pub fn grids(&self) -> Vec<Grid> {
         self.boards
             .iter()
-            .map(|board| Grid::of(board, &self.fronts(board).collect::<Vec<_>>()))
+            .map(|board| Grid::of(board, &self.faces(board).collect::<Vec<_>>()))
             .collect()
     }
 
     /// The layout for a terminal: each board with its labels at scale, rows along arcs straightened,
     /// then the pointer and the targets in space in words, then what the keys do in each further layer. Ends with a line break.
-    pub fn draw(&self) -> String {
+    pub fn to_text(&self) -> String {
         let mut parts: Vec<String> = self.grids().iter().map(|grid| grid.draw(self)).collect();
         parts.extend(self.pointer.as_ref().map(describe::pointer));
         parts.extend(self.spaces.iter().map(describe::space));
@@ -178,8 +178,8 @@ impl Layout {
                 .filter_map(|key| {
                     Some(format!(
                         "{} {}",
-                        key.front.label,
-                        self.label_in(key, layer)?
+                        key.face.label,
+                        self.label_in_layer(key, layer)?
                     ))
                 })
                 .collect();

@@ -15,15 +15,15 @@ const EXCERPT_LEAD: usize = 50;
 /// the place as `FILE: message`, when the file could not be read at all.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{file}{}: {message}{}", colon(.place), excerpt(.place))]
-pub struct LayoutError {
+pub struct DocumentError {
     file: String,
     message: String,
-    place: Option<Place>,
+    place: Option<TextPosition>,
 }
 
 /// A place in a text, for a reader.
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Place {
+struct TextPosition {
     /// From 1.
     line: usize,
     /// In characters, from 1.
@@ -34,9 +34,9 @@ struct Place {
     source: String,
 }
 
-impl LayoutError {
+impl DocumentError {
     /// An error of the file as a whole.
-    pub fn of_file(file: &str, message: impl fmt::Display) -> Self {
+    pub fn for_file(file: &str, message: impl fmt::Display) -> Self {
         Self {
             file: file.to_owned(),
             message: message.to_string(),
@@ -50,12 +50,12 @@ impl LayoutError {
         Self {
             file: file.to_owned(),
             message: message.to_string(),
-            place: Some(Place::of(text, range)),
+            place: Some(TextPosition::of(text, range)),
         }
     }
 
     /// An error at `part`, a piece that was borrowed from `text`; at its start when it is not part of it.
-    pub fn at_part(file: &str, text: &str, part: &str, message: impl fmt::Display) -> Self {
+    pub fn at_slice(file: &str, text: &str, part: &str, message: impl fmt::Display) -> Self {
         let start = offset_of(text, part).unwrap_or(0);
         Self::at(file, text, start..start + part.len(), message)
     }
@@ -93,7 +93,7 @@ pub(super) fn line_of(text: &str, part: &str) -> usize {
     1 + text[..start].matches('\n').count()
 }
 
-impl Place {
+impl TextPosition {
     fn of(text: &str, range: Range<usize>) -> Self {
         let start = text.floor_char_boundary(range.start);
         let end = text.floor_char_boundary(range.end).max(start);
@@ -109,9 +109,9 @@ impl Place {
     }
 }
 
-fn colon(place: &Option<Place>) -> String {
+fn colon(place: &Option<TextPosition>) -> String {
     match place {
-        Some(Place { line, column, .. }) => format!(":{line}:{column}"),
+        Some(TextPosition { line, column, .. }) => format!(":{line}:{column}"),
         None => String::new(),
     }
 }
@@ -120,7 +120,7 @@ fn colon(place: &Option<Place>) -> String {
 ///
 /// A tab counts as one blank, so that the caret stands right on any terminal, and control
 /// characters are blanked, so that a file cannot play with it.
-fn excerpt(place: &Option<Place>) -> String {
+fn excerpt(place: &Option<TextPosition>) -> String {
     let Some(place) = place else {
         return String::new();
     };
@@ -160,7 +160,7 @@ mod tests {
     fn an_error_shows_its_line_and_underlines_the_place() {
         let text = "Layout(\n\tname: \"é\", kyes: []\n)";
         let start = text.find("kyes").unwrap();
-        let error = LayoutError::at("a.ron", text, start..start + 4, "unknown field `kyes`");
+        let error = DocumentError::at("a.ron", text, start..start + 4, "unknown field `kyes`");
         assert_eq!(
             error.to_string(),
             "a.ron:2:13: unknown field `kyes`\n 2 |  name: \"é\", kyes: []\n   |             ^^^^"
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn a_long_line_is_cut_around_the_place() {
         let text = format!("{}HERE{}", "a".repeat(500), "b".repeat(500));
-        let error = LayoutError::at("a.ron", &text, 500..504, "wrong").to_string();
+        let error = DocumentError::at("a.ron", &text, 500..504, "wrong").to_string();
         let lines: Vec<&str> = error.lines().collect();
         assert_eq!(lines[0], "a.ron:1:501: wrong");
         assert!(lines[1].chars().count() < 100, "{error}");
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn the_end_of_a_text_and_a_broken_range_are_places_too() {
         let at = |range| {
-            let error = LayoutError::at("a.ron", "é\nxy", range, "wrong");
+            let error = DocumentError::at("a.ron", "é\nxy", range, "wrong");
             (error.line().unwrap(), error.column().unwrap())
         };
         assert_eq!(at(5..5), (2, 3));
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn a_file_cannot_send_escape_codes_to_the_terminal() {
-        let error = LayoutError::at("a.ron", "\u{1b}[31mred", 5..8, "wrong").to_string();
+        let error = DocumentError::at("a.ron", "\u{1b}[31mred", 5..8, "wrong").to_string();
         assert!(!error.contains('\u{1b}'), "{error:?}");
     }
 

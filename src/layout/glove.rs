@@ -2,10 +2,10 @@
 
 use serde::Deserialize;
 
-use super::error::LayoutError;
-use super::file::Document;
+use super::error::DocumentError;
+use super::document::Document;
 use crate::capture::MAX_CHANNELS;
-use crate::estimate::{ChannelMap, ChannelRow, Line, MAX_ROWS};
+use crate::estimate::{ChannelMap, ChannelRow, AffineMap, MAX_ROWS};
 use crate::hand::{Dof, Side};
 
 /// A glove as its file describes it.
@@ -46,15 +46,15 @@ struct WrittenRow<'a> {
 
 impl Glove {
     /// The glove with this name or path.
-    pub fn load(name: &str) -> Result<Self, LayoutError> {
+    pub fn load(name: &str) -> Result<Self, DocumentError> {
         Self::parse(&Document::open(name)?)
     }
 
     /// The glove that a document describes.
-    pub fn parse(document: &Document) -> Result<Self, LayoutError> {
+    pub fn parse(document: &Document) -> Result<Self, DocumentError> {
         let written: Written = document.parse()?;
         if written.full_scale < 2 {
-            return Err(document.error(
+            return Err(document.error_at(
                 &document.text,
                 "`full_scale` is the largest count of a channel, 255 for 8 bits",
             ));
@@ -64,7 +64,7 @@ impl Glove {
                 "a glove has at most {MAX_ROWS} rows, this one has {}",
                 written.rows.len()
             );
-            return Err(document.error(&document.text, message));
+            return Err(document.error_at(&document.text, message));
         }
         for row in &written.rows {
             row.check(document)?;
@@ -83,14 +83,14 @@ impl Glove {
 }
 
 impl WrittenRow<'_> {
-    fn check(&self, document: &Document) -> Result<(), LayoutError> {
+    fn check(&self, document: &Document) -> Result<(), DocumentError> {
         if self.channel >= MAX_CHANNELS {
             let message = format!(
                 "channel {} does not exist, they are 0 to {}",
                 self.channel,
                 MAX_CHANNELS - 1
             );
-            return Err(document.error(self.label, message));
+            return Err(document.error_at(self.label, message));
         }
         let numbers = [self.offset_counts, self.turn_rad, self.initial_rad];
         let usable = |number: &f64| (-1e6..=1e6).contains(number);
@@ -99,7 +99,7 @@ impl WrittenRow<'_> {
                 "the row of {} needs finite numbers, and a `turn_rad` other than 0",
                 self.dof
             );
-            return Err(document.error(self.label, message));
+            return Err(document.error_at(self.label, message));
         }
         Ok(())
     }
@@ -110,7 +110,7 @@ impl WrittenRow<'_> {
             label: self.label.to_owned(),
             dof: self.dof,
             channel: self.channel,
-            line: Line::from_counts(self.offset_counts, factor, self.initial_rad),
+            calibration: AffineMap::from_counts(self.offset_counts, factor, self.initial_rad),
         }
     }
 }

@@ -13,7 +13,7 @@ const TOLERANCE: f32 = 1e-5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outline {
     /// The middle.
-    pub middle: Vec2,
+    pub center: Vec2,
     /// How far it is turned about the middle, in radians, counter-clockwise as seen by the wearer.
     pub rotation: f32,
     /// Half extents or radius.
@@ -30,7 +30,7 @@ impl Outline {
     }
 
     /// Half the width and height of the upright rectangle around it.
-    pub fn reach(&self) -> Vec2 {
+    pub fn aabb_half_extents(&self) -> Vec2 {
         match self.shape {
             Shape::Disc(radius) => Vec2::splat(radius),
             Shape::Box(half) => {
@@ -42,7 +42,7 @@ impl Outline {
 
     /// Whether the two have more than a border in common.
     pub fn overlaps(&self, other: &Self) -> bool {
-        let between = other.middle - self.middle;
+        let between = other.center - self.center;
         match (self.shape, other.shape) {
             (Shape::Disc(a), Shape::Disc(b)) => between.length() < a + b - TOLERANCE,
             (Shape::Box(half), Shape::Disc(radius)) => {
@@ -91,8 +91,8 @@ pub(super) fn first_overlap(outlines: &[Outline]) -> Option<(usize, usize)> {
         .iter()
         .map(|outline| {
             (
-                outline.middle - outline.reach(),
-                outline.middle + outline.reach(),
+                outline.center - outline.aabb_half_extents(),
+                outline.center + outline.aabb_half_extents(),
             )
         })
         .collect();
@@ -125,7 +125,7 @@ mod tests {
 
     fn square(x: f32, y: f32, rotation: f32) -> Outline {
         Outline {
-            middle: Vec2::new(x, y),
+            center: Vec2::new(x, y),
             rotation,
             shape: Shape::Box(Vec2::splat(0.01)),
         }

@@ -4,16 +4,16 @@ use std::f32::consts::PI;
 
 use parry3d::math::{Pose, Rot3, Vec2, Vec3};
 
-use super::keyboard::metres;
+use super::model::metres;
 use super::outline::Outline;
-use super::written::{self, Bends, Form};
-use crate::contact::place::{Drift, Place};
+use super::schema::{self, Bends, Form};
+use crate::contact::board_pose::{AutoRecenter, BoardPose};
 use crate::contact::surface::{Anchor, Shape};
 use crate::hand::Joint;
 
 /// How a board is bent; radii in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Bend {
+pub enum BoardShape {
     /// Not at all.
     Flat,
     /// Flat, with rows along arcs of this radius at y = 0, around a point at the wearer's side.
@@ -24,7 +24,7 @@ pub enum Bend {
     Columns(f32),
 }
 
-impl Bend {
+impl BoardShape {
     /// That of a form.
     pub(super) fn of(form: &Form) -> Self {
         match *form {
@@ -40,7 +40,7 @@ impl Bend {
     /// Where a place on the board is in the board's frame, its +Z out of the board there.
     pub(super) fn surface_from_spot(self, outline: &Outline) -> Pose {
         let Outline {
-            middle, rotation, ..
+            center: middle, rotation, ..
         } = *outline;
         let in_plane = Rot3::from_rotation_z(rotation);
         match self {
@@ -65,12 +65,12 @@ fn rise(angle: f32, radius: f32) -> f32 {
 }
 
 /// The outline of a key, in metres.
-pub(super) fn shape(size: written::Outline, scale: f32) -> Shape {
+pub(super) fn shape(size: schema::Outline, scale: f32) -> Shape {
     match size {
-        written::Outline::Box(width, depth) => {
+        schema::Outline::Box(width, depth) => {
             Shape::Box(Vec2::new(metres(width.get()), metres(depth.get())) * (scale / 2.0))
         }
-        written::Outline::Disc(diameter) => Shape::Disc(metres(diameter.get()) * (scale / 2.0)),
+        schema::Outline::Disc(diameter) => Shape::Disc(metres(diameter.get()) * (scale / 2.0)),
     }
 }
 
@@ -79,18 +79,18 @@ pub(super) fn shape(size: written::Outline, scale: f32) -> Shape {
 /// cylinder.
 ///
 /// On an arc `x` is measured along the arc of the key's own row, whose radius is that of the board + `y`.
-pub(super) fn outline(bend: Bend, at: Vec2, shape: Shape) -> Option<Outline> {
+pub(super) fn outline(bend: BoardShape, at: Vec2, shape: Shape) -> Option<Outline> {
     let upright = Outline {
-        middle: at,
+        center: at,
         rotation: 0.0,
         shape,
     };
     let reach = upright.half_extents();
     let at_zero = match bend {
-        Bend::Flat => return Some(upright),
-        Bend::Rows(radius) => return (at.x.abs() + reach.x <= PI * radius).then_some(upright),
-        Bend::Columns(radius) => return (at.y.abs() + reach.y <= PI * radius).then_some(upright),
-        Bend::Arc(radius) => radius,
+        BoardShape::Flat => return Some(upright),
+        BoardShape::Rows(radius) => return (at.x.abs() + reach.x <= PI * radius).then_some(upright),
+        BoardShape::Columns(radius) => return (at.y.abs() + reach.y <= PI * radius).then_some(upright),
+        BoardShape::Arc(radius) => radius,
     };
     let radius = at_zero + at.y;
     let size = match shape {
@@ -103,7 +103,7 @@ pub(super) fn outline(bend: Bend, at: Vec2, shape: Shape) -> Option<Outline> {
     }
     let direction = Vec2::new(angle.sin(), angle.cos());
     Some(Outline {
-        middle: direction * radius - Vec2::Y * at_zero,
+        center: direction * radius - Vec2::Y * at_zero,
         rotation: -angle,
         shape,
     })
@@ -133,20 +133,20 @@ impl Stance {
 }
 
 /// The joint behind the word.
-pub(super) fn anchor(anchor: written::Anchor) -> Anchor {
+pub(super) fn anchor(anchor: schema::Anchor) -> Anchor {
     match anchor {
-        written::Anchor::World => Anchor::World,
-        written::Anchor::Elbow => Anchor::Joint(Joint::Elbow),
-        written::Anchor::Wrist => Anchor::Joint(Joint::Wrist),
+        schema::Anchor::World => Anchor::World,
+        schema::Anchor::Elbow => Anchor::Joint(Joint::Elbow),
+        schema::Anchor::Wrist => Anchor::Joint(Joint::Wrist),
     }
 }
 
 /// The board's own frame, with its origin at (0, 0), its rows along +X and its front along +Z, in
 /// the world's axes around the anchor.
-pub(super) fn anchor_from_board(board: &written::Board) -> Pose {
+pub(super) fn anchor_from_board(board: &schema::Board) -> Pose {
     let place = &board.place;
     let radians = |degrees: f64| degrees.to_radians() as f32;
-    Place {
+    BoardPose {
         bearing: radians(place.bearing_deg.get()),
         right: metres(place.right_mm.get()),
         height: metres(place.height_mm.get()),
@@ -157,14 +157,14 @@ pub(super) fn anchor_from_board(board: &written::Board) -> Pose {
         },
         tilt: radians(place.tilt_deg.get()),
     }
-    .pose()
+    .to_pose()
 }
 
 /// How the board creeps, in metres.
-pub(super) fn drift(drift: &written::Drift) -> Drift {
-    Drift {
+pub(super) fn drift(drift: &schema::Drift) -> AutoRecenter {
+    AutoRecenter {
         speed: metres(drift.speed_mm_s.get()),
-        after: std::time::Duration::from_micros((drift.after_ms.get() * 1e3).round() as u64),
-        limit: metres(drift.limit_mm.get()),
+        delay: std::time::Duration::from_micros((drift.after_ms.get() * 1e3).round() as u64),
+        max_offset: metres(drift.limit_mm.get()),
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::{self, Write};
 
 use parry3d::math::Vec2;
 
-use super::keyboard::{Board, Front, Layout};
+use super::model::{Board, Face, Layout};
 use crate::contact::surface::Shape;
 
 /// White space around the boards and between them, in millimetres.
@@ -27,7 +27,7 @@ text{font-family:'DejaVu Sans',sans-serif}";
 impl Layout {
     /// The boards as seen from their fronts, rows along arcs bent as they are, one board below the
     /// other, at 1 mm to a millimetre. Each key shows its label and, small, its labels in the other layers.
-    pub fn svg(&self) -> String {
+    pub fn to_svg(&self) -> String {
         let mut svg = String::new();
         self.write_svg(&mut svg).expect("a string takes any text");
         svg
@@ -62,7 +62,7 @@ impl Layout {
                 r#"<g transform="translate({left:.2} {:.2})">"#,
                 top + high.y
             )?;
-            for front in self.fronts(board) {
+            for front in self.faces(board) {
                 self.write_front(svg, front)?;
             }
             writeln!(svg, "</g>")?;
@@ -73,12 +73,12 @@ impl Layout {
 
     /// The corners of the rectangle around what is on a board, in millimetres.
     fn bounds(&self, board: &Board) -> (Vec2, Vec2) {
-        let outlines = || self.fronts(board).map(|front| front.outline);
+        let outlines = || self.faces(board).map(|front| front.outline);
         let low = outlines()
-            .map(|it| it.middle - it.reach())
+            .map(|it| it.center - it.aabb_half_extents())
             .reduce(Vec2::min);
         let high = outlines()
-            .map(|it| it.middle + it.reach())
+            .map(|it| it.center + it.aabb_half_extents())
             .reduce(Vec2::max);
         (
             low.unwrap_or_default() * 1e3,
@@ -86,8 +86,8 @@ impl Layout {
         )
     }
 
-    fn write_front(&self, svg: &mut String, front: &Front) -> fmt::Result {
-        let middle = front.outline.middle * 1e3;
+    fn write_front(&self, svg: &mut String, front: &Face) -> fmt::Result {
+        let middle = front.outline.center * 1e3;
         let half = front.outline.half_extents() * 1e3;
         // A difference, as a negated 0 would be drawn as −0.
         let degrees = 0.0 - front.outline.rotation.to_degrees();
@@ -119,9 +119,9 @@ impl Layout {
             letters * HALF_CAPITAL,
             escaped(&front.label)
         )?;
-        let key = self.key_of(front.target);
+        let key = self.key_at(front.target);
         let layers: Vec<&str> = (1..self.layers.len())
-            .filter_map(|layer| self.label_in(key?, layer))
+            .filter_map(|layer| self.label_in_layer(key?, layer))
             .collect();
         if !layers.is_empty() {
             write!(

@@ -6,15 +6,15 @@ use std::marker::PhantomData;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 
 /// The longest label, in characters.
-const LABEL_LENGTH: usize = 16;
+const MAX_LABEL_LENGTH: usize = 16;
 
 /// A piece of the file between quotes, borrowed from it, so that its place is known.
 ///
 /// It is written without escapes, and is never empty. What it stands for is checked by whoever uses it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Word<'a>(pub &'a str);
+pub struct Spanned<'a>(pub &'a str);
 
-impl<'de: 'a, 'a> Deserialize<'de> for Word<'a> {
+impl<'de: 'a, 'a> Deserialize<'de> for Spanned<'a> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct Borrowed;
 
@@ -40,7 +40,7 @@ impl<'de: 'a, 'a> Deserialize<'de> for Word<'a> {
             }
         }
 
-        deserializer.deserialize_str(Borrowed).map(Word)
+        deserializer.deserialize_str(Borrowed).map(Spanned)
     }
 }
 
@@ -50,7 +50,7 @@ pub struct Label(pub String);
 
 impl Label {
     /// What is drawn on a control with this label, or else with this name.
-    pub fn or_name(label: &Option<Self>, name: Word) -> String {
+    pub fn or_name(label: &Option<Self>, name: Spanned) -> String {
         let label = label.as_ref().map(|label| label.0.clone());
         label.unwrap_or_else(|| name.0.to_owned())
     }
@@ -60,9 +60,9 @@ impl<'de> Deserialize<'de> for Label {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
         let length = text.chars().count();
-        if length == 0 || length > LABEL_LENGTH {
+        if length == 0 || length > MAX_LABEL_LENGTH {
             return Err(D::Error::custom(format!(
-                "a label has 1 to {LABEL_LENGTH} characters, this one has {length}"
+                "a label has 1 to {MAX_LABEL_LENGTH} characters, this one has {length}"
             )));
         }
         if text.chars().any(char::is_control) {
@@ -74,7 +74,7 @@ impl<'de> Deserialize<'de> for Label {
 
 /// Pairs in the order in which they stand in the file; unlike a map it keeps those written twice.
 #[derive(Clone, Debug)]
-pub struct Pairs<'a, V>(pub Vec<(Word<'a>, V)>);
+pub struct Pairs<'a, V>(pub Vec<(Spanned<'a>, V)>);
 
 impl<V> Default for Pairs<'_, V> {
     fn default() -> Self {
@@ -87,7 +87,7 @@ impl<'de: 'a, 'a, V: Deserialize<'de>> Deserialize<'de> for Pairs<'a, V> {
         struct InOrder<V>(PhantomData<V>);
 
         impl<'de, V: Deserialize<'de>> Visitor<'de> for InOrder<V> {
-            type Value = Vec<(Word<'de>, V)>;
+            type Value = Vec<(Spanned<'de>, V)>;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
                 f.write_str("a map such as {\"Q\": \"1\"}")

@@ -12,23 +12,23 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
-use super::guardian::{Guard, Launch};
-use super::held::Held;
-use super::motion::{Impulse, Motion};
-use super::worker::{Injector, Order, Report, Worker};
-use super::{OutputError, Reach, Sink, platform};
-use crate::device::{Action, KeyCode, KeyKind, Need, Needs, OutputEvent};
+use super::watchdog::{WatchdogClient, WatchdogSettings};
+use super::pressed_keys::PressedKeys;
+use super::pending_motion::{StatelessAction, PendingMotion};
+use super::worker::{Injector, WorkerRequest, WorkerStatus, Worker};
+use super::{OutputError, OutputKind, Sink, platform};
+use crate::device::{EventKind, KeyCode, KeyKind, Capability, Capabilities, OutputEvent};
 
 const OUTPUT: &str = "desktop";
 
 /// Presses are taken until half of it is full, motion until three quarters are. The last quarter is
 /// more than there are keys, so that a release always finds room: no more are down than there are.
-const QUEUE: usize = 4 * Held::CAPACITY;
+const QUEUE: usize = 4 * PressedKeys::CAPACITY;
 
 const ROOM_FOR_PRESSES: usize = QUEUE / 2;
 
 /// All that a [`Motion`] gives at once still leaves room for every release.
-const ROOM_FOR_MOTION: usize = QUEUE - Held::CAPACITY - 3;
+const ROOM_FOR_MOTION: usize = QUEUE - PressedKeys::CAPACITY - 3;
 
 /// How long a display may take to answer before it counts as not there.
 const CONNECT_LIMIT: Duration = Duration::from_secs(5);
@@ -44,12 +44,12 @@ const CLOSE_LIMIT: Duration = Duration::from_secs(1);
 /// up ([counted](Sink::superseded_motions)), and all go out before the next press, so that a click lands
 /// where it is meant to. The wheel turns in whole clicks, a rest is kept.
 pub struct Desktop {
-    orders: Option<Sender<Order>>,
-    accepted: Held,
+    orders: Option<Sender<WorkerRequest>>,
+    accepted: PressedKeys,
     refused: u64,
-    motion: Motion,
+    motion: PendingMotion,
     superseded: u64,
-    report: Arc<Report>,
+    report: Arc<WorkerStatus>,
     thread: Option<JoinHandle<()>>,
     ended: Receiver<()>,
 }
@@ -61,7 +61,7 @@ impl Desktop {
     ///
     /// A compositor has to have what is needed; an X server has everything. Where the system has neither,
     /// the name changes nothing.
-    pub fn open(display: Option<&str>, needs: &Needs) -> Result<Self, OutputError> {
+    pub fn open(display: Option<&str>, needs: &Capabilities) -> Result<Self, OutputError> {
         let display = display.map(str::to_owned);
         let needs_pointer = needs.iter().any(is_of_a_pointer);
         Self::start(None, move || {
@@ -70,20 +70,20 @@ impl Desktop {
     }
 
     /// Connects to the desktop of the session, with a guardian that lets go of keys when this program cannot.
-    pub fn open_guarded(launch: &Launch, needs: &Needs) -> Result<Self, OutputError> {
+    pub fn open_with_watchdog(launch: &WatchdogSettings, needs: &Capabilities) -> Result<Self, OutputError> {
         let needs_pointer = needs.iter().any(is_of_a_pointer);
         Self::start(Some(launch), move || platform::open(None, needs_pointer))
     }
 
     /// Runs the thread and waits until it is connected.
     fn start<C: Injector>(
-        launch: Option<&Launch>,
+        launch: Option<&WatchdogSettings>,
         mut connect: impl FnMut() -> Result<C, String> + Send + 'static,
     ) -> Result<Self, OutputError> {
         let (orders, queue) = bounded(QUEUE);
         let (ready, readiness) = bounded(1);
         let (end, ended) = bounded::<()>(0);
-        let report = Arc::new(Report::default());
+        let report = Arc::new(WorkerStatus::default());
         let of_thread = Arc::clone(&report);
         let launch = launch.cloned();
         let thread = thread::Builder::new()
@@ -91,7 +91,7 @@ impl Desktop {
             .spawn(move || {
                 let _end = end;
                 let guarded = |injector: C| {
-                    let guard = |launch| Guard::start(launch, injector.means());
+                    let guard = |launch| WatchdogClient::start(launch, injector.release_target());
                     let guard = launch.as_ref().map(guard).transpose()?;
                     Ok((injector, guard))
                 };
@@ -100,8 +100,8 @@ impl Desktop {
                     Err(reason) => return drop(ready.send(Err(reason))),
                 };
                 if ready.send(Ok(())).is_ok() {
-                    let worker = Worker::new(injector, &of_thread).with_guard(guard);
-                    worker.work(&queue, connect);
+                    let worker = Worker::new(injector, &of_thread).with_watchdog(guard);
+                    worker.run(&queue, connect);
                 }
             })
             .map_err(|error| refuse(format!("no thread for it: {error}")))?;
@@ -117,9 +117,9 @@ impl Desktop {
         }
         Ok(Self {
             orders: Some(orders),
-            accepted: Held::default(),
+            accepted: PressedKeys::default(),
             refused: 0,
-            motion: Motion::default(),
+            motion: PendingMotion::default(),
             superseded: 0,
             report,
             thread: Some(thread),
@@ -132,7 +132,7 @@ impl Desktop {
             return Ok(());
         }
         self.move_on()?;
-        self.order(Order::Press(key))
+        self.order(WorkerRequest::Press(key))
     }
 
     fn write(&mut self, character: char) -> Result<(), OutputError> {
@@ -140,7 +140,7 @@ impl Desktop {
             return Ok(());
         }
         self.move_on()?;
-        self.order(Order::Once(Impulse::Write(character)))
+        self.order(WorkerRequest::Perform(StatelessAction::Write(character)))
     }
 
     /// Whether a press may be ordered; one that may not is counted.
@@ -155,10 +155,10 @@ impl Desktop {
             return Ok(());
         }
         let moved = self.move_on();
-        self.order(Order::Release(key)).and(moved)
+        self.order(WorkerRequest::Release(key)).and(moved)
     }
 
-    fn add_motion(&mut self, action: Action) -> Result<(), OutputError> {
+    fn add_motion(&mut self, action: EventKind) -> Result<(), OutputError> {
         self.motion.add(action);
         let has_room = self.waiting()? < ROOM_FOR_MOTION;
         self.superseded += u64::from(!has_room);
@@ -170,8 +170,8 @@ impl Desktop {
         if self.waiting()? >= ROOM_FOR_MOTION {
             return Ok(());
         }
-        for impulse in self.motion.take() {
-            self.order(Order::Once(impulse))?;
+        for impulse in self.motion.drain() {
+            self.order(WorkerRequest::Perform(impulse))?;
         }
         Ok(())
     }
@@ -184,7 +184,7 @@ impl Desktop {
             .ok_or_else(|| failed("it is closed"))
     }
 
-    fn order(&self, order: Order) -> Result<(), OutputError> {
+    fn order(&self, order: WorkerRequest) -> Result<(), OutputError> {
         let Some(orders) = &self.orders else {
             return Err(failed("it is closed"));
         };
@@ -196,7 +196,7 @@ impl Desktop {
     }
 
     fn outcome(&self) -> Result<(), OutputError> {
-        match (self.report.failure.get(), self.report.stuck.get()) {
+        match (self.report.failure.get(), self.report.stuck_keys.get()) {
             (None, None) => Ok(()),
             (Some(failure), None) => Err(failed(failure)),
             (failure, Some(stuck)) => {
@@ -209,16 +209,16 @@ impl Desktop {
 
 impl Sink for Desktop {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
-        self.report.calls.fetch_add(1, Ordering::Relaxed);
+        self.report.loop_calls.fetch_add(1, Ordering::Relaxed);
         let mut outcome = Ok(());
         for event in events {
-            let ordered = match event.action {
-                Action::KeyUp(key) => self.release(key),
+            let ordered = match event.kind {
+                EventKind::KeyUp(key) => self.release(key),
                 _ if self.report.failure.get().is_some() => Ok(()),
-                Action::KeyDown(key) => self.press(key),
-                Action::Write(character) => self.write(character),
-                Action::MoveBy(..) | Action::MoveTo(..) | Action::Scroll(..) => {
-                    self.add_motion(event.action)
+                EventKind::KeyDown(key) => self.press(key),
+                EventKind::Character(character) => self.write(character),
+                EventKind::MoveBy(..) | EventKind::MoveTo(..) | EventKind::Scroll(..) => {
+                    self.add_motion(event.kind)
                 }
                 _ => Ok(()),
             };
@@ -227,13 +227,13 @@ impl Sink for Desktop {
         outcome.and(self.outcome())
     }
 
-    fn reach(&self) -> Reach {
-        Reach::Desktop
+    fn kind(&self) -> OutputKind {
+        OutputKind::Desktop
     }
 
     fn close(&mut self) -> Result<(), OutputError> {
         self.orders = None;
-        self.motion = Motion::default();
+        self.motion = PendingMotion::default();
         if self.ended.recv_timeout(CLOSE_LIMIT) == Err(RecvTimeoutError::Timeout) {
             return Err(failed(
                 "it did not take everything within a second; keys may still be down",
@@ -247,11 +247,11 @@ impl Sink for Desktop {
         self.outcome()
     }
 
-    fn refused_presses(&self) -> u64 {
+    fn dropped_presses(&self) -> u64 {
         self.refused
     }
 
-    fn superseded_motions(&self) -> u64 {
+    fn coalesced_motions(&self) -> u64 {
         self.superseded
     }
 }
@@ -263,10 +263,10 @@ impl Drop for Desktop {
 }
 
 /// Whether it takes a pointer to do this.
-fn is_of_a_pointer(need: Need) -> bool {
+fn is_of_a_pointer(need: Capability) -> bool {
     match need {
-        Need::Move | Need::Place | Need::Scroll => true,
-        Need::Code(key) => key.kind() == KeyKind::Mouse,
+        Capability::RelativeMotion | Capability::AbsoluteMotion | Capability::Scroll => true,
+        Capability::Key(key) => key.kind() == KeyKind::Mouse,
         _ => false,
     }
 }

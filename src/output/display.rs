@@ -8,7 +8,7 @@ use enigo::{
     NewConError, Settings,
 };
 
-use super::motion::Impulse;
+use super::pending_motion::StatelessAction;
 use super::platform;
 use super::worker::Injector;
 use crate::device::{KeyCode, KeyKind};
@@ -18,7 +18,7 @@ use crate::device::{KeyCode, KeyKind};
 const KEYMAP_IS_READ: Duration = Duration::from_millis(200);
 
 /// A connection to a display.
-pub struct Display {
+pub struct EnigoDisplay {
     name: Option<String>,
     enigo: Enigo,
     writer: Option<Writer>,
@@ -32,7 +32,7 @@ struct Writer {
     last: Instant,
 }
 
-impl Display {
+impl EnigoDisplay {
     /// Connects to an X11 display by its name; without one, to the desktop of the session.
     pub fn connect(name: Option<&str>) -> Result<Self, String> {
         Ok(Self {
@@ -80,29 +80,29 @@ impl Display {
     }
 }
 
-impl Injector for Display {
+impl Injector for EnigoDisplay {
     fn inject(&mut self, key: KeyCode, direction: Direction) -> Result<(), String> {
         let outcome = match key.kind() {
-            KeyKind::Key => platform::inject(&mut self.enigo, key, direction),
-            KeyKind::Mouse | KeyKind::Pad => press_button(&mut self.enigo, key, direction),
+            KeyKind::Keyboard => platform::inject(&mut self.enigo, key, direction),
+            KeyKind::Mouse | KeyKind::Gamepad => press_button(&mut self.enigo, key, direction),
         };
         outcome.map_err(reason)
     }
 
-    fn perform(&mut self, impulse: Impulse) -> Result<(), String> {
+    fn perform(&mut self, impulse: StatelessAction) -> Result<(), String> {
         match impulse {
-            Impulse::Write(character) => self.write(character),
-            Impulse::MoveBy(x, y) => {
+            StatelessAction::Write(character) => self.write(character),
+            StatelessAction::MoveBy(x, y) => {
                 let outcome = self.enigo.move_mouse(x, y, Coordinate::Rel);
                 outcome.map_err(reason)
             }
-            Impulse::MoveTo(x, y) => self.go_to(x, y),
-            Impulse::Scroll(right, up) => self.turn(right, up).map_err(reason),
+            StatelessAction::MoveTo(x, y) => self.go_to(x, y),
+            StatelessAction::Scroll(right, up) => self.turn(right, up).map_err(reason),
         }
     }
 }
 
-impl Drop for Display {
+impl Drop for EnigoDisplay {
     fn drop(&mut self) {
         if let Some(writer) = &self.writer {
             thread::sleep(KEYMAP_IS_READ.saturating_sub(writer.last.elapsed()));

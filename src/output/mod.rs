@@ -6,21 +6,21 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::contact::TargetNames;
-use crate::device::{Needs, OutputEvent};
+use crate::device::{Capabilities, OutputEvent};
 use crate::names::UnknownName;
-use guardian::Launch;
+use watchdog::WatchdogSettings;
 
-mod deflected;
+mod axis_state;
 pub mod desktop;
 mod display;
 #[cfg(target_os = "linux")]
-pub mod guardian;
+pub mod watchdog;
 #[cfg(not(target_os = "linux"))]
 #[path = "no_guardian.rs"]
 pub mod guardian;
-pub mod held;
+pub mod pressed_keys;
 mod launch;
-mod motion;
+mod pending_motion;
 pub mod named_keys;
 mod reach;
 pub mod router;
@@ -43,18 +43,18 @@ mod wayland;
 mod worker;
 
 pub use desktop::Desktop;
-pub use reach::Reach;
+pub use reach::OutputKind;
 pub use router::Router;
 pub use transcript::Transcript;
 
 /// Whether `desktop` speaks the protocols of Wayland; else it does not open where `WAYLAND_DISPLAY` is set.
-pub const SPEAKS_WAYLAND: bool = cfg!(all(feature = "wayland", target_os = "linux"));
+pub const SUPPORTS_WAYLAND: bool = cfg!(all(feature = "wayland", target_os = "linux"));
 
 /// How often an output tries again what the operating system did not take.
 const RETRIES: usize = 3;
 
 /// How long it waits before it tries again.
-const RETRY_PAUSE: Duration = Duration::from_millis(10);
+const RETRY_DELAY: Duration = Duration::from_millis(10);
 
 /// Where events go.
 ///
@@ -70,25 +70,25 @@ pub trait Sink: Send {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError>;
 
     /// What it can carry; the rest is not sent to it where there is another output.
-    fn reach(&self) -> Reach {
-        Reach::All
+    fn kind(&self) -> OutputKind {
+        OutputKind::All
     }
 
     /// Takes the names of the targets of events to come, for outputs that write them.
-    fn rename(&mut self, _: &TargetNames) {}
+    fn set_target_names(&mut self, _: &TargetNames) {}
 
     /// Lets go of everything that is still down and waits, at most a second, until all is delivered.
     fn close(&mut self) -> Result<(), OutputError>;
 
     /// Presses and characters that were not passed on: there was no room for them, or the output lacks
     /// the key.
-    fn refused_presses(&self) -> u64 {
+    fn dropped_presses(&self) -> u64 {
         0
     }
 
     /// Motions of the pointer and turns of the wheel for which there was no room: later ones took their
     /// place.
-    fn superseded_motions(&self) -> u64 {
+    fn coalesced_motions(&self) -> u64 {
         0
     }
 }
@@ -98,24 +98,24 @@ impl Sink for Box<dyn Sink> {
         (**self).send(events)
     }
 
-    fn reach(&self) -> Reach {
-        (**self).reach()
+    fn kind(&self) -> OutputKind {
+        (**self).kind()
     }
 
-    fn rename(&mut self, names: &TargetNames) {
-        (**self).rename(names);
+    fn set_target_names(&mut self, names: &TargetNames) {
+        (**self).set_target_names(names);
     }
 
     fn close(&mut self) -> Result<(), OutputError> {
         (**self).close()
     }
 
-    fn refused_presses(&self) -> u64 {
-        (**self).refused_presses()
+    fn dropped_presses(&self) -> u64 {
+        (**self).dropped_presses()
     }
 
-    fn superseded_motions(&self) -> u64 {
-        (**self).superseded_motions()
+    fn coalesced_motions(&self) -> u64 {
+        (**self).coalesced_motions()
     }
 }
 
@@ -141,7 +141,7 @@ pub enum OutputError {
     },
     /// Whoever read the output has gone away (a broken pipe): a reason to end quietly.
     #[error("nobody reads the output `{output}` any more")]
-    Unread {
+    BrokenPipe {
         /// The output as named.
         output: String,
     },
@@ -149,7 +149,7 @@ pub enum OutputError {
     #[error(
         "{0}; outputs are transcript, transcript:PATH, desktop, uinput, spacenav, spacenav:PATH and none"
     )]
-    Name(#[from] UnknownName),
+    UnknownOutput(#[from] UnknownName),
 }
 
 /// The names that [`open`] knows.
@@ -168,28 +168,28 @@ pub const NAMES: [&str; 5] = ["transcript", "desktop", "uinput", "spacenav", "no
 /// With several, each kind of action goes to the first that can carry it: see [`Router`]. Transcripts
 /// hear everything, and count as carrying it only where there are none but transcripts. When something
 /// that is needed cannot be carried, nothing is opened.
-pub fn open(names: &str, needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+pub fn open(names: &str, needs: &Capabilities) -> Result<Box<dyn Sink>, OutputError> {
     open_all(names, needs, None)
 }
 
 /// As [`open`], with a [guardian] for an output whose keys would outlive this program.
-pub fn open_guarded(
+pub fn open_with_watchdog(
     names: &str,
-    needs: &Needs,
-    launch: &Launch,
+    needs: &Capabilities,
+    launch: &WatchdogSettings,
 ) -> Result<Box<dyn Sink>, OutputError> {
     open_all(names, needs, Some(launch))
 }
 
 fn open_all(
     names: &str,
-    needs: &Needs,
-    launch: Option<&Launch>,
+    needs: &Capabilities,
+    launch: Option<&WatchdogSettings>,
 ) -> Result<Box<dyn Sink>, OutputError> {
     check(names, needs)?;
     let (parts, reaches) = parts(names)?;
     let open_share = |(place, name): (usize, &&str)| {
-        let needs = reach::share(&reaches, place, needs);
+        let needs = reach::routed_to(&reaches, place, needs);
         open_one(name, &needs, launch)
     };
     let mut sinks: Vec<_> = parts
@@ -204,9 +204,9 @@ fn open_all(
 }
 
 /// Whether [`open`] would find an output for all that is needed; nothing is opened.
-pub fn check(names: &str, needs: &Needs) -> Result<(), OutputError> {
+pub fn check(names: &str, needs: &Capabilities) -> Result<(), OutputError> {
     let (parts, reaches) = parts(names)?;
-    match reach::refusal(&parts, &reaches, needs) {
+    match reach::unsupported_reason(&parts, &reaches, needs) {
         None => Ok(()),
         Some(reason) => Err(OutputError::Open {
             output: names.into(),
@@ -217,15 +217,15 @@ pub fn check(names: &str, needs: &Needs) -> Result<(), OutputError> {
 
 /// Whether outputs that were opened for a layout that needs `opened` take one that needs `needs`; if
 /// not, why, and what to do. Devices of the kernel have what they were made with and nothing else.
-pub fn can_take(names: &str, opened: &Needs, needs: &Needs) -> Result<(), String> {
+pub fn check_layout_change(names: &str, opened: &Capabilities, needs: &Capabilities) -> Result<(), String> {
     let (parts, reaches) = parts(names).map_err(|error| error.to_string())?;
-    if let Some(reason) = reach::refusal(&parts, &reaches, needs) {
+    if let Some(reason) = reach::unsupported_reason(&parts, &reaches, needs) {
         return Err(reason);
     }
-    let is_new = |(place, reach): (usize, &Reach)| {
-        let share = reach::share(&reaches, place, needs);
-        let new = share.iter().find(|need| !opened.has(*need));
-        new.filter(|_| *reach == Reach::Uinput)
+    let is_new = |(place, reach): (usize, &OutputKind)| {
+        let share = reach::routed_to(&reaches, place, needs);
+        let new = share.iter().find(|need| !opened.contains(*need));
+        new.filter(|_| *reach == OutputKind::Uinput)
     };
     match reaches.iter().enumerate().find_map(is_new) {
         None => Ok(()),
@@ -236,21 +236,21 @@ pub fn can_take(names: &str, opened: &Needs, needs: &Needs) -> Result<(), String
 }
 
 /// Whether one of these outputs writes on the standard output.
-pub fn is_on_stdout(names: &str) -> bool {
+pub fn uses_stdout(names: &str) -> bool {
     names.split(',').any(|name| name.trim() == "transcript")
 }
 
 /// The single names, and what each can carry.
-fn parts(names: &str) -> Result<(Vec<&str>, Vec<Reach>), OutputError> {
+fn parts(names: &str) -> Result<(Vec<&str>, Vec<OutputKind>), OutputError> {
     let parts: Vec<_> = names.split(',').map(str::trim).collect();
     let reach_of = |name: &&str| match *name {
-        "transcript" => Ok(Reach::Record),
-        name if name.starts_with(TO_FILE) => Ok(Reach::Record),
-        "desktop" => Ok(Reach::Desktop),
-        "uinput" => Ok(Reach::Uinput),
-        "spacenav" => Ok(Reach::Spacenav),
-        name if name.starts_with(TO_SOCKET) => Ok(Reach::Spacenav),
-        "none" => Ok(Reach::All),
+        "transcript" => Ok(OutputKind::Log),
+        name if name.starts_with(TO_FILE) => Ok(OutputKind::Log),
+        "desktop" => Ok(OutputKind::Desktop),
+        "uinput" => Ok(OutputKind::Uinput),
+        "spacenav" => Ok(OutputKind::Spacenav),
+        name if name.starts_with(TO_SOCKET) => Ok(OutputKind::Spacenav),
+        "none" => Ok(OutputKind::All),
         name => Err(UnknownName::new("output", name, NAMES)),
     };
     let reaches = parts.iter().map(reach_of).collect::<Result<_, _>>()?;
@@ -265,8 +265,8 @@ const TO_SOCKET: &str = "spacenav:";
 
 fn open_one(
     name: &str,
-    needs: &Needs,
-    launch: Option<&Launch>,
+    needs: &Capabilities,
+    launch: Option<&WatchdogSettings>,
 ) -> Result<Box<dyn Sink>, OutputError> {
     if let Some(path) = name.strip_prefix(TO_FILE) {
         let file = create_transcript(Path::new(path)).map_err(|error| OutputError::Open {
@@ -281,20 +281,20 @@ fn open_one(
     Ok(match name {
         "transcript" => Box::new(Transcript::new(name, BufWriter::new(io::stdout()))),
         "desktop" => Box::new(match launch {
-            Some(launch) => Desktop::open_guarded(launch, needs)?,
+            Some(launch) => Desktop::open_with_watchdog(launch, needs)?,
             None => Desktop::open(None, needs)?,
         }),
         "uinput" => open_uinput(needs, launch)?,
         "spacenav" => open_spacenav(None)?,
-        "none" => Box::new(Nowhere),
+        "none" => Box::new(NullSink),
         _ => return Err(UnknownName::new("output", name, NAMES).into()),
     })
 }
 
 /// Takes everything and does nothing with it.
-struct Nowhere;
+struct NullSink;
 
-impl Sink for Nowhere {
+impl Sink for NullSink {
     fn send(&mut self, _: &[OutputEvent]) -> Result<(), OutputError> {
         Ok(())
     }
@@ -305,12 +305,12 @@ impl Sink for Nowhere {
 }
 
 fn create_transcript(path: &Path) -> io::Result<File> {
-    private(OpenOptions::new().write(true).create(true).truncate(true)).open(path)
+    owner_only(OpenOptions::new().write(true).create(true).truncate(true)).open(path)
 }
 
 /// Makes a file that these options create readable for its owner only: what people type is in it.
 #[cfg(unix)]
-pub fn private(options: &mut OpenOptions) -> &mut OpenOptions {
+pub fn owner_only(options: &mut OpenOptions) -> &mut OpenOptions {
     std::os::unix::fs::OpenOptionsExt::mode(options, 0o600)
 }
 
@@ -322,15 +322,15 @@ pub fn private(options: &mut OpenOptions) -> &mut OpenOptions {
 }
 
 #[cfg(target_os = "linux")]
-fn open_uinput(needs: &Needs, launch: Option<&Launch>) -> Result<Box<dyn Sink>, OutputError> {
+fn open_uinput(needs: &Capabilities, launch: Option<&WatchdogSettings>) -> Result<Box<dyn Sink>, OutputError> {
     Ok(Box::new(match launch {
-        Some(launch) => uinput::Uinput::open_guarded("Ademan", needs, launch)?,
+        Some(launch) => uinput::Uinput::open_with_watchdog("Ademan", needs, launch)?,
         None => uinput::Uinput::open("Ademan", needs)?,
     }))
 }
 
 #[cfg(not(target_os = "linux"))]
-fn open_uinput(_: &Needs, _: Option<&Launch>) -> Result<Box<dyn Sink>, OutputError> {
+fn open_uinput(_: &Capabilities, _: Option<&WatchdogSettings>) -> Result<Box<dyn Sink>, OutputError> {
     Err(OutputError::Open {
         output: "uinput".into(),
         reason: "it is a part of Linux; use the output `desktop`".into(),
@@ -353,10 +353,10 @@ fn open_spacenav(_: Option<&Path>) -> Result<Box<dyn Sink>, OutputError> {
 /// What a desktop is, by operating system.
 #[cfg(all(unix, not(target_os = "macos")))]
 mod platform {
-    use super::display::Display;
+    use super::display::EnigoDisplay;
     use super::wayland;
     use super::worker::Injector;
-    use crate::access;
+    use crate::advice;
     use crate::device::KeyCode;
     use enigo::{Direction, Enigo, InputResult, Keyboard};
     use std::env;
@@ -371,7 +371,7 @@ mod platform {
         };
         match compositor {
             Some(name) => wayland::connect(&name, needs_pointer),
-            None => Ok(Box::new(Display::connect(display)?)),
+            None => Ok(Box::new(EnigoDisplay::connect(display)?)),
         }
     }
 
@@ -388,14 +388,14 @@ mod platform {
         let named = display
             .map(str::to_owned)
             .or_else(|| env::var("DISPLAY").ok());
-        access::no_display(named.as_deref()).to_string()
+        advice::no_display(named.as_deref()).to_string()
     }
 }
 
 /// What a desktop is, by operating system.
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 mod platform {
-    use super::display::Display;
+    use super::display::EnigoDisplay;
     use super::named_keys;
     use super::worker::Injector;
     use crate::device::KeyCode;
@@ -407,7 +407,7 @@ mod platform {
     use named_keys::OF_WINDOWS as OF_SYSTEM;
 
     pub fn open(display: Option<&str>, _: bool) -> Result<Box<dyn Injector>, String> {
-        Ok(Box::new(Display::connect(display)?))
+        Ok(Box::new(EnigoDisplay::connect(display)?))
     }
 
     pub fn inject(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputResult<()> {

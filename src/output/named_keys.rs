@@ -9,7 +9,7 @@ use crate::device::KeyCode;
 
 /// Presses the key of this name. `extra` are codes of the system for keys that `enigo` has no name
 /// for everywhere, by Linux event code.
-pub fn by_name(
+pub fn inject_by_name(
     enigo: &mut Enigo,
     key: KeyCode,
     direction: Direction,
@@ -96,7 +96,7 @@ pub fn named(key: KeyCode) -> Option<Key> {
 }
 
 /// Virtual-key codes of Windows (`VK_*` of `winuser.h`), by Linux event code.
-pub const OF_WINDOWS: &[(u16, u32)] = &[
+pub const WINDOWS_KEY_CODES: &[(u16, u32)] = &[
     (69, 0x90),  // NumLock
     (70, 0x91),  // ScrollLock
     (86, 0xe2),  // IntlBackslash
@@ -110,7 +110,7 @@ pub const OF_WINDOWS: &[(u16, u32)] = &[
 ];
 
 /// Virtual-key codes of macOS (`kVK_*` of `HIToolbox/Events.h`), by Linux event code.
-pub const OF_MACOS: &[(u16, u32)] = &[
+pub const MACOS_KEY_CODES: &[(u16, u32)] = &[
     (69, 0x47),  // NumLock: the Clear key in its place
     (86, 0x0a),  // IntlBackslash
     (96, 0x4c),  // NumpadEnter
@@ -126,14 +126,14 @@ mod tests {
 
     fn missing(extra: &[(u16, u32)]) -> Vec<&'static str> {
         KeyCode::all()
-            .filter(|key| key.kind() == KeyKind::Key && !has(*key, extra))
+            .filter(|key| key.kind() == KeyKind::Keyboard && !has(*key, extra))
             .map(KeyCode::name)
             .collect()
     }
 
     #[test]
     fn windows_has_every_key_and_macos_all_but_five() {
-        assert_eq!(missing(OF_WINDOWS), [""; 0]);
+        assert_eq!(missing(WINDOWS_KEY_CODES), [""; 0]);
         let not_on_macos = [
             "ScrollLock",
             "PrintScreen",
@@ -141,7 +141,7 @@ mod tests {
             "ContextMenu",
             "MediaStop",
         ];
-        assert_eq!(missing(OF_MACOS), not_on_macos);
+        assert_eq!(missing(MACOS_KEY_CODES), not_on_macos);
     }
 
     #[test]

@@ -3,9 +3,9 @@
 use std::ffi::OsStr;
 
 use super::worker::Injector;
-use crate::access;
+use crate::advice;
 
 /// Refuses.
 pub fn connect(_: &OsStr, _: bool) -> Result<Box<dyn Injector>, String> {
-    Err(access::built_without_wayland().to_string())
+    Err(advice::built_without_wayland().to_string())
 }

@@ -1,9 +1,9 @@
 //! One stream of events to several outputs.
 
-use super::reach::{Reach, carrier};
+use super::reach::{OutputKind, route};
 use super::{OutputError, Sink};
 use crate::contact::TargetNames;
-use crate::device::{Action, Events, Need, OutputEvent};
+use crate::device::{EventKind, Events, Capability, OutputEvent};
 
 /// Sends each kind of action to the first of its outputs that can carry it.
 ///
@@ -13,14 +13,14 @@ use crate::device::{Action, Events, Need, OutputEvent};
 /// of all from releases; the first error is told.
 pub struct Router {
     sinks: Vec<Box<dyn Sink>>,
-    reaches: Vec<Reach>,
+    reaches: Vec<OutputKind>,
     part: Events,
 }
 
 impl Router {
     /// Of these outputs; the first that can carry something gets it.
     pub fn new(sinks: Vec<Box<dyn Sink>>) -> Self {
-        let reaches = sinks.iter().map(|sink| sink.reach()).collect();
+        let reaches = sinks.iter().map(|sink| sink.kind()).collect();
         Self {
             sinks,
             reaches,
@@ -46,7 +46,7 @@ impl Sink for Router {
         for (place, sink) in self.sinks.iter_mut().enumerate() {
             self.part.clear();
             for event in events {
-                if !hears(&self.reaches, place, event.action) {
+                if !hears(&self.reaches, place, event.kind) {
                     continue;
                 }
                 if self.part.is_full() {
@@ -60,9 +60,9 @@ impl Sink for Router {
         outcome
     }
 
-    fn rename(&mut self, names: &TargetNames) {
+    fn set_target_names(&mut self, names: &TargetNames) {
         for sink in &mut self.sinks {
-            sink.rename(names);
+            sink.set_target_names(names);
         }
     }
 
@@ -71,21 +71,21 @@ impl Sink for Router {
         self.each(|sink| sink.close())
     }
 
-    fn refused_presses(&self) -> u64 {
-        self.sinks.iter().map(|sink| sink.refused_presses()).sum()
+    fn dropped_presses(&self) -> u64 {
+        self.sinks.iter().map(|sink| sink.dropped_presses()).sum()
     }
 
-    fn superseded_motions(&self) -> u64 {
-        let counts = self.sinks.iter().map(|sink| sink.superseded_motions());
+    fn coalesced_motions(&self) -> u64 {
+        let counts = self.sinks.iter().map(|sink| sink.coalesced_motions());
         counts.sum()
     }
 }
 
-fn hears(reaches: &[Reach], place: usize, action: Action) -> bool {
-    let Some(need) = Need::of(action) else {
+fn hears(reaches: &[OutputKind], place: usize, action: EventKind) -> bool {
+    let Some(need) = Capability::required_by(action) else {
         return true;
     };
-    reaches[place] == Reach::Record || carrier(reaches, need) == Some(place)
+    reaches[place] == OutputKind::Log || route(reaches, need) == Some(place)
 }
 
 #[cfg(test)]
@@ -100,7 +100,7 @@ mod tests {
 
     struct Listed {
         name: &'static str,
-        reach: Reach,
+        reach: OutputKind,
         fails: bool,
         log: Log,
     }
@@ -121,20 +121,20 @@ mod tests {
 
     impl Sink for Listed {
         fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
-            let of_event = |event: &OutputEvent| match event.action {
-                Action::KeyDown(key) => format!("+{key}"),
-                Action::KeyUp(key) => format!("-{key}"),
-                Action::Write(character) => character.into(),
-                Action::Scroll(..) => "scroll".into(),
-                Action::Axis(axis, _) => axis.name().into(),
-                Action::Value(..) => "value".into(),
+            let of_event = |event: &OutputEvent| match event.kind {
+                EventKind::KeyDown(key) => format!("+{key}"),
+                EventKind::KeyUp(key) => format!("-{key}"),
+                EventKind::Character(character) => character.into(),
+                EventKind::Scroll(..) => "scroll".into(),
+                EventKind::Axis(axis, _) => axis.name().into(),
+                EventKind::Value(..) => "value".into(),
                 _ => "other".into(),
             };
             let events: Vec<_> = events.iter().map(of_event).collect();
             self.note(&events.join(" "))
         }
 
-        fn reach(&self) -> Reach {
+        fn kind(&self) -> OutputKind {
             self.reach
         }
 
@@ -142,18 +142,18 @@ mod tests {
             self.note("closed")
         }
 
-        fn refused_presses(&self) -> u64 {
+        fn dropped_presses(&self) -> u64 {
             2
         }
 
-        fn superseded_motions(&self) -> u64 {
+        fn coalesced_motions(&self) -> u64 {
             3
         }
     }
 
-    fn router(outputs: &[(&'static str, Reach, bool)]) -> (Router, Log) {
+    fn router(outputs: &[(&'static str, OutputKind, bool)]) -> (Router, Log) {
         let log = Log::default();
-        let listed = |&(name, reach, fails): &(&'static str, Reach, bool)| {
+        let listed = |&(name, reach, fails): &(&'static str, OutputKind, bool)| {
             let log = Arc::clone(&log);
             let listed = Listed {
                 name,
@@ -174,17 +174,17 @@ mod tests {
     #[test]
     fn each_action_goes_to_the_first_that_can_carry_it_and_a_record_hears_all() {
         let (mut router, log) = router(&[
-            ("record", Reach::Record, false),
-            ("uinput", Reach::Uinput, false),
-            ("desktop", Reach::Desktop, false),
+            ("record", OutputKind::Log, false),
+            ("uinput", OutputKind::Uinput, false),
+            ("desktop", OutputKind::Desktop, false),
         ]);
         let frame = [
             down(1, "A"),
             down(1, "PadSouth"),
-            event(1, Action::Write('é')),
-            event(1, Action::Scroll(0, 120)),
-            event(1, Action::Axis(Axis::LeftX, 1.0)),
-            event(1, Action::Value(TargetId(0), 0.5)),
+            event(1, EventKind::Character('é')),
+            event(1, EventKind::Scroll(0, 120)),
+            event(1, EventKind::Axis(Axis::LeftX, 1.0)),
+            event(1, EventKind::Value(TargetId(0), 0.5)),
             up(1, "A"),
         ];
         router.send(&frame).unwrap();
@@ -194,16 +194,16 @@ mod tests {
             "desktop é value",
         ];
         assert_eq!(lines(&log), expected);
-        assert_eq!(router.refused_presses(), 6);
-        assert_eq!(router.superseded_motions(), 9);
+        assert_eq!(router.dropped_presses(), 6);
+        assert_eq!(router.coalesced_motions(), 9);
     }
 
     #[test]
     fn an_output_that_fails_does_not_keep_the_others_from_releases() {
         let (mut router, log) = router(&[
-            ("record", Reach::Record, true),
-            ("desktop", Reach::Desktop, true),
-            ("uinput", Reach::Uinput, false),
+            ("record", OutputKind::Log, true),
+            ("desktop", OutputKind::Desktop, true),
+            ("uinput", OutputKind::Uinput, false),
         ]);
         let error = router.send(&[up(1, "A"), up(1, "PadSouth")]).unwrap_err();
         assert_eq!(error.to_string(), "the output `record` failed: gone");
@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_frame_of_any_length_arrives_whole_and_in_order() {
-        let (mut router, log) = router(&[("desktop", Reach::Desktop, false)]);
+        let (mut router, log) = router(&[("desktop", OutputKind::Desktop, false)]);
         let frame: Vec<_> = (0..70).flat_map(|_| [down(1, "A"), up(1, "A")]).collect();
         router.send(&frame).unwrap();
         let words: Vec<_> = lines(&log)

@@ -35,7 +35,7 @@ const SEND_BUFFER: usize = 8192;
 pub(crate) enum SocketError {
     /// The path is longer than that of a socket can be; both lengths are in bytes.
     #[error("the path has {length} bytes, that of a socket {most} at most")]
-    Long { length: usize, most: usize },
+    PathTooLong { length: usize, most: usize },
     /// A program that is alive listens there.
     #[error("another program listens there")]
     InUse,
@@ -78,7 +78,7 @@ impl Listener {
     /// Listens at `path`. A folder `ademan` for it is made, for its owner alone, if it is not there. A socket
     /// that a dead owner has left behind is taken over.
     pub fn open(path: &Path) -> Result<Self, SocketError> {
-        fits(path)?;
+        check_path(path)?;
         let name = path.file_name().and_then(OsStr::to_str);
         if name
             .and_then(default_path)
@@ -110,7 +110,7 @@ impl Listener {
     }
 
     /// From now on [`accept`](Self::accept) does not wait; `WouldBlock` where nobody is there.
-    pub fn stop_waiting(&self) -> io::Result<()> {
+    pub fn set_nonblocking(&self) -> io::Result<()> {
         self.socket.set_nonblocking(true)
     }
 
@@ -147,11 +147,11 @@ impl Listener {
 }
 
 /// Whether a socket can have this path.
-pub(crate) fn fits(path: &Path) -> Result<(), SocketError> {
+pub(crate) fn check_path(path: &Path) -> Result<(), SocketError> {
     let length = path.as_os_str().len();
     match length > LONGEST_PATH {
         false => Ok(()),
-        true => Err(SocketError::Long {
+        true => Err(SocketError::PathTooLong {
             length,
             most: LONGEST_PATH,
         }),

@@ -22,8 +22,8 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounde
 use self::server::Server;
 use super::reach::SPACENAV_BUTTONS;
 use super::socket::{Listener, SocketError, default_path};
-use super::{OutputError, Reach, Sink};
-use crate::device::{Action, Axis, KeyCode, OutputEvent};
+use super::{OutputError, OutputKind, Sink};
+use crate::device::{EventKind, Axis, KeyCode, OutputEvent};
 use crate::time::Timestamp;
 
 const OUTPUT: &str = "spacenav";
@@ -64,7 +64,7 @@ const REST: Axes = [0; 6];
 
 /// What the loop wants to be told to clients.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Order {
+enum ServerMessage {
     Move(Axes, Timestamp),
     Press(usize),
     Release(usize),
@@ -79,7 +79,7 @@ enum Order {
 ///
 /// A client that takes nothing for a second is cut off; no other notices.
 pub struct Spacenav {
-    orders: Option<Sender<Order>>,
+    orders: Option<Sender<ServerMessage>>,
     bell: Option<UnixStream>,
     axes: Axes,
     ordered: Axes,
@@ -138,7 +138,7 @@ impl Spacenav {
         Ok(spacenav)
     }
 
-    fn ordering(orders: Sender<Order>, bell: UnixStream, ended: Receiver<()>) -> Self {
+    fn ordering(orders: Sender<ServerMessage>, bell: UnixStream, ended: Receiver<()>) -> Self {
         Self {
             orders: Some(orders),
             bell: Some(bell),
@@ -163,7 +163,7 @@ impl Spacenav {
             return Ok(());
         }
         self.is_down[button] = true;
-        self.order(Order::Press(button))
+        self.order(ServerMessage::Press(button))
     }
 
     fn release(&mut self, code: KeyCode) -> Result<(), OutputError> {
@@ -171,7 +171,7 @@ impl Spacenav {
             return Ok(());
         };
         self.is_down[button] = false;
-        self.order(Order::Release(button))
+        self.order(ServerMessage::Release(button))
     }
 
     fn turn(&mut self, axis: Axis, value: f32) {
@@ -190,7 +190,7 @@ impl Spacenav {
             return Ok(());
         }
         self.ordered = self.axes;
-        self.order(Order::Move(self.axes, self.time))
+        self.order(ServerMessage::Move(self.axes, self.time))
     }
 
     /// How many orders have not been taken yet.
@@ -201,7 +201,7 @@ impl Spacenav {
             .ok_or_else(|| failed("it is closed"))
     }
 
-    fn order(&self, order: Order) -> Result<(), OutputError> {
+    fn order(&self, order: ServerMessage) -> Result<(), OutputError> {
         let (Some(orders), Some(mut bell)) = (&self.orders, self.bell.as_ref()) else {
             return Err(failed("it is closed"));
         };
@@ -222,13 +222,13 @@ impl Sink for Spacenav {
         let mut outcome = Ok(());
         for event in events {
             self.time = event.time;
-            let ordered = match event.action {
-                Action::Axis(axis, value) => {
+            let ordered = match event.kind {
+                EventKind::Axis(axis, value) => {
                     self.turn(axis, value);
                     Ok(())
                 }
-                Action::KeyDown(code) => self.press(code),
-                Action::KeyUp(code) => self.release(code),
+                EventKind::KeyDown(code) => self.press(code),
+                EventKind::KeyUp(code) => self.release(code),
                 _ => Ok(()),
             };
             outcome = outcome.and(ordered);
@@ -236,8 +236,8 @@ impl Sink for Spacenav {
         outcome.and(self.move_on())
     }
 
-    fn reach(&self) -> Reach {
-        Reach::Spacenav
+    fn kind(&self) -> OutputKind {
+        OutputKind::Spacenav
     }
 
     fn close(&mut self) -> Result<(), OutputError> {
@@ -252,11 +252,11 @@ impl Sink for Spacenav {
         }
     }
 
-    fn refused_presses(&self) -> u64 {
+    fn dropped_presses(&self) -> u64 {
         self.refused
     }
 
-    fn superseded_motions(&self) -> u64 {
+    fn coalesced_motions(&self) -> u64 {
         self.superseded
     }
 }
@@ -293,7 +293,7 @@ mod tests {
     use crate::output::tests::{down, event, up};
 
     /// A sink to which nobody listens.
-    fn unheard() -> (Spacenav, Receiver<Order>, UnixStream) {
+    fn unheard() -> (Spacenav, Receiver<ServerMessage>, UnixStream) {
         let (orders, queue) = bounded(QUEUE);
         let (bell, heard) = UnixStream::pair().unwrap();
         bell.set_nonblocking(true).unwrap();
@@ -302,21 +302,21 @@ mod tests {
     }
 
     fn lift(micros: u64, value: f32) -> OutputEvent {
-        event(micros, Action::Axis(Axis::MoveZ, value))
+        event(micros, EventKind::Axis(Axis::MoveZ, value))
     }
 
     #[test]
     fn a_frame_is_one_motion_and_nothing_where_no_axis_changed() {
         let (mut sink, queue, _heard) = unheard();
-        let turn = event(7, Action::Axis(Axis::TurnY, -2.0));
-        let stick = event(7, Action::Axis(Axis::LeftX, 1.0));
+        let turn = event(7, EventKind::Axis(Axis::TurnY, -2.0));
+        let stick = event(7, EventKind::Axis(Axis::LeftX, 1.0));
         sink.send(&[lift(7, 0.5), turn, stick]).unwrap();
         sink.send(&[lift(8, 0.5004)]).unwrap();
-        sink.send(&[event(9, Action::Axis(Axis::TurnY, f32::NAN)), lift(9, -0.0)])
+        sink.send(&[event(9, EventKind::Axis(Axis::TurnY, f32::NAN)), lift(9, -0.0)])
             .unwrap();
         let expected = [
-            Order::Move([0, 175, 0, 0, 0, -350], Timestamp(7)),
-            Order::Move(REST, Timestamp(9)),
+            ServerMessage::Move([0, 175, 0, 0, 0, -350], Timestamp(7)),
+            ServerMessage::Move(REST, Timestamp(9)),
         ];
         assert_eq!(queue.try_iter().collect::<Vec<_>>(), expected);
     }
@@ -331,21 +331,21 @@ mod tests {
             sink.send(&[lift(2, step as f32 / 100.0)]).unwrap();
         }
         assert_eq!(queue.len(), ROOM_FOR_MOTION);
-        assert_eq!(sink.superseded_motions(), 4 + 100 - ROOM_FOR_MOTION as u64);
+        assert_eq!(sink.coalesced_motions(), 4 + 100 - ROOM_FOR_MOTION as u64);
         sink.send(&[lift(3, 0.0)]).unwrap();
         sink.send(&[lift(4, 0.3)]).unwrap();
         sink.send(&[lift(5, 0.0)]).unwrap();
         sink.send(&buttons.map(|name| up(6, name))).unwrap();
         sink.send(&[down(7, "PadEast"), up(8, "PadEast")]).unwrap();
-        assert_eq!(sink.refused_presses(), 1);
+        assert_eq!(sink.dropped_presses(), 1);
 
         let orders: Vec<_> = queue.try_iter().collect();
         let expected = [
-            Order::Move(REST, Timestamp(3)),
-            Order::Release(0),
-            Order::Release(1),
-            Order::Release(2),
-            Order::Release(3),
+            ServerMessage::Move(REST, Timestamp(3)),
+            ServerMessage::Release(0),
+            ServerMessage::Release(1),
+            ServerMessage::Release(2),
+            ServerMessage::Release(3),
         ];
         assert!(orders.ends_with(&expected), "{orders:?}");
         sink.send(&[lift(9, 0.4)]).unwrap();
@@ -361,7 +361,7 @@ mod tests {
         }
         let _: Vec<_> = queue.try_iter().collect();
         sink.send(&[]).unwrap();
-        let latest = Order::Move([0, 350, 0, 0, 0, 0], Timestamp(2));
+        let latest = ServerMessage::Move([0, 350, 0, 0, 0, 0], Timestamp(2));
         assert_eq!(queue.try_iter().collect::<Vec<_>>(), [latest]);
     }
 

@@ -1,28 +1,28 @@
 use super::*;
-use crate::device::{Action, KeyCode, Need};
+use crate::device::{EventKind, KeyCode, Capability};
 use crate::time::Timestamp;
 
 pub(super) fn key(name: &str) -> KeyCode {
     name.parse().unwrap()
 }
 
-pub(super) fn event(micros: u64, action: Action) -> OutputEvent {
+pub(super) fn event(micros: u64, action: EventKind) -> OutputEvent {
     OutputEvent {
         time: Timestamp(micros),
-        action,
+        kind: action,
     }
 }
 
 pub(super) fn down(micros: u64, name: &str) -> OutputEvent {
-    event(micros, Action::KeyDown(key(name)))
+    event(micros, EventKind::KeyDown(key(name)))
 }
 
 pub(super) fn up(micros: u64, name: &str) -> OutputEvent {
-    event(micros, Action::KeyUp(key(name)))
+    event(micros, EventKind::KeyUp(key(name)))
 }
 
 fn error(name: &str) -> String {
-    open(name, &Needs::default()).err().unwrap().to_string()
+    open(name, &Capabilities::default()).err().unwrap().to_string()
 }
 
 #[test]
@@ -39,7 +39,7 @@ fn a_transcript_goes_to_a_new_file_or_says_why_not() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("typed.txt");
     let name = format!("transcript:{}", path.display());
-    let mut sink = open(&name, &Needs::default()).unwrap();
+    let mut sink = open(&name, &Capabilities::default()).unwrap();
     sink.send(&[down(1_000, "A")]).unwrap();
     sink.close().unwrap();
     let text = std::fs::read_to_string(&path).unwrap();
@@ -59,17 +59,17 @@ fn only_its_owner_can_read_a_transcript() {
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("typed.txt");
-    open(&format!("transcript:{}", path.display()), &Needs::default()).unwrap();
+    open(&format!("transcript:{}", path.display()), &Capabilities::default()).unwrap();
     let mode = std::fs::metadata(&path).unwrap().permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
 }
 
 #[test]
 fn nothing_comes_of_the_output_none() {
-    let mut sink = open("none", &Needs::default()).unwrap();
+    let mut sink = open("none", &Capabilities::default()).unwrap();
     sink.send(&[down(1, "A")]).unwrap();
     sink.close().unwrap();
-    assert_eq!(sink.refused_presses(), 0);
+    assert_eq!(sink.dropped_presses(), 0);
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn two_transcripts_hear_the_same_and_what_one_cannot_open_opens_none() {
     let (a, b) = (path("a"), path("b"));
     let mut sink = open(
         &format!("transcript:{a}, transcript:{b}"),
-        &Needs::default(),
+        &Capabilities::default(),
     )
     .unwrap();
     sink.send(&[down(1_000, "A"), up(1_000, "A")]).unwrap();
@@ -92,7 +92,7 @@ fn two_transcripts_hear_the_same_and_what_one_cannot_open_opens_none() {
 
 #[test]
 fn an_output_that_cannot_carry_what_is_needed_is_refused_before_it_is_opened() {
-    let pad = Needs::from_iter([Need::Code(key("A")), Need::Code(key("PadSouth"))]);
+    let pad = Capabilities::from_iter([Capability::Key(key("A")), Capability::Key(key("PadSouth"))]);
     let folder = tempfile::tempdir().unwrap();
     let record = folder.path().join("record");
     let names = format!("transcript:{},desktop", record.display());
@@ -105,25 +105,25 @@ fn an_output_that_cannot_carry_what_is_needed_is_refused_before_it_is_opened() {
 
 #[test]
 fn devices_of_the_kernel_take_no_layout_that_needs_more_than_they_have() {
-    let needs = |names: &[&str]| -> Needs {
-        let codes = names.iter().map(|name| Need::Code(key(name)));
+    let needs = |names: &[&str]| -> Capabilities {
+        let codes = names.iter().map(|name| Capability::Key(key(name)));
         codes.collect()
     };
     let opened = needs(&["A", "B"]);
-    assert_eq!(can_take("uinput", &opened, &needs(&["B"])), Ok(()));
+    assert_eq!(check_layout_change("uinput", &opened, &needs(&["B"])), Ok(()));
     assert_eq!(
-        can_take("uinput", &opened, &needs(&["B", "Z"])).unwrap_err(),
+        check_layout_change("uinput", &opened, &needs(&["B", "Z"])).unwrap_err(),
         "the output `uinput` was opened without `Z`; start again to use it"
     );
-    assert_eq!(can_take("desktop,uinput", &opened, &needs(&["Z"])), Ok(()));
-    let refused = can_take("desktop", &opened, &needs(&["PadSouth"])).unwrap_err();
+    assert_eq!(check_layout_change("desktop,uinput", &opened, &needs(&["Z"])), Ok(()));
+    let refused = check_layout_change("desktop", &opened, &needs(&["PadSouth"])).unwrap_err();
     assert!(refused.starts_with("`desktop` has no gamepad"), "{refused}");
     let pad = needs(&["PadSouth"]);
-    assert_eq!(can_take("desktop,none", &opened, &pad), Ok(()));
+    assert_eq!(check_layout_change("desktop,none", &opened, &pad), Ok(()));
 }
 
 #[test]
 fn a_transcript_on_the_standard_output_is_found_among_others() {
-    assert!(is_on_stdout("desktop, transcript"));
-    assert!(!is_on_stdout("desktop,transcript:path"));
+    assert!(uses_stdout("desktop, transcript"));
+    assert!(!uses_stdout("desktop,transcript:path"));
 }

@@ -14,11 +14,11 @@
 use std::fmt;
 use std::io::{self, Write};
 
-use super::deflected::Deflected;
-use super::held::Held;
-use super::{OutputError, Reach, Sink};
+use super::axis_state::AxisState;
+use super::pressed_keys::PressedKeys;
+use super::{OutputError, OutputKind, Sink};
 use crate::contact::TargetNames;
-use crate::device::{Action, OutputEvent, Request};
+use crate::device::{EventKind, OutputEvent, Request};
 use crate::time::Timestamp;
 
 /// An output that writes one line per event and is flushed after each frame.
@@ -29,8 +29,8 @@ pub struct Transcript<W: Write + Send> {
     name: String,
     names: TargetNames,
     writer: W,
-    held: Held,
-    deflected: Deflected,
+    held: PressedKeys,
+    deflected: AxisState,
     last: Timestamp,
     failed: bool,
 }
@@ -42,19 +42,19 @@ impl<W: Write + Send> Transcript<W> {
             name: name.into(),
             names: TargetNames::default(),
             writer,
-            held: Held::default(),
-            deflected: Deflected::default(),
+            held: PressedKeys::default(),
+            deflected: AxisState::default(),
             last: Timestamp::default(),
             failed: false,
         }
     }
 
     fn write(&mut self, event: &OutputEvent) -> io::Result<()> {
-        let accepted = match event.action {
-            Action::KeyDown(key) => self.held.press(key),
-            Action::KeyUp(key) => self.held.release(key),
-            Action::Axis(axis, value) => {
-                self.deflected.note(axis, value);
+        let accepted = match event.kind {
+            EventKind::KeyDown(key) => self.held.press(key),
+            EventKind::KeyUp(key) => self.held.release(key),
+            EventKind::Axis(axis, value) => {
+                self.deflected.set(axis, value);
                 true
             }
             _ => true,
@@ -63,27 +63,27 @@ impl<W: Write + Send> Transcript<W> {
             return Ok(());
         }
         self.last = self.last.max(event.time);
-        writeln!(self.writer, "{}", Line(event, &self.names))
+        writeln!(self.writer, "{}", EventLine(event, &self.names))
     }
 
     fn release_all(&mut self) -> io::Result<()> {
         while let Some(action) = self.next_release() {
             let time = self.last;
-            self.write(&OutputEvent { time, action })?;
+            self.write(&OutputEvent { time, kind: action })?;
         }
         self.writer.flush()
     }
 
-    fn next_release(&self) -> Option<Action> {
-        let up = self.held.release_order().next().map(Action::KeyUp);
-        up.or_else(|| self.deflected.axes().next().map(Deflected::back_to_rest))
+    fn next_release(&self) -> Option<EventKind> {
+        let up = self.held.release_order().next().map(EventKind::KeyUp);
+        up.or_else(|| self.deflected.deflected_axes().next().map(AxisState::center))
     }
 
     fn failure(&mut self, error: &io::Error) -> OutputError {
         self.failed = true;
         let output = self.name.clone();
         if error.kind() == io::ErrorKind::BrokenPipe {
-            return OutputError::Unread { output };
+            return OutputError::BrokenPipe { output };
         }
         OutputError::Send {
             output,
@@ -103,11 +103,11 @@ impl<W: Write + Send> Sink for Transcript<W> {
             .map_err(|error| self.failure(&error))
     }
 
-    fn reach(&self) -> Reach {
-        Reach::Record
+    fn kind(&self) -> OutputKind {
+        OutputKind::Log
     }
 
-    fn rename(&mut self, names: &TargetNames) {
+    fn set_target_names(&mut self, names: &TargetNames) {
         self.names = names.clone();
     }
 
@@ -128,34 +128,34 @@ impl<W: Write + Send> Drop for Transcript<W> {
 
 /// One event as its line, without the line end; targets have these names.
 #[derive(Clone, Copy, Debug)]
-pub struct Line<'a>(pub &'a OutputEvent, pub &'a TargetNames);
+pub struct EventLine<'a>(pub &'a OutputEvent, pub &'a TargetNames);
 
-impl fmt::Display for Line<'_> {
+impl fmt::Display for EventLine<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Timestamp(micros) = self.0.time;
-        let name = |target| self.1.of(target);
+        let name = |target| self.1.get(target);
         write!(f, "{:>8}.{:03} ", micros / 1_000, micros % 1_000)?;
-        match self.0.action {
-            Action::KeyDown(key) => write!(f, "down {key}"),
-            Action::KeyUp(key) => write!(f, "up   {key}"),
-            Action::Write(character) => write!(f, "write {character:?}"),
-            Action::MoveBy(x, y) => write!(f, "move {x:+} {y:+}"),
-            Action::MoveTo(x, y) => write!(f, "place {x:.4} {y:.4}"),
-            Action::Scroll(x, y) => write!(f, "scroll {x:+} {y:+}"),
-            Action::Axis(axis, value) => write!(f, "axis {axis} {value:+.3}"),
-            Action::Depth(target, depth) => write!(f, "depth {} {depth:.3}", name(target)),
-            Action::Value(target, value) => write!(f, "value {} {value:.3}", name(target)),
-            Action::Select(target) => write!(f, "select {}", name(target)),
-            Action::Unselect(target) => write!(f, "unselect {}", name(target)),
-            Action::Ask(Request::Pause) => f.write_str("pause"),
-            Action::Ask(Request::Profile(place)) => write!(f, "profile {place}"),
-            Action::Ask(Request::NextProfile) => f.write_str("next profile"),
-            Action::Ask(Request::Recentre) => f.write_str("recentre"),
-            Action::Ask(Request::Nudge([x, y, z])) => write!(f, "nudge {x:+} {y:+} {z:+} µm"),
-            Action::Ask(Request::Scale(factor)) => {
+        match self.0.kind {
+            EventKind::KeyDown(key) => write!(f, "down {key}"),
+            EventKind::KeyUp(key) => write!(f, "up   {key}"),
+            EventKind::Character(character) => write!(f, "write {character:?}"),
+            EventKind::MoveBy(x, y) => write!(f, "move {x:+} {y:+}"),
+            EventKind::MoveTo(x, y) => write!(f, "place {x:.4} {y:.4}"),
+            EventKind::Scroll(x, y) => write!(f, "scroll {x:+} {y:+}"),
+            EventKind::Axis(axis, value) => write!(f, "axis {axis} {value:+.3}"),
+            EventKind::Depth(target, depth) => write!(f, "depth {} {depth:.3}", name(target)),
+            EventKind::Value(target, value) => write!(f, "value {} {value:.3}", name(target)),
+            EventKind::Select(target) => write!(f, "select {}", name(target)),
+            EventKind::Unselect(target) => write!(f, "unselect {}", name(target)),
+            EventKind::Ask(Request::Pause) => f.write_str("pause"),
+            EventKind::Ask(Request::Profile(place)) => write!(f, "profile {place}"),
+            EventKind::Ask(Request::NextProfile) => f.write_str("next profile"),
+            EventKind::Ask(Request::Recenter) => f.write_str("recentre"),
+            EventKind::Ask(Request::Nudge([x, y, z])) => write!(f, "nudge {x:+} {y:+} {z:+} µm"),
+            EventKind::Ask(Request::Scale(factor)) => {
                 write!(f, "scale {:.3}", f64::from(factor) / 1e3)
             }
-            Action::Ask(Request::Tilt(by)) => write!(f, "tilt {:+.1}°", f64::from(by) / 1e3),
+            EventKind::Ask(Request::Tilt(by)) => write!(f, "tilt {:+.1}°", f64::from(by) / 1e3),
         }
     }
 }
@@ -205,7 +205,7 @@ mod tests {
         let mut transcript = Transcript::new("transcript", page.clone());
         let depth = OutputEvent {
             time: Timestamp(1_240_250),
-            action: Action::Depth(TargetId(3), 0.5123),
+            kind: EventKind::Depth(TargetId(3), 0.5123),
         };
         transcript
             .send(&[down(1_234_567, "Q"), depth, up(1_300_001, "Q")])
@@ -216,10 +216,10 @@ mod tests {
 
         let page = Page::default();
         let mut transcript = Transcript::new("transcript", page.clone());
-        transcript.rename(&TargetNames::new(["Volume".to_owned()]));
+        transcript.set_target_names(&TargetNames::new(["Volume".to_owned()]));
         let value = OutputEvent {
             time: Timestamp(1_000),
-            action: Action::Value(TargetId(0), 0.25),
+            kind: EventKind::Value(TargetId(0), 0.25),
         };
         transcript.send(&[value]).unwrap();
         assert_eq!(page.text(), "       1.000 value Volume 0.250\n");
@@ -243,7 +243,7 @@ mod tests {
     fn closing_brings_back_the_axes_that_are_away_from_their_rest() {
         let page = Page::default();
         let mut transcript = Transcript::new("transcript", page.clone());
-        let axis = |axis, value| event(3_000, Action::Axis(axis, value));
+        let axis = |axis, value| event(3_000, EventKind::Axis(axis, value));
         let frame = [
             axis(Axis::LeftX, -0.5),
             axis(Axis::LeftY, 0.25),
@@ -285,7 +285,7 @@ mod tests {
     fn a_reader_that_went_away_is_told_from_other_failures() {
         let mut unread = Transcript::new("transcript", Broken(io::ErrorKind::BrokenPipe));
         let error = unread.send(&[down(1, "A")]).unwrap_err();
-        assert!(matches!(error, OutputError::Unread { .. }), "{error}");
+        assert!(matches!(error, OutputError::BrokenPipe { .. }), "{error}");
 
         let mut full = Transcript::new("transcript:x", Broken(io::ErrorKind::StorageFull));
         let error = full.send(&[down(1, "A")]).unwrap_err();

@@ -5,23 +5,23 @@
 //! devices and lets go of their keys (`uinput_destroy_device`, `input_dev_release_keys`). It does not while the program
 //! is stopped or stands still: for that there is a [guardian](super::guardian).
 
-mod declared;
+mod spec;
 mod node;
-mod part;
-mod ward;
+mod tracked_device;
+mod supervisor;
 
 use std::io;
 
-use declared::{Declared, Kind};
-pub use node::{KernelNode, Node};
-use part::Part;
-pub(super) use part::{centre, let_go};
-use ward::Ward;
+use spec::{DeviceSpec, DeviceKind};
+pub use node::{UinputNode, DeviceNode};
+use tracked_device::TrackedDevice;
+pub(super) use tracked_device::{center_axes, release_key};
+use supervisor::WatchdogSupervisor;
 
-use super::guardian::{Launch, Means};
-use super::{OutputError, Reach, Sink};
-use crate::access::{self, Denied};
-use crate::device::{Action, Need, Needs, OutputEvent};
+use super::watchdog::{WatchdogSettings, ReleaseTarget};
+use super::{OutputError, OutputKind, Sink};
+use crate::advice::{self, AccessDenied};
+use crate::device::{EventKind, Capability, Capabilities, OutputEvent};
 
 const OUTPUT: &str = "uinput";
 
@@ -36,60 +36,60 @@ const NOTHING_BEHIND_NODE: [i32; 2] = [6, 19];
 ///
 /// Each is made only when it is needed, and gets the events of a frame in one system call. The
 /// keyboard does not repeat keys: whoever receives them does.
-pub struct Uinput<N: Node = KernelNode> {
-    needs: Needs,
-    parts: Vec<Part<N>>,
+pub struct Uinput<N: DeviceNode = UinputNode> {
+    needs: Capabilities,
+    parts: Vec<TrackedDevice<N>>,
     /// Which of mouse and pointer has moved last, and takes the buttons. Whoever reads two devices may hear of
     /// the button before the place: a click must come from the device that brought the pointer there.
-    leading: Kind,
+    leading: DeviceKind,
     refused: u64,
-    ward: Option<Ward>,
+    ward: Option<WatchdogSupervisor>,
 }
 
 impl Uinput {
     /// Makes the devices that `needs` ask for; their names are `name` (at most 69 bytes) and what they
     /// are: `Ademan keyboard`, `Ademan mouse`, `Ademan pointer`, `Ademan gamepad`.
-    pub fn open(name: &str, needs: &Needs) -> Result<Self, OutputError> {
+    pub fn open(name: &str, needs: &Capabilities) -> Result<Self, OutputError> {
         if name.is_empty() || name.len() > NAME_LIMIT || name.contains('\0') {
             return Err(refuse(format!(
                 "`{name}` does not do as the name of devices: give 1 to {NAME_LIMIT} bytes"
             )));
         }
-        let node = |declared: &Declared| {
-            KernelNode::open(&format!("{name} {}", declared.kind.name()), declared)
+        let node = |declared: &DeviceSpec| {
+            UinputNode::open(&format!("{name} {}", declared.kind.name()), declared)
         };
         Self::on(needs, node).map_err(|error| refuse(open_reason(&error)))
     }
 
     /// The same with a guardian, which lets go of keys and brings axes back when this program cannot.
-    pub fn open_guarded(name: &str, needs: &Needs, launch: &Launch) -> Result<Self, OutputError> {
+    pub fn open_with_watchdog(name: &str, needs: &Capabilities, launch: &WatchdogSettings) -> Result<Self, OutputError> {
         let mut uinput = Self::open(name, needs)?;
         uinput.guard(launch).map_err(refuse)?;
         Ok(uinput)
     }
 }
 
-impl<N: Node> Uinput<N> {
+impl<N: DeviceNode> Uinput<N> {
     /// On nodes that `open` makes.
-    fn on(needs: &Needs, open: impl Fn(&Declared) -> io::Result<N>) -> io::Result<Self> {
-        let part = |declared: Declared| Ok(Part::new(declared.clone(), open(&declared)?));
-        let parts: io::Result<_> = Declared::of(needs).into_iter().map(part).collect();
+    fn on(needs: &Capabilities, open: impl Fn(&DeviceSpec) -> io::Result<N>) -> io::Result<Self> {
+        let part = |declared: DeviceSpec| Ok(TrackedDevice::new(declared.clone(), open(&declared)?));
+        let parts: io::Result<_> = DeviceSpec::for_capabilities(needs).into_iter().map(part).collect();
         Ok(Self {
             needs: needs.clone(),
             parts: parts?,
-            leading: Kind::Mouse,
+            leading: DeviceKind::Mouse,
             refused: 0,
             ward: None,
         })
     }
 
-    fn guard(&mut self, launch: &Launch) -> Result<(), String> {
+    fn guard(&mut self, launch: &WatchdogSettings) -> Result<(), String> {
         if self.parts.is_empty() {
             return Ok(());
         }
-        let devices: io::Result<_> = self.parts.iter().map(Part::for_guardian).collect();
-        let means = Means::Devices(devices.map_err(|error| error.to_string())?);
-        self.ward = Some(Ward::start(launch, means)?);
+        let devices: io::Result<_> = self.parts.iter().map(TrackedDevice::watchdog_handle).collect();
+        let means = ReleaseTarget::Devices(devices.map_err(|error| error.to_string())?);
+        self.ward = Some(WatchdogSupervisor::start(launch, means)?);
         Ok(())
     }
 
@@ -104,7 +104,7 @@ impl<N: Node> Uinput<N> {
                 .clone()
                 .map_or(Ok(()), |reason| Err(io::Error::other(reason)));
         }
-        let released = self.each(Part::let_go);
+        let released = self.each(TrackedDevice::release_all);
         if let Some(ward) = &mut self.ward {
             ward.replace();
         }
@@ -112,10 +112,10 @@ impl<N: Node> Uinput<N> {
     }
 
     /// Whether the guardian, if there is one, knows of what is about to happen.
-    fn is_guarded(&mut self, action: Action) -> bool {
+    fn is_guarded(&mut self, action: EventKind) -> bool {
         match (&mut self.ward, action) {
-            (Some(ward), Action::KeyDown(key)) => ward.may_go_down(key),
-            (Some(ward), Action::Axis(_, value)) if value != 0.0 => ward.may_be_deflected(),
+            (Some(ward), EventKind::KeyDown(key)) => ward.may_go_down(key),
+            (Some(ward), EventKind::Axis(_, value)) if value != 0.0 => ward.may_be_deflected(),
             _ => true,
         }
     }
@@ -124,26 +124,26 @@ impl<N: Node> Uinput<N> {
         if let Some(ward) = &mut self.ward {
             let parts = &self.parts;
             ward.note_rest(
-                |key| parts.iter().any(|part| part.holds(key)),
-                parts.iter().any(Part::is_deflected),
+                |key| parts.iter().any(|part| part.is_pressed(key)),
+                parts.iter().any(TrackedDevice::is_deflected),
             );
         }
     }
 
     /// Puts an action into the frame of its device; one that is not among the needs is refused.
-    fn take(&mut self, action: Action) -> io::Result<()> {
-        let need = Need::of(action).filter(|need| self.needs.has(*need));
-        let able = |part: &&mut Part<N>| need.is_some_and(|need| part.declared.has(need));
+    fn take(&mut self, action: EventKind) -> io::Result<()> {
+        let need = Capability::required_by(action).filter(|need| self.needs.contains(*need));
+        let able = |part: &&mut TrackedDevice<N>| need.is_some_and(|need| part.declared.has(need));
         let mut able = self.parts.iter_mut().filter(able);
-        if let Action::KeyUp(_) = action {
+        if let EventKind::KeyUp(_) = action {
             // Those that do not hold it ignore it.
-            return able.try_for_each(|part| part.take(action));
+            return able.try_for_each(|part| part.push(action));
         }
-        let is_leading = |part: &&mut Part<N>| part.declared.kind == self.leading;
+        let is_leading = |part: &&mut TrackedDevice<N>| part.declared.kind == self.leading;
         match able.max_by_key(is_leading) {
-            Some(part) => part.take(action),
+            Some(part) => part.push(action),
             None => {
-                self.refused += u64::from(matches!(action, Action::KeyDown(_)));
+                self.refused += u64::from(matches!(action, EventKind::KeyDown(_)));
                 Ok(())
             }
         }
@@ -152,16 +152,16 @@ impl<N: Node> Uinput<N> {
     /// Notes who moves the pointer in a frame, before anything is pressed there.
     fn note_leading(&mut self, events: &[OutputEvent]) {
         for event in events {
-            match event.action {
-                Action::MoveBy(..) => self.leading = Kind::Mouse,
-                Action::MoveTo(..) => self.leading = Kind::Pointer,
+            match event.kind {
+                EventKind::MoveBy(..) => self.leading = DeviceKind::Mouse,
+                EventKind::MoveTo(..) => self.leading = DeviceKind::Pointer,
                 _ => {}
             }
         }
     }
 
     /// Does something with every device, and tells the first failure.
-    fn each(&mut self, call: impl Fn(&mut Part<N>) -> io::Result<()>) -> io::Result<()> {
+    fn each(&mut self, call: impl Fn(&mut TrackedDevice<N>) -> io::Result<()>) -> io::Result<()> {
         let mut outcome = Ok(());
         for part in &mut self.parts {
             outcome = outcome.and(call(part));
@@ -170,37 +170,37 @@ impl<N: Node> Uinput<N> {
     }
 }
 
-impl<N: Node> Sink for Uinput<N> {
+impl<N: DeviceNode> Sink for Uinput<N> {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
         let mut outcome = self.replace_lost_guardian();
         self.note_leading(events);
         for event in events {
-            match self.is_guarded(event.action) {
-                true => outcome = outcome.and(self.take(event.action)),
-                false => self.refused += u64::from(matches!(event.action, Action::KeyDown(_))),
+            match self.is_guarded(event.kind) {
+                true => outcome = outcome.and(self.take(event.kind)),
+                false => self.refused += u64::from(matches!(event.kind, EventKind::KeyDown(_))),
             }
         }
-        outcome = outcome.and(self.each(Part::deliver));
+        outcome = outcome.and(self.each(TrackedDevice::flush));
         self.tell_guardian();
         outcome.map_err(failed)
     }
 
-    fn reach(&self) -> Reach {
-        Reach::Uinput
+    fn kind(&self) -> OutputKind {
+        OutputKind::Uinput
     }
 
     fn close(&mut self) -> Result<(), OutputError> {
-        let outcome = self.each(Part::let_go);
+        let outcome = self.each(TrackedDevice::release_all);
         self.tell_guardian();
         outcome.map_err(failed)
     }
 
-    fn refused_presses(&self) -> u64 {
+    fn dropped_presses(&self) -> u64 {
         self.refused
     }
 }
 
-impl<N: Node> Drop for Uinput<N> {
+impl<N: DeviceNode> Drop for Uinput<N> {
     fn drop(&mut self) {
         let _ = self.close();
     }
@@ -221,7 +221,7 @@ fn failed(error: io::Error) -> OutputError {
 }
 
 /// Whether the node is not there, or nothing behind it.
-pub(crate) fn is_absent(error: &io::Error) -> bool {
+pub(crate) fn is_missing(error: &io::Error) -> bool {
     error.kind() == io::ErrorKind::NotFound
         || error
             .raw_os_error()
@@ -230,11 +230,11 @@ pub(crate) fn is_absent(error: &io::Error) -> bool {
 
 /// Why the node cannot be opened and what to do about it.
 fn open_reason(error: &io::Error) -> String {
-    if is_absent(error) {
-        return access::uinput_absent().to_string();
+    if is_missing(error) {
+        return advice::uinput_not_loaded().to_string();
     }
     if error.kind() == io::ErrorKind::PermissionDenied {
-        return access::uinput_denied(&Denied::Unknown).to_string();
+        return advice::uinput_denied(&AccessDenied::Unknown).to_string();
     }
     format!("/dev/uinput: {error}")
 }

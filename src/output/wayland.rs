@@ -20,12 +20,12 @@ use wayland_client::protocol::wl_pointer::{Axis, AxisSource, ButtonState};
 use wayland_protocols_misc::zwp_virtual_keyboard_v1::client::zwp_virtual_keyboard_v1::ZwpVirtualKeyboardV1;
 use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_v1::ZwlrVirtualPointerV1;
 
-use super::guardian::Means;
-use super::motion::Impulse;
+use super::watchdog::ReleaseTarget;
+use super::pending_motion::StatelessAction;
 use super::worker::Injector;
 use crate::device::{KeyCode, KeyKind};
 use keymap::{CHARACTER_KEY, Keymap};
-use link::Link;
+use link::CompositorConnection;
 
 mod keymap;
 mod link;
@@ -40,8 +40,8 @@ const SCROLL_OF_A_CLICK: f64 = 15.0;
 const EXTENT: u32 = 1 << 16;
 
 /// A keyboard, another one for characters, and a pointer where the compositor has it.
-pub struct Wayland {
-    link: Link,
+pub struct WaylandInjector {
+    link: CompositorConnection,
     keys: ZwpVirtualKeyboardV1,
     keymap: Keymap,
     writer: Option<Writer>,
@@ -58,14 +58,14 @@ struct Writer {
 /// Connects to the compositor with this name, as `WAYLAND_DISPLAY` has it; the pointer has to be there only when
 /// something needs it.
 pub fn connect(name: &OsStr, needs_pointer: bool) -> Result<Box<dyn Injector>, String> {
-    let mut link = Link::open(name)?;
+    let mut link = CompositorConnection::open(name)?;
     let keymap = Keymap::of_seat(link.seat_keymap()?)?;
     let keys = link.make_keyboard()?;
     keymap.give_to(&keys);
     let pointer = link.make_pointer(needs_pointer)?;
     link.wait_until_taken()?;
     thread::sleep(SETTLES);
-    Ok(Box::new(Wayland {
+    Ok(Box::new(WaylandInjector {
         link,
         keys,
         keymap,
@@ -75,7 +75,7 @@ pub fn connect(name: &OsStr, needs_pointer: bool) -> Result<Box<dyn Injector>, S
     }))
 }
 
-impl Wayland {
+impl WaylandInjector {
     /// Milliseconds since the connection was made; they begin again after 49 days, as those of others do.
     fn now(&self) -> u32 {
         self.start.elapsed().as_millis() as u32
@@ -125,21 +125,21 @@ impl Wayland {
         Ok(())
     }
 
-    fn move_pointer(&self, impulse: Impulse) -> Result<(), String> {
+    fn move_pointer(&self, impulse: StatelessAction) -> Result<(), String> {
         let pointer = self.pointer()?;
         let now = self.now();
         let steps = |share: f32| (share * EXTENT as f32) as u32;
         match impulse {
-            Impulse::MoveBy(x, y) => pointer.motion(now, f64::from(x), f64::from(y)),
-            Impulse::MoveTo(x, y) => {
+            StatelessAction::MoveBy(x, y) => pointer.motion(now, f64::from(x), f64::from(y)),
+            StatelessAction::MoveTo(x, y) => {
                 pointer.motion_absolute(now, steps(x), steps(y), EXTENT, EXTENT);
             }
-            Impulse::Scroll(right, up) => {
+            StatelessAction::Scroll(right, up) => {
                 pointer.axis_source(AxisSource::Wheel);
                 turn(pointer, now, Axis::HorizontalScroll, right);
                 turn(pointer, now, Axis::VerticalScroll, -up);
             }
-            Impulse::Write(_) => {}
+            StatelessAction::Write(_) => {}
         }
         pointer.frame();
         Ok(())
@@ -157,35 +157,35 @@ fn turn(pointer: &ZwlrVirtualPointerV1, now: u32, axis: Axis, clicks: i32) {
     }
 }
 
-impl Injector for Wayland {
+impl Injector for WaylandInjector {
     fn inject(&mut self, key: KeyCode, direction: Direction) -> Result<(), String> {
         self.link.listen()?;
         match key.kind() {
-            KeyKind::Key => self.press_key(key, direction),
+            KeyKind::Keyboard => self.press_key(key, direction),
             KeyKind::Mouse => self.press_button(key, direction)?,
-            KeyKind::Pad => return Err("a desktop has no such button".into()),
+            KeyKind::Gamepad => return Err("a desktop has no such button".into()),
         }
         self.link.deliver()
     }
 
-    fn perform(&mut self, impulse: Impulse) -> Result<(), String> {
+    fn perform(&mut self, impulse: StatelessAction) -> Result<(), String> {
         self.link.listen()?;
         match impulse {
-            Impulse::Write(character) => self.write(character)?,
+            StatelessAction::Write(character) => self.write(character)?,
             motion => self.move_pointer(motion)?,
         }
         self.link.deliver()
     }
 
-    fn means(&self) -> Means {
+    fn release_target(&self) -> ReleaseTarget {
         match self.link.handle() {
-            Ok(connection) => Means::Keyboard(connection, self.keys.id().protocol_id()),
-            Err(_) => Means::default(),
+            Ok(connection) => ReleaseTarget::WaylandKeyboard(connection, self.keys.id().protocol_id()),
+            Err(_) => ReleaseTarget::default(),
         }
     }
 }
 
-impl Drop for Wayland {
+impl Drop for WaylandInjector {
     fn drop(&mut self) {
         let keyboards = self.writer.iter().map(|writer| &writer.keyboard);
         for keyboard in keyboards.chain([&self.keys]) {

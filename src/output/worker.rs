@@ -10,12 +10,12 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, never, select};
 use enigo::Direction;
 
-use super::guardian::{BEAT, Guard, Lost, Means};
-use super::held::Held;
-use super::motion::Impulse;
-use super::{RETRIES, RETRY_PAUSE};
+use super::watchdog::{HEARTBEAT_INTERVAL, WatchdogClient, WatchdogLost, ReleaseTarget};
+use super::pressed_keys::PressedKeys;
+use super::pending_motion::StatelessAction;
+use super::{RETRIES, RETRY_DELAY};
 use crate::device::KeyCode;
-use crate::time::FOR_EVER;
+use crate::time::NO_DEADLINE;
 
 /// Puts keys and buttons down and up, and does what leaves nothing down; one end of a connection to a display, or a stand-in for it.
 pub trait Injector {
@@ -23,11 +23,11 @@ pub trait Injector {
     fn inject(&mut self, key: KeyCode, direction: Direction) -> Result<(), String>;
 
     /// Does something that is over then.
-    fn perform(&mut self, impulse: Impulse) -> Result<(), String>;
+    fn perform(&mut self, impulse: StatelessAction) -> Result<(), String>;
 
     /// What a guardian needs to let go of the keys that this has put down.
-    fn means(&self) -> Means {
-        Means::default()
+    fn release_target(&self) -> ReleaseTarget {
+        ReleaseTarget::default()
     }
 }
 
@@ -36,21 +36,21 @@ impl Injector for Box<dyn Injector> {
         (**self).inject(key, direction)
     }
 
-    fn perform(&mut self, impulse: Impulse) -> Result<(), String> {
+    fn perform(&mut self, impulse: StatelessAction) -> Result<(), String> {
         (**self).perform(impulse)
     }
 
-    fn means(&self) -> Means {
-        (**self).means()
+    fn release_target(&self) -> ReleaseTarget {
+        (**self).release_target()
     }
 }
 
 /// What the loop wants.
 #[derive(Clone, Copy)]
-pub enum Order {
+pub enum WorkerRequest {
     Press(KeyCode),
     Release(KeyCode),
-    Once(Impulse),
+    Perform(StatelessAction),
 }
 
 /// How long the loop may not have called while something is down; after that the guardian is no longer told
@@ -59,11 +59,11 @@ const LOOP_LIMIT: Duration = Duration::from_secs(1);
 
 /// What the thread has to say, each once, and what the loop tells it.
 #[derive(Default)]
-pub struct Report {
+pub struct WorkerStatus {
     pub failure: OnceLock<String>,
-    pub stuck: OnceLock<String>,
+    pub stuck_keys: OnceLock<String>,
     /// How often the loop has called: it is alive.
-    pub calls: AtomicU64,
+    pub loop_calls: AtomicU64,
 }
 
 /// The thread's side: what it has put down, and where.
@@ -71,9 +71,9 @@ pub struct Worker<'a, C> {
     /// What it does that with.
     pub injector: C,
     /// The account of it; a guardian puts there what somebody else has pressed.
-    pub held: Held,
-    report: &'a Report,
-    guard: Option<Guard>,
+    pub pressed: PressedKeys,
+    report: &'a WorkerStatus,
+    guard: Option<WatchdogClient>,
     /// Whether the guardian did not take what it was told.
     is_guard_deaf: bool,
     pulse: Pulse,
@@ -87,11 +87,11 @@ struct Pulse {
 }
 
 impl<'a, C: Injector> Worker<'a, C> {
-    pub fn new(injector: C, report: &'a Report) -> Self {
+    pub fn new(injector: C, report: &'a WorkerStatus) -> Self {
         let now = Instant::now();
         Self {
             injector,
-            held: Held::default(),
+            pressed: PressedKeys::default(),
             report,
             guard: None,
             is_guard_deaf: false,
@@ -104,17 +104,17 @@ impl<'a, C: Injector> Worker<'a, C> {
     }
 
     /// The same with a guardian that is told of everything that goes down.
-    pub fn with_guard(mut self, guard: Option<Guard>) -> Self {
+    pub fn with_watchdog(mut self, guard: Option<WatchdogClient>) -> Self {
         self.guard = guard;
         self
     }
 
     /// Follows orders until there will be no more, then lets go of everything.
-    pub fn work(mut self, queue: &Receiver<Order>, connect: impl FnMut() -> Result<C, String>) {
+    pub fn run(mut self, queue: &Receiver<WorkerRequest>, connect: impl FnMut() -> Result<C, String>) {
         let mut gone = self
             .guard
             .as_ref()
-            .map_or_else(never, |guard| guard.gone().clone());
+            .map_or_else(never, |guard| guard.exited().clone());
         loop {
             select! {
                 recv(queue) -> order => match order {
@@ -132,31 +132,31 @@ impl<'a, C: Injector> Worker<'a, C> {
                 gone = self.replace_guard();
             }
         }
-        self.let_go(connect);
+        self.finish(connect);
     }
 
     /// Lets go of everything, if need be on another connection: this one may be gone while the display, and
     /// what is down on it, is still there.
-    pub fn let_go(&mut self, mut connect: impl FnMut() -> Result<C, String>) {
+    pub fn finish(&mut self, mut connect: impl FnMut() -> Result<C, String>) {
         self.release_all();
-        if self.held.is_empty() {
+        if self.pressed.is_empty() {
             return;
         }
         if let Ok(injector) = connect() {
             self.injector = injector;
             self.release_all();
         }
-        let stuck: Vec<_> = self.held.release_order().map(KeyCode::name).collect();
+        let stuck: Vec<_> = self.pressed.release_order().map(KeyCode::name).collect();
         if !stuck.is_empty() {
-            let _ = self.report.stuck.set(stuck.join(", "));
+            let _ = self.report.stuck_keys.set(stuck.join(", "));
         }
     }
 
     /// How long to wait for an order: a guardian wants signs of life while something is down.
     fn patience(&self) -> Duration {
-        match self.guard.is_some() && !self.held.is_empty() {
-            true => BEAT.saturating_sub(self.pulse.beat.elapsed()),
-            false => FOR_EVER,
+        match self.guard.is_some() && !self.pressed.is_empty() {
+            true => HEARTBEAT_INTERVAL.saturating_sub(self.pulse.beat.elapsed()),
+            false => NO_DEADLINE,
         }
     }
 
@@ -165,18 +165,18 @@ impl<'a, C: Injector> Worker<'a, C> {
             return;
         };
         let now = Instant::now();
-        let calls = self.report.calls.load(Ordering::Relaxed);
+        let calls = self.report.loop_calls.load(Ordering::Relaxed);
         // Nothing can be expected of a loop that holds nothing down.
-        if calls != self.pulse.calls || self.held.is_empty() {
+        if calls != self.pulse.calls || self.pressed.is_empty() {
             self.pulse.calls = calls;
             self.pulse.called = now;
         }
-        if self.held.is_empty() || now - self.pulse.beat < BEAT {
+        if self.pressed.is_empty() || now - self.pulse.beat < HEARTBEAT_INTERVAL {
             return;
         }
         self.pulse.beat = now;
         if now - self.pulse.called < LOOP_LIMIT {
-            self.is_guard_deaf |= guard.beat().is_err();
+            self.is_guard_deaf |= guard.send_heartbeat().is_err();
         }
     }
 
@@ -188,8 +188,8 @@ impl<'a, C: Injector> Worker<'a, C> {
         let Some(guard) = &mut self.guard else {
             return never();
         };
-        match guard.replace() {
-            Ok(()) => guard.gone().clone(),
+        match guard.restart() {
+            Ok(()) => guard.exited().clone(),
             Err(reason) => {
                 self.guard = None;
                 self.fail(&reason);
@@ -200,40 +200,40 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Tells the guardian of a key; whether it took that.
     fn note(&mut self, key: KeyCode, direction: Direction) -> bool {
-        self.tell(|guard| guard.note(key, direction))
+        self.tell(|guard| guard.report_key(key, direction))
     }
 
     /// Tells it whether a character is being written; whether it took that.
     fn note_writing(&mut self, is_writing: bool) -> bool {
-        self.tell(|guard| guard.note_writing(is_writing))
+        self.tell(|guard| guard.report_text(is_writing))
     }
 
-    fn tell(&mut self, word: impl FnOnce(&Guard) -> Result<(), Lost>) -> bool {
+    fn tell(&mut self, word: impl FnOnce(&WatchdogClient) -> Result<(), WatchdogLost>) -> bool {
         let is_told = self.guard.as_ref().is_none_or(|guard| word(guard).is_ok());
         self.is_guard_deaf |= !is_told;
         is_told
     }
 
-    fn follow(&mut self, order: Order) {
+    fn follow(&mut self, order: WorkerRequest) {
         match order {
-            Order::Release(key) => self.release(key),
+            WorkerRequest::Release(key) => self.release(key),
             _ if self.report.failure.get().is_some() => {}
-            Order::Press(key) => {
+            WorkerRequest::Press(key) => {
                 // A key that no guardian knows of could stay down.
                 if !self.note(key, Direction::Press) {
                     return;
                 }
                 // Noted first: a press that failed may have arrived all the same.
-                self.held.press(key);
+                self.pressed.press(key);
                 self.inject(key, Direction::Press);
             }
-            Order::Once(Impulse::Write(_)) if !self.note_writing(true) => {}
+            WorkerRequest::Perform(StatelessAction::Write(_)) if !self.note_writing(true) => {}
             // Tried once: what failed may have arrived, and a second one would be one too many.
-            Order::Once(impulse) => {
+            WorkerRequest::Perform(impulse) => {
                 if let Err(reason) = self.injector.perform(impulse) {
                     self.fail(&reason);
                 }
-                if let Impulse::Write(_) = impulse {
+                if let StatelessAction::Write(_) = impulse {
                     self.note_writing(false);
                 }
             }
@@ -246,14 +246,14 @@ impl<'a, C: Injector> Worker<'a, C> {
     }
 
     fn release(&mut self, key: KeyCode) {
-        if self.held.contains(key) && self.inject(key, Direction::Release) {
-            self.held.release(key);
+        if self.pressed.contains(key) && self.inject(key, Direction::Release) {
+            self.pressed.release(key);
             self.note(key, Direction::Release);
         }
     }
 
     fn release_all(&mut self) {
-        for key in self.held.clone().release_order() {
+        for key in self.pressed.clone().release_order() {
             self.release(key);
         }
     }
@@ -270,7 +270,7 @@ impl<'a, C: Injector> Worker<'a, C> {
             if outcome.is_ok() {
                 break;
             }
-            thread::sleep(RETRY_PAUSE);
+            thread::sleep(RETRY_DELAY);
             outcome = self.injector.inject(key, direction);
         }
         if let Err(reason) = &outcome {

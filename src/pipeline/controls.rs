@@ -1,11 +1,11 @@
 //! What there is to be touched, and what comes of it.
 
-use super::Frame;
+use super::StepOutput;
 use super::drifting::Drifting;
-use crate::contact::place::Drift;
+use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
 use crate::contact::{ContactTracker, TargetNames, Touches};
-use crate::device::{Action, Events, Out, OutputEvent, Seen, Switchboard, VirtualDevice};
+use crate::device::{EventKind, Events, DeviceOutput, OutputEvent, DeviceInput, KeyArbiter, VirtualDevice};
 use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
@@ -13,18 +13,18 @@ use crate::time::Timestamp;
 /// Brings what comes up before what goes down: each device keeps that order, but one knows nothing of
 /// the next. A code that went down in the same frame stays where it is; times do not go back.
 fn put_releases_first(events: &mut [OutputEvent]) {
-    let is_down = |event: &OutputEvent| matches!(event.action, Action::KeyDown(_));
+    let is_down = |event: &OutputEvent| matches!(event.kind, EventKind::KeyDown(_));
     let Some(mut first_down) = events.iter().position(is_down) else {
         return;
     };
     for place in first_down + 1..events.len() {
-        let Action::KeyUp(code) = events[place].action else {
+        let EventKind::KeyUp(code) = events[place].kind else {
             continue;
         };
-        let own = Action::KeyDown(code);
+        let own = EventKind::KeyDown(code);
         if events[first_down..place]
             .iter()
-            .any(|event| event.action == own)
+            .any(|event| event.kind == own)
         {
             continue;
         }
@@ -38,18 +38,18 @@ fn put_releases_first(events: &mut [OutputEvent]) {
 }
 
 /// The controls of one layout, for both hands.
-pub struct Controls {
+pub struct LayoutInstance {
     pub(super) scene: Scene,
     names: TargetNames,
     trackers: [ContactTracker; Side::COUNT],
-    switchboard: Switchboard,
+    switchboard: KeyArbiter,
     devices: Vec<Box<dyn VirtualDevice>>,
     /// Which layout of the setup each place of a [`Request::Profile`](crate::device::Request) means.
     profiles: Vec<usize>,
     pub(super) drifting: Drifting,
 }
 
-impl Controls {
+impl LayoutInstance {
     /// Controls that have not seen a hand yet: a fingertip that is in one of them at first has to come
     /// out before it touches anything.
     ///
@@ -59,7 +59,7 @@ impl Controls {
             trackers: [ContactTracker::new(&scene), ContactTracker::new(&scene)],
             scene,
             names,
-            switchboard: Switchboard::default(),
+            switchboard: KeyArbiter::default(),
             devices,
             profiles: Vec::new(),
             drifting: Drifting::default(),
@@ -70,7 +70,7 @@ impl Controls {
     #[must_use]
     pub fn with_texts(self, texts: Vec<String>) -> Self {
         Self {
-            switchboard: Switchboard::new(texts),
+            switchboard: KeyArbiter::new(texts),
             ..self
         }
     }
@@ -84,7 +84,7 @@ impl Controls {
 
     /// The same with boards that creep under a resting hand: board `i` as `drifts[i]` says.
     #[must_use]
-    pub fn with_drifts(self, drifts: impl IntoIterator<Item = Option<Drift>>) -> Self {
+    pub fn with_auto_recenter(self, drifts: impl IntoIterator<Item = Option<AutoRecenter>>) -> Self {
         Self {
             drifting: Drifting::new(drifts),
             ..self
@@ -92,7 +92,7 @@ impl Controls {
     }
 
     /// What the targets are called.
-    pub fn names(&self) -> &TargetNames {
+    pub fn target_names(&self) -> &TargetNames {
         &self.names
     }
 
@@ -122,19 +122,19 @@ impl Controls {
     /// dropped; how many that were.
     pub(super) fn update(
         &mut self,
-        frame: &Frame,
+        frame: &StepOutput,
         only_point: [bool; Side::COUNT],
         events: &mut Events,
     ) -> u64 {
-        self.switchboard.let_only_point(only_point);
-        let seen = Seen {
+        self.switchboard.set_pointing_hands(only_point);
+        let seen = DeviceInput {
             scene: &self.scene,
             angles: &frame.angles,
             pose: &frame.pose,
             touches: &frame.touches,
         };
-        let mut out = Out {
-            switchboard: &mut self.switchboard,
+        let mut out = DeviceOutput {
+            arbiter: &mut self.switchboard,
             events,
         };
         let first = out.events.len();
@@ -144,7 +144,7 @@ impl Controls {
         if self.devices.len() > 1 {
             put_releases_first(&mut events[first..]);
         }
-        self.switchboard.take_dropped()
+        self.switchboard.take_dropped_presses()
     }
 
     /// Ends every touch and lets go of everything.
@@ -154,8 +154,8 @@ impl Controls {
         }
         self.drifting.forget();
         self.switchboard.release_all(time, events);
-        let mut out = Out {
-            switchboard: &mut self.switchboard,
+        let mut out = DeviceOutput {
+            arbiter: &mut self.switchboard,
             events,
         };
         for device in &mut self.devices {
@@ -173,9 +173,9 @@ mod tests {
         let code: KeyCode = text[1..].parse().unwrap();
         OutputEvent {
             time: Timestamp(time),
-            action: match text.as_bytes()[0] {
-                b'+' => Action::KeyDown(code),
-                _ => Action::KeyUp(code),
+            kind: match text.as_bytes()[0] {
+                b'+' => EventKind::KeyDown(code),
+                _ => EventKind::KeyUp(code),
             },
         }
     }
@@ -185,9 +185,9 @@ mod tests {
         let mut events: Vec<_> = words.map(|(time, word)| event(time as u64, word)).collect();
         put_releases_first(&mut events);
         assert!(events.windows(2).all(|pair| pair[0].time <= pair[1].time));
-        let told = events.iter().map(|event| match event.action {
-            Action::KeyDown(code) => format!("+{code}"),
-            Action::KeyUp(code) => format!("-{code}"),
+        let told = events.iter().map(|event| match event.kind {
+            EventKind::KeyDown(code) => format!("+{code}"),
+            EventKind::KeyUp(code) => format!("-{code}"),
             _ => unreachable!(),
         });
         told.collect::<Vec<_>>().join(" ")

@@ -6,9 +6,9 @@ use parry3d::math::{Vec2, Vec3};
 
 use super::moves::GUIDE;
 use crate::contact::hit_test;
-use crate::contact::place::Drift;
+use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::{Scene, Surface};
-use crate::contact::tracker::believed_fingertip;
+use crate::contact::tracker::trusted_fingertip;
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
@@ -35,7 +35,7 @@ pub(super) struct Drifting {
 struct Board {
     /// The number of its surface.
     place: usize,
-    drift: Drift,
+    drift: AutoRecenter,
     /// How far it has crept along its X and Y, in metres.
     crept: Vec2,
 }
@@ -50,8 +50,8 @@ struct Hand {
 
 impl Drifting {
     /// Board `i` drifts as `drifts[i]` says.
-    pub fn new(drifts: impl IntoIterator<Item = Option<Drift>>) -> Self {
-        let board = |(place, drift): (usize, Option<Drift>)| {
+    pub fn new(drifts: impl IntoIterator<Item = Option<AutoRecenter>>) -> Self {
+        let board = |(place, drift): (usize, Option<AutoRecenter>)| {
             Some(Board {
                 place,
                 drift: drift?,
@@ -93,11 +93,11 @@ impl Drifting {
             }
             return;
         }
-        let (Some(since), Some(tip)) = (rests_since, believed_fingertip(pose, GUIDE)) else {
+        let (Some(since), Some(tip)) = (rests_since, trusted_fingertip(pose, GUIDE)) else {
             return;
         };
         for board in &mut self.boards {
-            if pose.time.since(since) >= board.drift.after {
+            if pose.time.since(since) >= board.drift.delay {
                 board.creep(scene, pose, tip, elapsed.min(LONGEST_FRAME));
             }
         }
@@ -107,7 +107,7 @@ impl Drifting {
 impl Hand {
     /// Takes note of whether the hand rests; the time since it was seen before.
     fn follow(&mut self, pose: &HandPose) -> Duration {
-        let tip = believed_fingertip(pose, GUIDE);
+        let tip = trusted_fingertip(pose, GUIDE);
         let last = self.last;
         self.last = tip.map(|tip| (pose.time, tip));
         let (Some(tip), Some((time, before))) = (tip, last) else {
@@ -132,15 +132,15 @@ impl Board {
         let Some(world_from_board) = surface.world_from_surface(pose) else {
             return;
         };
-        let off = world_from_board.inverse_transform_point(tip) - surface.middle();
+        let off = world_from_board.inverse_transform_point(tip) - surface.center();
         let step = off
             .truncate()
             .clamp_length_max(self.drift.speed * elapsed.as_secs_f32());
-        let crept = (self.crept + step).clamp_length_max(self.drift.limit);
+        let crept = (self.crept + step).clamp_length_max(self.drift.max_offset);
         let mut moved = surface.anchor_from_surface();
         moved.translation += moved.rotation * (crept - self.crept).extend(0.0);
         self.crept = crept;
-        scene.put(self.place, moved);
+        scene.set_surface_pose(self.place, moved);
     }
 }
 
@@ -152,7 +152,7 @@ fn is_near(scene: &Scene, pose: &HandPose) -> bool {
         };
         let mut tips = Finger::ALL
             .iter()
-            .filter_map(|&finger| believed_fingertip(pose, finger));
+            .filter_map(|&finger| trusted_fingertip(pose, finger));
         tips.any(|tip| {
             let centre = world_from_surface.inverse_transform_point(tip);
             hit_test::is_near_a_target(surface, centre, pose.tip_radius, CLEARANCE)

@@ -3,10 +3,10 @@
 
 use std::time::Duration;
 
-use super::rights::{Part, Rights, Role};
-use crate::device::{Action, Events, KeyCode, OutputEvent};
-use crate::monitor::Withheld;
-use crate::output::held::Held;
+use super::rights::{Part, SourcePermissions, SourceRole};
+use crate::device::{EventKind, Events, KeyCode, OutputEvent};
+use crate::snapshot::Suppressed;
+use crate::output::pressed_keys::PressedKeys;
 use crate::time::Timestamp;
 
 /// What one press costs.
@@ -14,12 +14,12 @@ const PRESS: u64 = 1_000_000;
 
 /// How many presses may come in a second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PressLimit {
+pub struct PressRateLimit {
     /// For as long as one likes; half as many may come at once.
     pub per_second: u32,
 }
 
-impl PressLimit {
+impl PressRateLimit {
     /// For sources at this machine: 720 words a minute, more than anybody types.
     pub const LOCAL: Self = Self { per_second: 60 };
 
@@ -35,13 +35,13 @@ impl PressLimit {
 /// Presses that a source may still make: a bucket into which they drip, and which holds half a second of them.
 #[derive(Clone, Copy, Debug)]
 struct Allowance {
-    limit: PressLimit,
+    limit: PressRateLimit,
     level: u64,
     since: Timestamp,
 }
 
 impl Allowance {
-    fn new(limit: PressLimit) -> Self {
+    fn new(limit: PressRateLimit) -> Self {
         Self {
             limit,
             level: limit.most(),
@@ -64,15 +64,15 @@ impl Allowance {
 /// What is known of a source.
 #[derive(Clone, Copy, Debug)]
 struct Origin {
-    role: Role,
+    role: SourceRole,
     allowance: Allowance,
 }
 
 impl Origin {
-    fn new(rights: Rights) -> Self {
+    fn new(rights: SourcePermissions) -> Self {
         Self {
             role: rights.role,
-            allowance: Allowance::new(rights.presses),
+            allowance: Allowance::new(rights.rate_limit),
         }
     }
 }
@@ -83,24 +83,24 @@ pub(super) struct Gate {
     /// At least one.
     sources: Vec<Origin>,
     lets_system_keys: bool,
-    down: Held,
-    withheld: Withheld,
+    down: PressedKeys,
+    withheld: Suppressed,
 }
 
 impl Gate {
     /// For one source; system keys are those of [`KeyCode::is_of_system`] and what some keys become with
     /// Control and Alt.
-    pub(super) fn new(rights: Rights, lets_system_keys: bool) -> Self {
+    pub(super) fn new(rights: SourcePermissions, lets_system_keys: bool) -> Self {
         Self {
             sources: vec![Origin::new(rights)],
             lets_system_keys,
-            down: Held::default(),
-            withheld: Withheld::default(),
+            down: PressedKeys::default(),
+            withheld: Suppressed::default(),
         }
     }
 
     /// The same with another source; the place of it is the number of those before it.
-    pub(super) fn add_source(&mut self, rights: Rights) {
+    pub(super) fn add_source(&mut self, rights: SourcePermissions) {
         self.sources.push(Origin::new(rights));
     }
 
@@ -112,26 +112,26 @@ impl Gate {
         let mut written = None;
         for place in first..events.len() {
             let event = events[place];
-            let may = match event.action {
-                Action::KeyUp(key) => self.down.release(key),
+            let may = match event.kind {
+                EventKind::KeyUp(key) => self.down.release(key),
                 action if !self.is_of_role(source, action) => false,
-                Action::KeyDown(key) if self.acts_on_system(key) => {
-                    self.withheld.of_system += 1;
+                EventKind::KeyDown(key) if self.acts_on_system(key) => {
+                    self.withheld.system_keys += 1;
                     false
                 }
                 // The text of one key is one press.
-                Action::Write(_) if is_within && written == Some(event.time) => true,
-                Action::KeyDown(_) | Action::Write(_) => {
+                EventKind::Character(_) if is_within && written == Some(event.time) => true,
+                EventKind::KeyDown(_) | EventKind::Character(_) => {
                     let may = is_within && self.has_room(source, &event);
-                    self.withheld.too_many += u64::from(!may);
+                    self.withheld.rate_limited += u64::from(!may);
                     is_within &= may;
                     may
                 }
                 _ => true,
             };
-            match event.action {
-                Action::KeyDown(key) if may => _ = self.down.press(key),
-                Action::Write(_) => written = Some(event.time),
+            match event.kind {
+                EventKind::KeyDown(key) if may => _ = self.down.press(key),
+                EventKind::Character(_) => written = Some(event.time),
                 _ => {}
             }
             if may {
@@ -146,7 +146,7 @@ impl Gate {
     /// Whether keys may come of a source.
     pub(super) fn types(&self, source: usize) -> bool {
         let last = self.sources.len() - 1;
-        self.sources[source.min(last)].role.types()
+        self.sources[source.min(last)].role.allows_keys()
     }
 
     /// Adds keys that were withheld by the role of a source before they came here.
@@ -155,7 +155,7 @@ impl Gate {
     }
 
     /// The account of what was not let out.
-    pub(super) fn withheld(&self) -> Withheld {
+    pub(super) fn withheld(&self) -> Suppressed {
         self.withheld
     }
 
@@ -166,7 +166,7 @@ impl Gate {
     }
 
     /// Whether the role of the source allows this; counted where not.
-    fn is_of_role(&mut self, source: usize, action: Action) -> bool {
+    fn is_of_role(&mut self, source: usize, action: EventKind) -> bool {
         let Some(part) = Part::of(action) else {
             return true;
         };
@@ -192,8 +192,8 @@ impl Gate {
             let mut held = self.down.release_order();
             held.any(|held| names.contains(&held.name()))
         };
-        key.is_of_system()
-            || (key.is_of_system_with_control_and_alt()
+        key.is_system_key()
+            || (key.is_system_key_with_ctrl_alt()
                 && is_down(["ControlLeft", "ControlRight"])
                 && is_down(["AltLeft", "AltRight"]))
     }
@@ -208,33 +208,33 @@ mod tests {
     fn event(milliseconds: u64, line: &str) -> OutputEvent {
         let (what, name) = line.split_once(' ').unwrap();
         let action = match what {
-            "down" => Action::KeyDown(name.parse().unwrap()),
-            "up" => Action::KeyUp(name.parse().unwrap()),
-            "write" => Action::Write(name.chars().next().unwrap()),
+            "down" => EventKind::KeyDown(name.parse().unwrap()),
+            "up" => EventKind::KeyUp(name.parse().unwrap()),
+            "write" => EventKind::Character(name.chars().next().unwrap()),
             _ => panic!("{what}"),
         };
         OutputEvent {
             time: Timestamp(milliseconds * 1_000),
-            action,
+            kind: action,
         }
     }
 
     fn pass(gate: &mut Gate, milliseconds: u64, lines: &[&str]) -> (bool, Vec<String>) {
         let mut events: Events = lines.iter().map(|line| event(milliseconds, line)).collect();
         let is_within = gate.pass(0, 0, &mut events);
-        let written = events.iter().map(|event| match event.action {
-            Action::KeyDown(key) => format!("down {key}"),
-            Action::KeyUp(key) => format!("up {key}"),
-            Action::Write(character) => format!("write {character}"),
+        let written = events.iter().map(|event| match event.kind {
+            EventKind::KeyDown(key) => format!("down {key}"),
+            EventKind::KeyUp(key) => format!("up {key}"),
+            EventKind::Character(character) => format!("write {character}"),
             _ => panic!("{event:?}"),
         });
         (is_within, written.collect())
     }
 
-    fn rights(per_second: u32) -> Rights {
-        Rights {
-            role: Role::Both,
-            presses: PressLimit { per_second },
+    fn rights(per_second: u32) -> SourcePermissions {
+        SourcePermissions {
+            role: SourceRole::Both,
+            rate_limit: PressRateLimit { per_second },
         }
     }
 
@@ -255,7 +255,7 @@ mod tests {
         assert_eq!(taps(&mut gate, 1_049, 1), 0);
         assert_eq!(taps(&mut gate, 1_050, 2), 1);
         assert_eq!(taps(&mut gate, 60_000, 12), 10);
-        assert_eq!(gate.withheld().too_many, 2 + 1 + 1 + 2);
+        assert_eq!(gate.withheld().rate_limited, 2 + 1 + 1 + 2);
     }
 
     #[test]
@@ -290,8 +290,8 @@ mod tests {
             assert_eq!(pass(&mut gate, 1, &[&down]).1.len(), 0, "{key}");
         }
         assert_eq!(pass(&mut gate, 1, &["down A"]).1, ["down A"]);
-        assert_eq!(gate.withheld().of_system, 4);
-        let mut gate = Gate::new(Rights::LOCAL, true);
+        assert_eq!(gate.withheld().system_keys, 4);
+        let mut gate = Gate::new(SourcePermissions::LOCAL, true);
         assert_eq!(pass(&mut gate, 1, &["down MetaLeft"]).1, ["down MetaLeft"]);
     }
 
@@ -311,19 +311,19 @@ mod tests {
     }
 
     /// What goes out of this, at once, by each role.
-    fn let_out(role: Role, actions: &[Action]) -> (Vec<Action>, Withheld) {
-        let rights = Rights {
+    fn let_out(role: SourceRole, actions: &[EventKind]) -> (Vec<EventKind>, Suppressed) {
+        let rights = SourcePermissions {
             role,
-            ..Rights::LOCAL
+            ..SourcePermissions::LOCAL
         };
         let mut gate = Gate::new(rights, false);
         let event = |&action| OutputEvent {
             time: Timestamp(1),
-            action,
+            kind: action,
         };
         let mut events: Events = actions.iter().map(event).collect();
         assert!(gate.pass(0, 0, &mut events), "a role is no haste");
-        let out = events.iter().map(|event| event.action).collect();
+        let out = events.iter().map(|event| event.kind).collect();
         (out, gate.withheld())
     }
 
@@ -331,57 +331,57 @@ mod tests {
     fn a_pointer_presses_no_keys_and_what_is_for_keys_does_not_point() {
         let code = |name: &str| name.parse().unwrap();
         let typing = [
-            Action::KeyDown(code("A")),
-            Action::KeyDown(code("ShiftLeft")),
-            Action::Write('ñ'),
+            EventKind::KeyDown(code("A")),
+            EventKind::KeyDown(code("ShiftLeft")),
+            EventKind::Character('ñ'),
         ];
         let pointing = [
-            Action::KeyDown(code("MouseLeft")),
-            Action::KeyDown(code("PadSouth")),
-            Action::MoveBy(3, -4),
-            Action::MoveTo(0.5, 0.5),
-            Action::Scroll(0, 120),
-            Action::Axis(Axis::LeftX, 0.4),
+            EventKind::KeyDown(code("MouseLeft")),
+            EventKind::KeyDown(code("PadSouth")),
+            EventKind::MoveBy(3, -4),
+            EventKind::MoveTo(0.5, 0.5),
+            EventKind::Scroll(0, 120),
+            EventKind::Axis(Axis::LeftX, 0.4),
         ];
         let all = [&typing[..], &pointing].concat();
-        let withheld = |keys_by_role, pointing_by_role| Withheld {
+        let withheld = |keys_by_role, pointing_by_role| Suppressed {
             keys_by_role,
             pointing_by_role,
-            ..Withheld::default()
+            ..Suppressed::default()
         };
-        let (out, count) = let_out(Role::Pointer, &all);
+        let (out, count) = let_out(SourceRole::Pointer, &all);
         assert_eq!((&out[..], count), (&pointing[..], withheld(3, 0)));
-        let (out, count) = let_out(Role::Keys, &all);
+        let (out, count) = let_out(SourceRole::Keys, &all);
         assert_eq!((&out[..], count), (&typing[..], withheld(0, 6)));
-        assert_eq!(let_out(Role::Both, &all), (all, withheld(0, 0)));
+        assert_eq!(let_out(SourceRole::Both, &all), (all, withheld(0, 0)));
     }
 
     #[test]
     fn what_any_source_may_do_is_up_to_no_role() {
         let target = TargetId(0);
         let actions = [
-            Action::Axis(Axis::MoveZ, 0.0),
-            Action::Axis(Axis::MoveZ, -0.0),
-            Action::Depth(target, 1.0),
-            Action::Value(target, 1.0),
-            Action::Select(target),
-            Action::Unselect(target),
-            Action::Ask(Request::Pause),
+            EventKind::Axis(Axis::MoveZ, 0.0),
+            EventKind::Axis(Axis::MoveZ, -0.0),
+            EventKind::Depth(target, 1.0),
+            EventKind::Value(target, 1.0),
+            EventKind::Select(target),
+            EventKind::Unselect(target),
+            EventKind::Ask(Request::Pause),
         ];
-        for role in Role::ALL {
-            let nothing = Withheld::default();
+        for role in SourceRole::ALL {
+            let nothing = Suppressed::default();
             assert_eq!(let_out(role, &actions), (actions.to_vec(), nothing));
         }
     }
 
     #[test]
     fn each_source_has_a_role_of_its_own_and_releases_have_none() {
-        let with = |role| Rights {
+        let with = |role| SourcePermissions {
             role,
-            ..Rights::LOCAL
+            ..SourcePermissions::LOCAL
         };
-        let mut gate = Gate::new(with(Role::Keys), false);
-        gate.add_source(with(Role::Pointer));
+        let mut gate = Gate::new(with(SourceRole::Keys), false);
+        gate.add_source(with(SourceRole::Pointer));
         let mut pass = |source, lines: &[&str]| {
             let mut events: Events = lines.iter().map(|line| event(1, line)).collect();
             gate.pass(source, 0, &mut events);
@@ -398,8 +398,8 @@ mod tests {
     #[test]
     fn what_a_role_withholds_costs_no_press() {
         let mut gate = Gate::new(
-            Rights {
-                role: Role::Pointer,
+            SourcePermissions {
+                role: SourceRole::Pointer,
                 ..rights(2)
             },
             false,
@@ -410,7 +410,7 @@ mod tests {
             pass(&mut gate, 1, &["down MouseLeft"]),
             (true, vec!["down MouseLeft".to_owned()])
         );
-        assert_eq!(gate.withheld().too_many, 0);
+        assert_eq!(gate.withheld().rate_limited, 0);
     }
 
     #[test]

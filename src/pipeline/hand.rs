@@ -1,6 +1,6 @@
 //! One hand on its way from readings to poses.
 
-use super::Frame;
+use super::StepOutput;
 use crate::contact::Touches;
 use crate::estimate::{Estimator, JointAngles};
 use crate::hand::Side;
@@ -12,7 +12,7 @@ pub(super) struct Hand {
     pub(super) estimator: Estimator,
     pub(super) arm: ArmModel,
     /// The latest, in place: it is too large to be passed around for nothing.
-    pub(super) frame: Frame,
+    pub(super) frame: StepOutput,
     /// When the last reading came that became a pose; `None` when none is expected.
     pub(super) last_accepted: Option<Timestamp>,
     /// Whether the latest pose was off all controls.
@@ -27,9 +27,9 @@ const REFUSALS: u8 = 3;
 
 impl Hand {
     pub(super) fn new(estimator: Estimator, arm: ArmModel) -> Self {
-        let angles = JointAngles::at(Timestamp::default());
+        let angles = JointAngles::new(Timestamp::default());
         Self {
-            frame: Frame {
+            frame: StepOutput {
                 angles,
                 pose: arm.forward(&angles),
                 touches: Touches::new(),

@@ -2,10 +2,10 @@
 
 use parry3d::math::{Pose, Rot3, Vec3};
 
-use super::Controls;
-use crate::contact::place::Place;
+use super::LayoutInstance;
+use crate::contact::board_pose::BoardPose;
 use crate::contact::surface::Surface;
-use crate::contact::tracker::believed_fingertip;
+use crate::contact::tracker::trusted_fingertip;
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
 
@@ -14,7 +14,7 @@ pub(super) const GUIDE: Finger = Finger::Index;
 
 /// Why boards stay where they are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Refusal {
+pub enum CommandError {
     /// Readings stay away, or have not come yet.
     #[error("no hand is seen: hold it where the boards are to go, and ask again")]
     NoHand,
@@ -63,11 +63,11 @@ impl Move<'_> {
     }
 }
 
-impl Controls {
+impl LayoutInstance {
     /// Where each board is.
-    pub fn places(&self) -> impl Iterator<Item = Place> {
+    pub fn places(&self) -> impl Iterator<Item = BoardPose> {
         let surfaces = self.scene.surfaces().iter();
-        surfaces.map(|surface| Place::of(&surface.anchor_from_surface()))
+        surfaces.map(|surface| BoardPose::from_pose(&surface.anchor_from_surface()))
     }
 
     /// Puts the boards where those of `other` are, one by one; nothing where they are not as many.
@@ -76,37 +76,37 @@ impl Controls {
             return;
         }
         for (place, surface) in other.scene.surfaces().iter().enumerate() {
-            self.scene.put(place, surface.anchor_from_surface());
+            self.scene.set_surface_pose(place, surface.anchor_from_surface());
         }
     }
 
     /// How far the boards that are there for this hand have to go, all alike, so that the middle of the
     /// nearest one comes to lie below the index fingertip. That one goes in its own plane, so that the
     /// fingertip stays as far in front of its keys as it is.
-    pub(super) fn way_to(&self, pose: &HandPose) -> Result<Vec3, Refusal> {
-        let tip = believed_fingertip(pose, GUIDE).ok_or(Refusal::NoFingertip(pose.side))?;
+    pub(super) fn way_to(&self, pose: &HandPose) -> Result<Vec3, CommandError> {
+        let tip = trusted_fingertip(pose, GUIDE).ok_or(CommandError::NoFingertip(pose.side))?;
         let there = self.scene.surfaces().iter().filter_map(|surface| {
             let world_from_board = surface.world_from_surface(pose)?;
-            let middle = world_from_board.transform_point(surface.middle());
+            let middle = world_from_board.transform_point(surface.center());
             Some((tip - middle, world_from_board.rotation * Vec3::Z))
         });
         let nearest = there.min_by(|a, b| a.0.length_squared().total_cmp(&b.0.length_squared()));
-        let (way, normal) = nearest.ok_or(Refusal::NoBoard(pose.side))?;
+        let (way, normal) = nearest.ok_or(CommandError::NoBoard(pose.side))?;
         Ok(way - normal * way.dot(normal))
     }
 
     /// Refuses what a layout file could not say.
-    pub(super) fn refuse(&self, way: Move) -> Result<(), Refusal> {
+    pub(super) fn refuse(&self, way: Move) -> Result<(), CommandError> {
         for (number, surface) in (1..).zip(self.scene.surfaces()) {
             let Some(pose) = way.of(surface) else {
                 continue;
             };
-            let place = Place::of(&pose);
-            if !place.is_near() {
-                return Err(Refusal::TooFar(number));
+            let place = BoardPose::from_pose(&pose);
+            if !place.is_distance_valid() {
+                return Err(CommandError::TooFar(number));
             }
             if !place.is_gentle() {
-                return Err(Refusal::TooSteep(number));
+                return Err(CommandError::TooSteep(number));
             }
         }
         Ok(())
@@ -116,7 +116,7 @@ impl Controls {
     pub(super) fn shift(&mut self, way: Move) {
         for place in 0..self.scene.surfaces().len() {
             if let Some(pose) = way.of(&self.scene.surfaces()[place]) {
-                self.scene.put(place, pose);
+                self.scene.set_surface_pose(place, pose);
             }
         }
         self.drifting.settle();

@@ -2,12 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::PressLimit;
-use crate::device::{Action, KeyKind};
+use super::PressRateLimit;
+use crate::device::{EventKind, KeyKind};
 
 /// What may come of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Role {
+pub enum SourceRole {
     /// Motion, wheel and axes, and the buttons of mice and gamepads.
     Pointer,
     /// Keys and characters.
@@ -28,20 +28,20 @@ pub(super) enum Part {
 impl Part {
     /// The part that an action is of. `None` for what any source may do: let go, bring an axis back to its rest,
     /// and tell of controls without an effect on the receiver's keys and pointer.
-    pub(super) fn of(action: Action) -> Option<Self> {
+    pub(super) fn of(action: EventKind) -> Option<Self> {
         match action {
-            Action::Write(_) => Some(Self::Keys),
-            Action::KeyDown(key) if key.kind() == KeyKind::Key => Some(Self::Keys),
-            Action::KeyDown(_) | Action::MoveBy(..) | Action::MoveTo(..) | Action::Scroll(..) => {
+            EventKind::Character(_) => Some(Self::Keys),
+            EventKind::KeyDown(key) if key.kind() == KeyKind::Keyboard => Some(Self::Keys),
+            EventKind::KeyDown(_) | EventKind::MoveBy(..) | EventKind::MoveTo(..) | EventKind::Scroll(..) => {
                 Some(Self::Pointing)
             }
-            Action::Axis(_, place) if place != 0.0 => Some(Self::Pointing),
+            EventKind::Axis(_, place) if place != 0.0 => Some(Self::Pointing),
             _ => None,
         }
     }
 }
 
-impl Role {
+impl SourceRole {
     /// All roles.
     pub const ALL: [Self; 3] = [Self::Pointer, Self::Keys, Self::Both];
 
@@ -55,14 +55,14 @@ impl Role {
     }
 
     /// Whether keys and characters may come of it.
-    pub const fn types(self) -> bool {
+    pub const fn allows_keys(self) -> bool {
         !matches!(self, Self::Pointer)
     }
 
     /// Whether this part may come of it.
     pub(super) const fn has(self, part: Part) -> bool {
         match part {
-            Part::Keys => self.types(),
+            Part::Keys => self.allows_keys(),
             Part::Pointing => !matches!(self, Self::Keys),
         }
     }
@@ -70,23 +70,23 @@ impl Role {
 
 /// What a source may do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Rights {
+pub struct SourcePermissions {
     /// What may come of it.
-    pub role: Role,
+    pub role: SourceRole,
     /// How many presses of it may come in a second.
-    pub presses: PressLimit,
+    pub rate_limit: PressRateLimit,
 }
 
-impl Rights {
+impl SourcePermissions {
     /// For sources at this machine.
     pub const LOCAL: Self = Self {
-        role: Role::Both,
-        presses: PressLimit::LOCAL,
+        role: SourceRole::Both,
+        rate_limit: PressRateLimit::LOCAL,
     };
 
     /// For sources on the network: whoever gets in there shall not type.
     pub const NETWORK: Self = Self {
-        role: Role::Pointer,
-        presses: PressLimit::NETWORK,
+        role: SourceRole::Pointer,
+        rate_limit: PressRateLimit::NETWORK,
     };
 }

@@ -55,14 +55,14 @@ const REMOTE: [u32; 9] = [
 const EVENT_BYTES: usize = 1024;
 
 /// Waits for a change of one file on a thread of its own, until this is dropped.
-pub(super) struct Notices {
+pub(super) struct FileWatcher {
     path: PathBuf,
     watches: Sender<Watch>,
     noticed: Receiver<()>,
     _end: PipeWriter,
 }
 
-impl Notices {
+impl FileWatcher {
     /// Of the file at `path`.
     pub fn start(path: &str) -> io::Result<Self> {
         let path = absolute(path)?;
@@ -293,7 +293,7 @@ mod tests {
     fn is_noticed(name: &str, step: fn(&Path), limit: Duration) -> bool {
         let folder = folder();
         let path = folder.path().join(name);
-        let notices = Notices::start(path.to_str().unwrap()).unwrap();
+        let notices = FileWatcher::start(path.to_str().unwrap()).unwrap();
         notices.arm().unwrap();
         step(folder.path());
         notices.noticed().recv_timeout(limit).is_ok()
@@ -335,7 +335,7 @@ mod tests {
         let folder = folder();
         let (name, other_name) = (folder.path().join("a.ron"), folder.path().join("far/a"));
         fs::hard_link(&name, &other_name).unwrap();
-        let notices = Notices::start(name.to_str().unwrap()).unwrap();
+        let notices = FileWatcher::start(name.to_str().unwrap()).unwrap();
         notices.arm().unwrap();
         write(other_name, "new").unwrap();
         assert!(notices.noticed().recv_timeout(LIMIT).is_ok());
@@ -357,7 +357,7 @@ mod tests {
     fn a_change_is_noticed_once_for_each_time_that_it_is_asked_for() {
         let folder = folder();
         let path = folder.path().join("a.ron");
-        let notices = Notices::start(path.to_str().unwrap()).unwrap();
+        let notices = FileWatcher::start(path.to_str().unwrap()).unwrap();
         for round in 0..3 {
             write(&path, format!("not asked for {round}")).unwrap();
             assert!(notices.noticed().recv_timeout(SILENCE).is_err(), "{round}");

@@ -3,17 +3,17 @@
 use std::fs;
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::layout::{Document, Layout, LayoutError};
+use crate::layout::{Document, Layout, DocumentError};
 
 /// How long the file has to be left alone before it is read, as saving may take several writes.
-const REST: Duration = Duration::from_millis(50);
+const SETTLE_TIME: Duration = Duration::from_millis(50);
 
 /// How long it has to be left alone before it is said to be wrong: some editors empty the file or take
 /// it away before they write it.
-const PATIENCE: Duration = Duration::from_millis(150);
+const ERROR_SETTLE_TIME: Duration = Duration::from_millis(150);
 
 /// A file that is never left alone is read all the same, so often.
-const LONGEST_UNREST: Duration = Duration::from_secs(2);
+const MAX_PENDING_TIME: Duration = Duration::from_secs(2);
 
 /// A file, and what was seen of it so far.
 pub(super) struct WatchedFile {
@@ -21,7 +21,7 @@ pub(super) struct WatchedFile {
     /// What was in it when it was put in force.
     text: String,
     stamp: Option<Stamp>,
-    unrest: Option<Unrest>,
+    pending: Option<PendingChange>,
 }
 
 /// What a save changes: the length in bytes, the time of the last change, and whether it is a file.
@@ -29,7 +29,7 @@ type Stamp = (u64, Option<SystemTime>, bool);
 
 /// A time in which the file was changed and not yet dealt with.
 #[derive(Clone, Copy)]
-struct Unrest {
+struct PendingChange {
     first: Instant,
     last: Instant,
 }
@@ -41,7 +41,7 @@ impl WatchedFile {
             path: path.into(),
             text: text.into(),
             stamp: stamp(path),
-            unrest: Some(Unrest {
+            pending: Some(PendingChange {
                 first: now,
                 last: now,
             }),
@@ -59,52 +59,52 @@ impl WatchedFile {
     }
 
     /// This content is not found again until another one is in force.
-    pub fn is_in_force(&mut self, text: &str) {
+    pub fn set_active_text(&mut self, text: &str) {
         self.text = text.into();
     }
 
     /// Something has happened to the file, so that it has to be read again.
-    pub fn disturb(&mut self, now: Instant) {
-        let first = self.unrest.map_or(now, |unrest| unrest.first);
-        self.unrest = Some(Unrest { first, last: now });
+    pub fn mark_changed(&mut self, now: Instant) {
+        let first = self.pending.map_or(now, |unrest| unrest.first);
+        self.pending = Some(PendingChange { first, last: now });
     }
 
     /// Whether all that was seen to happen to the file was dealt with.
-    pub fn is_at_rest(&self) -> bool {
-        self.unrest.is_none()
+    pub fn is_settled(&self) -> bool {
+        self.pending.is_none()
     }
 
     /// Looks at the file; what is in it once it is left alone, if that is something else than what is in
     /// force.
-    pub fn look(&mut self, now: Instant) -> Option<Result<Layout, LayoutError>> {
+    pub fn poll(&mut self, now: Instant) -> Option<Result<Layout, DocumentError>> {
         let stamp = stamp(&self.path);
         if stamp != self.stamp {
             self.stamp = stamp;
-            self.disturb(now);
+            self.mark_changed(now);
         }
-        let unrest = self.unrest?;
+        let unrest = self.pending?;
         let rest = now - unrest.last;
-        let is_overdue = now - unrest.first >= LONGEST_UNREST;
-        if rest < REST && !is_overdue {
+        let is_overdue = now - unrest.first >= MAX_PENDING_TIME;
+        if rest < SETTLE_TIME && !is_overdue {
             return None;
         }
         let found = self.read();
-        if matches!(found, Some(Err(_))) && rest < PATIENCE && !is_overdue {
+        if matches!(found, Some(Err(_))) && rest < ERROR_SETTLE_TIME && !is_overdue {
             return None;
         }
-        self.unrest = None;
+        self.pending = None;
         found
     }
 
     /// What is in the file, whether it is left alone or not.
-    pub fn read_now(&self) -> Result<Layout, LayoutError> {
-        Document::at(&self.path).and_then(Layout::of)
+    pub fn read_now(&self) -> Result<Layout, DocumentError> {
+        Document::from_path(&self.path).and_then(Layout::from_document)
     }
 
-    fn read(&self) -> Option<Result<Layout, LayoutError>> {
-        match Document::at(&self.path) {
+    fn read(&self) -> Option<Result<Layout, DocumentError>> {
+        match Document::from_path(&self.path) {
             Ok(document) if document.text == self.text => None,
-            found => Some(found.and_then(Layout::of)),
+            found => Some(found.and_then(Layout::from_document)),
         }
     }
 }
@@ -183,9 +183,9 @@ pub(super) mod tests {
             while self.now_ms < from + milliseconds {
                 self.now_ms += 50;
                 let now = self.start + Duration::from_millis(self.now_ms);
-                if let Some(outcome) = self.file.look(now) {
+                if let Some(outcome) = self.file.poll(now) {
                     let outcome = outcome.map(|layout| {
-                        self.file.is_in_force(&layout.text);
+                        self.file.set_active_text(&layout.text);
                         layout.name
                     });
                     found.push((
@@ -299,7 +299,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_shipped_layout_does_not_take_the_place_of_a_file_that_is_gone() {
-        let message = Document::at("numpad").unwrap_err().to_string();
+        let message = Document::from_path("numpad").unwrap_err().to_string();
         assert_eq!(message, "numpad: there is no such file");
     }
 

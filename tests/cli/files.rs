@@ -178,7 +178,7 @@ fn a_script_is_a_source_like_a_typist() {
 
 #[test]
 fn the_example_of_a_setup_says_what_is_so_without_it() {
-    use ademan::settings::Setup;
+    use ademan::setup::Setup;
     let example = Setup::load(&root("examples/setup.ron")).unwrap();
     assert!(example.source.is_some());
     let without_source = Setup {

@@ -48,7 +48,7 @@ fn a_program_built_for_x11_does_not_type_past_a_wayland_desktop() {
     run.env("WAYLAND_DISPLAY", "/nowhere/wayland-0")
         .env("DISPLAY", ":0");
     let ended = Ended::from(run.output().expect("it starts"));
-    let words = match ademan::output::SPEAKS_WAYLAND {
+    let words = match ademan::output::SUPPORTS_WAYLAND {
         false => {
             "was built for X11: its keys would reach no program of Wayland; build it with \
                   `--features wayland`, or use the output `uinput`; for programs of X11 only, unset \

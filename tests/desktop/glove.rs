@@ -7,7 +7,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use ademan::capture::hc11::{Framing, encode};
-use ademan::capture::{SourceName, open_wire};
+use ademan::capture::{SourceUri, open_loopback};
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
 use crate::press::{Posture, line};
@@ -33,10 +33,10 @@ impl Glove {
     pub fn plug_in(link: &Path, posture: Posture) -> Self {
         let wire = {
             let _alone = no_program_starts();
-            open_wire(line()).expect("a pseudo terminal")
+            open_loopback(line()).expect("a pseudo terminal")
         };
-        let SourceName::Serial { port, .. } = &wire.source else {
-            panic!("{} is no serial port", wire.source);
+        let SourceUri::Serial { port, .. } = &wire.uri else {
+            panic!("{} is no serial port", wire.uri);
         };
         symlink(port, link).expect("a link to it");
         let (orders, received) = unbounded();
@@ -106,7 +106,7 @@ fn play(mut line_end: Box<dyn Write + Send>, orders: &Receiver<Order>, posture: 
                     let _ = line_end.write_all(&packet);
                     place = (place + 1).min(playing.len() - 1);
                 }
-                due = Instant::now() + line().frame_period();
+                due = Instant::now() + line().packet_period();
             }
         }
     }

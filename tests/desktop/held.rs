@@ -2,10 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use ademan::capture::{Capture, CaptureError, Source};
+use ademan::capture::{CaptureError, Source, SourceEvent};
 use ademan::output::{Desktop, Router, open};
-use ademan::runtime::drive;
-use ademan::settings::Setup;
+use ademan::session::run_pipeline;
+use ademan::setup::Setup;
 use ademan::time::Timestamp;
 use crossbeam_channel::never;
 
@@ -48,12 +48,12 @@ impl Hand {
 }
 
 impl Source for Hand {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
-        std::thread::sleep(line().frame_period());
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        std::thread::sleep(line().packet_period());
         let time = Timestamp(0) + self.start.elapsed();
         let posture = self.next_posture();
-        Ok(posture.map_or(Capture::End, |posture| {
-            Capture::Reading(reading(time, &posture))
+        Ok(posture.map_or(SourceEvent::End, |posture| {
+            SourceEvent::Reading(reading(time, &posture))
         }))
     }
 
@@ -72,15 +72,15 @@ fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
     };
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("transcript");
-    let assembly = Setup::default().assemble().expect("the default setup");
-    let needs = assembly.needs();
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let needs = assembly.required_capabilities();
     let mut sink = Router::new(vec![
         Box::new(Desktop::open(Some(server.display()), &needs).expect("the server is there")),
         open(&format!("transcript:{}", path.display()), &needs).expect("a new file"),
     ]);
     let hand = Hand::that_holds(&Press::of("h"), Duration::from_millis(1500));
     let mut pipeline = assembly.pipeline();
-    drive(hand, &mut pipeline, &mut sink, &never(), &mut |_| {}).expect("a run to its end");
+    run_pipeline(hand, &mut pipeline, &mut sink, &never(), &mut |_| {}).expect("a run to its end");
 
     let transcript = std::fs::read_to_string(&path).expect("the transcript");
     let events: Vec<_> = transcript.lines().map(|line| &line[13..]).collect();

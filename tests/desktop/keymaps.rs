@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::process::Command;
 
-use ademan::device::{Action, Needs, OutputEvent};
+use ademan::device::{Capabilities, EventKind, OutputEvent};
 use ademan::output::{Desktop, Sink};
 use ademan::time::Timestamp;
 
@@ -95,12 +95,12 @@ fn characters_arrive_under_every_keymap() {
             return;
         };
         let text = "zy[ß] @€ é ñ λ";
-        let mut sink = Desktop::open(Some(server.display()), &Needs::default());
+        let mut sink = Desktop::open(Some(server.display()), &Capabilities::default());
         let sink = sink.as_mut().expect("the server is there");
         for character in text.chars() {
             let event = OutputEvent {
                 time: Timestamp(0),
-                action: Action::Write(character),
+                kind: EventKind::Character(character),
             };
             sink.send(&[event]).expect("there is room");
         }

@@ -6,14 +6,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use ademan::capture::{Capture, CaptureError, Source};
+use ademan::capture::{CaptureError, Source, SourceEvent};
 use ademan::device::keyboard::Keyboard;
-use ademan::device::{Needs, Out, Seen, VirtualDevice};
+use ademan::device::{Capabilities, DeviceInput, DeviceOutput, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::output::Desktop;
-use ademan::pipeline::{Arming, Controls, Pipeline};
-use ademan::runtime::{RunError, drive};
-use ademan::settings::Setup;
+use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use ademan::session::{SessionError, run_pipeline};
+use ademan::setup::Setup;
 use ademan::time::Timestamp;
 use crossbeam_channel::never;
 
@@ -40,7 +40,7 @@ impl Fuse {
 struct Fused<T>(T, Fuse);
 
 impl Source for Fused<Hand> {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         self.1.check();
         self.0.next()
     }
@@ -51,16 +51,16 @@ impl Source for Fused<Hand> {
 }
 
 impl VirtualDevice for Fused<Keyboard> {
-    fn add_needs(&self, needs: &mut Needs) {
-        self.0.add_needs(needs);
+    fn add_capabilities(&self, needs: &mut Capabilities) {
+        self.0.add_capabilities(needs);
     }
 
-    fn update(&mut self, seen: &Seen, out: &mut Out) {
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         self.1.check();
         self.0.update(seen, out);
     }
 
-    fn release_all(&mut self, time: Timestamp, out: &mut Out) {
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.1.check();
         self.0.release_all(time, out);
     }
@@ -75,27 +75,27 @@ struct Fuses {
 }
 
 fn pipeline(fuse: Fuse) -> Pipeline {
-    let assembly = Setup::default().assemble().expect("the default setup");
-    let keyboard = Keyboard::new(assembly.layout.keyboard_bindings());
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let keyboard = Keyboard::new(assembly.layout.key_bindings());
     Pipeline::new(
         Estimator::new(assembly.glove.map.clone(), EstimatorSettings::default()),
         assembly.arm.clone(),
-        Controls::new(
+        LayoutInstance::new(
             assembly.layout.scene.clone(),
             assembly.layout.target_names(),
             vec![Box::new(Fused(keyboard, fuse))],
         ),
-        Arming::default(),
+        PipelineSettings::default(),
     )
 }
 
 /// How a run ended, and the sink that it had: still there, so that it is not its end that lets go.
-type Ended = (thread::Result<Result<(), RunError>>, Desktop);
+type Ended = (thread::Result<Result<(), SessionError>>, Desktop);
 
 /// A run in a thread of its own, with a hand that holds Shift and H down.
 fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
-    let mut sink =
-        Desktop::open(Some(server.display()), &Needs::default()).expect("the server is there");
+    let mut sink = Desktop::open(Some(server.display()), &Capabilities::default())
+        .expect("the server is there");
     let source = Fused(
         Hand::that_holds(&Press::of("H"), Duration::MAX),
         fuses.source.clone(),
@@ -105,7 +105,7 @@ fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
     let running = thread::spawn(move || {
         let run = || {
             let mut observe = |_: &_| observer.check();
-            drive(source, &mut pipeline, &mut sink, &never(), &mut observe).map(drop)
+            run_pipeline(source, &mut pipeline, &mut sink, &never(), &mut observe).map(drop)
         };
         let outcome = catch_unwind(AssertUnwindSafe(run));
         (outcome, sink)
@@ -133,7 +133,7 @@ fn nothing_is_down_after_a_panic_of_the_source() {
     let Some((outcome, _sink)) = outcome_of("the source panicked", |fuses| &fuses.source) else {
         return;
     };
-    let Ok(Err(RunError::Capture(error))) = outcome else {
+    let Ok(Err(SessionError::Capture(error))) = outcome else {
         panic!("not an error of the source: {outcome:?}");
     };
     assert!(error.to_string().contains("meant to happen"), "{error}");

@@ -1,18 +1,18 @@
 //! One key that a simulated hand presses, as the postures of the glove.
 
 use ademan::capture::hc11::BODY_BYTES;
-use ademan::capture::{Channels, LineSettings, Reading, Sample};
-use ademan::device::{Action, Events, KeyCode};
-use ademan::lab::Typist;
-use ademan::settings::{Assembly, Setup};
+use ademan::capture::{Channels, Reading, Sample, StreamOptions};
+use ademan::device::{EventKind, Events, KeyCode};
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::sim::SimulatedTypist;
 use ademan::time::Timestamp;
 
 /// What the glove says in one packet.
 pub type Posture = [u8; BODY_BYTES];
 
 /// The pace at which postures follow each other.
-pub fn line() -> LineSettings {
-    LineSettings::default()
+pub fn line() -> StreamOptions {
+    StreamOptions::default()
 }
 
 /// A simulated hand that types a text, cut where its last key is at the bottom.
@@ -27,10 +27,10 @@ impl Press {
     /// Of the last character of `text` on the default layout.
     pub fn of(text: &str) -> Self {
         let setup = Setup {
-            armed: true,
+            start_armed: true,
             ..Setup::default()
         };
-        let assembly = setup.assemble().expect("the default setup");
+        let assembly = setup.load_files().expect("the default setup");
         let typist = assembly.typist(text, &line(), 0.0, 0);
         let postures = postures(typist.expect("the hand can type it"));
         let (down, up) = last_stroke(&assembly, &postures);
@@ -70,7 +70,7 @@ pub fn reading(time: Timestamp, posture: &Posture) -> Reading {
     }
 }
 
-fn postures(mut typist: Typist) -> Vec<Posture> {
+fn postures(mut typist: SimulatedTypist) -> Vec<Posture> {
     let mut postures = Vec::new();
     while let Some(counts) = typist.next_counts() {
         let mut posture = [0; BODY_BYTES];
@@ -83,19 +83,19 @@ fn postures(mut typist: Typist) -> Vec<Posture> {
 }
 
 /// At which postures the last key goes down and comes up.
-fn last_stroke(assembly: &Assembly, postures: &[Posture]) -> (usize, usize) {
+fn last_stroke(assembly: &LoadedSetup, postures: &[Posture]) -> (usize, usize) {
     let mut pipeline = assembly.pipeline();
     let (mut down, mut up) = (0, 0);
     for (place, posture) in postures.iter().enumerate() {
-        let time = Timestamp(0) + line().frame_period() * place as u32;
+        let time = Timestamp(0) + line().packet_period() * place as u32;
         let mut events = Events::new();
         pipeline
             .step(&reading(time, posture), &mut events)
             .expect("an able hand");
         for event in &events {
-            match event.action {
-                Action::KeyDown(_) => down = place,
-                Action::KeyUp(_) => up = place,
+            match event.kind {
+                EventKind::KeyDown(_) => down = place,
+                EventKind::KeyUp(_) => up = place,
                 _ => {}
             }
         }

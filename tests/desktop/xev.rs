@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 
-use ademan::device::{Action, KeyCode, Needs, OutputEvent};
+use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan::output::{Desktop, Sink};
 use ademan::time::Timestamp;
 
@@ -89,28 +89,29 @@ fn keys_modifiers_buttons_wheel_and_a_drag_are_told_by_xev() {
         return;
     };
     let actions = [
-        Action::MoveTo(0.5, 0.5),
-        Action::KeyDown(key("ShiftLeft")),
-        Action::KeyDown(key("A")),
-        Action::KeyUp(key("A")),
-        Action::KeyUp(key("ShiftLeft")),
-        Action::KeyDown(key("ControlLeft")),
-        Action::KeyDown(key("F5")),
-        Action::KeyUp(key("F5")),
-        Action::KeyUp(key("ControlLeft")),
-        Action::KeyDown(key("MouseLeft")),
-        Action::MoveBy(10, -5),
-        Action::KeyUp(key("MouseLeft")),
-        Action::Scroll(0, 120),
-        Action::Scroll(0, -120),
-        Action::KeyDown(key("MouseRight")),
-        Action::KeyUp(key("MouseRight")),
+        EventKind::MoveTo(0.5, 0.5),
+        EventKind::KeyDown(key("ShiftLeft")),
+        EventKind::KeyDown(key("A")),
+        EventKind::KeyUp(key("A")),
+        EventKind::KeyUp(key("ShiftLeft")),
+        EventKind::KeyDown(key("ControlLeft")),
+        EventKind::KeyDown(key("F5")),
+        EventKind::KeyUp(key("F5")),
+        EventKind::KeyUp(key("ControlLeft")),
+        EventKind::KeyDown(key("MouseLeft")),
+        EventKind::MoveBy(10, -5),
+        EventKind::KeyUp(key("MouseLeft")),
+        EventKind::Scroll(0, 120),
+        EventKind::Scroll(0, -120),
+        EventKind::KeyDown(key("MouseRight")),
+        EventKind::KeyUp(key("MouseRight")),
     ];
-    let mut sink = Desktop::open(Some(server.display()), &Needs::default());
+    let mut sink = Desktop::open(Some(server.display()), &Capabilities::default());
     let sink = sink.as_mut().expect("the server is there");
     for action in actions {
         let time = Timestamp(0);
-        sink.send(&[OutputEvent { time, action }]).expect("room");
+        sink.send(&[OutputEvent { time, kind: action }])
+            .expect("room");
     }
     sink.close().expect("it takes everything");
     let last = "ButtonRelease 3 with 0x400";

@@ -13,11 +13,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use ademan::capture::recording::Replay;
-use ademan::monitor::Snapshot;
 use ademan::output::{self, Transcript};
 use ademan::recorder::Recorder;
-use ademan::runtime::drive;
-use ademan::settings::{Assembly, Setup};
+use ademan::session::run_pipeline;
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::snapshot::Snapshot;
 use crossbeam_channel::never;
 use tempfile::TempDir;
 
@@ -41,9 +41,9 @@ const RECORDINGS: [(&str, &str, &str); 3] = [
 
 /// Bytes that can be read while somebody writes them.
 #[derive(Clone, Default)]
-struct Page(Arc<Mutex<Vec<u8>>>);
+struct SharedBuffer(Arc<Mutex<Vec<u8>>>);
 
-impl Write for Page {
+impl Write for SharedBuffer {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.lock().expect("nobody panics with it").write(bytes)
     }
@@ -59,16 +59,16 @@ fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathB
         layout: layout.into(),
         ..Setup::default()
     };
-    let assembly = setup.assemble().expect("a shipped layout");
+    let assembly = setup.load_files().expect("a shipped layout");
     let source = format!("script:{script}").parse().expect("a source");
-    let hand = assembly.open(&source).expect("the hand can do it");
+    let hand = assembly.open_source(&source).expect("the hand can do it");
     let path = folder.path().join(format!("{name}.mcap"));
     let recorder = Recorder::create(&path, &assembly.recorded_setup());
     let mut recorder = recorder.expect("a file");
-    let mut nowhere = output::open("none", &assembly.needs()).expect("nowhere");
+    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
     let mut observe = |frame: &Snapshot| recorder.write(frame).expect("room on the disk");
     let mut pipeline = assembly.pipeline();
-    let run = drive(hand, &mut pipeline, &mut *nowhere, &never(), &mut observe);
+    let run = run_pipeline(hand, &mut pipeline, &mut *nowhere, &never(), &mut observe);
     run.expect("a run");
     recorder.finish().expect("room on the disk");
     path
@@ -77,11 +77,12 @@ fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathB
 /// What goes out of a recording, as fast as it can.
 fn replayed(path: &Path) -> Vec<u8> {
     let replay = Replay::open(path).expect("a recording");
-    let assembly = Assembly::recorded(replay.setup(), None, None).expect("the recorded setup");
-    let page = Page::default();
+    let assembly =
+        LoadedSetup::from_recording(replay.setup(), None, None).expect("the recorded setup");
+    let page = SharedBuffer::default();
     let mut transcript = Transcript::new("test", page.clone());
     let mut pipeline = assembly.pipeline();
-    let run = drive(
+    let run = run_pipeline(
         replay,
         &mut pipeline,
         &mut transcript,

@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, ErrorKind, Write};
 use std::os::unix::net::UnixStream;
 
-use ademan::control::Caller;
+use ademan::control::Client;
 
 use crate::support::run::{PATIENCE, Run};
 
@@ -11,9 +11,9 @@ use crate::support::run::{PATIENCE, Run};
 fn a_thousand_connections_are_refused_and_the_one_that_was_there_is_answered() {
     let mut run = Run::with_held_key(&["--control", "c.sock"]);
     let path = run.folder.path().join("c.sock");
-    let mut first = Caller::connect(&path).expect("the run listens");
+    let mut first = Client::connect(&path).expect("the run listens");
     let mut is_answered = || {
-        let answer = first.ask(r#"{"ask":"state"}"#).expect("an answer");
+        let answer = first.request(r#"{"ask":"state"}"#).expect("an answer");
         assert!(answer.contains("\"running\""), "{answer}");
     };
     is_answered();

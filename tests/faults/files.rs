@@ -5,8 +5,10 @@ use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-use ademan::capture::recording::{ENCODING, FORMAT, FORMAT_RECORD, RECORD_LIMIT, Replay, TOPIC};
-use ademan::capture::{Capture, Source};
+use ademan::capture::recording::{
+    FORMAT_RECORD, FORMAT_VERSION, MAX_RECORD_BYTES, MESSAGE_ENCODING, READINGS_TOPIC, Replay,
+};
+use ademan::capture::{Source, SourceEvent};
 use ademan::layout::Layout;
 use mcap::records::{MessageHeader, Metadata};
 
@@ -18,13 +20,13 @@ fn recording(messages: &[&[u8]]) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     let options = mcap::WriteOptions::new().use_chunks(false);
     let mut writer = options.create(&mut bytes).expect("a recording");
-    let metadata = BTreeMap::from([("format".to_owned(), FORMAT.to_owned())]);
+    let metadata = BTreeMap::from([("format".to_owned(), FORMAT_VERSION.to_owned())]);
     let name = FORMAT_RECORD.to_owned();
     writer
         .write_metadata(&Metadata { name, metadata })
         .expect("room");
     let channel_id = writer
-        .add_channel(0, TOPIC, ENCODING, &BTreeMap::new())
+        .add_channel(0, READINGS_TOPIC, MESSAGE_ENCODING, &BTreeMap::new())
         .expect("room");
     for (sequence, data) in messages.iter().enumerate() {
         let header = MessageHeader {
@@ -44,7 +46,7 @@ const READING: &str = r#"{"time_us":1000,"full_scale":255,"channels":[1,2,3]}"#;
 
 /// The readings that come of a recording, and what is said at its end.
 fn replayed(bytes: Vec<u8>) -> (usize, String) {
-    let replay = Replay::read("recording:a.mcap", Cursor::new(bytes));
+    let replay = Replay::from_reader("recording:a.mcap", Cursor::new(bytes));
     let mut replay = match replay {
         Ok(replay) => replay,
         Err(error) => return (0, error.to_string()),
@@ -52,9 +54,9 @@ fn replayed(bytes: Vec<u8>) -> (usize, String) {
     let mut readings = 0;
     loop {
         match replay.next() {
-            Ok(Capture::Reading(_)) => readings += 1,
-            Ok(Capture::Quiet) => {}
-            Ok(Capture::End) => return (readings, String::new()),
+            Ok(SourceEvent::Reading(_)) => readings += 1,
+            Ok(SourceEvent::Idle) => {}
+            Ok(SourceEvent::End) => return (readings, String::new()),
             Err(error) => return (readings, error.to_string()),
         }
     }
@@ -152,7 +154,7 @@ fn bytes_that_are_no_text_are_no_reading_and_no_file() {
 #[test]
 fn a_length_of_four_gigabytes_is_refused_before_there_is_room_for_it() {
     let whole = recording(&[READING.as_bytes()]);
-    for length in [u64::from(u32::MAX), u64::MAX, RECORD_LIMIT as u64 + 1] {
+    for length in [u64::from(u32::MAX), u64::MAX, MAX_RECORD_BYTES as u64 + 1] {
         // The first record begins after the magic number: a kind and a length.
         let mut bytes = whole.clone();
         bytes[9..17].copy_from_slice(&length.to_le_bytes());

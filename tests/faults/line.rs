@@ -18,13 +18,13 @@ use crate::support::run::{PATIENCE, lines, next_event};
 use crate::wearer::stream;
 
 /// A pseudo terminal; its name is a link, so that no other test gets the same one.
-pub struct Line {
+pub struct PseudoTerminal {
     pub folder: TempDir,
     far_end: TTYPort,
     _near_end: TTYPort,
 }
 
-impl Line {
+impl PseudoTerminal {
     pub fn plugged_in() -> Self {
         let _alone = no_program_starts();
         let (mut far_end, near_end) = TTYPort::pair().expect("a pseudo terminal");
@@ -55,20 +55,20 @@ impl Line {
     pub fn play(&mut self, postures: &[Posture]) {
         for posture in postures {
             self.send(&stream(&[*posture]));
-            thread::sleep(line().frame_period());
+            thread::sleep(line().packet_period());
         }
     }
 }
 
 /// `ademan run` on a line, on a machine that may hold it up for seconds without ending a press.
-pub struct Run {
+pub struct SerialRun {
     pub program: Process,
     pub typed: Receiver<String>,
     pub told: Receiver<String>,
 }
 
-impl Run {
-    pub fn on(line: &Line, arguments: &[&str]) -> Self {
+impl SerialRun {
+    pub fn on(line: &PseudoTerminal, arguments: &[&str]) -> Self {
         let setup = line.folder.path().join("setup.ron");
         fs::write(&setup, "Setup(stall_ms: 10000)").expect("a file");
         let source = line.source();

@@ -7,16 +7,16 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::line::{Line, Run};
+use crate::line::{PseudoTerminal, SerialRun};
 use crate::press::Press;
 use crate::support::binary::ademan;
 use crate::wearer::stream;
 
 #[test]
 fn a_second_run_on_the_same_port_is_refused_at_once_and_the_first_goes_on() {
-    let mut line = Line::plugged_in();
+    let mut line = PseudoTerminal::plugged_in();
     let press = Press::of("h");
-    let mut first = Run::on(&line, &["--armed", "--control", "off"]);
+    let mut first = SerialRun::on(&line, &["--armed", "--control", "off"]);
     let source = line.source();
     let second = ademan(["run", "--source", &source, "--control", "off"])
         .env_remove("XDG_RUNTIME_DIR")
@@ -33,14 +33,14 @@ fn a_second_run_on_the_same_port_is_refused_at_once_and_the_first_goes_on() {
     // A run that is killed keeps no lock.
     first.program.0.kill().expect("it runs");
     first.program.0.wait().expect("it ends");
-    let mut third = Run::on(&line, &["--control", "off"]);
+    let mut third = SerialRun::on(&line, &["--control", "off"]);
     assert_eq!(third.end(), Some(0));
 }
 
 #[test]
 fn a_port_that_may_not_be_opened_names_the_group_and_never_asks_for_root() {
     const NOBODY: u32 = 65_534;
-    let line = Line::plugged_in();
+    let line = PseudoTerminal::plugged_in();
     let device = line.folder.path().join("glove");
     fs::set_permissions(&device, Permissions::from_mode(0o000)).expect("the terminal is ours");
     fs::set_permissions(line.folder.path(), Permissions::from_mode(0o755)).expect("it is ours");
@@ -73,8 +73,8 @@ fn a_port_that_may_not_be_opened_names_the_group_and_never_asks_for_root() {
 #[test]
 fn a_minute_of_noise_at_the_wrong_baud_types_nothing_says_so_and_takes_no_memory() {
     let press = Press::of("h");
-    let mut line = Line::plugged_in();
-    let mut run = Run::on(&line, &["--armed", "--control", "off"]);
+    let mut line = PseudoTerminal::plugged_in();
+    let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
     let glove = stream(&[&press.approach[..], &press.lift[..]].concat());
     let heard = [
         misheard(&glove, 9_600, 115_200),
@@ -112,8 +112,8 @@ fn a_minute_of_noise_at_the_wrong_baud_types_nothing_says_so_and_takes_no_memory
 #[test]
 fn bytes_without_a_delimiter_take_no_memory_and_the_glove_is_understood_after_them() {
     let press = Press::of("h");
-    let mut line = Line::plugged_in();
-    let mut run = Run::on(&line, &["--armed", "--control", "off"]);
+    let mut line = PseudoTerminal::plugged_in();
+    let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
     line.send(&[0x55; 100_000]);
     let before = run.memory();
     for _ in 0..40 {
@@ -132,8 +132,8 @@ fn bytes_without_a_delimiter_take_no_memory_and_the_glove_is_understood_after_th
 #[test]
 fn a_board_that_starts_anew_lets_go_and_has_to_be_armed_again() {
     let press = Press::of("h");
-    let mut line = Line::plugged_in();
-    let mut run = Run::on(&line, &["--armed", "--control", "off"]);
+    let mut line = PseudoTerminal::plugged_in();
+    let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
     line.play(&press.approach);
     assert_eq!(run.typed(), "down H");
     // In the middle of a frame it resets, and says who it is.
@@ -157,8 +157,8 @@ fn a_board_that_starts_anew_lets_go_and_has_to_be_armed_again() {
 fn a_wire_that_breaks_is_told_with_its_finger() {
     const INDEX_MCP: usize = 12;
     let press = Press::of("h");
-    let mut line = Line::plugged_in();
-    let mut run = Run::on(&line, &["--armed", "--control", "off"]);
+    let mut line = PseudoTerminal::plugged_in();
+    let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
     line.play(&press.approach);
     assert_eq!(run.typed(), "down H");
     let mut broken = press.held();

@@ -1,21 +1,21 @@
 //! What comes in is not what the hand does: nothing that was not meant is typed, and nothing stays down.
 
-use ademan::capture::hc11::{BODY_BYTES, FRAME_BYTES};
+use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
 use ademan::estimate::{
-    ChannelMap, ChannelRow, Estimator, EstimatorSettings, Line, Rejection, Smoothing,
+    AffineMap, ChannelMap, ChannelRow, Estimator, EstimatorSettings, Rejection, Smoothing,
 };
 use ademan::hand::{Dof, Finger, FingerSet};
-use ademan::settings::Assembly;
+use ademan::setup::LoadedSetup;
 
 use crate::press::{Posture, Press, line};
-use crate::wearer::{Wearer, assembly, pipeline_with, stream};
+use crate::wearer::{GloveWearer, assembly, pipeline_with, stream};
 
 /// Channels of the shipped glove.
 const ELBOW: usize = 17;
 
 /// A wearer who holds H down.
-fn holding(press: &Press) -> Wearer {
-    let mut wearer = Wearer::on(&assembly());
+fn holding(press: &Press) -> GloveWearer {
+    let mut wearer = GloveWearer::on(&assembly());
     wearer.play(&press.approach);
     wearer.play(&[press.held(); 20]);
     assert_eq!(wearer.typed(), "down H");
@@ -29,7 +29,7 @@ fn with(posture: &Posture, channel: usize, count: u8) -> Posture {
 }
 
 /// What the glove says while the hand plays a script.
-fn postures(assembly: &Assembly, script: &str) -> Vec<Posture> {
+fn postures(assembly: &LoadedSetup, script: &str) -> Vec<Posture> {
     let typist = assembly.scripted(script, &line(), 0.0, 0);
     let mut typist = typist.unwrap_or_else(|error| panic!("{error}"));
     std::iter::from_fn(|| {
@@ -45,8 +45,8 @@ fn a_stream_that_is_entered_in_the_middle_of_a_frame_types_the_same() {
     let assembly = assembly();
     let whole = [&press.approach[..], &press.lift[..]].concat();
     let bytes = stream(&whole);
-    for missing in 1..FRAME_BYTES {
-        let mut wearer = Wearer::on(&assembly);
+    for missing in 1..PACKET_BYTES {
+        let mut wearer = GloveWearer::on(&assembly);
         wearer.send(&bytes[missing..]);
         assert_eq!(
             wearer.typed(),
@@ -64,13 +64,13 @@ fn one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most() 
     let assembly = assembly();
     let frames = [press.held(); 12];
     let clean = stream(&frames);
-    for bit in 0..FRAME_BYTES * 8 {
-        let mut wearer = Wearer::on(&assembly);
+    for bit in 0..PACKET_BYTES * 8 {
+        let mut wearer = GloveWearer::on(&assembly);
         wearer.play(&press.approach);
         wearer.play(&[press.held(); 20]);
         let before = wearer.readings();
         let mut bytes = clean.clone();
-        bytes[3 * FRAME_BYTES + bit / 8] ^= 1 << (bit % 8);
+        bytes[3 * PACKET_BYTES + bit / 8] ^= 1 << (bit % 8);
         wearer.send(&bytes);
         let came = wearer.readings() - before;
         // A broken mark is the end of the frame before it and the start of its own.
@@ -89,13 +89,13 @@ fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on()
         "press J; set middle-pip-flexion 40 & bend middle 20; wait 200; bend middle 45; wait 200; \
          bend middle 20; wait 200; lift",
     );
-    let mut healthy = Wearer::on(&assembly);
+    let mut healthy = GloveWearer::on(&assembly);
     healthy.play(&deed);
     assert_eq!(healthy.typed(), "down J, down 8, up 8, up J");
     let index = FingerSet::NONE.with(Finger::Index);
     let map = &assembly.glove.map;
     let channels: Vec<usize> = (0..BODY_BYTES)
-        .filter(|&channel| map.fingers_of(channel) == index)
+        .filter(|&channel| map.fingers_affected_by(channel) == index)
         .collect();
     assert!(channels.len() >= 3, "{channels:?}");
     for (channel, end) in channels
@@ -149,17 +149,17 @@ fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
         label: "without end".into(),
         dof: Dof::ForearmSecondBone,
         channel: SPARE,
-        line: Line {
-            factor: 1e308,
+        calibration: AffineMap {
+            gain: 1e308,
             offset: 0.0,
         },
     });
     let map = ChannelMap::new(rows, 255);
     let settings = EstimatorSettings {
-        rail: None,
+        rail_timeout: None,
         ..EstimatorSettings::default()
     };
-    let mut wearer = Wearer::with(pipeline_with(&assembly, Estimator::new(map, settings)));
+    let mut wearer = GloveWearer::with(pipeline_with(&assembly, Estimator::new(map, settings)));
     let sane = |postures: &[Posture]| -> Vec<Posture> {
         let sane = postures.iter().map(|posture| with(posture, SPARE, 0));
         sane.collect()
@@ -198,7 +198,7 @@ fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_count
         wearer.now += HOUR;
         wearer
             .pipeline
-            .set_stall_limit(std::time::Duration::from_secs(7_200));
+            .set_stall_timeout(std::time::Duration::from_secs(7_200));
         wearer.see(&press.held());
         let stale = || Rejection::Stale;
         wearer.now -= back;
@@ -222,7 +222,7 @@ fn a_million_readings_a_second_press_no_more_than_is_allowed() {
     };
     for interval in [1, 20, 100, 1_000] {
         let estimator = Estimator::new(assembly.glove.map.clone(), settings);
-        let mut wearer = Wearer::with(pipeline_with(&assembly, estimator));
+        let mut wearer = GloveWearer::with(pipeline_with(&assembly, estimator));
         for posture in stroke.iter().cycle().take(100 * stroke.len()) {
             wearer.see_after(interval, posture);
         }

@@ -4,22 +4,22 @@
 pub struct Fault {
     pub number: u8,
     pub name: &'static str,
-    pub proof: Proof,
+    pub proof: Coverage,
 }
 
 /// What shows that it ends as it should.
-pub enum Proof {
+pub enum Coverage {
     /// These tests: file and name; in `tests/vm/` it is what the scenario says when it has been seen.
     By(&'static [Witness]),
     /// Nothing yet, for this reason.
     NotYet(&'static str),
 }
 
-use Proof::{By, NotYet};
+use Coverage::{By, NotYet};
 
 use crate::support::proof::Witness;
 
-const fn fault(number: u8, name: &'static str, proof: Proof) -> Fault {
+const fn fault(number: u8, name: &'static str, proof: Coverage) -> Fault {
     Fault {
         number,
         name,

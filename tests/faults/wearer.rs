@@ -1,37 +1,37 @@
 //! A glove whose bytes go straight through the engine: what is typed does not depend on how busy the machine is.
 
-use ademan::capture::hc11::{Decoder, FRAME_BYTES, Framing, channels, encode};
+use ademan::capture::hc11::{Framing, Hc11Decoder, PACKET_BYTES, channels, encode};
 use ademan::capture::{Reading, Sample};
-use ademan::device::{Action, Events};
+use ademan::device::{EventKind, Events};
 use ademan::estimate::{Estimator, EstimatorSettings, Rejection};
 use ademan::kinematics::ArmModel;
-use ademan::monitor::State;
-use ademan::pipeline::{Arming, Controls, Pipeline};
-use ademan::settings::{Assembly, Setup};
+use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 
 use crate::press::{Posture, line};
 
 /// The default setup.
-pub fn assembly() -> Assembly {
-    Setup::default().assemble().expect("the default setup")
+pub fn assembly() -> LoadedSetup {
+    Setup::default().load_files().expect("the default setup")
 }
 
 /// A pipeline that the first reading arms, with an estimator of its own.
-pub fn pipeline_with(assembly: &Assembly, estimator: Estimator) -> Pipeline {
+pub fn pipeline_with(assembly: &LoadedSetup, estimator: Estimator) -> Pipeline {
     let arm: ArmModel = assembly.arm.clone();
-    let controls: Controls = ademan::settings::controls(&assembly.layout);
-    let arming = Arming {
-        at_once: true,
-        ..Arming::default()
+    let controls: LayoutInstance = ademan::setup::controls(&assembly.layout);
+    let arming = PipelineSettings {
+        arm_immediately: true,
+        ..PipelineSettings::default()
     };
     Pipeline::new(estimator, arm, controls, arming)
 }
 
 /// Somebody who wears the glove, armed by the first reading.
-pub struct Wearer {
+pub struct GloveWearer {
     pub pipeline: Pipeline,
-    decoder: Decoder,
+    decoder: Hc11Decoder,
     bytes: usize,
     /// Time that passed without bytes, in microseconds.
     silence: u64,
@@ -40,8 +40,8 @@ pub struct Wearer {
     typed: Vec<String>,
 }
 
-impl Wearer {
-    pub fn on(assembly: &Assembly) -> Self {
+impl GloveWearer {
+    pub fn on(assembly: &LoadedSetup) -> Self {
         let map = assembly.glove.map.clone();
         let estimator = Estimator::new(map, EstimatorSettings::default());
         Self::with(pipeline_with(assembly, estimator))
@@ -50,7 +50,7 @@ impl Wearer {
     pub fn with(pipeline: Pipeline) -> Self {
         Self {
             pipeline,
-            decoder: Decoder::new(Framing::Double06),
+            decoder: Hc11Decoder::new(Framing::Double06),
             bytes: 0,
             silence: 0,
             now: 0,
@@ -63,7 +63,7 @@ impl Wearer {
         let mut bodies = Vec::new();
         for byte in bytes {
             self.bytes += 1;
-            let time = self.silence + line().wire_time(self.bytes).as_micros() as u64;
+            let time = self.silence + line().transmission_time(self.bytes).as_micros() as u64;
             let push = &mut |body: &Posture| bodies.push((time, *body));
             self.decoder.push(&[*byte], push);
         }
@@ -100,9 +100,9 @@ impl Wearer {
 
     fn note(&mut self, events: &Events) {
         for event in events {
-            match event.action {
-                Action::KeyDown(key) => self.typed.push(format!("down {key}")),
-                Action::KeyUp(key) => self.typed.push(format!("up {key}")),
+            match event.kind {
+                EventKind::KeyDown(key) => self.typed.push(format!("down {key}")),
+                EventKind::KeyUp(key) => self.typed.push(format!("up {key}")),
                 _ => {}
             }
         }
@@ -114,11 +114,11 @@ impl Wearer {
     }
 
     pub fn readings(&self) -> u64 {
-        self.decoder.counts().readings
+        self.decoder.stats().readings
     }
 
     pub fn runs(&self) -> bool {
-        self.pipeline.state() == State::Running
+        self.pipeline.state() == PipelineState::Running
     }
 }
 
@@ -128,6 +128,6 @@ pub fn stream(postures: &[Posture]) -> Vec<u8> {
     let bytes: Vec<u8> = frames
         .flat_map(|posture| encode(Framing::Double06, posture))
         .collect();
-    assert_eq!(bytes.len(), FRAME_BYTES * postures.len());
+    assert_eq!(bytes.len(), PACKET_BYTES * postures.len());
     bytes
 }

@@ -2,12 +2,12 @@
 
 use std::sync::LazyLock;
 
-use ademan::capture::{Capture, Channels, LineSettings, Reading, Sample, Source};
-use ademan::device::{Action, Events};
+use ademan::capture::{Channels, Reading, Sample, Source, SourceEvent, StreamOptions};
+use ademan::device::{EventKind, Events};
 use ademan::hand::Side;
 use ademan::layout::Layout;
-use ademan::monitor::State;
-use ademan::settings::{Assembly, NamedLayout, OtherHand, Setup};
+use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
+use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
@@ -44,7 +44,7 @@ impl Ran {
 
 /// A setup with the movements of a hand that plays its first layout.
 struct World {
-    assembly: Assembly,
+    assembly: LoadedSetup,
     movements: Vec<Channels>,
 }
 
@@ -124,7 +124,7 @@ static OTHERS: LazyLock<Vec<Layout>> = LazyLock::new(|| {
 
 impl World {
     fn new(plan: &Plan) -> Self {
-        let further = plan.layouts[1..].iter().map(|layout| NamedLayout {
+        let further = plan.layouts[1..].iter().map(|layout| ProfileSetup {
             name: (*layout).into(),
             layout: (*layout).into(),
         });
@@ -132,15 +132,15 @@ impl World {
             layout: plan.layouts[0].into(),
             profiles: further.collect(),
             other_hand: plan.has_two_hands.then(OtherHand::default),
-            armed: plan.armed,
+            start_armed: plan.armed,
             ..Setup::default()
         };
-        let assembly = setup.assemble().expect("shipped files");
-        let hand = assembly.scripted(plan.script, &LineSettings::default(), 0.0, 0);
+        let assembly = setup.load_files().expect("shipped files");
+        let hand = assembly.scripted(plan.script, &StreamOptions::default(), 0.0, 0);
         let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
         let mut movements = Vec::new();
         let mut last = None;
-        while let Ok(Capture::Reading(reading)) = hand.next() {
+        while let Ok(SourceEvent::Reading(reading)) = hand.next() {
             // The hand comes to a movement a second; the rest is waiting.
             let Sample::Channels(channels) = reading.sample else {
                 continue;
@@ -209,7 +209,7 @@ struct Play<'a> {
     /// What a broken wire adds.
     fault: Option<(usize, u16)>,
     ran: Ran,
-    state: State,
+    state: PipelineState,
 }
 
 /// The first byte says which setup; each of the others is an order or belongs to one.
@@ -223,10 +223,10 @@ pub fn engine(data: &[u8]) -> Ran {
         time: 0,
         place: 0,
         is_backwards: false,
-        side: world.assembly.other.is_some().then_some(Side::Right),
+        side: world.assembly.other_hand.is_some().then_some(Side::Right),
         fault: None,
         ran: Ran::default(),
-        state: State::Starting,
+        state: PipelineState::Starting,
     };
     while let Some(&order) = bytes.0.next() {
         play.obey(order, &mut bytes);
@@ -341,9 +341,9 @@ impl Play<'_> {
         let controls = self.world.assembly.controls(layout);
         let mut controls = controls.expect("it names no other layout");
         if bytes.byte() < 128 {
-            self.engine.keep_places(place, &mut controls);
+            self.engine.keep_board_poses(place, &mut controls);
         }
-        if place < self.engine.profiles() {
+        if place < self.engine.profile_count() {
             self.ask(|engine, events| engine.replace(place, &mut controls, layout, events));
         }
     }
@@ -358,15 +358,16 @@ impl Play<'_> {
         let ran = &mut self.ran;
         ran.steps += 1;
         for event in &self.events {
-            match event.action {
-                Action::KeyDown(_) => ran.presses += 1,
-                Action::KeyUp(_) if is_command => ran.forced += 1,
-                Action::KeyUp(_) => {}
+            match event.kind {
+                EventKind::KeyDown(_) => ran.presses += 1,
+                EventKind::KeyUp(_) if is_command => ran.forced += 1,
+                EventKind::KeyUp(_) => {}
                 _ => ran.other_events += 1,
             }
         }
         let state = self.engine.state();
-        ran.armed += u64::from(self.state != State::Running && state == State::Running);
+        ran.armed +=
+            u64::from(self.state != PipelineState::Running && state == PipelineState::Running);
         self.state = state;
     }
 }

@@ -1,6 +1,6 @@
 //! The glove's packets: every byte is counted once, however the stream is cut.
 
-use ademan::capture::hc11::{BODY_BYTES, Decoder, FRAME_BYTES, Framing, encode};
+use ademan::capture::hc11::{BODY_BYTES, Framing, Hc11Decoder, PACKET_BYTES, encode};
 
 /// The first byte says how long the pieces are that the rest comes in. Whether there was a frame.
 pub fn packets(data: &[u8]) -> bool {
@@ -18,24 +18,27 @@ pub fn packets(data: &[u8]) -> bool {
 }
 
 fn frames(framing: Framing, stream: &[u8], length: usize) -> Vec<[u8; BODY_BYTES]> {
-    let mut decoder = Decoder::new(framing);
+    let mut decoder = Hc11Decoder::new(framing);
     let mut frames = Vec::new();
     for piece in stream.chunks(length) {
         decoder.push(piece, &mut |body| frames.push(*body));
-        assert!(decoder.waiting() < FRAME_BYTES + 2);
+        assert!(decoder.pending_bytes() < PACKET_BYTES + 2);
         check_counts(&decoder, frames.len());
     }
     decoder.finish(&mut |body| frames.push(*body));
     check_counts(&decoder, frames.len());
-    let counts = decoder.counts();
-    assert_eq!((decoder.waiting(), counts.bytes), (0, stream.len() as u64));
+    let counts = decoder.stats();
+    assert_eq!(
+        (decoder.pending_bytes(), counts.bytes),
+        (0, stream.len() as u64)
+    );
     frames
 }
 
-fn check_counts(decoder: &Decoder, frames: usize) {
-    let counts = decoder.counts();
-    let of_frames = FRAME_BYTES as u64 * counts.readings;
-    let accounted = of_frames + counts.skipped_bytes + decoder.waiting() as u64;
+fn check_counts(decoder: &Hc11Decoder, frames: usize) {
+    let counts = decoder.stats();
+    let of_frames = PACKET_BYTES as u64 * counts.readings;
+    let accounted = of_frames + counts.skipped_bytes + decoder.pending_bytes() as u64;
     assert_eq!(counts.bytes, accounted, "a byte is counted twice or never");
     assert_eq!(counts.readings, frames as u64);
 }

@@ -3,12 +3,12 @@
 use std::sync::LazyLock;
 
 use ademan::capture::recording::{RecordedSetup, Replay};
-use ademan::capture::{Capture, LineSettings, Reading, Source};
+use ademan::capture::{Reading, Source, SourceEvent, StreamOptions};
 use ademan::contact::Touches;
 use ademan::device::Events;
-use ademan::monitor::{Snapshot, State, Tally};
 use ademan::recorder::Recorder;
-use ademan::settings::{Assembly, Setup};
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::snapshot::{PipelineState, Snapshot, Stats};
 
 /// What a recording gives: its setup, its readings, and whether it came to its end.
 struct Replayed {
@@ -18,23 +18,23 @@ struct Replayed {
 }
 
 fn replay(bytes: &[u8]) -> Option<Replayed> {
-    let mut replay = Replay::read("fuzz", bytes).ok()?;
+    let mut replay = Replay::from_reader("fuzz", bytes).ok()?;
     let mut readings = Vec::new();
     let is_whole = loop {
         match replay.next() {
-            Ok(Capture::Reading(reading)) => readings.push(reading),
-            Ok(Capture::End) => break replay.cut().is_none(),
-            Ok(Capture::Quiet) => panic!("a recording is never quiet"),
+            Ok(SourceEvent::Reading(reading)) => readings.push(reading),
+            Ok(SourceEvent::End) => break replay.truncation().is_none(),
+            Ok(SourceEvent::Idle) => panic!("a recording is never quiet"),
             Err(error) => {
                 assert!(!error.to_string().is_empty());
                 break false;
             }
         }
     };
-    let counts = replay.counts();
+    let counts = replay.stats();
     assert_eq!(counts.readings, readings.len() as u64);
     assert!(counts.bytes <= bytes.len() as u64 && counts.skipped_bytes <= counts.bytes);
-    if let Some(cut) = replay.cut() {
+    if let Some(cut) = replay.truncation() {
         assert!(cut.offset <= bytes.len() as u64 && !cut.reason.is_empty());
     }
     Some(Replayed {
@@ -79,34 +79,34 @@ fn record(setup: &RecordedSetup, readings: &[Reading]) -> Option<Vec<u8>> {
 
 fn snapshot(reading: &Reading) -> Snapshot {
     Snapshot {
-        state: State::Paused,
+        state: PipelineState::Paused,
         profile: 0,
-        names: ASSEMBLY.layout.target_names(),
+        target_names: ASSEMBLY.layout.target_names(),
         is_paused: false,
         reading: Some(reading.clone()),
         angles: None,
         pose: None,
         touches: Touches::new(),
         events: Events::new(),
-        tally: Tally::default(),
+        stats: Stats::default(),
     }
 }
 
-static ASSEMBLY: LazyLock<Assembly> = LazyLock::new(|| {
+static ASSEMBLY: LazyLock<LoadedSetup> = LazyLock::new(|| {
     let setup = Setup {
         layout: "arrows".into(),
         ..Setup::default()
     };
-    setup.assemble().expect("a shipped layout")
+    setup.load_files().expect("a shipped layout")
 });
 
 /// Recordings of a hand that presses an arrow key: with its setup and without, each with its checksum and
 /// without, so that damage is looked at too.
 pub fn seeds() -> Vec<Vec<u8>> {
-    let hand = ASSEMBLY.scripted("tap ArrowUp", &LineSettings::default(), 0.0, 0);
+    let hand = ASSEMBLY.scripted("tap ArrowUp", &StreamOptions::default(), 0.0, 0);
     let mut hand = hand.expect("a hand");
     let mut readings = Vec::new();
-    while let Ok(Capture::Reading(reading)) = hand.next() {
+    while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         readings.push(reading);
     }
     let recorded = [ASSEMBLY.recorded_setup(), RecordedSetup::default()];

@@ -1,7 +1,7 @@
 //! Valid inputs of every kind, from what is shipped.
 
 use ademan::layout::Document;
-use ademan::layout::file::shipped_layouts;
+use ademan::layout::document::shipped_layouts;
 
 fn shipped(name: &str) -> Vec<u8> {
     let document = Document::shipped(name).expect("a shipped file");

@@ -2,14 +2,14 @@
 
 use std::sync::LazyLock;
 
-use ademan::capture::SourceName;
+use ademan::capture::SourceUri;
 use ademan::contact::TargetNames;
-use ademan::contact::place::Place;
+use ademan::contact::board_pose::BoardPose;
 use ademan::control::request;
 use ademan::kinematics::ArmModel;
-use ademan::lab::Script;
-use ademan::layout::{Document, Glove, Layout, LayoutError, moved, scaled};
-use ademan::settings::{Hand, Setup, controls};
+use ademan::layout::{Document, DocumentError, Glove, Layout, move_boards, scale_boards};
+use ademan::setup::{ArmSetup, Setup, controls};
+use ademan::sim::Script;
 
 /// A text as a file would hold it; `None` where it is not in UTF-8, which no parser sees.
 fn document(data: &[u8]) -> Option<Document> {
@@ -17,7 +17,7 @@ fn document(data: &[u8]) -> Option<Document> {
 }
 
 /// An error has a text, and a place in the file.
-fn check_error(error: &LayoutError, document: &Document) {
+fn check_error(error: &DocumentError, document: &Document) {
     assert!(!error.message().is_empty());
     if let Some(line) = error.line() {
         assert!(line >= 1 && error.column().is_some_and(|column| column >= 1));
@@ -31,7 +31,7 @@ pub fn layout(data: &[u8]) -> bool {
     let Some(document) = document(data) else {
         return false;
     };
-    let layout = match Layout::of(document.clone()) {
+    let layout = match Layout::from_document(document.clone()) {
         Ok(layout) => layout,
         Err(error) => {
             check_error(&error, &document);
@@ -41,46 +41,49 @@ pub fn layout(data: &[u8]) -> bool {
     let built = controls(&layout);
     assert_eq!(
         layout.target_names().iter().count(),
-        built.names().iter().count()
+        built.target_names().iter().count()
     );
-    assert!(layout.needs().iter().count() < 4096);
-    assert!(layout.svg().starts_with("<svg"));
-    assert!(layout.draw().len() < 1 << 24);
+    assert!(layout.required_capabilities().iter().count() < 4096);
+    assert!(layout.to_svg().starts_with("<svg"));
+    assert!(layout.to_text().len() < 1 << 24);
     check_rewriting(&layout, &document);
     true
 }
 
 fn check_rewriting(layout: &Layout, document: &Document) {
     let surfaces = layout.scene.surfaces().iter();
-    let places: Vec<Place> = surfaces
-        .map(|surface| Place::of(&surface.anchor_from_surface()))
+    let places: Vec<BoardPose> = surfaces
+        .map(|surface| BoardPose::from_pose(&surface.anchor_from_surface()))
         .take(layout.boards.len())
         .collect();
-    let same = moved(document, &places).expect("a layout can be written");
+    let same = move_boards(document, &places).expect("a layout can be written");
     assert_eq!(
         same, document.text,
         "boards that are there keep their numbers"
     );
 
-    let aside = |place: &Place| Place {
+    let aside = |place: &BoardPose| BoardPose {
         right: (place.right + 0.0125).min(1.9),
         ..*place
     };
-    let wanted: Vec<Place> = places.iter().map(aside).collect();
-    let text = moved(document, &wanted).expect("a layout can be written");
+    let wanted: Vec<BoardPose> = places.iter().map(aside).collect();
+    let text = move_boards(document, &wanted).expect("a layout can be written");
     let again = Layout::parse(&text, "moved.ron").unwrap_or_else(|error| panic!("{error}"));
     let surfaces = again.scene.surfaces().iter();
     for (surface, wanted) in surfaces.zip(&wanted) {
-        let place = Place::of(&surface.anchor_from_surface());
+        let place = BoardPose::from_pose(&surface.anchor_from_surface());
         assert!(
             (place.right - wanted.right).abs() < 2e-5,
             "{place:?} {wanted:?}"
         );
     }
     assert_eq!(again.keys, layout.keys);
-    assert_eq!(again.needs(), layout.needs());
+    assert_eq!(
+        again.required_capabilities(),
+        layout.required_capabilities()
+    );
 
-    let text = scaled(document, 1.0).expect("a layout can be written");
+    let text = scale_boards(document, 1.0).expect("a layout can be written");
     if let Err(error) = Layout::parse(&text, "scaled.ron") {
         // Rounded to four digits, a scale at the end of its range can be out of it.
         assert!(error.to_string().contains("scale"), "{error}");
@@ -106,8 +109,8 @@ pub fn setup(data: &[u8]) -> bool {
     // As texts: a number may be none, and that is not equal to itself.
     assert_eq!(ron::to_string(&again).as_ref(), Ok(&text));
     // Nothing is read but what comes with the program.
-    let model = |hand: Hand| match hand {
-        Hand::Model(_) => Hand::Model("unam".into()),
+    let model = |hand: ArmSetup| match hand {
+        ArmSetup::Model(_) => ArmSetup::Model("unam".into()),
         measured => measured,
     };
     let known = Setup {
@@ -115,10 +118,10 @@ pub fn setup(data: &[u8]) -> bool {
         layout: "arrows".into(),
         profiles: Vec::new(),
         other_hand: None,
-        hand: model(setup.hand),
+        arm: model(setup.arm),
         ..setup
     };
-    match known.assemble() {
+    match known.load_files() {
         Ok(assembly) => {
             drop(assembly.pipeline());
             true
@@ -137,7 +140,7 @@ pub fn glove(data: &[u8]) -> bool {
     };
     match Glove::parse(&document) {
         Ok(glove) => {
-            assert!(glove.map.channels_needed() <= ademan::capture::MAX_CHANNELS);
+            assert!(glove.map.required_channels() <= ademan::capture::MAX_CHANNELS);
             true
         }
         Err(error) => {
@@ -157,7 +160,7 @@ pub fn arm(data: &[u8]) -> bool {
     };
     match ArmModel::parse(&document) {
         Ok(arm) => {
-            let pose = arm.forward(&JointAngles::at(Timestamp(0)));
+            let pose = arm.forward(&JointAngles::new(Timestamp(0)));
             for (joint, pose) in pose.known() {
                 assert!(pose.is_finite(), "{joint} is nowhere");
             }
@@ -174,7 +177,7 @@ pub fn arm(data: &[u8]) -> bool {
 pub fn request(data: &[u8]) -> bool {
     static PROFILES: LazyLock<Vec<String>> =
         LazyLock::new(|| ["main", "numbers"].map(str::to_owned).to_vec());
-    match request::check(data, &PROFILES) {
+    match request::validate(data, &PROFILES) {
         Ok(()) => true,
         Err(reason) => {
             assert!(!reason.is_empty());
@@ -188,9 +191,9 @@ pub fn source(data: &[u8]) -> bool {
     let Ok(text) = str::from_utf8(data) else {
         return false;
     };
-    match text.parse::<SourceName>() {
+    match text.parse::<SourceUri>() {
         Ok(source) => {
-            let again = source.to_string().parse::<SourceName>();
+            let again = source.to_string().parse::<SourceUri>();
             assert_eq!(again.expect("a name that was written"), source);
             true
         }
@@ -212,8 +215,8 @@ pub fn script(data: &[u8]) -> bool {
     };
     match Script::parse(document.clone(), &NAMES) {
         Ok(script) => {
-            assert!(!script.orders().is_empty());
-            for order in 0..script.orders().len() {
+            assert!(!script.actions().is_empty());
+            for order in 0..script.actions().len() {
                 check_error(&script.error(order, "here"), &document);
             }
             true

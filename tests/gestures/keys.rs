@@ -1,7 +1,7 @@
 //! What keys do: modifiers, layers, one-shots, depth, letting go.
 
 use ademan::contact::{Phase, TargetId, Touch};
-use ademan::device::{Action, Events};
+use ademan::device::{EventKind, Events};
 use ademan::hand::{Finger, Side};
 use ademan::time::Timestamp;
 use parry3d::math::Vec2;
@@ -217,7 +217,7 @@ fn touch(time: u64, finger: Finger, target: u32, phase: Phase) -> Touch {
         target: TargetId(target),
         phase,
         depth: 0.5,
-        at: Vec2::ZERO,
+        position: Vec2::ZERO,
     }
 }
 
@@ -227,12 +227,12 @@ fn a_release_counts_only_from_the_finger_and_target_that_pressed() {
     let mut hear = |touches: &[Touch]| {
         let mut events = Events::new();
         rig.update(&rig.pose.clone(), touches, &mut events);
-        events.iter().map(|event| event.action).collect::<Vec<_>>()
+        events.iter().map(|event| event.kind).collect::<Vec<_>>()
     };
     let q = "Q".parse().unwrap();
     assert_eq!(
         hear(&[touch(1, Finger::Index, 0, Phase::Pressed)]),
-        [Action::KeyDown(q)]
+        [EventKind::KeyDown(q)]
     );
     for stranger in [
         touch(2, Finger::Middle, 0, Phase::Released),
@@ -243,7 +243,7 @@ fn a_release_counts_only_from_the_finger_and_target_that_pressed() {
     }
     assert_eq!(
         hear(&[touch(5, Finger::Index, 0, Phase::Left)]),
-        [Action::KeyUp(q)]
+        [EventKind::KeyUp(q)]
     );
 }
 
@@ -256,10 +256,14 @@ fn a_finger_that_presses_a_second_key_has_let_go_of_the_first() {
         rig.update(&rig.pose.clone(), &[touch], &mut events);
     }
     let [q, w] = ["Q", "W"].map(|name| name.parse().unwrap());
-    let actions: Vec<Action> = events.iter().map(|event| event.action).collect();
+    let actions: Vec<EventKind> = events.iter().map(|event| event.kind).collect();
     assert_eq!(
         actions,
-        [Action::KeyDown(q), Action::KeyUp(q), Action::KeyDown(w)]
+        [
+            EventKind::KeyDown(q),
+            EventKind::KeyUp(q),
+            EventKind::KeyDown(w)
+        ]
     );
 }
 
@@ -268,14 +272,14 @@ fn when_there_is_no_room_presses_are_dropped_and_releases_are_not() {
     let mut rig = Rig::new("q w");
     let filler = ademan::device::OutputEvent {
         time: Timestamp(0),
-        action: Action::Depth(TargetId(9), 0.0),
+        kind: EventKind::Depth(TargetId(9), 0.0),
     };
     let mut crowded = |touches: &[Touch], room: usize| {
         let mut events = Events::new();
         (room..events.capacity()).for_each(|_| events.push(filler));
         rig.update(&rig.pose.clone(), touches, &mut events);
         let sent = events.iter().filter(|event| **event != filler);
-        sent.map(|event| format!("{:?}", event.action))
+        sent.map(|event| format!("{:?}", event.kind))
             .collect::<Vec<_>>()
             .join(" ")
     };

@@ -333,12 +333,12 @@ fn without_room_nothing_fires_and_nothing_stays_down() {
         target: TargetId(target),
         phase,
         depth: 0.5,
-        at: Vec2::ZERO,
+        position: Vec2::ZERO,
     };
     let mut crowded = |now: u64, touches: &[Touch], room: usize| {
         let filler = ademan::device::OutputEvent {
             time: Timestamp(0),
-            action: ademan::device::Action::Depth(TargetId(9), 0.0),
+            kind: ademan::device::EventKind::Depth(TargetId(9), 0.0),
         };
         let mut events = Events::new();
         (room..events.capacity()).for_each(|_| events.push(filler));

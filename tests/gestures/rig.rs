@@ -14,17 +14,18 @@
 //! - `lost:index`, `doubt:index`, `trust:index`: not known, not to be believed, believed again.
 //! - `jump`: the hand is re-acquired; `reset`: the tracker forgets; `release`: the keyboard lets go.
 
-use ademan::contact::surface::{Anchor, Scene, Shape, TREMBLE, Target};
+use ademan::contact::surface::{Anchor, Scene, Shape, TREMOR_MARGIN, Target};
 use ademan::contact::{ContactTracker, TargetId, Touch, Touches};
-use ademan::device::keyboard::{Fires, Hold, KeyBinding, Keyboard};
+use ademan::device::keyboard::{Activation, KeyBinding, Keyboard, TapHold};
 use ademan::device::{
-    Action, Events, KeyAction, KeyCode, Latch, Needs, Out, Seen, Switchboard, VirtualDevice,
+    Capabilities, DeviceInput, DeviceOutput, EventKind, Events, KeyAction, KeyArbiter, KeyCode,
+    Latch, VirtualDevice,
 };
 use ademan::estimate::JointAngles;
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
-use ademan::lab::Oracle;
-use ademan::pipeline::Arming;
+use ademan::pipeline::PipelineSettings;
+use ademan::sim::Oracle;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 use std::time::Duration;
@@ -48,9 +49,9 @@ pub fn key_target(shape: Shape, surface_from_target: Pose) -> Target {
         shape,
         surface_from_target,
         travel: TRAVEL,
-        press_share: 0.5,
-        release_share: 0.25,
-        margin: TREMBLE,
+        press_at: 0.5,
+        release_at: 0.25,
+        margin: TREMOR_MARGIN,
     }
 }
 
@@ -58,7 +59,7 @@ pub struct Rig {
     pub scene: Scene,
     pub tracker: ContactTracker,
     pub keyboard: Keyboard,
-    pub switchboard: Switchboard,
+    pub switchboard: KeyArbiter,
     pub pose: HandPose,
     /// What is pushed by a script: pad points in the board's frame.
     pads: [Option<Vec3>; Finger::COUNT],
@@ -83,17 +84,17 @@ impl Rig {
             }
         }
         let mut scene = Scene::new();
-        scene.add(Anchor::World, world_from_board(), targets);
+        scene.add_surface(Anchor::World, world_from_board(), targets);
         let keyboard = Keyboard::new(bindings);
-        let mut needs = Needs::default();
-        keyboard.add_needs(&mut needs);
+        let mut needs = Capabilities::default();
+        keyboard.add_capabilities(&mut needs);
         Self {
             tracker: ContactTracker::new(&scene),
             keyboard,
-            oracle: Oracle::new([needs.into()], Arming::default()),
-            switchboard: Switchboard::default(),
+            oracle: Oracle::new([needs.into()], PipelineSettings::default()),
+            switchboard: KeyArbiter::default(),
             scene,
-            pose: HandPose::at(Timestamp(0), Side::Right, RADIUS),
+            pose: HandPose::new(Timestamp(0), Side::Right, RADIUS),
             pads: [None; Finger::COUNT],
             world_from_board: world_from_board(),
             names,
@@ -171,7 +172,7 @@ impl Rig {
     fn frame(&mut self) {
         let (untrusted, jumped) = (self.pose.untrusted, self.pose.jumped);
         let time = Timestamp(self.pose.time.0 + FRAME);
-        self.pose = HandPose::at(time, Side::Right, RADIUS);
+        self.pose = HandPose::new(time, Side::Right, RADIUS);
         (self.pose.untrusted, self.pose.jumped) = (untrusted, jumped);
         for (&finger, pad) in Finger::ALL.iter().zip(self.pads) {
             if let Some(pad) = pad {
@@ -190,17 +191,17 @@ impl Rig {
 
     /// Shows the keyboard one frame.
     pub fn update(&mut self, pose: &HandPose, touches: &[Touch], events: &mut Events) {
-        let seen = Seen {
+        let seen = DeviceInput {
             scene: &self.scene,
-            angles: &JointAngles::at(pose.time),
+            angles: &JointAngles::new(pose.time),
             pose,
             touches,
         };
         let switchboard = &mut self.switchboard;
         self.keyboard.update(
             &seen,
-            &mut Out {
-                switchboard,
+            &mut DeviceOutput {
+                arbiter: switchboard,
                 events,
             },
         );
@@ -212,8 +213,8 @@ impl Rig {
         let switchboard = &mut self.switchboard;
         self.keyboard.release_all(
             time,
-            &mut Out {
-                switchboard,
+            &mut DeviceOutput {
+                arbiter: switchboard,
                 events,
             },
         );
@@ -226,16 +227,16 @@ impl Rig {
     }
 
     fn write(&mut self, events: &Events, lets_go: bool) {
-        let judgement = self.oracle.judge_devices(events, lets_go);
+        let judgement = self.oracle.check_devices(events, lets_go);
         judgement.unwrap_or_else(|violation| panic!("{violation}: {events:?}"));
         for event in events {
-            let text = match event.action {
-                Action::KeyDown(code) => format!("dn:{code}"),
-                Action::KeyUp(code) => format!("up:{code}"),
-                Action::Depth(target, depth) => {
+            let text = match event.kind {
+                EventKind::KeyDown(code) => format!("dn:{code}"),
+                EventKind::KeyUp(code) => format!("up:{code}"),
+                EventKind::Depth(target, depth) => {
                     format!("depth:{}={depth:.2}", self.names[target.0 as usize])
                 }
-                _ => panic!("a keyboard does not send {:?}", event.action),
+                _ => panic!("a keyboard does not send {:?}", event.kind),
             };
             self.transcript.push((event.time, text));
         }
@@ -277,20 +278,20 @@ fn binding(key: &str, target: TargetId) -> KeyBinding {
         None => (key, None),
     };
     let fires = match hold {
-        Some(action) => Fires::TapOrHold(Hold {
-            action,
-            after: Duration::from_millis(200),
+        Some(action) => Activation::TapHold(TapHold {
+            hold_action: action,
+            hold_after: Duration::from_millis(200),
         }),
-        None if key.starts_with('^') => Fires::Release,
-        None => Fires::Press,
+        None if key.starts_with('^') => Activation::OnRelease,
+        None => Activation::OnPress,
     };
     let actions = key.trim_start_matches(['~', '^']).split('|');
     KeyBinding {
         target,
         actions: actions.map(action).collect(),
-        analogue: key.starts_with('~'),
-        fires,
-        repress: Duration::from_millis(repress.parse().unwrap()),
+        reports_depth: key.starts_with('~'),
+        activation: fires,
+        debounce: Duration::from_millis(repress.parse().unwrap()),
     }
 }
 
@@ -299,7 +300,7 @@ fn action(key: &str) -> Option<KeyAction> {
     let (name, latch) = match key.split_at(1) {
         ("*", name) => (name, Latch::OneShot),
         ("!", name) => (name, Latch::Lock),
-        _ => (key, Latch::Held),
+        _ => (key, Latch::Momentary),
     };
     if let Some(layer) = name.strip_prefix("layer") {
         return Some(KeyAction::Layer(layer.parse().unwrap(), latch));

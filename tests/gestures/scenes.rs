@@ -30,7 +30,7 @@ impl Index {
     /// Moves the fingertip's centre, and the wrist where it is known; both in millimetres.
     fn step(&mut self, tip: [f32; 3], wrist: Option<[f32; 3]>) -> String {
         self.time += 10_000;
-        let mut pose = HandPose::at(Timestamp(self.time), Side::Right, RADIUS);
+        let mut pose = HandPose::new(Timestamp(self.time), Side::Right, RADIUS);
         let at = |point: [f32; 3]| Pose::from_translation(Vec3::from_array(point) * 1e-3);
         pose.set(Joint::tip(Finger::Index), at(tip));
         if let Some(wrist) = wrist {
@@ -50,7 +50,7 @@ fn scene_of(targets: Vec<(Shape, Pose)>, anchor: Anchor) -> Scene {
         .into_iter()
         .map(|(shape, pose)| key_target(shape, pose));
     let mut scene = Scene::new();
-    scene.add(anchor, Pose::IDENTITY, targets.collect());
+    scene.add_surface(anchor, Pose::IDENTITY, targets.collect());
     scene
 }
 
@@ -203,7 +203,7 @@ fn a_finger_is_on_one_of_two_overlapping_targets() {
 fn the_first_of_two_surfaces_wins() {
     let mut scene = scene_of(vec![(KEY, Pose::IDENTITY)], Anchor::World);
     let higher = Pose::from_translation(Vec3::new(0.0, 0.0, 0.002));
-    scene.add(Anchor::World, higher, vec![key_target(KEY, Pose::IDENTITY)]);
+    scene.add_surface(Anchor::World, higher, vec![key_target(KEY, Pose::IDENTITY)]);
     let mut index = Index::over(scene);
     index.step([0.0, 0.0, 15.0], None);
     assert_eq!(
@@ -249,12 +249,12 @@ fn a_surface_that_goes_along_with_the_wrist_is_met_as_the_wrist_sees_it() {
 fn a_surface_whose_anchor_is_not_finite_is_let_go_of_at_the_end_of_the_frame() {
     let mut scene = Scene::new();
     let key = vec![key_target(KEY, Pose::IDENTITY)];
-    scene.add(Anchor::Joint(Joint::Wrist), Pose::IDENTITY, key);
+    scene.add_surface(Anchor::Joint(Joint::Wrist), Pose::IDENTITY, key);
     let mut tracker = ContactTracker::new(&scene);
     let mut touches = Touches::new();
     let frames = [(10.0, 0.0), (2.0, 0.0), (2.0, f32::NAN)];
     for (number, (tip, wrist)) in (1..).zip(frames) {
-        let mut pose = HandPose::at(Timestamp(number * 1_000), Side::Right, RADIUS);
+        let mut pose = HandPose::new(Timestamp(number * 1_000), Side::Right, RADIUS);
         let at = |height: f32| Pose::from_translation(Vec3::Z * height * 1e-3);
         pose.set(Joint::tip(Finger::Index), at(tip));
         pose.set(Joint::Wrist, at(wrist));

@@ -1,7 +1,7 @@
 //! Fast taps at slow frame rates: nothing is missed, and times lie between the frames.
 
 use ademan::contact::{Phase, Touches};
-use ademan::device::{Action, Events};
+use ademan::device::{EventKind, Events};
 use ademan::hand::{Finger, Joint};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec3};
@@ -53,12 +53,12 @@ fn every_tap_at_1_metre_a_second_and_14_frames_a_second_is_one_press() {
             frames += 1;
             let now = f64::from(frames) / FRAMES_PER_SECOND;
             show(&mut rig, now, pad, &mut touches, &mut events);
-            heard.extend(events.iter().map(|event| event.action));
+            heard.extend(events.iter().map(|event| event.kind));
         }
         let code = codes[key].parse().unwrap();
         assert_eq!(
             heard,
-            [Action::KeyDown(code), Action::KeyUp(code)],
+            [EventKind::KeyDown(code), EventKind::KeyUp(code)],
             "tap {tap}"
         );
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use ademan::contact::{Phase, TargetId, Touch, Touches};
-use ademan::device::{Action, Events, KeyCode};
+use ademan::device::{EventKind, Events, KeyCode};
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::time::Timestamp;
@@ -75,7 +75,7 @@ impl Latches {
             Phase::Touched if before.is_none() => on(false),
             Phase::Pressed if before == on(false) => on(true),
             Phase::Released if before == on(true) => on(false),
-            Phase::Held if before == on(true) || before == on(false) => before,
+            Phase::Moved if before == on(true) || before == on(false) => before,
             Phase::Left if before == on(false) => None,
             Phase::Cancelled if before == on(true) || before == on(false) => None,
             _ => panic!("{touch:?} when the finger was at {before:?}"),
@@ -99,14 +99,14 @@ impl Held {
         for event in events {
             assert!(event.time >= self.time, "time went back in {events:?}");
             self.time = event.time;
-            match event.action {
-                Action::KeyDown(code) => {
+            match event.kind {
+                EventKind::KeyDown(code) => {
                     assert!(!self.down.contains(&code), "{code} down twice");
                     self.down.push(code);
                     *self.counts.entry(code).or_default() += 1;
                     has_pressed |= !code.is_modifier();
                 }
-                Action::KeyUp(code) => {
+                EventKind::KeyUp(code) => {
                     let place = self.down.iter().position(|other| *other == code);
                     self.down.remove(place.expect("only what is down comes up"));
                     let is_old = old.contains(&code) && !code.is_modifier();
@@ -160,7 +160,7 @@ fn presses_and_releases_alternate_whatever_the_fingers_do() {
 }
 
 fn pose(wanderer: &Wanderer, time: Timestamp, random: &mut Random) -> HandPose {
-    let mut pose = HandPose::at(time, Side::Right, RADIUS);
+    let mut pose = HandPose::new(time, Side::Right, RADIUS);
     pose.jumped = random.once_in(200);
     for (&finger, pad) in Finger::ALL.iter().zip(wanderer.pads) {
         if random.once_in(100) {

@@ -294,6 +294,6 @@ fn sixty_four_triggers_are_a_layout_and_one_more_is_not() {
     assert_eq!(layout.triggers.len(), 64);
     let names = layout.target_names();
     let last = layout.triggers[63].1.target;
-    assert_eq!(names.of(last).to_string(), "t63");
+    assert_eq!(names.get(last).to_string(), "t63");
     assert_eq!(last.0 as usize, layout.scene.len() + 63);
 }

@@ -1,7 +1,7 @@
 //! What springs back in a frame that has no room for it does so in the next.
 
 use ademan::contact::{Phase, TargetId, Touch};
-use ademan::device::{Action, Axis, Events, Out, OutputEvent, Seen, Switchboard};
+use ademan::device::{Axis, DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, OutputEvent};
 use ademan::estimate::JointAngles;
 use ademan::hand::{Finger, Side};
 use ademan::kinematics::HandPose;
@@ -21,13 +21,13 @@ type Step = Option<(Phase, f32)>;
 fn stands(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
     let text = format!("Layout(name: \"t\", boards: [(place: (anchor: world), {controls})])");
     let layout = Layout::parse(&text, "t.ron").unwrap();
-    let (mut devices, mut switchboard) = (layout.devices(), Switchboard::default());
+    let (mut devices, mut switchboard) = (layout.devices(), KeyArbiter::default());
     let mut axis = 0.0;
     let of_frame = |(frame, step): (usize, &Step)| {
         let time = Timestamp(frame as u64 * 10_000);
         let filler = OutputEvent {
             time,
-            action: Action::Scroll(0, 0),
+            kind: EventKind::Scroll(0, 0),
         };
         let mut events = Events::new();
         if full.contains(&frame) {
@@ -40,23 +40,23 @@ fn stands(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
             target: TargetId(0),
             phase,
             depth: 1.0,
-            at: Vec2::new(x * 1e-3, 0.0),
+            position: Vec2::new(x * 1e-3, 0.0),
         });
-        let seen = Seen {
+        let seen = DeviceInput {
             scene: &layout.scene,
-            angles: &JointAngles::at(time),
-            pose: &HandPose::at(time, Side::Right, 0.005),
+            angles: &JointAngles::new(time),
+            pose: &HandPose::new(time, Side::Right, 0.005),
             touches: touches.as_slice(),
         };
-        let mut out = Out {
-            switchboard: &mut switchboard,
+        let mut out = DeviceOutput {
+            arbiter: &mut switchboard,
             events: &mut events,
         };
         for device in &mut devices {
             device.update(&seen, &mut out);
         }
         for event in &events {
-            if let Action::Axis(Axis::MoveZ, place) = event.action {
+            if let EventKind::Axis(Axis::MoveZ, place) = event.kind {
                 axis = place;
             }
         }
@@ -70,7 +70,7 @@ fn an_axis_that_finds_no_room_goes_back_to_0_in_the_next_frame() {
     for end in [Phase::Released, Phase::Cancelled] {
         let steps = [
             Some((Phase::Pressed, 0.0)),
-            Some((Phase::Held, 40.0)),
+            Some((Phase::Moved, 40.0)),
             Some((end, 40.0)),
             None,
         ];
@@ -85,11 +85,11 @@ fn an_axis_that_finds_no_room_goes_back_to_0_in_the_next_frame() {
 fn what_is_held_again_before_there_was_room_stays_held() {
     let steps = [
         Some((Phase::Pressed, 0.0)),
-        Some((Phase::Held, 40.0)),
+        Some((Phase::Moved, 40.0)),
         Some((Phase::Released, 40.0)),
         Some((Phase::Pressed, 40.0)),
         None,
-        Some((Phase::Held, 0.0)),
+        Some((Phase::Moved, 0.0)),
         Some((Phase::Released, 0.0)),
     ];
     // The handle is grabbed where it still is, the stick begins in the middle.

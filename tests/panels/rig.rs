@@ -17,14 +17,14 @@ use std::io::{Result, Write};
 use std::sync::{Arc, Mutex};
 
 use ademan::contact::{ContactTracker, TargetId, TargetName, TargetNames, Touches};
-use ademan::device::{Events, Out, Seen, Switchboard, VirtualDevice};
+use ademan::device::{DeviceInput, DeviceOutput, Events, KeyArbiter, VirtualDevice};
 use ademan::estimate::JointAngles;
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
-use ademan::lab::{Oracle, Rules};
 use ademan::layout::Layout;
 use ademan::output::{Sink, Transcript};
-use ademan::pipeline::Arming;
+use ademan::pipeline::PipelineSettings;
+use ademan::sim::{Oracle, OutputRules};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec3};
 
@@ -35,7 +35,7 @@ pub struct Rig {
     layout: Layout,
     names: TargetNames,
     devices: Vec<Box<dyn VirtualDevice>>,
-    switchboard: Switchboard,
+    switchboard: KeyArbiter,
     hands: [Hand; Side::COUNT],
     side: Side,
     time: Timestamp,
@@ -97,10 +97,10 @@ impl Rig {
         let page = Page::default();
         let mut transcript = Transcript::new("test", page.clone());
         let names = layout.target_names();
-        transcript.rename(&names);
+        transcript.set_target_names(&names);
         let hand = || Hand {
             tracker: ContactTracker::new(&layout.scene),
-            angles: JointAngles::at(Timestamp(0)),
+            angles: JointAngles::new(Timestamp(0)),
             tips: [None; Finger::COUNT],
             untrusted: FingerSet::NONE,
             jumped: false,
@@ -110,8 +110,11 @@ impl Rig {
         Self {
             hands: [hand(), hand()],
             devices: layout.devices(),
-            oracle: Oracle::new([Rules::of(&layout)], Arming::default()),
-            switchboard: Switchboard::new(layout.texts.clone()),
+            oracle: Oracle::new(
+                [OutputRules::from_layout(&layout)],
+                PipelineSettings::default(),
+            ),
+            switchboard: KeyArbiter::new(layout.texts.clone()),
             names,
             layout,
             side: Side::Right,
@@ -206,7 +209,7 @@ impl Rig {
         let name = name.replace('_', " ");
         let mut targets = (0..self.layout.scene.len() as u32).map(TargetId);
         let target = targets
-            .find(|&target| self.names.of(target) == TargetName::Name(&name))
+            .find(|&target| self.names.get(target) == TargetName::Name(&name))
             .unwrap_or_else(|| panic!("no target is called {name}"));
         let (surface, target) = self.layout.scene.target(target).unwrap();
         let depth = match depth {
@@ -223,7 +226,7 @@ impl Rig {
 
     fn pose(&self) -> HandPose {
         let hand = &self.hands[self.side.index()];
-        let mut pose = HandPose::at(self.time, self.side, RADIUS);
+        let mut pose = HandPose::new(self.time, self.side, RADIUS);
         pose.untrusted = hand.untrusted;
         pose.jumped = hand.jumped;
         if let Some(knuckle) = hand.knuckle {
@@ -250,15 +253,15 @@ impl Rig {
         hand.jumped = false;
         let mut touches = Touches::new();
         hand.tracker.update(&self.layout.scene, &pose, &mut touches);
-        let seen = Seen {
+        let seen = DeviceInput {
             scene: &self.layout.scene,
             angles: &hand.angles,
             pose: &pose,
             touches: &touches,
         };
         let mut events = Events::new();
-        let mut out = Out {
-            switchboard: &mut self.switchboard,
+        let mut out = DeviceOutput {
+            arbiter: &mut self.switchboard,
             events: &mut events,
         };
         for device in &mut self.devices {
@@ -274,8 +277,8 @@ impl Rig {
             hand.tracker.reset(self.time, &mut Touches::new());
         }
         self.switchboard.release_all(self.time, &mut events);
-        let mut out = Out {
-            switchboard: &mut self.switchboard,
+        let mut out = DeviceOutput {
+            arbiter: &mut self.switchboard,
             events: &mut events,
         };
         for device in &mut self.devices {
@@ -285,7 +288,7 @@ impl Rig {
     }
 
     fn write(&mut self, events: &Events, lets_go: bool) {
-        let judgement = self.oracle.judge_devices(events, lets_go);
+        let judgement = self.oracle.check_devices(events, lets_go);
         judgement.unwrap_or_else(|violation| panic!("{violation}: {events:?}"));
         self.transcript.send(events).unwrap();
     }

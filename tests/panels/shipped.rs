@@ -47,7 +47,7 @@ const KEYS: [(&str, Finger); 5] = [
 fn fingertips(pressing: &str) -> String {
     let document = Document::shipped("unam").expect("the default arm");
     let arm = ArmModel::parse(&document).expect("the default arm");
-    let mut angles = JointAngles::at(Timestamp(0));
+    let mut angles = JointAngles::new(Timestamp(0));
     angles.set(Dof::ElbowFlexion, 35_f64.to_radians());
     for &dof in Dof::ALL {
         let Some(finger) = dof.finger() else {
@@ -80,13 +80,13 @@ fn fingertips(pressing: &str) -> String {
 fn the_fingers_of_the_default_hand_are_over_their_chord_keys_and_press_each_letter() {
     let layout = Layout::load("chords-five").expect("the shipped board");
     let name = |target| {
-        let front = layout.front(target).expect("a key");
+        let front = layout.face(target).expect("a key");
         front.name.clone()
     };
     let own = layout
         .keys
         .iter()
-        .map(|key| (key.front.name.clone(), key.action(0).expect("an action")));
+        .map(|key| (key.face.name.clone(), key.action(0).expect("an action")));
     let together = layout.chords.iter().map(|chord| {
         let keys: String = chord.keys.iter().map(|&target| name(target)).collect();
         (keys, chord.action)

@@ -1,7 +1,7 @@
 //! The shipped panels.
 
 use ademan::layout::Layout;
-use ademan::settings::Setup;
+use ademan::setup::Setup;
 
 use crate::rig::Rig;
 
@@ -12,7 +12,7 @@ fn the_default_hand_reaches_everything_on_every_shipped_layout() {
             layout: name.into(),
             ..Setup::default()
         };
-        let assembly = setup.assemble().unwrap();
+        let assembly = setup.load_files().unwrap();
         let out_of_reach = assembly.out_of_reach();
         assert!(out_of_reach.is_empty(), "{name}: {out_of_reach:?}");
     }
@@ -30,7 +30,7 @@ fn the_ends_of_a_track_have_to_be_in_reach_too() {
         layout: path.to_str().unwrap().into(),
         ..Setup::default()
     };
-    let assembly = setup.assemble().unwrap();
+    let assembly = setup.load_files().unwrap();
     let out_of_reach = assembly.out_of_reach();
     let names: Vec<&str> = out_of_reach.iter().map(|(name, _)| *name).collect();
     assert_eq!(names, ["Lift"]);
@@ -38,7 +38,7 @@ fn the_ends_of_a_track_have_to_be_in_reach_too() {
 
 #[test]
 fn an_output_is_told_the_codes_of_all_controls() {
-    let codes = |name| Layout::load(name).unwrap().needs().codes;
+    let codes = |name| Layout::load(name).unwrap().required_capabilities().keys;
     for code in [
         "AudioVolumeUp",
         "AudioVolumeDown",
@@ -77,7 +77,7 @@ fn a_target_in_space_that_no_fingertip_gets_to_is_out_of_reach() {
         layout: path.to_str().unwrap().into(),
         ..Setup::default()
     };
-    let assembly = setup.assemble().unwrap();
+    let assembly = setup.load_files().unwrap();
     let out_of_reach = assembly.out_of_reach();
     assert_eq!(out_of_reach.len(), 1, "{out_of_reach:?}");
     let (name, metres) = out_of_reach[0];

@@ -28,7 +28,7 @@ use std::str::FromStr;
 use ademan::hand::Finger;
 
 #[derive(Clone, Debug, PartialEq)]
-pub enum Fault {
+pub enum Directive {
     Play(u64),
     Still(u64),
     Stall(u64),
@@ -55,7 +55,7 @@ pub enum Fault {
     Recentre,
 }
 
-impl Fault {
+impl Directive {
     /// The fault that these words name; `None` when they are an order of the hand.
     pub fn parse(text: &str) -> Option<Self> {
         let mut words = text.split_whitespace();

@@ -35,7 +35,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use text::{Page, Scenario};
+use text::{Scenario, ScenarioFile};
 
 /// Fewer than these are not enough.
 const FEWEST: usize = 150;
@@ -84,9 +84,9 @@ fn play_all(scenarios: Vec<&mut Scenario>) -> Vec<String> {
 #[test]
 fn every_scenario_gives_its_transcript() {
     let files = pages();
-    let mut pages: Vec<Page> = files
+    let mut pages: Vec<ScenarioFile> = files
         .iter()
-        .map(|(path, text)| Page::parse(path, text))
+        .map(|(path, text)| ScenarioFile::parse(path, text))
         .collect();
     let scenarios = pages.iter_mut().flat_map(|page| &mut page.scenarios);
     let panicked = play_all(scenarios.collect());

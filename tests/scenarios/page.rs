@@ -3,26 +3,26 @@
 use std::collections::BTreeMap;
 
 use ademan::contact::TargetNames;
-use ademan::device::{Action, OutputEvent, Request};
+use ademan::device::{EventKind, OutputEvent, Request};
 use ademan::time::Timestamp;
 
 /// Takes what goes out and makes words of it.
 #[derive(Default)]
-pub struct Words {
+pub struct TranscriptWriter {
     words: Vec<String>,
     /// When the last word was.
     time: Timestamp,
     /// What goes on: what it is, and how far it has come.
-    ways: Vec<(String, Way)>,
+    ways: Vec<(String, ValueRange)>,
     sums: BTreeMap<&'static str, (i32, i32)>,
 }
 
-struct Way {
+struct ValueRange {
     first: String,
     last: String,
 }
 
-impl Words {
+impl TranscriptWriter {
     pub fn starting_at(time: Timestamp) -> Self {
         Self {
             time,
@@ -31,23 +31,25 @@ impl Words {
     }
 
     pub fn event(&mut self, event: &OutputEvent, names: &TargetNames) {
-        let of = |target| names.of(target).to_string().replace(' ', "_");
-        match event.action {
-            Action::KeyDown(key) => self.once(event.time, format!("dn:{key}")),
-            Action::KeyUp(key) => self.once(event.time, format!("up:{key}")),
-            Action::Write(character) => self.write(event.time, character),
-            Action::MoveBy(x, y) => self.add("move", x, y),
-            Action::Scroll(x, y) => self.add("scroll", x, y),
-            Action::MoveTo(x, y) => self.go("place".into(), format!("{x:.2},{y:.2}")),
-            Action::Axis(axis, at) => self.go(format!("axis:{axis}"), decimals(at)),
-            Action::Depth(target, at) => self.go(format!("depth:{}", of(target)), decimals(at)),
-            Action::Value(target, at) => self.go(format!("value:{}", of(target)), decimals(at)),
-            Action::Select(target) => self.once(event.time, format!("select:{}", of(target))),
-            Action::Unselect(target) => self.once(event.time, format!("unselect:{}", of(target))),
-            Action::Ask(Request::Profile(place)) => {
+        let of = |target| names.get(target).to_string().replace(' ', "_");
+        match event.kind {
+            EventKind::KeyDown(key) => self.once(event.time, format!("dn:{key}")),
+            EventKind::KeyUp(key) => self.once(event.time, format!("up:{key}")),
+            EventKind::Character(character) => self.write(event.time, character),
+            EventKind::MoveBy(x, y) => self.add("move", x, y),
+            EventKind::Scroll(x, y) => self.add("scroll", x, y),
+            EventKind::MoveTo(x, y) => self.go("place".into(), format!("{x:.2},{y:.2}")),
+            EventKind::Axis(axis, at) => self.go(format!("axis:{axis}"), decimals(at)),
+            EventKind::Depth(target, at) => self.go(format!("depth:{}", of(target)), decimals(at)),
+            EventKind::Value(target, at) => self.go(format!("value:{}", of(target)), decimals(at)),
+            EventKind::Select(target) => self.once(event.time, format!("select:{}", of(target))),
+            EventKind::Unselect(target) => {
+                self.once(event.time, format!("unselect:{}", of(target)))
+            }
+            EventKind::Ask(Request::Profile(place)) => {
                 self.once(event.time, format!("ask:profile-{place}"));
             }
-            Action::Ask(request) => {
+            EventKind::Ask(request) => {
                 let name = format!("{request:?}").to_lowercase().replace(' ', "");
                 self.once(event.time, format!("ask:{name}"));
             }
@@ -97,13 +99,13 @@ impl Words {
             Some((_, way)) => way.last = place,
             None => {
                 let (first, last) = (place.clone(), place);
-                self.ways.push((what, Way { first, last }));
+                self.ways.push((what, ValueRange { first, last }));
             }
         }
     }
 
     fn tell_ways(&mut self) {
-        for (what, Way { first, last }) in std::mem::take(&mut self.ways) {
+        for (what, ValueRange { first, last }) in std::mem::take(&mut self.ways) {
             self.words.push(match first == last {
                 true => format!("{what}={first}"),
                 false => format!("{what}={first}..{last}"),

@@ -2,23 +2,23 @@
 
 use std::time::Duration;
 
-use ademan::capture::hc11::{self, BODY_BYTES, Decoder, FRAME_BYTES, encode};
-use ademan::capture::{LineSettings, Reading, Sample};
+use ademan::capture::hc11::{self, BODY_BYTES, Hc11Decoder, PACKET_BYTES, encode};
+use ademan::capture::{Reading, Sample, StreamOptions};
 use ademan::contact::TargetNames;
 use ademan::device::Events;
 use ademan::estimate::Rejection;
 use ademan::hand::{Dof, Finger, Side};
-use ademan::lab::{GloveCounts, Typist};
 use ademan::layout::{Glove, Layout};
-use ademan::monitor::State;
-use ademan::settings::{Assembly, NamedLayout, OtherHand, Setup};
+use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
+use ademan::sim::{GloveCounts, SimulatedTypist};
+use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
-use super::faults::Fault;
+use super::faults::Directive;
 use super::folder;
 use super::judged::Judged;
-use super::page::Words;
+use super::page::TranscriptWriter;
 use super::text::Scenario;
 
 /// When a scenario begins on the clock of its source: far enough from 0 that it can be set back.
@@ -28,18 +28,18 @@ const START: u64 = 10_000_000_000;
 pub fn play(scenario: &mut Scenario) {
     let setup = setup(&scenario.setup);
     let assembly = setup
-        .assemble()
+        .load_files()
         .unwrap_or_else(|error| panic!("{}: {error}", scenario.name));
     let mut rig = Rig::new(&assembly, scenario);
     let mut orders = 0;
     let count = scenario.lines.len();
     for (place, line) in scenario.lines.iter_mut().enumerate() {
         for piece in line.pieces() {
-            match Fault::parse(piece) {
+            match Directive::parse(piece) {
                 Some(fault) => rig.meet(fault),
                 None => {
                     orders += 1;
-                    rig.play_until(|typist| typist.has_done(orders));
+                    rig.play_until(|typist| typist.has_finished(orders));
                 }
             }
         }
@@ -61,14 +61,14 @@ fn setup(text: &str) -> Setup {
     for part in parts {
         let (word, rest) = part.split_once(' ').unwrap_or((part, ""));
         match word {
-            "armed" => setup.armed = true,
+            "armed" => setup.start_armed = true,
             "two" => setup.other_hand = Some(OtherHand::default()),
-            "profile" => setup.profiles.push(NamedLayout {
+            "profile" => setup.profiles.push(ProfileSetup {
                 name: rest.trim_end_matches(".ron").into(),
                 layout: path_of(rest),
             }),
-            "stall" => setup.stall_ms = rest.parse().expect("milliseconds"),
-            "presses" => setup.presses_per_second = Some(rest.parse().expect("a number")),
+            "stall" => setup.stall_timeout_ms = rest.parse().expect("milliseconds"),
+            "presses" => setup.max_presses_per_second = Some(rest.parse().expect("a number")),
             _ => panic!("unknown `{part}` in `on: {text}`"),
         }
     }
@@ -84,10 +84,10 @@ fn path_of(layout: &str) -> String {
 }
 
 /// A glove's line and what is wrong with it.
-struct Line {
+struct SimulatedGlove {
     side: Side,
     glove: Glove,
-    decoder: Decoder,
+    decoder: Hc11Decoder,
     /// When its last reading was complete, on the clock that nobody sets.
     last: u64,
     /// The counts that the glove shows.
@@ -95,24 +95,24 @@ struct Line {
 }
 
 struct Rig<'a> {
-    assembly: &'a Assembly,
-    typist: Typist,
+    assembly: &'a LoadedSetup,
+    typist: SimulatedTypist,
     engine: Judged,
-    lines: Vec<Line>,
-    settings: LineSettings,
-    words: Words,
+    lines: Vec<SimulatedGlove>,
+    settings: StreamOptions,
+    words: TranscriptWriter,
     /// What targets are called, and of which layout that is.
     names: TargetNames,
     profile: usize,
     is_renamed: bool,
-    state: State,
+    state: PipelineState,
     /// In µs, on the clock that nobody sets.
     now: u64,
     /// By how much the times of readings are off it.
     clock_offset: i64,
     fed_at: u64,
     /// What is wrong with the next packet.
-    next: Option<Fault>,
+    next: Option<Directive>,
     jump: i32,
     rail: Option<(Finger, u8)>,
     is_swapped: bool,
@@ -120,20 +120,20 @@ struct Rig<'a> {
 }
 
 impl<'a> Rig<'a> {
-    fn new(assembly: &'a Assembly, scenario: &Scenario) -> Self {
-        let settings = LineSettings::default();
+    fn new(assembly: &'a LoadedSetup, scenario: &Scenario) -> Self {
+        let settings = StreamOptions::default();
         let orders = scenario.lines.iter().flat_map(|line| line.pieces());
-        let orders = orders.filter(|piece| Fault::parse(piece).is_none());
+        let orders = orders.filter(|piece| Directive::parse(piece).is_none());
         // Somebody has to be there, even when the scenario is over before the hand is seen.
         let orders = orders.chain(["wait 0"]);
         let script = orders.collect::<Vec<_>>().join("\n");
         let typist = assembly.scripted(&script, &settings, 0.0, 0);
         let typist = typist.unwrap_or_else(|error| panic!("{}: {error}", scenario.name));
-        let other = assembly.other.iter().map(|other| &other.glove);
-        let line = |glove: &Glove| Line {
+        let other = assembly.other_hand.iter().map(|other| &other.glove);
+        let line = |glove: &Glove| SimulatedGlove {
             side: glove.side,
             glove: glove.clone(),
-            decoder: Decoder::new(settings.framing),
+            decoder: Hc11Decoder::new(settings.framing),
             last: 0,
             shown: GloveCounts::new(),
         };
@@ -146,11 +146,11 @@ impl<'a> Rig<'a> {
                 .map(line)
                 .collect(),
             settings,
-            words: Words::starting_at(Timestamp(START)),
+            words: TranscriptWriter::starting_at(Timestamp(START)),
             names: assembly.layout.target_names(),
             profile: 0,
             is_renamed: false,
-            state: State::Starting,
+            state: PipelineState::Starting,
             now: START,
             clock_offset: 0,
             fed_at: START,
@@ -163,7 +163,7 @@ impl<'a> Rig<'a> {
     }
 
     /// The hand goes on until something is so, or it has done everything.
-    fn play_until(&mut self, is_enough: impl Fn(&Typist) -> bool) {
+    fn play_until(&mut self, is_enough: impl Fn(&SimulatedTypist) -> bool) {
         while !is_enough(&self.typist) && self.play_frame() {}
     }
 
@@ -177,7 +177,7 @@ impl<'a> Rig<'a> {
     }
 
     fn move_on(&mut self) -> bool {
-        let Some(frame) = self.typist.next_frame() else {
+        let Some(frame) = self.typist.next_packets() else {
             return false;
         };
         for (line, counts) in self.lines.iter_mut().zip(frame) {
@@ -198,12 +198,12 @@ impl<'a> Rig<'a> {
             .filter(|(_, count)| *count > 0)
             .map(|(reason, count)| format!("{reason} {count}"))
             .collect();
-        let counts = self.lines.iter().map(|line| line.decoder.counts());
+        let counts = self.lines.iter().map(|line| line.decoder.stats());
         let skipped: u64 = counts.map(|counts| counts.skipped_bytes).sum();
         for (what, count) in [
             ("skipped", skipped),
             ("stalls", self.engine.stalls()),
-            ("withheld", self.engine.withheld().total()),
+            ("withheld", self.engine.suppressed().total()),
         ] {
             if count > 0 {
                 account.push(format!("{what} {count}"));
@@ -214,13 +214,13 @@ impl<'a> Rig<'a> {
         }
     }
 
-    fn meet(&mut self, fault: Fault) {
+    fn meet(&mut self, fault: Directive) {
         match fault {
-            Fault::Play(milliseconds) => {
+            Directive::Play(milliseconds) => {
                 let end = self.now + milliseconds * 1_000;
                 while self.now < end && self.play_frame() {}
             }
-            Fault::Still(milliseconds) => {
+            Directive::Still(milliseconds) => {
                 if self.lines[0].shown.is_empty() {
                     self.move_on();
                 }
@@ -229,43 +229,43 @@ impl<'a> Rig<'a> {
                     self.send_packets();
                 }
             }
-            Fault::Stall(milliseconds) => self.be_silent(milliseconds * 1_000),
-            Fault::Miss(milliseconds) => {
+            Directive::Stall(milliseconds) => self.be_silent(milliseconds * 1_000),
+            Directive::Miss(milliseconds) => {
                 let end = self.now + milliseconds * 1_000;
                 while self.now < end && self.move_on() {
                     self.be_silent(self.period());
                 }
                 self.abandon();
             }
-            Fault::Lose(milliseconds) => {
+            Directive::Lose(milliseconds) => {
                 self.abandon();
                 self.ask(Judged::stall);
                 self.be_silent(milliseconds * 1_000);
             }
-            Fault::Junk(bytes) => {
+            Directive::Junk(bytes) => {
                 let junk: Vec<u8> = (0..bytes).map(|_| self.random.u8(..)).collect();
                 self.hear_elsewhere(&junk);
             }
-            Fault::Text(text) => self.hear_elsewhere(format!("\r\n{text}\r\n").as_bytes()),
-            Fault::Flip(_) | Fault::Cut(_) | Fault::Drop(_) | Fault::Twice => {
+            Directive::Text(text) => self.hear_elsewhere(format!("\r\n{text}\r\n").as_bytes()),
+            Directive::Flip(_) | Directive::Cut(_) | Directive::Drop(_) | Directive::Twice => {
                 self.next = Some(fault);
             }
-            Fault::Jump(counts) => self.jump = counts,
-            Fault::Rail(finger, count) => self.rail = Some((finger, count)),
-            Fault::Mend => (self.rail, self.jump) = (None, 0),
-            Fault::Clock(seconds) => self.clock_offset += seconds * 1_000_000,
-            Fault::Swap => self.is_swapped = !self.is_swapped,
-            Fault::Pause => self.ask(Judged::pause),
-            Fault::Resume => self.ask(|engine, _| engine.resume()),
-            Fault::Stop => self.ask(Judged::stop),
-            Fault::Reload(name) => self.reload(&name),
-            Fault::Profile(place) => self.ask(|engine, events| engine.switch_to(place, events)),
-            Fault::Nudge(by) => self
+            Directive::Jump(counts) => self.jump = counts,
+            Directive::Rail(finger, count) => self.rail = Some((finger, count)),
+            Directive::Mend => (self.rail, self.jump) = (None, 0),
+            Directive::Clock(seconds) => self.clock_offset += seconds * 1_000_000,
+            Directive::Swap => self.is_swapped = !self.is_swapped,
+            Directive::Pause => self.ask(Judged::pause),
+            Directive::Resume => self.ask(|engine, _| engine.resume()),
+            Directive::Stop => self.ask(Judged::stop),
+            Directive::Reload(name) => self.reload(&name),
+            Directive::Profile(place) => self.ask(|engine, events| engine.switch_to(place, events)),
+            Directive::Nudge(by) => self
                 .shift(|engine, events| engine.nudge(Vec3::from_array(by) * 1e-3, events).is_ok()),
-            Fault::Tilt(by) => {
+            Directive::Tilt(by) => {
                 self.shift(|engine, events| engine.tilt(by.to_radians(), events).is_ok())
             }
-            Fault::Recentre => self.shift(|engine, events| engine.recentre(events).is_ok()),
+            Directive::Recentre => self.shift(|engine, events| engine.recentre(events).is_ok()),
         }
     }
 
@@ -293,7 +293,7 @@ impl<'a> Rig<'a> {
     }
 
     fn period(&self) -> u64 {
-        self.settings.frame_period().as_micros() as u64
+        self.settings.packet_period().as_micros() as u64
     }
 
     /// A moment on the clock of the readings.
@@ -302,9 +302,7 @@ impl<'a> Rig<'a> {
     }
 
     fn abandon(&mut self) {
-        self.lines
-            .iter_mut()
-            .for_each(|line| line.decoder.abandon());
+        self.lines.iter_mut().for_each(|line| line.decoder.reset());
     }
 
     /// Nothing comes for so many microseconds.
@@ -319,7 +317,7 @@ impl<'a> Rig<'a> {
     /// What the loop around the engine does when readings stay away.
     fn watch(&mut self) {
         let silence = Duration::from_micros(self.now - self.fed_at);
-        if self.engine.is_fed() && silence >= self.engine.stall_limit() {
+        if self.engine.expects_readings() && silence >= self.engine.stall_timeout() {
             self.ask(Judged::stall);
         }
     }
@@ -332,10 +330,10 @@ impl<'a> Rig<'a> {
         for place in 0..self.lines.len() {
             let mut packet = encode(self.settings.framing, &self.body(place)).to_vec();
             match fault {
-                Some(Fault::Flip(byte)) => packet[byte] ^= 0x80,
-                Some(Fault::Cut(bytes)) => packet.truncate(FRAME_BYTES - bytes),
-                Some(Fault::Drop(bytes)) => drop(packet.drain(..bytes)),
-                Some(Fault::Twice) => packet.extend_from_within(..),
+                Some(Directive::Flip(byte)) => packet[byte] ^= 0x80,
+                Some(Directive::Cut(bytes)) => packet.truncate(PACKET_BYTES - bytes),
+                Some(Directive::Drop(bytes)) => drop(packet.drain(..bytes)),
+                Some(Directive::Twice) => packet.extend_from_within(..),
                 _ => {}
             }
             self.hear(place, &packet);
@@ -369,8 +367,8 @@ impl<'a> Rig<'a> {
 
     /// Bytes come on the first line that are no packets.
     fn hear_elsewhere(&mut self, bytes: &[u8]) {
-        for piece in bytes.chunks(FRAME_BYTES) {
-            self.now += self.settings.wire_time(piece.len()).as_micros() as u64;
+        for piece in bytes.chunks(PACKET_BYTES) {
+            self.now += self.settings.transmission_time(piece.len()).as_micros() as u64;
             self.watch();
             self.hear(0, piece);
         }
@@ -381,14 +379,14 @@ impl<'a> Rig<'a> {
         let mut bodies = Vec::new();
         let line = &mut self.lines[place];
         line.decoder.push(bytes, &mut |body| bodies.push(*body));
-        let waiting = line.decoder.waiting();
+        let waiting = line.decoder.pending_bytes();
         let side = match self.is_swapped {
-            true => line.side.other(),
+            true => line.side.opposite(),
             false => line.side,
         };
         for (index, body) in bodies.iter().enumerate() {
-            let after = (bodies.len() - 1 - index) * FRAME_BYTES + waiting;
-            let after = self.settings.wire_time(after).as_micros() as u64;
+            let after = (bodies.len() - 1 - index) * PACKET_BYTES + waiting;
+            let after = self.settings.transmission_time(after).as_micros() as u64;
             let line = &mut self.lines[place];
             line.last = (self.now - after).max(line.last + 1);
             let moment = line.last;
@@ -413,7 +411,7 @@ impl<'a> Rig<'a> {
 
     fn write(&mut self, events: &Events, time: Timestamp) {
         let state = self.engine.state();
-        let has_armed = state == State::Running && self.state != state;
+        let has_armed = state == PipelineState::Running && self.state != state;
         if has_armed {
             self.tell_state(state, time);
         }
@@ -421,9 +419,9 @@ impl<'a> Rig<'a> {
         for event in events {
             self.words.event(event, &self.names);
         }
-        if self.profile != self.engine.profile() || self.is_renamed {
-            self.profile = self.engine.profile();
-            self.names = self.engine.names().clone();
+        if self.profile != self.engine.active_profile() || self.is_renamed {
+            self.profile = self.engine.active_profile();
+            self.names = self.engine.target_names().clone();
             self.is_renamed = false;
         }
         if state != self.state {
@@ -431,7 +429,7 @@ impl<'a> Rig<'a> {
         }
     }
 
-    fn tell_state(&mut self, state: State, time: Timestamp) {
+    fn tell_state(&mut self, state: PipelineState, time: Timestamp) {
         self.state = state;
         self.words.once(time, format!("={state}"));
     }

@@ -8,7 +8,7 @@ use std::path::Path;
 const WIDTH: usize = 110;
 
 /// A file of scenarios.
-pub struct Page {
+pub struct ScenarioFile {
     /// What stands before the first scenario.
     head: String,
     pub scenarios: Vec<Scenario>,
@@ -19,16 +19,16 @@ pub struct Scenario {
     pub name: String,
     /// Where it is played: what follows `on:`.
     pub setup: String,
-    pub lines: Vec<Line>,
+    pub lines: Vec<ScriptLine>,
 }
 
 /// A line of what happens, and the words that go out meanwhile.
-pub struct Line {
+pub struct ScriptLine {
     pub text: String,
     pub words: Vec<String>,
 }
 
-impl Line {
+impl ScriptLine {
     /// The pieces of it, apart by `;`.
     pub fn pieces(&self) -> impl Iterator<Item = &str> {
         let pieces = self.text.split(';').map(str::trim);
@@ -36,7 +36,7 @@ impl Line {
     }
 }
 
-impl Page {
+impl ScenarioFile {
     /// Reads a file, but not what is said to go out.
     pub fn parse(path: &Path, text: &str) -> Self {
         let mut page = Self {
@@ -62,7 +62,7 @@ impl Page {
             if let Some(setup) = line.strip_prefix("on: ") {
                 scenario.setup = setup.to_owned();
             } else if !line.is_empty() && !line.starts_with(' ') {
-                scenario.lines.push(Line {
+                scenario.lines.push(ScriptLine {
                     text: line.to_owned(),
                     words: Vec::new(),
                 });
@@ -77,7 +77,7 @@ impl Page {
     }
 }
 
-impl fmt::Display for Page {
+impl fmt::Display for ScenarioFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.head)?;
         for (place, scenario) in self.scenarios.iter().enumerate() {

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use ademan::capture::Counts;
+use ademan::capture::SourceStats;
 use ademan::estimate::Rejection;
 
-use super::schedule::Kind;
+use super::schedule::FaultKind;
 
 /// A page of memory of which the system tells is so large on all machines that these tests run on.
 const PAGE: u64 = 4096;
@@ -14,15 +14,15 @@ const PAGE: u64 = 4096;
 const FLAT: u64 = 1 << 20;
 
 #[derive(Default)]
-pub struct Account {
+pub struct SoakStats {
     pub hours: f64,
-    pub faults: BTreeMap<Kind, usize>,
+    pub faults: BTreeMap<FaultKind, usize>,
     /// Packets that the glove sent, and how many of them nothing was done to.
     pub sent: u64,
     pub whole: u64,
     pub sent_bytes: u64,
     /// What the line made of that.
-    pub line: Counts,
+    pub line: SourceStats,
     pub waiting: u64,
     pub accepted: u64,
     pub rejected: [u64; Rejection::COUNT],
@@ -42,7 +42,7 @@ pub struct Account {
     pub resident: Vec<u64>,
 }
 
-impl Account {
+impl SoakStats {
     pub fn faults(&self) -> usize {
         self.faults.values().sum()
     }
@@ -67,7 +67,7 @@ impl Account {
         assert_eq!(line.readings, self.accepted + rejected + self.superseded);
         // A packet is certain with the marks of the next one: what is wrong with one takes the one before along.
         let of = |kind| self.faults.get(&kind).copied().unwrap_or(0) as u64;
-        let breaks = of(Kind::Unplug) + of(Kind::Noise) + self.sent - self.whole;
+        let breaks = of(FaultKind::Unplug) + of(FaultKind::Noise) + self.sent - self.whole;
         assert!(line.readings <= self.sent, "{} packets", line.readings);
         let lost = self.sent - line.readings - self.waiting / 66;
         assert!(lost <= 2 * breaks, "{lost} packets lost in {breaks} breaks");
@@ -88,7 +88,7 @@ pub fn resident() -> Option<u64> {
     Some(pages * PAGE)
 }
 
-impl fmt::Display for Account {
+impl fmt::Display for SoakStats {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (line, faults) = (&self.line, self.faults());
         writeln!(f, "{} h, {faults} faults: {:?}", self.hours, self.faults)?;

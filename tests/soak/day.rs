@@ -2,36 +2,36 @@
 
 use std::time::Duration;
 
-use ademan::capture::hc11::{self, Decoder, FRAME_BYTES, encode};
+use ademan::capture::hc11::{self, Hc11Decoder, PACKET_BYTES, encode};
 use ademan::capture::{Reading, Sample};
-use ademan::device::{Action, Events};
+use ademan::device::{EventKind, Events};
 use ademan::hand::Side;
 use ademan::layout::Layout;
-use ademan::monitor::State;
+use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use fastrand::Rng;
 use parry3d::math::Vec3;
 
-use super::account::{Account, resident};
-use super::hands::{Body, Hands};
+use super::account::{SoakStats, resident};
+use super::hands::{Body, SoakSetup};
 use super::judged::Judged;
-use super::schedule::{Kind, schedule};
+use super::schedule::{FaultKind, schedule};
 
 const SECOND: u64 = 1_000_000;
 
-pub struct Day<'a> {
-    hands: &'a Hands,
+pub struct SoakRun<'a> {
+    hands: &'a SoakSetup,
     engine: Judged,
-    decoder: Decoder,
+    decoder: Hc11Decoder,
     random: Rng,
-    account: Account,
+    account: SoakStats,
     /// On the clock that nobody sets, in µs.
     now: u64,
     clock_offset: i64,
     /// When the last reading was complete.
     last: u64,
     fed_at: u64,
-    state: State,
+    state: PipelineState,
     was_paused: bool,
     /// What the hand plays: the movement, and how far it is.
     movement: (&'a [Body], usize),
@@ -48,21 +48,21 @@ pub struct Day<'a> {
     kept: Option<&'a mut Vec<u8>>,
 }
 
-impl<'a> Day<'a> {
-    pub fn new(hands: &'a Hands, seed: u64) -> Self {
+impl<'a> SoakRun<'a> {
+    pub fn new(hands: &'a SoakSetup, seed: u64) -> Self {
         let mut engine = Judged::of(&hands.assembly);
-        engine.expect_frames_every(hands.line.frame_period());
+        engine.expect_frames_every(hands.line.packet_period());
         Self {
             engine,
-            decoder: Decoder::new(hands.line.framing),
+            decoder: Hc11Decoder::new(hands.line.framing),
             random: Rng::with_seed(seed),
-            account: Account::default(),
+            account: SoakStats::default(),
             // So far from 0 that the clock can be set back.
             now: 3_600 * SECOND,
             clock_offset: 0,
             last: 0,
             fed_at: 0,
-            state: State::Starting,
+            state: PipelineState::Starting,
             was_paused: false,
             movement: (&hands.movements[0][0], 0),
             rail: None,
@@ -81,7 +81,7 @@ impl<'a> Day<'a> {
     }
 
     /// Plays so many hours with so many faults, then stops the run.
-    pub fn play(&mut self, hours: f64, faults: usize) -> Account {
+    pub fn play(&mut self, hours: f64, faults: usize) -> SoakStats {
         let length = (hours * 3_600.0 * SECOND as f64) as u64;
         let start = self.now;
         let mut coming = schedule(&mut self.random, faults, length);
@@ -102,74 +102,76 @@ impl<'a> Day<'a> {
         assert!(!self.engine.holds(), "something is down after the end");
         let mut account = std::mem::take(&mut self.account);
         account.hours = hours;
-        account.line = self.decoder.counts();
-        account.waiting = self.decoder.waiting() as u64;
+        account.line = self.decoder.stats();
+        account.waiting = self.decoder.pending_bytes() as u64;
         account.accepted = self.engine.accepted();
         account.rejected = self.engine.rejected();
         account.stalls = self.engine.stalls();
-        account.withheld = self.engine.withheld().total();
+        account.withheld = self.engine.suppressed().total();
         account
     }
 
-    fn meet(&mut self, kind: Kind) {
+    fn meet(&mut self, kind: FaultKind) {
         let now = self.now;
         match kind {
-            Kind::Stall => self.be_silent(SECOND / 20, 3 * SECOND),
-            Kind::Unplug => {
-                self.decoder.abandon();
+            FaultKind::Stall => self.be_silent(SECOND / 20, 3 * SECOND),
+            FaultKind::Unplug => {
+                self.decoder.reset();
                 self.ask(Judged::stall);
                 self.be_silent(SECOND / 10, 5 * SECOND);
             }
-            Kind::Noise => {
+            FaultKind::Noise => {
                 let noise: Vec<u8> = (0..self.random.usize(1..2_000))
                     .map(|_| self.random.u8(..))
                     .collect();
-                noise.chunks(FRAME_BYTES).for_each(|piece| self.hear(piece));
+                noise
+                    .chunks(PACKET_BYTES)
+                    .for_each(|piece| self.hear(piece));
             }
-            Kind::FlippedBits => self.flips = self.random.u32(1..20),
-            Kind::CutFrame => {
+            FaultKind::FlippedBits => self.flips = self.random.u32(1..20),
+            FaultKind::CutFrame => {
                 let packet = self.next_packet();
-                let length = self.random.usize(1..FRAME_BYTES);
-                let from = self.random.usize(..FRAME_BYTES - length);
+                let length = self.random.usize(1..PACKET_BYTES);
+                let from = self.random.usize(..PACKET_BYTES - length);
                 self.account.sent += 1;
                 self.hear(&packet[from..from + length]);
             }
-            Kind::FrameTwice => {
+            FaultKind::FrameTwice => {
                 let packet = self.next_packet();
                 self.account.sent += 2;
                 self.account.whole += 2;
                 self.hear(&packet);
                 self.hear(&packet);
             }
-            Kind::ClockAhead => {
+            FaultKind::ClockAhead => {
                 let longest = [SECOND / 100, SECOND, 3_600 * SECOND][self.random.usize(..3)];
                 let by = self.random.u64(1..=longest);
                 self.clock_offset += by as i64;
             }
-            Kind::ClockBack => self.clock_offset -= self.random.u64(1..5 * SECOND) as i64,
-            Kind::GoodLayout => self.reload(),
-            Kind::BadLayout => self.read_bad_layout(),
-            Kind::Pause => {
+            FaultKind::ClockBack => self.clock_offset -= self.random.u64(1..5 * SECOND) as i64,
+            FaultKind::GoodLayout => self.reload(),
+            FaultKind::BadLayout => self.read_bad_layout(),
+            FaultKind::Pause => {
                 self.ask(Judged::pause);
                 self.paused = Some(now + self.random.u64(SECOND / 2..5 * SECOND));
             }
-            Kind::Profile => {
-                let profile = self.random.usize(..self.engine.profiles());
+            FaultKind::Profile => {
+                let profile = self.random.usize(..self.engine.profile_count());
                 self.ask(|engine, events| engine.switch_to(profile, events));
             }
-            Kind::Rail => {
+            FaultKind::Rail => {
                 let rows = self.hands.assembly.glove.map.rows();
                 let channel = rows[self.random.usize(..rows.len())].channel;
                 let until = now + self.random.u64(SECOND / 5..4 * SECOND);
                 self.rail = Some((until, channel, [0, 255][self.random.usize(..2)]));
             }
-            Kind::SwappedSides => {
+            FaultKind::SwappedSides => {
                 self.swapped = now + self.random.u64(SECOND / 20..2 * SECOND);
             }
-            Kind::StandStill => {
+            FaultKind::StandStill => {
                 self.standing = now + self.random.u64(SECOND / 20..2 * SECOND);
             }
-            Kind::MovedBoards => self.move_boards(),
+            FaultKind::MovedBoards => self.move_boards(),
         }
     }
 
@@ -215,16 +217,16 @@ impl<'a> Day<'a> {
         self.account.sent += 1;
         if self.flips > 0 {
             self.flips -= 1;
-            packet[self.random.usize(..FRAME_BYTES)] ^= 1 << self.random.u32(..8);
+            packet[self.random.usize(..PACKET_BYTES)] ^= 1 << self.random.u32(..8);
         } else {
             self.account.whole += 1;
         }
         self.hear(&packet);
     }
 
-    fn next_packet(&mut self) -> [u8; FRAME_BYTES] {
+    fn next_packet(&mut self) -> [u8; PACKET_BYTES] {
         if self.movement.1 == self.movement.0.len() {
-            let movements = &self.hands.movements[self.engine.profile()];
+            let movements = &self.hands.movements[self.engine.active_profile()];
             let place = self.random.usize(..movements.len());
             self.movement = (&movements[place], 0);
         }
@@ -243,7 +245,7 @@ impl<'a> Day<'a> {
 
     /// Bytes come over the line, and readings of it, dated back by what came after them.
     fn hear(&mut self, bytes: &[u8]) {
-        self.now += self.hands.line.wire_time(bytes.len()).as_micros() as u64;
+        self.now += self.hands.line.transmission_time(bytes.len()).as_micros() as u64;
         self.watch();
         self.account.sent_bytes += bytes.len() as u64;
         if let Some(kept) = &mut self.kept {
@@ -251,10 +253,13 @@ impl<'a> Day<'a> {
         }
         let mut bodies = arrayvec::ArrayVec::<Body, 2>::new();
         self.decoder.push(bytes, &mut |body| bodies.push(*body));
-        let waiting = self.decoder.waiting();
+        let waiting = self.decoder.pending_bytes();
         for (index, body) in bodies.iter().enumerate() {
-            let after = (bodies.len() - 1 - index) * FRAME_BYTES + waiting;
-            self.read(body, self.hands.line.wire_time(after).as_micros() as u64);
+            let after = (bodies.len() - 1 - index) * PACKET_BYTES + waiting;
+            self.read(
+                body,
+                self.hands.line.transmission_time(after).as_micros() as u64,
+            );
         }
     }
 
@@ -293,7 +298,9 @@ impl<'a> Day<'a> {
     /// What the loop around the engine does when readings stay away.
     fn watch(&mut self) {
         let silence = Duration::from_micros(self.now - self.fed_at);
-        if self.engine.is_fed() && silence >= self.engine.stall_limit() && self.now >= self.standing
+        if self.engine.expects_readings()
+            && silence >= self.engine.stall_timeout()
+            && self.now >= self.standing
         {
             self.ask(Judged::stall);
         }
@@ -307,9 +314,9 @@ impl<'a> Day<'a> {
 
     fn count(&mut self, events: &Events, is_forced: bool) {
         for event in events {
-            match event.action {
-                Action::KeyDown(key) => self.account.keys.entry(key.name()).or_default().0 += 1,
-                Action::KeyUp(key) => {
+            match event.kind {
+                EventKind::KeyDown(key) => self.account.keys.entry(key.name()).or_default().0 += 1,
+                EventKind::KeyUp(key) => {
                     self.account.keys.entry(key.name()).or_default().1 += 1;
                     self.account.forced += u64::from(is_forced);
                 }
@@ -320,7 +327,7 @@ impl<'a> Day<'a> {
         self.account.pauses += u64::from(is_paused && !self.was_paused);
         self.was_paused = is_paused;
         let state = self.engine.state();
-        let has_armed = self.state != State::Running && state == State::Running;
+        let has_armed = self.state != PipelineState::Running && state == PipelineState::Running;
         self.account.armed += u64::from(has_armed);
         self.state = state;
     }

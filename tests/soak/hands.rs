@@ -1,9 +1,9 @@
 //! Somebody who plays every layout of a setup: movements that are played over and over.
 
-use ademan::capture::LineSettings;
+use ademan::capture::StreamOptions;
 use ademan::capture::hc11::BODY_BYTES;
 use ademan::layout::Layout;
-use ademan::settings::{Assembly, NamedLayout, OtherHand, Setup};
+use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
 
 pub type Body = [u8; BODY_BYTES];
 
@@ -43,17 +43,17 @@ const PLAYS: [(&str, &[&str]); 4] = [
 /// Layouts that are saved in the place of the first.
 const OTHERS: [&str; 3] = ["qwerty-two-flat", "qwerty-two-arc", "qwerty-flat"];
 
-pub struct Hands {
-    pub line: LineSettings,
-    pub assembly: Assembly,
+pub struct SoakSetup {
+    pub line: StreamOptions,
+    pub assembly: LoadedSetup,
     /// Of each layout of the setup.
     pub movements: Vec<Vec<Vec<Body>>>,
     pub others: Vec<Layout>,
 }
 
-impl Hands {
-    pub fn new(line: LineSettings) -> Self {
-        let named = |(name, _): &(&str, _)| NamedLayout {
+impl SoakSetup {
+    pub fn new(line: StreamOptions) -> Self {
+        let named = |(name, _): &(&str, _)| ProfileSetup {
             name: (*name).into(),
             layout: (*name).into(),
         };
@@ -63,7 +63,7 @@ impl Hands {
             ..Setup::default()
         };
         let movements = PLAYS.iter().map(|(layout, scripts)| {
-            let assembly = setup(layout).assemble().expect("a shipped layout");
+            let assembly = setup(layout).load_files().expect("a shipped layout");
             let play = |script: &&str| of_script(&assembly, &line, script);
             scripts.iter().map(play).collect()
         });
@@ -75,7 +75,7 @@ impl Hands {
         let load = |name| Layout::load(name).expect("a shipped layout");
         Self {
             line,
-            assembly: setup.assemble().expect("shipped layouts"),
+            assembly: setup.load_files().expect("shipped layouts"),
             movements,
             others: OTHERS.map(load).into(),
         }
@@ -83,11 +83,11 @@ impl Hands {
 }
 
 /// What the first glove sends while its hand plays.
-fn of_script(assembly: &Assembly, line: &LineSettings, script: &str) -> Vec<Body> {
+fn of_script(assembly: &LoadedSetup, line: &StreamOptions, script: &str) -> Vec<Body> {
     let typist = assembly.scripted(script, line, 0.0, 0);
     let mut typist = typist.unwrap_or_else(|error| panic!("{script}: {error}"));
     let counts = std::iter::from_fn(|| typist.next_counts());
-    let body = |counts: ademan::lab::GloveCounts| {
+    let body = |counts: ademan::sim::GloveCounts| {
         std::array::from_fn(|channel| counts[channel].min(255) as u8)
     };
     counts.map(body).collect()

@@ -17,16 +17,16 @@ mod schedule;
 use std::num::NonZeroU32;
 use std::sync::{Mutex, PoisonError};
 
-use ademan::capture::{LineSettings, SourceName, open};
-use ademan::lab::{Oracle, Rules};
-use ademan::monitor::Snapshot;
+use ademan::capture::{SourceUri, StreamOptions, open};
 use ademan::output;
-use ademan::pipeline::Arming;
-use ademan::runtime::drive;
+use ademan::pipeline::PipelineSettings;
+use ademan::session::run_pipeline;
+use ademan::sim::{Oracle, OutputRules};
+use ademan::snapshot::Snapshot;
 use crossbeam_channel::never;
 
-use day::Day;
-use hands::Hands;
+use day::SoakRun;
+use hands::SoakSetup;
 
 /// Memory is looked at: nothing else may happen in the process meanwhile.
 static ALONE: Mutex<()> = Mutex::new(());
@@ -41,10 +41,10 @@ fn number<T: std::str::FromStr>(name: &str, default: T) -> T {
     })
 }
 
-fn line() -> LineSettings {
-    LineSettings {
+fn line() -> StreamOptions {
+    StreamOptions {
         baud: NonZeroU32::new(number("ADEMAN_SOAK_BAUD", 9600)).expect("a baud"),
-        ..LineSettings::default()
+        ..StreamOptions::default()
     }
 }
 
@@ -53,9 +53,9 @@ fn nothing_is_lost_left_down_or_piled_up_in_a_day_of_faults() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let hours: f64 = number("ADEMAN_SOAK_HOURS", 24.0);
     let seed = number("ADEMAN_SOAK_SEED", 1);
-    let hands = Hands::new(line());
+    let hands = SoakSetup::new(line());
     let faults = (hours * FAULTS_PER_HOUR).round() as usize;
-    let mut day = Day::new(&hands, seed);
+    let mut day = SoakRun::new(&hands, seed);
     let account = day.play(hours, faults);
     println!("{account}");
     account.check();
@@ -66,9 +66,9 @@ fn nothing_is_lost_left_down_or_piled_up_in_a_day_of_faults() {
 #[test]
 fn what_a_damaged_line_brings_goes_through_the_loop_of_a_run_and_is_accounted_for() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let hands = Hands::new(line());
+    let hands = SoakSetup::new(line());
     let mut bytes = Vec::new();
-    let mut day = Day::new(&hands, 2);
+    let mut day = SoakRun::new(&hands, 2);
     day.keep(&mut bytes);
     let account = day.play(0.1, 40);
     account.check();
@@ -76,29 +76,29 @@ fn what_a_damaged_line_brings_goes_through_the_loop_of_a_run_and_is_accounted_fo
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("glove.bin");
     std::fs::write(&path, &bytes).expect("the bytes can be written");
-    let source = SourceName::File {
+    let source = SourceUri::File {
         path,
         line: hands.line,
     };
     let assembly = &hands.assembly;
-    let mut nowhere = output::open("none", &assembly.needs()).expect("nowhere");
-    let mut oracle = Oracle::new(assembly.layouts().map(Rules::of), Arming::default());
+    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
+    let mut oracle = Oracle::new(
+        assembly.layouts().map(OutputRules::from_layout),
+        PipelineSettings::default(),
+    );
     let mut observe = |frame: &Snapshot| {
-        let judgement = oracle.judge(frame);
+        let judgement = oracle.check(frame);
         judgement.unwrap_or_else(|violation| panic!("{violation}: {:?}", frame.events));
     };
     let mut pipeline = assembly.pipeline();
     let source = open(&source).expect("the file opens");
-    let run = drive(source, &mut pipeline, &mut *nowhere, &never(), &mut observe);
-    let tally = run.expect("a run").tally;
-    assert!(!oracle.holds(), "something is down at the end");
+    let run = run_pipeline(source, &mut pipeline, &mut *nowhere, &never(), &mut observe);
+    let tally = run.expect("a run").stats;
+    assert!(!oracle.has_pressed(), "something is down at the end");
     let counts = tally.source;
     assert_eq!(counts.bytes, bytes.len() as u64);
     assert_eq!(counts.bytes, 66 * counts.readings + counts.skipped_bytes);
     let rejected: u64 = tally.rejected.iter().sum();
-    assert_eq!(
-        counts.readings,
-        tally.accepted + rejected + counts.superseded
-    );
+    assert_eq!(counts.readings, tally.accepted + rejected + counts.dropped);
     assert!(tally.accepted > 1_000 && rejected > 10, "{tally:?}");
 }

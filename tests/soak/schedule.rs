@@ -4,7 +4,7 @@ use fastrand::Rng;
 
 /// A fault of a kind; what it does in particular is up to chance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum FaultKind {
     Stall,
     Unplug,
     Noise,
@@ -23,29 +23,29 @@ pub enum Kind {
     MovedBoards,
 }
 
-pub const KINDS: [Kind; 16] = [
-    Kind::Stall,
-    Kind::Unplug,
-    Kind::Noise,
-    Kind::FlippedBits,
-    Kind::CutFrame,
-    Kind::FrameTwice,
-    Kind::ClockAhead,
-    Kind::ClockBack,
-    Kind::GoodLayout,
-    Kind::BadLayout,
-    Kind::Pause,
-    Kind::Profile,
-    Kind::Rail,
-    Kind::SwappedSides,
-    Kind::StandStill,
-    Kind::MovedBoards,
+pub const KINDS: [FaultKind; 16] = [
+    FaultKind::Stall,
+    FaultKind::Unplug,
+    FaultKind::Noise,
+    FaultKind::FlippedBits,
+    FaultKind::CutFrame,
+    FaultKind::FrameTwice,
+    FaultKind::ClockAhead,
+    FaultKind::ClockBack,
+    FaultKind::GoodLayout,
+    FaultKind::BadLayout,
+    FaultKind::Pause,
+    FaultKind::Profile,
+    FaultKind::Rail,
+    FaultKind::SwappedSides,
+    FaultKind::StandStill,
+    FaultKind::MovedBoards,
 ];
 
 /// When each fault comes, in microseconds from the start, the last one first. Each kind comes as often as the
 /// others, in any order.
-pub fn schedule(random: &mut Rng, faults: usize, microseconds: u64) -> Vec<(u64, Kind)> {
-    let mut kinds: Vec<Kind> = (0..faults)
+pub fn schedule(random: &mut Rng, faults: usize, microseconds: u64) -> Vec<(u64, FaultKind)> {
+    let mut kinds: Vec<FaultKind> = (0..faults)
         .map(|place| KINDS[place % KINDS.len()])
         .collect();
     random.shuffle(&mut kinds);

@@ -12,7 +12,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::device::{Action, Axis, Needs, OutputEvent};
+use ademan::device::{Axis, Capabilities, EventKind, OutputEvent};
 use ademan::output::{self, OutputError, Sink};
 use ademan::time::Timestamp;
 use client::{Client, PATIENCE};
@@ -21,7 +21,10 @@ use support::process::Process;
 use tempfile::TempDir;
 
 fn open(path: &Path) -> Result<Box<dyn Sink>, OutputError> {
-    output::open(&format!("spacenav:{}", path.display()), &Needs::default())
+    output::open(
+        &format!("spacenav:{}", path.display()),
+        &Capabilities::default(),
+    )
 }
 
 fn server() -> (Box<dyn Sink>, PathBuf, TempDir) {
@@ -30,23 +33,23 @@ fn server() -> (Box<dyn Sink>, PathBuf, TempDir) {
     (open(&path).expect("the socket can be made"), path, folder)
 }
 
-fn at(millis: u64, action: Action) -> OutputEvent {
+fn at(millis: u64, action: EventKind) -> OutputEvent {
     OutputEvent {
         time: Timestamp(millis * 1000),
-        action,
+        kind: action,
     }
 }
 
 fn axis(millis: u64, axis: Axis, value: f32) -> OutputEvent {
-    at(millis, Action::Axis(axis, value))
+    at(millis, EventKind::Axis(axis, value))
 }
 
 fn down(millis: u64, name: &str) -> OutputEvent {
-    at(millis, Action::KeyDown(name.parse().expect("a key")))
+    at(millis, EventKind::KeyDown(name.parse().expect("a key")))
 }
 
 fn up(millis: u64, name: &str) -> OutputEvent {
-    at(millis, Action::KeyUp(name.parse().expect("a key")))
+    at(millis, EventKind::KeyUp(name.parse().expect("a key")))
 }
 
 /// Waits until a file is there.
@@ -151,7 +154,7 @@ fn who_never_reads_is_cut_off_and_no_other_notices() {
     }
     sink.send(&[axis(frame as u64, Axis::MoveX, 0.0)]).unwrap();
     assert_eq!(client.hear::<8>()[..7], [0; 7]);
-    assert_eq!(sink.superseded_motions(), 0);
+    assert_eq!(sink.coalesced_motions(), 0);
 }
 
 #[test]

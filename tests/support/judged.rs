@@ -6,18 +6,18 @@ use std::time::Duration;
 use ademan::capture::Reading;
 use ademan::device::Events;
 use ademan::estimate::Rejection;
-use ademan::lab::{Cause, Oracle, Rules, Step};
 use ademan::layout::Layout;
-use ademan::monitor::State;
-use ademan::pipeline::{Arming, Controls, Frame, Pipeline, Refusal};
-use ademan::settings::Assembly;
+use ademan::pipeline::{CommandError, LayoutInstance, Pipeline, PipelineSettings, StepOutput};
+use ademan::setup::LoadedSetup;
+use ademan::sim::{Cause, Observation, Oracle, OutputRules};
+use ademan::snapshot::PipelineState;
 use parry3d::math::Vec3;
 
 /// A pipeline with an oracle beside it; what only asks goes to the pipeline itself.
 pub struct Judged {
     pipeline: Pipeline,
     oracle: Oracle,
-    frame: Option<Frame>,
+    frame: Option<StepOutput>,
 }
 
 impl Deref for Judged {
@@ -31,32 +31,36 @@ impl Deref for Judged {
 #[allow(dead_code, reason = "not every test asks for everything")]
 impl Judged {
     /// The pipeline of a setup, and an oracle for it.
-    pub fn of(assembly: &Assembly) -> Self {
-        let arming = Arming {
-            at_once: assembly.setup.armed,
-            ..Arming::default()
+    pub fn of(assembly: &LoadedSetup) -> Self {
+        let arming = PipelineSettings {
+            arm_immediately: assembly.setup.start_armed,
+            ..PipelineSettings::default()
         };
         Self {
             pipeline: assembly.pipeline(),
-            oracle: Oracle::new(assembly.layouts().map(Rules::of), arming),
+            oracle: Oracle::new(assembly.layouts().map(OutputRules::from_layout), arming),
             frame: None,
         }
     }
 
     /// Gives a line that is slow the time that a run gives it before it counts as stalled.
     pub fn expect_frames_every(&mut self, period: Duration) {
-        let limit = self.pipeline.stall_limit().max(3 * period);
-        self.pipeline.set_stall_limit(limit);
+        let limit = self.pipeline.stall_timeout().max(3 * period);
+        self.pipeline.set_stall_timeout(limit);
     }
 
     /// Whether something is down, or off its rest.
     pub fn holds(&self) -> bool {
-        self.oracle.holds()
+        self.oracle.has_pressed()
     }
 
     #[track_caller]
-    pub fn step(&mut self, reading: &Reading, events: &mut Events) -> Result<&Frame, Rejection> {
-        let (first, profile) = (events.len(), self.pipeline.profile());
+    pub fn step(
+        &mut self,
+        reading: &Reading,
+        events: &mut Events,
+    ) -> Result<&StepOutput, Rejection> {
+        let (first, profile) = (events.len(), self.pipeline.active_profile());
         let outcome = self.pipeline.step(reading, events).cloned();
         let rejection = outcome.as_ref().err().copied();
         self.frame = outcome.ok();
@@ -69,13 +73,13 @@ impl Judged {
 
     #[track_caller]
     pub fn stall(&mut self, events: &mut Events) {
-        let lets_go = self.pipeline.is_fed();
+        let lets_go = self.pipeline.expects_readings();
         self.ask(lets_go, events, Pipeline::stall);
     }
 
     #[track_caller]
     pub fn pause(&mut self, events: &mut Events) {
-        let lets_go = !self.is_paused() && self.state() != State::Stopped;
+        let lets_go = !self.is_paused() && self.state() != PipelineState::Stopped;
         self.ask(lets_go, events, Pipeline::pause);
     }
 
@@ -91,9 +95,9 @@ impl Judged {
 
     #[track_caller]
     pub fn switch_to(&mut self, profile: usize, events: &mut Events) {
-        let lets_go = profile != self.profile() && profile < self.profiles();
+        let lets_go = profile != self.active_profile() && profile < self.profile_count();
         self.ask(lets_go, events, |pipeline, events| {
-            pipeline.switch_to(profile, events);
+            pipeline.switch_profile(profile, events);
         });
     }
 
@@ -102,43 +106,44 @@ impl Judged {
     pub fn replace(
         &mut self,
         profile: usize,
-        controls: &mut Controls,
+        controls: &mut LayoutInstance,
         layout: &Layout,
         events: &mut Events,
     ) {
-        let lets_go = profile == self.profile();
+        let lets_go = profile == self.active_profile();
         self.ask(lets_go, events, |pipeline, events| {
-            pipeline.replace(profile, controls, events);
+            pipeline.replace_profile(profile, controls, events);
         });
-        self.oracle.replace(profile, Rules::of(layout));
+        self.oracle
+            .replace(profile, OutputRules::from_layout(layout));
     }
 
     #[track_caller]
-    pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), Refusal> {
+    pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), CommandError> {
         self.shift(events, |pipeline, events| pipeline.nudge(by, events))
     }
 
     #[track_caller]
-    pub fn tilt(&mut self, by: f32, events: &mut Events) -> Result<(), Refusal> {
+    pub fn tilt(&mut self, by: f32, events: &mut Events) -> Result<(), CommandError> {
         self.shift(events, |pipeline, events| pipeline.tilt(by, events))
     }
 
     #[track_caller]
-    pub fn recentre(&mut self, events: &mut Events) -> Result<(), Refusal> {
-        self.shift(events, Pipeline::recentre)
+    pub fn recentre(&mut self, events: &mut Events) -> Result<(), CommandError> {
+        self.shift(events, Pipeline::recenter)
     }
 
     #[track_caller]
     fn shift(
         &mut self,
         events: &mut Events,
-        shift: impl FnOnce(&mut Pipeline, &mut Events) -> Result<(), Refusal>,
-    ) -> Result<(), Refusal> {
-        let (first, profile) = (events.len(), self.pipeline.profile());
+        shift: impl FnOnce(&mut Pipeline, &mut Events) -> Result<(), CommandError>,
+    ) -> Result<(), CommandError> {
+        let (first, profile) = (events.len(), self.pipeline.active_profile());
         let shifted = shift(&mut self.pipeline, events);
         self.frame = None;
         let cause = if shifted.is_ok() {
-            Cause::LetGo
+            Cause::ReleaseAll
         } else {
             Cause::Other
         };
@@ -153,21 +158,25 @@ impl Judged {
         events: &mut Events,
         ask: impl FnOnce(&mut Pipeline, &mut Events),
     ) {
-        let (first, profile) = (events.len(), self.pipeline.profile());
+        let (first, profile) = (events.len(), self.pipeline.active_profile());
         ask(&mut self.pipeline, events);
         self.frame = None;
-        let cause = if lets_go { Cause::LetGo } else { Cause::Other };
+        let cause = if lets_go {
+            Cause::ReleaseAll
+        } else {
+            Cause::Other
+        };
         self.judge(cause, profile, events, first);
     }
 
     #[track_caller]
     fn judge(&mut self, cause: Cause, profile: usize, events: &Events, first: usize) {
-        let judgement = self.oracle.judge(Step {
+        let judgement = self.oracle.check(Observation {
             cause,
             state: self.pipeline.state(),
             is_paused: self.pipeline.is_paused(),
             profile,
-            frame: self.frame.as_ref().map(Into::into),
+            output: self.frame.as_ref().map(Into::into),
             events: &events[first..],
         });
         if let Err(violation) = judgement {

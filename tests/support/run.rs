@@ -9,11 +9,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
-use ademan::capture::{LineSettings, Reading, Sample, hc11};
+use ademan::capture::{Reading, Sample, StreamOptions, hc11};
 use ademan::contact::Phase;
 use ademan::device::Events;
 use ademan::layout::Layout;
-use ademan::settings::Setup;
+use ademan::setup::Setup;
 use ademan::time::Timestamp;
 use crossbeam_channel::{Receiver, unbounded};
 use tempfile::TempDir;
@@ -31,8 +31,8 @@ type Posture = [u8; BODY_BYTES];
 
 /// The glove with the index finger over the H key, and with the key pushed in.
 pub fn postures() -> (Posture, Posture) {
-    let assembly = Setup::default().assemble().expect("the default setup");
-    let typist = assembly.typist("h", &LineSettings::default(), 0.0, 0);
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let typist = assembly.typist("h", &StreamOptions::default(), 0.0, 0);
     let mut typist = typist.expect("h can be typed");
     let mut pipeline = assembly.pipeline();
     let mut over = None;
@@ -49,7 +49,7 @@ pub fn postures() -> (Posture, Posture) {
         let touches = &frame.expect("an able hand").touches;
         if touches
             .iter()
-            .any(|touch| touch.phase == Phase::Held && touch.depth == 1.0)
+            .any(|touch| touch.phase == Phase::Moved && touch.depth == 1.0)
         {
             return (over.expect("it began over the key"), posture);
         }
@@ -156,7 +156,7 @@ fn wear(listener: &TcpListener, posture: &Mutex<Posture>) {
         if line.write_all(&packet).is_err() {
             return;
         }
-        thread::sleep(LineSettings::default().frame_period());
+        thread::sleep(StreamOptions::default().packet_period());
     }
 }
 

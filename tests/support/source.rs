@@ -2,14 +2,14 @@
 
 use std::time::{Duration, Instant};
 
-use ademan::capture::{Capture, CaptureError, Source};
+use ademan::capture::{CaptureError, Source, SourceEvent};
 
 /// Asks until something else than quiet comes; panics when nothing does within `limit`.
-pub fn next_within(source: &mut dyn Source, limit: Duration) -> Result<Capture, CaptureError> {
+pub fn next_within(source: &mut dyn Source, limit: Duration) -> Result<SourceEvent, CaptureError> {
     let start = Instant::now();
     while start.elapsed() < limit {
         match source.next() {
-            Ok(Capture::Quiet) => {}
+            Ok(SourceEvent::Idle) => {}
             news => return news,
         }
     }

@@ -1,7 +1,7 @@
-use ademan::capture::hc11::{Decoder, Framing};
+use ademan::capture::hc11::{Framing, Hc11Decoder};
 use ademan::capture::{Channels, Reading, Sample};
 use ademan::estimate::{
-    ChannelMap, Estimator, EstimatorSettings, JointAngles, Line, Smoothing, divider_resistance,
+    AffineMap, ChannelMap, Estimator, EstimatorSettings, JointAngles, Smoothing, divider_resistance,
 };
 use ademan::hand::{Dof, Finger, Joint};
 use ademan::kinematics::{ArmModel, Link};
@@ -45,7 +45,10 @@ fn reading(number: u64, body: &[u8]) -> Reading {
 }
 
 fn thesis(map: ChannelMap) -> Estimator {
-    Estimator::new(map, EstimatorSettings::unchecked(Smoothing::Thesis))
+    Estimator::new(
+        map,
+        EstimatorSettings::unchecked(Smoothing::RecursiveAverage),
+    )
 }
 
 fn centimetres(position: Vec3) -> [f64; 3] {
@@ -75,7 +78,7 @@ pub fn channels(file: &Value) -> usize {
         assert_eq!(row.dof, dof_of(&arm, text(&element["link"])), "{label}");
         assert_eq!(row.channel as f64, number(&element["channel"]), "{label}");
         assert_close(
-            row.line.factor,
+            row.calibration.gain,
             number(&element["factor"]),
             tolerance,
             label,
@@ -83,7 +86,7 @@ pub fn channels(file: &Value) -> usize {
         for count in [0.0, 100.0, 255.0] {
             let wanted = number(&element["initial_rotation"])
                 + (count + number(&element["offset"])) * number(&element["factor"]);
-            assert_close(row.line.angle(count), wanted, tolerance, label);
+            assert_close(row.calibration.apply(count), wanted, tolerance, label);
         }
     }
     let links = list(&file["links"]);
@@ -115,11 +118,11 @@ fn assert_link(arm: &ArmModel, ours: &Link, theirs: &Value) {
 
 /// A row of the Maya script: value = count × 360 / 255, attribute = value × scale + offset.
 fn maya_value(row: &Value, value: f64) -> f64 {
-    let line = Line {
-        factor: number(&row["scale"]) * 360.0 / 255.0,
+    let line = AffineMap {
+        gain: number(&row["scale"]) * 360.0 / 255.0,
         offset: number(&row["offset"]),
     };
-    line.angle(value)
+    line.apply(value)
 }
 
 /// Calibration and filters, frame by frame; the forms of the glove's own programs are written out here, for comparison.
@@ -140,7 +143,7 @@ fn corrected(case: &Value, tolerance: f64) {
         let mut estimator = thesis(ChannelMap::new(vec![row.clone()], 255));
         for (frame, wanted) in list(&case["frames"]).iter().enumerate() {
             let reading = reading(frame as u64, &bytes(&wanted["body"]));
-            let angles = estimator.apply(&reading).expect("nothing is refused");
+            let angles = estimator.update(&reading).expect("nothing is refused");
             let wanted = number(&wanted["corrected_angles"][place]);
             assert_close(angles.get(row.dof), wanted, tolerance, name);
         }
@@ -171,7 +174,7 @@ fn as_coded(case: &Value, tolerance: &Value) {
         assert_eq!(readings.to_vec(), wanted, "{name}");
         for (row, wanted) in rows.iter().zip(numbers(&frame["as_coded_angles"])) {
             let (newer, older) = fed_back[row.channel];
-            let x = row.line.angle(readings[row.channel] as f64);
+            let x = row.calibration.apply(readings[row.channel] as f64);
             let y = (x + newer + older) / 3.0;
             fed_back[row.channel] = (y, newer);
             assert_close(y, wanted, number(&tolerance["angles_rad"]), name);
@@ -213,14 +216,15 @@ fn linear(file: &Value) -> usize {
     let cases = list(&file["linear"]);
     for case in cases {
         let of = |name: &str| number(&case[name]);
-        let line = Line::from_counts(of("offset_counts"), of("factor"), of("initial_rotation"));
+        let line =
+            AffineMap::from_counts(of("offset_counts"), of("factor"), of("initial_rotation"));
         assert_close(
-            line.angle(of("reading")),
+            line.apply(of("reading")),
             of("angle_counts_form"),
             tolerance,
             "linear",
         );
-        assert_close(line.factor, of("text_form_factor"), tolerance, "linear");
+        assert_close(line.gain, of("text_form_factor"), tolerance, "linear");
         assert_close(line.offset, of("text_form_offset"), tolerance, "linear");
     }
     cases.len()
@@ -235,13 +239,13 @@ fn fit(file: &Value) -> usize {
             .into_iter()
             .zip(numbers(&case["angles_degrees"]))
             .collect();
-        let fitted = Line::fit(&poses);
+        let fitted = AffineMap::fit(&poses);
         if case["factor"].is_null() {
             assert!(fitted.is_err(), "no line goes through these");
             continue;
         }
         let line = fitted.expect("a line goes through these");
-        assert_close(line.factor, number(&case["factor"]), tolerance, "fit");
+        assert_close(line.gain, number(&case["factor"]), tolerance, "fit");
         assert_close(line.offset, number(&case["offset"]), tolerance, "fit");
     }
     cases.len()
@@ -264,7 +268,7 @@ pub fn forward_kinematics(file: &Value) -> usize {
     let cases = list(&file["cases"]);
     for case in cases {
         let name = text(&case["name"]);
-        let mut angles = JointAngles::at(Timestamp(0));
+        let mut angles = JointAngles::new(Timestamp(0));
         for (link, angle) in case["angles"].as_object().expect("angles") {
             angles.set(dof_of(&arm, link), number(angle));
         }
@@ -315,7 +319,7 @@ pub fn end_to_end(file: &Value) -> usize {
     for case in cases {
         let name = text(&case["name"]);
         let mut bodies = Vec::new();
-        let mut decoder = Decoder::new(Framing::Double06);
+        let mut decoder = Hc11Decoder::new(Framing::Double06);
         decoder.push(&bytes(&case["hex"]), &mut |body| bodies.push(*body));
         decoder.finish(&mut |body| bodies.push(*body));
         let frames = list(&case["frames"]);
@@ -323,7 +327,7 @@ pub fn end_to_end(file: &Value) -> usize {
         let mut estimator = thesis(glove().full_map);
         for (number, (body, wanted)) in bodies.iter().zip(frames).enumerate() {
             let angles = estimator
-                .apply(&reading(number as u64, body))
+                .update(&reading(number as u64, body))
                 .expect("nothing is refused");
             let hand = arm.forward(&angles);
             let wrist = hand.position(Joint::Wrist).expect("a wrist");

@@ -1,6 +1,6 @@
 use ademan::contact::TargetId;
 use ademan::contact::hit_test::pressed_by;
-use ademan::contact::surface::{Scene, Shape, TREMBLE, Target};
+use ademan::contact::surface::{Scene, Shape, TREMOR_MARGIN, Target};
 use ademan::hand::Side;
 use ademan::kinematics::HandPose;
 use ademan::layout::Layout;
@@ -114,7 +114,7 @@ fn layout(buttons: &[Vec<f64>], half: f64, height: f64) -> Layout {
 /// A target, and the fingertips as its surface sees them, in metres.
 fn on_board(scene: &Scene, number: u32, tips: &[Vec<f64>]) -> (Target, Vec<Vec3>) {
     let (surface, target) = scene.target(TargetId(number)).expect("a button");
-    let pose = HandPose::at(Timestamp(0), Side::Right, 0.0);
+    let pose = HandPose::new(Timestamp(0), Side::Right, 0.0);
     let world_from_surface = surface
         .world_from_surface(&pose)
         .expect("it is in the world");
@@ -151,9 +151,9 @@ fn button(xz: &[f64], half: f64, height: f64) -> Target {
         shape: Shape::Box(Vec2::splat(half as f32)),
         surface_from_target: Pose::from_translation(middle),
         travel: height as f32,
-        press_share: 0.5,
-        release_share: 0.25,
-        margin: TREMBLE,
+        press_at: 0.5,
+        release_at: 0.25,
+        margin: TREMOR_MARGIN,
     }
 }
 

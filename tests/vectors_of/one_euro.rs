@@ -1,4 +1,4 @@
-use ademan::estimate::{OneEuro, OneEuroSettings};
+use ademan::estimate::{OneEuroFilter, OneEuroSettings};
 use serde_json::Value;
 
 use super::{assert_close, list, number, numbers, text};
@@ -12,7 +12,7 @@ pub fn filter(file: &Value) -> usize {
             beta: number(&case["beta"]),
             derivative_cutoff_hz: number(&case["derivative_cutoff_hz"]),
         };
-        let mut filter = OneEuro::new(settings, 1);
+        let mut filter = OneEuroFilter::new(settings, 1);
         let (times, values) = (numbers(&case["times"]), numbers(&case["values"]));
         let mut last = times[0];
         for ((time, value), wanted) in times.iter().zip(values).zip(numbers(&case["filtered"])) {

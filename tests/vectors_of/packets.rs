@@ -1,4 +1,4 @@
-use ademan::capture::hc11::{Decoder, Framing};
+use ademan::capture::hc11::{Framing, Hc11Decoder};
 use serde_json::Value;
 
 use super::{bytes, list, text};
@@ -42,7 +42,7 @@ fn cuts(case: &Value, length: usize) -> Vec<Vec<usize>> {
 
 /// The frames of a stream that comes in pieces of these sizes, and how many were out before its end.
 fn decode(framing: Framing, stream: &[u8], pieces: &[usize]) -> (Vec<Vec<u8>>, usize) {
-    let mut decoder = Decoder::new(framing);
+    let mut decoder = Hc11Decoder::new(framing);
     let mut frames = Vec::new();
     let mut rest = stream;
     for &size in pieces {

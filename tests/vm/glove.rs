@@ -6,10 +6,10 @@ use std::thread;
 use std::time::Instant;
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, channels, encode};
-use ademan::capture::{LineSettings, Reading, Sample};
-use ademan::device::{Action, Events};
-use ademan::lab::Typist;
-use ademan::settings::{Assembly, Setup};
+use ademan::capture::{Reading, Sample, StreamOptions};
+use ademan::device::{EventKind, Events};
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::sim::SimulatedTypist;
 use ademan::time::Timestamp;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
@@ -19,47 +19,47 @@ type Posture = [u8; BODY_BYTES];
 pub struct Deed {
     postures: Vec<Posture>,
     /// What comes of it, and at which posture.
-    actions: Vec<(usize, Action)>,
+    actions: Vec<(usize, EventKind)>,
 }
 
 impl Deed {
     /// Types a text on a layout.
     pub fn typing(layout: &str, text: &str) -> Self {
         let assembly = on(layout);
-        let typist = assembly.typist(text, &LineSettings::default(), 0.0, 0);
+        let typist = assembly.typist(text, &StreamOptions::default(), 0.0, 0);
         Self::of(&assembly, typist.expect("the hand can type it"))
     }
 
     /// Plays a script on a layout.
     pub fn playing(layout: &str, script: &str) -> Self {
         let assembly = on(layout);
-        let typist = assembly.scripted(script, &LineSettings::default(), 0.0, 0);
+        let typist = assembly.scripted(script, &StreamOptions::default(), 0.0, 0);
         let typist = typist.unwrap_or_else(|error| panic!("{error}"));
         Self::of(&assembly, typist)
     }
 
-    fn of(assembly: &Assembly, typist: Typist) -> Self {
+    fn of(assembly: &LoadedSetup, typist: SimulatedTypist) -> Self {
         let postures = postures(typist);
         let mut pipeline = assembly.pipeline();
         let mut actions = Vec::new();
         for (place, posture) in postures.iter().enumerate() {
             let reading = Reading {
-                time: Timestamp(0) + LineSettings::default().frame_period() * place as u32,
+                time: Timestamp(0) + StreamOptions::default().packet_period() * place as u32,
                 side: None,
                 sample: Sample::Channels(channels(posture)),
             };
             let mut events = Events::new();
             pipeline.step(&reading, &mut events).expect("an able hand");
-            actions.extend(events.iter().map(|event| (place, event.action)));
+            actions.extend(events.iter().map(|event| (place, event.kind)));
         }
         Self { postures, actions }
     }
 
     /// The keys that go down (`true`) and come up, by their codes in the kernel.
     pub fn keys(&self) -> Vec<(u16, bool)> {
-        let key = |(_, action): &(usize, Action)| match action {
-            Action::KeyDown(key) => Some((key.event_code(), true)),
-            Action::KeyUp(key) => Some((key.event_code(), false)),
+        let key = |(_, action): &(usize, EventKind)| match action {
+            EventKind::KeyDown(key) => Some((key.event_code(), true)),
+            EventKind::KeyUp(key) => Some((key.event_code(), false)),
             _ => None,
         };
         self.actions.iter().filter_map(key).collect()
@@ -77,26 +77,26 @@ impl Deed {
 
     /// Up to where the last key is at the bottom.
     pub fn until_held(&self) -> Vec<Posture> {
-        let last = |is_it: fn(&Action) -> bool| {
+        let last = |is_it: fn(&EventKind) -> bool| {
             let found = self.actions.iter().rfind(|(_, action)| is_it(action));
             found.expect("a key goes down and comes up").0
         };
-        let down = last(|action| matches!(action, Action::KeyDown(_)));
-        let up = last(|action| matches!(action, Action::KeyUp(_)));
+        let down = last(|action| matches!(action, EventKind::KeyDown(_)));
+        let up = last(|action| matches!(action, EventKind::KeyUp(_)));
         self.postures[..down.midpoint(up)].to_vec()
     }
 }
 
-fn on(layout: &str) -> Assembly {
+fn on(layout: &str) -> LoadedSetup {
     let setup = Setup {
         layout: layout.to_owned(),
-        armed: true,
+        start_armed: true,
         ..Setup::default()
     };
-    setup.assemble().expect("a setup")
+    setup.load_files().expect("a setup")
 }
 
-fn postures(mut typist: Typist) -> Vec<Posture> {
+fn postures(mut typist: SimulatedTypist) -> Vec<Posture> {
     let mut postures = Vec::new();
     while let Some(counts) = typist.next_counts() {
         let mut posture = [0; BODY_BYTES];
@@ -131,7 +131,7 @@ impl Glove {
 }
 
 fn play(mut line: UnixStream, orders: &Receiver<Vec<Posture>>) {
-    let period = LineSettings::default().frame_period();
+    let period = StreamOptions::default().packet_period();
     let mut playing = Vec::new();
     let mut place = 0;
     let mut due = Instant::now();

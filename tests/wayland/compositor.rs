@@ -7,7 +7,7 @@ use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use ademan::device::{Action, Need, Needs, OutputEvent};
+use ademan::device::{Capabilities, Capability, EventKind, OutputEvent};
 use ademan::output::Desktop;
 use ademan::time::Timestamp;
 use tempfile::TempDir;
@@ -124,7 +124,7 @@ impl Compositor {
 
     /// The output `desktop` at this compositor, with a pointer.
     pub fn desktop(&self) -> Desktop {
-        let needs: Needs = [Need::Move].into_iter().collect();
+        let needs: Capabilities = [Capability::RelativeMotion].into_iter().collect();
         Desktop::open(Some(self.socket()), &needs).expect("the compositor is there")
     }
 
@@ -160,10 +160,10 @@ impl Compositor {
 }
 
 /// An event that an output takes.
-pub fn event(action: Action) -> OutputEvent {
+pub fn event(action: EventKind) -> OutputEvent {
     OutputEvent {
         time: Timestamp(0),
-        action,
+        kind: action,
     }
 }
 

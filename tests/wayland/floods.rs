@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use ademan::device::{Action, KeyCode};
+use ademan::device::{EventKind, KeyCode};
 use ademan::output::{Desktop, Sink};
 
 use crate::compositor::{Compositor, event};
@@ -18,12 +18,12 @@ const FLOOD: usize = 20_000;
 
 /// Presses and releases B many times; how often the press was taken.
 fn flood(sink: &mut Desktop) -> usize {
-    let before = sink.refused_presses();
+    let before = sink.dropped_presses();
     for _ in 0..FLOOD {
-        let stroke = [Action::KeyDown(key("B")), Action::KeyUp(key("B"))];
+        let stroke = [EventKind::KeyDown(key("B")), EventKind::KeyUp(key("B"))];
         sink.send(&stroke.map(event)).expect("it does not fail");
     }
-    FLOOD - (sink.refused_presses() - before) as usize
+    FLOOD - (sink.dropped_presses() - before) as usize
 }
 
 fn count(heard: &[String], line: &str) -> usize {
@@ -39,7 +39,7 @@ fn what_was_taken_arrives_once_and_no_release_is_lost() {
         return;
     };
     let mut sink = compositor.desktop();
-    sink.send(&[event(Action::KeyDown(key("A")))])
+    sink.send(&[event(EventKind::KeyDown(key("A")))])
         .expect("room");
     assert!(window.hears("down a"), "{:#?}", window.heard());
     compositor.stop();
@@ -51,7 +51,8 @@ fn what_was_taken_arrives_once_and_no_release_is_lost() {
         more == 0
     };
     assert!(wait_for(is_full), "{taken} strokes were taken");
-    sink.send(&[event(Action::KeyUp(key("A")))]).expect("room");
+    sink.send(&[event(EventKind::KeyUp(key("A")))])
+        .expect("room");
     compositor.go_on();
     let heard = window.heard_until("up a");
     sink.close().expect("it takes everything");
@@ -60,11 +61,11 @@ fn what_was_taken_arrives_once_and_no_release_is_lost() {
         counts,
         [1, 1, taken, taken],
         "refused: {}",
-        sink.refused_presses()
+        sink.dropped_presses()
     );
     println!(
         "{taken} of {} strokes were taken",
-        taken + sink.refused_presses() as usize
+        taken + sink.dropped_presses() as usize
     );
 }
 
@@ -79,13 +80,13 @@ fn a_compositor_that_does_not_come_back_is_an_error_and_what_is_down_comes_up_wh
     // Another keyboard, as that of the user.
     let mut other = compositor.desktop();
     let mut sink = compositor.desktop();
-    sink.send(&[event(Action::KeyDown(key("A")))])
+    sink.send(&[event(EventKind::KeyDown(key("A")))])
         .expect("room");
     assert!(window.hears("down a"), "{:#?}", window.heard());
     compositor.stop();
     let mut error = None;
     let fails = || {
-        let strokes = [Action::KeyDown(key("B")), Action::KeyUp(key("B"))];
+        let strokes = [EventKind::KeyDown(key("B")), EventKind::KeyUp(key("B"))];
         error = sink.send(&strokes.map(event)).err();
         error.is_some()
     };

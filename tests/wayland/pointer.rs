@@ -1,6 +1,6 @@
 //! What a mouse does, in a window.
 
-use ademan::device::{Action, KeyCode};
+use ademan::device::{EventKind, KeyCode};
 use ademan::output::Sink;
 
 use crate::compositor::{Compositor, event};
@@ -11,13 +11,16 @@ fn key(name: &str) -> KeyCode {
 }
 
 /// What a window over the whole screen of 1024 by 768 hears of these actions, until `last`.
-fn heard(actions: &[Action], last: &str) -> Option<Vec<String>> {
+fn heard(actions: &[EventKind], last: &str) -> Option<Vec<String>> {
     let compositor = Compositor::sway()?;
     let window = Window::open(&compositor)?;
     let mut sink = compositor.desktop();
     // It hears of motion once the pointer is there.
-    sink.send(&[event(Action::MoveTo(0.5, 0.5)), event(Action::MoveBy(1, 0))])
-        .expect("there is room");
+    sink.send(&[
+        event(EventKind::MoveTo(0.5, 0.5)),
+        event(EventKind::MoveBy(1, 0)),
+    ])
+    .expect("there is room");
     assert!(window.hears("move to 513,384"), "{:#?}", window.heard());
     for action in actions {
         sink.send(&[event(*action)]).expect("there is room");
@@ -32,11 +35,11 @@ fn heard(actions: &[Action], last: &str) -> Option<Vec<String>> {
 #[test]
 fn motion_by_a_way_and_to_a_place_arrives() {
     let actions = [
-        Action::MoveBy(-13, 16),
-        Action::MoveTo(0.25, 0.125),
-        Action::MoveTo(1.0, 1.0),
-        Action::MoveTo(0.0, 0.0),
-        Action::MoveBy(3, 4),
+        EventKind::MoveBy(-13, 16),
+        EventKind::MoveTo(0.25, 0.125),
+        EventKind::MoveTo(1.0, 1.0),
+        EventKind::MoveTo(0.0, 0.0),
+        EventKind::MoveBy(3, 4),
     ];
     let Some(heard) = heard(&actions, "move to 3,4") else {
         return;
@@ -58,16 +61,16 @@ fn motion_by_a_way_and_to_a_place_arrives() {
 #[test]
 fn buttons_and_a_drag_arrive() {
     let actions = [
-        Action::KeyDown(key("MouseLeft")),
-        Action::MoveBy(20, 0),
-        Action::MoveBy(0, 10),
-        Action::KeyUp(key("MouseLeft")),
-        Action::KeyDown(key("MouseRight")),
-        Action::KeyUp(key("MouseRight")),
-        Action::KeyDown(key("MouseMiddle")),
-        Action::KeyUp(key("MouseMiddle")),
-        Action::KeyDown(key("MouseBack")),
-        Action::KeyUp(key("MouseBack")),
+        EventKind::KeyDown(key("MouseLeft")),
+        EventKind::MoveBy(20, 0),
+        EventKind::MoveBy(0, 10),
+        EventKind::KeyUp(key("MouseLeft")),
+        EventKind::KeyDown(key("MouseRight")),
+        EventKind::KeyUp(key("MouseRight")),
+        EventKind::KeyDown(key("MouseMiddle")),
+        EventKind::KeyUp(key("MouseMiddle")),
+        EventKind::KeyDown(key("MouseBack")),
+        EventKind::KeyUp(key("MouseBack")),
     ];
     let Some(heard) = heard(&actions, "button 275 up") else {
         return;
@@ -90,12 +93,12 @@ fn buttons_and_a_drag_arrive() {
 #[test]
 fn a_click_of_the_wheel_arrives_as_a_click_of_the_wheel() {
     let actions = [
-        Action::Scroll(0, 120),
-        Action::Scroll(0, -360),
-        Action::Scroll(240, 0),
-        Action::Scroll(60, 0),
-        Action::KeyDown(key("MouseLeft")),
-        Action::KeyUp(key("MouseLeft")),
+        EventKind::Scroll(0, 120),
+        EventKind::Scroll(0, -360),
+        EventKind::Scroll(240, 0),
+        EventKind::Scroll(60, 0),
+        EventKind::KeyDown(key("MouseLeft")),
+        EventKind::KeyUp(key("MouseLeft")),
     ];
     let Some(heard) = heard(&actions, "button 272 up") else {
         return;

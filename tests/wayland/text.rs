@@ -1,6 +1,6 @@
 //! The text of the demo in a terminal, and characters that no key writes.
 
-use ademan::device::Action;
+use ademan::device::EventKind;
 use ademan::output::Sink;
 
 use crate::compositor::{Compositor, event};
@@ -54,7 +54,7 @@ fn characters_that_no_key_writes_arrive_byte_for_byte() {
     let text = "äöüß €éñ λ→∀ 日本語 🙂 aaa{[|]}@~\\";
     let mut sink = compositor.desktop();
     for character in text.chars() {
-        sink.send(&[event(Action::Write(character))])
+        sink.send(&[event(EventKind::Character(character))])
             .expect("there is room");
     }
     sink.close().expect("it takes everything");
@@ -72,13 +72,13 @@ fn keys_and_characters_take_turns() {
     let key = |name: &str| name.parse().expect("the name of a key");
     let mut sink = compositor.desktop();
     let actions = [
-        Action::KeyDown(key("ShiftLeft")),
-        Action::KeyDown(key("A")),
-        Action::Write('ß'),
-        Action::KeyUp(key("A")),
-        Action::KeyUp(key("ShiftLeft")),
-        Action::KeyDown(key("B")),
-        Action::KeyUp(key("B")),
+        EventKind::KeyDown(key("ShiftLeft")),
+        EventKind::KeyDown(key("A")),
+        EventKind::Character('ß'),
+        EventKind::KeyUp(key("A")),
+        EventKind::KeyUp(key("ShiftLeft")),
+        EventKind::KeyDown(key("B")),
+        EventKind::KeyUp(key("B")),
     ];
     sink.send(&actions.map(event)).expect("there is room");
     sink.close().expect("it takes everything");

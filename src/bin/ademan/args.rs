@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use ademan::capture::SourceName;
-use ademan::doctor::Trial;
-use ademan::pipeline::Role;
+use ademan::capture::SourceUri;
+use ademan::doctor::OutputTest;
+use ademan::pipeline::SourceRole;
 use ademan::trace::Stage;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args as ClapArgs, Parser, Subcommand};
@@ -98,10 +98,10 @@ pub struct SetupArgs {
     /// Where readings come from: serial:PORT, tcp:HOST:PORT, file:PATH, recording:PATH,
     /// typist:TEXT or script:FILE; lines take ?protocol=hc11&framing=double06&baud=115200
     #[arg(long)]
-    pub source: Option<SourceName>,
+    pub source: Option<SourceUri>,
     /// What may come of the source: pointer, keys or both; both unless said, and pointer of one on the network
     #[arg(long, value_parser = role())]
-    pub role: Option<Role>,
+    pub role: Option<SourceRole>,
     /// The glove: a shipped name or a file
     #[arg(long)]
     pub glove: Option<String>,
@@ -217,7 +217,7 @@ pub struct DoctorArgs {
     pub output: Option<String>,
     /// Use an output for a second so that nothing comes of it: desktop or uinput
     #[arg(long, value_name = "OUTPUT", value_parser = trial())]
-    pub test: Vec<Trial>,
+    pub test: Vec<OutputTest>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -313,9 +313,9 @@ pub enum LayoutCommand {
     },
 }
 
-fn role() -> impl TypedValueParser<Value = Role> {
-    PossibleValuesParser::new(Role::ALL.map(Role::name)).map(|name| {
-        let role = Role::ALL.into_iter().find(|role| role.name() == name);
+fn role() -> impl TypedValueParser<Value = SourceRole> {
+    PossibleValuesParser::new(SourceRole::ALL.map(SourceRole::name)).map(|name| {
+        let role = SourceRole::ALL.into_iter().find(|role| role.name() == name);
         role.expect("it is one of the names of roles")
     })
 }
@@ -325,8 +325,8 @@ fn stage() -> impl TypedValueParser<Value = Stage> {
         .map(|name| name.parse().expect("it is one of the names of stages"))
 }
 
-fn trial() -> impl TypedValueParser<Value = Trial> {
-    PossibleValuesParser::new(Trial::ALL.iter().map(|trial| trial.name()))
+fn trial() -> impl TypedValueParser<Value = OutputTest> {
+    PossibleValuesParser::new(OutputTest::ALL.iter().map(|trial| trial.name()))
         .map(|name| name.parse().expect("it is one of the names of trials"))
 }
 

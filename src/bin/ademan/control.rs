@@ -2,32 +2,37 @@
 
 use std::path::{Path, PathBuf};
 
-use ademan::control::{self, Control, Desk, Profile};
+use ademan::control::{self, ControlServer, ProfileInfo, ServerContext};
 use ademan::reload::FileCalls;
-use ademan::runtime::Calls;
-use ademan::settings::Assembly;
+use ademan::session::Calls;
+use ademan::setup::LoadedSetup;
 
 use crate::failure::Failure;
 use crate::signals::Stopper;
 
 /// Opens the socket that `--control` names, or the usual one; `None` for `off`, and where there is no
 /// usual one.
-pub fn open(place: Option<&Path>) -> Result<Option<Control>, Failure> {
+pub fn open(place: Option<&Path>) -> Result<Option<ControlServer>, Failure> {
     let path: Option<PathBuf> = match place {
         Some(off) if off == "off" => None,
         Some(path) => Some(path.into()),
         None => control::default_path(),
     };
-    Ok(path.map(|path| Control::open(&path)).transpose()?)
+    Ok(path.map(|path| ControlServer::bind(&path)).transpose()?)
 }
 
 /// Who does what clients of a run ask for.
-pub fn desk(assembly: &Assembly, calls: Calls, files: Vec<FileCalls>, stopper: Stopper) -> Desk {
-    Desk {
+pub fn desk(
+    assembly: &LoadedSetup,
+    calls: Calls,
+    files: Vec<FileCalls>,
+    stopper: Stopper,
+) -> ServerContext {
+    ServerContext {
         profiles: assembly
             .profile_names()
             .zip(assembly.layouts())
-            .map(|(name, layout)| Profile {
+            .map(|(name, layout)| ProfileInfo {
                 name: name.to_owned(),
                 file: layout.file.clone(),
             })

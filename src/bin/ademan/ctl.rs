@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use ademan::control::{self, Caller};
+use ademan::control::{self, Client};
 use serde_json::{Value, json};
 
 use crate::args::{CtlArgs, CtlRequest};
@@ -16,8 +16,8 @@ pub fn run(args: &CtlArgs) -> Result<(), Failure> {
             "XDG_RUNTIME_DIR names no folder: name the socket of the run with --socket, and give the run the same with --control",
         )
     })?;
-    let mut caller = Caller::connect(&path)?;
-    let answer = caller.ask(&request(&args.request).to_string())?;
+    let mut caller = Client::connect(&path)?;
+    let answer = caller.request(&request(&args.request).to_string())?;
     let read: Value = serde_json::from_str(&answer)
         .map_err(|error| Failure::job(format!("the answer makes no sense: {error}")))?;
     let is_done = read["ok"] == true;
@@ -30,7 +30,7 @@ pub fn run(args: &CtlArgs) -> Result<(), Failure> {
     }
     match args.request {
         CtlRequest::Subscribe => print_news(caller, args.json),
-        CtlRequest::Stop if !caller.wait_for_end() => Err(Failure::job(
+        CtlRequest::Stop if !caller.wait_until_closed() => Err(Failure::job(
             "the run was asked to end, and has not ended yet",
         )),
         _ if args.json => Ok(()),
@@ -111,8 +111,8 @@ fn word(value: &Value) -> Option<String> {
     }
 }
 
-fn print_news(mut caller: Caller, as_json: bool) -> Result<(), Failure> {
-    while let Some(line) = caller.next_news()? {
+fn print_news(mut caller: Client, as_json: bool) -> Result<(), Failure> {
+    while let Some(line) = caller.next_notification()? {
         match serde_json::from_str(&line) {
             Ok(Value::Object(news)) if !as_json => print_line(&news_line(&news))?,
             _ => print_line(&line)?,

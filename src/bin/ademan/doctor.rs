@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use ademan::doctor::{self, Finding, State, Trial, Wants};
+use ademan::doctor::{self, CheckStatus, Finding, OutputTest, Requirements};
 use ademan::output;
 use serde_json::{Value, json};
 
@@ -11,25 +11,25 @@ use crate::failure::Failure;
 use crate::setup;
 
 /// What came of trying an output.
-type Tried = (Trial, Result<String, String>);
+type Tried = (OutputTest, Result<String, String>);
 
 pub fn run(args: DoctorArgs) -> Result<(), Failure> {
     let mut setup = setup::read(args.setup.as_deref(), args.parts)?;
     setup.output = args.output.unwrap_or(setup.output);
-    let wants = Wants::of(&setup);
-    let assembly = setup.assemble()?;
-    output::check(&assembly.setup.output, &assembly.needs())?;
-    let findings = doctor::examine(&doctor::look(&wants), &wants);
+    let wants = Requirements::from_setup(&setup);
+    let assembly = setup.load_files()?;
+    output::check(&assembly.setup.output, &assembly.required_capabilities())?;
+    let findings = doctor::check(&doctor::gather_facts(&wants), &wants);
     let tried: Vec<Tried> = args
         .test
         .iter()
         .map(|trial| {
-            let outcome = doctor::try_out(*trial).map_err(|error| error.to_string());
+            let outcome = doctor::test_output(*trial).map_err(|error| error.to_string());
             (*trial, outcome)
         })
         .collect();
-    let is_well =
-        findings.iter().all(Finding::suffices) && tried.iter().all(|(_, outcome)| outcome.is_ok());
+    let is_well = findings.iter().all(Finding::is_satisfied)
+        && tried.iter().all(|(_, outcome)| outcome.is_ok());
     match args.json {
         true => writeln!(io::stdout(), "{}", as_json(&findings, &tried, is_well))?,
         false => io::stdout().write_all(as_text(&findings, &tried).as_bytes())?,
@@ -85,8 +85,8 @@ fn remedy(finding: &Finding) -> String {
         return String::new();
     }
     let whether = match (finding.needed, finding.state) {
-        (true, State::Missing) => ", which is needed",
-        (false, State::Missing) => ", if you want it",
+        (true, CheckStatus::Missing) => ", which is needed",
+        (false, CheckStatus::Missing) => ", if you want it",
         _ => "",
     };
     let mut text = format!("\n# {}{whether}\n", finding.check);

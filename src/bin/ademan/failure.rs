@@ -4,11 +4,11 @@ use std::process::ExitCode;
 
 use ademan::capture::CaptureError;
 use ademan::control::ControlError;
-use ademan::emergency::EmergencyError;
-use ademan::layout::LayoutError;
+use ademan::layout::DocumentError;
 use ademan::output::OutputError;
-use ademan::runtime::RunError;
-use ademan::settings::SetupError;
+use ademan::panic_keys::PanicKeysError;
+use ademan::session::SessionError;
+use ademan::setup::SetupError;
 
 /// The exit code for a job that failed.
 const JOB: u8 = 1;
@@ -61,7 +61,7 @@ impl Failure {
             let io = cause.downcast_ref::<std::io::Error>();
             let output = cause.downcast_ref::<OutputError>();
             io.is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
-                || matches!(output, Some(OutputError::Unread { .. }))
+                || matches!(output, Some(OutputError::BrokenPipe { .. }))
         })
     }
 }
@@ -78,8 +78,8 @@ impl From<std::io::Error> for Failure {
     }
 }
 
-impl From<LayoutError> for Failure {
-    fn from(error: LayoutError) -> Self {
+impl From<DocumentError> for Failure {
+    fn from(error: DocumentError) -> Self {
         Self::new(error, USE)
     }
 }
@@ -87,7 +87,7 @@ impl From<LayoutError> for Failure {
 impl From<CaptureError> for Failure {
     fn from(error: CaptureError) -> Self {
         let code = match error {
-            CaptureError::Name { .. } | CaptureError::Open { .. } => USE,
+            CaptureError::InvalidUri { .. } | CaptureError::Open { .. } => USE,
             CaptureError::Malformed { .. } => DAMAGED,
             _ => JOB,
         };
@@ -98,7 +98,7 @@ impl From<CaptureError> for Failure {
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
         let code = match error {
-            OutputError::Open { .. } | OutputError::Name(_) => USE,
+            OutputError::Open { .. } | OutputError::UnknownOutput(_) => USE,
             _ => JOB,
         };
         Self::new(error, code)
@@ -108,15 +108,15 @@ impl From<OutputError> for Failure {
 impl From<ControlError> for Failure {
     fn from(error: ControlError) -> Self {
         let code = match error {
-            ControlError::Answer { .. } => JOB,
+            ControlError::NoResponse { .. } => JOB,
             _ => USE,
         };
         Self::new(error, code)
     }
 }
 
-impl From<EmergencyError> for Failure {
-    fn from(error: EmergencyError) -> Self {
+impl From<PanicKeysError> for Failure {
+    fn from(error: PanicKeysError) -> Self {
         Self::new(error, USE)
     }
 }
@@ -130,11 +130,11 @@ impl From<SetupError> for Failure {
     }
 }
 
-impl From<RunError> for Failure {
-    fn from(error: RunError) -> Self {
+impl From<SessionError> for Failure {
+    fn from(error: SessionError) -> Self {
         match error {
-            RunError::Capture(error) => error.into(),
-            RunError::Output(error) => error.into(),
+            SessionError::Capture(error) => error.into(),
+            SessionError::Output(error) => error.into(),
         }
     }
 }

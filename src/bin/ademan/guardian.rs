@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use ademan::device::Needs;
-use ademan::output::{self, OutputError, Sink, guardian};
+use ademan::device::Capabilities;
+use ademan::output::{self, OutputError, Sink, watchdog};
 
 use crate::failure::Failure;
 
@@ -14,27 +14,27 @@ pub const COMMAND: &str = "guardian";
 /// not wait, when the guardian is ended by somebody.
 pub fn open_outputs(
     names: &str,
-    needs: &Needs,
+    needs: &Capabilities,
     on_loss: impl Fn() + Send + Sync + 'static,
 ) -> Result<Box<dyn Sink>, OutputError> {
     let open_error = |error: std::io::Error| OutputError::Open {
         output: names.into(),
         reason: format!("this program does not find itself, to start its guardian: {error}"),
     };
-    let launch = guardian::Launch {
+    let launch = watchdog::WatchdogSettings {
         program: std::env::current_exe().map_err(open_error)?,
         arguments: vec![COMMAND.into()],
-        on_loss: Arc::new(move || {
+        on_lost: Arc::new(move || {
             say!("the guardian was ended: everything is released");
             on_loss();
         }),
     };
-    output::open_guarded(names, needs, &launch)
+    output::open_with_watchdog(names, needs, &launch)
 }
 
 pub fn run() -> Result<(), Failure> {
     // Whoever asks the program to end does not ask its guardian.
     ctrlc::set_handler(|| {})
         .map_err(|error| Failure::job(format!("cannot ignore signals: {error}")))?;
-    guardian::watch(|line| say!("guardian: {line}")).map_err(Failure::wrong_use)
+    watchdog::run(|line| say!("guardian: {line}")).map_err(Failure::wrong_use)
 }

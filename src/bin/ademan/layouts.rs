@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::Path;
 
 use ademan::layout::Layout;
-use ademan::settings::Setup;
+use ademan::setup::Setup;
 
 use crate::args::LayoutCommand;
 use crate::failure::Failure;
@@ -57,7 +57,7 @@ fn warn_of_reach(file: &str) -> Result<(), Failure> {
         layout: file.into(),
         ..Setup::default()
     };
-    let assembly = setup.assemble()?;
+    let assembly = setup.load_files()?;
     for (name, metres) in assembly.out_of_reach() {
         let far = match metres.is_finite() {
             true => format!("{:.0} mm beyond its reach", metres * 1e3),
@@ -94,7 +94,7 @@ fn new(file: &Path, from: &str) -> Result<(), Failure> {
 fn list() -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     for (name, layout) in Layout::shipped()? {
-        writeln!(out, "{name:18} {}", layout.note)?;
+        writeln!(out, "{name:18} {}", layout.description)?;
     }
     Ok(())
 }
@@ -102,10 +102,10 @@ fn list() -> Result<(), Failure> {
 fn show(file: &str, svg: Option<&Path>) -> Result<(), Failure> {
     let layout = Layout::load(file)?;
     let Some(path) = svg else {
-        std::io::stdout().write_all(layout.draw().as_bytes())?;
+        std::io::stdout().write_all(layout.to_text().as_bytes())?;
         return Ok(());
     };
-    std::fs::write(path, layout.svg())
+    std::fs::write(path, layout.to_svg())
         .map_err(|error| Failure::wrong_use(format!("cannot write {}: {error}", path.display())))?;
     writeln!(std::io::stdout(), "wrote {}", path.display())?;
     Ok(())

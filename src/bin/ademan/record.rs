@@ -1,7 +1,7 @@
 //! `ademan record`: a source, and what every stage makes of it, into a file.
 
 use ademan::output;
-use ademan::runtime::drive;
+use ademan::session::run_pipeline;
 
 use crate::args::RecordArgs;
 use crate::failure::Failure;
@@ -12,15 +12,15 @@ use crate::{setup, signals};
 pub fn run(args: RecordArgs) -> Result<(), Failure> {
     let setup = setup::read(args.setup.as_deref(), args.parts)?;
     let name = setup::source_name(&setup)?;
-    let assembly = setup.assemble()?;
+    let assembly = setup.load_files()?;
     setup::tell_pointers(&assembly);
     let stop = signals::stop_requests()?;
-    let source = assembly.open(&name)?;
+    let source = assembly.open_source(&name)?;
     let mut recording = Recording::start(&args.file, &assembly, &*source, !source.is_live())?;
-    let mut nowhere = output::open("none", &assembly.needs())?;
+    let mut nowhere = output::open("none", &assembly.required_capabilities())?;
     let mut status = Status::default();
     say!("recording to {}, Ctrl-C ends", args.file.display());
-    let ended = drive(
+    let ended = run_pipeline(
         source,
         &mut assembly.pipeline(),
         &mut *nowhere,
@@ -31,6 +31,6 @@ pub fn run(args: RecordArgs) -> Result<(), Failure> {
         },
     );
     recording.finish()?;
-    say!("{}", status::account(&ended?.tally));
+    say!("{}", status::account(&ended?.stats));
     Ok(())
 }

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 use std::thread::JoinHandle;
 
 use ademan::capture::Source;
-use ademan::monitor::Snapshot;
 use ademan::recorder::{RecordError, Recorder};
-use ademan::settings::Assembly;
+use ademan::setup::LoadedSetup;
+use ademan::snapshot::Snapshot;
 use crossbeam_channel::{Sender, bounded};
 
 use crate::failure::Failure;
@@ -28,13 +28,13 @@ impl Recording {
     /// up whoever shows it frames: for sources that can wait.
     pub fn start(
         path: &Path,
-        assembly: &Assembly,
+        assembly: &LoadedSetup,
         source: &dyn Source,
         waits: bool,
     ) -> Result<Self, Failure> {
         let setup = assembly
             .recorded_setup()
-            .with_frame_period(source.frame_period());
+            .with_packet_period(source.packet_period());
         let mut recorder = Recorder::create(path, &setup)
             .map_err(|error| Failure::wrong_use(error.to_string()))?;
         let (frames, waiting) = bounded::<Snapshot>(WAITING_FRAMES);

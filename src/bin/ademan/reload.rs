@@ -3,15 +3,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use ademan::control::Reporter;
-use ademan::device::Needs;
-use ademan::device::{Action, Request};
+use ademan::control::Notifier;
+use ademan::device::Capabilities;
+use ademan::device::{EventKind, Request};
 use ademan::layout::Layout;
-use ademan::monitor::Snapshot;
 use ademan::output;
-use ademan::reload::{Asker, FileCall, FileCalls, FileOrder, Report, Watcher};
-use ademan::runtime::Replacement;
-use ademan::settings::Assembly;
+use ademan::reload::{FileCall, FileCalls, FileOrder, LayoutManager, ReloadReport, ReplySender};
+use ademan::session::Replacement;
+use ademan::setup::LoadedSetup;
+use ademan::snapshot::Snapshot;
 use crossbeam_channel::{Sender, bounded};
 
 use crate::failure::Failure;
@@ -20,22 +20,22 @@ use crate::failure::Failure;
 struct Limits {
     output: String,
     /// What the output was opened for.
-    opened: Needs,
+    opened: Capabilities,
     is_recorded: bool,
 }
 
 /// Looks after the layouts of a setup; those that are saved, or made larger or smaller, come out of the
 /// other end of `replacements`. What becomes of them is said on standard error, and to `reporter`.
 pub fn watch(
-    assembly: &Assembly,
+    assembly: &LoadedSetup,
     is_recorded: bool,
     replacements: &Sender<Replacement>,
-    reporter: Option<&Reporter>,
-) -> Result<Vec<Watcher>, Failure> {
+    reporter: Option<&Notifier>,
+) -> Result<Vec<LayoutManager>, Failure> {
     let assembly = Arc::new(assembly.clone());
     let limits = Arc::new(Limits {
         output: assembly.setup.output.clone(),
-        opened: assembly.needs(),
+        opened: assembly.required_capabilities(),
         is_recorded,
     });
     let watch = |(profile, layout): (usize, &Layout)| {
@@ -45,15 +45,15 @@ pub fn watch(
             setup.controls(layout).map_err(|error| error.to_string())
         };
         let mut reporter = reporter.cloned();
-        let tell = move |outcome: Report| {
+        let tell = move |outcome: ReloadReport| {
             say!("{outcome}");
             if let Some(reporter) = &mut reporter {
-                reporter.report(&outcome);
+                reporter.notify_reload(&outcome);
             }
         };
         let replacements = replacements.clone();
         let file = Path::new(&layout.file).is_file().then_some(&*layout.file);
-        Watcher::start(file, layout, profile, replacements, accept, tell)
+        LayoutManager::start(file, layout, profile, replacements, accept, tell)
     };
     let layouts = assembly.layouts().enumerate();
     Ok(layouts.map(watch).collect::<Result<_, _>>()?)
@@ -62,12 +62,12 @@ pub fn watch(
 /// Passes on what keys ask for: larger boards have to be built, which the loop does not wait for.
 pub struct Growth {
     files: Vec<FileCalls>,
-    answer: Asker,
+    answer: ReplySender,
 }
 
 impl Growth {
     /// Of the layouts that these look after. What comes of it is said on standard error.
-    pub fn of(watchers: &[Watcher]) -> Self {
+    pub fn of(watchers: &[LayoutManager]) -> Self {
         let (answer, answers) = bounded::<Result<String, String>>(16);
         std::thread::spawn(move || {
             for text in answers {
@@ -75,7 +75,7 @@ impl Growth {
             }
         });
         Self {
-            files: watchers.iter().map(Watcher::calls).collect(),
+            files: watchers.iter().map(LayoutManager::calls).collect(),
             answer,
         }
     }
@@ -83,7 +83,7 @@ impl Growth {
     /// Takes a frame; does not wait.
     pub fn take(&self, frame: &Snapshot) {
         for event in &frame.events {
-            let Action::Ask(Request::Scale(thousandths)) = event.action else {
+            let EventKind::Ask(Request::Scale(thousandths)) = event.kind else {
                 continue;
             };
             if let Some(file) = self.files.iter().find(|file| file.profile == frame.profile) {
@@ -104,7 +104,7 @@ impl Limits {
                 "{file}: not used, as a recording is of one layout; start again to use it"
             ));
         }
-        output::can_take(&self.output, &self.opened, &layout.needs())
+        output::check_layout_change(&self.output, &self.opened, &layout.required_capabilities())
             .map_err(|reason| format!("{file}: not used, as {reason}"))
     }
 }
@@ -123,7 +123,7 @@ mod tests {
     fn limits(output: &str) -> Limits {
         Limits {
             output: output.into(),
-            opened: layout("A B C").needs(),
+            opened: layout("A B C").required_capabilities(),
             is_recorded: false,
         }
     }

@@ -1,12 +1,12 @@
 //! `ademan run`: the real thing.
 
-use ademan::access;
-use ademan::control::Control;
+use ademan::advice;
+use ademan::control::ControlServer;
 use ademan::doctor;
-use ademan::emergency;
 use ademan::output;
-use ademan::reload::Watcher;
-use ademan::runtime::{self, Call, Commands, Order, drive};
+use ademan::panic_keys;
+use ademan::reload::LayoutManager;
+use ademan::session::{self, Call, Commands, Order, run_pipeline};
 use crossbeam_channel::bounded;
 
 use crate::args::RunArgs;
@@ -17,21 +17,21 @@ use crate::status::{self, Status};
 use crate::{control, guardian, reload, setup, signals, suspension};
 
 pub fn run(args: RunArgs) -> Result<(), Failure> {
-    if doctor::is_root() && !args.allow_root {
-        return Err(Failure::wrong_use(access::is_root().to_string()));
+    if doctor::is_running_as_root() && !args.allow_root {
+        return Err(Failure::wrong_use(advice::running_as_root().to_string()));
     }
     let mut setup = setup::read(args.setup.as_deref(), args.parts)?;
     setup.output = args.output.unwrap_or(setup.output);
-    setup.armed |= args.armed;
+    setup.start_armed |= args.armed;
     let name = setup::source_name(&setup)?;
-    let assembly = setup.assemble()?;
-    let needs = assembly.needs();
+    let assembly = setup.load_files()?;
+    let needs = assembly.required_capabilities();
     output::check(&assembly.setup.output, &needs)?;
     setup::tell_pointers(&assembly);
     let (stopper, stop) = signals::stopper()?;
-    let (calls, called) = runtime::calls();
+    let (calls, called) = session::calls();
     let mut control = control::open(args.control.as_deref())?;
-    let mut reporter = control.as_ref().map(Control::reporter);
+    let mut reporter = control.as_ref().map(ControlServer::notifier);
     let pause = {
         let (calls, (answer, _)) = (calls.clone(), bounded(1));
         move || {
@@ -42,13 +42,16 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
             });
         }
     };
-    emergency::watch(&emergency::keys(&assembly.setup.stop_keys)?, pause.clone())?;
+    panic_keys::watch(
+        &panic_keys::parse_keys(&assembly.setup.panic_keys)?,
+        pause.clone(),
+    )?;
     suspension::watch(calls.clone())?;
     let (replace, replacements) = bounded(1);
     let is_recorded = args.record.is_some();
     let watchers = reload::watch(&assembly, is_recorded, &replace, reporter.as_ref())?;
     if let Some(control) = &mut control {
-        let files = watchers.iter().map(Watcher::calls).collect();
+        let files = watchers.iter().map(LayoutManager::calls).collect();
         control.serve(control::desk(&assembly, calls, files, stopper))?;
     }
     let source = match args.wait {
@@ -67,7 +70,7 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
         say!("listening to {name}, Ctrl-C ends");
     }
     if control.is_none() && args.control.is_none() {
-        say!("{}", access::no_runtime_folder());
+        say!("{}", advice::no_runtime_dir());
     }
     let commands = Commands {
         stop,
@@ -77,11 +80,11 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let mut pipeline = assembly.pipeline();
     let mut status = Status::default();
     let growth = Growth::of(&watchers);
-    let ended = drive(source, &mut pipeline, &mut *sink, commands, &mut |frame| {
+    let ended = run_pipeline(source, &mut pipeline, &mut *sink, commands, &mut |frame| {
         status.show(frame);
         growth.take(frame);
         if let Some(reporter) = &mut reporter {
-            reporter.show(frame);
+            reporter.notify_snapshot(frame);
         }
         if let Some(recording) = &mut recording {
             recording.show(frame);
@@ -89,6 +92,6 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     });
     let recorded = recording.map_or(Ok(()), Recording::finish);
     let summary = ended?;
-    say!("{}", status::account(&summary.tally));
+    say!("{}", status::account(&summary.stats));
     recorded
 }

@@ -1,8 +1,8 @@
 //! From arguments to a setup that is ready to run.
 
-use ademan::capture::{BackOff, CaptureError, Paced, Source, SourceName};
-use ademan::pipeline::Role;
-use ademan::settings::{Assembly, Setup, SetupError};
+use ademan::capture::{BackOff, CaptureError, PacedSource, Source, SourceUri};
+use ademan::pipeline::SourceRole;
+use ademan::setup::{LoadedSetup, Setup, SetupError};
 use crossbeam_channel::Receiver;
 
 use crate::args::SetupArgs;
@@ -22,7 +22,7 @@ pub fn read(file: Option<&str>, flags: SetupArgs) -> Result<Setup, Failure> {
 }
 
 /// The source that a setup names.
-pub fn source_name(setup: &Setup) -> Result<SourceName, Failure> {
+pub fn source_name(setup: &Setup) -> Result<SourceUri, Failure> {
     setup.source.clone().ok_or_else(|| {
         Failure::wrong_use(
             "no source is given: name one with --source, such as serial:/dev/ttyUSB0, or try typist:hello",
@@ -31,8 +31,8 @@ pub fn source_name(setup: &Setup) -> Result<SourceName, Failure> {
 }
 
 /// Says of each source on the network that no keys come of it, where the layouts have some, and what changes that.
-pub fn tell_pointers(assembly: &Assembly) {
-    if !assembly.needs().types() {
+pub fn tell_pointers(assembly: &LoadedSetup) {
+    if !assembly.required_capabilities().include_typing() {
         return;
     }
     for (place, (source, rights)) in assembly.sources().enumerate() {
@@ -40,7 +40,7 @@ pub fn tell_pointers(assembly: &Assembly) {
             continue;
         };
         let flag = if place == 0 { " or `--role both`" } else { "" };
-        if rights.role == Role::Pointer {
+        if rights.role == SourceRole::Pointer {
             say!(
                 "{source} is on the network and only a pointer: it presses no keys of the layout; `role: Both` next to \
                  this source in the setup{flag} lets it type"
@@ -51,21 +51,21 @@ pub fn tell_pointers(assembly: &Assembly) {
 
 /// Opens a source; one that is not live is played at its own pace.
 pub fn open_at_its_pace(
-    assembly: &Assembly,
-    name: &SourceName,
+    assembly: &LoadedSetup,
+    name: &SourceUri,
 ) -> Result<Box<dyn Source>, SetupError> {
-    let source = assembly.open(name)?;
+    let source = assembly.open_source(name)?;
     if source.is_live() {
         return Ok(source);
     }
-    Ok(Box::new(Paced::new(source, 1.0)))
+    Ok(Box::new(PacedSource::new(source, 1.0)))
 }
 
 /// As [`open_at_its_pace`], but a device that does not open is looked for until it does: said once for
 /// each reason. `None` when the end is asked for before that.
 pub fn wait_for(
-    assembly: &Assembly,
-    name: &SourceName,
+    assembly: &LoadedSetup,
+    name: &SourceUri,
     stop: &Receiver<()>,
 ) -> Result<Option<Box<dyn Source>>, SetupError> {
     let mut told = String::new();
@@ -93,6 +93,6 @@ pub fn wait_for(
 }
 
 /// Whether it is something that can be plugged in later.
-fn is_device(name: &SourceName) -> bool {
-    matches!(name, SourceName::Serial { .. } | SourceName::Tcp { .. })
+fn is_device(name: &SourceUri) -> bool {
+    matches!(name, SourceUri::Serial { .. } | SourceUri::Tcp { .. })
 }

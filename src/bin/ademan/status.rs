@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use ademan::estimate::Rejection;
 use ademan::hand::{Finger, FingerSet, Side};
-use ademan::monitor::{Snapshot, State, Tally, Withheld};
+use ademan::snapshot::{PipelineState, Snapshot, Stats, Suppressed};
 
 /// How long nothing more is said of the same loss.
 const QUIET: Duration = Duration::from_secs(10);
@@ -13,7 +13,7 @@ const QUIET: Duration = Duration::from_secs(10);
 /// most once in 10 s.
 #[derive(Default)]
 pub struct Status {
-    last: Option<(State, bool)>,
+    last: Option<(PipelineState, bool)>,
     rejected: [Said<u64>; Rejection::COUNT],
     superseded: Said<u64>,
     of_system: Said<u64>,
@@ -52,8 +52,8 @@ impl Status {
     /// Takes a frame.
     pub fn show(&mut self, frame: &Snapshot) {
         // At the end those that nobody took count as superseded.
-        if frame.state != State::Stopped {
-            self.tell_losses(&frame.tally);
+        if frame.state != PipelineState::Stopped {
+            self.tell_losses(&frame.stats);
         }
         if let Some(pose) = &frame.pose
             && let said = &mut self.doubts[pose.side.index()]
@@ -64,7 +64,7 @@ impl Status {
         self.tell_state(frame);
     }
 
-    fn tell_losses(&mut self, tally: &Tally) {
+    fn tell_losses(&mut self, tally: &Stats) {
         for (reason, (loss, count)) in Rejection::ALL
             .iter()
             .zip(self.rejected.iter_mut().zip(tally.rejected))
@@ -73,22 +73,22 @@ impl Status {
                 say!("{} rejected: {reason}", counted(more, "reading"));
             }
         }
-        if let Some(more) = self.superseded.news(tally.source.superseded) {
+        if let Some(more) = self.superseded.news(tally.source.dropped) {
             say!(
                 "{} superseded: this machine is too busy",
                 counted(more, "reading")
             );
         }
-        if let Some(more) = self.of_system.news(tally.withheld.of_system) {
+        if let Some(more) = self.of_system.news(tally.suppressed.system_keys) {
             say!(
                 "{} withheld that would act on the system; `system_keys: true` in the setup allows them",
                 counted(more, "key")
             );
         }
-        self.tell_roles(&tally.withheld);
+        self.tell_roles(&tally.suppressed);
     }
 
-    fn tell_roles(&mut self, withheld: &Withheld) {
+    fn tell_roles(&mut self, withheld: &Suppressed) {
         let [keys, pointing] = &mut self.by_role;
         if let Some(more) = keys.news(withheld.keys_by_role) {
             say!(
@@ -109,22 +109,22 @@ impl Status {
         if self.last.replace(now) == Some(now) {
             return;
         }
-        let too_many = frame.tally.withheld.too_many;
+        let too_many = frame.stats.suppressed.rate_limited;
         let are_more = std::mem::replace(&mut self.too_many, too_many) < too_many;
         match frame.state {
-            State::Starting | State::Stopped => {}
-            State::Paused if frame.is_paused && are_more => {
+            PipelineState::Starting | PipelineState::Stopped => {}
+            PipelineState::Paused if frame.is_paused && are_more => {
                 say!(
                     "paused: more presses came in than a person makes (`presses_per_second` of the setup); \
                      everything is released, `ademan ctl resume` goes on"
                 );
             }
-            State::Paused if frame.is_paused => {
+            PipelineState::Paused if frame.is_paused => {
                 say!("paused: everything is released, `ademan ctl resume` goes on");
             }
-            State::Paused => say!("paused: hold the hand off all keys for a moment to arm"),
-            State::Running => say!("armed: touches are typed, Ctrl-C ends"),
-            State::Stalled => say!("stalled: no readings, everything is released"),
+            PipelineState::Paused => say!("paused: hold the hand off all keys for a moment to arm"),
+            PipelineState::Running => say!("armed: touches are typed, Ctrl-C ends"),
+            PipelineState::Stalled => say!("stalled: no readings, everything is released"),
         }
     }
 }
@@ -144,7 +144,7 @@ fn tell_doubt(fingers: FingerSet) {
 }
 
 /// One line: what came in, and what became of it.
-pub fn account(tally: &Tally) -> String {
+pub fn account(tally: &Stats) -> String {
     let rejected = Rejection::ALL
         .iter()
         .zip(tally.rejected)
@@ -154,8 +154,8 @@ pub fn account(tally: &Tally) -> String {
     let readings = counted(source.readings, "reading");
     let mut line = format!("{readings}: {} accepted", tally.accepted);
     line.extend(rejected);
-    if source.superseded > 0 {
-        line += &format!(", {} superseded", source.superseded);
+    if source.dropped > 0 {
+        line += &format!(", {} superseded", source.dropped);
     }
     if source.skipped_bytes > 0 {
         line += &format!(
@@ -166,14 +166,14 @@ pub fn account(tally: &Tally) -> String {
     if source.losses > 0 {
         line += &format!("; the device was lost {}", counted(source.losses, "time"));
     }
-    line + &withheld(&tally.withheld)
+    line + &withheld(&tally.suppressed)
 }
 
 /// What did not go out, and the fields of a setup that say so; nothing where all did.
-fn withheld(withheld: &Withheld) -> String {
+fn withheld(withheld: &Suppressed) -> String {
     let reasons = [
-        (withheld.too_many, "beyond `presses_per_second`"),
-        (withheld.of_system, "without `system_keys`"),
+        (withheld.rate_limited, "beyond `presses_per_second`"),
+        (withheld.system_keys, "without `system_keys`"),
         (
             withheld.keys_by_role + withheld.pointing_by_role,
             "by `role`",

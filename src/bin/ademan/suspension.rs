@@ -4,7 +4,7 @@
 use std::thread;
 use std::time::Duration;
 
-use ademan::runtime::{Answer, Call, Calls, Order, RunState};
+use ademan::session::{Answer, Call, Calls, Order, SessionStatus};
 use crossbeam_channel::bounded;
 use signal_hook::consts::signal::{SIGTSTP, SIGUSR1};
 use signal_hook::iterator::Signals;
@@ -38,7 +38,7 @@ pub fn watch(calls: Calls) -> Result<(), Failure> {
 fn suspend(calls: &Calls) {
     let was_paused = matches!(
         ask(calls, Order::State),
-        Some(Answer::State(RunState {
+        Some(Answer::State(SessionStatus {
             is_paused: true,
             ..
         }))

@@ -2,9 +2,9 @@
 
 use std::io::{self, BufWriter, Write};
 
-use ademan::monitor::Snapshot;
 use ademan::output;
-use ademan::runtime::drive;
+use ademan::session::run_pipeline;
+use ademan::snapshot::Snapshot;
 use ademan::trace::Stage;
 
 use crate::args::TraceArgs;
@@ -14,11 +14,11 @@ use crate::{setup, signals};
 pub fn run(args: &TraceArgs) -> Result<(), Failure> {
     let mut setup = setup::read(args.setup.as_deref(), args.parts.clone())?;
     // What a stage would do is shown from the first reading on; nothing is typed here.
-    setup.armed = true;
+    setup.start_armed = true;
     let name = setup::source_name(&setup)?;
-    let assembly = setup.assemble()?;
-    let source = assembly.open(&name)?;
-    let mut nowhere = output::open("none", &assembly.needs())?;
+    let assembly = setup.load_files()?;
+    let source = assembly.open_source(&name)?;
+    let mut nowhere = output::open("none", &assembly.required_capabilities())?;
     let (stopper, stop) = signals::stopper()?;
     let mut lines = Lines {
         stage: args.stage,
@@ -27,7 +27,7 @@ pub fn run(args: &TraceArgs) -> Result<(), Failure> {
         buffer: Vec::new(),
     };
     let mut written = Ok(());
-    let ended = drive(
+    let ended = run_pipeline(
         source,
         &mut assembly.pipeline(),
         &mut *nowhere,
@@ -57,10 +57,11 @@ struct Lines<W: Write> {
 impl<W: Write> Lines<W> {
     fn write(&mut self, frame: &Snapshot) -> io::Result<()> {
         let (out, flush) = (&mut self.out, self.flush);
-        self.stage.each(frame, &mut self.buffer, |_, json| {
-            out.write_all(json)?;
-            out.write_all(b"\n")?;
-            if flush { out.flush() } else { Ok(()) }
-        })
+        self.stage
+            .for_each_json(frame, &mut self.buffer, |_, json| {
+                out.write_all(json)?;
+                out.write_all(b"\n")?;
+                if flush { out.flush() } else { Ok(()) }
+            })
     }
 }

@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 const LIMIT: Duration = Duration::from_secs(10);
 
-fn reading(number: u64) -> Capture {
-    Capture::Reading(Reading {
+fn reading(number: u64) -> SourceEvent {
+    SourceEvent::Reading(Reading {
         time: Timestamp(number),
         side: None,
         sample: Sample::Channels(Channels {
@@ -25,7 +25,7 @@ fn lost() -> CaptureError {
     }
 }
 
-type Step = fn(u64) -> Result<Capture, CaptureError>;
+type Step = fn(u64) -> Result<SourceEvent, CaptureError>;
 
 /// Runs `step` with 0, 1, 2, …; after `steps` it is quiet, and says so through `done`.
 struct Script {
@@ -49,11 +49,11 @@ fn script(steps: u64, is_live: bool, step: Step) -> (Script, Receiver<()>) {
 }
 
 impl Source for Script {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         if self.at == self.steps {
             let _ = self.done.try_send(());
             std::thread::sleep(Duration::from_millis(5));
-            return Ok(Capture::Quiet);
+            return Ok(SourceEvent::Idle);
         }
         self.at += 1;
         (self.step)(self.at - 1)
@@ -67,36 +67,36 @@ impl Source for Script {
         self.is_live
     }
 
-    fn counts(&self) -> Counts {
-        Counts {
+    fn stats(&self) -> SourceStats {
+        SourceStats {
             readings: self.at,
-            ..Counts::default()
+            ..SourceStats::default()
         }
     }
 }
 
-fn brief(arrival: Arrival) -> String {
+fn brief(arrival: CaptureEvent) -> String {
     match arrival {
-        Arrival::Reading {
-            reading, counts, ..
+        CaptureEvent::Reading {
+            reading, stats: counts, ..
         } => {
-            format!("{}({})", reading.time.0, counts.superseded)
+            format!("{}({})", reading.time.0, counts.dropped)
         }
-        Arrival::Noise(_) => "noise".to_owned(),
-        Arrival::Lost(_) => "lost".to_owned(),
-        Arrival::Failed(error) => format!("failed: {error}"),
-        Arrival::End(_) => "end".to_owned(),
+        CaptureEvent::Noise(_) => "noise".to_owned(),
+        CaptureEvent::Lost(_) => "lost".to_owned(),
+        CaptureEvent::Failed(error) => format!("failed: {error}"),
+        CaptureEvent::End(_) => "end".to_owned(),
     }
 }
 
-fn everything(captured: &Captured) -> Vec<String> {
-    captured.arrivals().try_iter().map(brief).collect()
+fn everything(captured: &CaptureThread) -> Vec<String> {
+    captured.events().try_iter().map(brief).collect()
 }
 
 #[test]
 fn a_live_source_drops_its_oldest_readings_and_counts_them() {
     let (source, done) = script(100, true, |step| Ok(reading(step)));
-    let captured = on_thread(source).unwrap();
+    let captured = spawn(source).unwrap();
     done.recv_timeout(LIMIT).unwrap();
     let arrived = everything(&captured);
     assert_eq!(arrived.len(), WAITING_ARRIVALS);
@@ -110,7 +110,7 @@ fn a_loss_is_never_superseded_and_keeps_its_place() {
         10 | 20 => Err(lost()),
         step => Ok(reading(step)),
     });
-    let captured = on_thread(source).unwrap();
+    let captured = spawn(source).unwrap();
     done.recv_timeout(LIMIT).unwrap();
     let arrived = everything(&captured);
     assert_eq!(arrived[0], "lost");
@@ -122,12 +122,12 @@ fn a_loss_is_never_superseded_and_keeps_its_place() {
 #[test]
 fn a_recording_waits_until_its_readings_are_taken() {
     let (source, _done) = script(100, false, |step| match step {
-        99 => Ok(Capture::End),
+        99 => Ok(SourceEvent::End),
         step => Ok(reading(step)),
     });
-    let captured = on_thread(source).unwrap();
+    let captured = spawn(source).unwrap();
     std::thread::sleep(Duration::from_millis(30));
-    let arrived: Vec<String> = captured.arrivals().iter().map(brief).collect();
+    let arrived: Vec<String> = captured.events().iter().map(brief).collect();
     let expected: Vec<String> = (0..99).map(|step| format!("{step}(0)")).collect();
     assert_eq!(arrived[..99], expected);
     assert_eq!(arrived[99..], ["end"]);
@@ -136,8 +136,8 @@ fn a_recording_waits_until_its_readings_are_taken() {
 #[test]
 fn dropping_stops_a_thread_that_waits_for_room() {
     let (source, _done) = script(100, false, |step| Ok(reading(step)));
-    let captured = on_thread(source).unwrap();
-    while captured.arrivals().len() < WAITING_ARRIVALS {
+    let captured = spawn(source).unwrap();
+    while captured.events().len() < WAITING_ARRIVALS {
         std::thread::yield_now();
     }
     let over = captured.over.clone();
@@ -154,9 +154,9 @@ fn dropping_leaves_a_thread_behind_that_blocks() {
     let (source, _done) = script(1, true, |_| {
         BLOCKS.store(true, Ordering::SeqCst);
         std::thread::sleep(Duration::from_secs(5));
-        Ok(Capture::Quiet)
+        Ok(SourceEvent::Idle)
     });
-    let captured = on_thread(source).unwrap();
+    let captured = spawn(source).unwrap();
     while !BLOCKS.load(Ordering::SeqCst) {
         std::thread::yield_now();
     }
@@ -176,13 +176,13 @@ fn a_machine_that_slept_loses_its_live_sources_before_the_next_reading() {
                 ASLEEP.fetch_add(3600, Ordering::SeqCst);
             }
             match step {
-                3 => Ok(Capture::End),
+                3 => Ok(SourceEvent::End),
                 step => Ok(reading(step)),
             }
         });
-        let mut awake = Awake::with(|| Duration::from_secs(ASLEEP.load(Ordering::SeqCst)));
+        let mut awake = SuspendDetector::with(|| Duration::from_secs(ASLEEP.load(Ordering::SeqCst)));
         let (sender, waiting) = bounded(WAITING_ARRIVALS);
-        let (_bell, interrupt) = bell().unwrap();
+        let (_bell, interrupt) = cancel_token().unwrap();
         let mut outlet = Outlet {
             sender,
             waiting: waiting.clone(),
@@ -192,8 +192,8 @@ fn a_machine_that_slept_loses_its_live_sources_before_the_next_reading() {
             waiter: Waiter(std::thread::current()),
         };
         run(source, &mut awake, &mut outlet);
-        let arrivals: Vec<Arrival> = waiting.try_iter().collect();
-        let counted = |arrival: &Arrival| matches!(arrival, Arrival::End(counts) if counts.losses == u64::from(is_live));
+        let arrivals: Vec<CaptureEvent> = waiting.try_iter().collect();
+        let counted = |arrival: &CaptureEvent| matches!(arrival, CaptureEvent::End(counts) if counts.losses == u64::from(is_live));
         assert!(arrivals.iter().any(counted), "{arrivals:?}");
         let arrived: Vec<String> = arrivals.into_iter().map(brief).collect();
         let expected: &[&str] = match is_live {
@@ -210,8 +210,8 @@ fn a_panic_of_the_source_arrives_as_a_failure() {
         0 => Ok(reading(0)),
         _ => panic!("bad count"),
     });
-    let captured = on_thread(source).unwrap();
-    let arrived: Vec<String> = captured.arrivals().iter().map(brief).collect();
+    let captured = spawn(source).unwrap();
+    let arrived: Vec<String> = captured.events().iter().map(brief).collect();
     assert_eq!(arrived[0], "0(0)");
     assert_eq!(
         arrived[1..],
@@ -227,8 +227,8 @@ fn a_source_that_gives_up_ends_the_channel() {
             reason: "half a file".to_owned(),
         })
     });
-    let captured = on_thread(source).unwrap();
-    let arrived: Vec<String> = captured.arrivals().iter().map(brief).collect();
+    let captured = spawn(source).unwrap();
+    let arrived: Vec<String> = captured.events().iter().map(brief).collect();
     assert_eq!(arrived, ["failed: cannot use script: half a file"]);
 }
 
@@ -236,10 +236,10 @@ fn a_source_that_gives_up_ends_the_channel() {
 struct Hiss(u64);
 
 impl Source for Hiss {
-    fn next(&mut self) -> Result<Capture, CaptureError> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         std::thread::sleep(Duration::from_millis(1));
         self.0 += u64::from(self.0 < 700);
-        Ok(Capture::Quiet)
+        Ok(SourceEvent::Idle)
     }
 
     fn name(&self) -> &str {
@@ -250,11 +250,11 @@ impl Source for Hiss {
         true
     }
 
-    fn counts(&self) -> Counts {
-        Counts {
+    fn stats(&self) -> SourceStats {
+        SourceStats {
             bytes: self.0,
             skipped_bytes: self.0,
-            ..Counts::default()
+            ..SourceStats::default()
         }
     }
 }
@@ -262,11 +262,11 @@ impl Source for Hiss {
 #[test]
 fn bytes_that_are_no_readings_are_told_of_now_and_then_and_silence_is_not() {
     let start = Instant::now();
-    let captured = on_thread(Hiss(0)).unwrap();
-    let next = || captured.arrivals().recv_timeout(LIMIT).unwrap();
+    let captured = spawn(Hiss(0)).unwrap();
+    let next = || captured.events().recv_timeout(LIMIT).unwrap();
     let mut told = Vec::new();
     while told.last() != Some(&700) {
-        let Arrival::Noise(counts) = next() else {
+        let CaptureEvent::Noise(counts) = next() else {
             panic!("there are no readings");
         };
         assert_eq!(counts.skipped_bytes, counts.bytes);
@@ -274,6 +274,6 @@ fn bytes_that_are_no_readings_are_told_of_now_and_then_and_silence_is_not() {
     }
     let times = start.elapsed().as_millis() / NOISE.as_millis();
     assert!(told.len() as u128 <= times, "{told:?}");
-    let more = captured.arrivals().recv_timeout(2 * NOISE);
+    let more = captured.events().recv_timeout(2 * NOISE);
     assert!(more.is_err(), "{more:?}");
 }

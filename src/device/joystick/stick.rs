@@ -6,7 +6,7 @@ use parry3d::math::Vec2;
 
 use super::Joystick;
 use crate::contact::{Phase, Touch};
-use crate::device::{Action, Out, Owner};
+use crate::device::{EventKind, DeviceOutput, PressSource};
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
 
@@ -49,7 +49,7 @@ impl Stick {
         Self {
             place,
             held_by: Some((touch.side, touch.finger)),
-            pressed_at: touch.at,
+            pressed_at: touch.position,
             throw: Vec2::ZERO,
             axes: Vec2::ZERO,
             pressed: [false; PARTS],
@@ -79,8 +79,8 @@ impl Stick {
     }
 
     /// The fingertip that holds it is somewhere else.
-    pub(super) fn push(&mut self, joystick: &Joystick, touch: &Touch, out: &mut Out) {
-        let throw = (touch.at - self.pressed_at) / joystick.reach;
+    pub(super) fn push(&mut self, joystick: &Joystick, touch: &Touch, out: &mut DeviceOutput) {
+        let throw = (touch.position - self.pressed_at) / joystick.max_deflection;
         if !throw.is_finite() {
             return;
         }
@@ -93,7 +93,7 @@ impl Stick {
                 continue;
             };
             if !self.pressed[part] && share >= LEVELS[part].0 {
-                let owner = Owner::Part(joystick.target, part as u8);
+                let owner = PressSource::Part(joystick.target, part as u8);
                 self.pressed[part] = out.press(owner, action, touch.time);
             }
         }
@@ -105,22 +105,22 @@ impl Stick {
         joystick: &Joystick,
         shares: &[f32; PARTS],
         time: Timestamp,
-        out: &mut Out,
+        out: &mut DeviceOutput,
     ) {
         for (part, &share) in shares.iter().enumerate() {
             if self.pressed[part] && share < LEVELS[part].1 {
-                out.end(Owner::Part(joystick.target, part as u8), time);
+                out.release(PressSource::Part(joystick.target, part as u8), time);
                 self.pressed[part] = false;
             }
         }
     }
 
     /// It is let go of, or its fingertip is lost.
-    pub(super) fn let_go(&mut self, joystick: &Joystick, touch: &Touch, out: &mut Out) {
+    pub(super) fn let_go(&mut self, joystick: &Joystick, touch: &Touch, out: &mut DeviceOutput) {
         for part in (0..PARTS).filter(|&part| self.pressed[part]) {
-            let owner = Owner::Part(joystick.target, part as u8);
+            let owner = PressSource::Part(joystick.target, part as u8);
             match touch.phase {
-                Phase::Released | Phase::Left => out.end(owner, touch.time),
+                Phase::Released | Phase::Left => out.release(owner, touch.time),
                 _ => out.cancel(owner, touch.time),
             }
         }
@@ -136,14 +136,14 @@ impl Stick {
     }
 
     /// Brings the axes to where it is pushed; whether they are at 0.
-    pub(super) fn stand(&mut self, joystick: &Joystick, time: Timestamp, out: &mut Out) -> bool {
+    pub(super) fn stand(&mut self, joystick: &Joystick, time: Timestamp, out: &mut DeviceOutput) -> bool {
         let Some(axes) = joystick.axes else {
             return true;
         };
         let places = joystick.response(self.throw);
         for (side, axis) in axes.into_iter().enumerate() {
             let place = places[side];
-            if place != self.axes[side] && out.tell(time, Action::Axis(axis, place)) {
+            if place != self.axes[side] && out.emit(time, EventKind::Axis(axis, place)) {
                 self.axes[side] = place;
             }
         }
@@ -151,17 +151,17 @@ impl Stick {
     }
 
     /// Moves the pointer for the time since it did so last.
-    pub(super) fn move_pointer(&mut self, joystick: &Joystick, time: Timestamp, out: &mut Out) {
+    pub(super) fn move_pointer(&mut self, joystick: &Joystick, time: Timestamp, out: &mut DeviceOutput) {
         let passed = time.since(self.moved_by).min(LONGEST_FRAME);
         self.moved_by = time;
-        let speed = joystick.response(self.throw) * joystick.speed;
+        let speed = joystick.response(self.throw) * joystick.pointer_speed_px_s;
         let way = self.owed + speed * passed.as_secs_f32();
         let whole = way.round();
         self.owed = way - whole;
         let (right, up) = (whole.x as i32, whole.y as i32);
         if (right, up) != (0, 0) {
             // Pixels that find no room are lost: the stick goes on moving.
-            out.tell(time, Action::MoveBy(right, -up));
+            out.emit(time, EventKind::MoveBy(right, -up));
         }
     }
 }

@@ -14,12 +14,12 @@ pub struct KeyBinding {
     /// the layer, does what the base layer says.
     pub actions: Vec<Option<KeyAction>>,
     /// Whether the depth of the press goes out too.
-    pub analogue: bool,
+    pub reports_depth: bool,
     /// When what it does takes effect.
-    pub fires: Fires,
+    pub activation: Activation,
     /// For how long after it came up it does not press again, by the times of the touches; a press
     /// that comes sooner is no press at all. Zero lets every press through.
-    pub repress: Duration,
+    pub debounce: Duration,
 }
 
 /// When a key does what its actions say.
@@ -28,13 +28,13 @@ pub struct KeyBinding {
 /// from the press whatever stands here, except for `Dwell`. The action is settled at the press, and nothing of it goes
 /// out before it fires. A press that is cancelled before that does nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Fires {
+pub enum Activation {
     /// From the press on, as long as it is pressed.
-    Press,
+    OnPress,
     /// When it is let go of: the code goes down and up at once.
-    Release,
+    OnRelease,
     /// By how long it is pressed.
-    TapOrHold(Hold),
+    TapHold(TapHold),
     /// When a fingertip has been on it for so long, however deep, once each time that it comes: the
     /// action is that of the layer in force then, and is tapped. Pressing does nothing.
     Dwell(Duration),
@@ -46,9 +46,9 @@ pub enum Fires {
 /// time of a frame is `after` past the press, or at once when another key is pressed, `action` is in
 /// force instead, until the key is let go of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Hold {
+pub struct TapHold {
     /// What it does when held; latches count as [`Latch::Held`](crate::device::Latch::Held).
-    pub action: KeyAction,
+    pub hold_action: KeyAction,
     /// How long it is pressed before it counts as held.
-    pub after: Duration,
+    pub hold_after: Duration,
 }

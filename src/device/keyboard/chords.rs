@@ -4,15 +4,15 @@ use std::time::Duration;
 
 use arrayvec::ArrayVec;
 
-use super::{KeyAction, Keyboard, Owner};
+use super::{KeyAction, Keyboard, PressSource};
 use crate::contact::{Phase, TargetId, Touch};
-use crate::device::Out;
-use crate::device::places::Places;
-use crate::hand::FINGERS;
+use crate::device::DeviceOutput;
+use crate::device::target_index::Places;
+use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::time::Timestamp;
 
 /// How many keys can take part in chords.
-pub const MOST_CHORD_KEYS: usize = KeySet::BITS as usize;
+pub const MAX_CHORD_KEYS: usize = KeySet::BITS as usize;
 
 /// What several keys do together, whatever the layer.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,9 +40,9 @@ pub(super) struct Chords {
     numbers: Places,
     within: Duration,
     /// Keys that wait, in order of pressing; each finger has one at most.
-    gathered: ArrayVec<Gathered, FINGERS>,
+    gathered: ArrayVec<Gathered, FINGERS_OF_BOTH_HANDS>,
     /// Chords that are down; each has a finger at least.
-    down: ArrayVec<Down, FINGERS>,
+    down: ArrayVec<Down, FINGERS_OF_BOTH_HANDS>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -54,9 +54,9 @@ struct Gathered {
 #[derive(Clone, Copy, Debug)]
 struct Down {
     /// In whose name it is pressed.
-    owner: Owner,
+    owner: PressSource,
     /// Whose release ends it.
-    fingers: [Option<Owner>; FINGERS],
+    fingers: [Option<PressSource>; FINGERS_OF_BOTH_HANDS],
     keys: KeySet,
 }
 
@@ -72,7 +72,7 @@ impl Chords {
         let mut keys: Vec<TargetId> = chords.iter().flat_map(|chord| chord.keys.clone()).collect();
         keys.sort_unstable();
         keys.dedup();
-        keys.truncate(MOST_CHORD_KEYS);
+        keys.truncate(MAX_CHORD_KEYS);
         let set = |chord: &Chord| -> Option<KeySet> {
             let mut numbers = chord.keys.iter().map(|key| keys.binary_search(key).ok());
             numbers.try_fold(0, |set, number| Some(set | 1 << number?))
@@ -95,22 +95,22 @@ impl Chords {
     }
 
     /// Takes back what a finger does in chords.
-    pub(super) fn lift(&mut self, is_of_finger: impl Fn(Owner) -> bool, out: &mut Out) {
+    pub(super) fn lift(&mut self, is_of_finger: impl Fn(PressSource) -> bool, out: &mut DeviceOutput) {
         let mut gathered = self.gathered.iter();
-        if gathered.any(|other| is_of_finger(Owner::of(&other.touch))) {
+        if gathered.any(|other| is_of_finger(PressSource::from_touch(&other.touch))) {
             self.gathered.clear();
         }
         self.down.retain(|chord| {
             let is_lifted = chord.fingers.into_iter().flatten().any(&is_of_finger);
             if is_lifted {
-                out.switchboard.cancel(|other| other == chord.owner);
+                out.arbiter.cancel(|other| other == chord.owner);
             }
             !is_lifted
         });
     }
 
     /// Whether the press of a touch waits, or would if it began now.
-    pub(super) fn is_waiting(&self, touch: &Touch, owner: Owner) -> bool {
+    pub(super) fn is_waiting(&self, touch: &Touch, owner: PressSource) -> bool {
         let is_down = self.down.iter().any(|chord| chord.has(owner));
         self.numbers.of(touch.target).is_some() && !is_down
     }
@@ -123,10 +123,10 @@ impl Chords {
         self.gathered.iter().fold(0, |set, other| set | other.key)
     }
 
-    fn is_gathered(&self, owner: Owner) -> bool {
+    fn is_gathered(&self, owner: PressSource) -> bool {
         self.gathered
             .iter()
-            .any(|other| Owner::of(&other.touch) == owner)
+            .any(|other| PressSource::from_touch(&other.touch) == owner)
     }
 
     /// When what is gathered is to be pressed; `None` when nothing is.
@@ -149,7 +149,7 @@ impl Chords {
 }
 
 impl Down {
-    fn has(&self, owner: Owner) -> bool {
+    fn has(&self, owner: PressSource) -> bool {
         self.fingers.contains(&Some(owner))
     }
 }
@@ -165,7 +165,7 @@ impl Keyboard {
 
     /// Takes the press of a key that takes part in chords; `false` for other keys. A second finger on
     /// such a key does nothing.
-    pub(super) fn gather(&mut self, touch: &Touch, out: &mut Out) -> bool {
+    pub(super) fn gather(&mut self, touch: &Touch, out: &mut DeviceOutput) -> bool {
         let Some(key) = self.chords.key(touch.target) else {
             return false;
         };
@@ -185,14 +185,14 @@ impl Keyboard {
     }
 
     /// Presses what was gathered, if its time is over by `time`.
-    pub(super) fn press_gathered_by(&mut self, time: Timestamp, out: &mut Out) {
+    pub(super) fn press_gathered_by(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         if let Some(due) = self.chords.due().filter(|&due| due <= time) {
             self.press_gathered(due, out);
         }
     }
 
     /// Presses what was gathered: chords, and keys on their own.
-    pub(super) fn press_gathered(&mut self, time: Timestamp, out: &mut Out) {
+    pub(super) fn press_gathered(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let gathered = std::mem::take(&mut self.chords.gathered);
         let mut left = gathered.iter().fold(0, |set, other| set | other.key);
         while let Some((keys, action)) = self.chords.largest_in(left) {
@@ -208,8 +208,8 @@ impl Keyboard {
     }
 
     /// Ends what a finger does in chords, before what it does on its own.
-    pub(super) fn end_in_chords(&mut self, touch: &Touch, out: &mut Out) {
-        let owner = Owner::of(touch);
+    pub(super) fn end_in_chords(&mut self, touch: &Touch, out: &mut DeviceOutput) {
+        let owner = PressSource::from_touch(touch);
         if self.chords.is_gathered(owner) {
             match touch.phase {
                 Phase::Cancelled => self.chords.gathered.clear(),
@@ -221,15 +221,15 @@ impl Keyboard {
         };
         let chord = self.chords.down.remove(place);
         for owner in chord.fingers.into_iter().flatten() {
-            if let Owner::Touch(.., target) = owner
+            if let PressSource::Touch(.., target) = owner
                 && let Some(place) = self.places.of(target)
             {
                 self.bounces.came_up(place, touch.time);
             }
         }
         match touch.phase {
-            Phase::Cancelled => out.switchboard.cancel(|other| other == chord.owner),
-            _ => out.switchboard.end(|other| other == chord.owner),
+            Phase::Cancelled => out.arbiter.cancel(|other| other == chord.owner),
+            _ => out.arbiter.release(|other| other == chord.owner),
         }
     }
 
@@ -239,11 +239,11 @@ impl Keyboard {
         action: KeyAction,
         touches: impl Iterator<Item = Touch>,
         time: Timestamp,
-        out: &mut Out,
+        out: &mut DeviceOutput,
     ) {
-        let mut fingers = [None; FINGERS];
+        let mut fingers = [None; FINGERS_OF_BOTH_HANDS];
         for (finger, touch) in fingers.iter_mut().zip(touches) {
-            *finger = Some(Owner::of(&touch));
+            *finger = Some(PressSource::from_touch(&touch));
         }
         let Some(owner) = fingers[0] else {
             return;

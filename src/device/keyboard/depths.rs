@@ -3,17 +3,17 @@
 use arrayvec::ArrayVec;
 
 use crate::contact::{Phase, TargetId, Touch};
-use crate::device::{Action, Out};
-use crate::hand::{FINGERS, Finger};
+use crate::device::{EventKind, DeviceOutput};
+use crate::hand::{FINGERS_OF_BOTH_HANDS, Finger};
 use crate::time::Timestamp;
 
 /// The depth of each analogue target that is pushed in, and what was told of it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Depths {
     /// The target that each finger pushes in, and its share of the travel.
-    fingers: [Option<(TargetId, f32)>; FINGERS],
+    fingers: [Option<(TargetId, f32)>; FINGERS_OF_BOTH_HANDS],
     /// The depths other than 0 that went out last: a target for each finger.
-    told: ArrayVec<(TargetId, f32), FINGERS>,
+    told: ArrayVec<(TargetId, f32), FINGERS_OF_BOTH_HANDS>,
 }
 
 impl Depths {
@@ -23,7 +23,7 @@ impl Depths {
         let is_on_it = finger.is_some_and(|(target, _)| target == touch.target);
         match touch.phase {
             Phase::Touched | Phase::Pressed => *finger = Some((touch.target, touch.depth)),
-            Phase::Held | Phase::Released if is_on_it => {
+            Phase::Moved | Phase::Released if is_on_it => {
                 *finger = Some((touch.target, touch.depth));
             }
             Phase::Left | Phase::Cancelled if is_on_it => *finger = None,
@@ -34,14 +34,14 @@ impl Depths {
 
     /// Forgets every finger.
     pub(super) fn forget(&mut self) {
-        self.fingers = [None; FINGERS];
+        self.fingers = [None; FINGERS_OF_BOTH_HANDS];
     }
 
     /// Sends each depth that is new, those that became 0 first. What finds no room is tried again
     /// next time.
-    pub(super) fn tell(&mut self, time: Timestamp, out: &mut Out) {
+    pub(super) fn tell(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let fingers = self.fingers;
-        let mut send = |target: TargetId, depth: f32| out.tell(time, Action::Depth(target, depth));
+        let mut send = |target: TargetId, depth: f32| out.emit(time, EventKind::Depth(target, depth));
         self.told
             .retain(|(target, _)| deepest(&fingers, *target) > 0.0 || !send(*target, 0.0));
         for &(target, _) in fingers.iter().flatten() {

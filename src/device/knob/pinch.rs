@@ -6,9 +6,9 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Rotation, Vec3};
 
 use crate::contact::TargetId;
-use crate::contact::stroke::is_inside;
+use crate::contact::sweep::is_inside;
 use crate::contact::surface::Scene;
-use crate::device::places::Places;
+use crate::device::target_index::Places;
 use crate::hand::{Finger, Joint};
 use crate::kinematics::HandPose;
 
@@ -102,8 +102,8 @@ pub(super) fn knob_under(
         };
         let middle = world_from_surface.inverse_transform_point(tips.middle);
         let around = Aabb::new(middle - Vec3::splat(HEIGHT), middle + Vec3::splat(HEIGHT));
-        for leaf in surface.fronts().intersect_aabb(&around) {
-            let id = surface.id(leaf);
+        for leaf in surface.front_bvh().intersect_aabb(&around) {
+            let id = surface.target_id(leaf);
             let (Some(place), Some(target)) = (knobs.of(id), surface.target(id)) else {
                 continue;
             };

@@ -2,9 +2,9 @@
 
 use parry3d::math::{Vec2, Vec3};
 
-use super::settings::{Moves, Settings};
-use super::way;
-use crate::device::{Action, Out};
+use super::settings::{CursorOutput, PointerSettings};
+use super::motion;
+use crate::device::{EventKind, DeviceOutput};
 use crate::time::Timestamp;
 
 /// The share of the hand's motion that brings the cursor back to where the hand points, after it was held
@@ -17,7 +17,7 @@ const ROUNDING: f32 = 1.0;
 /// A cursor in pixels to the right, up and towards the wearer from the left, lower and far corner.
 #[derive(Clone, Debug)]
 pub(super) struct Cursor {
-    moves: Moves,
+    moves: CursorOutput,
     extent: Vec3,
     max_step: f32,
     /// Where it should be, within the range.
@@ -31,11 +31,11 @@ pub(super) struct Cursor {
 }
 
 impl Cursor {
-    pub(super) fn new(settings: &Settings) -> Self {
+    pub(super) fn new(settings: &PointerSettings) -> Self {
         Self {
-            moves: settings.moves,
-            extent: way::extent(settings),
-            max_step: settings.max_step - ROUNDING,
+            moves: settings.output,
+            extent: motion::extent(settings),
+            max_step: settings.max_step_px - ROUNDING,
             aim: None,
             told: None,
             owed: Vec2::ZERO,
@@ -51,8 +51,8 @@ impl Cursor {
     /// Where it is on the screen, or how far it went where that is not known, in pixels.
     pub(super) fn way(&self) -> Vec2 {
         match self.moves {
-            Moves::By => self.gone,
-            Moves::To | Moves::Nothing => self.aim.unwrap_or_default().truncate(),
+            CursorOutput::Relative => self.gone,
+            CursorOutput::Absolute | CursorOutput::None => self.aim.unwrap_or_default().truncate(),
         }
     }
 
@@ -88,15 +88,15 @@ impl Cursor {
     }
 
     /// Tells how it moves, no further than it may in a frame; what is left follows in the next.
-    pub(super) fn tell(&mut self, time: Timestamp, out: &mut Out) {
+    pub(super) fn tell(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         match self.moves {
-            Moves::To => self.tell_place(time, out),
-            Moves::By => self.tell_step(time, out),
-            Moves::Nothing => {}
+            CursorOutput::Absolute => self.tell_place(time, out),
+            CursorOutput::Relative => self.tell_step(time, out),
+            CursorOutput::None => {}
         }
     }
 
-    fn tell_place(&mut self, time: Timestamp, out: &mut Out) {
+    fn tell_place(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let Some(aim) = self.aim.map(Vec3::truncate) else {
             return;
         };
@@ -106,16 +106,16 @@ impl Cursor {
         };
         let next = next.round();
         let shares = next / self.extent.truncate();
-        let action = Action::MoveTo(shares.x, 1.0 - shares.y);
-        if self.told != Some(next) && out.tell(time, action) {
+        let action = EventKind::MoveTo(shares.x, 1.0 - shares.y);
+        if self.told != Some(next) && out.emit(time, action) {
             self.told = Some(next);
         }
     }
 
-    fn tell_step(&mut self, time: Timestamp, out: &mut Out) {
+    fn tell_step(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let step = self.owed.clamp_length_max(self.max_step).round();
-        let action = Action::MoveBy(step.x as i32, -step.y as i32);
-        if step != Vec2::ZERO && out.tell(time, action) {
+        let action = EventKind::MoveBy(step.x as i32, -step.y as i32);
+        if step != Vec2::ZERO && out.emit(time, action) {
             self.owed -= step;
         }
     }

@@ -2,23 +2,23 @@
 
 use parry3d::math::Vec3;
 
-use super::frame::Frame;
-use super::sight::Sight;
+use super::anchored_frame::AnchoredFrame;
+use super::trusted_hand::Sight;
 use crate::hand::Finger;
 
 /// A box that the index fingertip moves in.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Direct {
+pub struct DirectPointing {
     /// Its middle.
-    pub frame: Frame,
+    pub frame: AnchoredFrame,
     /// Its width, height and depth, in metres; each more than 0.
     pub size: Vec3,
 }
 
-impl Direct {
+impl DirectPointing {
     /// Where in the box, 0..=1 on each axis; a fingertip outside is on its border.
     pub(super) fn shares(&self, sight: &Sight) -> Option<Vec3> {
-        let tip = self.frame.place(sight.pose(), sight.tip(Finger::Index)?)?;
+        let tip = self.frame.to_local(sight.pose(), sight.tip(Finger::Index)?)?;
         Some((tip / self.size + 0.5).clamp(Vec3::ZERO, Vec3::ONE))
     }
 }

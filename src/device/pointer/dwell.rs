@@ -8,11 +8,11 @@ use crate::time::Timestamp;
 
 /// A pointer that stays within a circle for a while.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Dwell {
+pub struct DwellSettings {
     /// For how long.
-    pub time: Duration,
+    pub duration: Duration,
     /// The radius of the circle, in pixels.
-    pub radius: f32,
+    pub radius_px: f32,
 }
 
 /// Where the pointer rests.
@@ -25,7 +25,7 @@ pub(super) struct Resting {
 
 impl Resting {
     /// Whether it has rested for long enough, once.
-    pub(super) fn clicks(&mut self, dwell: Dwell, at: Vec2, time: Timestamp) -> bool {
+    pub(super) fn clicks(&mut self, dwell: DwellSettings, at: Vec2, time: Timestamp) -> bool {
         let Some((middle, since)) = self.since else {
             // Where it is first seen it has to be left first: nobody brought it there.
             *self = Self {
@@ -34,14 +34,14 @@ impl Resting {
             };
             return false;
         };
-        if at.distance(middle) > dwell.radius {
+        if at.distance(middle) > dwell.radius_px {
             *self = Self {
                 since: Some((at, time)),
                 is_done: false,
             };
             return false;
         }
-        let clicks = !self.is_done && time.since(since) >= dwell.time;
+        let clicks = !self.is_done && time.since(since) >= dwell.duration;
         self.is_done |= clicks;
         clicks
     }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::sight::Sight;
+use super::trusted_hand::Sight;
 use crate::hand::{Dof, Finger};
 use crate::time::Timestamp;
 
@@ -32,7 +32,7 @@ pub struct PinchGaps {
     /// It goes off where they are further apart.
     pub off: f32,
     /// Its first sign is where they are nearer.
-    pub ready: f32,
+    pub near: f32,
 }
 
 impl Default for PinchGaps {
@@ -42,7 +42,7 @@ impl Default for PinchGaps {
         Self {
             on: 0.025,
             off: 0.030,
-            ready: 0.045,
+            near: 0.045,
         }
     }
 }
@@ -70,7 +70,7 @@ impl Gesture {
     pub(super) fn levels(self, gaps: PinchGaps) -> Levels {
         match self {
             Self::Pinch(_) => Levels {
-                ready: -gaps.ready,
+                ready: -gaps.near,
                 off: -gaps.off,
                 on: -gaps.on,
             },

@@ -2,18 +2,18 @@
 
 use parry3d::math::Vec3;
 
-use super::sight::Sight;
+use super::trusted_hand::Sight;
 use crate::hand::Dof;
 
 /// An angle for each axis of a place.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Joints {
+pub struct JointPointing {
     /// To the right.
-    pub x: Axis,
+    pub x: AngleMapping,
     /// Up.
-    pub y: Axis,
+    pub y: AngleMapping,
     /// Towards the wearer; without it the place is half way.
-    pub z: Option<Axis>,
+    pub z: Option<AngleMapping>,
 }
 
 /// An angle that is a displacement.
@@ -21,7 +21,7 @@ pub struct Joints {
 /// share = ½ + ½ · sign(d) · |d|^curve with d = clamp(2 · (angle − from) / (to − from) − 1, −1, 1);
 /// with a curve of 1 that is the line clamp((angle − from) / (to − from), 0, 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Axis {
+pub struct AngleMapping {
     /// The angle.
     pub dof: Dof,
     /// Where the displacement begins, in radians.
@@ -29,12 +29,12 @@ pub struct Axis {
     /// Where it ends, in radians; not the same as `from`, less turns it round.
     pub to: f32,
     /// How far that is in a space, in metres, its middle at 0.
-    pub range: f32,
+    pub extent: f32,
     /// More than 1 makes the middle finer and the ends coarser; more than 0.
     pub curve: f32,
 }
 
-impl Axis {
+impl AngleMapping {
     /// How far from the middle of the range, −1..=1.
     pub(super) fn deflection(&self, sight: &Sight) -> Option<f32> {
         let share = (sight.angle(self.dof)? - self.from) / (self.to - self.from);
@@ -47,7 +47,7 @@ impl Axis {
     }
 }
 
-impl Joints {
+impl JointPointing {
     /// The place, 0..=1 on each axis.
     pub(super) fn shares(&self, sight: &Sight) -> Option<Vec3> {
         let z = match &self.z {
@@ -59,7 +59,7 @@ impl Joints {
 
     /// Where shares are in a space, in metres.
     pub(super) fn point(&self, shares: Vec3) -> Vec3 {
-        let depth = self.z.map_or(0.0, |axis| axis.range);
-        (shares - 0.5) * Vec3::new(self.x.range, self.y.range, depth)
+        let depth = self.z.map_or(0.0, |axis| axis.extent);
+        (shares - 0.5) * Vec3::new(self.x.extent, self.y.extent, depth)
     }
 }

@@ -2,25 +2,25 @@
 
 use parry3d::math::Vec3;
 
-use super::frame::Frame;
-use super::sight::Sight;
+use super::anchored_frame::AnchoredFrame;
+use super::trusted_hand::Sight;
 
-pub use super::direct::Direct;
-pub use super::joint::{Axis, Joints};
-pub use super::rate::{Displacement, Rate};
-pub use super::ray::{From, Ray};
+pub use super::direct::DirectPointing;
+pub use super::joint::{AngleMapping, JointPointing};
+pub use super::rate::{Displacement, RateControl};
+pub use super::ray::{RayOrigin, RayPointing};
 
 /// How a hand says where to point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Mode {
+pub enum PointingMode {
     /// By three angles.
-    Joint(Joints),
+    Joint(JointPointing),
     /// By where the index fingertip is.
-    Direct(Direct),
+    Direct(DirectPointing),
     /// By where a ray from the hand meets a plane.
-    Ray(Ray),
+    Ray(RayPointing),
     /// By how far it is from a pose of rest: that is how fast the pointer goes.
-    Rate(Rate),
+    Rate(RateControl),
 }
 
 /// What a mode makes of a hand.
@@ -32,7 +32,7 @@ pub(super) enum Aim {
     Goes(Vec3),
 }
 
-impl Mode {
+impl PointingMode {
     /// `None` when it is not known, or the hand points nowhere.
     pub(super) fn aim(&self, sight: &Sight) -> Option<Aim> {
         match self {
@@ -47,8 +47,8 @@ impl Mode {
     pub(super) fn forward(&self) -> Vec3 {
         match self {
             Self::Joint(_) => Vec3::NEG_Z,
-            Self::Direct(Direct { frame, .. }) | Self::Ray(Ray { frame, .. }) => frame.forward(),
-            Self::Rate(rate) => rate.frame().map_or(Vec3::NEG_Z, Frame::forward),
+            Self::Direct(DirectPointing { frame, .. }) | Self::Ray(RayPointing { frame, .. }) => frame.forward(),
+            Self::Rate(rate) => rate.frame().map_or(Vec3::NEG_Z, AnchoredFrame::forward),
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use parry3d::math::{Vec2, Vec3};
 
-use super::frame::Frame;
-use super::joint::Axis;
-use super::sight::Sight;
+use super::anchored_frame::AnchoredFrame;
+use super::joint::AngleMapping;
+use super::trusted_hand::Sight;
 use crate::hand::Finger;
 
 /// Displacement as speed.
@@ -12,13 +12,13 @@ use crate::hand::Finger;
 /// speed = top · ((d − dead) / (1 − dead))^curve in the direction of the displacement, whose length d is
 /// a share of the full one, at most 1; 0 within the dead zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rate {
+pub struct RateControl {
     /// What is displaced.
-    pub of: Displacement,
+    pub displacement: Displacement,
     /// The share of the full displacement within which the pointer stands still: 0..1.
-    pub dead: f32,
+    pub dead_zone: f32,
     /// The speed at the full displacement, in pixels a second.
-    pub top: f32,
+    pub max_speed_px_s: f32,
     /// More than 1 makes small displacements slower; more than 0.
     pub curve: f32,
 }
@@ -27,35 +27,35 @@ pub struct Rate {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Displacement {
     /// The index fingertip: from where, and how far is full, in metres, more than 0.
-    Tip(Frame, f32),
+    Fingertip(AnchoredFrame, f32),
     /// Two angles, to the right and up: from the middle of their ranges to the ends. Curves of their own
     /// count as well.
-    Angles(Axis, Axis),
+    Angles(AngleMapping, AngleMapping),
 }
 
-impl Rate {
+impl RateControl {
     /// Pixels a second to the right and up.
     pub(super) fn speed(&self, sight: &Sight) -> Option<Vec3> {
-        let displaced = match &self.of {
-            Displacement::Tip(frame, full) => {
-                let tip = frame.place(sight.pose(), sight.tip(Finger::Index)?)?;
+        let displaced = match &self.displacement {
+            Displacement::Fingertip(frame, full) => {
+                let tip = frame.to_local(sight.pose(), sight.tip(Finger::Index)?)?;
                 tip.truncate() / full
             }
             Displacement::Angles(x, y) => Vec2::new(x.deflection(sight)?, y.deflection(sight)?),
         };
         let displaced = displaced.clamp_length_max(1.0);
-        let beyond = (displaced.length() - self.dead) / (1.0 - self.dead);
+        let beyond = (displaced.length() - self.dead_zone) / (1.0 - self.dead_zone);
         if beyond <= 0.0 {
             return Some(Vec3::ZERO);
         }
-        let speed = self.top * beyond.powf(self.curve);
+        let speed = self.max_speed_px_s * beyond.powf(self.curve);
         Some((displaced.normalize_or_zero() * speed).extend(0.0))
     }
 
     /// What the displacement is seen from.
-    pub(super) fn frame(&self) -> Option<&Frame> {
-        match &self.of {
-            Displacement::Tip(frame, _) => Some(frame),
+    pub(super) fn frame(&self) -> Option<&AnchoredFrame> {
+        match &self.displacement {
+            Displacement::Fingertip(frame, _) => Some(frame),
             Displacement::Angles(..) => None,
         }
     }

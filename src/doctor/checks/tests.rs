@@ -1,9 +1,9 @@
 use super::*;
-use crate::access::Denied;
-use crate::doctor::facts::{Run, User};
+use crate::advice::AccessDenied;
+use crate::doctor::facts::{RunningInstance, User};
 
-fn wants_all() -> Wants {
-    Wants {
+fn wants_all() -> Requirements {
+    Requirements {
         ports: vec!["/dev/ttyUSB0".into()],
         desktop: true,
         uinput: true,
@@ -18,16 +18,16 @@ fn everything() -> Facts {
             is_root: false,
             groups: ["ana", "dialout", "uinput"].map(str::to_owned).to_vec(),
         },
-        ports: vec![("/dev/ttyUSB0".into(), Node::Usable)],
-        uinput: Uinput {
-            node: Node::Usable,
+        ports: vec![("/dev/ttyUSB0".into(), DeviceNode::Usable)],
+        uinput: UinputFacts {
+            node: DeviceNode::Usable,
             is_loaded: true,
             can_be_loaded: Some(true),
         },
-        display: Display::Listens(":0".into()),
+        display: XDisplay::Reachable(":0".into()),
         compositor: Compositor::Unset,
-        speaks_wayland: false,
-        runtime: Runtime::Present {
+        has_wayland: false,
+        runtime: RuntimeDir::Present {
             socket: "/run/user/1000/ademan/control.sock".into(),
             run: None,
         },
@@ -43,20 +43,20 @@ fn nothing() -> Facts {
             groups: vec!["ana".into()],
         },
         ports: Vec::new(),
-        uinput: Uinput {
-            node: Node::Absent,
+        uinput: UinputFacts {
+            node: DeviceNode::Absent,
             is_loaded: false,
             can_be_loaded: None,
         },
-        display: Display::Unset,
+        display: XDisplay::Unset,
         compositor: Compositor::Unset,
-        speaks_wayland: false,
-        runtime: Runtime::Absent,
+        has_wayland: false,
+        runtime: RuntimeDir::Absent,
     }
 }
 
 /// One line for each check: what it is, how it is, whether that suffices, and the first remedy.
-fn told(facts: &Facts, wants: &Wants) -> Vec<String> {
+fn told(facts: &Facts, wants: &Requirements) -> Vec<String> {
     let line = |finding: Finding| {
         let needed = if finding.needed { "needed, " } else { "" };
         let remedy = finding.fix.first().unwrap_or(&finding.then);
@@ -68,11 +68,11 @@ fn told(facts: &Facts, wants: &Wants) -> Vec<String> {
         );
         line.trim_end_matches([':', ' ']).to_owned()
     };
-    examine(facts, wants).into_iter().map(line).collect()
+    check(facts, wants).into_iter().map(line).collect()
 }
 
-fn suffices(facts: &Facts, wants: &Wants) -> bool {
-    examine(facts, wants).iter().all(Finding::suffices)
+fn suffices(facts: &Facts, wants: &Requirements) -> bool {
+    check(facts, wants).iter().all(Finding::is_satisfied)
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn a_machine_with_everything_is_told_to_do_nothing() {
 #[test]
 fn a_machine_with_nothing_is_told_what_each_thing_takes() {
     let mut facts = nothing();
-    facts.ports = vec![("/dev/ttyUSB0".into(), Node::Absent)];
+    facts.ports = vec![("/dev/ttyUSB0".into(), DeviceNode::Absent)];
     let session = "start this from a graphical session, or use the output `uinput`";
     let expected = [
         "user: ok".into(),
@@ -109,8 +109,8 @@ fn a_machine_with_nothing_is_told_what_each_thing_takes() {
 
 #[test]
 fn what_a_setup_does_not_name_may_be_missing() {
-    assert!(suffices(&nothing(), &Wants::default()));
-    let transcript = told(&nothing(), &Wants::default());
+    assert!(suffices(&nothing(), &Requirements::default()));
+    let transcript = told(&nothing(), &Requirements::default());
     assert_eq!(
         transcript[1],
         "serial port: missing: plug the glove in; `ademan demo` needs none"
@@ -119,24 +119,24 @@ fn what_a_setup_does_not_name_may_be_missing() {
 
 #[test]
 fn who_has_no_permission_is_told_the_group_the_rule_or_to_log_in_again() {
-    let of_port = |denied: Denied| {
+    let of_port = |denied: AccessDenied| {
         let mut facts = everything();
-        facts.ports[0].1 = Node::Denied(denied);
-        examine(&facts, &wants_all()).remove(1)
+        facts.ports[0].1 = DeviceNode::Denied(denied);
+        check(&facts, &wants_all()).remove(1)
     };
-    let dialout = of_port(Denied::ToOthersThan("dialout".into()));
-    assert_eq!(dialout.state, State::Missing);
+    let dialout = of_port(AccessDenied::NotInGroup("dialout".into()));
+    assert_eq!(dialout.state, CheckStatus::Missing);
     let join = "sudo usermod --append --groups dialout $USER";
     assert_eq!(
         (dialout.fix, dialout.then.as_str()),
         (vec![join.to_owned()], "log in again")
     );
-    let older = of_port(Denied::UntilLogin("dialout".into()));
+    let older = of_port(AccessDenied::LoginRequired("dialout".into()));
     assert_eq!((older.fix, older.then.as_str()), (vec![], "log in again"));
 
     let mut facts = everything();
-    facts.uinput.node = Node::Denied(Denied::ToAll);
-    let uinput = examine(&facts, &wants_all()).remove(2);
+    facts.uinput.node = DeviceNode::Denied(AccessDenied::OwnerOnly);
+    let uinput = check(&facts, &wants_all()).remove(2);
     let expected = [
         "sudo groupadd --system --force uinput",
         "sudo usermod --append --groups uinput $USER",
@@ -165,11 +165,11 @@ fn a_module_that_cannot_be_loaded_and_a_node_that_is_hidden_are_told_apart() {
 fn a_compositor_counts_by_what_it_offers_and_by_what_this_program_speaks() {
     let of_compositor = |globals: &[&str], speaks_wayland| {
         let facts = Facts {
-            compositor: Compositor::Answers {
+            compositor: Compositor::Reachable {
                 program: Some("sway".into()),
                 globals: globals.iter().map(|name| (*name).to_owned()).collect(),
             },
-            speaks_wayland,
+            has_wayland: speaks_wayland,
             ..everything()
         };
         told(&facts, &wants_all())[4].clone()
@@ -193,15 +193,15 @@ fn a_compositor_counts_by_what_it_offers_and_by_what_this_program_speaks() {
 #[test]
 fn a_display_is_not_needed_where_a_compositor_is_spoken_with() {
     let mut facts = everything();
-    facts.display = Display::Unset;
+    facts.display = XDisplay::Unset;
     assert!(!suffices(&facts, &wants_all()));
-    facts.speaks_wayland = true;
-    facts.compositor = Compositor::Answers {
+    facts.has_wayland = true;
+    facts.compositor = Compositor::Reachable {
         program: None,
         globals: vec![KEYBOARD_PROTOCOL.into()],
     };
     assert!(suffices(&facts, &wants_all()));
-    facts.compositor = Compositor::Silent {
+    facts.compositor = Compositor::Unreachable {
         socket: "/run/user/1000/wayland-0".into(),
         reason: "connection refused".into(),
     };
@@ -211,7 +211,7 @@ fn a_display_is_not_needed_where_a_compositor_is_spoken_with() {
 #[test]
 fn what_only_a_trial_shows_is_not_taken_for_granted() {
     let mut facts = everything();
-    facts.display = Display::Unseen("`far:0` is on the network".into());
+    facts.display = XDisplay::Unknown("`far:0` is on the network".into());
     let display = "display: needed, cannot tell: try it: `ademan doctor --test desktop`";
     assert_eq!(told(&facts, &wants_all())[3], display);
     assert!(!suffices(&facts, &wants_all()));
@@ -221,23 +221,23 @@ fn what_only_a_trial_shows_is_not_taken_for_granted() {
 fn a_second_run_and_a_path_that_is_too_long_are_known_beforehand() {
     let mut facts = everything();
     let socket = std::path::PathBuf::from("/run/user/1000/ademan/control.sock");
-    facts.runtime = Runtime::Present {
+    facts.runtime = RuntimeDir::Present {
         socket: socket.clone(),
-        run: Some(Run { process: Some(42) }),
+        run: Some(RunningInstance { process: Some(42) }),
     };
-    let taken = examine(&facts, &Wants::default()).remove(5);
+    let taken = check(&facts, &Requirements::default()).remove(5);
     assert_eq!(
         taken.text,
         "another run listens at /run/user/1000/ademan/control.sock (process 42)"
     );
     assert!(taken.then.contains("ademan ctl stop"), "{}", taken.then);
-    assert!(!taken.suffices());
+    assert!(!taken.is_satisfied());
 
-    facts.runtime = Runtime::Present {
+    facts.runtime = RuntimeDir::Present {
         socket: std::path::Path::new(&"/x".repeat(60)).join(socket.strip_prefix("/").unwrap()),
         run: None,
     };
-    let long = examine(&facts, &Wants::default()).remove(5);
+    let long = check(&facts, &Requirements::default()).remove(5);
     assert!(long.text.contains("107 at most"), "{}", long.text);
     assert!(long.then.contains("--control"), "{}", long.then);
 }

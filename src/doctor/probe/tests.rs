@@ -44,12 +44,12 @@ impl Root {
         }
     }
 
-    fn look(&self, wants: &Wants) -> Facts {
-        look(self.0.path(), &Environment::default(), wants)
+    fn look(&self, wants: &Requirements) -> Facts {
+        gather_facts(self.0.path(), &Environment::default(), wants)
     }
 
     /// What somebody sees who is in these groups and nobody else's; `None` where only root can be another.
-    fn as_bea(&self, groups: &[u32], wants: &Wants) -> Option<Facts> {
+    fn as_bea(&self, groups: &[u32], wants: &Requirements) -> Option<Facts> {
         if !is_root() {
             println!("SKIPPED: only root can be another user");
             return None;
@@ -67,10 +67,10 @@ impl Root {
     }
 }
 
-fn port(name: &str) -> Wants {
-    Wants {
+fn port(name: &str) -> Requirements {
+    Requirements {
         ports: vec![name.into()],
-        ..Wants::default()
+        ..Requirements::default()
     }
 }
 
@@ -78,17 +78,17 @@ fn port(name: &str) -> Wants {
 fn a_machine_with_nothing_has_nothing() {
     let root = Root::new();
     let facts = root.look(&port("/dev/ttyUSB0"));
-    assert_eq!(facts.ports, [("/dev/ttyUSB0".into(), Node::Absent)]);
-    let uinput = Uinput {
-        node: Node::Absent,
+    assert_eq!(facts.ports, [("/dev/ttyUSB0".into(), DeviceNode::Absent)]);
+    let uinput = UinputFacts {
+        node: DeviceNode::Absent,
         is_loaded: false,
         can_be_loaded: None,
     };
     assert_eq!(facts.uinput, uinput);
-    assert_eq!(facts.display, Display::Unset);
+    assert_eq!(facts.display, XDisplay::Unset);
     assert_eq!(facts.compositor, Compositor::Unset);
-    assert_eq!(facts.runtime, Runtime::Absent);
-    assert_eq!(root.look(&Wants::default()).ports, []);
+    assert_eq!(facts.runtime, RuntimeDir::Absent);
+    assert_eq!(root.look(&Requirements::default()).ports, []);
 }
 
 #[test]
@@ -100,12 +100,12 @@ fn ports_are_found_and_a_link_to_one_is_not_told_twice() {
     create_dir_all(root.0.path().join("dev/serial/by-id")).unwrap();
     let link = root.0.path().join("dev/serial/by-id/glove");
     std::os::unix::fs::symlink("../../ttyUSB1", link).unwrap();
-    let names = |wants: &Wants| {
+    let names = |wants: &Requirements| {
         let ports = root.look(wants).ports;
-        let usable = |(name, node)| (node == Node::Usable).then_some(name);
+        let usable = |(name, node)| (node == DeviceNode::Usable).then_some(name);
         ports.into_iter().filter_map(usable).collect::<Vec<_>>()
     };
-    assert_eq!(names(&Wants::default()), ["/dev/ttyACM0", "/dev/ttyUSB1"]);
+    assert_eq!(names(&Requirements::default()), ["/dev/ttyACM0", "/dev/ttyUSB1"]);
     let link = "/dev/serial/by-id/glove";
     assert_eq!(names(&port(link)), [link, "/dev/ttyACM0"]);
 }
@@ -118,18 +118,18 @@ fn whom_a_device_is_for_is_seen_by_its_modes_and_the_lists_of_groups() {
     root.device("dev/ttyUSB2", 0, 0o660);
     root.device("dev/ttyUSB3", DIALOUT, 0o640);
     root.device("dev/uinput", UINPUT, 0o660);
-    let Some(facts) = root.as_bea(&[], &Wants::default()) else {
+    let Some(facts) = root.as_bea(&[], &Requirements::default()) else {
         return;
     };
     let nodes: Vec<_> = facts.ports.into_iter().map(|(_, node)| node).collect();
     let expected = [
-        Node::Denied(Denied::ToOthersThan("dialout".into())),
-        Node::Denied(Denied::ToAll),
-        Node::Denied(Denied::ToAll),
-        Node::Denied(Denied::ToAll),
+        DeviceNode::Denied(AccessDenied::NotInGroup("dialout".into())),
+        DeviceNode::Denied(AccessDenied::OwnerOnly),
+        DeviceNode::Denied(AccessDenied::OwnerOnly),
+        DeviceNode::Denied(AccessDenied::OwnerOnly),
     ];
     assert_eq!(nodes, expected);
-    let later = Node::Denied(Denied::UntilLogin("uinput".into()));
+    let later = DeviceNode::Denied(AccessDenied::LoginRequired("uinput".into()));
     assert_eq!(facts.uinput.node, later);
     assert_eq!(
         (facts.user.name.as_str(), facts.user.is_root),
@@ -143,18 +143,18 @@ fn what_is_advised_opens_the_device() {
     let root = Root::new();
     root.device("dev/ttyUSB0", DIALOUT, 0o660);
     root.device("dev/uinput", UINPUT, 0o660);
-    let Some(facts) = root.as_bea(&[DIALOUT, UINPUT], &Wants::default()) else {
+    let Some(facts) = root.as_bea(&[DIALOUT, UINPUT], &Requirements::default()) else {
         return;
     };
-    assert_eq!(facts.ports, [("/dev/ttyUSB0".into(), Node::Usable)]);
-    assert_eq!(facts.uinput.node, Node::Usable);
+    assert_eq!(facts.ports, [("/dev/ttyUSB0".into(), DeviceNode::Usable)]);
+    assert_eq!(facts.uinput.node, DeviceNode::Usable);
     assert_eq!(facts.user.groups, ["dialout", "uinput", "bea"]);
 }
 
 #[test]
 fn a_module_is_loaded_can_be_loaded_or_is_not_there() {
     let root = Root::new();
-    let uinput = || root.look(&Wants::default()).uinput;
+    let uinput = || root.look(&Requirements::default()).uinput;
     root.file("proc/sys/kernel/osrelease", "6.1.0-test\n");
     assert_eq!(uinput().can_be_loaded, None);
     let list = "lib/modules/6.1.0-test/modules.dep";
@@ -178,14 +178,14 @@ fn a_display_is_there_when_somebody_listens() {
             display: Some(name.into()),
             ..Environment::default()
         };
-        look(root.0.path(), &environment, &Wants::default()).display
+        gather_facts(root.0.path(), &environment, &Requirements::default()).display
     };
-    assert_eq!(display(":7.0"), Display::Silent(":7.0".into()));
+    assert_eq!(display(":7.0"), XDisplay::Unreachable(":7.0".into()));
     create_dir_all(root.0.path().join("tmp/.X11-unix")).unwrap();
     let _server = UnixListener::bind(root.0.path().join("tmp/.X11-unix/X7")).unwrap();
-    assert_eq!(display(":7.0"), Display::Listens(":7.0".into()));
-    assert_eq!(display("unix:7"), Display::Listens("unix:7".into()));
-    assert!(matches!(display("far:7"), Display::Unseen(_)));
+    assert_eq!(display(":7.0"), XDisplay::Reachable(":7.0".into()));
+    assert_eq!(display("unix:7"), XDisplay::Reachable("unix:7".into()));
+    assert!(matches!(display("far:7"), XDisplay::Unknown(_)));
 }
 
 #[test]
@@ -196,13 +196,13 @@ fn a_compositor_that_says_nothing_and_a_run_that_listens_are_found_in_the_runtim
         runtime_folder: Some(root.0.path().into()),
         ..Environment::default()
     };
-    let facts = || look(root.0.path(), &environment, &Wants::default());
+    let facts = || gather_facts(root.0.path(), &environment, &Requirements::default());
     let socket = root.0.path().join("ademan/control.sock");
-    let Compositor::Silent { reason, .. } = facts().compositor else {
+    let Compositor::Unreachable { reason, .. } = facts().compositor else {
         panic!("there is none");
     };
     assert!(reason.contains("No such file"), "{reason}");
-    let free = Runtime::Present {
+    let free = RuntimeDir::Present {
         socket: socket.clone(),
         run: None,
     };
@@ -210,9 +210,9 @@ fn a_compositor_that_says_nothing_and_a_run_that_listens_are_found_in_the_runtim
     create_dir_all(socket.parent().unwrap()).unwrap();
     let _run = UnixListener::bind(&socket).unwrap();
     let process = Some(std::process::id() as i32);
-    let taken = Runtime::Present {
+    let taken = RuntimeDir::Present {
         socket,
-        run: Some(Run { process }),
+        run: Some(RunningInstance { process }),
     };
     assert_eq!(facts().runtime, taken);
 }

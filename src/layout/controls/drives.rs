@@ -3,12 +3,12 @@
 use serde::Deserialize;
 
 use crate::device::Axis;
-use crate::device::drive::Drive;
-use crate::layout::LayoutError;
-use crate::layout::check::Checked;
-use crate::layout::number::{Clicks, Pixels, Steps};
-use crate::layout::text::Word;
-use crate::layout::written::Does;
+use crate::device::value_output::ValueOutput;
+use crate::layout::DocumentError;
+use crate::layout::builder::Checked;
+use crate::layout::ranged::{Clicks, Pixels, Steps};
+use crate::layout::text::Spanned;
+use crate::layout::schema::Does;
 use crate::names::UnknownName;
 
 /// What the value of a control drives, beside being told.
@@ -17,7 +17,7 @@ use crate::names::UnknownName;
 pub enum Drives<'a> {
     /// An axis by its name.
     #[serde(borrow)]
-    Axis(Word<'a>),
+    Axis(Spanned<'a>),
     /// The wheel, sideways: clicks to the right for the whole range.
     ScrollX(Clicks),
     /// The wheel: clicks up for the whole range.
@@ -44,25 +44,25 @@ impl<'a> Checked<'a> {
     pub(in crate::layout) fn drive(
         &mut self,
         drives: Option<Drives<'a>>,
-    ) -> Result<Drive, LayoutError> {
+    ) -> Result<ValueOutput, DocumentError> {
         Ok(match drives {
-            None => Drive::Told,
-            Some(Drives::Axis(name)) => Drive::Axis(self.axis(name)?),
-            Some(Drives::ScrollX(clicks)) => Drive::ScrollX(clicks.get() as f32),
-            Some(Drives::ScrollY(clicks)) => Drive::ScrollY(clicks.get() as f32),
-            Some(Drives::MoveX(pixels)) => Drive::MoveX(pixels.get() as f32),
-            Some(Drives::MoveY(pixels)) => Drive::MoveY(pixels.get() as f32),
-            Some(Drives::Taps { more, less, steps }) => Drive::Taps {
-                more: self.action(more, None)?,
-                less: self.action(less, None)?,
+            None => ValueOutput::ValueOnly,
+            Some(Drives::Axis(name)) => ValueOutput::Axis(self.axis(name)?),
+            Some(Drives::ScrollX(clicks)) => ValueOutput::ScrollX(clicks.get() as f32),
+            Some(Drives::ScrollY(clicks)) => ValueOutput::ScrollY(clicks.get() as f32),
+            Some(Drives::MoveX(pixels)) => ValueOutput::MoveX(pixels.get() as f32),
+            Some(Drives::MoveY(pixels)) => ValueOutput::MoveY(pixels.get() as f32),
+            Some(Drives::Taps { more, less, steps }) => ValueOutput::Taps {
+                increase: self.action(more, None)?,
+                decrease: self.action(less, None)?,
                 steps: steps.get() as u16,
             },
         })
     }
 
     /// The axis of that name.
-    pub(in crate::layout) fn axis(&self, name: Word<'a>) -> Result<Axis, LayoutError> {
+    pub(in crate::layout) fn axis(&self, name: Spanned<'a>) -> Result<Axis, DocumentError> {
         let parsed = name.0.parse();
-        parsed.map_err(|error: UnknownName| self.document.error(name.0, error))
+        parsed.map_err(|error: UnknownName| self.document.error_at(name.0, error))
     }
 }

@@ -2,16 +2,16 @@
 
 use serde::Deserialize;
 
-use super::{Control, Kind};
-use crate::contact::surface::STRAY;
+use super::{Control, ControlKind};
+use crate::contact::surface::DRAG_MARGIN;
 use crate::device::joystick;
 use crate::device::{Axis, KeyAction};
-use crate::layout::LayoutError;
-use crate::layout::check::{Checked, Spot};
-use crate::layout::keyboard::metres2;
-use crate::layout::number::{Curve, DeadZone, Distance, PointerSpeed, Reach, Size, Travel};
-use crate::layout::text::{Label, Word};
-use crate::layout::written::{Board, Does, Outline};
+use crate::layout::DocumentError;
+use crate::layout::builder::{Checked, Spot};
+use crate::layout::model::metres2;
+use crate::layout::ranged::{Curve, DeadZone, Distance, PointerSpeed, Reach, Size, Travel};
+use crate::layout::text::{Label, Spanned};
+use crate::layout::schema::{Board, Does, Outline};
 
 /// The least travel of a joystick that can be pushed in, in millimetres: with less, every touch would be
 /// a push.
@@ -23,7 +23,7 @@ const LEAST_PUSH_MM: f64 = 10.0;
 pub struct Joystick<'a> {
     /// What it is called.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// What is drawn on it; else its name.
     #[serde(default)]
     pub label: Option<Label>,
@@ -45,7 +45,7 @@ pub struct Joystick<'a> {
     pub curve: Curve,
     /// What it drives to the right and away from the wearer.
     #[serde(borrow, default)]
-    pub axes: Option<(Word<'a>, Word<'a>)>,
+    pub axes: Option<(Spanned<'a>, Spanned<'a>)>,
     /// What is pressed while it points to a side.
     #[serde(borrow, default)]
     pub keys: Option<Sides<'a>>,
@@ -81,7 +81,7 @@ impl<'a> Checked<'a> {
         &mut self,
         board: &Board<'a>,
         written: &Joystick<'a>,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         let name = written.name;
         let axes = self.stick_axes(written)?;
         let keys = self.sides(written.keys)?;
@@ -91,7 +91,7 @@ impl<'a> Checked<'a> {
         };
         let speed = written.moves_px_per_s;
         let travel = written.travel_mm.unwrap_or(board.travel_mm);
-        let refuse = |message: String| Err(self.document.error(name.0, message));
+        let refuse = |message: String| Err(self.document.error_at(name.0, message));
         if axes.is_none() && keys.is_none() && press.is_none() && speed.is_none() {
             return refuse(format!(
                 "the joystick `{}` does nothing, give it `axes`, `keys`, `press` or `moves_px_per_s`",
@@ -120,34 +120,34 @@ impl<'a> Checked<'a> {
                 travel,
                 press: board.press_share,
                 release: board.release_share,
-                margin: reach + STRAY,
+                margin: reach + DRAG_MARGIN,
             },
         )?;
         let joystick = joystick::Joystick {
             target: front.target,
-            reach,
+            max_deflection: reach,
             dead_zone: written.dead_zone.get() as f32,
             curve: written.curve.get() as f32,
             axes,
-            keys,
-            press,
-            speed: speed.map_or(0.0, |speed| speed.get() as f32),
+            direction_keys: keys,
+            push_action: press,
+            pointer_speed_px_s: speed.map_or(0.0, |speed| speed.get() as f32),
         };
         self.controls.push(Control {
-            fronts: vec![front],
-            kind: Kind::Joystick(joystick),
+            faces: vec![front],
+            kind: ControlKind::Joystick(joystick),
         });
         Ok(())
     }
 
-    fn stick_axes(&self, written: &Joystick<'a>) -> Result<Option<[Axis; 2]>, LayoutError> {
+    fn stick_axes(&self, written: &Joystick<'a>) -> Result<Option<[Axis; 2]>, DocumentError> {
         let Some((x, y)) = written.axes else {
             return Ok(None);
         };
         let axes = [self.axis(x)?, self.axis(y)?];
-        let refuse = |word: Word, what: &str| {
+        let refuse = |word: Spanned, what: &str| {
             let message = format!("the joystick `{}` {what}", written.name.0);
-            Err(self.document.error(word.0, message))
+            Err(self.document.error_at(word.0, message))
         };
         for (word, axis) in [x, y].into_iter().zip(axes) {
             if axis.is_trigger() {
@@ -160,7 +160,7 @@ impl<'a> Checked<'a> {
         }
     }
 
-    fn sides(&mut self, sides: Option<Sides<'a>>) -> Result<Option<[KeyAction; 4]>, LayoutError> {
+    fn sides(&mut self, sides: Option<Sides<'a>>) -> Result<Option<[KeyAction; 4]>, DocumentError> {
         let Some(Sides {
             up,
             down,

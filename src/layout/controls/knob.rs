@@ -2,17 +2,17 @@
 
 use serde::Deserialize;
 
-use super::{Control, Drives, Kind};
+use super::{Control, Drives, ControlKind};
 use crate::contact::TargetId;
-use crate::contact::surface::STRAY;
-use crate::device::drive::Drive;
-use crate::device::knob::{self, Range};
-use crate::layout::LayoutError;
-use crate::layout::check::{Checked, Spot};
-use crate::layout::keyboard::metres2;
-use crate::layout::number::{Distance, KnobRange, Share, Size, Steps};
-use crate::layout::text::{Label, Word};
-use crate::layout::written::{Board, Outline};
+use crate::contact::surface::DRAG_MARGIN;
+use crate::device::value_output::ValueOutput;
+use crate::device::knob::{self, KnobRange};
+use crate::layout::DocumentError;
+use crate::layout::builder::{Checked, Spot};
+use crate::layout::model::metres2;
+use crate::layout::ranged::{Distance, KnobRangeDegrees, Share, Size, Steps};
+use crate::layout::text::{Label, Spanned};
+use crate::layout::schema::{Board, Outline};
 
 /// A knob as it stands in the file.
 #[derive(Debug, Deserialize)]
@@ -20,7 +20,7 @@ use crate::layout::written::{Board, Outline};
 pub struct Knob<'a> {
     /// What it is called.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// What is drawn on it; else its name.
     #[serde(default)]
     pub label: Option<Label>,
@@ -30,7 +30,7 @@ pub struct Knob<'a> {
     pub diameter_mm: Size,
     /// How far it turns between its ends; else by the default.
     #[serde(default)]
-    pub range_deg: Option<KnobRange>,
+    pub range_deg: Option<KnobRangeDegrees>,
     /// Whether it has no ends.
     #[serde(default)]
     pub endless: bool,
@@ -48,7 +48,7 @@ pub struct Knob<'a> {
 /// The front of a knob or valve on its board.
 pub(super) struct RoundSpot<'a> {
     pub(super) what: &'static str,
-    pub(super) name: Word<'a>,
+    pub(super) name: Spanned<'a>,
     pub(super) label: String,
     pub(super) at_mm: (Distance, Distance),
     pub(super) diameter_mm: Size,
@@ -60,16 +60,16 @@ impl<'a> Checked<'a> {
         &mut self,
         board: &Board<'a>,
         written: &Knob<'a>,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         let drive = self.drive(written.drives)?;
         if written.endless {
             self.refuse_ends(written, drive)?;
         }
         let range = match written.endless {
-            true => Range::Endless,
+            true => KnobRange::Endless,
             false => {
                 let degrees = written.range_deg.unwrap_or_default().get();
-                Range::Between(degrees.to_radians() as f32)
+                KnobRange::Limited(degrees.to_radians() as f32)
             }
         };
         let spot = RoundSpot {
@@ -84,22 +84,22 @@ impl<'a> Checked<'a> {
             radius: board.metres(written.diameter_mm.get()) / 2.0,
             range,
             steps: written.steps.map(|steps| steps.get() as u16),
-            start: written.start.map_or(0.0, |start| start.get() as f32),
-            drive,
+            initial: written.start.map_or(0.0, |start| start.get() as f32),
+            output: drive,
         })
     }
 
     /// Refuses what needs ends on a knob that has none.
-    fn refuse_ends(&self, written: &Knob<'a>, drive: Drive) -> Result<(), LayoutError> {
+    fn refuse_ends(&self, written: &Knob<'a>, drive: ValueOutput) -> Result<(), DocumentError> {
         let name = written.name.0;
         let what = match (drive, written.range_deg, written.start) {
-            (Drive::Axis(_), ..) => "drive an axis, which has ends",
+            (ValueOutput::Axis(_), ..) => "drive an axis, which has ends",
             (_, Some(_), _) => "have a `range_deg`",
             (_, _, Some(_)) => "have a `start`: it counts its turns from there",
             _ => return Ok(()),
         };
         let message = format!("the knob `{name}` is endless and cannot {what}");
-        Err(self.document.error(name, message))
+        Err(self.document.error_at(name, message))
     }
 
     /// Puts the front of a knob on the board that is being added, and the knob itself.
@@ -108,7 +108,7 @@ impl<'a> Checked<'a> {
         board: &Board<'a>,
         spot: RoundSpot<'a>,
         knob: impl FnOnce(TargetId) -> knob::Knob,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         let front = self.put(
             &board.form,
             Spot {
@@ -122,13 +122,13 @@ impl<'a> Checked<'a> {
                 travel: board.travel_mm,
                 press: board.press_share,
                 release: board.release_share,
-                margin: STRAY,
+                margin: DRAG_MARGIN,
             },
         )?;
         let target = front.target;
         self.controls.push(Control {
-            fronts: vec![front],
-            kind: Kind::Knob(knob(target)),
+            faces: vec![front],
+            kind: ControlKind::Knob(knob(target)),
         });
         Ok(())
     }

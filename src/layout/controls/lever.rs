@@ -4,13 +4,13 @@ use serde::Deserialize;
 
 use super::Drives;
 use super::slider::TrackSpot;
-use crate::device::drive::Drive;
-use crate::device::slider::{Grab, Slider, Track};
-use crate::layout::LayoutError;
-use crate::layout::check::Checked;
-use crate::layout::number::{Distance, Share, Size, Steps, Throw, Turn};
-use crate::layout::text::{Label, Word};
-use crate::layout::written::Board;
+use crate::device::value_output::ValueOutput;
+use crate::device::slider::{GrabMode, Slider, Track};
+use crate::layout::DocumentError;
+use crate::layout::builder::Checked;
+use crate::layout::ranged::{Distance, Share, Size, Steps, Throw, Turn};
+use crate::layout::text::{Label, Spanned};
+use crate::layout::schema::Board;
 
 /// A lever as it stands in the file.
 #[derive(Debug, Deserialize)]
@@ -18,7 +18,7 @@ use crate::layout::written::Board;
 pub struct Lever<'a> {
     /// What it is called.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// What is drawn on it; else its name.
     #[serde(default)]
     pub label: Option<Label>,
@@ -55,7 +55,7 @@ impl<'a> Checked<'a> {
         &mut self,
         board: &Board<'a>,
         written: &Lever<'a>,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         let drive = self.drive(written.drives)?;
         let notches = written.notches.map(|notches| notches.get() as u16);
         let rest = written.rest.map_or(0.5, |rest| rest.get() as f32);
@@ -75,23 +75,23 @@ impl<'a> Checked<'a> {
             target,
             half_length: board.metres(written.length_mm.get()) / 2.0,
             track: Track::Hinged(written.throw_deg.get().to_radians() as f32),
-            grab: Grab::Relative,
+            grab: GrabMode::Relative,
             steps: notches,
-            start: rest,
-            springs: written.springs,
-            drive,
+            initial: rest,
+            springs_back: written.springs,
+            output: drive,
         })
     }
 
     /// A spring brings an axis back to 0, so that is where the lever has to rest.
     fn refuse_spring(
         &self,
-        name: Word<'a>,
+        name: Spanned<'a>,
         rest: f32,
         notches: Option<u16>,
-        drive: Drive,
-    ) -> Result<(), LayoutError> {
-        let refuse = |message: String| Err(self.document.error(name.0, message));
+        drive: ValueOutput,
+    ) -> Result<(), DocumentError> {
+        let refuse = |message: String| Err(self.document.error_at(name.0, message));
         if let Some(notches) = notches {
             let notch = rest * f32::from(notches);
             if (notch - notch.round()).abs() > 1e-3 {
@@ -101,7 +101,7 @@ impl<'a> Checked<'a> {
                 ));
             }
         }
-        let Drive::Axis(axis) = drive else {
+        let ValueOutput::Axis(axis) = drive else {
             return Ok(());
         };
         let at_zero = if axis.is_trigger() { 0.0 } else { 0.5 };

@@ -9,19 +9,19 @@ use serde::Deserialize;
 
 use crate::contact::TargetId;
 use crate::device::KeyAction;
-use crate::device::drive::Drive;
-use crate::device::pointer::{self, By, Dwell, MOST_CLICKS, PinchGaps, Settings};
+use crate::device::value_output::ValueOutput;
+use crate::device::pointer::{self, ClickMethod, DwellSettings, MAX_CLICKS, PinchGaps, PointerSettings};
 use crate::estimate::OneEuroSettings;
 use crate::hand::{Dof, Finger, Side};
-use crate::layout::LayoutError;
-use crate::layout::check::Checked;
+use crate::layout::DocumentError;
+use crate::layout::builder::Checked;
 use crate::layout::controls::Drives;
-use crate::layout::keyboard::metres;
-use crate::layout::number::{
+use crate::layout::model::metres;
+use crate::layout::ranged::{
     Angle, CursorSpeed, Cutoff, DwellTime, Factor, Gain, Gap, PointerRadius, PushDepth, Screen,
     ScrollPixels, Steepness, Step,
 };
-use crate::layout::written::Does;
+use crate::layout::schema::Does;
 
 /// What the pointer is called among the targets.
 pub const POINTER: &str = "pointer";
@@ -191,45 +191,45 @@ impl<'a> Checked<'a> {
         &mut self,
         written: &Pointer<'a>,
         target: TargetId,
-    ) -> Result<Settings, LayoutError> {
+    ) -> Result<PointerSettings, DocumentError> {
         let moves = written.moves.unwrap_or(match written.mode {
             Mode::Rate { .. } => Moves::By,
             _ => Moves::To,
         });
         self.refuse_gestures_twice(written)?;
-        Ok(Settings {
+        Ok(PointerSettings {
             target,
             side: written.hand,
             mode: self.mode(&written.mode)?,
-            moves: match moves {
-                Moves::To => pointer::Moves::To,
-                Moves::By => pointer::Moves::By,
-                Moves::Nothing => pointer::Moves::Nothing,
+            output: match moves {
+                Moves::To => pointer::CursorOutput::Absolute,
+                Moves::By => pointer::CursorOutput::Relative,
+                Moves::Nothing => pointer::CursorOutput::None,
             },
-            screen: written.screen_px.map_or(SCREEN, |(width, height)| {
+            screen_px: written.screen_px.map_or(SCREEN, |(width, height)| {
                 Vec2::new(width.get() as f32, height.get() as f32)
             }),
-            max_step: written.max_step_px.get() as f32,
+            max_step_px: written.max_step_px.get() as f32,
             smoothing: smoothing(written.smoothing),
-            dead_zone: written.dead_zone_px.get() as f32,
+            dead_zone_px: written.dead_zone_px.get() as f32,
             acceleration: self.acceleration(written, moves)?,
-            precision: written.precision_factor.get() as f32,
-            slow: written.precision.map(|by| self.gesture(by)).transpose()?,
+            precision_factor: written.precision_factor.get() as f32,
+            precision_gesture: written.precision.map(|by| self.gesture(by)).transpose()?,
             clutch: written.clutch.map(|by| self.gesture(by)).transpose()?,
             pinch: self.gaps(written.pinch_mm)?,
             clicks: self.clicks(&written.clicks)?,
             dwell: self.dwell(written.dwell.as_ref())?,
-            drag: written.drag_px.map_or(DRAG, |drag| drag.get() as f32),
+            drag_threshold_px: written.drag_px.map_or(DRAG, |drag| drag.get() as f32),
             scroll: written.scroll.map(|it| self.scroll(it)).transpose()?,
             depth: self.depth(written)?,
         })
     }
 
-    fn wrong<T>(&self, message: impl std::fmt::Display) -> Result<T, LayoutError> {
-        Err(self.document.error(self.pointer_word(), message))
+    fn wrong<T>(&self, message: impl std::fmt::Display) -> Result<T, DocumentError> {
+        Err(self.document.error_at(self.pointer_word(), message))
     }
 
-    fn gesture(&self, written: Gesture) -> Result<pointer::Gesture, LayoutError> {
+    fn gesture(&self, written: Gesture) -> Result<pointer::Gesture, DocumentError> {
         Ok(match written {
             Gesture::Pinch(Finger::Thumb) => {
                 return self.wrong("the thumb pinches with another finger, name that one");
@@ -247,7 +247,7 @@ impl<'a> Checked<'a> {
     }
 
     /// Two of the same finger or joint would be on together.
-    fn refuse_gestures_twice(&self, written: &Pointer) -> Result<(), LayoutError> {
+    fn refuse_gestures_twice(&self, written: &Pointer) -> Result<(), DocumentError> {
         let clicks = written.clicks.iter().map(|click| click.by);
         let scroll = written.scroll.map(|scroll| scroll.by);
         let others = [written.clutch, written.precision, scroll];
@@ -272,7 +272,7 @@ impl<'a> Checked<'a> {
         &self,
         written: &Pointer,
         moves: Moves,
-    ) -> Result<Vec<(f32, f32)>, LayoutError> {
+    ) -> Result<Vec<(f32, f32)>, DocumentError> {
         let knots = &written.acceleration;
         if !knots.is_empty() && moves != Moves::By {
             return self.wrong("`acceleration` is for a pointer that `moves: By` pixels");
@@ -290,7 +290,7 @@ impl<'a> Checked<'a> {
             .collect())
     }
 
-    fn gaps(&self, written: Option<Gaps>) -> Result<PinchGaps, LayoutError> {
+    fn gaps(&self, written: Option<Gaps>) -> Result<PinchGaps, DocumentError> {
         let Some(Gaps { on, off, ready }) = written else {
             return Ok(PinchGaps::default());
         };
@@ -298,21 +298,21 @@ impl<'a> Checked<'a> {
             return self.wrong("in `pinch_mm` `on` is less than `off`, and that less than `ready`");
         }
         let [on, off, ready] = [on, off, ready].map(|gap| metres(gap.get()));
-        Ok(PinchGaps { on, off, ready })
+        Ok(PinchGaps { on, off, near: ready })
     }
 
-    fn clicks(&mut self, written: &[Click<'a>]) -> Result<Vec<(By, KeyAction)>, LayoutError> {
-        if written.len() > MOST_CLICKS {
-            return self.wrong(format!("a pointer has at most {MOST_CLICKS} clicks"));
+    fn clicks(&mut self, written: &[Click<'a>]) -> Result<Vec<(ClickMethod, KeyAction)>, DocumentError> {
+        if written.len() > MAX_CLICKS {
+            return self.wrong(format!("a pointer has at most {MAX_CLICKS} clicks"));
         }
         let mut clicks = Vec::new();
         for click in written {
             let by = match click.by {
-                Press::Pinch(finger) => By::Gesture(self.gesture(Gesture::Pinch(finger))?),
+                Press::Pinch(finger) => ClickMethod::Gesture(self.gesture(Gesture::Pinch(finger))?),
                 Press::Flexion(dof, angle) => {
-                    By::Gesture(self.gesture(Gesture::Flexion(dof, angle))?)
+                    ClickMethod::Gesture(self.gesture(Gesture::Flexion(dof, angle))?)
                 }
-                Press::Push(depth) => By::Push(metres(depth.get())),
+                Press::Push(depth) => ClickMethod::Push(metres(depth.get())),
             };
             clicks.push((by, self.action(click.does, None)?));
         }
@@ -322,27 +322,27 @@ impl<'a> Checked<'a> {
     fn dwell(
         &mut self,
         written: Option<&Rest<'a>>,
-    ) -> Result<Option<(Dwell, KeyAction)>, LayoutError> {
+    ) -> Result<Option<(DwellSettings, KeyAction)>, DocumentError> {
         let Some(rest) = written else {
             return Ok(None);
         };
-        let dwell = Dwell {
-            time: std::time::Duration::from_secs_f64(rest.ms.get() * 1e-3),
-            radius: rest.radius_px.get() as f32,
+        let dwell = DwellSettings {
+            duration: std::time::Duration::from_secs_f64(rest.ms.get() * 1e-3),
+            radius_px: rest.radius_px.get() as f32,
         };
         Ok(Some((dwell, self.action(rest.does, None)?)))
     }
 
-    fn scroll(&self, written: Scroll) -> Result<pointer::Scroll, LayoutError> {
+    fn scroll(&self, written: Scroll) -> Result<pointer::ScrollSettings, DocumentError> {
         let pixels = written.px_per_click.get() as f32;
         if pixels.abs() < 1.0 {
             return self.wrong("`px_per_click` is 1 px or more either way");
         }
         let by = self.gesture(written.by)?;
-        Ok(pointer::Scroll { by, pixels })
+        Ok(pointer::ScrollSettings { gesture: by, px_per_detent: pixels })
     }
 
-    fn depth(&mut self, written: &Pointer<'a>) -> Result<Option<Drive>, LayoutError> {
+    fn depth(&mut self, written: &Pointer<'a>) -> Result<Option<ValueOutput>, DocumentError> {
         if written.z_drives.is_none() {
             return Ok(None);
         }

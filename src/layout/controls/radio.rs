@@ -2,16 +2,16 @@
 
 use serde::Deserialize;
 
-use super::{Control, Kind};
-use crate::contact::surface::TREMBLE;
+use super::{Control, ControlKind};
+use crate::contact::surface::TREMOR_MARGIN;
 use crate::device::radio;
 use crate::device::toggle::ToggleOutput;
-use crate::layout::LayoutError;
-use crate::layout::check::{Checked, Spot};
-use crate::layout::keyboard::metres2;
-use crate::layout::number::Distance;
-use crate::layout::text::{Label, Word};
-use crate::layout::written::{Board, Does, Outline};
+use crate::layout::DocumentError;
+use crate::layout::builder::{Checked, Spot};
+use crate::layout::model::metres2;
+use crate::layout::ranged::Distance;
+use crate::layout::text::{Label, Spanned};
+use crate::layout::schema::{Board, Does, Outline};
 use crate::names::UnknownName;
 
 /// A radio group as it stands in the file.
@@ -20,13 +20,13 @@ use crate::names::UnknownName;
 pub struct Radio<'a> {
     /// What messages call it.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// What it can be switched to; at least two.
     #[serde(borrow)]
     pub options: Vec<RadioOption<'a>>,
     /// The option that is on at the start.
     #[serde(borrow, default)]
-    pub starts: Option<Word<'a>>,
+    pub starts: Option<Spanned<'a>>,
 }
 
 /// An option as it stands in the file.
@@ -35,7 +35,7 @@ pub struct Radio<'a> {
 pub struct RadioOption<'a> {
     /// What it is called.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// What is drawn on it; else its name.
     #[serde(default)]
     pub label: Option<Label>,
@@ -58,13 +58,13 @@ impl<'a> Checked<'a> {
         &mut self,
         board: &Board<'a>,
         written: &Radio<'a>,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         if written.options.len() < 2 {
             let message = format!(
                 "the radio group `{}` needs at least two options to switch between",
                 written.name.0
             );
-            return Err(self.document.error(written.name.0, message));
+            return Err(self.document.error_at(written.name.0, message));
         }
         let (mut fronts, mut options) = (Vec::new(), Vec::new());
         for option in &written.options {
@@ -83,7 +83,7 @@ impl<'a> Checked<'a> {
                     travel: board.travel_mm,
                     press: board.press_share,
                     release: board.release_share,
-                    margin: TREMBLE,
+                    margin: TREMOR_MARGIN,
                 },
             )?;
             let target = front.target;
@@ -95,8 +95,8 @@ impl<'a> Checked<'a> {
             .map(|name| self.start_of(written, name, &options))
             .transpose()?;
         self.controls.push(Control {
-            fronts,
-            kind: Kind::Radio(radio::Radio { options, starts }),
+            faces: fronts,
+            kind: ControlKind::Radio(radio::Radio { options, initial: starts }),
         });
         Ok(())
     }
@@ -106,20 +106,20 @@ impl<'a> Checked<'a> {
     fn start_of(
         &self,
         written: &Radio<'a>,
-        name: Word<'a>,
+        name: Spanned<'a>,
         options: &[radio::RadioOption],
-    ) -> Result<usize, LayoutError> {
+    ) -> Result<usize, DocumentError> {
         let names = || written.options.iter().map(|option| option.name.0);
         let Some(place) = names().position(|other| other == name.0) else {
             let error = UnknownName::new("option", name.0, names());
-            return Err(self.document.error(name.0, error));
+            return Err(self.document.error_at(name.0, error));
         };
-        if let ToggleOutput::Holds(_) = options[place].output {
+        if let ToggleOutput::Hold(_) = options[place].output {
             let message = format!(
                 "the radio option `{}` cannot be on at the start: what it holds is pressed by a finger only",
                 name.0
             );
-            return Err(self.document.error(name.0, message));
+            return Err(self.document.error_at(name.0, message));
         }
         Ok(place)
     }

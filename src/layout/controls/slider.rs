@@ -2,16 +2,16 @@
 
 use serde::Deserialize;
 
-use super::{Control, Drives, Kind};
+use super::{Control, Drives, ControlKind};
 use crate::contact::TargetId;
-use crate::contact::surface::STRAY;
+use crate::contact::surface::DRAG_MARGIN;
 use crate::device::slider::{self, Track};
-use crate::layout::LayoutError;
-use crate::layout::check::{Checked, Spot};
-use crate::layout::keyboard::metres2;
-use crate::layout::number::{Distance, Share, Size, Steps, Turn};
-use crate::layout::text::{Label, Word};
-use crate::layout::written::{Board, Outline};
+use crate::layout::DocumentError;
+use crate::layout::builder::{Checked, Spot};
+use crate::layout::model::metres2;
+use crate::layout::ranged::{Distance, Share, Size, Steps, Turn};
+use crate::layout::text::{Label, Spanned};
+use crate::layout::schema::{Board, Outline};
 
 /// A slider as it stands in the file.
 #[derive(Debug, Deserialize)]
@@ -19,7 +19,7 @@ use crate::layout::written::{Board, Outline};
 pub struct Slider<'a> {
     /// What it is called.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// What is drawn on it; else its name.
     #[serde(default)]
     pub label: Option<Label>,
@@ -60,7 +60,7 @@ pub enum Grab {
 /// The track of a slider or lever on its board.
 pub(super) struct TrackSpot<'a> {
     pub(super) what: &'static str,
-    pub(super) name: Word<'a>,
+    pub(super) name: Spanned<'a>,
     pub(super) label: String,
     pub(super) at_mm: (Distance, Distance),
     pub(super) length_mm: Size,
@@ -74,7 +74,7 @@ impl<'a> Checked<'a> {
         &mut self,
         board: &Board<'a>,
         written: &Slider<'a>,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         let drive = self.drive(written.drives)?;
         let spot = TrackSpot {
             what: "slider",
@@ -90,13 +90,13 @@ impl<'a> Checked<'a> {
             half_length: board.metres(written.length_mm.get()) / 2.0,
             track: Track::Straight,
             grab: match written.grab {
-                Grab::Anywhere => slider::Grab::Anywhere,
-                Grab::Relative => slider::Grab::Relative,
+                Grab::Anywhere => slider::GrabMode::Absolute,
+                Grab::Relative => slider::GrabMode::Relative,
             },
             steps: written.steps.map(|steps| steps.get() as u16),
-            start: written.start.map_or(0.0, |start| start.get() as f32),
-            springs: false,
-            drive,
+            initial: written.start.map_or(0.0, |start| start.get() as f32),
+            springs_back: false,
+            output: drive,
         })
     }
 
@@ -106,7 +106,7 @@ impl<'a> Checked<'a> {
         board: &Board<'a>,
         spot: TrackSpot<'a>,
         slider: impl FnOnce(TargetId) -> slider::Slider,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         let front = self.put(
             &board.form,
             Spot {
@@ -120,13 +120,13 @@ impl<'a> Checked<'a> {
                 travel: board.travel_mm,
                 press: board.press_share,
                 release: board.release_share,
-                margin: STRAY,
+                margin: DRAG_MARGIN,
             },
         )?;
         let target = front.target;
         self.controls.push(Control {
-            fronts: vec![front],
-            kind: Kind::Slider(slider(target)),
+            faces: vec![front],
+            kind: ControlKind::Slider(slider(target)),
         });
         Ok(())
     }

@@ -5,14 +5,14 @@ use serde::Deserialize;
 
 use super::pointer::Frame;
 use crate::contact::TargetId;
-use crate::contact::volume::{Form, Volume, Volumes};
+use crate::contact::volume::{VolumeShape, Volume, VolumeSet};
 use crate::device::pointer;
-use crate::layout::LayoutError;
-use crate::layout::check::Checked;
-use crate::layout::keyboard::metres;
-use crate::layout::number::{Distance, Extent};
-use crate::layout::text::Word;
-use crate::layout::written::{Does, Place};
+use crate::layout::DocumentError;
+use crate::layout::builder::Checked;
+use crate::layout::model::metres;
+use crate::layout::ranged::{Distance, Extent};
+use crate::layout::text::Spanned;
+use crate::layout::schema::{Does, Place};
 
 /// Targets that move as one, as they stand in the file.
 #[derive(Debug, Deserialize)]
@@ -31,7 +31,7 @@ pub struct Space<'a> {
 pub struct Target<'a> {
     /// What it is called.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// Its middle: to the right, up, towards the wearer.
     pub at_mm: (Distance, Distance, Distance),
     /// What it looks like.
@@ -52,11 +52,11 @@ pub enum Solid {
 
 /// Targets in space, checked.
 #[derive(Clone, Debug)]
-pub struct Scenery {
+pub struct SpaceTargets {
     /// What they are called, in order.
     pub names: Vec<String>,
     /// Where they are and what they do.
-    pub space: pointer::Space,
+    pub space: pointer::SelectionSpace,
 }
 
 impl<'a> Checked<'a> {
@@ -65,7 +65,7 @@ impl<'a> Checked<'a> {
         &mut self,
         written: &Space<'a>,
         first: TargetId,
-    ) -> Result<Scenery, LayoutError> {
+    ) -> Result<SpaceTargets, DocumentError> {
         let (mut names, mut volumes, mut actions) = (Vec::new(), Vec::new(), Vec::new());
         for target in &written.targets {
             self.refuse_target(target.name.0, target.name, first.0 as usize + names.len())?;
@@ -77,13 +77,13 @@ impl<'a> Checked<'a> {
             actions.push(action);
             volumes.push(target.volume());
         }
-        let space = pointer::Space {
+        let space = pointer::SelectionSpace {
             frame: Frame::of(&written.place),
-            first,
-            volumes: Volumes::new(volumes),
+            first_target: first,
+            volumes: VolumeSet::new(volumes),
             actions,
         };
-        Ok(Scenery { names, space })
+        Ok(SpaceTargets { names, space })
     }
 }
 
@@ -92,10 +92,10 @@ impl Target<'_> {
         let (x, y, z) = self.at_mm;
         let half = |length: Extent| metres(length.get()) / 2.0;
         Volume {
-            middle: Vec3::new(metres(x.get()), metres(y.get()), metres(z.get())),
-            form: match self.form {
-                Solid::Ball(diameter) => Form::Ball(half(diameter)),
-                Solid::Box(x, y, z) => Form::Box(Vec3::new(half(x), half(y), half(z))),
+            center: Vec3::new(metres(x.get()), metres(y.get()), metres(z.get())),
+            shape: match self.form {
+                Solid::Ball(diameter) => VolumeShape::Ball(half(diameter)),
+                Solid::Box(x, y, z) => VolumeShape::Box(Vec3::new(half(x), half(y), half(z))),
             },
         }
     }

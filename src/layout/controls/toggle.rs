@@ -2,15 +2,15 @@
 
 use serde::Deserialize;
 
-use super::{Control, Kind};
-use crate::contact::surface::TREMBLE;
+use super::{Control, ControlKind};
+use crate::contact::surface::TREMOR_MARGIN;
 use crate::device::toggle::{self, ToggleOutput};
-use crate::layout::LayoutError;
-use crate::layout::check::{Checked, Spot};
-use crate::layout::keyboard::metres2;
-use crate::layout::number::Distance;
-use crate::layout::text::{Label, Word};
-use crate::layout::written::{Board, Does, Outline};
+use crate::layout::DocumentError;
+use crate::layout::builder::{Checked, Spot};
+use crate::layout::model::metres2;
+use crate::layout::ranged::Distance;
+use crate::layout::text::{Label, Spanned};
+use crate::layout::schema::{Board, Does, Outline};
 
 /// A toggle switch as it stands in the file.
 #[derive(Debug, Deserialize)]
@@ -18,7 +18,7 @@ use crate::layout::written::{Board, Does, Outline};
 pub struct Toggle<'a> {
     /// What it is called.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// What is drawn on it; else its name.
     #[serde(default)]
     pub label: Option<Label>,
@@ -41,7 +41,7 @@ impl<'a> Checked<'a> {
         &mut self,
         board: &Board<'a>,
         written: &Toggle<'a>,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         let name = written.name;
         let output = self.toggle_output("toggle switch", name, written.holds, written.taps)?;
         let front = self.put(
@@ -57,13 +57,13 @@ impl<'a> Checked<'a> {
                 travel: board.travel_mm,
                 press: board.press_share,
                 release: board.release_share,
-                margin: TREMBLE,
+                margin: TREMOR_MARGIN,
             },
         )?;
         let target = front.target;
         self.controls.push(Control {
-            fronts: vec![front],
-            kind: Kind::Toggle(toggle::Toggle { target, output }),
+            faces: vec![front],
+            kind: ControlKind::Toggle(toggle::Toggle { target, output }),
         });
         Ok(())
     }
@@ -72,20 +72,20 @@ impl<'a> Checked<'a> {
     pub(super) fn toggle_output(
         &mut self,
         what: &str,
-        name: Word<'a>,
+        name: Spanned<'a>,
         holds: Option<Does<'a>>,
         taps: Option<Does<'a>>,
-    ) -> Result<ToggleOutput, LayoutError> {
+    ) -> Result<ToggleOutput, DocumentError> {
         Ok(match (holds, taps) {
-            (None, None) => ToggleOutput::Told,
-            (Some(does), None) => ToggleOutput::Holds(self.action(does, None)?),
-            (None, Some(does)) => ToggleOutput::Taps(self.action(does, None)?),
+            (None, None) => ToggleOutput::ValueOnly,
+            (Some(does), None) => ToggleOutput::Hold(self.action(does, None)?),
+            (None, Some(does)) => ToggleOutput::Tap(self.action(does, None)?),
             (Some(_), Some(_)) => {
                 let message = format!(
                     "the {what} `{}` has both `holds` and `taps`, leave one of them out",
                     name.0
                 );
-                return Err(self.document.error(name.0, message));
+                return Err(self.document.error_at(name.0, message));
             }
         })
     }

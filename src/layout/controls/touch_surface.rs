@@ -2,16 +2,16 @@
 
 use serde::Deserialize;
 
-use super::{Control, Kind};
-use crate::contact::surface::{Shape, TREMBLE};
-use crate::device::touch_surface::{self, PadSettings, TouchMode};
-use crate::layout::LayoutError;
-use crate::layout::check::{Checked, Spot};
-use crate::layout::keyboard::metres2;
-use crate::layout::number::{Acceleration, Distance, ScrollWay, Speed};
+use super::{Control, ControlKind};
+use crate::contact::surface::{Shape, TREMOR_MARGIN};
+use crate::device::touch_surface::{self, TouchpadSettings, TouchMode};
+use crate::layout::DocumentError;
+use crate::layout::builder::{Checked, Spot};
+use crate::layout::model::metres2;
+use crate::layout::ranged::{Acceleration, Distance, ScrollWay, Speed};
 use crate::layout::placement;
-use crate::layout::text::{Label, Word};
-use crate::layout::written::{Board, Outline};
+use crate::layout::text::{Label, Spanned};
+use crate::layout::schema::{Board, Outline};
 
 /// A touch surface as it stands in the file.
 #[derive(Debug, Deserialize)]
@@ -19,7 +19,7 @@ use crate::layout::written::{Board, Outline};
 pub struct TouchSurface<'a> {
     /// What it is called.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// What is drawn on it; else its name.
     #[serde(default)]
     pub label: Option<Label>,
@@ -58,19 +58,19 @@ impl<'a> Checked<'a> {
         &mut self,
         board: &Board<'a>,
         written: &TouchSurface<'a>,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         let name = written.name;
         let Shape::Box(half) = placement::shape(written.size_mm, board.place.scale.get() as f32)
         else {
             let message = format!("the touch surface `{}` must be a Box", name.0);
-            return Err(self.document.error(name.0, message));
+            return Err(self.document.error_at(name.0, message));
         };
         let mode = match written.mode {
             Mode::Screen => {
                 self.refuse_pad_fields(written)?;
-                TouchMode::Screen(half)
+                TouchMode::Touchscreen(half)
             }
-            Mode::Pad => TouchMode::Pad(pad(written)),
+            Mode::Pad => TouchMode::Touchpad(pad(written)),
         };
         let front = self.put(
             &board.form,
@@ -85,18 +85,18 @@ impl<'a> Checked<'a> {
                 travel: board.travel_mm,
                 press: board.press_share,
                 release: board.release_share,
-                margin: TREMBLE,
+                margin: TREMOR_MARGIN,
             },
         )?;
         let target = front.target;
         self.controls.push(Control {
-            fronts: vec![front],
-            kind: Kind::TouchSurface(touch_surface::TouchSurface { target, mode }),
+            faces: vec![front],
+            kind: ControlKind::TouchSurface(touch_surface::TouchSurface { target, mode }),
         });
         Ok(())
     }
 
-    fn refuse_pad_fields(&self, written: &TouchSurface<'a>) -> Result<(), LayoutError> {
+    fn refuse_pad_fields(&self, written: &TouchSurface<'a>) -> Result<(), DocumentError> {
         let fields = [
             ("px_per_mm", written.px_per_mm.is_some()),
             ("acceleration", written.acceleration.is_some()),
@@ -109,16 +109,16 @@ impl<'a> Checked<'a> {
         let name = written.name.0;
         let message =
             format!("the touch surface `{name}` is a Screen, `{field}` is for a Pad, leave it out");
-        Err(self.document.error(name, message))
+        Err(self.document.error_at(name, message))
     }
 }
 
-fn pad(written: &TouchSurface) -> PadSettings {
+fn pad(written: &TouchSurface) -> TouchpadSettings {
     let per_metre = |per_millimetre: f64| (per_millimetre * 1e3) as f32;
-    PadSettings {
-        px_per_metre: per_metre(written.px_per_mm.unwrap_or_default().get()),
+    TouchpadSettings {
+        px_per_m: per_metre(written.px_per_mm.unwrap_or_default().get()),
         acceleration: written.acceleration.unwrap_or_default().get() as f32,
-        clicks_per_metre: per_metre(written.scroll_mm.unwrap_or_default().get().recip()),
-        is_natural: written.natural.unwrap_or_default(),
+        detents_per_m: per_metre(written.scroll_mm.unwrap_or_default().get().recip()),
+        natural_scrolling: written.natural.unwrap_or_default(),
     }
 }

@@ -4,14 +4,14 @@ use serde::Deserialize;
 
 use super::Drives;
 use crate::contact::TargetId;
-use crate::device::trigger::{self, MOST_TRIGGERS, Measure};
+use crate::device::trigger::{self, MAX_TRIGGERS, Measure};
 use crate::hand::{Dof, Finger, Side};
-use crate::layout::LayoutError;
-use crate::layout::check::Checked;
-use crate::layout::keyboard::{MAX_TARGETS, metres};
-use crate::layout::number::{Angle, Gap};
-use crate::layout::text::Word;
-use crate::layout::written::Does;
+use crate::layout::DocumentError;
+use crate::layout::builder::Checked;
+use crate::layout::model::{MAX_TARGETS, metres};
+use crate::layout::ranged::{Angle, Gap};
+use crate::layout::text::Spanned;
+use crate::layout::schema::Does;
 use crate::names::UnknownName;
 
 /// Where a pinch goes on and off that does not say it itself, in millimetres: the thresholds of
@@ -24,10 +24,10 @@ const PINCH_MM: (f64, f64) = (25.0, 30.0);
 pub struct Trigger<'a> {
     /// What it is called.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// Of which hand; else of either.
     #[serde(borrow, default)]
-    pub hand: Option<Word<'a>>,
+    pub hand: Option<Spanned<'a>>,
     /// What it measures.
     #[serde(borrow)]
     pub when: When<'a>,
@@ -47,7 +47,7 @@ pub enum When<'a> {
     Angle {
         /// Which: the name of a degree of freedom.
         #[serde(borrow)]
-        of: Word<'a>,
+        of: Spanned<'a>,
         /// Where it goes on.
         on_deg: Angle,
         /// Where it goes off.
@@ -63,7 +63,7 @@ pub enum When<'a> {
     Pinch {
         /// Which finger.
         #[serde(borrow)]
-        of: Word<'a>,
+        of: Spanned<'a>,
         /// Where it goes on.
         #[serde(default)]
         on_mm: Option<Gap>,
@@ -93,14 +93,14 @@ impl<'a> Checked<'a> {
     pub(in crate::layout) fn add_trigger(
         &mut self,
         written: &Trigger<'a>,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         let name = written.name;
         let document = self.document;
-        let error = |message: String| document.error(name.0, message);
+        let error = |message: String| document.error_at(name.0, message);
         self.refuse_second(name.0, name)?;
-        if self.triggers.len() == MOST_TRIGGERS {
+        if self.triggers.len() == MAX_TRIGGERS {
             return Err(error(format!(
-                "a layout has at most {MOST_TRIGGERS} triggers"
+                "a layout has at most {MAX_TRIGGERS} triggers"
             )));
         }
         let place = self.scene.len() + self.triggers.len();
@@ -132,13 +132,13 @@ impl<'a> Checked<'a> {
                 off: into_si(limits.off),
                 range: range.map(|(from, full)| (into_si(from), into_si(full))),
                 action,
-                drive,
+                output: drive,
             },
         ));
         Ok(())
     }
 
-    fn measure(&self, when: &When<'a>) -> Result<(Measure, Limits), LayoutError> {
+    fn measure(&self, when: &When<'a>) -> Result<(Measure, Limits), DocumentError> {
         let millimetres = |gap: Option<Gap>| gap.map(Gap::get);
         Ok(match *when {
             When::Angle {
@@ -156,7 +156,7 @@ impl<'a> Checked<'a> {
                     full: full_deg.map(Angle::get),
                 };
                 let dof: Result<Dof, UnknownName> = of.0.parse();
-                let dof = dof.map_err(|error| self.document.error(of.0, error))?;
+                let dof = dof.map_err(|error| self.document.error_at(of.0, error))?;
                 (Measure::Angle(dof), limits)
             }
             When::Pinch {
@@ -174,19 +174,19 @@ impl<'a> Checked<'a> {
                     full: millimetres(full_mm),
                 };
                 let finger: Result<Finger, UnknownName> = of.0.parse();
-                let finger = finger.map_err(|error| self.document.error(of.0, error))?;
+                let finger = finger.map_err(|error| self.document.error_at(of.0, error))?;
                 if finger == Finger::Thumb {
                     let message = "the thumb pinches with another finger, name that one";
-                    return Err(self.document.error(of.0, message));
+                    return Err(self.document.error_at(of.0, message));
                 }
                 (Measure::Pinch(finger), limits)
             }
         })
     }
 
-    fn side(&self, hand: Word<'a>) -> Result<Side, LayoutError> {
+    fn side(&self, hand: Spanned<'a>) -> Result<Side, DocumentError> {
         let side: Result<Side, UnknownName> = hand.0.parse();
-        side.map_err(|error| self.document.error(hand.0, error))
+        side.map_err(|error| self.document.error_at(hand.0, error))
     }
 }
 

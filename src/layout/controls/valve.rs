@@ -6,12 +6,12 @@ use serde::Deserialize;
 
 use super::Drives;
 use super::knob::RoundSpot;
-use crate::device::knob::{Knob, Range};
-use crate::layout::LayoutError;
-use crate::layout::check::Checked;
-use crate::layout::number::{Distance, Share, Size, Steps, Turns};
-use crate::layout::text::{Label, Word};
-use crate::layout::written::Board;
+use crate::device::knob::{Knob, KnobRange};
+use crate::layout::DocumentError;
+use crate::layout::builder::Checked;
+use crate::layout::ranged::{Distance, Share, Size, Steps, Turns};
+use crate::layout::text::{Label, Spanned};
+use crate::layout::schema::Board;
 
 /// A valve as it stands in the file.
 #[derive(Debug, Deserialize)]
@@ -19,7 +19,7 @@ use crate::layout::written::Board;
 pub struct Valve<'a> {
     /// What it is called.
     #[serde(borrow)]
-    pub name: Word<'a>,
+    pub name: Spanned<'a>,
     /// What is drawn on it; else its name.
     #[serde(default)]
     pub label: Option<Label>,
@@ -47,7 +47,7 @@ impl<'a> Checked<'a> {
         &mut self,
         board: &Board<'a>,
         written: &Valve<'a>,
-    ) -> Result<(), LayoutError> {
+    ) -> Result<(), DocumentError> {
         let drive = self.drive(written.drives)?;
         let spot = RoundSpot {
             what: "valve",
@@ -59,10 +59,10 @@ impl<'a> Checked<'a> {
         self.add_round(board, spot, |target| Knob {
             target,
             radius: board.metres(written.diameter_mm.get()) / 2.0,
-            range: Range::Between((written.turns.get() * TAU) as f32),
+            range: KnobRange::Limited((written.turns.get() * TAU) as f32),
             steps: written.steps.map(|steps| steps.get() as u16),
-            start: written.start.map_or(0.0, |start| start.get() as f32),
-            drive,
+            initial: written.start.map_or(0.0, |start| start.get() as f32),
+            output: drive,
         })
     }
 }

@@ -1,28 +1,28 @@
 //! What cannot be drawn on a board, in words.
 
-use crate::contact::volume::{Form, Volume};
-use crate::device::pointer::{By, Gesture, Mode, Moves, Settings};
-use crate::layout::controls::space::Scenery;
-use crate::layout::keyboard::label;
+use crate::contact::volume::{VolumeShape, Volume};
+use crate::device::pointer::{ClickMethod, Gesture, PointingMode, CursorOutput, PointerSettings};
+use crate::layout::controls::space::SpaceTargets;
+use crate::layout::model::label;
 
 /// A pointer in one line, with the line break.
-pub(super) fn pointer(settings: &Settings) -> String {
+pub(super) fn pointer(settings: &PointerSettings) -> String {
     let mode = match settings.mode {
-        Mode::Joint(_) => "by joint angles",
-        Mode::Direct(_) => "by the index fingertip in a box",
-        Mode::Ray(_) => "by a ray from the hand",
-        Mode::Rate(_) => "by displacement from rest",
+        PointingMode::Joint(_) => "by joint angles",
+        PointingMode::Direct(_) => "by the index fingertip in a box",
+        PointingMode::Ray(_) => "by a ray from the hand",
+        PointingMode::Rate(_) => "by displacement from rest",
     };
-    let moves = match settings.moves {
-        Moves::To => ", to places on the screen",
-        Moves::By => ", by pixels",
-        Moves::Nothing => "",
+    let moves = match settings.output {
+        CursorOutput::Absolute => ", to places on the screen",
+        CursorOutput::Relative => ", by pixels",
+        CursorOutput::None => "",
     };
     let mut line = format!("pointer {mode}{moves}");
     for &(by, action) in &settings.clicks {
         let by = match by {
-            By::Gesture(gesture) => self::gesture(gesture),
-            By::Push(_) => "push".into(),
+            ClickMethod::Gesture(gesture) => self::gesture(gesture),
+            ClickMethod::Push(_) => "push".into(),
         };
         line += &format!(", {by} {}", label(action, &[], &[]));
     }
@@ -30,12 +30,12 @@ pub(super) fn pointer(settings: &Settings) -> String {
         line += &format!(", dwell {}", label(action, &[], &[]));
     }
     if let Some(scroll) = settings.scroll {
-        line += &format!(", {} scrolls", gesture(scroll.by));
+        line += &format!(", {} scrolls", gesture(scroll.gesture));
     }
     if let Some(clutch) = settings.clutch {
         line += &format!(", moves while {}", gesture(clutch));
     }
-    if let Some(slow) = settings.slow {
+    if let Some(slow) = settings.precision_gesture {
         line += &format!(", slow while {}", gesture(slow));
     }
     line + "\n"
@@ -49,14 +49,14 @@ fn gesture(gesture: Gesture) -> String {
 }
 
 /// Targets in space, one a line: name, shape, and where the middle is.
-pub(super) fn space(scenery: &Scenery) -> String {
+pub(super) fn space(scenery: &SpaceTargets) -> String {
     let volumes = scenery.space.volumes.iter();
     let lines = scenery.names.iter().zip(volumes).map(|(name, volume)| {
-        let Volume { middle, form } = volume;
+        let Volume { center: middle, shape: form } = volume;
         let at = *middle * 1e3;
         let form = match *form {
-            Form::Ball(radius) => format!("ball {:.0} mm", radius * 2e3),
-            Form::Box(half) => {
+            VolumeShape::Ball(radius) => format!("ball {:.0} mm", radius * 2e3),
+            VolumeShape::Box(half) => {
                 let size = half * 2e3;
                 format!("box {:.0} × {:.0} × {:.0} mm", size.x, size.y, size.z)
             }

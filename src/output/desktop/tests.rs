@@ -72,10 +72,10 @@ impl Injector for Connection {
         Ok(())
     }
 
-    fn perform(&mut self, impulse: Impulse) -> Result<(), String> {
+    fn perform(&mut self, impulse: StatelessAction) -> Result<(), String> {
         let _ = self.gate.recv();
         let mut state = self.desk.0.lock().unwrap();
-        if impulse == Impulse::Write('\0') {
+        if impulse == StatelessAction::Write('\0') {
             drop(state);
             panic!("meant to happen");
         }
@@ -128,9 +128,9 @@ fn when_the_queue_fills_presses_are_refused_and_no_release_is() {
     for time in 0..QUEUE as u64 {
         sink.send(&[down(time, "A"), up(time, "A")]).unwrap();
     }
-    assert!(sink.refused_presses() > 0);
+    assert!(sink.dropped_presses() > 0);
     sink.send(&[up(1, "ShiftLeft")]).unwrap();
-    let refused = sink.refused_presses() as usize;
+    let refused = sink.dropped_presses() as usize;
     drop(gate);
     sink.close().unwrap();
     let count = |line: &str| desk.lines().iter().filter(|found| *found == line).count();
@@ -215,15 +215,15 @@ fn pointer_wheel_and_characters_go_out_in_order_between_buttons() {
     let (mut sink, gate) = desk.open();
     drop(gate);
     let frame = [
-        event(1, Action::MoveTo(0.5, 0.25)),
+        event(1, EventKind::MoveTo(0.5, 0.25)),
         down(1, "MouseLeft"),
-        event(1, Action::MoveBy(5, -5)),
+        event(1, EventKind::MoveBy(5, -5)),
         up(1, "MouseLeft"),
-        event(1, Action::Scroll(0, -60)),
-        event(1, Action::Write('é')),
+        event(1, EventKind::Scroll(0, -60)),
+        event(1, EventKind::Character('é')),
     ];
     sink.send(&frame).unwrap();
-    sink.send(&[event(2, Action::Scroll(0, -60)), down(2, "MouseRight")])
+    sink.send(&[event(2, EventKind::Scroll(0, -60)), down(2, "MouseRight")])
         .unwrap();
     sink.close().unwrap();
     let lines = [
@@ -237,7 +237,7 @@ fn pointer_wheel_and_characters_go_out_in_order_between_buttons() {
         "-MouseRight",
     ];
     assert_eq!(desk.lines(), lines);
-    assert_eq!(sink.superseded_motions(), 0);
+    assert_eq!(sink.coalesced_motions(), 0);
 }
 
 #[test]
@@ -246,24 +246,24 @@ fn when_the_queue_fills_motion_waits_as_one_and_releases_still_find_room() {
     let (mut sink, gate) = desk.open();
     let keys: Vec<_> = KeyCode::all().collect();
     for key in &keys {
-        sink.send(&[event(0, Action::KeyDown(*key))]).unwrap();
+        sink.send(&[event(0, EventKind::KeyDown(*key))]).unwrap();
     }
     for _ in 0..2 * QUEUE {
-        sink.send(&[event(0, Action::MoveBy(1, 0))]).unwrap();
+        sink.send(&[event(0, EventKind::MoveBy(1, 0))]).unwrap();
     }
-    let superseded = sink.superseded_motions() as usize;
+    let superseded = sink.coalesced_motions() as usize;
     assert!(superseded > 0);
-    sink.send(&[event(0, Action::Write('x'))]).unwrap();
-    assert_eq!(sink.refused_presses(), 1);
+    sink.send(&[event(0, EventKind::Character('x'))]).unwrap();
+    assert_eq!(sink.dropped_presses(), 1);
     for key in &keys {
-        sink.send(&[event(0, Action::KeyUp(*key))]).unwrap();
+        sink.send(&[event(0, EventKind::KeyUp(*key))]).unwrap();
     }
     drop(gate);
     // The motion that waited goes out with the next one.
     while desk.lines().len() < 2 * keys.len() + 2 * QUEUE - superseded {
         thread::yield_now();
     }
-    sink.send(&[event(1, Action::MoveBy(1, 0))]).unwrap();
+    sink.send(&[event(1, EventKind::MoveBy(1, 0))]).unwrap();
     sink.close().unwrap();
     let lines = desk.lines();
     let count = |sign| lines.iter().filter(|line| line.starts_with(sign)).count();
@@ -277,7 +277,7 @@ fn what_failed_is_not_done_twice_unless_it_is_a_key() {
     let desk = Desk::default();
     let (mut sink, gate) = desk.open();
     desk.0.lock().unwrap().failures = 1;
-    sink.send(&[event(1, Action::Write('a'))]).unwrap();
+    sink.send(&[event(1, EventKind::Character('a'))]).unwrap();
     drop(gate);
     sink.close().unwrap_err();
     assert_eq!(desk.lines(), [""; 0]);
@@ -290,7 +290,7 @@ fn a_panic_on_the_way_to_the_display_lets_go_of_everything() {
     sink.send(&[
         down(1, "A"),
         down(1, "MouseLeft"),
-        event(1, Action::Write('\0')),
+        event(1, EventKind::Character('\0')),
     ])
     .unwrap();
     drop(gate);
@@ -304,7 +304,7 @@ fn a_panic_on_the_way_to_the_display_lets_go_of_everything() {
 
 #[test]
 fn without_a_display_the_error_says_what_to_do() {
-    let error = Desktop::open(Some(":59000"), &Needs::default())
+    let error = Desktop::open(Some(":59000"), &Capabilities::default())
         .err()
         .unwrap();
     let start = "cannot open the output `desktop`: no display answers at `:59000`";

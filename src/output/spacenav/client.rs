@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use arrayvec::ArrayVec;
 
 use super::Axes;
-use super::protocol::{LENGTH, Packet, Terms, button};
+use super::protocol::{LENGTH, Packet, ClientSettings, button};
 use crate::time::Timestamp;
 
 /// How long a client may take nothing of what is told to it.
@@ -31,7 +31,7 @@ enum Told {
 /// A client, connected.
 pub(super) struct Client {
     stream: UnixStream,
-    terms: Terms,
+    terms: ClientSettings,
     heard: ArrayVec<u8, LENGTH>,
     waiting: VecDeque<Told>,
     /// The bytes of what is being told.
@@ -46,7 +46,7 @@ impl Client {
         stream.set_nonblocking(true)?;
         Ok(Self {
             stream,
-            terms: Terms::default(),
+            terms: ClientSettings::default(),
             heard: ArrayVec::new(),
             waiting: VecDeque::new(),
             going: ArrayVec::new(),

@@ -46,13 +46,13 @@ const UNKNOWN_TYPE: i32 = 0;
 
 /// What a client and the server agreed on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Terms {
+pub(super) struct ClientSettings {
     version: i32,
     sensitivity: f32,
     mask: i32,
 }
 
-impl Default for Terms {
+impl Default for ClientSettings {
     fn default() -> Self {
         Self {
             version: 0,
@@ -62,7 +62,7 @@ impl Default for Terms {
     }
 }
 
-impl Terms {
+impl ClientSettings {
     /// The bytes of what the client says next.
     pub fn length_heard(&self) -> usize {
         match self.version {
@@ -175,7 +175,7 @@ fn text(kind: i32, text: &str) -> Vec<Packet> {
 mod tests {
     use super::*;
 
-    fn ask(terms: &mut Terms, kind: i32, value: i32) -> Packet {
+    fn ask(terms: &mut ClientSettings, kind: i32, value: i32) -> Packet {
         let answer = terms.answer([TAG | kind, value, 0, 0, 0, 0, 0, 0], "");
         assert_eq!(answer[0][0], TAG | kind);
         answer[0]
@@ -184,7 +184,7 @@ mod tests {
     #[test]
     fn a_handshake_settles_on_the_newest_version_that_both_speak() {
         for (asked, spoken, length) in [(0, 0, 4), (1, 1, 32), (2, 1, 32), (255, 1, 32)] {
-            let mut terms = Terms::default();
+            let mut terms = ClientSettings::default();
             assert_eq!(terms.hear(VERSION | asked), Some(VERSION | spoken));
             assert_eq!(terms.length_heard(), length);
         }
@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_sensitivity_that_is_no_number_changes_nothing() {
-        let mut terms = Terms::default();
+        let mut terms = ClientSettings::default();
         assert_eq!(terms.hear(2.5_f32.to_bits() as i32), None);
         assert_eq!(terms.hear(f32::NAN.to_bits() as i32), None);
         let refused = ask(&mut terms, 0x1001, f32::INFINITY.to_bits() as i32);
@@ -205,9 +205,9 @@ mod tests {
 
     #[test]
     fn a_sensitivity_of_any_size_makes_numbers_that_fit() {
-        let terms = Terms {
+        let terms = ClientSettings {
             sensitivity: f32::MAX,
-            ..Terms::default()
+            ..ClientSettings::default()
         };
         let packet = terms.motion([350, -350, 0, 0, 0, 0], 1);
         assert_eq!(packet[1..4], [i32::MAX, i32::MIN, 0]);
@@ -215,7 +215,7 @@ mod tests {
 
     #[test]
     fn requests_are_answered_and_unknown_ones_refused() {
-        let mut terms = Terms::default();
+        let mut terms = ClientSettings::default();
         let half = 0.5_f32.to_bits() as i32;
         let table = [
             (0x1002, 0, 1.0_f32.to_bits() as i32),

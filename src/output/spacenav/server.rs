@@ -9,7 +9,7 @@ use crossbeam_channel::{Receiver, TryRecvError};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::client::Client;
-use super::{Axes, BUTTONS, Listener, Order, REST};
+use super::{Axes, BUTTONS, Listener, ServerMessage, REST};
 use crate::time::Timestamp;
 
 /// Clients at a time.
@@ -28,7 +28,7 @@ const FAREWELL_STEP: Duration = Duration::from_millis(5);
 pub(super) struct Server {
     listener: Listener,
     bell: UnixStream,
-    orders: Receiver<Order>,
+    orders: Receiver<ServerMessage>,
     clients: Vec<Client>,
     axes: Axes,
     time: Timestamp,
@@ -38,8 +38,8 @@ pub(super) struct Server {
 
 impl Server {
     /// Of clients that come to `listener`. Orders are looked at when something is on `bell`.
-    pub fn new(listener: Listener, bell: UnixStream, orders: Receiver<Order>) -> io::Result<Self> {
-        listener.stop_waiting()?;
+    pub fn new(listener: Listener, bell: UnixStream, orders: Receiver<ServerMessage>) -> io::Result<Self> {
+        listener.set_nonblocking()?;
         bell.set_nonblocking(true)?;
         Ok(Self {
             listener,
@@ -71,11 +71,11 @@ impl Server {
         }
     }
 
-    fn follow(&mut self, order: Order) {
+    fn follow(&mut self, order: ServerMessage) {
         match order {
-            Order::Move(axes, time) => self.move_to(axes, time),
-            Order::Press(number) => self.put(number, true),
-            Order::Release(number) => self.put(number, false),
+            ServerMessage::Move(axes, time) => self.move_to(axes, time),
+            ServerMessage::Press(number) => self.put(number, true),
+            ServerMessage::Release(number) => self.put(number, false),
         }
     }
 

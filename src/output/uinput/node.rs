@@ -10,11 +10,11 @@ use evdev::{
     AbsInfo, AttributeSet, BusType, EventType, InputEvent, InputId, PropType, UinputAbsSetup,
 };
 
-use super::declared::{Declared, Kind};
-use crate::output::held::Held;
+use super::spec::{DeviceSpec, DeviceKind};
+use crate::output::pressed_keys::PressedKeys;
 
 /// The most events of a frame: every key down and up.
-pub const FRAME: usize = 2 * Held::CAPACITY;
+pub const FRAME: usize = 2 * PressedKeys::CAPACITY;
 
 /// Who makes the devices, for rules about them; no maker of USB devices, as the bus is virtual.
 const VENDOR: u16 = 0x0ade;
@@ -25,20 +25,20 @@ const VERSION: u16 = 1;
 const EVENT_BYTES: usize = size_of::<InputEvent>();
 
 /// Takes frames of events.
-pub trait Node: Send {
+pub trait DeviceNode: Send {
     /// Delivers the events of one frame, at most 320, and what ends a frame, in one go.
     fn emit(&mut self, events: &[InputEvent]) -> io::Result<()>;
 
     /// A second handle of the device.
-    fn handle(&self) -> io::Result<OwnedFd>;
+    fn try_clone_fd(&self) -> io::Result<OwnedFd>;
 }
 
 /// A device of the kernel; it is there until this is dropped.
-pub struct KernelNode(File);
+pub struct UinputNode(File);
 
-impl KernelNode {
+impl UinputNode {
     /// Makes a device.
-    pub fn open(name: &str, declared: &Declared) -> io::Result<Self> {
+    pub fn open(name: &str, declared: &DeviceSpec) -> io::Result<Self> {
         let id = InputId::new(
             BusType::BUS_VIRTUAL,
             VENDOR,
@@ -56,27 +56,27 @@ impl KernelNode {
             let info = AbsInfo::new(0, *low, *high, 0, 0, 0);
             builder = builder.with_absolute_axis(&UinputAbsSetup::new(*axis, info))?;
         }
-        if declared.kind == Kind::Pointer {
+        if declared.kind == DeviceKind::Pointer {
             let properties = AttributeSet::from_iter([PropType::POINTER]);
             builder = builder.with_properties(&properties)?;
         }
         let device = builder.build()?;
         // The kernel keeps the device as long as anybody has it open.
-        Ok(Self::of(device.as_fd().try_clone_to_owned()?))
+        Ok(Self::from_fd(device.as_fd().try_clone_to_owned()?))
     }
 
     /// One that somebody else has made.
-    pub fn of(handle: OwnedFd) -> Self {
+    pub fn from_fd(handle: OwnedFd) -> Self {
         Self(File::from(handle))
     }
 }
 
-impl Node for KernelNode {
+impl DeviceNode for UinputNode {
     fn emit(&mut self, events: &[InputEvent]) -> io::Result<()> {
         self.0.write_all(&bytes(events))
     }
 
-    fn handle(&self) -> io::Result<OwnedFd> {
+    fn try_clone_fd(&self) -> io::Result<OwnedFd> {
         self.0.as_fd().try_clone_to_owned()
     }
 }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::contact::TargetId;
 use crate::device::Axis;
-use crate::output::guardian::BEAT;
+use crate::output::watchdog::HEARTBEAT_INTERVAL;
 use crate::output::tests::{down, event, key, up};
 use evdev::InputEvent;
 use std::fs;
@@ -30,9 +30,9 @@ impl Desk {
         self.0.lock().unwrap().0 = times;
     }
 
-    fn devices(&self, needs: &[Need]) -> Uinput<Stand> {
+    fn devices(&self, needs: &[Capability]) -> Uinput<Stand> {
         let needs = needs.iter().copied().collect();
-        let stand = |declared: &Declared| Ok(Stand(self.clone(), declared.kind.name()));
+        let stand = |declared: &DeviceSpec| Ok(Stand(self.clone(), declared.kind.name()));
         Uinput::on(&needs, stand).unwrap()
     }
 
@@ -42,7 +42,7 @@ impl Desk {
     }
 }
 
-impl Node for Stand {
+impl DeviceNode for Stand {
     fn emit(&mut self, events: &[InputEvent]) -> io::Result<()> {
         let (failures, frames) = &mut *self.0.0.lock().unwrap();
         if *failures > 0 {
@@ -58,13 +58,13 @@ impl Node for Stand {
         Ok(())
     }
 
-    fn handle(&self) -> io::Result<OwnedFd> {
+    fn try_clone_fd(&self) -> io::Result<OwnedFd> {
         Ok(std::io::pipe()?.1.into())
     }
 }
 
-fn code(name: &str) -> Need {
-    Need::Code(key(name))
+fn code(name: &str) -> Capability {
+    Capability::Key(key(name))
 }
 
 #[test]
@@ -80,7 +80,7 @@ fn a_frame_goes_out_as_one_and_a_key_that_is_not_needed_does_not() {
         desk.frames(),
         ["keyboard: key 42=1, key 30=1", "keyboard: key 30=0"]
     );
-    assert_eq!(keyboard.refused_presses(), 1);
+    assert_eq!(keyboard.dropped_presses(), 1);
 }
 
 #[test]
@@ -90,18 +90,18 @@ fn each_device_gets_its_part_of_a_frame() {
         code("A"),
         code("MouseLeft"),
         code("PadEast"),
-        Need::Move,
-        Need::Place,
-        Need::Axis(Axis::LeftY),
+        Capability::RelativeMotion,
+        Capability::AbsoluteMotion,
+        Capability::Axis(Axis::LeftY),
     ]);
     let frame = [
-        event(1, Action::MoveTo(1.0, 0.0)),
+        event(1, EventKind::MoveTo(1.0, 0.0)),
         down(1, "MouseLeft"),
         down(1, "PadEast"),
-        event(1, Action::Axis(Axis::LeftY, 1.0)),
+        event(1, EventKind::Axis(Axis::LeftY, 1.0)),
         down(1, "A"),
-        event(1, Action::MoveBy(-3, 0)),
-        event(1, Action::Depth(TargetId(1), 0.5)),
+        event(1, EventKind::MoveBy(-3, 0)),
+        event(1, EventKind::Depth(TargetId(1), 0.5)),
     ];
     devices.send(&frame).unwrap();
     let expected = [
@@ -123,12 +123,12 @@ fn each_device_gets_its_part_of_a_frame() {
 #[test]
 fn a_button_goes_to_the_device_that_moved_last_and_comes_up_where_it_went_down() {
     let desk = Desk::default();
-    let mut devices = desk.devices(&[code("MouseLeft"), Need::Move, Need::Place]);
+    let mut devices = desk.devices(&[code("MouseLeft"), Capability::RelativeMotion, Capability::AbsoluteMotion]);
     let frames = [
-        [down(1, "MouseLeft"), event(1, Action::MoveTo(0.0, 1.0))],
-        [up(2, "MouseLeft"), event(2, Action::MoveBy(1, 0))],
-        [event(3, Action::MoveBy(1, 0)), down(3, "MouseLeft")],
-        [event(4, Action::MoveTo(1.0, 1.0)), up(4, "MouseLeft")],
+        [down(1, "MouseLeft"), event(1, EventKind::MoveTo(0.0, 1.0))],
+        [up(2, "MouseLeft"), event(2, EventKind::MoveBy(1, 0))],
+        [event(3, EventKind::MoveBy(1, 0)), down(3, "MouseLeft")],
+        [event(4, EventKind::MoveTo(1.0, 1.0)), up(4, "MouseLeft")],
     ];
     for frame in frames {
         devices.send(&frame).unwrap();
@@ -147,10 +147,10 @@ fn a_button_goes_to_the_device_that_moved_last_and_comes_up_where_it_went_down()
 #[test]
 fn the_wheel_tells_fine_turns_and_the_clicks_that_they_complete() {
     let desk = Desk::default();
-    let mut mouse = desk.devices(&[Need::Scroll]);
+    let mut mouse = desk.devices(&[Capability::Scroll]);
     for turn in [(0, 60), (0, 90), (-240, 0), (0, -150)] {
         mouse
-            .send(&[event(1, Action::Scroll(turn.0, turn.1))])
+            .send(&[event(1, EventKind::Scroll(turn.0, turn.1))])
             .unwrap();
     }
     let expected = [
@@ -165,18 +165,18 @@ fn the_wheel_tells_fine_turns_and_the_clicks_that_they_complete() {
 #[test]
 fn what_is_no_number_or_not_needed_does_not_move_anything() {
     let desk = Desk::default();
-    let mut devices = desk.devices(&[Need::Place, Need::Axis(Axis::LeftX)]);
+    let mut devices = desk.devices(&[Capability::AbsoluteMotion, Capability::Axis(Axis::LeftX)]);
     let frame = [
-        event(1, Action::MoveTo(f32::NAN, 0.5)),
-        event(1, Action::MoveBy(5, 5)),
-        event(1, Action::Axis(Axis::TurnX, 1.0)),
-        event(1, Action::Axis(Axis::LeftY, 1.0)),
-        event(1, Action::Write('a')),
+        event(1, EventKind::MoveTo(f32::NAN, 0.5)),
+        event(1, EventKind::MoveBy(5, 5)),
+        event(1, EventKind::Axis(Axis::TurnX, 1.0)),
+        event(1, EventKind::Axis(Axis::LeftY, 1.0)),
+        event(1, EventKind::Character('a')),
     ];
     devices.send(&frame).unwrap();
     devices.close().unwrap();
     assert_eq!(desk.frames(), [""; 0]);
-    assert_eq!(devices.refused_presses(), 0);
+    assert_eq!(devices.dropped_presses(), 0);
 }
 
 #[test]
@@ -201,8 +201,8 @@ fn closing_and_dropping_let_go_with_modifiers_last() {
 #[test]
 fn a_frame_is_tried_four_times_and_a_release_that_failed_is_not_forgotten() {
     let desk = Desk::default();
-    let mut pad = desk.devices(&[code("PadSouth"), Need::Axis(Axis::LeftX)]);
-    let stick = |value| event(1, Action::Axis(Axis::LeftX, value));
+    let mut pad = desk.devices(&[code("PadSouth"), Capability::Axis(Axis::LeftX)]);
+    let stick = |value| event(1, EventKind::Axis(Axis::LeftX, value));
     desk.fails(3);
     pad.send(&[down(1, "PadSouth"), stick(-1.0)]).unwrap();
     desk.fails(4);
@@ -262,7 +262,7 @@ fn an_error_at_opening_says_what_to_do() {
 
 #[test]
 fn a_name_that_is_too_long_is_refused() {
-    let error = Uinput::open(&"k".repeat(70), &Needs::default())
+    let error = Uinput::open(&"k".repeat(70), &Capabilities::default())
         .err()
         .unwrap();
     assert!(error.to_string().contains("1 to 69 bytes"), "{error}");
@@ -278,15 +278,15 @@ fn the_kernel_takes_every_device_where_there_is_one() {
     let needs = [
         code("F12"),
         code("PadSouth"),
-        Need::Move,
-        Need::Place,
-        Need::Scroll,
-        Need::Axis(Axis::LeftX),
+        Capability::RelativeMotion,
+        Capability::AbsoluteMotion,
+        Capability::Scroll,
+        Capability::Axis(Axis::LeftX),
     ];
-    let mut devices = Uinput::open("Ademan test", &Needs::from_iter(needs)).unwrap();
+    let mut devices = Uinput::open("Ademan test", &Capabilities::from_iter(needs)).unwrap();
     let frame = [
         down(1, "F12"),
-        event(1, Action::Axis(Axis::LeftX, 0.5)),
+        event(1, EventKind::Axis(Axis::LeftX, 0.5)),
         up(2, "F12"),
     ];
     devices.send(&frame).unwrap();
@@ -307,17 +307,17 @@ impl Notebook {
         }
     }
 
-    fn launch(&self) -> Launch {
+    fn launch(&self) -> WatchdogSettings {
         let losses = self.losses.clone();
         let path = self.path().display().to_string();
         // Ready, what it is handed, and then every word.
         let script = format!(
             "printf . >&0; head -c 5 >/dev/null; echo $$ >{path}.process; exec cat >>{path}"
         );
-        Launch {
+        WatchdogSettings {
             program: "sh".into(),
             arguments: vec!["-c".into(), script.into()],
-            on_loss: Arc::new(move || _ = losses.fetch_add(1, Ordering::Relaxed)),
+            on_lost: Arc::new(move || _ = losses.fetch_add(1, Ordering::Relaxed)),
         }
     }
 
@@ -357,20 +357,20 @@ fn wait_for(what: &str, condition: impl Fn() -> bool) {
 fn a_guardian_hears_of_what_goes_down_before_and_of_what_came_up_afterwards() {
     let notebook = Notebook::new();
     let desk = Desk::default();
-    let mut devices = desk.devices(&[code("A"), Need::Axis(Axis::LeftX)]);
+    let mut devices = desk.devices(&[code("A"), Capability::Axis(Axis::LeftX)]);
     devices.guard(&notebook.launch()).unwrap();
-    let stick = |value| event(1, Action::Axis(Axis::LeftX, value));
+    let stick = |value| event(1, EventKind::Axis(Axis::LeftX, value));
     devices.send(&[down(1, "A"), down(1, "Z")]).unwrap();
     // What is not needed is not pressed, and so it is not down.
     assert_eq!(notebook.words(3), "ddu");
     desk.fails(4);
     devices.send(&[up(2, "A"), stick(1.0)]).unwrap_err();
     devices.send(&[stick(0.5)]).unwrap();
-    sleep(BEAT);
+    sleep(HEARTBEAT_INTERVAL);
     devices.send(&[]).unwrap();
     devices.close().unwrap();
     assert_eq!(notebook.words(7), "dduxacu");
-    sleep(BEAT);
+    sleep(HEARTBEAT_INTERVAL);
     devices.send(&[]).unwrap();
     drop(devices);
     assert_eq!(notebook.words(7), "dduxacu");
@@ -393,7 +393,7 @@ fn without_a_guardian_nothing_stays_down_and_nothing_goes_down_until_there_is_an
     }
     keyboard.send(&[down(2, "B")]).unwrap();
     assert_eq!(desk.frames(), ["keyboard: key 30=1", "keyboard: key 30=0"]);
-    assert_eq!(keyboard.refused_presses(), 1);
+    assert_eq!(keyboard.dropped_presses(), 1);
     wait_for("second guardian", || notebook.is_ready());
     assert_eq!(notebook.losses.load(Ordering::Relaxed), 1);
     while desk.0.lock().unwrap().1.is_empty() {

@@ -25,7 +25,7 @@ use wayland_protocols_wlr::virtual_pointer::v1::client::{
     zwlr_virtual_pointer_v1::ZwlrVirtualPointerV1,
 };
 
-use crate::access;
+use crate::advice;
 
 /// How long a compositor may leave messages unread before it counts as gone.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -34,7 +34,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const PAUSE: Duration = Duration::from_millis(1);
 
 /// A connection to a compositor that has a seat and lets programs be keyboards.
-pub struct Link {
+pub struct CompositorConnection {
     connection: Connection,
     queue: EventQueue<Heard>,
     globals: GlobalList,
@@ -51,14 +51,14 @@ struct Heard {
     keymap: Option<(File, u32)>,
 }
 
-impl Link {
+impl CompositorConnection {
     /// Connects to the compositor with this name, as `WAYLAND_DISPLAY` has it: a file in the runtime folder of
     /// the user, or anywhere.
     pub fn open(name: &OsStr) -> Result<Self, String> {
         let folder = env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
         let socket = folder.unwrap_or_default().join(name);
         let silent = |error: &dyn std::fmt::Display| {
-            access::no_compositor(&socket, &error.to_string()).to_string()
+            advice::no_compositor(&socket, &error.to_string()).to_string()
         };
         let stream = UnixStream::connect(&socket).map_err(|error| silent(&error))?;
         let connection = Connection::from_socket(stream).map_err(|error| silent(&error))?;
@@ -67,7 +67,7 @@ impl Link {
         let handle = queue.handle();
         let seat = globals.bind(&handle, 1..=3, ());
         let keyboards = globals.bind(&handle, 1..=1, ());
-        let keyboards = keyboards.map_err(|_| access::no_virtual_keyboard(None).to_string())?;
+        let keyboards = keyboards.map_err(|_| advice::no_virtual_keyboard(None).to_string())?;
         Ok(Self {
             seat: seat.map_err(|_| silent(&"it has no seat"))?,
             keyboards,
@@ -175,7 +175,7 @@ impl Link {
 
 /// There is no pointer, and something needs one.
 pub fn no_pointer() -> String {
-    access::no_virtual_pointer(None).to_string()
+    advice::no_virtual_pointer(None).to_string()
 }
 
 impl Dispatch<WlRegistry, GlobalListContents> for Heard {

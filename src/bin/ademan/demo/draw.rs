@@ -2,8 +2,8 @@
 
 use ademan::contact::TargetId;
 use ademan::hand::Finger;
-use ademan::layout::{Cell, Front, Grid, Layout, OverBoard};
-use ademan::monitor::State;
+use ademan::layout::{Cell, Face, Grid, Hover, Layout};
+use ademan::snapshot::PipelineState;
 use ratatui::Frame;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -27,9 +27,9 @@ pub struct Stage {
 pub struct Picture {
     /// What came out of it so far, in one line.
     pub outcome: String,
-    pub state: State,
+    pub state: PipelineState,
     pub pressed: Vec<TargetId>,
-    pub fingertips: Vec<OverBoard>,
+    pub fingertips: Vec<Hover>,
 }
 
 impl Stage {
@@ -98,7 +98,7 @@ impl Stage {
 
     fn draw_keys(&self, buffer: &mut Buffer, area: Rect, cells: &[Cell], lit: bool) {
         for cell in cells {
-            if let (Some(front), Some(place)) = (self.layout.front(cell.target), within(area, cell))
+            if let (Some(front), Some(place)) = (self.layout.face(cell.target), within(area, cell))
             {
                 draw_front(buffer, place, front, lit);
             }
@@ -116,8 +116,8 @@ impl Stage {
     }
 }
 
-fn draw_fingertip(buffer: &mut Buffer, area: Rect, grid: &Grid, tip: &OverBoard) {
-    let Some((column, row)) = grid.character_at(tip.along_rows) else {
+fn draw_fingertip(buffer: &mut Buffer, area: Rect, grid: &Grid, tip: &Hover) {
+    let Some((column, row)) = grid.cell_at(tip.row_position) else {
         return;
     };
     let spot = (area.x + column as u16, area.y + row as u16);
@@ -132,7 +132,7 @@ fn draw_fingertip(buffer: &mut Buffer, area: Rect, grid: &Grid, tip: &OverBoard)
     buffer.set_string(spot.0, spot.1, mark, style);
 }
 
-fn draw_front(buffer: &mut Buffer, place: Rect, front: &Front, lit: bool) {
+fn draw_front(buffer: &mut Buffer, place: Rect, front: &Face, lit: bool) {
     let style = match lit {
         true => Style::new()
             .fg(Color::Black)
@@ -177,12 +177,12 @@ mod tests {
         let down = stage.layout.key("W").unwrap();
         let picture = Picture {
             outcome: "typed    \"to be\"".into(),
-            state: State::Running,
-            pressed: vec![down.front.target],
-            fingertips: vec![OverBoard {
+            state: PipelineState::Running,
+            pressed: vec![down.face.target],
+            fingertips: vec![Hover {
                 finger: Finger::Index,
                 board: 0,
-                along_rows: down.front.at,
+                row_position: down.face.row_position,
                 height: -0.003,
             }],
         };

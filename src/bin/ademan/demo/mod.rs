@@ -9,13 +9,13 @@ mod text;
 use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroU32;
 
-use ademan::capture::{LineSettings, Source, open_wire};
+use ademan::capture::{Source, StreamOptions, open_loopback};
 use ademan::hand::Side;
-use ademan::lab::{Lines, Played};
 use ademan::layout::Layout;
 use ademan::output;
-use ademan::runtime::{Summary, drive};
-use ademan::settings::{Assembly, OtherHand, Setup};
+use ademan::session::{Summary, run_pipeline};
+use ademan::setup::{LoadedSetup, OtherHand, Setup};
+use ademan::sim::{PacketWriters, PlaybackStats};
 use crossbeam_channel::bounded;
 
 use crate::args::DemoArgs;
@@ -34,15 +34,15 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     let setup = Setup {
         layout: args.layout.clone(),
         output: args.output.clone(),
-        stall_ms: STALL_MS,
-        other_hand: layout.is_there_for(Side::Left).then(OtherHand::default),
+        stall_timeout_ms: STALL_MS,
+        other_hand: layout.has_board_for(Side::Left).then(OtherHand::default),
         ..Setup::default()
     };
-    let mut assembly = setup.assemble()?;
-    let line = LineSettings {
+    let mut assembly = setup.load_files()?;
+    let line = StreamOptions {
         baud: NonZeroU32::new(args.baud)
             .ok_or_else(|| Failure::wrong_use("a baud is more than 0"))?,
-        ..LineSettings::default()
+        ..StreamOptions::default()
     };
     let (mut task, hand) = match &args.script {
         Some(script) => (
@@ -57,9 +57,11 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     };
     let (stopper, asked) = signals::stopper()?;
     let bell = stopper.clone();
-    let mut sink = guardian::open_outputs(&assembly.setup.output, &assembly.needs(), move || {
-        bell.ask_once()
-    })?;
+    let mut sink = guardian::open_outputs(
+        &assembly.setup.output,
+        &assembly.required_capabilities(),
+        move || bell.ask_once(),
+    )?;
     let (lines, source) = wires(&mut assembly, line, hand.hands())?;
     writeln!(
         io::stdout(),
@@ -69,13 +71,13 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
         source.name()
     )?;
     let (stop_sender, stop) = bounded(1);
-    let mut screen = match io::stdout().is_terminal() && !output::is_on_stdout(&args.output) {
+    let mut screen = match io::stdout().is_terminal() && !output::uses_stdout(&args.output) {
         true => Screen::open(&assembly.layout, task.wanted(), stopper),
         false => Screen::closed(&assembly.layout),
     };
     let hands = hand.hands() as u64;
     let player = Player::start(hand, lines, line, asked, stop_sender);
-    let ended = drive(
+    let ended = run_pipeline(
         source,
         &mut assembly.pipeline(),
         &mut *sink,
@@ -92,46 +94,51 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     report(&played, &ended?, &line, hands)?;
     match task.is_done(&played) {
         true => Ok(()),
-        false if played.is_interrupted => Err(Failure::job("interrupted before all was played")),
+        false if played.is_cancelled => Err(Failure::job("interrupted before all was played")),
         false => Err(Failure::job("the text did not come out right")),
     }
 }
 
 /// A line for each hand: the ends that gloves write to, and the source that reads from them.
 fn wires(
-    assembly: &mut Assembly,
-    line: LineSettings,
+    assembly: &mut LoadedSetup,
+    line: StreamOptions,
     hands: usize,
-) -> Result<(Lines, Box<dyn Source>), Failure> {
+) -> Result<(PacketWriters, Box<dyn Source>), Failure> {
     let (mut lines, mut names) = (Vec::new(), Vec::new());
     for _ in 0..hands {
-        let wire = open_wire(line).map_err(|error| {
+        let wire = open_loopback(line).map_err(|error| {
             Failure::job(format!("cannot open a simulated serial line: {error}"))
         })?;
         lines.push(wire.writer);
-        names.push(wire.source);
+        names.push(wire.uri);
     }
     if let Some(other) = &mut assembly.setup.other_hand {
         other.source = names.pop();
     }
-    Ok((lines, assembly.open(&names[0])?))
+    Ok((lines, assembly.open_source(&names[0])?))
 }
 
-fn report(played: &Played, summary: &Summary, line: &LineSettings, hands: u64) -> io::Result<()> {
-    let source = &summary.tally.source;
+fn report(
+    played: &PlaybackStats,
+    summary: &Summary,
+    line: &StreamOptions,
+    hands: u64,
+) -> io::Result<()> {
+    let source = &summary.stats.source;
     let micros = |quantile: f64| summary.latency_ns.value_at_quantile(quantile) as f64 / 1e3;
     let mut out = io::stdout().lock();
     writeln!(
         out,
         "line       {} baud, {:.2} ms a frame: {} frames sent, {} decoded, {} lost",
         line.baud,
-        line.frame_period().as_secs_f64() * 1e3,
-        hands * played.frames,
+        line.packet_period().as_secs_f64() * 1e3,
+        hands * played.packets,
         source.readings,
         // The last frame is never confirmed: no header comes after it.
-        (hands * played.frames.saturating_sub(1)).saturating_sub(source.readings),
+        (hands * played.packets.saturating_sub(1)).saturating_sub(source.readings),
     )?;
-    writeln!(out, "account    {}", status::account(&summary.tally))?;
+    writeln!(out, "account    {}", status::account(&summary.stats))?;
     writeln!(
         out,
         "latency    from a frame's last byte to its events: p50 {:.0} µs, p99 {:.0} µs, most {:.0} µs",

@@ -2,30 +2,30 @@
 
 use std::thread::JoinHandle;
 
-use ademan::capture::LineSettings;
-use ademan::lab::{Lines, Played, Typist, play};
+use ademan::capture::StreamOptions;
+use ademan::sim::{PacketWriters, PlaybackStats, SimulatedTypist, play};
 use crossbeam_channel::{Receiver, Sender};
 
 use crate::failure::Failure;
 
 /// A thread that plays the gloves. It hands their lines back, which stay plugged in until then.
 pub struct Player {
-    thread: JoinHandle<(Lines, std::io::Result<Played>)>,
+    thread: JoinHandle<(PacketWriters, std::io::Result<PlaybackStats>)>,
 }
 
 impl Player {
     /// Plays all that the hand has to do, and then sends to `over`; so it does when asked to stop.
     pub fn start(
-        typist: Typist,
-        mut lines: Lines,
-        line: LineSettings,
+        typist: SimulatedTypist,
+        mut lines: PacketWriters,
+        line: StreamOptions,
         asked: Receiver<()>,
         over: Sender<()>,
     ) -> Self {
         let thread = std::thread::spawn(move || {
             let played = play(typist, &mut lines, line, &asked);
             // The last frame that counts is still on its way to the source.
-            std::thread::sleep(2 * line.frame_period());
+            std::thread::sleep(2 * line.packet_period());
             // A full channel means that the end is already known.
             let _ = over.try_send(());
             (lines, played)
@@ -34,7 +34,7 @@ impl Player {
     }
 
     /// Waits for the end.
-    pub fn join(self) -> Result<Played, Failure> {
+    pub fn join(self) -> Result<PlaybackStats, Failure> {
         let played = self.thread.join();
         let (_lines, played) =
             played.map_err(|_| Failure::job("the simulated glove broke down"))?;

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use ademan::contact::{Phase, TargetId};
 use ademan::layout::Layout;
-use ademan::monitor::Snapshot;
+use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use ratatui::DefaultTerminal;
@@ -80,7 +80,7 @@ impl Screen {
                 Phase::Released | Phase::Left | Phase::Cancelled => {
                     self.pressed.retain(|target| *target != touch.target);
                 }
-                Phase::Touched | Phase::Held => {}
+                Phase::Touched | Phase::Moved => {}
             }
         }
         let Some(pose) = &frame.pose else {
@@ -94,7 +94,7 @@ impl Screen {
             outcome: outcome(),
             state: frame.state,
             pressed: self.pressed.clone(),
-            fingertips: self.layout.over_boards(pose),
+            fingertips: self.layout.hovers(pose),
         };
         // A full channel means that the terminal still draws the last one.
         let _ = pictures.try_send(picture);

@@ -4,10 +4,10 @@ use std::io::{self, Write};
 
 use ademan::contact::TargetNames;
 use ademan::device::OutputEvent;
-use ademan::lab::{Played, TypingScore, UsKeymap};
 use ademan::layout::Layout;
-use ademan::monitor::Snapshot;
-use ademan::output::transcript::Line;
+use ademan::output::transcript::EventLine;
+use ademan::sim::{PlaybackStats, TypingScore, UsTextField};
+use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
 
 /// The longest piece of a script that is shown in one line, in characters.
@@ -18,7 +18,7 @@ pub enum Task {
     /// A text, as a receiver with a US keymap reads it.
     Type {
         text: String,
-        field: UsKeymap,
+        field: UsTextField,
         first: Option<Timestamp>,
         last: Timestamp,
     },
@@ -34,7 +34,7 @@ impl Task {
     pub fn type_text(text: String) -> Self {
         Self::Type {
             text,
-            field: UsKeymap::new(),
+            field: UsTextField::new(),
             first: None,
             last: Timestamp(0),
         }
@@ -75,7 +75,7 @@ impl Task {
                 field, first, last, ..
             } => {
                 for event in &frame.events {
-                    field.take(event);
+                    field.handle(event);
                     first.get_or_insert(event.time);
                     *last = event.time;
                 }
@@ -89,17 +89,19 @@ impl Task {
         match self {
             Self::Type { field, .. } => format!("typed    {:?}", field.text()),
             Self::Play { names, events, .. } => {
-                let last = events.last().map(|event| Line(event, names).to_string());
+                let last = events
+                    .last()
+                    .map(|event| EventLine(event, names).to_string());
                 format!("went out {}", last.unwrap_or_default().trim_start())
             }
         }
     }
 
     /// Whether that is what was wanted; a script wants nothing but to be played to its end.
-    pub fn is_done(&self, played: &Played) -> bool {
+    pub fn is_done(&self, played: &PlaybackStats) -> bool {
         match self {
             Self::Type { text, field, .. } => field.text() == text,
-            Self::Play { .. } => !played.is_interrupted,
+            Self::Play { .. } => !played.is_cancelled,
         }
     }
 
@@ -124,7 +126,7 @@ impl Task {
             }
             Self::Play { names, events, .. } => {
                 for event in events.iter().filter(|_| !is_written) {
-                    writeln!(out, "{}", Line(event, names))?;
+                    writeln!(out, "{}", EventLine(event, names))?;
                 }
                 writeln!(out, "played     {} events went out", events.len())
             }

@@ -1,7 +1,7 @@
 //! What the demo types when it is not told.
 
-use ademan::lab::taps;
 use ademan::layout::Layout;
+use ademan::sim::taps_for_text;
 
 use crate::failure::Failure;
 
@@ -29,8 +29,8 @@ pub fn to_type(asked: Option<&str>, layout: &Layout) -> Result<String, Failure> 
 }
 
 fn of_layout(layout: &Layout) -> String {
-    let keys = layout.keyboard_bindings();
-    let fits = |text: &str| taps(text, &keys).is_ok();
+    let keys = layout.key_bindings();
+    let fits = |text: &str| taps_for_text(text, &keys).is_ok();
     if let Some(text) = TEXTS.into_iter().find(|text| fits(text)) {
         return text.to_owned();
     }

@@ -3,15 +3,15 @@
 use parry3d::math::{Pose, Rot3, Vec2, Vec3};
 use serde::Deserialize;
 
-use crate::device::pointer::mode::{Axis, Direct, Displacement, From, Joints, Rate, Ray};
+use crate::device::pointer::mode::{AngleMapping, DirectPointing, Displacement, RayOrigin, JointPointing, RateControl, RayPointing};
 use crate::device::pointer::{self, mode};
 use crate::hand::Dof;
-use crate::layout::LayoutError;
-use crate::layout::check::Checked;
-use crate::layout::keyboard::metres;
-use crate::layout::number::{Angle, CursorSpeed, DeadShare, Exponent, Extent};
+use crate::layout::DocumentError;
+use crate::layout::builder::Checked;
+use crate::layout::model::metres;
+use crate::layout::ranged::{Angle, CursorSpeed, DeadShare, Exponent, Extent};
 use crate::layout::placement;
-use crate::layout::written::Place;
+use crate::layout::schema::Place;
 
 /// How a hand says where to point.
 #[derive(Debug, Deserialize)]
@@ -112,13 +112,13 @@ pub struct Frame;
 
 impl Frame {
     /// +X to its right, +Y up, +Z towards the wearer.
-    pub fn of(place: &Place) -> pointer::Frame {
+    pub fn of(place: &Place) -> pointer::AnchoredFrame {
         let bearing = place.bearing_deg.get().to_radians() as f32;
         let tilt = place.tilt_deg.get().to_radians() as f32;
         let turn = Rot3::from_rotation_y(-bearing);
         let forward = place.forward_mm.unwrap_or_default();
         let origin = Vec3::new(0.0, metres(place.height_mm.get()), -metres(forward.get()));
-        pointer::Frame {
+        pointer::AnchoredFrame {
             anchor: placement::anchor(place.anchor),
             anchor_from_frame: Pose::from_parts(turn * origin, turn * Rot3::from_rotation_x(tilt)),
         }
@@ -126,14 +126,14 @@ impl Frame {
 }
 
 impl Checked<'_> {
-    pub(super) fn mode(&self, written: &Mode) -> Result<mode::Mode, LayoutError> {
+    pub(super) fn mode(&self, written: &Mode) -> Result<mode::PointingMode, DocumentError> {
         Ok(match written {
-            Mode::Joint { x, y, z } => mode::Mode::Joint(Joints {
+            Mode::Joint { x, y, z } => mode::PointingMode::Joint(JointPointing {
                 x: self.axis_of(x)?,
                 y: self.axis_of(y)?,
                 z: z.as_ref().map(|z| self.axis_of(z)).transpose()?,
             }),
-            Mode::Direct { place, size_mm } => mode::Mode::Direct(Direct {
+            Mode::Direct { place, size_mm } => mode::PointingMode::Direct(DirectPointing {
                 frame: Frame::of(place),
                 size: extents(*size_mm),
             }),
@@ -141,10 +141,10 @@ impl Checked<'_> {
                 from,
                 place,
                 size_mm: (width, height),
-            } => mode::Mode::Ray(Ray {
+            } => mode::PointingMode::Ray(RayPointing {
                 from: match from {
-                    Origin::Hand => From::Hand,
-                    Origin::Index => From::Index,
+                    Origin::Hand => RayOrigin::Hand,
+                    Origin::Index => RayOrigin::Index,
                 },
                 frame: Frame::of(place),
                 size: Vec2::new(metres(width.get()), metres(height.get())),
@@ -154,21 +154,21 @@ impl Checked<'_> {
                 dead_share,
                 top_px_s,
                 curve,
-            } => mode::Mode::Rate(Rate {
-                of: match of {
+            } => mode::PointingMode::Rate(RateControl {
+                displacement: match of {
                     Of::Tip { place, full_mm } => {
-                        Displacement::Tip(Frame::of(place), metres(full_mm.get()))
+                        Displacement::Fingertip(Frame::of(place), metres(full_mm.get()))
                     }
                     Of::Angles { x, y } => Displacement::Angles(self.axis_of(x)?, self.axis_of(y)?),
                 },
-                dead: dead_share.get() as f32,
-                top: top_px_s.get() as f32,
+                dead_zone: dead_share.get() as f32,
+                max_speed_px_s: top_px_s.get() as f32,
                 curve: curve.get() as f32,
             }),
         })
     }
 
-    fn axis_of(&self, written: &Angles) -> Result<Axis, LayoutError> {
+    fn axis_of(&self, written: &Angles) -> Result<AngleMapping, DocumentError> {
         let (from, to) = (written.from_deg.get(), written.to_deg.get());
         if (to - from).abs() < 1.0 {
             let message = format!(
@@ -177,11 +177,11 @@ impl Checked<'_> {
             );
             return self.wrong(message);
         }
-        Ok(Axis {
+        Ok(AngleMapping {
             dof: written.dof,
             from: from.to_radians() as f32,
             to: to.to_radians() as f32,
-            range: metres(written.range_mm.get()),
+            extent: metres(written.range_mm.get()),
             curve: written.curve.get() as f32,
         })
     }

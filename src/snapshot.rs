@@ -1,0 +1,87 @@
+//! What an observer may see: a copy of what each stage made of one frame.
+
+use serde::Serialize;
+
+use crate::capture::{SourceStats, Reading};
+use crate::contact::{TargetNames, Touches};
+use crate::device::Events;
+use crate::estimate::{JointAngles, Rejection};
+use crate::kinematics::HandPose;
+use crate::names::named_enum;
+
+named_enum! {
+    /// What the engine is doing.
+    pub enum PipelineState ("state") {
+        /// No reading has come in yet.
+        Starting = "starting",
+        /// Nothing goes out: until the hand is seen off all controls, or until a pause that somebody
+        /// asked for is ended.
+        Paused = "paused",
+        /// Touches become events.
+        Running = "running",
+        /// Readings stopped; everything is released.
+        Stalled = "stalled",
+        /// Over.
+        Stopped = "stopped",
+    }
+}
+
+/// One frame, as each stage saw it.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// What the engine was doing after the frame.
+    pub state: PipelineState,
+    /// The place of the layout that the frame's touches and events are of, in the setup.
+    pub profile: usize,
+    /// What its targets are called.
+    pub target_names: TargetNames,
+    /// Whether it is paused because somebody asked for it, and not because it waits for the hand.
+    pub is_paused: bool,
+    /// What came in; `None` when something else than a reading woke the engine (a stall, the end).
+    pub reading: Option<Reading>,
+    /// What the estimator made of it.
+    pub angles: Option<JointAngles>,
+    /// Where that puts the hand.
+    pub pose: Option<HandPose>,
+    /// What the fingertips did.
+    pub touches: Touches,
+    /// What went out.
+    pub events: Events,
+    /// The account so far.
+    pub stats: Stats,
+}
+
+/// What was not let out, by reason.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Suppressed {
+    /// Presses beyond the limit in a second.
+    pub rate_limited: u64,
+    /// Keys that act on the system, alone or with those that were down.
+    pub system_keys: u64,
+    /// Keys and characters of a source that is only a pointer.
+    pub keys_by_role: u64,
+    /// Motions and buttons of a source that is only for keys.
+    pub pointing_by_role: u64,
+}
+
+impl Suppressed {
+    /// All of them.
+    pub const fn total(&self) -> u64 {
+        self.rate_limited + self.system_keys + self.keys_by_role + self.pointing_by_role
+    }
+}
+
+/// The account of all readings: received = accepted + rejected + superseded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Stats {
+    /// What the source counted.
+    pub source: SourceStats,
+    /// Readings that became a pose.
+    pub accepted: u64,
+    /// Readings that gave no angles, by reason, in the order of [`Rejection::ALL`].
+    pub rejected: [u64; Rejection::COUNT],
+    /// Times that readings stopped for longer than the limit.
+    pub stalls: u64,
+    /// What came of them and did not go out.
+    pub suppressed: Suppressed,
+}
