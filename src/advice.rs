@@ -252,7 +252,10 @@ mod tests {
             AccessDenied::OwnerOnly,
             AccessDenied::Unknown,
         ] {
-            for advice in [uinput_denied(&denied), serial_port_denied("/dev/ttyS0", &denied)] {
+            for advice in [
+                uinput_denied(&denied),
+                serial_port_denied("/dev/ttyS0", &denied),
+            ] {
                 let text = advice.to_string();
                 assert!(!text.contains("as root"), "{text}");
                 assert!(!text.contains("chmod"), "{text}");

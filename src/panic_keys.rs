@@ -3,7 +3,7 @@
 #[cfg(target_os = "linux")]
 mod keyboards;
 #[cfg(not(target_os = "linux"))]
-#[path = "emergency/no_keyboards.rs"]
+#[path = "panic_keys/no_keyboards.rs"]
 mod keyboards;
 
 use crate::device::{KeyCode, KeyKind};

@@ -95,7 +95,12 @@ pub struct Pipeline {
 
 impl Pipeline {
     /// A pipeline for one hand that has seen nothing yet.
-    pub fn new(estimator: Estimator, arm: ArmModel, controls: LayoutInstance, arming: PipelineSettings) -> Self {
+    pub fn new(
+        estimator: Estimator,
+        arm: ArmModel,
+        controls: LayoutInstance,
+        arming: PipelineSettings,
+    ) -> Self {
         Self {
             hands: vec![Hand::new(estimator, arm)],
             profiles: vec![controls],
@@ -140,11 +145,16 @@ impl Pipeline {
     ///
     /// An error when the reading gives no angles; it is counted, and changes nothing else, but that the third
     /// in a row lets go of everything: what is held then is held by a hand of which nothing is known.
-    pub fn step(&mut self, reading: &Reading, events: &mut Events) -> Result<&StepOutput, Rejection> {
+    pub fn step(
+        &mut self,
+        reading: &Reading,
+        events: &mut Events,
+    ) -> Result<&StepOutput, Rejection> {
         let place = self.hand_of(reading);
         self.notice_gaps(place, reading.time, events);
         let applied = self.hands[place].estimator.update(reading);
-        if self.hands[place].was_refused(applied.is_err()) && self.state() == PipelineState::Running {
+        if self.hands[place].was_refused(applied.is_err()) && self.state() == PipelineState::Running
+        {
             self.release_all(self.time, events);
         }
         let applied = applied.inspect_err(|&reason| self.rejected[reason.index()] += 1)?;
@@ -193,7 +203,11 @@ impl Pipeline {
             hand.last_accepted = None;
         }
         self.stalls += 1;
-        self.let_go(last + self.arming.stall_timeout, PipelineState::Stalled, events);
+        self.let_go(
+            last + self.arming.stall_timeout,
+            PipelineState::Stalled,
+            events,
+        );
     }
 
     /// Lets go of everything; nothing goes out until [`resume`](Self::resume), whatever happens to the
@@ -235,7 +249,12 @@ impl Pipeline {
     ///
     /// An engine that is running stays so: a fingertip that is in one of the new controls has to come out
     /// first. One that waits for a hand off all controls waits for one that is off the new ones.
-    pub fn replace_profile(&mut self, profile: usize, controls: &mut LayoutInstance, events: &mut Events) {
+    pub fn replace_profile(
+        &mut self,
+        profile: usize,
+        controls: &mut LayoutInstance,
+        events: &mut Events,
+    ) {
         if profile >= self.profiles.len() {
             return;
         }

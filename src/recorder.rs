@@ -13,10 +13,10 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions, Writer};
 
 use crate::capture::recording::{
-    MESSAGE_ENCODING, FORMAT_VERSION, FORMAT_RECORD, MAX_RECORD_BYTES, RecordedSetup, SETUP_RECORD,
+    FORMAT_RECORD, FORMAT_VERSION, MAX_RECORD_BYTES, MESSAGE_ENCODING, RecordedSetup, SETUP_RECORD,
 };
-use crate::snapshot::Snapshot;
 use crate::output;
+use crate::snapshot::Snapshot;
 use crate::time::Timestamp;
 use crate::trace::Stage;
 
@@ -188,7 +188,8 @@ fn start(file: File, setup: &RecordedSetup) -> Result<Started, McapError> {
     for (stage, channel) in Stage::ALL.iter().zip(&mut channels) {
         let schema = stage.schema().as_bytes();
         let schema = writer.add_schema(stage.schema_name(), "jsonschema", schema)?;
-        channel.id = writer.add_channel(schema, stage.topic(), MESSAGE_ENCODING, &BTreeMap::new())?;
+        channel.id =
+            writer.add_channel(schema, stage.topic(), MESSAGE_ENCODING, &BTreeMap::new())?;
     }
     writer.flush()?;
     Ok((writer, channels))

@@ -20,7 +20,7 @@ use self::active_layout::ActiveLayout;
 use self::watched_file::WatchedFile;
 use self::worker::{ChangeDetection, watch};
 use crate::contact::board_pose::BoardPose;
-use crate::layout::{Layout, DocumentError};
+use crate::layout::{DocumentError, Layout};
 use crate::pipeline::LayoutInstance;
 use crate::session::Replacement;
 
@@ -155,7 +155,8 @@ mod tests {
         let report = move |report| sender.send(report).unwrap();
         let (replace, replacements) = bounded::<Replacement>(1);
         let accept = move |layout: &Layout| accept(layout).map(|()| setup::controls(layout));
-        let watcher = LayoutManager::start(Some(path), &layout, 0, replace, accept, report).unwrap();
+        let watcher =
+            LayoutManager::start(Some(path), &layout, 0, replace, accept, report).unwrap();
         thread::spawn(move || {
             for replacement in replacements {
                 let _ = replacement.retired.send(replacement.controls);
@@ -181,7 +182,8 @@ mod tests {
         let mut replaced = 0;
         loop {
             let report = reports.recv_timeout(PATIENCE_OF_TEST);
-            let ReloadReport::Replaced(layout) = report.expect("the last one is put in force") else {
+            let ReloadReport::Replaced(layout) = report.expect("the last one is put in force")
+            else {
                 panic!("a file that is right");
             };
             replaced += 1;
@@ -314,7 +316,8 @@ mod tests {
         let (replace, replacements) = bounded::<Replacement>(1);
         let accept = |layout: &Layout| Ok(setup::controls(layout));
         let path = path.to_str().unwrap();
-        let watcher = LayoutManager::start(Some(path), &layout, 0, replace, accept, report).unwrap();
+        let watcher =
+            LayoutManager::start(Some(path), &layout, 0, replace, accept, report).unwrap();
         fs::write(path, text("B")).unwrap();
         while replacements.is_empty() {
             thread::sleep(Duration::from_millis(5));

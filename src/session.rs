@@ -9,17 +9,19 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, Sender, TryRecvError, never};
 use hdrhistogram::Histogram;
 
-use crate::capture::{CaptureEvent, CaptureError, CaptureThread, SourceStats, Reading, Source, spawn};
+use crate::capture::{
+    CaptureError, CaptureEvent, CaptureThread, Reading, Source, SourceStats, spawn,
+};
 use crate::contact::{TargetNames, Touches};
 use crate::device::Events;
-use crate::snapshot::{Snapshot, Stats};
 use crate::output::{OutputError, Sink};
-use crate::pipeline::{LayoutInstance, StepOutput, Pipeline};
+use crate::pipeline::{LayoutInstance, Pipeline, StepOutput};
+use crate::snapshot::{Snapshot, Stats};
 use crate::time::NO_DEADLINE;
 
 use self::inbox::{Inbox, Message};
 pub use crate::pipeline::CommandError;
-pub use call::{Answer, Call, Calls, Order, BoardPoses, SessionStatus, calls};
+pub use call::{Answer, BoardPoses, Call, Calls, Order, SessionStatus, calls};
 
 /// No source is so slow that it would have to be waited for longer, whatever a recording says: three frames at
 /// 1200 baud take 1.7 s.

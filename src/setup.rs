@@ -3,7 +3,7 @@
 mod loaded;
 mod simulated;
 
-pub use loaded::{LoadedSetup, Profile, GloveAndArm, controls};
+pub use loaded::{GloveAndArm, LoadedSetup, Profile, controls};
 
 use std::path::Path;
 use std::time::Duration;
@@ -13,9 +13,9 @@ use serde::{Deserialize, Serialize};
 use crate::capture::{CaptureError, SourceUri};
 use crate::estimate::{OneEuroSettings, Smoothing};
 use crate::kinematics::BoneLengths;
-use crate::sim::TypistError;
 use crate::layout::{Document, DocumentError};
 use crate::pipeline::{PipelineSettings, PressRateLimit, SourcePermissions, SourceRole};
+use crate::sim::TypistError;
 
 /// A setup as its file says it; every field has a default that works.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -290,7 +290,8 @@ impl Setup {
         let presses = self.max_presses_per_second;
         SourcePermissions {
             role: role.unwrap_or(usual.role),
-            rate_limit: presses.map_or(usual.rate_limit, |per_second| PressRateLimit { per_second }),
+            rate_limit: presses
+                .map_or(usual.rate_limit, |per_second| PressRateLimit { per_second }),
         }
     }
 }

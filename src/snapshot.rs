@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::capture::{SourceStats, Reading};
+use crate::capture::{Reading, SourceStats};
 use crate::contact::{TargetNames, Touches};
 use crate::device::Events;
 use crate::estimate::{JointAngles, Rejection};

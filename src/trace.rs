@@ -17,12 +17,12 @@ use serde::{Serialize, Serializer};
 
 use crate::capture::recording;
 use crate::contact::{Phase, TargetName, TargetNames, Touch};
-use crate::device::{EventKind, Axis, KeyCode, OutputEvent, Request};
+use crate::device::{Axis, EventKind, KeyCode, OutputEvent, Request};
 use crate::estimate::JointAngles;
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
-use crate::snapshot::Snapshot;
 use crate::names::named_enum;
+use crate::snapshot::Snapshot;
 use crate::time::Timestamp;
 
 named_enum! {

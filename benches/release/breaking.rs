@@ -76,7 +76,7 @@ pub fn run_if_asked(arguments: &[String]) {
     let mut pipeline = assembly.pipeline();
     let mut observe = |_: &_| check(&of_loop);
     let drive = || run_pipeline(source, &mut pipeline, &mut *sink, &stop, &mut observe).map(drop);
-    let _ = catch_unwind(AssertUnwindSafe(run_pipeline));
+    let _ = catch_unwind(AssertUnwindSafe(drive));
     loop {
         thread::park();
     }

@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use super::connect::{Transport, Connection, ConnectError};
+use super::connect::{ConnectError, Connection, Transport};
 
 /// Opens a file of bytes.
 #[derive(Clone)]
@@ -27,7 +27,9 @@ impl Transport for FileConnector {
         let kind = std::fs::metadata(&self.path).map_err(refuse)?;
         if !kind.is_file() {
             // Pipes and devices block, and a source that blocks cannot be stopped.
-            return Err(ConnectError::Unusable("it is not a regular file".to_owned()));
+            return Err(ConnectError::Unusable(
+                "it is not a regular file".to_owned(),
+            ));
         }
         let file = File::open(&self.path).map_err(refuse)?;
         Ok(Connection {
@@ -42,7 +44,7 @@ impl Transport for FileConnector {
 mod tests {
     use super::*;
     use crate::capture::hc11::{Framing, encode};
-    use crate::capture::{SourceEvent, StreamOptions, SourceUri, open};
+    use crate::capture::{SourceEvent, SourceUri, StreamOptions, open};
 
     fn name(path: &Path) -> SourceUri {
         SourceUri::File {

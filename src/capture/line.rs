@@ -5,14 +5,14 @@ use std::time::{Duration, Instant};
 
 use arrayvec::ArrayVec;
 
+use super::cancel::CancelToken;
 use super::clock::PacketClock;
-use super::connect::{Transport, Connection, READ_TIMEOUT};
+use super::connect::{Connection, READ_TIMEOUT, Transport};
 use super::garbage::GarbageDetector;
 use super::hc11::{self, BODY_BYTES, Hc11Decoder, PACKET_BYTES};
-use super::cancel::CancelToken;
-use super::reconnect::{BackOff, ReconnectEvent, Reconnect};
+use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
 use super::uri::StreamOptions;
-use super::{SourceEvent, CaptureError, SourceStats, Reading, Sample, Source};
+use super::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
 use crate::time::Timestamp;
 
 /// Bytes that one read takes at most.

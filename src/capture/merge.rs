@@ -5,8 +5,8 @@ use std::time::Instant;
 use crossbeam_channel::{Receiver, after, never, select};
 
 use super::{
-    CaptureEvent, SourceEvent, CaptureError, CaptureThread, SourceStats, CancelToken, MAX_BLOCK, Reading, Source,
-    spawn,
+    CancelToken, CaptureError, CaptureEvent, CaptureThread, MAX_BLOCK, Reading, Source,
+    SourceEvent, SourceStats, spawn,
 };
 use crate::hand::Side;
 use crate::time::Timestamp;
@@ -69,7 +69,10 @@ impl MergedSource {
             name,
             is_live,
             start: Instant::now(),
-            hands: [MergedInput::start(one_side, one)?, MergedInput::start(other_side, other)?],
+            hands: [
+                MergedInput::start(one_side, one)?,
+                MergedInput::start(other_side, other)?,
+            ],
             time: Timestamp::default(),
             interrupt: None,
         })
@@ -255,7 +258,9 @@ mod tests {
         let mut found = Vec::new();
         loop {
             match both.next().unwrap() {
-                SourceEvent::Reading(reading) => found.push((reading.side.unwrap(), reading.time.0)),
+                SourceEvent::Reading(reading) => {
+                    found.push((reading.side.unwrap(), reading.time.0))
+                }
                 SourceEvent::Idle => {}
                 SourceEvent::End => return (found, both),
             }

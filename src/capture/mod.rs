@@ -56,17 +56,17 @@ use serde::{Deserialize, Serialize};
 use crate::hand::Side;
 use crate::time::Timestamp;
 
-pub use merge::MergedSource;
 pub use cancel::CancelToken;
+pub use loopback::Loopback;
+#[cfg(not(unix))]
+pub use loopback::open_tcp_loopback as open_wire;
+pub use merge::MergedSource;
 pub use pace::PacedSource;
 #[cfg(unix)]
 pub use pty::open_loopback;
 pub use reconnect::BackOff;
 pub use thread::{CaptureEvent, CaptureThread, spawn};
-pub use uri::{StreamOptions, Protocol, SourceUri};
-pub use loopback::Loopback;
-#[cfg(not(unix))]
-pub use loopback::open_tcp_loopback as open_wire;
+pub use uri::{Protocol, SourceUri, StreamOptions};
 
 use file::FileConnector;
 use line::StreamSource;

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{SourceEvent, CaptureError, SourceStats, MAX_BLOCK, Reading, Source};
+use super::{CaptureError, MAX_BLOCK, Reading, Source, SourceEvent, SourceStats};
 use crate::time::Timestamp;
 
 /// The longest wait for one reading; a longer gap is shortened to it.
@@ -188,7 +188,11 @@ mod tests {
             (1e9, 1000.0),
             (2.0, 2.0),
         ] {
-            assert_eq!(PacedSource::new(Times(Vec::new()), speed).speed, moved, "{speed}");
+            assert_eq!(
+                PacedSource::new(Times(Vec::new()), speed).speed,
+                moved,
+                "{speed}"
+            );
         }
     }
 

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, after, bounded, never, select};
 
-use super::connect::{Transport, Connection, READ_TIMEOUT, ConnectError};
 use super::cancel::CancelToken;
+use super::connect::{ConnectError, Connection, READ_TIMEOUT, Transport};
 
 /// The intervals between attempts: 0.1 s, doubling to 2 s.
 #[derive(Clone, Debug)]

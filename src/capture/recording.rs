@@ -17,7 +17,7 @@ use mcap::records::{Metadata, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
 
-use super::{SourceEvent, CaptureError, SourceStats, Reading, Sample, Source};
+use super::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
 
 /// The channel that readings are on.
 pub const READINGS_TOPIC: &str = "/readings";

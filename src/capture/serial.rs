@@ -7,9 +7,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
 
-use super::connect::{Transport, Connection, READ_TIMEOUT, ConnectError};
+use super::connect::{ConnectError, Connection, READ_TIMEOUT, Transport};
 use super::lists_serial_ports;
-use super::usb::{PortChoice, KnownDevice, Port, choose_port};
+use super::usb::{KnownDevice, Port, PortChoice, choose_port};
 use super::wait::{self, Readiness, TerminalName};
 use crate::advice::{self, AccessDenied};
 
@@ -153,7 +153,9 @@ fn refuse(choice: PortChoice, connector: &SerialConnector) -> ConnectError {
             "{} are all {wanted}, unplug all but one or start again with the port to use",
             names.join(" and ")
         )),
-        PortChoice::Absent | PortChoice::Open(_) => ConnectError::Absent(format!("{wanted} is not plugged in")),
+        PortChoice::Absent | PortChoice::Open(_) => {
+            ConnectError::Absent(format!("{wanted} is not plugged in"))
+        }
     }
 }
 
@@ -162,16 +164,18 @@ fn explain(error: &serialport::Error, place: &str, present: &[Port]) -> ConnectE
     let path = Path::new(place);
     let exists = path.exists() || present.iter().any(|port| port.name == place);
     match error.kind {
-        ErrorKind::NoDevice if exists => {
-            ConnectError::Unusable("it is in use by another program, close that one first".to_owned())
-        }
-        ErrorKind::Io(std::io::ErrorKind::PermissionDenied) => {
-            ConnectError::Unusable(advice::serial_port_denied(place, &AccessDenied::Unknown).to_string())
-        }
+        ErrorKind::NoDevice if exists => ConnectError::Unusable(
+            "it is in use by another program, close that one first".to_owned(),
+        ),
+        ErrorKind::Io(std::io::ErrorKind::PermissionDenied) => ConnectError::Unusable(
+            advice::serial_port_denied(place, &AccessDenied::Unknown).to_string(),
+        ),
         ErrorKind::NoDevice | ErrorKind::Io(std::io::ErrorKind::NotFound) => {
             ConnectError::Absent(format!("there is no such port; {}", list(present)))
         }
-        _ if path.is_dir() => ConnectError::Unusable("it is a folder, not a serial port".to_owned()),
+        _ if path.is_dir() => {
+            ConnectError::Unusable("it is a folder, not a serial port".to_owned())
+        }
         _ if path.is_file() => ConnectError::Unusable(format!(
             "it is a file, not a serial port; to read bytes from a file write `file:{place}`"
         )),

@@ -64,8 +64,12 @@ mod tests {
     #[test]
     fn a_sleep_is_noticed_once() {
         static ASLEEP_MS: AtomicU64 = AtomicU64::new(5_000);
-        assert!(!SuspendDetector::default().was_suspended(), "the real clocks run alike");
-        let mut awake = SuspendDetector::with(|| Duration::from_millis(ASLEEP_MS.load(Ordering::SeqCst)));
+        assert!(
+            !SuspendDetector::default().was_suspended(),
+            "the real clocks run alike"
+        );
+        let mut awake =
+            SuspendDetector::with(|| Duration::from_millis(ASLEEP_MS.load(Ordering::SeqCst)));
         assert!(!awake.was_suspended());
         ASLEEP_MS.store(8_000, Ordering::SeqCst);
         assert!(awake.was_suspended());

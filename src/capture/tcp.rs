@@ -4,7 +4,7 @@ use std::io::Error;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-use super::connect::{Transport, Connection, READ_TIMEOUT, ConnectError};
+use super::connect::{ConnectError, Connection, READ_TIMEOUT, Transport};
 use super::wait::Readiness;
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);

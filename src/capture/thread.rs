@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded, select};
 
-use super::suspend::SuspendDetector;
 use super::cancel::{CancelHandle, cancel_token};
-use super::{SourceEvent, CaptureError, SourceStats, CancelToken, Reading, Source};
+use super::suspend::SuspendDetector;
+use super::{CancelToken, CaptureError, Reading, Source, SourceEvent, SourceStats};
 
 /// What a capture thread sends.
 ///

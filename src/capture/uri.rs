@@ -9,7 +9,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::CaptureError;
-use super::hc11::{PACKET_BYTES, Framing};
+use super::hc11::{Framing, PACKET_BYTES};
 use crate::names::{UnknownName, named_enum, nearest};
 
 /// Where readings come from.

@@ -26,7 +26,11 @@ impl Readiness {
 
     /// Whether there is something to read, an end or an error included. Waits for it, for `patience` at most and only
     /// until `interrupt` rings; without a patience for good.
-    pub fn wait(&self, interrupt: Option<&CancelToken>, patience: Option<Duration>) -> Result<bool> {
+    pub fn wait(
+        &self,
+        interrupt: Option<&CancelToken>,
+        patience: Option<Duration>,
+    ) -> Result<bool> {
         let limit = patience.map(timespec);
         let pipe = interrupt.map(|interrupt| PollFd::new(interrupt.pipe(), PollFlags::IN));
         let line = PollFd::new(&self.0, PollFlags::IN);

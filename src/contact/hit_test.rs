@@ -3,8 +3,8 @@
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Vec3;
 
-use super::sweep::{Stroke, is_inside, pad};
 use super::surface::{Surface, Target};
+use super::sweep::{Stroke, is_inside, pad};
 
 /// Two fronts that are crossed closer together than this share of a frame's way count as crossed
 /// at once; `f32` cannot tell coplanar fronts apart any finer.
@@ -121,10 +121,12 @@ pub fn is_in_a_target(surface: &Surface, centre: Vec3, radius: f32) -> bool {
     let reach = Vec3::splat(radius + BEHIND_REACH);
     let near = Aabb::new(centre - reach, centre + reach);
     surface.front_bvh().intersect_aabb(&near).any(|place| {
-        surface.target(surface.target_id(place)).is_some_and(|target| {
-            let pad = pad(target, centre, radius);
-            pad.z > -BEHIND_REACH && depth(target, pad).is_some()
-        })
+        surface
+            .target(surface.target_id(place))
+            .is_some_and(|target| {
+                let pad = pad(target, centre, radius);
+                pad.z > -BEHIND_REACH && depth(target, pad).is_some()
+            })
     })
 }
 
@@ -144,8 +146,8 @@ mod tests {
     use parry3d::math::{Pose, Rotation, Vec2};
 
     use super::*;
-    use crate::contact::sweep::tests::assert_close;
     use crate::contact::surface::{Anchor, Scene, Shape, TREMOR_MARGIN};
+    use crate::contact::sweep::tests::assert_close;
 
     const KEY: Shape = Shape::Box(Vec2::new(0.008, 0.006));
     fn target(shape: Shape, surface_from_target: Pose) -> Target {

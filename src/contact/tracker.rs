@@ -3,8 +3,8 @@
 use parry3d::math::{Vec2, Vec3};
 
 use super::hit_test::{self, Crossing};
-use super::sweep::{self, Stroke};
 use super::surface::{Scene, Shape, Target};
+use super::sweep::{self, Stroke};
 use super::{Phase, TargetId, Touch, Touches};
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
@@ -307,11 +307,7 @@ impl FingerState {
             .map(|share| share.max(since));
         let (turn, phase, level) = if contact.is_pressed {
             let depth = target.release_at * target.travel;
-            (
-                sweep.rises_to(depth),
-                Phase::Released,
-                target.release_at,
-            )
+            (sweep.rises_to(depth), Phase::Released, target.release_at)
         } else {
             let depth = target.press_at * target.travel;
             (sweep.sinks_to(depth), Phase::Pressed, target.press_at)

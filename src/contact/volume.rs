@@ -208,7 +208,11 @@ mod tests {
             assert_eq!(volume.intersect_segment(through, 0.5), Some([0.0, 0.5]));
             let ends_inside = [Vec3::ZERO, Vec3::X];
             assert_eq!(volume.intersect_segment(ends_inside, 0.0), Some([0.5, 1.0]));
-            assert_eq!(volume.intersect_segment([Vec3::X; 2], 0.0), Some([0.0, 1.0]), "stays");
+            assert_eq!(
+                volume.intersect_segment([Vec3::X; 2], 0.0),
+                Some([0.0, 1.0]),
+                "stays"
+            );
             assert_eq!(volume.intersect_segment([Vec3::ZERO; 2], 0.0), None);
             let beside = through.map(|point| point + Vec3::Y);
             assert_eq!(volume.intersect_segment(beside, 0.0), None);
@@ -220,7 +224,11 @@ mod tests {
     #[test]
     fn the_first_on_the_way_wins_and_where_they_overlap_the_nearest_middle() {
         let volumes = VolumeSet::new(vec![ball(3.0, 0.5), cube(1.0, 0.5), ball(1.4, 0.5)]);
-        let place = |way, since| volumes.first_entry(way, since).map(|entry: VolumeEntry| entry.index);
+        let place = |way, since| {
+            volumes
+                .first_entry(way, since)
+                .map(|entry: VolumeEntry| entry.index)
+        };
         let through = [Vec3::ZERO, Vec3::X * 4.0];
         assert_eq!(place(through, 0.0), Some(1));
         assert_eq!(place(through, 0.4), Some(2), "the cube is left behind");

@@ -8,14 +8,14 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded, select};
 
-use super::response::{self, JsonLine};
 use super::notification::{Subscribers, Subscription};
 use super::request::{MAX_LINE_BYTES, Request};
+use super::response::{self, JsonLine};
 use super::server::ServerContext;
 use crate::contact::board_pose::BoardPose;
 use crate::output::socket::Stream;
 use crate::reload::{FileCall, FileCalls, FileOrder};
-use crate::session::{Answer, Call, Order, BoardPoses};
+use crate::session::{Answer, BoardPoses, Call, Order};
 
 /// How long a client may take nothing of what is said to it.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -29,7 +29,12 @@ const BUSY: &str = "too much has been asked for that is not done yet";
 const LATE: &str = "nothing came of it within 2 s: the run waits for its source or its output; it will do it as soon as it can";
 
 /// Talks with a client until it goes away or does not listen any more.
-pub(super) fn serve(stream: Stream, mouth: LineWriter, desk: &ServerContext, subscribers: &Subscribers) {
+pub(super) fn serve(
+    stream: Stream,
+    mouth: LineWriter,
+    desk: &ServerContext,
+    subscribers: &Subscribers,
+) {
     let mut conversation = ClientConnection {
         mouth: Arc::new(mouth),
         names: desk

@@ -11,8 +11,8 @@ use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use super::response::{self, JsonLine};
 use crate::contact::TargetNames;
 use crate::device::Events;
-use crate::snapshot::{Snapshot, PipelineState};
 use crate::reload::ReloadReport;
+use crate::snapshot::{PipelineState, Snapshot};
 
 /// Frames with news that wait for the thread that makes lines of them.
 const WAITING_NEWS: usize = 64;
@@ -24,8 +24,14 @@ const WAITING_LINES: usize = 64;
 #[allow(clippy::large_enum_variant)]
 enum Notification {
     Events(Events, TargetNames),
-    State { state: PipelineState, is_paused: bool },
-    Reload { in_force: bool, text: String },
+    State {
+        state: PipelineState,
+        is_paused: bool,
+    },
+    Reload {
+        in_force: bool,
+        text: String,
+    },
 }
 
 /// The end of the way that a run has: takes what happens.
@@ -57,7 +63,10 @@ impl Notifier {
             return;
         }
         if !frame.events.is_empty() {
-            self.send(Notification::Events(frame.events.clone(), frame.target_names.clone()));
+            self.send(Notification::Events(
+                frame.events.clone(),
+                frame.target_names.clone(),
+            ));
         }
         if is_new {
             self.send(Notification::State { state, is_paused });

@@ -6,8 +6,8 @@ use super::ProfileInfo;
 use crate::contact::TargetNames;
 use crate::device::OutputEvent;
 use crate::estimate::Rejection;
-use crate::snapshot::{PipelineState, Stats, Suppressed};
 use crate::session::SessionStatus;
+use crate::snapshot::{PipelineState, Stats, Suppressed};
 use crate::trace::event_json;
 
 /// A line without its end.
@@ -55,7 +55,11 @@ pub(super) fn missed_notification(count: u64) -> JsonLine {
 }
 
 /// Something went out.
-pub(super) fn event_notification(event: &OutputEvent, names: &TargetNames, buffer: &mut Vec<u8>) -> JsonLine {
+pub(super) fn event_notification(
+    event: &OutputEvent,
+    names: &TargetNames,
+    buffer: &mut Vec<u8>,
+) -> JsonLine {
     String::from_utf8_lossy(event_json(event, names, buffer)).into()
 }
 

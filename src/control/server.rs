@@ -8,7 +8,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::connection::{self, LineWriter};
-use super::notification::{Notifier, Subscribers, NotificationQueue, broadcast};
+use super::notification::{NotificationQueue, Notifier, Subscribers, broadcast};
 use super::{ControlError, ProfileInfo, response};
 use crate::output::socket::{Listener, Stream};
 use crate::reload::FileCalls;

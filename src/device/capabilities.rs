@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt;
 
-use super::{EventKind, Axis, KeyCode, KeyKind};
+use super::{Axis, EventKind, KeyCode, KeyKind};
 
 /// Everything that a layout can ever send to an output.
 ///
@@ -169,14 +169,19 @@ mod tests {
         assert!(needs.iter().eq(ordered));
         assert!(put_in.iter().all(|need| needs.contains(*need)));
         assert!(!needs.contains(code("B")) && !needs.contains(Capability::Axis(Axis::TurnX)));
-        assert!(!ordered.iter().any(|need| Capabilities::default().contains(*need)));
+        assert!(
+            !ordered
+                .iter()
+                .any(|need| Capabilities::default().contains(*need))
+        );
     }
 
     #[test]
     fn both_layouts_are_served_by_what_either_needs() {
         let mut both = Capabilities::from_iter([code("A"), Capability::Text]);
         both.extend(Capabilities::from_iter([code("B"), Capability::Scroll]).iter());
-        let needs = Capabilities::from_iter([code("A"), code("B"), Capability::Text, Capability::Scroll]);
+        let needs =
+            Capabilities::from_iter([code("A"), code("B"), Capability::Text, Capability::Scroll]);
         assert_eq!(both, needs);
     }
 }

@@ -7,7 +7,7 @@ use parry3d::math::Vec2;
 
 use self::stick::{PARTS, Stick};
 use super::target_index::Places;
-use super::{Axis, KeyAction, Capability, Capabilities, DeviceOutput, DeviceInput, VirtualDevice};
+use super::{Axis, Capabilities, Capability, DeviceInput, DeviceOutput, KeyAction, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::time::Timestamp;
@@ -140,7 +140,11 @@ impl Joysticks {
 impl VirtualDevice for Joysticks {
     fn add_capabilities(&self, needs: &mut Capabilities) {
         for stick in &self.joysticks {
-            let actions = stick.direction_keys.into_iter().flatten().chain(stick.push_action);
+            let actions = stick
+                .direction_keys
+                .into_iter()
+                .flatten()
+                .chain(stick.push_action);
             needs.extend(actions.filter_map(KeyAction::required_capability));
             needs.extend(stick.axes.into_iter().flatten().map(Capability::Axis));
             needs.extend((stick.pointer_speed_px_s > 0.0).then_some(Capability::RelativeMotion));

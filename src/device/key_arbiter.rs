@@ -153,7 +153,8 @@ impl KeyArbiter {
         }
         if !self.has_room(events) {
             const PAUSE: Request = Request::Pause;
-            return action == KeyAction::Ask(PAUSE) && self.emit(time, EventKind::Ask(PAUSE), events);
+            return action == KeyAction::Ask(PAUSE)
+                && self.emit(time, EventKind::Ask(PAUSE), events);
         }
         match action {
             KeyAction::Text(text) if !self.write(text, time, events) => return false,

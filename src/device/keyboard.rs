@@ -7,18 +7,18 @@ mod depths;
 mod dwell;
 mod pending;
 
-pub use self::binding::{Activation, TapHold, KeyBinding};
+pub use self::binding::{Activation, KeyBinding, TapHold};
 pub use self::chords::{Chord, MAX_CHORD_KEYS};
 
 use arrayvec::ArrayVec;
 
-use self::debounce::Bounces;
 use self::chords::Chords;
+use self::debounce::Bounces;
 use self::depths::Depths;
 use self::dwell::Dwell;
 use self::pending::Waiting;
 use super::target_index::Places;
-use super::{KeyAction, Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
+use super::{Capabilities, DeviceInput, DeviceOutput, KeyAction, PressSource, VirtualDevice};
 use crate::contact::{MAX_TOUCHES, Phase, TargetId, Touch};
 use crate::hand::{FINGERS_OF_BOTH_HANDS, FingerSet};
 use crate::time::Timestamp;
@@ -86,7 +86,11 @@ impl Keyboard {
         let Some(place) = self.places.of(touch.target) else {
             return;
         };
-        let KeyBinding { activation: fires, debounce: repress, .. } = self.bindings[place];
+        let KeyBinding {
+            activation: fires,
+            debounce: repress,
+            ..
+        } = self.bindings[place];
         let is_dwell = matches!(fires, Activation::Dwell(_));
         if is_dwell || self.bounces.is_bounce(place, touch.time, repress) {
             return;
@@ -206,18 +210,26 @@ impl VirtualDevice for Keyboard {
     fn add_capabilities(&self, needs: &mut Capabilities) {
         for binding in &self.bindings {
             let held = match binding.activation {
-                Activation::TapHold(TapHold { hold_action: action, .. }) => Some(action),
+                Activation::TapHold(TapHold {
+                    hold_action: action,
+                    ..
+                }) => Some(action),
                 _ => None,
             };
             let actions = binding.actions.iter().copied().flatten().chain(held);
             needs.extend(actions.filter_map(KeyAction::required_capability));
         }
-        needs.extend(self.chords.actions().filter_map(KeyAction::required_capability));
+        needs.extend(
+            self.chords
+                .actions()
+                .filter_map(KeyAction::required_capability),
+        );
     }
 
     fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
         // Releases that found no room in the frame before.
-        out.arbiter.emit_changes(out.arbiter.last_event_time(), out.events);
+        out.arbiter
+            .emit_changes(out.arbiter.last_event_time(), out.events);
         // One frame of one hand is one chunk; a longer list must not lose a release either.
         for touches in seen.touches.chunks(MAX_TOUCHES) {
             self.take_presses(touches, out);

@@ -7,12 +7,12 @@ use std::f32::consts::TAU;
 use parry3d::math::Vec2;
 
 use self::pinch::{Pinch, Tips};
-use super::value_output::{ValueOutput, Driver};
 use super::grips::Grips;
-use super::target_index::Places;
 use super::pending_returns::Resting;
 use super::steps::{nearest, step_to};
-use super::{Capabilities, DeviceOutput, DeviceInput, VirtualDevice};
+use super::target_index::Places;
+use super::value_output::{Driver, ValueOutput};
+use super::{Capabilities, DeviceInput, DeviceOutput, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::hand::Side;
 use crate::time::Timestamp;
@@ -186,7 +186,12 @@ impl Knobs {
         Pinch::On(held)
     }
 
-    fn rotate(&mut self, mut held: pinch::Held, seen: &DeviceInput, out: &mut DeviceOutput) -> Pinch {
+    fn rotate(
+        &mut self,
+        mut held: pinch::Held,
+        seen: &DeviceInput,
+        out: &mut DeviceOutput,
+    ) -> Pinch {
         let Some(angle) = held.turn(seen.pose, seen.scene) else {
             return Pinch::Closed;
         };

@@ -27,9 +27,9 @@ pub mod slider;
 pub mod knob;
 pub mod joystick;
 
+pub use capabilities::{Capabilities, Capability};
+pub use key_arbiter::{KeyAction, KeyArbiter, Latch, PressSource, TextId};
 pub use keycode::{KeyCode, KeyKind};
-pub use capabilities::{Capability, Capabilities};
-pub use key_arbiter::{KeyAction, Latch, PressSource, KeyArbiter, TextId};
 
 /// Something for the operating system or a peer.
 #[derive(Clone, Copy, Debug, PartialEq)]

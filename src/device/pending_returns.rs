@@ -34,7 +34,12 @@ impl Resting {
     }
 
     /// Goes on with those that had no room; each control of the list has its driver beside it.
-    pub(super) fn go_on<T>(&mut self, list: &mut [(T, Driver)], time: Timestamp, out: &mut DeviceOutput) {
+    pub(super) fn go_on<T>(
+        &mut self,
+        list: &mut [(T, Driver)],
+        time: Timestamp,
+        out: &mut DeviceOutput,
+    ) {
         self.0.retain(|&place| !list[place].1.rest(time, out));
     }
 }

@@ -17,12 +17,12 @@ mod trusted_hand;
 mod selection;
 mod motion;
 
-pub use dwell::DwellSettings;
 pub use anchored_frame::AnchoredFrame;
+pub use dwell::DwellSettings;
 pub use gesture::{Gesture, PinchGaps};
 pub use mode::PointingMode;
-pub use settings::{ClickMethod, MAX_CLICKS, CursorOutput, ScrollSettings, PointerSettings};
 pub use selection::SelectionSpace;
+pub use settings::{ClickMethod, CursorOutput, MAX_CLICKS, PointerSettings, ScrollSettings};
 
 use parry3d::math::{Vec2, Vec3};
 
@@ -30,11 +30,14 @@ use self::cursor::Cursor;
 use self::dwell::Resting;
 use self::gesture_set::Gestures;
 use self::mode::Aim;
-use self::trusted_hand::Sight;
-use self::selection::{At, Selector};
 use self::motion::Way;
+use self::selection::{At, Selector};
+use self::trusted_hand::Sight;
 use super::value_output::Driver;
-use super::{EventKind, KeyAction, Capability, Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
+use super::{
+    Capabilities, Capability, DeviceInput, DeviceOutput, EventKind, KeyAction, PressSource,
+    VirtualDevice,
+};
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
 
@@ -178,8 +181,7 @@ impl Hand {
     }
 
     fn gain(&self, by: Vec2, seconds: f32, out: &DeviceOutput) -> f32 {
-        let is_precise =
-            self.gestures.is_precise() || out.arbiter.is_pressed(KeyAction::Precision);
+        let is_precise = self.gestures.is_precise() || out.arbiter.is_pressed(KeyAction::Precision);
         let precision = if is_precise {
             self.settings.precision_factor
         } else {
@@ -236,7 +238,9 @@ impl Hand {
     /// Where it is in space.
     fn point(&self) -> Option<At> {
         match &self.settings.mode {
-            PointingMode::Joint(joints) => Some(At::InEachSpace(joints.point(self.cursor.shares()))),
+            PointingMode::Joint(joints) => {
+                Some(At::InEachSpace(joints.point(self.cursor.shares())))
+            }
             _ => None,
         }
     }

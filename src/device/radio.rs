@@ -2,7 +2,7 @@
 
 use super::target_index::Places;
 use super::toggle::{ToggleOutput, value};
-use super::{Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
+use super::{Capabilities, DeviceInput, DeviceOutput, PressSource, VirtualDevice};
 use crate::contact::{Phase, TargetId};
 use crate::time::Timestamp;
 
@@ -102,9 +102,8 @@ impl VirtualDevice for Radios {
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         for group in 0..self.on.len() {
-            let holds = self.on[group].is_some_and(|place| {
-                matches!(self.options[place].0.output, ToggleOutput::Hold(_))
-            });
+            let holds = self.on[group]
+                .is_some_and(|place| matches!(self.options[place].0.output, ToggleOutput::Hold(_)));
             if holds {
                 self.switch_off(group, time, out);
             }

@@ -1,11 +1,11 @@
 //! Sliders and levers: a handle that a fingertip moves along a track.
 
-use super::value_output::{ValueOutput, Driver};
 use super::grips::Grips;
-use super::target_index::Places;
 use super::pending_returns::Resting;
 use super::steps::{nearest, step_to};
-use super::{Capabilities, DeviceOutput, DeviceInput, VirtualDevice};
+use super::target_index::Places;
+use super::value_output::{Driver, ValueOutput};
+use super::{Capabilities, DeviceInput, DeviceOutput, VirtualDevice};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::time::Timestamp;
 
@@ -113,7 +113,9 @@ impl Sliders {
         let (slider, driver) = &mut self.sliders[place];
         let ahead = match slider.grab {
             GrabMode::Absolute => 0.0,
-            GrabMode::Relative => slider.track.place(driver.value()) * slider.half_length - touch.position.x,
+            GrabMode::Relative => {
+                slider.track.place(driver.value()) * slider.half_length - touch.position.x
+            }
         };
         self.grips.begin(touch, place, ahead);
         // Also where the handle stays: an axis that went to 0 comes back.

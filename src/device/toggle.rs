@@ -1,7 +1,10 @@
 //! Toggle switches: one poke turns one on, the next turns it off.
 
 use super::target_index::Places;
-use super::{EventKind, KeyAction, Capability, Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
+use super::{
+    Capabilities, Capability, DeviceInput, DeviceOutput, EventKind, KeyAction, PressSource,
+    VirtualDevice,
+};
 use crate::contact::{Phase, TargetId};
 use crate::time::Timestamp;
 

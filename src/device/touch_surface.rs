@@ -11,7 +11,10 @@ use parry3d::math::Vec2;
 use self::touchpad::Pad;
 use self::touchscreen::Screen;
 use super::target_index::Places;
-use super::{KeyAction, KeyCode, Capability, Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
+use super::{
+    Capabilities, Capability, DeviceInput, DeviceOutput, KeyAction, KeyCode, PressSource,
+    VirtualDevice,
+};
 use crate::contact::{TargetId, Touch};
 use crate::time::Timestamp;
 
@@ -79,9 +82,11 @@ impl VirtualDevice for TouchSurfaces {
             needs.insert(Capability::Key(KeyCode::MOUSE_LEFT));
             match surface {
                 Surface::Screen(_) => needs.insert(Capability::AbsoluteMotion),
-                Surface::Pad(_) => {
-                    needs.extend([Capability::Key(KeyCode::MOUSE_RIGHT), Capability::RelativeMotion, Capability::Scroll])
-                }
+                Surface::Pad(_) => needs.extend([
+                    Capability::Key(KeyCode::MOUSE_RIGHT),
+                    Capability::RelativeMotion,
+                    Capability::Scroll,
+                ]),
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Triggers: an angle of a joint or a pinch as a control, without anything to touch.
 
-use super::value_output::{ValueOutput, Driver};
-use super::{KeyAction, Capabilities, DeviceOutput, PressSource, DeviceInput, VirtualDevice};
+use super::value_output::{Driver, ValueOutput};
+use super::{Capabilities, DeviceInput, DeviceOutput, KeyAction, PressSource, VirtualDevice};
 use crate::contact::TargetId;
 use crate::hand::{Dof, Finger, Side};
 use crate::time::Timestamp;

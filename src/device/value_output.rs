@@ -1,6 +1,6 @@
 //! What the value of a slider, knob or lever drives.
 
-use super::{EventKind, Axis, KeyAction, Capability, Capabilities, DeviceOutput, PressSource};
+use super::{Axis, Capabilities, Capability, DeviceOutput, EventKind, KeyAction, PressSource};
 use crate::contact::TargetId;
 use crate::time::Timestamp;
 
@@ -41,8 +41,16 @@ impl ValueOutput {
             Self::Axis(axis) => needs.insert(Capability::Axis(axis)),
             Self::ScrollX(_) | Self::ScrollY(_) => needs.insert(Capability::Scroll),
             Self::MoveX(_) | Self::MoveY(_) => needs.insert(Capability::RelativeMotion),
-            Self::Taps { increase: more, decrease: less, .. } => {
-                needs.extend([more, less].into_iter().filter_map(KeyAction::required_capability));
+            Self::Taps {
+                increase: more,
+                decrease: less,
+                ..
+            } => {
+                needs.extend(
+                    [more, less]
+                        .into_iter()
+                        .filter_map(KeyAction::required_capability),
+                );
             }
         }
     }
@@ -146,7 +154,11 @@ impl Driver {
                 self.stand_at(axis, place.clamp(-1.0, 1.0), time, out);
                 true
             }
-            ValueOutput::Taps { increase: more, decrease: less, .. } => return self.tap(more, less, behind, time, out),
+            ValueOutput::Taps {
+                increase: more,
+                decrease: less,
+                ..
+            } => return self.tap(more, less, behind, time, out),
             _ if behind == 0 => true,
             ValueOutput::ScrollX(_) => out.emit(time, EventKind::Scroll(behind, 0)),
             ValueOutput::ScrollY(_) => out.emit(time, EventKind::Scroll(0, behind)),

@@ -1,7 +1,7 @@
 //! [`Facts`] → [`Finding`]s: each check is a function of what was found.
 
-use super::facts::{Compositor, XDisplay, Facts, DeviceNode, RuntimeDir, UinputFacts};
-use super::{Finding, CheckStatus, Requirements};
+use super::facts::{Compositor, DeviceNode, Facts, RuntimeDir, UinputFacts, XDisplay};
+use super::{CheckStatus, Finding, Requirements};
 use crate::advice::{self, Advice, KEYBOARD_PROTOCOL, POINTER_PROTOCOL};
 use crate::control::{self, ControlError};
 
@@ -52,7 +52,8 @@ fn ports(facts: &Facts, wants: &Requirements) -> Vec<Finding> {
         );
         return vec![finding("serial port", CheckStatus::Missing, false, advice)];
     }
-    let of_port = |(name, node): &(String, DeviceNode)| port(name, node, wants.ports.contains(name));
+    let of_port =
+        |(name, node): &(String, DeviceNode)| port(name, node, wants.ports.contains(name));
     facts.ports.iter().map(of_port).collect()
 }
 
@@ -125,7 +126,10 @@ fn compositor(facts: &Facts, wants: &Requirements) -> Finding {
     let has = |protocol: &str| globals.iter().any(|global| global == protocol);
     let name = program.as_deref().unwrap_or("the compositor");
     let (state, advice) = match (has(KEYBOARD_PROTOCOL), facts.has_wayland) {
-        (false, _) => (CheckStatus::Missing, advice::no_virtual_keyboard(Some(name))),
+        (false, _) => (
+            CheckStatus::Missing,
+            advice::no_virtual_keyboard(Some(name)),
+        ),
         (true, false) => (
             CheckStatus::Missing,
             Advice::new(

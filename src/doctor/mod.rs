@@ -19,7 +19,9 @@ mod wayland;
 mod probe;
 
 pub use checks::check;
-pub use facts::{Compositor, XDisplay, Facts, DeviceNode, RunningInstance, RuntimeDir, UinputFacts, User};
+pub use facts::{
+    Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, XDisplay,
+};
 pub use output_test::{OutputTest, test_output};
 
 use std::path::Path;
@@ -144,6 +146,9 @@ mod tests {
         wants.ports.push("/dev/ttyUSB1".into());
         (wants.desktop, wants.uinput) = (true, false);
         assert_eq!(Requirements::from_setup(&setup), wants);
-        assert_eq!(Requirements::from_setup(&Setup::default()), Requirements::default());
+        assert_eq!(
+            Requirements::from_setup(&Setup::default()),
+            Requirements::default()
+        );
     }
 }

@@ -4,7 +4,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::probe;
-use crate::device::{EventKind, KeyCode, Capability, Capabilities, OutputEvent};
+use crate::device::{Capabilities, Capability, EventKind, KeyCode, OutputEvent};
 use crate::names::named_enum;
 use crate::output::{self, OutputError, Sink};
 use crate::time::Timestamp;
@@ -30,7 +30,11 @@ named_enum! {
 pub fn test_output(trial: OutputTest) -> Result<String, OutputError> {
     let needs: Capabilities = match trial {
         OutputTest::Desktop => [Capability::RelativeMotion].into_iter().collect(),
-        OutputTest::Uinput => KEY.parse::<KeyCode>().map(Capability::Key).into_iter().collect(),
+        OutputTest::Uinput => KEY
+            .parse::<KeyCode>()
+            .map(Capability::Key)
+            .into_iter()
+            .collect(),
     };
     match trial {
         OutputTest::Desktop => move_to_and_fro(&mut *output::open(trial.name(), &needs)?),

@@ -11,7 +11,9 @@ use rustix::fs::{Access, AtFlags, CWD, OFlags, accessat};
 use rustix::io::Errno;
 use rustix::process::{getegid, geteuid, getgroups};
 
-use super::facts::{Compositor, XDisplay, Facts, DeviceNode, RunningInstance, RuntimeDir, UinputFacts, User};
+use super::facts::{
+    Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, XDisplay,
+};
 use super::{Requirements, wayland};
 use crate::advice::AccessDenied;
 use crate::device::Capabilities;
@@ -285,9 +287,11 @@ fn runtime(folder: Option<&Path>) -> RuntimeDir {
         return RuntimeDir::Absent;
     };
     let socket = folder.join("ademan").join("control.sock");
-    let run = UnixStream::connect(&socket).ok().map(|stream| RunningInstance {
-        process: wayland::peer(&stream),
-    });
+    let run = UnixStream::connect(&socket)
+        .ok()
+        .map(|stream| RunningInstance {
+            process: wayland::peer(&stream),
+        });
     RuntimeDir::Present { socket, run }
 }
 

@@ -8,7 +8,7 @@ mod one_euro;
 mod rows;
 mod smoothing;
 
-pub use calibration::{FitError, AffineMap, divider_resistance};
+pub use calibration::{AffineMap, FitError, divider_resistance};
 pub use channels::{ChannelMap, ChannelRow};
 pub use estimator::{Estimator, EstimatorSettings, MAX_ROWS};
 pub use limits::JointLimits;

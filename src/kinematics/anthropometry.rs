@@ -2,7 +2,7 @@
 
 use parry3d::math::Vec3;
 
-use super::arm_model::{ArmModel, Link, ArmModelError};
+use super::arm_model::{ArmModel, ArmModelError, Link};
 use crate::hand::{Dof, Finger, Joint, Side};
 
 /// Hand breadth as a share of hand length: 84/183 mm and 75/166 mm (Buryanov & Kotiuk 2010).
@@ -249,6 +249,10 @@ mod tests {
     fn lengths_that_no_person_has_are_refused() {
         assert!(BoneLengths::from_hand_and_forearm(1.9, 0.255).is_err());
         assert!(BoneLengths::from_hand_and_forearm(f64::NAN, 0.255).is_err());
-        assert!(BoneLengths::from_hand_and_forearm(0.19, 2.55).unwrap_err().contains("2550 mm"));
+        assert!(
+            BoneLengths::from_hand_and_forearm(0.19, 2.55)
+                .unwrap_err()
+                .contains("2550 mm")
+        );
     }
 }

@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use parry3d::math::{Pose, Vec3};
 
 use super::arm_model::{ArmModel, MAX_LINKS, far_end};
-use crate::estimate::{JointAngles, AffineMap};
+use crate::estimate::{AffineMap, JointAngles};
 use crate::hand::{Dof, Finger};
 
 /// The most controls that one solution moves.
@@ -110,7 +110,11 @@ pub fn solve_ik(
 }
 
 /// The angles that the controls give with these values, over those of `fixed`.
-pub fn angles_from_variables(controls: &[IkVariable], values: &[f64], fixed: &JointAngles) -> JointAngles {
+pub fn angles_from_variables(
+    controls: &[IkVariable],
+    values: &[f64],
+    fixed: &JointAngles,
+) -> JointAngles {
     let mut angles = *fixed;
     for (control, value) in controls.iter().zip(values) {
         for (dof, line) in &control.mappings {
@@ -216,8 +220,10 @@ impl Chain {
             .map(|control| {
                 let moved = self.links.iter().map(|&place| {
                     let link = &model.links()[place];
-                    let Some((_, line)) =
-                        control.mappings.iter().find(|(dof, _)| link.dof == Some(*dof))
+                    let Some((_, line)) = control
+                        .mappings
+                        .iter()
+                        .find(|(dof, _)| link.dof == Some(*dof))
                     else {
                         return DVec3::ZERO;
                     };

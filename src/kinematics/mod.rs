@@ -6,8 +6,8 @@ mod inverse;
 mod joint_rotations;
 
 pub use anthropometry::BoneLengths;
-pub use arm_model::{ArmModel, Link, MAX_LINKS, ArmModelError};
-pub use inverse::{IkVariable, MAX_IK_VARIABLES, IkSolution, angles_from_variables, solve_ik};
+pub use arm_model::{ArmModel, ArmModelError, Link, MAX_LINKS};
+pub use inverse::{IkSolution, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik};
 
 use parry3d::math::{Pose, Vec3};
 

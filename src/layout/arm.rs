@@ -3,8 +3,8 @@
 use parry3d::math::{Mat3, Pose, Vec3};
 use serde::Deserialize;
 
-use super::error::DocumentError;
 use super::document::Document;
+use super::error::DocumentError;
 use crate::hand::{Dof, Finger, Joint, Side};
 use crate::kinematics::{ArmModel, Link};
 
@@ -99,7 +99,9 @@ impl Mount {
 impl WrittenLink<'_> {
     fn checked(&self, before: &[Link], document: &Document) -> Result<Link, DocumentError> {
         if before.iter().any(|other| other.name == self.name) {
-            return Err(document.error_at(self.name, format!("two links are called `{}`", self.name)));
+            return Err(
+                document.error_at(self.name, format!("two links are called `{}`", self.name))
+            );
         }
         let parent = match self.parent {
             None => None,
@@ -145,7 +147,10 @@ mod tests {
         let arm = ArmModel::load("unam").unwrap();
         assert_eq!(arm.links().len(), 25);
         assert_eq!(
-            arm.links().iter().filter(|link| link.fingertip.is_some()).count(),
+            arm.links()
+                .iter()
+                .filter(|link| link.fingertip.is_some())
+                .count(),
             5
         );
         assert_eq!(

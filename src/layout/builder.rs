@@ -13,14 +13,14 @@ use parry3d::math::Vec2;
 
 use super::controls::Control;
 use super::controls::space::SpaceTargets;
-use super::error::{DocumentError, line_of};
 use super::document::Document;
+use super::error::{DocumentError, line_of};
 use super::model::{BASE_LAYER, Board, Face, Key, Layout, MAX_LAYERS, MAX_TARGETS, metres};
-use super::ranged::{Distance, PressShare, ReleaseShare, Travel};
 use super::outline::{Outline, first_overlap};
 use super::placement::{self, BoardShape, Stance};
-use super::text::Spanned;
+use super::ranged::{Distance, PressShare, ReleaseShare, Travel};
 use super::schema::{self, Form};
+use super::text::Spanned;
 use crate::contact::TargetId;
 use crate::contact::surface::{Scene, Target};
 use crate::device::KeyCode;
@@ -289,7 +289,9 @@ impl<'a> Checked<'a> {
         let at = spot.at * self.scale;
         let Some(mut outline) = placement::outline(bend, at, shape) else {
             let ends = match bend {
-                BoardShape::Rows(_) | BoardShape::Columns(_) => "more than half a turn round its cylinder",
+                BoardShape::Rows(_) | BoardShape::Columns(_) => {
+                    "more than half a turn round its cylinder"
+                }
                 BoardShape::Flat | BoardShape::Arc(_) => "beyond the ends of its arc",
             };
             return Err(error(format!("the {what} `{name}` lies {ends}")));

@@ -5,10 +5,10 @@ use std::ops::Range;
 use ron::value::RawValue;
 use serde::Deserialize;
 
-use super::error::{DocumentError, offset_of};
 use super::document::Document;
-use super::ranged::{Distance, Tilt};
+use super::error::{DocumentError, offset_of};
 use super::placement::anchor_from_board;
+use super::ranged::{Distance, Tilt};
 use super::schema;
 use crate::contact::board_pose::BoardPose;
 

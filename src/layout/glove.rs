@@ -2,10 +2,10 @@
 
 use serde::Deserialize;
 
-use super::error::DocumentError;
 use super::document::Document;
+use super::error::DocumentError;
 use crate::capture::MAX_CHANNELS;
-use crate::estimate::{ChannelMap, ChannelRow, AffineMap, MAX_ROWS};
+use crate::estimate::{AffineMap, ChannelMap, ChannelRow, MAX_ROWS};
 use crate::hand::{Dof, Side};
 
 /// A glove as its file describes it.

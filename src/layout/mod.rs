@@ -20,13 +20,13 @@ mod schema;
 
 pub use controls::space::SpaceTargets;
 pub use controls::{Control, ControlKind};
-pub use draw::{Cell, Grid};
-pub use error::DocumentError;
 pub use document::{Document, parse_ron};
+pub use draw::{Cell, Grid};
+pub use edit::{move_boards, scale_boards};
+pub use error::DocumentError;
 pub use glove::Glove;
+pub use hover::Hover;
 pub use model::{Board, Face, Key, Layout};
 pub use outline::Outline;
-pub use hover::Hover;
 pub use placement::BoardShape;
-pub use edit::{move_boards, scale_boards};
 pub use text::{Label, Pairs, Spanned};

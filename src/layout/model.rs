@@ -8,8 +8,8 @@ use parry3d::math::{Vec2, Vec3};
 use super::controls::pointer::POINTER;
 use super::controls::space::SpaceTargets;
 use super::controls::{self, Control};
-use super::error::DocumentError;
 use super::document::{self, Document};
+use super::error::DocumentError;
 use super::outline::Outline;
 use super::placement::BoardShape;
 use super::{builder, ranged};
@@ -17,10 +17,10 @@ use crate::contact::TargetId;
 use crate::contact::TargetNames;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
-use crate::device::keyboard::{Chord, Activation, TapHold, KeyBinding};
+use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold};
 use crate::device::pointer::PointerSettings;
 use crate::device::trigger::Trigger;
-use crate::device::{KeyAction, Capabilities, Request, TextId, VirtualDevice};
+use crate::device::{Capabilities, KeyAction, Request, TextId, VirtualDevice};
 use crate::hand::Side;
 
 /// The most targets that a layout has: keys and other controls.
@@ -157,7 +157,9 @@ impl Board {
             )
         };
         match self.shape {
-            BoardShape::Flat | BoardShape::Arc(_) => self.row_position(point.truncate()).extend(point.z),
+            BoardShape::Flat | BoardShape::Arc(_) => {
+                self.row_position(point.truncate()).extend(point.z)
+            }
             BoardShape::Rows(radius) => {
                 let (x, height) = unrolled(point.x, radius);
                 Vec3::new(x, point.y, height)
@@ -180,7 +182,10 @@ impl Key {
     /// What it does when it is held, if that is something else than what a tap does.
     pub fn hold_action(&self) -> Option<KeyAction> {
         match self.fires {
-            Activation::TapHold(TapHold { hold_action: action, .. }) => Some(action),
+            Activation::TapHold(TapHold {
+                hold_action: action,
+                ..
+            }) => Some(action),
             Activation::OnPress | Activation::OnRelease | Activation::Dwell(_) => None,
         }
     }

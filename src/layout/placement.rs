@@ -40,7 +40,9 @@ impl BoardShape {
     /// Where a place on the board is in the board's frame, its +Z out of the board there.
     pub(super) fn surface_from_spot(self, outline: &Outline) -> Pose {
         let Outline {
-            center: middle, rotation, ..
+            center: middle,
+            rotation,
+            ..
         } = *outline;
         let in_plane = Rot3::from_rotation_z(rotation);
         match self {
@@ -88,8 +90,12 @@ pub(super) fn outline(bend: BoardShape, at: Vec2, shape: Shape) -> Option<Outlin
     let reach = upright.half_extents();
     let at_zero = match bend {
         BoardShape::Flat => return Some(upright),
-        BoardShape::Rows(radius) => return (at.x.abs() + reach.x <= PI * radius).then_some(upright),
-        BoardShape::Columns(radius) => return (at.y.abs() + reach.y <= PI * radius).then_some(upright),
+        BoardShape::Rows(radius) => {
+            return (at.x.abs() + reach.x <= PI * radius).then_some(upright);
+        }
+        BoardShape::Columns(radius) => {
+            return (at.y.abs() + reach.y <= PI * radius).then_some(upright);
+        }
         BoardShape::Arc(radius) => radius,
     };
     let radius = at_zero + at.y;

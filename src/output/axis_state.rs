@@ -1,6 +1,6 @@
 //! Which axes are away from their rest: the account of every output that has axes.
 
-use crate::device::{EventKind, Axis};
+use crate::device::{Axis, EventKind};
 
 /// The axes that have left 0 and not come back.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -12,12 +12,12 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
-use super::watchdog::{WatchdogClient, WatchdogSettings};
+use super::pending_motion::{PendingMotion, StatelessAction};
 use super::pressed_keys::PressedKeys;
-use super::pending_motion::{StatelessAction, PendingMotion};
-use super::worker::{Injector, WorkerRequest, WorkerStatus, Worker};
+use super::watchdog::{WatchdogClient, WatchdogSettings};
+use super::worker::{Injector, Worker, WorkerRequest, WorkerStatus};
 use super::{OutputError, OutputKind, Sink, platform};
-use crate::device::{EventKind, KeyCode, KeyKind, Capability, Capabilities, OutputEvent};
+use crate::device::{Capabilities, Capability, EventKind, KeyCode, KeyKind, OutputEvent};
 
 const OUTPUT: &str = "desktop";
 
@@ -70,7 +70,10 @@ impl Desktop {
     }
 
     /// Connects to the desktop of the session, with a guardian that lets go of keys when this program cannot.
-    pub fn open_with_watchdog(launch: &WatchdogSettings, needs: &Capabilities) -> Result<Self, OutputError> {
+    pub fn open_with_watchdog(
+        launch: &WatchdogSettings,
+        needs: &Capabilities,
+    ) -> Result<Self, OutputError> {
         let needs_pointer = needs.iter().any(is_of_a_pointer);
         Self::start(Some(launch), move || platform::open(None, needs_pointer))
     }

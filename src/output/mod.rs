@@ -217,7 +217,11 @@ pub fn check(names: &str, needs: &Capabilities) -> Result<(), OutputError> {
 
 /// Whether outputs that were opened for a layout that needs `opened` take one that needs `needs`; if
 /// not, why, and what to do. Devices of the kernel have what they were made with and nothing else.
-pub fn check_layout_change(names: &str, opened: &Capabilities, needs: &Capabilities) -> Result<(), String> {
+pub fn check_layout_change(
+    names: &str,
+    opened: &Capabilities,
+    needs: &Capabilities,
+) -> Result<(), String> {
     let (parts, reaches) = parts(names).map_err(|error| error.to_string())?;
     if let Some(reason) = reach::unsupported_reason(&parts, &reaches, needs) {
         return Err(reason);
@@ -322,7 +326,10 @@ pub fn private(options: &mut OpenOptions) -> &mut OpenOptions {
 }
 
 #[cfg(target_os = "linux")]
-fn open_uinput(needs: &Capabilities, launch: Option<&WatchdogSettings>) -> Result<Box<dyn Sink>, OutputError> {
+fn open_uinput(
+    needs: &Capabilities,
+    launch: Option<&WatchdogSettings>,
+) -> Result<Box<dyn Sink>, OutputError> {
     Ok(Box::new(match launch {
         Some(launch) => uinput::Uinput::open_with_watchdog("Ademan", needs, launch)?,
         None => uinput::Uinput::open("Ademan", needs)?,
@@ -330,7 +337,10 @@ fn open_uinput(needs: &Capabilities, launch: Option<&WatchdogSettings>) -> Resul
 }
 
 #[cfg(not(target_os = "linux"))]
-fn open_uinput(_: &Capabilities, _: Option<&WatchdogSettings>) -> Result<Box<dyn Sink>, OutputError> {
+fn open_uinput(
+    _: &Capabilities,
+    _: Option<&WatchdogSettings>,
+) -> Result<Box<dyn Sink>, OutputError> {
     Err(OutputError::Open {
         output: "uinput".into(),
         reason: "it is a part of Linux; use the output `desktop`".into(),

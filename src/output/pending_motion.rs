@@ -51,14 +51,18 @@ impl PendingMotion {
 
     /// Takes out what is to be done now; less than a click of the wheel stays for the next turn.
     pub fn drain(&mut self) -> ArrayVec<StatelessAction, 3> {
-        let place = self.place.take().map(|(x, y)| StatelessAction::MoveTo(x, y));
+        let place = self
+            .place
+            .take()
+            .map(|(x, y)| StatelessAction::MoveTo(x, y));
         let (x, y) = std::mem::take(&mut self.by);
         let way = (x.clamp(-FARTHEST, FARTHEST), y.clamp(-FARTHEST, FARTHEST));
         let way = (way != (0, 0)).then_some(StatelessAction::MoveBy(way.0, way.1));
         let clicks = (self.wheel.0 / CLICK, self.wheel.1 / CLICK);
         self.wheel = (self.wheel.0 % CLICK, self.wheel.1 % CLICK);
         let capped = |clicks: i32| clicks.clamp(-MOST_CLICKS, MOST_CLICKS);
-        let turn = (clicks != (0, 0)).then(|| StatelessAction::Scroll(capped(clicks.0), capped(clicks.1)));
+        let turn =
+            (clicks != (0, 0)).then(|| StatelessAction::Scroll(capped(clicks.0), capped(clicks.1)));
         [place, way, turn].into_iter().flatten().collect()
     }
 }
@@ -89,7 +93,10 @@ mod tests {
             EventKind::MoveTo(0.5, 2.0),
             EventKind::MoveBy(1, 0),
         ];
-        let expected = [StatelessAction::MoveTo(0.5, 1.0), StatelessAction::MoveBy(1, 0)];
+        let expected = [
+            StatelessAction::MoveTo(0.5, 1.0),
+            StatelessAction::MoveBy(1, 0),
+        ];
         assert_eq!(taken(&mut motion, &places), expected);
         assert_eq!(taken(&mut motion, &[]), []);
     }

@@ -1,7 +1,7 @@
 //! What each kind of output can carry, and what is said when none of them can.
 
 use super::platform;
-use crate::device::{KeyKind, Capability, Capabilities};
+use crate::device::{Capabilities, Capability, KeyKind};
 
 /// What an output can carry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -44,7 +44,9 @@ impl OutputKind {
                 Some("has keys, of which the receiver's keymap makes characters")
             }
             (Self::Spacenav, Capability::Axis(axis)) if !axis.is_gamepad() => None,
-            (Self::Spacenav, Capability::Key(code)) if SPACENAV_BUTTONS.contains(&code.name()) => None,
+            (Self::Spacenav, Capability::Key(code)) if SPACENAV_BUTTONS.contains(&code.name()) => {
+                None
+            }
             (Self::Spacenav, _) => Some("has 6-DoF axes and four buttons, no more"),
             _ => None,
         }
@@ -55,7 +57,8 @@ impl OutputKind {
 /// nowhere else because there are none but records.
 pub fn route(reaches: &[OutputKind], need: Capability) -> Option<usize> {
     let only_records = reaches.iter().all(|reach| *reach == OutputKind::Log);
-    let can = |reach: &OutputKind| (only_records || *reach != OutputKind::Log) && reach.supports(need);
+    let can =
+        |reach: &OutputKind| (only_records || *reach != OutputKind::Log) && reach.supports(need);
     reaches.iter().position(can)
 }
 
@@ -66,10 +69,12 @@ pub fn routed_to(reaches: &[OutputKind], place: usize, needs: &Capabilities) -> 
 }
 
 /// Why none of these outputs can carry something, and what to do about it; `None` where all is carried.
-pub fn unsupported_reason(names: &[&str], reaches: &[OutputKind], needs: &Capabilities) -> Option<String> {
-    let need = needs
-        .iter()
-        .find(|need| route(reaches, *need).is_none())?;
+pub fn unsupported_reason(
+    names: &[&str],
+    reaches: &[OutputKind],
+    needs: &Capabilities,
+) -> Option<String> {
+    let need = needs.iter().find(|need| route(reaches, *need).is_none())?;
     let lacks: Vec<_> = names
         .iter()
         .zip(reaches)
@@ -191,11 +196,19 @@ mod tests {
 
     #[test]
     fn every_need_is_in_the_share_of_one_output() {
-        let needs = Capabilities::from_iter([code("A"), code("PadSouth"), Capability::Text, Capability::Scroll]);
+        let needs = Capabilities::from_iter([
+            code("A"),
+            code("PadSouth"),
+            Capability::Text,
+            Capability::Scroll,
+        ]);
         let reaches = [OutputKind::Uinput, OutputKind::Log, OutputKind::Desktop];
         let of_uinput = Capabilities::from_iter([code("A"), code("PadSouth"), Capability::Scroll]);
         assert_eq!(routed_to(&reaches, 0, &needs), of_uinput);
         assert_eq!(routed_to(&reaches, 1, &needs), Capabilities::default());
-        assert_eq!(routed_to(&reaches, 2, &needs), Capabilities::from_iter([Capability::Text]));
+        assert_eq!(
+            routed_to(&reaches, 2, &needs),
+            Capabilities::from_iter([Capability::Text])
+        );
     }
 }

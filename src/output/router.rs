@@ -3,7 +3,7 @@
 use super::reach::{OutputKind, route};
 use super::{OutputError, Sink};
 use crate::contact::TargetNames;
-use crate::device::{EventKind, Events, Capability, OutputEvent};
+use crate::device::{Capability, EventKind, Events, OutputEvent};
 
 /// Sends each kind of action to the first of its outputs that can carry it.
 ///

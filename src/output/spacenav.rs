@@ -23,7 +23,7 @@ use self::server::Server;
 use super::reach::SPACENAV_BUTTONS;
 use super::socket::{Listener, SocketError, default_path};
 use super::{OutputError, OutputKind, Sink};
-use crate::device::{EventKind, Axis, KeyCode, OutputEvent};
+use crate::device::{Axis, EventKind, KeyCode, OutputEvent};
 use crate::time::Timestamp;
 
 const OUTPUT: &str = "spacenav";
@@ -312,8 +312,11 @@ mod tests {
         let stick = event(7, EventKind::Axis(Axis::LeftX, 1.0));
         sink.send(&[lift(7, 0.5), turn, stick]).unwrap();
         sink.send(&[lift(8, 0.5004)]).unwrap();
-        sink.send(&[event(9, EventKind::Axis(Axis::TurnY, f32::NAN)), lift(9, -0.0)])
-            .unwrap();
+        sink.send(&[
+            event(9, EventKind::Axis(Axis::TurnY, f32::NAN)),
+            lift(9, -0.0),
+        ])
+        .unwrap();
         let expected = [
             ServerMessage::Move([0, 175, 0, 0, 0, -350], Timestamp(7)),
             ServerMessage::Move(REST, Timestamp(9)),

@@ -1,5 +1,5 @@
 use super::*;
-use crate::device::{EventKind, KeyCode, Capability};
+use crate::device::{Capability, EventKind, KeyCode};
 use crate::time::Timestamp;
 
 pub(super) fn key(name: &str) -> KeyCode {
@@ -22,7 +22,10 @@ pub(super) fn up(micros: u64, name: &str) -> OutputEvent {
 }
 
 fn error(name: &str) -> String {
-    open(name, &Capabilities::default()).err().unwrap().to_string()
+    open(name, &Capabilities::default())
+        .err()
+        .unwrap()
+        .to_string()
 }
 
 #[test]
@@ -59,7 +62,11 @@ fn only_its_owner_can_read_a_transcript() {
 
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("typed.txt");
-    open(&format!("transcript:{}", path.display()), &Capabilities::default()).unwrap();
+    open(
+        &format!("transcript:{}", path.display()),
+        &Capabilities::default(),
+    )
+    .unwrap();
     let mode = std::fs::metadata(&path).unwrap().permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
 }
@@ -92,7 +99,8 @@ fn two_transcripts_hear_the_same_and_what_one_cannot_open_opens_none() {
 
 #[test]
 fn an_output_that_cannot_carry_what_is_needed_is_refused_before_it_is_opened() {
-    let pad = Capabilities::from_iter([Capability::Key(key("A")), Capability::Key(key("PadSouth"))]);
+    let pad =
+        Capabilities::from_iter([Capability::Key(key("A")), Capability::Key(key("PadSouth"))]);
     let folder = tempfile::tempdir().unwrap();
     let record = folder.path().join("record");
     let names = format!("transcript:{},desktop", record.display());
@@ -110,12 +118,18 @@ fn devices_of_the_kernel_take_no_layout_that_needs_more_than_they_have() {
         codes.collect()
     };
     let opened = needs(&["A", "B"]);
-    assert_eq!(check_layout_change("uinput", &opened, &needs(&["B"])), Ok(()));
+    assert_eq!(
+        check_layout_change("uinput", &opened, &needs(&["B"])),
+        Ok(())
+    );
     assert_eq!(
         check_layout_change("uinput", &opened, &needs(&["B", "Z"])).unwrap_err(),
         "the output `uinput` was opened without `Z`; start again to use it"
     );
-    assert_eq!(check_layout_change("desktop,uinput", &opened, &needs(&["Z"])), Ok(()));
+    assert_eq!(
+        check_layout_change("desktop,uinput", &opened, &needs(&["Z"])),
+        Ok(())
+    );
     let refused = check_layout_change("desktop", &opened, &needs(&["PadSouth"])).unwrap_err();
     assert!(refused.starts_with("`desktop` has no gamepad"), "{refused}");
     let pad = needs(&["PadSouth"]);

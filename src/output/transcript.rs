@@ -76,7 +76,12 @@ impl<W: Write + Send> Transcript<W> {
 
     fn next_release(&self) -> Option<EventKind> {
         let up = self.held.release_order().next().map(EventKind::KeyUp);
-        up.or_else(|| self.deflected.deflected_axes().next().map(AxisState::center))
+        up.or_else(|| {
+            self.deflected
+                .deflected_axes()
+                .next()
+                .map(AxisState::center)
+        })
     }
 
     fn failure(&mut self, error: &io::Error) -> OutputError {

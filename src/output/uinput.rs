@@ -12,16 +12,16 @@ mod supervisor;
 
 use std::io;
 
-use spec::{DeviceSpec, DeviceKind};
-pub use node::{UinputNode, DeviceNode};
+pub use node::{DeviceNode, UinputNode};
+use spec::{DeviceKind, DeviceSpec};
+use supervisor::WatchdogSupervisor;
 use tracked_device::TrackedDevice;
 pub(super) use tracked_device::{center_axes, release_key};
-use supervisor::WatchdogSupervisor;
 
-use super::watchdog::{WatchdogSettings, ReleaseTarget};
+use super::watchdog::{ReleaseTarget, WatchdogSettings};
 use super::{OutputError, OutputKind, Sink};
 use crate::advice::{self, AccessDenied};
-use crate::device::{EventKind, Capability, Capabilities, OutputEvent};
+use crate::device::{Capabilities, Capability, EventKind, OutputEvent};
 
 const OUTPUT: &str = "uinput";
 
@@ -62,7 +62,11 @@ impl Uinput {
     }
 
     /// The same with a guardian, which lets go of keys and brings axes back when this program cannot.
-    pub fn open_with_watchdog(name: &str, needs: &Capabilities, launch: &WatchdogSettings) -> Result<Self, OutputError> {
+    pub fn open_with_watchdog(
+        name: &str,
+        needs: &Capabilities,
+        launch: &WatchdogSettings,
+    ) -> Result<Self, OutputError> {
         let mut uinput = Self::open(name, needs)?;
         uinput.guard(launch).map_err(refuse)?;
         Ok(uinput)
@@ -72,8 +76,12 @@ impl Uinput {
 impl<N: DeviceNode> Uinput<N> {
     /// On nodes that `open` makes.
     fn on(needs: &Capabilities, open: impl Fn(&DeviceSpec) -> io::Result<N>) -> io::Result<Self> {
-        let part = |declared: DeviceSpec| Ok(TrackedDevice::new(declared.clone(), open(&declared)?));
-        let parts: io::Result<_> = DeviceSpec::for_capabilities(needs).into_iter().map(part).collect();
+        let part =
+            |declared: DeviceSpec| Ok(TrackedDevice::new(declared.clone(), open(&declared)?));
+        let parts: io::Result<_> = DeviceSpec::for_capabilities(needs)
+            .into_iter()
+            .map(part)
+            .collect();
         Ok(Self {
             needs: needs.clone(),
             parts: parts?,
@@ -87,7 +95,11 @@ impl<N: DeviceNode> Uinput<N> {
         if self.parts.is_empty() {
             return Ok(());
         }
-        let devices: io::Result<_> = self.parts.iter().map(TrackedDevice::watchdog_handle).collect();
+        let devices: io::Result<_> = self
+            .parts
+            .iter()
+            .map(TrackedDevice::watchdog_handle)
+            .collect();
         let means = ReleaseTarget::Devices(devices.map_err(|error| error.to_string())?);
         self.ward = Some(WatchdogSupervisor::start(launch, means)?);
         Ok(())

@@ -98,7 +98,8 @@ mod tests {
 
     #[test]
     fn every_word_is_understood() {
-        let keys = KeyCode::all().flat_map(|key| [WatchdogMessage::KeyDown(key), WatchdogMessage::KeyUp(key)]);
+        let keys = KeyCode::all()
+            .flat_map(|key| [WatchdogMessage::KeyDown(key), WatchdogMessage::KeyUp(key)]);
         let others = [
             WatchdogMessage::AxesDeflected,
             WatchdogMessage::AxesCentered,

@@ -20,8 +20,8 @@ use wayland_client::protocol::wl_pointer::{Axis, AxisSource, ButtonState};
 use wayland_protocols_misc::zwp_virtual_keyboard_v1::client::zwp_virtual_keyboard_v1::ZwpVirtualKeyboardV1;
 use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_v1::ZwlrVirtualPointerV1;
 
-use super::watchdog::ReleaseTarget;
 use super::pending_motion::StatelessAction;
+use super::watchdog::ReleaseTarget;
 use super::worker::Injector;
 use crate::device::{KeyCode, KeyKind};
 use keymap::{CHARACTER_KEY, Keymap};
@@ -179,7 +179,9 @@ impl Injector for WaylandInjector {
 
     fn release_target(&self) -> ReleaseTarget {
         match self.link.handle() {
-            Ok(connection) => ReleaseTarget::WaylandKeyboard(connection, self.keys.id().protocol_id()),
+            Ok(connection) => {
+                ReleaseTarget::WaylandKeyboard(connection, self.keys.id().protocol_id())
+            }
             Err(_) => ReleaseTarget::default(),
         }
     }

@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, never, select};
 use enigo::Direction;
 
-use super::watchdog::{HEARTBEAT_INTERVAL, WatchdogClient, WatchdogLost, ReleaseTarget};
-use super::pressed_keys::PressedKeys;
 use super::pending_motion::StatelessAction;
+use super::pressed_keys::PressedKeys;
+use super::watchdog::{HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient, WatchdogLost};
 use super::{RETRIES, RETRY_DELAY};
 use crate::device::KeyCode;
 use crate::time::NO_DEADLINE;
@@ -110,7 +110,11 @@ impl<'a, C: Injector> Worker<'a, C> {
     }
 
     /// Follows orders until there will be no more, then lets go of everything.
-    pub fn run(mut self, queue: &Receiver<WorkerRequest>, connect: impl FnMut() -> Result<C, String>) {
+    pub fn run(
+        mut self,
+        queue: &Receiver<WorkerRequest>,
+        connect: impl FnMut() -> Result<C, String>,
+    ) {
         let mut gone = self
             .guard
             .as_ref()

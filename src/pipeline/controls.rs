@@ -5,7 +5,9 @@ use super::drifting::Drifting;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
 use crate::contact::{ContactTracker, TargetNames, Touches};
-use crate::device::{EventKind, Events, DeviceOutput, OutputEvent, DeviceInput, KeyArbiter, VirtualDevice};
+use crate::device::{
+    DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, OutputEvent, VirtualDevice,
+};
 use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
@@ -84,7 +86,10 @@ impl LayoutInstance {
 
     /// The same with boards that creep under a resting hand: board `i` as `drifts[i]` says.
     #[must_use]
-    pub fn with_auto_recenter(self, drifts: impl IntoIterator<Item = Option<AutoRecenter>>) -> Self {
+    pub fn with_auto_recenter(
+        self,
+        drifts: impl IntoIterator<Item = Option<AutoRecenter>>,
+    ) -> Self {
         Self {
             drifting: Drifting::new(drifts),
             ..self

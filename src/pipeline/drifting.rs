@@ -5,8 +5,8 @@ use std::time::Duration;
 use parry3d::math::{Vec2, Vec3};
 
 use super::moves::GUIDE;
-use crate::contact::hit_test;
 use crate::contact::board_pose::AutoRecenter;
+use crate::contact::hit_test;
 use crate::contact::surface::{Scene, Surface};
 use crate::contact::tracker::trusted_fingertip;
 use crate::hand::{Finger, Side};

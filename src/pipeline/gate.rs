@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use super::rights::{Part, SourcePermissions, SourceRole};
 use crate::device::{EventKind, Events, KeyCode, OutputEvent};
-use crate::snapshot::Suppressed;
 use crate::output::pressed_keys::PressedKeys;
+use crate::snapshot::Suppressed;
 use crate::time::Timestamp;
 
 /// What one press costs.

@@ -76,7 +76,8 @@ impl LayoutInstance {
             return;
         }
         for (place, surface) in other.scene.surfaces().iter().enumerate() {
-            self.scene.set_surface_pose(place, surface.anchor_from_surface());
+            self.scene
+                .set_surface_pose(place, surface.anchor_from_surface());
         }
     }
 

@@ -32,9 +32,10 @@ impl Part {
         match action {
             EventKind::Character(_) => Some(Self::Keys),
             EventKind::KeyDown(key) if key.kind() == KeyKind::Keyboard => Some(Self::Keys),
-            EventKind::KeyDown(_) | EventKind::MoveBy(..) | EventKind::MoveTo(..) | EventKind::Scroll(..) => {
-                Some(Self::Pointing)
-            }
+            EventKind::KeyDown(_)
+            | EventKind::MoveBy(..)
+            | EventKind::MoveTo(..)
+            | EventKind::Scroll(..) => Some(Self::Pointing),
             EventKind::Axis(_, place) if place != 0.0 => Some(Self::Pointing),
             _ => None,
         }

@@ -10,7 +10,7 @@ use crossbeam_channel::{Receiver, Sender, bounded, select};
 use super::watched_file::WatchedFile;
 use super::{FileCall, FileOrder, ReloadReport};
 use crate::contact::board_pose::BoardPose;
-use crate::layout::{self, Document, Layout, DocumentError};
+use crate::layout::{self, Document, DocumentError, Layout};
 use crate::pipeline::LayoutInstance;
 use crate::session::Replacement;
 
@@ -74,7 +74,10 @@ impl<A: Fn(&Layout) -> Result<LayoutInstance, String>> ActiveLayout<A> {
         Ok(outcome)
     }
 
-    fn apply(&mut self, found: Result<Layout, DocumentError>) -> Result<ReloadReport, SessionEnded> {
+    fn apply(
+        &mut self,
+        found: Result<Layout, DocumentError>,
+    ) -> Result<ReloadReport, SessionEnded> {
         let layout = match found {
             Err(error) => return Ok(ReloadReport::Invalid(error)),
             Ok(layout) => layout,

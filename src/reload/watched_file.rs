@@ -3,7 +3,7 @@
 use std::fs;
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::layout::{Document, Layout, DocumentError};
+use crate::layout::{Document, DocumentError, Layout};
 
 /// How long the file has to be left alone before it is read, as saving may take several writes.
 const SETTLE_TIME: Duration = Duration::from_millis(50);

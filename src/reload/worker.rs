@@ -23,7 +23,10 @@ pub(super) enum ChangeDetection {
     /// It is looked at all the time.
     Polling,
     /// The system does, once after each time that it was asked to.
-    Events { notices: FileWatcher, is_asked: bool },
+    Events {
+        notices: FileWatcher,
+        is_asked: bool,
+    },
 }
 
 impl ChangeDetection {

@@ -3,8 +3,8 @@
 use crossbeam_channel::{Receiver, Sender, bounded};
 
 use crate::contact::board_pose::BoardPose;
-use crate::snapshot::{PipelineState, Stats};
 use crate::pipeline::CommandError;
+use crate::snapshot::{PipelineState, Stats};
 
 /// Calls that wait for a run which is busy: one for each client of a control socket, and some for the program's own
 /// calls to pause, which no client may crowd out.

@@ -4,13 +4,13 @@ use ron::ser::PrettyConfig;
 
 use super::{ArmSetup, OtherHand, Setup, SetupError};
 use crate::capture::recording::{RecordedSetup, Replay};
-use crate::capture::{self, MergedSource, StreamOptions, Source, SourceUri};
+use crate::capture::{self, MergedSource, Source, SourceUri, StreamOptions};
 use crate::device::Capabilities;
 use crate::estimate::{Estimator, EstimatorSettings};
 use crate::kinematics::ArmModel;
-use crate::layout::{Document, Glove, Layout, DocumentError};
+use crate::layout::{Document, DocumentError, Glove, Layout};
 use crate::names::UnknownName;
-use crate::pipeline::{PipelineSettings, LayoutInstance, Pipeline, SourcePermissions};
+use crate::pipeline::{LayoutInstance, Pipeline, PipelineSettings, SourcePermissions};
 
 /// What the layout that is in force at first is called.
 const MAIN: &str = "main";
@@ -96,7 +96,9 @@ impl Reader<'_> {
     ) -> Result<GloveAndArm, SetupError> {
         let glove = Glove::parse(&self.read(glove_kind, glove)?)?;
         let arm = match hand {
-            ArmSetup::Model(name) => ArmModel::parse(&self.read(arm_kind, name)?)?.for_side(glove.side),
+            ArmSetup::Model(name) => {
+                ArmModel::parse(&self.read(arm_kind, name)?)?.for_side(glove.side)
+            }
             ArmSetup::Measured { .. } => {
                 let bones = hand.bones()?.expect("it is measured");
                 ArmModel::anthropometric(glove.side, &bones)
@@ -250,8 +252,10 @@ impl LoadedSetup {
     pub fn open_source(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
         let first = self.open_one(source)?;
         let other = self.setup.other_hand.as_ref();
-        let (Some(name), Some(worn)) = (other.and_then(|hand| hand.source.as_ref()), &self.other_hand)
-        else {
+        let (Some(name), Some(worn)) = (
+            other.and_then(|hand| hand.source.as_ref()),
+            &self.other_hand,
+        ) else {
             return Ok(first);
         };
         let other = self.open_one(name)?;
@@ -327,7 +331,11 @@ pub fn controls(layout: &Layout) -> LayoutInstance {
         .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
 }
 
-fn other_hand(reader: &mut Reader, other: &OtherHand, first: &Glove) -> Result<GloveAndArm, SetupError> {
+fn other_hand(
+    reader: &mut Reader,
+    other: &OtherHand,
+    first: &Glove,
+) -> Result<GloveAndArm, SetupError> {
     let kinds = (kind::OTHER_GLOVE, kind::OTHER_ARM);
     let worn = reader.worn(kinds, &other.glove, &other.arm)?;
     if worn.glove.side == first.side {

@@ -6,11 +6,11 @@ use super::{LoadedSetup, SetupError};
 use crate::capture::StreamOptions;
 use crate::contact::TargetId;
 use crate::hand::Side;
-use crate::sim::{
-    self, HandAction, REACH_TOLERANCE, ActionErrorKind, ActionError, Script, TypingHand, SimulatedTypist, TypistError,
-    TypistSettings,
-};
 use crate::layout::{ControlKind, SpaceTargets};
+use crate::sim::{
+    self, ActionError, ActionErrorKind, HandAction, REACH_TOLERANCE, Script, SimulatedTypist,
+    TypingHand, TypistError, TypistSettings,
+};
 
 impl LoadedSetup {
     /// A simulated hand that types `text` on this layout with this glove, at the pace of `line`.
@@ -71,7 +71,11 @@ impl LoadedSetup {
         settings: &TypistSettings,
     ) -> Result<SimulatedTypist, TypistError> {
         let mut hands = vec![(&self.arm, &self.glove.map)];
-        hands.extend(self.other_hand.iter().map(|worn| (&worn.arm, &worn.glove.map)));
+        hands.extend(
+            self.other_hand
+                .iter()
+                .map(|worn| (&worn.arm, &worn.glove.map)),
+        );
         SimulatedTypist::with_hands(settings, orders, &self.layout.scene, &hands)
     }
 
@@ -107,7 +111,8 @@ impl LoadedSetup {
     /// each is for a finger of its own, and the hand reaches with one only. Of targets in space that a
     /// fingertip selects the middle has to be within reach.
     pub fn out_of_reach(&self) -> Vec<(&str, f64)> {
-        let hands = [self.glove.side, self.glove.side.opposite()].map(|side| self.typing_hand(side));
+        let hands =
+            [self.glove.side, self.glove.side.opposite()].map(|side| self.typing_hand(side));
         let keys = self.layout.keys.iter().map(|key| &key.face);
         let keys = keys.filter(|front| !self.layout.is_chord_key(front.target));
         let keys = keys.map(|front| (front, 0.0));
@@ -138,7 +143,9 @@ impl LoadedSetup {
         for SpaceTargets { names, space } in &self.layout.spaces {
             for (name, volume) in names.iter().zip(space.volumes.iter()) {
                 let beyond = hands.iter().map(|hand| {
-                    let world_from_space = space.frame.world_from_frame(&hand.pose(&hand.rest_values()));
+                    let world_from_space = space
+                        .frame
+                        .world_from_frame(&hand.pose(&hand.rest_values()));
                     let tip = world_from_space? * volume.center;
                     Some(hand.reach(tip, &mut hand.rest_values(), &[]))
                 });

@@ -67,7 +67,11 @@ impl Motion {
             hand.set_rest(place, value);
         }
         Self {
-            held: movement.channel_targets.iter().map(|&(place, _)| place).collect(),
+            held: movement
+                .channel_targets
+                .iter()
+                .map(|&(place, _)| place)
+                .collect(),
             values: values.to_vec(),
             tip: hand.tip(values),
             movement,

@@ -27,13 +27,13 @@ use self::state_check::StateCheck;
 use self::touch_check::TouchCheck;
 use crate::contact::Touch;
 use crate::device::pointer::{CursorOutput, PointerSettings};
-use crate::device::{EventKind, Capabilities, OutputEvent, Request};
+use crate::device::{Capabilities, EventKind, OutputEvent, Request};
 use crate::estimate::{JointAngles, JointLimits};
 use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::layout::Layout;
-use crate::snapshot::{Snapshot, PipelineState};
 use crate::pipeline::{PipelineSettings, StepOutput};
+use crate::snapshot::{PipelineState, Snapshot};
 use crate::time::Timestamp;
 
 /// What a layout may send.
@@ -233,7 +233,9 @@ impl Oracle {
 
     /// Whether a key or button is down, or an axis off its rest.
     pub fn has_pressed(&self) -> bool {
-        self.ledger.check_all_released(PipelineState::Running).is_err()
+        self.ledger
+            .check_all_released(PipelineState::Running)
+            .is_err()
     }
 
     fn check_pose(&mut self, step: &Observation) -> Result<(), Violation> {
@@ -266,9 +268,13 @@ impl Oracle {
     fn check_silence(&self, step: &Observation, before: PipelineState) -> Result<(), Violation> {
         let is_idle = before != PipelineState::Running && step.state != PipelineState::Running;
         match step.events.first() {
-            Some(event) if before == PipelineState::Stopped => Err(Violation::EventAfterStop(event.kind)),
+            Some(event) if before == PipelineState::Stopped => {
+                Err(Violation::EventAfterStop(event.kind))
+            }
             // A frame can arm, be pressed in and pause.
-            Some(event) if is_idle && step.output.is_none() => Err(Violation::EventWhileNotRunning(event.kind)),
+            Some(event) if is_idle && step.output.is_none() => {
+                Err(Violation::EventWhileNotRunning(event.kind))
+            }
             _ => Ok(()),
         }
     }

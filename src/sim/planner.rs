@@ -4,9 +4,9 @@ use std::time::Duration;
 
 use parry3d::math::Vec3;
 
-use super::movement::{Motion, Movement, TipPath};
 use super::action::{HandAction, TargetPoint};
-use super::action_error::{ActionErrorKind, ActionError};
+use super::action_error::{ActionError, ActionErrorKind};
+use super::movement::{Motion, Movement, TipPath};
 use super::typing_hand::{Front, PINCH_GAP, REACH_TOLERANCE, TypingHand};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
@@ -224,7 +224,12 @@ impl Planner<'_> {
         Ok(front)
     }
 
-    fn sink(&mut self, spot: TargetPoint, front: Front, height: f32) -> Result<(), ActionErrorKind> {
+    fn sink(
+        &mut self,
+        spot: TargetPoint,
+        front: Front,
+        height: f32,
+    ) -> Result<(), ActionErrorKind> {
         let (target, tip) = (spot.target, front.tip(spot, height));
         let distance = self.follow(TipPath::To(tip), STROKE, 3);
         within_reach(distance, Some(target))?;
@@ -276,7 +281,11 @@ impl Planner<'_> {
         Ok(())
     }
 
-    fn turn(&mut self, angles: &[(Dof, f64)], time: Option<Duration>) -> Result<(), ActionErrorKind> {
+    fn turn(
+        &mut self,
+        angles: &[(Dof, f64)],
+        time: Option<Duration>,
+    ) -> Result<(), ActionErrorKind> {
         let mut turns = Vec::new();
         for &(dof, radians) in angles {
             let place = self.hand.place_of(dof).ok_or_else(|| {

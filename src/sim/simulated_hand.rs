@@ -2,8 +2,8 @@
 
 use arrayvec::ArrayVec;
 
-use super::movement::{Motion, Movement};
 use super::action::HandAction;
+use super::movement::{Motion, Movement};
 use super::planner;
 use super::typing_hand::TypingHand;
 use super::typist::{TypistError, TypistSettings};

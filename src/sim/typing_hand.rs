@@ -8,7 +8,9 @@ use crate::contact::TargetId;
 use crate::contact::surface::{Scene, Target};
 use crate::estimate::{ChannelMap, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Joint};
-use crate::kinematics::{ArmModel, IkVariable, HandPose, MAX_IK_VARIABLES, angles_from_variables, solve_ik};
+use crate::kinematics::{
+    ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik,
+};
 use crate::time::Timestamp;
 
 /// The finger that points; the others are held up.
@@ -258,7 +260,8 @@ impl TypingHand {
 
     /// The places of the channels that tell these angles.
     fn places_of(&self, dofs: &[Dof]) -> impl Iterator<Item = usize> {
-        let tells = |control: &IkVariable| control.mappings.iter().any(|(dof, _)| dofs.contains(dof));
+        let tells =
+            |control: &IkVariable| control.mappings.iter().any(|(dof, _)| dofs.contains(dof));
         let places = 0..self.controls.len();
         places.filter(move |&place| tells(&self.controls[place]))
     }
@@ -354,11 +357,18 @@ fn channel_control(map: &ChannelMap, channel: usize) -> IkVariable {
     };
     for row in map.rows().iter().filter(|row| row.channel == channel) {
         let (low, high) = limits.range(row.dof);
-        let (one, other) = (row.calibration.apply_inverse(low), row.calibration.apply_inverse(high));
+        let (one, other) = (
+            row.calibration.apply_inverse(low),
+            row.calibration.apply_inverse(high),
+        );
         control.range.0 = control.range.0.max(one.min(other));
         control.range.1 = control.range.1.min(one.max(other));
         control.rest = row.calibration.apply_inverse(resting_angle(row.dof));
-        if control.mappings.try_push((row.dof, row.calibration)).is_err() {
+        if control
+            .mappings
+            .try_push((row.dof, row.calibration))
+            .is_err()
+        {
             break;
         }
     }

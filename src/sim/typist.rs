@@ -3,11 +3,11 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use super::simulated_hand::{Progress, GloveCounts, SimulatedHand};
 use super::action::HandAction;
-use super::text_plan::PlanError;
 use super::action_error::ActionError;
-use crate::capture::{SourceEvent, CaptureError, Channels, SourceStats, Reading, Sample, Source};
+use super::simulated_hand::{GloveCounts, Progress, SimulatedHand};
+use super::text_plan::PlanError;
+use crate::capture::{CaptureError, Channels, Reading, Sample, Source, SourceEvent, SourceStats};
 use crate::contact::surface::Scene;
 use crate::estimate::ChannelMap;
 use crate::hand::Side;

@@ -78,7 +78,9 @@ impl Source for Script {
 fn brief(arrival: CaptureEvent) -> String {
     match arrival {
         CaptureEvent::Reading {
-            reading, stats: counts, ..
+            reading,
+            stats: counts,
+            ..
         } => {
             format!("{}({})", reading.time.0, counts.dropped)
         }
@@ -180,7 +182,8 @@ fn a_machine_that_slept_loses_its_live_sources_before_the_next_reading() {
                 step => Ok(reading(step)),
             }
         });
-        let mut awake = SuspendDetector::with(|| Duration::from_secs(ASLEEP.load(Ordering::SeqCst)));
+        let mut awake =
+            SuspendDetector::with(|| Duration::from_secs(ASLEEP.load(Ordering::SeqCst)));
         let (sender, waiting) = bounded(WAITING_ARRIVALS);
         let (_bell, interrupt) = cancel_token().unwrap();
         let mut outlet = Outlet {

@@ -6,7 +6,7 @@ use parry3d::math::Vec2;
 
 use super::Joystick;
 use crate::contact::{Phase, Touch};
-use crate::device::{EventKind, DeviceOutput, PressSource};
+use crate::device::{DeviceOutput, EventKind, PressSource};
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
 
@@ -136,7 +136,12 @@ impl Stick {
     }
 
     /// Brings the axes to where it is pushed; whether they are at 0.
-    pub(super) fn stand(&mut self, joystick: &Joystick, time: Timestamp, out: &mut DeviceOutput) -> bool {
+    pub(super) fn stand(
+        &mut self,
+        joystick: &Joystick,
+        time: Timestamp,
+        out: &mut DeviceOutput,
+    ) -> bool {
         let Some(axes) = joystick.axes else {
             return true;
         };
@@ -151,7 +156,12 @@ impl Stick {
     }
 
     /// Moves the pointer for the time since it did so last.
-    pub(super) fn move_pointer(&mut self, joystick: &Joystick, time: Timestamp, out: &mut DeviceOutput) {
+    pub(super) fn move_pointer(
+        &mut self,
+        joystick: &Joystick,
+        time: Timestamp,
+        out: &mut DeviceOutput,
+    ) {
         let passed = time.since(self.moved_by).min(LONGEST_FRAME);
         self.moved_by = time;
         let speed = joystick.response(self.throw) * joystick.pointer_speed_px_s;

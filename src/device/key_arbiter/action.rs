@@ -1,6 +1,6 @@
 //! What a press does.
 
-use crate::device::{KeyCode, KeyKind, Capability, Request};
+use crate::device::{Capability, KeyCode, KeyKind, Request};
 
 /// What pressing a key does, or switching on anything else that can be on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,7 @@
 
 use arrayvec::ArrayVec;
 
-use super::{KeyAction, Latch, MODIFIERS, PressSource, Press};
+use super::{KeyAction, Latch, MODIFIERS, Press, PressSource};
 use crate::device::KeyCode;
 
 /// What taps of one-shot keys left behind.

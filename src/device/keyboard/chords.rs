@@ -95,7 +95,11 @@ impl Chords {
     }
 
     /// Takes back what a finger does in chords.
-    pub(super) fn lift(&mut self, is_of_finger: impl Fn(PressSource) -> bool, out: &mut DeviceOutput) {
+    pub(super) fn lift(
+        &mut self,
+        is_of_finger: impl Fn(PressSource) -> bool,
+        out: &mut DeviceOutput,
+    ) {
         let mut gathered = self.gathered.iter();
         if gathered.any(|other| is_of_finger(PressSource::from_touch(&other.touch))) {
             self.gathered.clear();

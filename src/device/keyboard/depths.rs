@@ -3,7 +3,7 @@
 use arrayvec::ArrayVec;
 
 use crate::contact::{Phase, TargetId, Touch};
-use crate::device::{EventKind, DeviceOutput};
+use crate::device::{DeviceOutput, EventKind};
 use crate::hand::{FINGERS_OF_BOTH_HANDS, Finger};
 use crate::time::Timestamp;
 
@@ -41,7 +41,8 @@ impl Depths {
     /// next time.
     pub(super) fn tell(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let fingers = self.fingers;
-        let mut send = |target: TargetId, depth: f32| out.emit(time, EventKind::Depth(target, depth));
+        let mut send =
+            |target: TargetId, depth: f32| out.emit(time, EventKind::Depth(target, depth));
         self.told
             .retain(|(target, _)| deepest(&fingers, *target) > 0.0 || !send(*target, 0.0));
         for &(target, _) in fingers.iter().flatten() {

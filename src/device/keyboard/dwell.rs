@@ -56,12 +56,19 @@ impl Keyboard {
         }
     }
 
-    fn dwell_where(&mut self, time: Timestamp, is_meant: impl Fn(&Dwell) -> bool, out: &mut DeviceOutput) {
+    fn dwell_where(
+        &mut self,
+        time: Timestamp,
+        is_meant: impl Fn(&Dwell) -> bool,
+        out: &mut DeviceOutput,
+    ) {
         let is_due = |dwell: &Dwell| dwell.due <= time && is_meant(dwell);
         while let Some(at) = self.dwells.iter().position(is_due) {
             let Dwell { owner, place, due } = self.dwells.remove(at);
             let KeyBinding {
-                target, debounce: repress, ..
+                target,
+                debounce: repress,
+                ..
             } = self.bindings[place];
             if self.bounces.is_bounce(place, due, repress) {
                 continue;

@@ -1,8 +1,8 @@
 //! Presses that do nothing until it is known what they are: a tap, a hold, or nothing.
 
-use super::{Activation, TapHold, KeyAction, Keyboard, PressSource};
+use super::{Activation, KeyAction, Keyboard, PressSource, TapHold};
 use crate::contact::Touch;
-use crate::device::{Latch, DeviceOutput};
+use crate::device::{DeviceOutput, Latch};
 use crate::time::Timestamp;
 
 /// A press that waits.
@@ -27,9 +27,13 @@ impl Waiting {
             (action, _) if acts_while_pressed(action) => return None,
             (_, Activation::OnPress | Activation::Dwell(_)) => return None,
             (_, Activation::OnRelease) => None,
-            (_, Activation::TapHold(TapHold { hold_action: action, hold_after: after })) => {
-                Some((time + after, while_pressed(action)))
-            }
+            (
+                _,
+                Activation::TapHold(TapHold {
+                    hold_action: action,
+                    hold_after: after,
+                }),
+            ) => Some((time + after, while_pressed(action))),
         };
         Some(Self {
             owner,
@@ -81,7 +85,11 @@ impl Keyboard {
     }
 
     /// Holds each press at the time that `when` gives for the time that it is due.
-    fn hold_where(&mut self, when: impl Fn(Timestamp) -> Option<Timestamp>, out: &mut DeviceOutput) {
+    fn hold_where(
+        &mut self,
+        when: impl Fn(Timestamp) -> Option<Timestamp>,
+        out: &mut DeviceOutput,
+    ) {
         let mut place = 0;
         while let Some(press) = self.waiting.get(place) {
             let due = press
@@ -106,7 +114,13 @@ impl Keyboard {
     }
 
     /// Puts an action in force for a press that waits. Without room it waits on, and `false` comes back.
-    fn decide(&mut self, place: usize, action: KeyAction, time: Timestamp, out: &mut DeviceOutput) -> bool {
+    fn decide(
+        &mut self,
+        place: usize,
+        action: KeyAction,
+        time: Timestamp,
+        out: &mut DeviceOutput,
+    ) -> bool {
         let is_pressed = out.press(self.waiting[place].owner, action, time);
         if is_pressed {
             self.waiting.remove(place);

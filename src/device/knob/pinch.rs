@@ -6,8 +6,8 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Rotation, Vec3};
 
 use crate::contact::TargetId;
-use crate::contact::sweep::is_inside;
 use crate::contact::surface::Scene;
+use crate::contact::sweep::is_inside;
 use crate::device::target_index::Places;
 use crate::hand::{Finger, Joint};
 use crate::kinematics::HandPose;

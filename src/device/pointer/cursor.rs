@@ -2,9 +2,9 @@
 
 use parry3d::math::{Vec2, Vec3};
 
-use super::settings::{CursorOutput, PointerSettings};
 use super::motion;
-use crate::device::{EventKind, DeviceOutput};
+use super::settings::{CursorOutput, PointerSettings};
+use crate::device::{DeviceOutput, EventKind};
 use crate::time::Timestamp;
 
 /// The share of the hand's motion that brings the cursor back to where the hand points, after it was held

@@ -18,7 +18,9 @@ pub struct DirectPointing {
 impl DirectPointing {
     /// Where in the box, 0..=1 on each axis; a fingertip outside is on its border.
     pub(super) fn shares(&self, sight: &Sight) -> Option<Vec3> {
-        let tip = self.frame.to_local(sight.pose(), sight.tip(Finger::Index)?)?;
+        let tip = self
+            .frame
+            .to_local(sight.pose(), sight.tip(Finger::Index)?)?;
         Some((tip / self.size + 0.5).clamp(Vec3::ZERO, Vec3::ONE))
     }
 }

@@ -7,7 +7,7 @@ use super::push::{self, Push};
 use super::settings::{ClickMethod, MAX_CLICKS, PointerSettings};
 use super::trusted_hand::Sight;
 use crate::contact::TargetId;
-use crate::device::{KeyAction, DeviceOutput, PressSource};
+use crate::device::{DeviceOutput, KeyAction, PressSource};
 use crate::hand::Finger;
 use crate::time::Timestamp;
 
@@ -157,7 +157,9 @@ impl Watched {
         time: Timestamp,
     ) -> Change {
         let (measure, levels) = match self.by {
-            ClickMethod::Gesture(gesture) => (gesture.measure(sight), gesture.levels(settings.pinch)),
+            ClickMethod::Gesture(gesture) => {
+                (gesture.measure(sight), gesture.levels(settings.pinch))
+            }
             ClickMethod::Push(depth) => {
                 let (tip, forward) = (sight.tip(Finger::Index), settings.mode.forward());
                 let is_on = self.watch.is_on();

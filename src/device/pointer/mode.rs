@@ -47,7 +47,9 @@ impl PointingMode {
     pub(super) fn forward(&self) -> Vec3 {
         match self {
             Self::Joint(_) => Vec3::NEG_Z,
-            Self::Direct(DirectPointing { frame, .. }) | Self::Ray(RayPointing { frame, .. }) => frame.forward(),
+            Self::Direct(DirectPointing { frame, .. }) | Self::Ray(RayPointing { frame, .. }) => {
+                frame.forward()
+            }
             Self::Rate(rate) => rate.frame().map_or(Vec3::NEG_Z, AnchoredFrame::forward),
         }
     }

@@ -5,8 +5,8 @@ use parry3d::math::Vec3;
 use super::anchored_frame::AnchoredFrame;
 use crate::contact::TargetId;
 use crate::contact::surface::TREMOR_MARGIN;
-use crate::contact::volume::{VolumeEntry, Volume, VolumeSet};
-use crate::device::{EventKind, KeyAction, Capabilities, DeviceOutput, PressSource};
+use crate::contact::volume::{Volume, VolumeEntry, VolumeSet};
+use crate::device::{Capabilities, DeviceOutput, EventKind, KeyAction, PressSource};
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
 
@@ -269,7 +269,8 @@ impl Selector {
             return;
         };
         let depth = (volume.depth(now) * STEPS).round() / STEPS;
-        if depth != selected.depth && out.emit(pose.time, EventKind::Depth(selected.target, depth)) {
+        if depth != selected.depth && out.emit(pose.time, EventKind::Depth(selected.target, depth))
+        {
             selected.depth = depth;
             self.selected = Some(selected);
         }

@@ -7,7 +7,7 @@ use parry3d::math::Vec2;
 
 use super::{Button, LEFT, RIGHT};
 use crate::contact::{Phase, Touch};
-use crate::device::{EventKind, DeviceOutput};
+use crate::device::{DeviceOutput, EventKind};
 use crate::hand::{FINGERS_OF_BOTH_HANDS, Finger, Side};
 use crate::time::Timestamp;
 

@@ -4,7 +4,7 @@ use parry3d::math::Vec2;
 
 use super::Button;
 use crate::contact::{Phase, Touch};
-use crate::device::{EventKind, DeviceOutput};
+use crate::device::{DeviceOutput, EventKind};
 use crate::hand::{Finger, Side};
 
 /// A touch screen and the finger that counts.

@@ -105,7 +105,10 @@ fn ports_are_found_and_a_link_to_one_is_not_told_twice() {
         let usable = |(name, node)| (node == DeviceNode::Usable).then_some(name);
         ports.into_iter().filter_map(usable).collect::<Vec<_>>()
     };
-    assert_eq!(names(&Requirements::default()), ["/dev/ttyACM0", "/dev/ttyUSB1"]);
+    assert_eq!(
+        names(&Requirements::default()),
+        ["/dev/ttyACM0", "/dev/ttyUSB1"]
+    );
     let link = "/dev/serial/by-id/glove";
     assert_eq!(names(&port(link)), [link, "/dev/ttyACM0"]);
 }

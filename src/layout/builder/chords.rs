@@ -2,11 +2,11 @@
 
 use super::Checked;
 use crate::contact::TargetId;
-use crate::device::keyboard::{Chord, Activation, MAX_CHORD_KEYS};
+use crate::device::keyboard::{Activation, Chord, MAX_CHORD_KEYS};
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::layout::DocumentError;
-use crate::layout::text::Spanned;
 use crate::layout::schema;
+use crate::layout::text::Spanned;
 
 /// The most chords of a layout: a press looks at each.
 const MOST_CHORDS: usize = 512;

@@ -5,8 +5,8 @@ use crate::device::keyboard::{Activation, TapHold};
 use crate::device::{KeyAction, Latch};
 use crate::layout::DocumentError;
 use crate::layout::model::Key;
-use crate::layout::text::Spanned;
 use crate::layout::schema;
+use crate::layout::text::Spanned;
 
 impl<'a> Checked<'a> {
     /// When a key fires whose action in the base layer is `action`; `None` for nothing.

@@ -8,10 +8,10 @@ use crate::device::keyboard::Activation;
 use crate::device::{KeyAction, KeyCode, Latch, Request, TextId};
 use crate::layout::DocumentError;
 use crate::layout::model::{Key, label, metres, metres2};
-use crate::layout::ranged::{PressShare, ReleaseShare, Repress, Travel, Turn};
 use crate::layout::placement::Stance;
-use crate::layout::text::Spanned;
+use crate::layout::ranged::{PressShare, ReleaseShare, Repress, Travel, Turn};
 use crate::layout::schema::{self, Does, Form};
+use crate::layout::text::Spanned;
 use crate::names::UnknownName;
 
 /// The longest text that a key writes, in characters.

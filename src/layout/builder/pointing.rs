@@ -5,8 +5,8 @@ use crate::contact::TargetId;
 use crate::layout::DocumentError;
 use crate::layout::controls::pointer::POINTER;
 use crate::layout::model::MAX_TARGETS;
-use crate::layout::text::Spanned;
 use crate::layout::schema;
+use crate::layout::text::Spanned;
 
 impl<'a> Checked<'a> {
     /// Their targets come after all others.

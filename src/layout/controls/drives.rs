@@ -7,8 +7,8 @@ use crate::device::value_output::ValueOutput;
 use crate::layout::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::ranged::{Clicks, Pixels, Steps};
-use crate::layout::text::Spanned;
 use crate::layout::schema::Does;
+use crate::layout::text::Spanned;
 use crate::names::UnknownName;
 
 /// What the value of a control drives, beside being told.

@@ -10,8 +10,8 @@ use crate::layout::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::ranged::{Curve, DeadZone, Distance, PointerSpeed, Reach, Size, Travel};
-use crate::layout::text::{Label, Spanned};
 use crate::layout::schema::{Board, Does, Outline};
+use crate::layout::text::{Label, Spanned};
 
 /// The least travel of a joystick that can be pushed in, in millimetres: with less, every touch would be
 /// a push.

@@ -2,17 +2,17 @@
 
 use serde::Deserialize;
 
-use super::{Control, Drives, ControlKind};
+use super::{Control, ControlKind, Drives};
 use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
-use crate::device::value_output::ValueOutput;
 use crate::device::knob::{self, KnobRange};
+use crate::device::value_output::ValueOutput;
 use crate::layout::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::ranged::{Distance, KnobRangeDegrees, Share, Size, Steps};
-use crate::layout::text::{Label, Spanned};
 use crate::layout::schema::{Board, Outline};
+use crate::layout::text::{Label, Spanned};
 
 /// A knob as it stands in the file.
 #[derive(Debug, Deserialize)]

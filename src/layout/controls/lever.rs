@@ -4,13 +4,13 @@ use serde::Deserialize;
 
 use super::Drives;
 use super::slider::TrackSpot;
-use crate::device::value_output::ValueOutput;
 use crate::device::slider::{GrabMode, Slider, Track};
+use crate::device::value_output::ValueOutput;
 use crate::layout::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::ranged::{Distance, Share, Size, Steps, Throw, Turn};
-use crate::layout::text::{Label, Spanned};
 use crate::layout::schema::Board;
+use crate::layout::text::{Label, Spanned};
 
 /// A lever as it stands in the file.
 #[derive(Debug, Deserialize)]

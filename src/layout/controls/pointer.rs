@@ -9,8 +9,10 @@ use serde::Deserialize;
 
 use crate::contact::TargetId;
 use crate::device::KeyAction;
+use crate::device::pointer::{
+    self, ClickMethod, DwellSettings, MAX_CLICKS, PinchGaps, PointerSettings,
+};
 use crate::device::value_output::ValueOutput;
-use crate::device::pointer::{self, ClickMethod, DwellSettings, MAX_CLICKS, PinchGaps, PointerSettings};
 use crate::estimate::OneEuroSettings;
 use crate::hand::{Dof, Finger, Side};
 use crate::layout::DocumentError;
@@ -298,10 +300,17 @@ impl<'a> Checked<'a> {
             return self.wrong("in `pinch_mm` `on` is less than `off`, and that less than `ready`");
         }
         let [on, off, ready] = [on, off, ready].map(|gap| metres(gap.get()));
-        Ok(PinchGaps { on, off, near: ready })
+        Ok(PinchGaps {
+            on,
+            off,
+            near: ready,
+        })
     }
 
-    fn clicks(&mut self, written: &[Click<'a>]) -> Result<Vec<(ClickMethod, KeyAction)>, DocumentError> {
+    fn clicks(
+        &mut self,
+        written: &[Click<'a>],
+    ) -> Result<Vec<(ClickMethod, KeyAction)>, DocumentError> {
         if written.len() > MAX_CLICKS {
             return self.wrong(format!("a pointer has at most {MAX_CLICKS} clicks"));
         }
@@ -339,7 +348,10 @@ impl<'a> Checked<'a> {
             return self.wrong("`px_per_click` is 1 px or more either way");
         }
         let by = self.gesture(written.by)?;
-        Ok(pointer::ScrollSettings { gesture: by, px_per_detent: pixels })
+        Ok(pointer::ScrollSettings {
+            gesture: by,
+            px_per_detent: pixels,
+        })
     }
 
     fn depth(&mut self, written: &Pointer<'a>) -> Result<Option<ValueOutput>, DocumentError> {

@@ -10,8 +10,8 @@ use crate::layout::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::ranged::Distance;
-use crate::layout::text::{Label, Spanned};
 use crate::layout::schema::{Board, Does, Outline};
+use crate::layout::text::{Label, Spanned};
 use crate::names::UnknownName;
 
 /// A radio group as it stands in the file.
@@ -96,7 +96,10 @@ impl<'a> Checked<'a> {
             .transpose()?;
         self.controls.push(Control {
             faces: fronts,
-            kind: ControlKind::Radio(radio::Radio { options, initial: starts }),
+            kind: ControlKind::Radio(radio::Radio {
+                options,
+                initial: starts,
+            }),
         });
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{Control, Drives, ControlKind};
+use super::{Control, ControlKind, Drives};
 use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::slider::{self, Track};
@@ -10,8 +10,8 @@ use crate::layout::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::ranged::{Distance, Share, Size, Steps, Turn};
-use crate::layout::text::{Label, Spanned};
 use crate::layout::schema::{Board, Outline};
+use crate::layout::text::{Label, Spanned};
 
 /// A slider as it stands in the file.
 #[derive(Debug, Deserialize)]

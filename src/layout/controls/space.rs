@@ -5,14 +5,14 @@ use serde::Deserialize;
 
 use super::pointer::Frame;
 use crate::contact::TargetId;
-use crate::contact::volume::{VolumeShape, Volume, VolumeSet};
+use crate::contact::volume::{Volume, VolumeSet, VolumeShape};
 use crate::device::pointer;
 use crate::layout::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::model::metres;
 use crate::layout::ranged::{Distance, Extent};
-use crate::layout::text::Spanned;
 use crate::layout::schema::{Does, Place};
+use crate::layout::text::Spanned;
 
 /// Targets that move as one, as they stand in the file.
 #[derive(Debug, Deserialize)]

@@ -9,8 +9,8 @@ use crate::layout::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::ranged::Distance;
-use crate::layout::text::{Label, Spanned};
 use crate::layout::schema::{Board, Does, Outline};
+use crate::layout::text::{Label, Spanned};
 
 /// A toggle switch as it stands in the file.
 #[derive(Debug, Deserialize)]

@@ -4,14 +4,14 @@ use serde::Deserialize;
 
 use super::{Control, ControlKind};
 use crate::contact::surface::{Shape, TREMOR_MARGIN};
-use crate::device::touch_surface::{self, TouchpadSettings, TouchMode};
+use crate::device::touch_surface::{self, TouchMode, TouchpadSettings};
 use crate::layout::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
-use crate::layout::ranged::{Acceleration, Distance, ScrollWay, Speed};
 use crate::layout::placement;
-use crate::layout::text::{Label, Spanned};
+use crate::layout::ranged::{Acceleration, Distance, ScrollWay, Speed};
 use crate::layout::schema::{Board, Outline};
+use crate::layout::text::{Label, Spanned};
 
 /// A touch surface as it stands in the file.
 #[derive(Debug, Deserialize)]

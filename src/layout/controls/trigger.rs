@@ -10,8 +10,8 @@ use crate::layout::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::model::{MAX_TARGETS, metres};
 use crate::layout::ranged::{Angle, Gap};
-use crate::layout::text::Spanned;
 use crate::layout::schema::Does;
+use crate::layout::text::Spanned;
 use crate::names::UnknownName;
 
 /// Where a pinch goes on and off that does not say it itself, in millimetres: the thresholds of

@@ -10,8 +10,8 @@ use crate::device::knob::{Knob, KnobRange};
 use crate::layout::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::ranged::{Distance, Share, Size, Steps, Turns};
-use crate::layout::text::{Label, Spanned};
 use crate::layout::schema::Board;
+use crate::layout::text::{Label, Spanned};
 
 /// A valve as it stands in the file.
 #[derive(Debug, Deserialize)]

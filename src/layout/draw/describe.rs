@@ -1,7 +1,7 @@
 //! What cannot be drawn on a board, in words.
 
-use crate::contact::volume::{VolumeShape, Volume};
-use crate::device::pointer::{ClickMethod, Gesture, PointingMode, CursorOutput, PointerSettings};
+use crate::contact::volume::{Volume, VolumeShape};
+use crate::device::pointer::{ClickMethod, CursorOutput, Gesture, PointerSettings, PointingMode};
 use crate::layout::controls::space::SpaceTargets;
 use crate::layout::model::label;
 
@@ -52,7 +52,10 @@ fn gesture(gesture: Gesture) -> String {
 pub(super) fn space(scenery: &SpaceTargets) -> String {
     let volumes = scenery.space.volumes.iter();
     let lines = scenery.names.iter().zip(volumes).map(|(name, volume)| {
-        let Volume { center: middle, shape: form } = volume;
+        let Volume {
+            center: middle,
+            shape: form,
+        } = volume;
         let at = *middle * 1e3;
         let form = match *form {
             VolumeShape::Ball(radius) => format!("ball {:.0} mm", radius * 2e3),

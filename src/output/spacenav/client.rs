@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use arrayvec::ArrayVec;
 
 use super::Axes;
-use super::protocol::{LENGTH, Packet, ClientSettings, button};
+use super::protocol::{ClientSettings, LENGTH, Packet, button};
 use crate::time::Timestamp;
 
 /// How long a client may take nothing of what is told to it.

@@ -9,7 +9,7 @@ use crossbeam_channel::{Receiver, TryRecvError};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 use super::client::Client;
-use super::{Axes, BUTTONS, Listener, ServerMessage, REST};
+use super::{Axes, BUTTONS, Listener, REST, ServerMessage};
 use crate::time::Timestamp;
 
 /// Clients at a time.
@@ -38,7 +38,11 @@ pub(super) struct Server {
 
 impl Server {
     /// Of clients that come to `listener`. Orders are looked at when something is on `bell`.
-    pub fn new(listener: Listener, bell: UnixStream, orders: Receiver<ServerMessage>) -> io::Result<Self> {
+    pub fn new(
+        listener: Listener,
+        bell: UnixStream,
+        orders: Receiver<ServerMessage>,
+    ) -> io::Result<Self> {
         listener.set_nonblocking()?;
         bell.set_nonblocking(true)?;
         Ok(Self {

@@ -10,7 +10,7 @@ use evdev::{
     AbsInfo, AttributeSet, BusType, EventType, InputEvent, InputId, PropType, UinputAbsSetup,
 };
 
-use super::spec::{DeviceSpec, DeviceKind};
+use super::spec::{DeviceKind, DeviceSpec};
 use crate::output::pressed_keys::PressedKeys;
 
 /// The most events of a frame: every key down and up.

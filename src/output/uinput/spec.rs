@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use arrayvec::ArrayVec;
 use evdev::{AbsoluteAxisCode, AttributeSet, RelativeAxisCode};
 
-use crate::device::{Axis, KeyCode, KeyKind, Capability, Capabilities};
+use crate::device::{Axis, Capabilities, Capability, KeyCode, KeyKind};
 
 /// The right and lower edge of the screen on an absolute pointer.
 pub const EDGE: i32 = 65_535;
@@ -109,7 +109,8 @@ fn keyboard(needs: &Capabilities) -> Option<DeviceSpec> {
 /// asks it, libinput and X11.
 fn mouse(needs: &Capabilities) -> Option<DeviceSpec> {
     let buttons = of_kind(needs, KeyKind::Mouse);
-    let is_needed = needs.relative_motion || needs.scroll || (!buttons.is_empty() && !needs.absolute_motion);
+    let is_needed =
+        needs.relative_motion || needs.scroll || (!buttons.is_empty() && !needs.absolute_motion);
     if !is_needed {
         return None;
     }
@@ -217,21 +218,31 @@ mod tests {
             (&[], &[]),
             (&[code("Q"), code("ArrowUp")], &["keyboard: 16 103 /  / "]),
             (&[Capability::RelativeMotion], &["mouse: 272 273 / 0 1 / "]),
-            (&[Capability::Scroll], &["mouse: 272 273 / 0 1 6 8 11 12 / "]),
+            (
+                &[Capability::Scroll],
+                &["mouse: 272 273 / 0 1 6 8 11 12 / "],
+            ),
             (&[code("MouseBack")], &["mouse: 272 273 275 / 0 1 / "]),
             (
                 &[Capability::AbsoluteMotion, code("MouseMiddle")],
                 &["pointer: 272 273 274 /  / 0 1"],
             ),
             (
-                &[Capability::AbsoluteMotion, Capability::Scroll, code("MouseMiddle")],
+                &[
+                    Capability::AbsoluteMotion,
+                    Capability::Scroll,
+                    code("MouseMiddle"),
+                ],
                 &[
                     "mouse: 272 273 274 / 0 1 6 8 11 12 / ",
                     "pointer: 272 273 274 /  / 0 1",
                 ],
             ),
             (
-                &[Capability::Axis(Axis::RightX), Capability::Axis(Axis::LeftTrigger)],
+                &[
+                    Capability::Axis(Axis::RightX),
+                    Capability::Axis(Axis::LeftTrigger),
+                ],
                 &["gamepad: 304 305 /  / 3 2"],
             ),
             (&[code("PadMode")], &["gamepad: 304 305 316 /  / "]),
@@ -263,7 +274,11 @@ mod tests {
 
     #[test]
     fn buttons_are_of_mouse_and_pointer_and_the_rest_of_one_device() {
-        let needs = Capabilities::from_iter([Capability::AbsoluteMotion, Capability::RelativeMotion, code("MouseLeft")]);
+        let needs = Capabilities::from_iter([
+            Capability::AbsoluteMotion,
+            Capability::RelativeMotion,
+            code("MouseLeft"),
+        ]);
         let devices = DeviceSpec::for_capabilities(&needs);
         let holders = |need| {
             let holders = devices.iter().filter(|device| device.has(need));

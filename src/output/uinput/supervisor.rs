@@ -9,8 +9,10 @@ use crossbeam_channel::{Receiver, TryRecvError, bounded, never};
 use enigo::Direction;
 
 use crate::device::KeyCode;
-use crate::output::watchdog::{HEARTBEAT_INTERVAL, WatchdogClient, WatchdogSettings, ReleaseTarget};
 use crate::output::pressed_keys::PressedKeys;
+use crate::output::watchdog::{
+    HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient, WatchdogSettings,
+};
 
 /// A guardian and what it has been told. Nothing here waits, so that the loop may call it.
 pub struct WatchdogSupervisor {
@@ -91,7 +93,8 @@ impl WatchdogSupervisor {
             Ok(Err(reason)) => self.failure = Some(reason),
             Err(_) => {}
         }
-        let has_ended = |guard: &WatchdogClient| guard.exited().try_recv() == Err(TryRecvError::Disconnected);
+        let has_ended =
+            |guard: &WatchdogClient| guard.exited().try_recv() == Err(TryRecvError::Disconnected);
         self.is_deaf || self.guard.as_ref().is_some_and(has_ended)
     }
 

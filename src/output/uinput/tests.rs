@@ -3,8 +3,8 @@
 use super::*;
 use crate::contact::TargetId;
 use crate::device::Axis;
-use crate::output::watchdog::HEARTBEAT_INTERVAL;
 use crate::output::tests::{down, event, key, up};
+use crate::output::watchdog::HEARTBEAT_INTERVAL;
 use evdev::InputEvent;
 use std::fs;
 use std::os::fd::OwnedFd;
@@ -123,7 +123,11 @@ fn each_device_gets_its_part_of_a_frame() {
 #[test]
 fn a_button_goes_to_the_device_that_moved_last_and_comes_up_where_it_went_down() {
     let desk = Desk::default();
-    let mut devices = desk.devices(&[code("MouseLeft"), Capability::RelativeMotion, Capability::AbsoluteMotion]);
+    let mut devices = desk.devices(&[
+        code("MouseLeft"),
+        Capability::RelativeMotion,
+        Capability::AbsoluteMotion,
+    ]);
     let frames = [
         [down(1, "MouseLeft"), event(1, EventKind::MoveTo(0.0, 1.0))],
         [up(2, "MouseLeft"), event(2, EventKind::MoveBy(1, 0))],

@@ -5,12 +5,12 @@ use std::{io, thread};
 use arrayvec::ArrayVec;
 use evdev::{AbsoluteAxisCode, EventType, InputEvent, RelativeAxisCode};
 
-use super::spec::{DeviceSpec, EDGE, DeviceKind, STICK, TRIGGER, range};
-use super::node::{FRAME, DeviceNode};
-use crate::device::{EventKind, Axis, KeyCode};
+use super::node::{DeviceNode, FRAME};
+use super::spec::{DeviceKind, DeviceSpec, EDGE, STICK, TRIGGER, range};
+use crate::device::{Axis, EventKind, KeyCode};
 use crate::output::axis_state::AxisState;
-use crate::output::watchdog::DeviceHandle;
 use crate::output::pressed_keys::PressedKeys;
+use crate::output::watchdog::DeviceHandle;
 use crate::output::{RETRIES, RETRY_DELAY};
 
 /// A click of the wheel, in the unit of [`Action::Scroll`].

@@ -12,7 +12,7 @@ use crossbeam_channel::{Receiver, bounded};
 use enigo::Direction;
 use rustix::net::{SendFlags, send};
 
-use super::{WatchdogSettings, ReleaseTarget, READY, WatchdogMessage};
+use super::{READY, ReleaseTarget, WatchdogMessage, WatchdogSettings};
 use crate::device::KeyCode;
 
 /// How long a guardian may take to connect to the display.

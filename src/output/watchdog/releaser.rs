@@ -118,8 +118,8 @@ fn release(keyboard: u32, time: u32, key: KeyCode) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::watchdog::target::DeviceHandle;
     use crate::output::tests::key;
+    use crate::output::watchdog::target::DeviceHandle;
     use std::io::Read;
     use std::os::fd::OwnedFd;
 

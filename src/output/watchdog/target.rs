@@ -155,7 +155,10 @@ mod tests {
         let number = 0x0102_0304;
         let arrived = handed(&ReleaseTarget::WaylandKeyboard(connection.node, number)).unwrap();
         assert!(matches!(arrived, ReleaseTarget::WaylandKeyboard(_, given) if given == number));
-        assert!(matches!(handed(&ReleaseTarget::Display).unwrap(), ReleaseTarget::Display));
+        assert!(matches!(
+            handed(&ReleaseTarget::Display).unwrap(),
+            ReleaseTarget::Display
+        ));
     }
 
     #[test]

@@ -5,9 +5,9 @@ use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
 use super::super::pressed_keys::PressedKeys;
-use super::super::worker::{WorkerStatus, Worker};
+use super::super::worker::{Worker, WorkerStatus};
 use super::releaser::KeyReleaser;
-use super::{ReleaseTarget, READY, HEARTBEAT_TIMEOUT, WatchdogMessage};
+use super::{HEARTBEAT_TIMEOUT, READY, ReleaseTarget, WatchdogMessage};
 
 /// How long it is listened at least, before nothing counts as silence.
 const GLANCE: Duration = Duration::from_millis(1);
@@ -22,7 +22,8 @@ pub fn run(say: impl Fn(&str)) -> Result<(), String> {
     if line.peer_addr().is_err() {
         return Err("the guardian is started by the program that it watches, not by hand".into());
     }
-    let means = ReleaseTarget::receive(&line).map_err(|error| format!("nothing to let go with: {error}"))?;
+    let means = ReleaseTarget::receive(&line)
+        .map_err(|error| format!("nothing to let go with: {error}"))?;
     let connect = || KeyReleaser::connect(&means);
     let hands = match connect() {
         Ok(hands) => hands,
@@ -161,7 +162,14 @@ mod tests {
     fn what_is_down_when_the_line_ends_is_known() {
         let (engine, mut watched) = watched();
         let (a, shift) = (key("A"), key("ShiftLeft"));
-        tell(&engine, &[WatchdogMessage::KeyDown(shift), WatchdogMessage::KeyDown(a), WatchdogMessage::KeyUp(a)]);
+        tell(
+            &engine,
+            &[
+                WatchdogMessage::KeyDown(shift),
+                WatchdogMessage::KeyDown(a),
+                WatchdogMessage::KeyUp(a),
+            ],
+        );
         drop(engine);
         assert_eq!(watched.wait_for_trouble(), Trouble::Ended);
         assert_eq!(watched.held.release_order().collect::<Vec<_>>(), [shift]);
@@ -185,7 +193,10 @@ mod tests {
         let a = key("A");
         std::thread::scope(|scope| {
             scope.spawn(|| {
-                tell(&engine, &[WatchdogMessage::KeyDown(a), WatchdogMessage::KeyUp(a)]);
+                tell(
+                    &engine,
+                    &[WatchdogMessage::KeyDown(a), WatchdogMessage::KeyUp(a)],
+                );
                 std::thread::sleep(2 * HEARTBEAT_TIMEOUT);
                 tell(&engine, &[WatchdogMessage::KeyDown(a)]);
                 for _ in 0..6 {
@@ -196,7 +207,11 @@ mod tests {
             let start = Instant::now();
             assert_eq!(watched.wait_for_trouble(), Trouble::Silent);
             assert!(watched.held.contains(a));
-            assert!(start.elapsed() >= 3 * HEARTBEAT_TIMEOUT, "{:?}", start.elapsed());
+            assert!(
+                start.elapsed() >= 3 * HEARTBEAT_TIMEOUT,
+                "{:?}",
+                start.elapsed()
+            );
         });
     }
 

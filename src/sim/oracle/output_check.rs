@@ -3,8 +3,8 @@
 use arrayvec::ArrayVec;
 use parry3d::math::Vec2;
 
-use super::{PointerBounds, OutputRules, Violation};
-use crate::device::{EventKind, Axis, KeyCode, Capability, OutputEvent};
+use super::{OutputRules, PointerBounds, Violation};
+use crate::device::{Axis, Capability, EventKind, KeyCode, OutputEvent};
 use crate::snapshot::PipelineState;
 use crate::time::Timestamp;
 
@@ -87,7 +87,9 @@ impl OutputCheck {
         is_sorted: bool,
     ) -> Result<(), Violation> {
         match action {
-            EventKind::KeyDown(code) if self.down.contains(&code) => Err(Violation::PressedTwice(code)),
+            EventKind::KeyDown(code) if self.down.contains(&code) => {
+                Err(Violation::PressedTwice(code))
+            }
             EventKind::KeyDown(code) => {
                 let push = self.down.try_push(code);
                 push.map_err(|_| Violation::TooManyPressed(code))?;
@@ -96,7 +98,8 @@ impl OutputCheck {
             }
             EventKind::KeyUp(code) => {
                 let place = self.down.iter().position(|other| *other == code);
-                self.down.remove(place.ok_or(Violation::ReleasedWithoutPress(code))?);
+                self.down
+                    .remove(place.ok_or(Violation::ReleasedWithoutPress(code))?);
                 let is_late = !of_frame.pressed.is_empty() && !of_frame.pressed.contains(&code);
                 match is_sorted && is_late && !of_frame.has_asked {
                     true => Err(Violation::LateRelease(code)),
@@ -123,7 +126,9 @@ impl OutputCheck {
         bounds: Option<PointerBounds>,
     ) -> Result<(), Violation> {
         match action {
-            EventKind::MoveBy(right, down) => of_frame.moved += Vec2::new(right as f32, down as f32),
+            EventKind::MoveBy(right, down) => {
+                of_frame.moved += Vec2::new(right as f32, down as f32)
+            }
             EventKind::MoveTo(right, down) => {
                 let place = Vec2::new(right, down);
                 let before = self.pointer.replace(place).unwrap_or(place);
@@ -162,7 +167,9 @@ fn is_release(action: EventKind) -> bool {
 
 fn is_in_range(action: EventKind) -> bool {
     match action {
-        EventKind::MoveTo(right, down) => (0.0..=1.0).contains(&right) && (0.0..=1.0).contains(&down),
+        EventKind::MoveTo(right, down) => {
+            (0.0..=1.0).contains(&right) && (0.0..=1.0).contains(&down)
+        }
         EventKind::Axis(axis, place) => {
             let lowest = if axis.is_trigger() { 0.0 } else { -1.0 };
             (lowest..=1.0).contains(&place)

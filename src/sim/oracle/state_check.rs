@@ -1,10 +1,10 @@
 //! From state to state.
 
-use super::{Cause, ObservedStep, Observation, Violation};
+use super::{Cause, Observation, ObservedStep, Violation};
 use crate::contact::{Phase, Touch};
 use crate::hand::Finger;
-use crate::snapshot::PipelineState;
 use crate::pipeline::PipelineSettings;
+use crate::snapshot::PipelineState;
 use crate::time::Timestamp;
 
 /// The way of an engine through its states.
@@ -45,7 +45,9 @@ impl StateCheck {
             return Err(Violation::StateChange(before, after));
         }
         let ends_pause = self.is_paused && !step.is_paused;
-        if step.cause == Cause::ReleaseAll || ends_pause || (before != after && after != PipelineState::Running)
+        if step.cause == Cause::ReleaseAll
+            || ends_pause
+            || (before != after && after != PipelineState::Running)
         {
             self.clear_since = None;
         }

@@ -4,7 +4,7 @@ mod states;
 
 use super::*;
 use crate::contact::{Phase, TargetId};
-use crate::device::{Axis, KeyCode, Capability};
+use crate::device::{Axis, Capability, KeyCode};
 use crate::hand::{Dof, Finger, Joint};
 use parry3d::math::{Pose, Vec3};
 
@@ -131,7 +131,9 @@ const NOT_SEEN: Violation = Violation::TouchInFirstStep(Finger::Index, Side::Rig
 #[test]
 fn presses_that_come_up_again_before_everything_is_let_go_of_keep_all_invariants() {
     let mut engine = Engine::running();
-    engine.frame(&[down("A"), EventKind::MoveBy(3, -4)]).unwrap();
+    engine
+        .frame(&[down("A"), EventKind::MoveBy(3, -4)])
+        .unwrap();
     engine.frame(&[up("A"), down("B"), down("A")]).unwrap();
     engine.frame(&[EventKind::Axis(Axis::LeftX, -0.5)]).unwrap();
     assert!(engine.oracle.has_pressed());
@@ -147,7 +149,10 @@ fn i1_what_the_layout_in_force_may_not_send_is_told() {
         (down("C"), Capability::Key(code("C"))),
         (EventKind::Character('x'), Capability::Text),
         (EventKind::Scroll(0, 120), Capability::Scroll),
-        (EventKind::Axis(Axis::RightX, 0.5), Capability::Axis(Axis::RightX)),
+        (
+            EventKind::Axis(Axis::RightX, 0.5),
+            Capability::Axis(Axis::RightX),
+        ),
         (down("MouseLeft"), Capability::Key(code("MouseLeft"))),
     ];
     for (action, need) in table {
@@ -190,7 +195,11 @@ impl Engine {
 
 #[test]
 fn i2_nothing_stays_down_or_off_its_rest_but_while_it_runs() {
-    for state in [PipelineState::Paused, PipelineState::Stalled, PipelineState::Stopped] {
+    for state in [
+        PipelineState::Paused,
+        PipelineState::Stalled,
+        PipelineState::Stopped,
+    ] {
         let mut engine = Engine::running();
         engine.frame(&[down("A")]).unwrap();
         let told = engine.let_go(state, &[]);
@@ -235,7 +244,10 @@ fn i3_nothing_but_letting_go_happens_without_an_accepted_frame() {
     for action in presses {
         let told = Err(Violation::WithoutReading(action));
         assert_eq!(Engine::running().rejected(&[action]), told);
-        assert_eq!(Engine::running().let_go(PipelineState::Running, &[action]), told);
+        assert_eq!(
+            Engine::running().let_go(PipelineState::Running, &[action]),
+            told
+        );
     }
     let mut engine = Engine::running();
     engine.frame(&[down("A")]).unwrap();
@@ -265,7 +277,10 @@ fn i3_a_joint_is_within_its_range_and_every_place_a_number() {
         let mut engine = Engine::running();
         engine.angles.set(Dof::ElbowFlexion, radians);
         let told = engine.frame(&[]).unwrap_err();
-        assert!(matches!(told, Violation::AngleOutOfRange(Dof::ElbowFlexion, _)));
+        assert!(matches!(
+            told,
+            Violation::AngleOutOfRange(Dof::ElbowFlexion, _)
+        ));
         let is_finite = radians.is_finite();
         let mut lenient = Engine::running();
         lenient.oracle = lenient.oracle.without_limits();
@@ -275,7 +290,10 @@ fn i3_a_joint_is_within_its_range_and_every_place_a_number() {
     let mut engine = Engine::running();
     let nowhere = Pose::from_translation(Vec3::new(0.0, f32::NAN, 0.0));
     engine.pose.set(Joint::Wrist, nowhere);
-    assert_eq!(engine.frame(&[]), Err(Violation::PoseNotFinite(Joint::Wrist)));
+    assert_eq!(
+        engine.frame(&[]),
+        Err(Violation::PoseNotFinite(Joint::Wrist))
+    );
 }
 
 #[test]
@@ -330,14 +348,20 @@ fn i5_numbers_out_of_their_range_are_told() {
 fn i5_the_pointer_goes_no_further_in_a_frame_than_it_may() {
     let mut engine = Engine::running();
     let steps = [EventKind::MoveBy(30, 0), EventKind::MoveBy(30, 0)];
-    assert_eq!(engine.frame(&steps), Err(Violation::PointerTooFast(60.0, 50.0)));
+    assert_eq!(
+        engine.frame(&steps),
+        Err(Violation::PointerTooFast(60.0, 50.0))
+    );
     engine.frame(&[EventKind::MoveBy(-40, 30)]).unwrap();
 
     let mut engine = Engine::running();
     engine.frame(&[EventKind::MoveTo(0.9, 0.9)]).unwrap();
     engine.frame(&[EventKind::MoveTo(0.9, 0.8)]).unwrap();
     let told = engine.clone_oracle().frame(&[EventKind::MoveTo(0.8, 0.8)]);
-    assert!(matches!(told, Err(Violation::PointerTooFast(..))), "{told:?}");
+    assert!(
+        matches!(told, Err(Violation::PointerTooFast(..))),
+        "{told:?}"
+    );
     engine.oracle.replace(0, rules());
     let anywhere = engine.frame(&[EventKind::MoveTo(0.1, 0.1)]);
     anywhere.expect("a new pointer begins anywhere");

@@ -15,9 +15,14 @@ pub(super) struct TouchCheck {
 
 impl TouchCheck {
     /// Takes the next step; `before` is the state before it, and whether somebody had asked for a pause.
-    pub(super) fn check(&mut self, step: &Observation, before: (PipelineState, bool)) -> Result<(), Violation> {
+    pub(super) fn check(
+        &mut self,
+        step: &Observation,
+        before: (PipelineState, bool),
+    ) -> Result<(), Violation> {
         let (before, was_paused) = before;
-        let stalled = !was_paused && before != PipelineState::Stalled && step.state == PipelineState::Stalled;
+        let stalled =
+            !was_paused && before != PipelineState::Stalled && step.state == PipelineState::Stalled;
         // A reading that comes too late is seen after everything was let go of.
         if stalled {
             *self = Self::default();

@@ -1,7 +1,7 @@
 //! What an engine must never do.
 
 use crate::contact::TargetId;
-use crate::device::{EventKind, Axis, KeyCode, Capability};
+use crate::device::{Axis, Capability, EventKind, KeyCode};
 use crate::hand::{Dof, Finger, Joint, Side};
 use crate::snapshot::PipelineState;
 use crate::time::Timestamp;

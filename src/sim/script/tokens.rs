@@ -50,7 +50,10 @@ fn word(text: &str, start: usize, first: char) -> Result<Token<'_>, ScriptError>
     let rest = &text[start..];
     if first == '&' {
         let place = start..start + 1;
-        return Ok(Token { text: "&", span: place });
+        return Ok(Token {
+            text: "&",
+            span: place,
+        });
     }
     if first != '"' && first != '\'' {
         let ends = |c: char| c.is_whitespace() || matches!(c, ';' | '&');

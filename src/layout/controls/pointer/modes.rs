@@ -3,14 +3,16 @@
 use parry3d::math::{Pose, Rot3, Vec2, Vec3};
 use serde::Deserialize;
 
-use crate::device::pointer::mode::{AngleMapping, DirectPointing, Displacement, RayOrigin, JointPointing, RateControl, RayPointing};
+use crate::device::pointer::mode::{
+    AngleMapping, DirectPointing, Displacement, JointPointing, RateControl, RayOrigin, RayPointing,
+};
 use crate::device::pointer::{self, mode};
 use crate::hand::Dof;
 use crate::layout::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::model::metres;
-use crate::layout::ranged::{Angle, CursorSpeed, DeadShare, Exponent, Extent};
 use crate::layout::placement;
+use crate::layout::ranged::{Angle, CursorSpeed, DeadShare, Exponent, Extent};
 use crate::layout::schema::Place;
 
 /// How a hand says where to point.

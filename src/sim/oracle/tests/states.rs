@@ -110,8 +110,14 @@ fn i6_nothing_goes_out_after_the_end_or_while_nothing_may() {
         engine.let_go(state, &[EventKind::Value(TargetId(0), 0.5)])
     };
     let value = EventKind::Value(TargetId(0), 0.5);
-    assert_eq!(told(PipelineState::Stopped), Err(Violation::EventAfterStop(value)));
-    assert_eq!(told(PipelineState::Paused), Err(Violation::EventWhileNotRunning(value)));
+    assert_eq!(
+        told(PipelineState::Stopped),
+        Err(Violation::EventAfterStop(value))
+    );
+    assert_eq!(
+        told(PipelineState::Paused),
+        Err(Violation::EventWhileNotRunning(value))
+    );
 }
 
 #[test]
@@ -126,7 +132,11 @@ fn i6_a_touch_begins_after_a_frame_that_showed_the_finger_off() {
     let never = Violation::TouchNeverBegan(Finger::Index, Side::Right, TargetId(3));
     assert_eq!(goes_on.frame(&[]), Err(never));
 
-    for state in [PipelineState::Running, PipelineState::Stalled, PipelineState::Paused] {
+    for state in [
+        PipelineState::Running,
+        PipelineState::Stalled,
+        PipelineState::Paused,
+    ] {
         let mut engine = engine.clone_oracle();
         engine.let_go(state, &[]).unwrap();
         engine.touch(Phase::Touched);
