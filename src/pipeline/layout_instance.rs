@@ -1,7 +1,7 @@
 //! What there is to be touched, and what comes of it.
 
 use super::StepOutput;
-use super::drifting::Drifting;
+use super::auto_recenter::Drifting;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
 use crate::contact::{ContactTracker, TargetNames, Touches};

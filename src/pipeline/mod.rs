@@ -1,24 +1,24 @@
 //! Stages 2 to 5 for one frame: a reading in, events out.
 
-mod controls;
-mod drifting;
-mod gate;
-mod hand;
-mod moves;
-mod rights;
+mod layout_instance;
+mod auto_recenter;
+mod output_gate;
+mod hand_pipeline;
+mod board_move;
+mod permissions;
 
-pub use controls::LayoutInstance;
-pub use gate::PressRateLimit;
-pub use moves::CommandError;
-pub use rights::{SourcePermissions, SourceRole};
+pub use board_move::CommandError;
+pub use layout_instance::LayoutInstance;
+pub use output_gate::PressRateLimit;
+pub use permissions::{SourcePermissions, SourceRole};
 
 use std::time::Duration;
 
 use parry3d::math::Vec3;
 
-use self::gate::Gate;
-use self::hand::Hand;
-use self::moves::Move;
+use self::board_move::Move;
+use self::hand_pipeline::Hand;
+use self::output_gate::Gate;
 use crate::capture::Reading;
 use crate::contact::board_pose::BoardPose;
 use crate::contact::{TargetNames, Touches};

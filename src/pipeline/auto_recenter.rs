@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use parry3d::math::{Vec2, Vec3};
 
-use super::moves::GUIDE;
+use super::board_move::GUIDE;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::hit_test;
 use crate::contact::surface::{Scene, Surface};

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use super::rights::{Part, SourcePermissions, SourceRole};
+use super::permissions::{Part, SourcePermissions, SourceRole};
 use crate::device::{EventKind, Events, KeyCode, OutputEvent};
 use crate::output::pressed_keys::PressedKeys;
 use crate::snapshot::Suppressed;
