@@ -4,7 +4,7 @@
 //! the keyboard until nothing is down. Each time it is another program; nothing of the last one is left. Goals are
 //! bounds that a user would notice. `cargo bench --bench release` does it 200 times for each cause on an X server,
 //! which takes some minutes; `-- wayland 20` less often at a compositor (feature `wayland`), `-- uinput` on devices of
-//! the kernel where there may be some: `tests/vm/run release 20`. As a test (`cargo test --bench release`) it is done
+//! the kernel where there may be some: `tests/outputs/vm/run release 20`. As a test (`cargo test --bench release`) it is done
 //! once.
 
 #[cfg(not(target_os = "linux"))]
@@ -13,31 +13,15 @@ fn main() {
 }
 
 #[cfg(target_os = "linux")]
-#[path = "../tests/desktop/glove.rs"]
-#[allow(dead_code)]
-mod glove;
-#[cfg(target_os = "linux")]
-#[path = "../tests/desktop/held.rs"]
-#[allow(dead_code, unused_imports)]
-mod held;
-#[cfg(target_os = "linux")]
-#[path = "../tests/desktop/press.rs"]
-#[allow(dead_code)]
-mod press;
-#[cfg(target_os = "linux")]
-#[path = "../tests/desktop/program.rs"]
-#[allow(dead_code)]
-mod program;
-#[cfg(target_os = "linux")]
 #[path = "../tests/support/mod.rs"]
 mod support;
 
 #[cfg(all(target_os = "linux", feature = "wayland"))]
-#[path = "../tests/wayland/compositor.rs"]
+#[path = "../tests/outputs/wayland/compositor.rs"]
 #[allow(dead_code)]
 mod compositor;
 #[cfg(all(target_os = "linux", feature = "wayland"))]
-#[path = "../tests/wayland/window.rs"]
+#[path = "../tests/outputs/wayland/window.rs"]
 #[allow(dead_code)]
 mod window;
 

@@ -1,5 +1,18 @@
 //! The house keeps its shape: data flows one way, stages know no clock, files stay small.
 
+#[path = "architecture/evidence.rs"]
+mod evidence;
+#[path = "architecture/fault_table.rs"]
+mod fault_table;
+#[path = "architecture/faults.rs"]
+mod faults;
+#[path = "architecture/security.rs"]
+mod security;
+#[path = "architecture/security_sources.rs"]
+mod security_sources;
+#[path = "architecture/security_table.rs"]
+mod security_table;
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

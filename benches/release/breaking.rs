@@ -16,12 +16,12 @@ use ademan::output;
 use ademan::session::run_pipeline;
 use ademan::setup::Setup;
 
-use crate::held::Hand;
 use crate::panics;
 use crate::place::Place;
-use crate::press::Press;
-use crate::program::Program;
 use crate::signals::Stopper;
+use crate::support::hand::Hand;
+use crate::support::press::Press;
+use crate::support::program::Program;
 use crate::support::x11::wait_for;
 
 /// The first argument of the other process.

@@ -6,8 +6,8 @@ use rustix::process::Signal;
 
 use crate::breaking;
 use crate::place::Place;
-use crate::press::Press;
 use crate::scene::Scene;
+use crate::support::press::Press;
 
 /// What goes wrong.
 #[derive(Clone, Copy)]

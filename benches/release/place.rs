@@ -10,9 +10,9 @@ use evdev::{Device, KeyCode};
 
 #[cfg(feature = "wayland")]
 use crate::compositor::Compositor;
-use crate::press::code;
-use crate::program::Program;
 use crate::support::binary::ademan;
+use crate::support::press::code;
+use crate::support::program::Program;
 use crate::support::x11::XServer;
 #[cfg(feature = "wayland")]
 use crate::window::Window;

@@ -8,11 +8,11 @@ use std::time::{Duration, Instant};
 use rustix::process::{Pid, Signal, kill_process};
 
 use crate::causes::Cause;
-use crate::glove::Glove;
 use crate::load::Load;
 use crate::place::Place;
-use crate::press::{Posture, Press};
-use crate::program::Program;
+use crate::support::glove::Glove;
+use crate::support::press::{Posture, Press};
+use crate::support::program::Program;
 use crate::support::x11::{wait_for, wait_up_to};
 
 /// So many postures before the key is down the finger is above it.

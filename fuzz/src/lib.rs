@@ -2,8 +2,7 @@
 
 #[path = "../../tests/fuzzing/engine.rs"]
 pub mod engine;
-#[path = "../../tests/support/judged.rs"]
-mod judged;
+mod support;
 #[path = "../../tests/fuzzing/packets.rs"]
 pub mod packets;
 #[path = "../../tests/fuzzing/recordings.rs"]

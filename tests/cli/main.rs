@@ -1,9 +1,23 @@
 //! The real binary, as a person or a script meets it: messages, exit codes, files.
 
-#[path = "../support/binary.rs"]
-mod binary;
+#[path = "../support/mod.rs"]
+mod support;
+
+#[cfg(unix)]
+mod control;
+mod determinism;
 mod doctor;
+#[cfg(target_os = "linux")]
+mod faults;
 mod files;
+#[cfg(target_os = "linux")]
+mod idle;
+#[cfg(unix)]
+mod reload;
+#[cfg(unix)]
+mod roles;
+#[cfg(target_os = "linux")]
+mod security;
 mod signals;
 mod terminal;
 mod traces;
@@ -16,7 +30,7 @@ use std::process::{Command, Output, Stdio};
 
 /// The program, on a machine without a desktop.
 fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
-    let mut command = binary::ademan(arguments);
+    let mut command = crate::support::binary::ademan(arguments);
     command
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")

@@ -11,7 +11,7 @@ use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
-use super::judged::Judged;
+use super::support::checked::Judged;
 
 /// What happened in a run.
 #[derive(Clone, Copy, Debug, Default)]

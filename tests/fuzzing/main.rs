@@ -4,12 +4,12 @@
 //! steps, or others: `ADEMAN_FUZZ_SEED=7 ADEMAN_FUZZ_TIMES=100 cargo test --test fuzzing -- --nocapture`.
 
 mod engine;
-#[path = "../support/judged.rs"]
-mod judged;
 mod packets;
 mod random;
 mod recordings;
 mod seeds;
+#[path = "../support/mod.rs"]
+mod support;
 mod texts;
 
 use std::time::Instant;

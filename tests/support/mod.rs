@@ -4,7 +4,13 @@
 #![allow(dead_code)]
 
 pub mod binary;
+pub mod checked;
+pub mod glove;
+pub mod hand;
+pub mod press;
 pub mod process;
-pub mod proof;
+pub mod program;
 pub mod run;
+pub mod source;
+pub mod wearer;
 pub mod x11;

@@ -1,0 +1,10 @@
+//! Sources on pseudo-terminals and sockets, and the loop of a run around them, in real time.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod commands;
+#[cfg(unix)]
+mod serial;
+mod statistics;
+mod tcp;

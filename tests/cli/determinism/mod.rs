@@ -1,0 +1,165 @@
+//! A recording gives the same bytes of transcript, every time, at any pace, in every build.
+//!
+//! What is expected is in the files beside this one: that they are the same for debug and release builds, and
+//! here and elsewhere, is what makes those comparable. After a change that is meant:
+//! `ADEMAN_WRITE=1 cargo test --test cli determinism`, and read the difference.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use ademan::capture::recording::Replay;
+use ademan::output::{self, Transcript};
+use ademan::recorder::Recorder;
+use ademan::session::run_pipeline;
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::snapshot::Snapshot;
+use crossbeam_channel::never;
+use tempfile::TempDir;
+
+/// How often each recording is replayed.
+const TIMES: usize = 100;
+
+/// What is recorded: the name of the expected transcript, the layout, and what the hand does.
+const RECORDINGS: [(&str, &str, &str); 3] = [
+    (
+        "keys",
+        "qwerty-flat",
+        "tap ShiftLeft; tap H; press J; slide 19 0; lift",
+    ),
+    ("slider", "media", "press Seek 0 0; slide 20 0 500; lift"),
+    (
+        "stick",
+        "game",
+        "press Stick; slide 10 8 300; lift; bend ring 50 200",
+    ),
+];
+
+/// Bytes that can be read while somebody writes them.
+#[derive(Clone, Default)]
+struct SharedBuffer(Arc<Mutex<Vec<u8>>>);
+
+impl Write for SharedBuffer {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().expect("nobody panics with it").write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Lets the simulated hand play, and records it.
+fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathBuf {
+    let setup = Setup {
+        layout: layout.into(),
+        ..Setup::default()
+    };
+    let assembly = setup.load_files().expect("a shipped layout");
+    let source = format!("script:{script}").parse().expect("a source");
+    let hand = assembly.open_source(&source).expect("the hand can do it");
+    let path = folder.path().join(format!("{name}.mcap"));
+    let recorder = Recorder::create(&path, &assembly.recorded_setup());
+    let mut recorder = recorder.expect("a file");
+    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
+    let mut observe = |frame: &Snapshot| recorder.write(frame).expect("room on the disk");
+    let mut pipeline = assembly.pipeline();
+    let run = run_pipeline(hand, &mut pipeline, &mut *nowhere, &never(), &mut observe);
+    run.expect("a run");
+    recorder.finish().expect("room on the disk");
+    path
+}
+
+/// What goes out of a recording, as fast as it can.
+fn replayed(path: &Path) -> Vec<u8> {
+    let replay = Replay::open(path).expect("a recording");
+    let assembly =
+        LoadedSetup::from_recording(replay.setup(), None, None).expect("the recorded setup");
+    let page = SharedBuffer::default();
+    let mut transcript = Transcript::new("test", page.clone());
+    let mut pipeline = assembly.pipeline();
+    let run = run_pipeline(
+        replay,
+        &mut pipeline,
+        &mut transcript,
+        &never(),
+        &mut |_| {},
+    );
+    run.expect("a run");
+    drop(transcript);
+    page.0.lock().expect("nobody panics with it").clone()
+}
+
+/// What `ademan replay` writes at a pace; `None`: as fast as it can.
+fn replayed_by_program(path: &Path, speed: Option<&str>) -> Vec<u8> {
+    let mut command = crate::support::binary::ademan(["replay", path.to_str().expect("letters")]);
+    if let Some(speed) = speed {
+        command.args(["--speed", speed]);
+    }
+    let output = command.output().expect("it starts");
+    assert!(output.status.success(), "{output:?}");
+    output.stdout
+}
+
+fn expected(name: &str, found: &[u8]) -> Vec<u8> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/determinism");
+    let path = folder.join(format!("{name}.out"));
+    if std::env::var_os("ADEMAN_WRITE").is_some() {
+        fs::write(&path, found).expect("it can be written");
+    }
+    fs::read(path).expect("the expected transcript")
+}
+
+#[track_caller]
+fn assert_same(name: &str, how: &str, found: &[u8], expected: &[u8]) {
+    if found != expected {
+        let (found, expected) = (
+            String::from_utf8_lossy(found),
+            String::from_utf8_lossy(expected),
+        );
+        let line = found
+            .lines()
+            .zip(expected.lines())
+            .position(|(found, expected)| found != expected);
+        panic!(
+            "{name}, {how}: other than expected from line {line:?} on\nfound:\n{found}\nexpected:\n{expected}"
+        );
+    }
+}
+
+#[test]
+fn a_recording_gives_the_same_bytes_a_hundred_times_of_a_hundred() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for recording in RECORDINGS {
+        let name = recording.0;
+        let path = record(&folder, recording);
+        let first = replayed(&path);
+        let expected = expected(name, &first);
+        assert!(expected.len() > 100, "{name} says something");
+        assert_same(name, "the first time", &first, &expected);
+        for time in 2..=TIMES {
+            assert_same(name, &format!("time {time}"), &replayed(&path), &expected);
+        }
+        println!("{name}: {TIMES} times {} bytes", expected.len());
+    }
+}
+
+#[test]
+fn the_program_gives_the_same_bytes_at_any_pace() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::thread::scope(|scope| {
+        for recording in RECORDINGS {
+            let path = record(&folder, recording);
+            scope.spawn(move || {
+                let first = replayed_by_program(&path, None);
+                let expected = expected(recording.0, &first);
+                assert_same(recording.0, "as fast as it can", &first, &expected);
+                for speed in ["10", "10", "10", "1"] {
+                    let found = replayed_by_program(&path, Some(speed));
+                    assert_same(recording.0, &format!("speed {speed}"), &found, &expected);
+                }
+            });
+        }
+    });
+}

@@ -1,0 +1,150 @@
+//! The real binary with nothing to do: a glove that is still, a layout file that nobody saves, a control socket
+//! that nobody calls.
+#![cfg(target_os = "linux")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::support::binary::ademan;
+use crate::support::process::{Process, no_program_starts};
+use crate::support::run::{PATIENCE, lines, postures, shipped};
+use crate::support::x11::XServer;
+use ademan::capture::hc11::{Framing, encode};
+use ademan::capture::{Loopback, StreamOptions, open_loopback};
+use tempfile::TempDir;
+
+/// How long nothing happens.
+const WINDOW: Duration = Duration::from_secs(3);
+
+/// On a busy machine the last of what was begun may fall into a window; what is done again and again falls into all.
+const WINDOWS: usize = 4;
+
+/// A run whose glove has fallen silent.
+struct Idle {
+    program: Process,
+    _wire: Loopback,
+    _folder: TempDir,
+}
+
+impl Idle {
+    fn start(output: &str, display: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("my.ron"), shipped("qwerty-flat")).expect("a file");
+        fs::write(
+            folder.path().join("setup.ron"),
+            "Setup(layout: \"my.ron\", stall_ms: 300)",
+        )
+        .expect("a file");
+        let mut wire = {
+            let _alone = no_program_starts();
+            open_loopback(StreamOptions::default()).expect("a line")
+        };
+        let source = wire.uri.to_string();
+        let arguments = ["run", "setup.ron", "--source", &source, "--output", output];
+        let mut command = ademan(arguments);
+        command
+            .args(["--armed", "--control", "control.sock"])
+            .current_dir(folder.path())
+            .env("DISPLAY", display)
+            .env_remove("WAYLAND_DISPLAY")
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped());
+        let mut program = Process::start(&mut command).expect("it starts");
+        let told = lines(program.0.stderr.take().expect("it is piped"));
+        let wait_for = |part: &str| {
+            while !told.recv_timeout(PATIENCE).expect(part).contains(part) {}
+        };
+        wait_for("listening to");
+        let hand = encode(Framing::Double06, &postures().0);
+        for _ in 0..20 {
+            wire.writer.write_all(&hand).expect("the line is open");
+        }
+        wait_for("stalled");
+        Self {
+            program,
+            _wire: wire,
+            _folder: folder,
+        }
+    }
+
+    /// How often each thread has woken up so far; a thread is its number and its name.
+    fn wake_ups(&self) -> BTreeMap<String, u64> {
+        let tasks = format!("/proc/{}/task", self.program.0.id());
+        let tasks = fs::read_dir(tasks).expect("the program runs");
+        tasks.flatten().map(|task| wake_ups(&task.path())).collect()
+    }
+
+    /// The wake-ups of the quietest window, by thread.
+    fn quietest(&self) -> BTreeMap<String, u64> {
+        let mut quietest: Option<BTreeMap<String, u64>> = None;
+        for _ in 0..WINDOWS {
+            let before = self.wake_ups();
+            sleep(WINDOW);
+            let mut after = self.wake_ups();
+            for (thread, count) in &mut after {
+                *count -= before.get(thread).copied().unwrap_or(0);
+            }
+            let sum = |counts: &BTreeMap<String, u64>| counts.values().sum::<u64>();
+            if quietest
+                .as_ref()
+                .is_none_or(|found| sum(&after) < sum(found))
+            {
+                quietest = Some(after);
+            }
+            if quietest.as_ref().is_some_and(|found| sum(found) == 0) {
+                break;
+            }
+        }
+        quietest.expect("there is a window")
+    }
+}
+
+/// A thread that waits gives the processor away of its own will each time it waits again.
+fn wake_ups(task: &Path) -> (String, u64) {
+    let status = fs::read_to_string(task.join("status")).expect("no thread ends");
+    let field = |name: &str| {
+        let line = status.lines().find_map(|line| line.strip_prefix(name));
+        line.expect("the kernel tells it").trim().to_owned()
+    };
+    let thread = format!("{} {}", field("Pid:"), field("Name:"));
+    let count = field("voluntary_ctxt_switches:");
+    (thread, count.parse().expect("a number"))
+}
+
+fn expect_no_wake_up(output: &str, display: &str) {
+    let idle = Idle::start(output, display);
+    let found = idle.quietest();
+    println!("wake-ups in {WINDOW:?} with the output {output}:");
+    for (thread, count) in &found {
+        println!("{count:8}  {thread}");
+    }
+    assert!(found.len() > 3, "the threads of a run: {found:?}");
+    assert_eq!(found.values().sum::<u64>(), 0, "{output}: {found:#?}");
+}
+
+#[test]
+fn a_run_with_nothing_to_do_does_not_wake_up() {
+    expect_no_wake_up("transcript", "");
+}
+
+#[test]
+fn a_run_that_types_on_a_desktop_does_not_wake_up_while_nothing_is_typed() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    expect_no_wake_up("desktop", server.display());
+}
+
+#[test]
+fn a_run_with_devices_of_the_kernel_does_not_wake_up_while_nothing_is_typed() {
+    if let Err(error) = fs::File::options().write(true).open("/dev/uinput") {
+        println!("SKIPPED: /dev/uinput: {error}");
+        return;
+    }
+    expect_no_wake_up("uinput", "");
+}

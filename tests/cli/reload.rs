@@ -1,0 +1,104 @@
+//! The real binary, while its layout file is saved.
+
+use std::thread;
+use std::time::Duration;
+
+use crate::support::run::{MOVE, Run, shipped};
+
+#[test]
+fn a_saved_layout_lets_go_of_the_held_key_and_is_typed_on() {
+    let run = Run::with_held_key(&[]);
+    let saved = run.save(&shipped("dvorak-flat"));
+    assert_eq!(run.typed(), "up H");
+    let elapsed = saved.elapsed();
+    println!("from the save to the release: {elapsed:?}");
+    // The bound is 200 ms; a busy machine gets more.
+    assert!(elapsed < Duration::from_secs(1), "{elapsed:?}");
+    assert_eq!(run.told(), "my.ron: in force from now on");
+
+    thread::sleep(MOVE);
+    assert!(run.typed.is_empty(), "the finger has not left the key");
+    run.lift();
+    thread::sleep(MOVE);
+    run.push_down();
+    assert_eq!(run.typed(), "down D");
+}
+
+#[test]
+fn a_broken_file_is_told_with_its_place_and_the_held_key_stays_held() {
+    let run = Run::with_held_key(&[]);
+    run.save("Layout(\n    nmae: \"My board\",\n)\n");
+    assert_eq!(
+        run.told(),
+        "my.ron:2:5: unknown field `nmae`, did you mean `name`?"
+    );
+    assert_eq!(run.told(), " 2 |     nmae: \"My board\",");
+    assert_eq!(run.told(), "   |     ^^^^");
+    assert_eq!(run.told(), "the layout in force stays");
+    std::fs::remove_file(run.path()).expect("the file is there");
+    assert_eq!(run.told(), "my.ron: there is no such file");
+    assert_eq!(run.told(), "the layout in force stays");
+    assert!(run.typed.is_empty(), "the key stays held");
+    run.lift();
+    assert_eq!(run.typed(), "up H");
+
+    run.save(&shipped("dvorak-flat"));
+    assert_eq!(run.told(), "my.ron: in force from now on");
+    thread::sleep(MOVE);
+    run.push_down();
+    assert_eq!(run.typed(), "down D");
+}
+
+#[test]
+fn a_hundred_saves_in_a_second_end_on_the_last_one_and_no_key_is_stuck() {
+    let run = Run::with_held_key(&[]);
+    let (qwerty, dvorak) = (shipped("qwerty-flat"), shipped("dvorak-flat"));
+    for save in 0..100 {
+        run.save(&format!("// {save}\n{}", [&qwerty, &dvorak][save % 2]));
+        thread::sleep(Duration::from_millis(8));
+    }
+    assert_eq!(run.typed(), "up H");
+    // A machine that holds the test up between two saves sees more than one new layout.
+    while run.told.recv_timeout(Duration::from_secs(2)).is_ok() {}
+    run.lift();
+    thread::sleep(MOVE);
+    run.push_down();
+    assert_eq!(run.typed(), "down D");
+    run.lift();
+    assert_eq!(run.typed(), "up D");
+}
+
+#[test]
+fn a_run_that_is_recorded_keeps_its_layout_and_says_so() {
+    let run = Run::with_held_key(&["--record", "hand.mcap"]);
+    run.save(&shipped("dvorak-flat"));
+    assert_eq!(
+        run.told(),
+        "my.ron: not used, as a recording is of one layout; start again to use it"
+    );
+    assert!(run.typed.is_empty(), "the key stays held");
+    run.lift();
+    assert_eq!(run.typed(), "up H");
+}
+
+#[test]
+fn a_key_makes_the_boards_larger() {
+    let run = Run::with_held_key(&[]);
+    let row = r#"(at_mm: (-90.25, 0), keys: "A S D F G H J K L Semicolon Quote Backslash"),"#;
+    let without_h =
+        r#"(at_mm: (-90.25, 0), keys: "A S D F G"), (at_mm: (23.75, 0), keys: "J K L"),"#;
+    let grow = "(does: Scale(1.5), name: \"grow\", at_mm: (4.75, 0)),\n                (code: \"ShiftLeft\"";
+    let text = shipped("qwerty-flat");
+    let changed = text
+        .replace(row, without_h)
+        .replace("(code: \"ShiftLeft\"", grow);
+    assert_ne!(changed, text);
+    run.save(&changed);
+    assert_eq!(run.typed(), "up H");
+    run.wait_until_told("my.ron: in force from now on");
+    run.lift();
+    thread::sleep(MOVE);
+    run.push_down();
+    assert_eq!(run.typed(), "scale 1.500");
+    run.wait_until_told("1.5 times as large");
+}

@@ -1,0 +1,5 @@
+//! The files that users write, and recordings.
+
+mod layout_errors;
+mod layouts;
+mod recordings;

@@ -1,0 +1,7 @@
+//! Memory: after the start nothing is allocated, and in a day of faults nothing piles up.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod soak;
+mod steady_state;

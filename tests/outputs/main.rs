@@ -1,0 +1,13 @@
+//! Events as their receivers get them: an X server, a Wayland compositor, a client of spacenavd, a kernel in QEMU.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+#[cfg(target_os = "linux")]
+mod spacenav;
+#[cfg(target_os = "linux")]
+mod vm;
+#[cfg(feature = "wayland")]
+mod wayland;
+#[cfg(unix)]
+mod x11;

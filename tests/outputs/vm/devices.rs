@@ -1,0 +1,174 @@
+//! Every device that the program makes, and what a hand does with it.
+
+use super::Scene;
+use super::glove::Deed;
+use super::witness::{Evtest, Heard};
+
+/// A control for each device.
+const DEVICES: &str = "devices.ron";
+const ON_DEVICES: &str = "tap H; press Pad -20 0; slide 40 0 600; slide 0 15 300; lift; tap MouseRight; \
+                          press Wheel; slide 20 0 600; slide -20 0 600; lift; \
+                          press Screen -20 -15; slide 40 30 600; lift; \
+                          press Stick; slide 12 0 400; slide -12 12 400; lift; tap PadSouth";
+
+/// Devices with as little as they can have.
+const FEW: &str = "few.ron";
+const ON_FEW: &str = "press Screen 40 -20; slide -80 40 600; lift; tap PadSouth";
+
+const LEFT: u16 = 272;
+const RIGHT: u16 = 273;
+const SOUTH: u16 = 304;
+
+pub fn all(scene: &mut Scene) {
+    let [keyboard, mouse, pointer, gamepad] = play(
+        scene,
+        DEVICES,
+        ON_DEVICES,
+        ["keyboard", "mouse", "pointer", "gamepad"],
+    );
+    assert_eq!(keyboard.keys(&mut scene.machine), [(35, true), (35, false)]);
+    moves_and_scrolls(scene, &mouse);
+    points(scene, &pointer);
+    scene.tell("libinput takes the pointer for one, and a touch moves it before it presses");
+    steers(scene, &gamepad);
+    scene.end_program();
+
+    let [pointer, gamepad] = play(scene, FEW, ON_FEW, ["pointer", "gamepad"]);
+    points(scene, &pointer);
+    is_joystick(scene, &gamepad);
+    scene.tell("a pointer alone and a gamepad of one button are taken for what they are");
+    scene.end_program();
+}
+
+/// Lets the hand play a script, which ends with a tap on the gamepad, on a layout of this folder.
+fn play<const N: usize>(
+    scene: &mut Scene,
+    layout: &str,
+    script: &str,
+    devices: [&str; N],
+) -> [Evtest; N] {
+    let here = format!("{}/tests/outputs/vm/{layout}", env!("CARGO_MANIFEST_DIR"));
+    let deed = Deed::playing(&here, script);
+    scene.start_program(&format!("/etc/{layout}"));
+    let evtests = devices.map(|device| scene.evtest(&format!("Ademan {device}")));
+    scene.arm(&deed, 1);
+    scene.glove.play(deed.whole());
+    let gamepad = &evtests[N - 1];
+    scene.machine.wait_for("the tap at the end", |machine| {
+        gamepad
+            .keys(machine)
+            .contains(&(SOUTH, false))
+            .then_some(())
+    });
+    evtests
+}
+
+fn moves_and_scrolls(scene: &mut Scene, mouse: &Evtest) {
+    let heard = mouse.heard(&mut scene.machine);
+    assert!(
+        sum(&heard, "REL_X") > 40 && sum(&heard, "REL_Y") < -15,
+        "{heard:?}"
+    );
+    for click in [1, -1] {
+        let is_click = |event: &Heard| event.name == "REL_WHEEL" && event.value.signum() == click;
+        assert!(heard.iter().any(is_click), "{heard:?}");
+    }
+    assert_eq!(
+        mouse.keys(&mut scene.machine),
+        [(RIGHT, true), (RIGHT, false)]
+    );
+    for said in [
+        "DEVICE_ADDED Ademan mouse",
+        "POINTER_MOTION",
+        "POINTER_SCROLL_WHEEL",
+        "BTN_RIGHT (273) pressed",
+        "BTN_RIGHT (273) released",
+    ] {
+        scene
+            .libinput
+            .wait_for(&mut scene.machine, &[&mouse.node, said]);
+    }
+    scene.tell("libinput takes the mouse for one, with motion, wheel and buttons");
+}
+
+/// The button goes down where the finger came down, which is near a corner on the near side.
+fn points(scene: &mut Scene, pointer: &Evtest) {
+    assert_eq!(
+        pointer.keys(&mut scene.machine),
+        [(LEFT, true), (LEFT, false)]
+    );
+    let heard = pointer.heard(&mut scene.machine);
+    let press = heard.iter().position(|event| event.name == "BTN_LEFT");
+    let place = |axis: &str| {
+        let mut before = heard.iter().take(press.unwrap_or(0));
+        before
+            .rfind(|event| event.name == axis)
+            .map(|event| event.value)
+    };
+    let (x, y) = (place("ABS_X"), place("ABS_Y"));
+    assert!(x.is_some() && y > Some(65_535 / 2), "{x:?} {y:?}");
+    let added = scene.libinput.wait_for(
+        &mut scene.machine,
+        &[&pointer.node, "DEVICE_ADDED Ademan pointer"],
+    );
+    assert!(added.contains(" cap:p "), "{added}");
+    for said in [
+        "POINTER_MOTION_ABSOLUTE",
+        "BTN_LEFT (272) pressed",
+        "BTN_LEFT (272) released",
+    ] {
+        scene
+            .libinput
+            .wait_for(&mut scene.machine, &[&pointer.node, said]);
+    }
+    let lines = scene.libinput.lines(&mut scene.machine);
+    let first = |part: &str| lines.iter().position(|line| line.contains(part));
+    assert!(
+        first("POINTER_MOTION_ABSOLUTE") < first("BTN_LEFT (272) pressed"),
+        "{lines:#?}"
+    );
+}
+
+fn steers(scene: &mut Scene, gamepad: &Evtest) {
+    let heard = gamepad.heard(&mut scene.machine);
+    let of = |axis: &'static str| heard.iter().filter(move |event| event.name == axis);
+    let farthest = |axis| {
+        of(axis)
+            .map(|event| event.value)
+            .max_by_key(|value| value.abs())
+    };
+    assert!(farthest("ABS_X") > Some(20_000), "to the right: {heard:?}");
+    assert!(farthest("ABS_Y") < Some(-20_000), "up: {heard:?}");
+    for axis in ["ABS_X", "ABS_Y"] {
+        assert_eq!(
+            of(axis).next_back().map(|event| event.value),
+            Some(0),
+            "{axis}"
+        );
+    }
+    assert_eq!(
+        gamepad.keys(&mut scene.machine),
+        [(SOUTH, true), (SOUTH, false)]
+    );
+    is_joystick(scene, gamepad);
+    scene.tell("udev takes the gamepad for a joystick, its stick comes back to the middle");
+}
+
+/// For udev, which games ask; `libinput` leaves those alone.
+fn is_joystick(scene: &mut Scene, gamepad: &Evtest) {
+    let node = &gamepad.node;
+    let known = scene
+        .machine
+        .run(&format!("udevadm info /dev/input/{node}"));
+    assert!(known.contains("ID_INPUT_JOYSTICK=1"), "{known}");
+    let lines = scene.libinput.lines(&mut scene.machine);
+    assert!(
+        !lines.iter().any(|line| line.contains("Ademan gamepad")),
+        "{lines:#?}"
+    );
+}
+
+fn sum(heard: &[Heard], axis: &str) -> i32 {
+    let of_axis = heard.iter().filter(|event| event.name == axis);
+    of_axis.map(|event| event.value).sum()
+}

@@ -1,0 +1,166 @@
+//! Windows of programs that know nothing of this one.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::process::{Command, Stdio};
+use std::sync::{Arc, Mutex};
+
+use super::compositor::Compositor;
+use crate::support::process::{Process, overheard};
+use crate::support::x11::wait_for;
+
+/// A window of `wev`, which tells what reaches it. It has the focus.
+pub struct Window {
+    _process: Process,
+    told: Arc<Mutex<Vec<String>>>,
+}
+
+impl Window {
+    /// Opens one, or says why not and gives `None`.
+    pub fn open(compositor: &Compositor) -> Option<Self> {
+        // Without it, the lines would come when there are many.
+        let mut command = compositor.client("stdbuf");
+        command.args(["-oL", "wev"]).stdout(Stdio::piped());
+        let mut process = start("wev", &mut command)?;
+        let stdout = process.0.stdout.take().expect("it is piped");
+        let told = overheard(stdout);
+        let window = Self {
+            _process: process,
+            told,
+        };
+        let is_seen = || window.lines().iter().any(|line| line.contains("activated"));
+        assert!(wait_for(is_seen), "wev shows no window");
+        Some(window)
+    }
+
+    fn lines(&self) -> Vec<String> {
+        self.told.lock().unwrap().clone()
+    }
+
+    /// What has reached it so far: `down h`, `up h`, `held Shift` or `held -`, `button 272 down`, `move to 3,4`,
+    /// `axis 0 by 15`, `clicks 0 by 1`.
+    pub fn heard(&self) -> Vec<String> {
+        let lines = self.lines();
+        // It makes a second keyboard whenever there is one more to choose from; both hear the same.
+        let first = |kind: &str| lines.iter().filter_map(|line| number(line, kind)).min();
+        let numbers = [first("wl_keyboard"), first("wl_pointer")];
+        let mut heard = Vec::new();
+        for (place, line) in lines.iter().enumerate() {
+            let number = number(line, "wl_keyboard").or(number(line, "wl_pointer"));
+            if number.is_some() && numbers.contains(&number) {
+                let next = lines.get(place + 1).map_or("", String::as_str);
+                heard.extend(event(line, next));
+            }
+        }
+        heard
+    }
+
+    /// The same, once the last is `last` or no more comes.
+    pub fn heard_until(&self, last: &str) -> Vec<String> {
+        let is_there = || self.heard().last().is_some_and(|line| line == last);
+        let came = wait_for(is_there);
+        println!("heard up to {last:?}: {came}");
+        self.heard()
+    }
+
+    /// Waits until it has heard this; whether it has.
+    pub fn hears(&self, line: &str) -> bool {
+        wait_for(|| self.heard().iter().any(|heard| heard == line))
+    }
+}
+
+/// The number of the object that a line is about, if it is of this kind.
+fn number(line: &str, kind: &str) -> Option<u32> {
+    let (number, rest) = line.strip_prefix('[')?.split_once(':')?;
+    let (found, _) = rest.split_once(']')?;
+    (found.trim() == kind).then(|| number.parse().ok())?
+}
+
+/// An event in one line; its second line comes with it.
+fn event(line: &str, next: &str) -> Option<String> {
+    let (_, text) = line.split_once("] ")?;
+    let (kind, values) = text.split_once(':')?;
+    let value = |name: &str| {
+        let (_, rest) = values.split_once(&format!(" {name}: "))?;
+        rest.split([';', ' ']).next()
+    };
+    let way = || {
+        if text.contains("(pressed)") {
+            "down"
+        } else {
+            "up"
+        }
+    };
+    Some(match kind {
+        "key" => format!("{} {}", way(), next.split_whitespace().nth(1)?),
+        "modifiers" => {
+            let held = next.rsplit(':').next()?.trim();
+            let is_none = held.chars().all(|digit| digit == '0');
+            format!("held {}", if is_none { "-" } else { held })
+        }
+        "button" => format!("button {} {}", value("button")?, way()),
+        "motion" => {
+            let (_, place) = text.split_once("x, y: ")?;
+            let mut numbers = place.split(", ").map(|word| word.trim().parse::<f64>());
+            let (x, y) = (numbers.next()?.ok()?, numbers.next()?.ok()?);
+            format!("move to {x},{y}")
+        }
+        "axis" => {
+            let by: f64 = value("value")?.parse().ok()?;
+            format!("axis {} by {by}", value("axis")?)
+        }
+        // Some versions of it call them so.
+        "axis_discrete" | "axis_stop" => {
+            format!("clicks {} by {}", value("axis")?, value("discrete")?)
+        }
+        _ => return None,
+    })
+}
+
+/// A terminal `foot` that has the focus and writes the bytes that are typed into a file.
+pub struct Terminal<'a> {
+    compositor: &'a Compositor,
+    _process: Process,
+}
+
+impl<'a> Terminal<'a> {
+    /// Starts one, or says why not and gives `None`.
+    pub fn start(compositor: &'a Compositor) -> Option<Self> {
+        let script = "stty -icanon -echo; exec cat > typed";
+        let mut command = compositor.client("foot");
+        command.args(["sh", "-c", script]);
+        let process = start("foot", &mut command)?;
+        let typed = compositor.folder().join("typed");
+        assert!(wait_for(|| typed.exists()), "foot runs its script");
+        let terminal = Self {
+            compositor,
+            _process: process,
+        };
+        assert!(wait_for(|| terminal.has_focus()), "foot has the focus");
+        Some(terminal)
+    }
+
+    fn has_focus(&self) -> bool {
+        let tree = self.compositor.tell("get_tree");
+        let node = tree.split("\"focused\": true").nth(1);
+        node.is_some_and(|node| node.contains("\"app_id\": \"foot\""))
+    }
+
+    /// What has been typed, once it is as long as `expected` or no more comes.
+    pub fn typed(&self, expected: &str) -> String {
+        let typed = || fs::read(self.compositor.folder().join("typed")).unwrap_or_default();
+        wait_for(|| typed().len() >= expected.len());
+        String::from_utf8_lossy(&typed()).into_owned()
+    }
+}
+
+fn start(name: &str, command: &mut Command) -> Option<Process> {
+    if let Err(error) = Command::new(name).arg("--version").output()
+        && error.kind() == ErrorKind::NotFound
+    {
+        println!("SKIPPED: {name} is not installed");
+        return None;
+    }
+    command.stderr(Stdio::null());
+    Some(Process::start(command).expect("it starts"))
+}

@@ -1,0 +1,233 @@
+//! However it ends while a key is held: nothing stays down.
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use ademan::capture::hc11::{Framing, encode};
+use tempfile::TempDir;
+
+use super::{SOON, hold, released_after};
+use crate::support::glove::Glove;
+use crate::support::press::{Press, code};
+use crate::support::program::Program;
+use crate::support::x11::{XServer, wait_for, wait_up_to};
+
+/// The program with a glove whose wearer holds Shift and H down.
+pub struct Typing {
+    pub server: XServer,
+    pub program: Program,
+    pub glove: Glove,
+    _folder: TempDir,
+}
+
+/// What it holds down.
+pub fn held_keys() -> [u16; 2] {
+    [code("H"), code("ShiftLeft")]
+}
+
+impl Typing {
+    /// Starts all of it; `None` where there is no X server.
+    pub fn start() -> Option<Self> {
+        let server = XServer::start()?;
+        let press = Press::of("H");
+        let (folder, port) = new_file("glove");
+        let glove = Glove::plug_in(&port, press.off());
+        let source = format!("serial:{}", port.display());
+        let program = run(&server, &source);
+        program.wait_until_it_says("armed", 1);
+        hold(&server, &glove, &press, &held_keys());
+        Some(Self {
+            server,
+            program,
+            glove,
+            _folder: folder,
+        })
+    }
+
+    /// Ends it with these signals, one right after the other; its exit code.
+    fn end_by(mut self, signals: &[&str]) -> Option<i32> {
+        let start = Instant::now();
+        self.program.signal(signals);
+        let took = released_after(&self.server, start, &signals.join(" "));
+        assert!(took < SOON, "{took:?}");
+        let status = self.program.status();
+        assert_eq!(self.server.keys_down(), [0; 0]);
+        status.code()
+    }
+
+    /// Whatever has happened to the glove: everything is let go of, and the program waits for it.
+    fn stalls(mut self, start: Instant, what: &str) {
+        let took = released_after(&self.server, start, what);
+        assert!(took < SOON, "{what}: {took:?}");
+        self.program.wait_until_it_says("stalled", 1);
+        assert!(self.program.runs(), "{:#?}", self.program.said());
+        self.program.signal(&["TERM"]);
+        assert_eq!(self.program.status().code(), Some(0));
+        assert_eq!(self.server.keys_down(), [0; 0]);
+    }
+}
+
+/// The name of a file that is not there yet.
+fn new_file(name: &str) -> (TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join(name);
+    (folder, path)
+}
+
+fn run(server: &XServer, source: &str) -> Program {
+    Program::start(server, ["run", "--output", "desktop", "--source", source])
+}
+
+/// A file with what a glove sends until the key has been down for a second.
+fn file_that_ends_in_a_press() -> (TempDir, PathBuf) {
+    let press = Press::of("H");
+    let (folder, path) = new_file("glove.bytes");
+    let mut file = std::fs::File::create(&path).expect("a file");
+    let still = std::iter::repeat_n(press.held(), 175);
+    for posture in press.approach.iter().copied().chain(still) {
+        file.write_all(&encode(Framing::Double06, &posture))
+            .expect("room on the disk");
+    }
+    (folder, path)
+}
+
+#[test]
+fn nothing_is_down_after_the_end_of_the_stream() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let (_folder, path) = file_that_ends_in_a_press();
+    let mut program = run(&server, &format!("file:{}", path.display()));
+    assert!(server.wait_for_keys(&held_keys()), "{:#?}", program.said());
+    let status = program.status();
+    assert_eq!(server.keys_down(), [0; 0]);
+    assert_eq!(status.code(), Some(0), "{:#?}", program.said());
+}
+
+#[test]
+fn nothing_is_down_after_ctrl_c() {
+    let Some(typing) = Typing::start() else {
+        return;
+    };
+    assert_eq!(typing.end_by(&["INT"]), Some(0));
+}
+
+#[test]
+fn nothing_is_down_after_the_system_asked_it_to_end() {
+    let Some(typing) = Typing::start() else {
+        return;
+    };
+    assert_eq!(typing.end_by(&["TERM"]), Some(0));
+}
+
+#[test]
+fn nothing_is_down_after_its_terminal_was_closed() {
+    let Some(typing) = Typing::start() else {
+        return;
+    };
+    assert_eq!(typing.end_by(&["HUP"]), Some(0));
+}
+
+#[test]
+fn nothing_is_down_after_ctrl_c_in_a_hurry() {
+    let Some(typing) = Typing::start() else {
+        return;
+    };
+    let code = typing.end_by(&["INT", "INT"]);
+    assert!(matches!(code, Some(0 | 130)), "{code:?}");
+}
+
+#[test]
+fn nothing_is_down_after_two_requests_in_the_same_moment() {
+    let Some(typing) = Typing::start() else {
+        return;
+    };
+    // While it is stopped, both wait for it.
+    let code = typing.end_by(&["STOP", "INT", "TERM", "CONT"]);
+    assert!(matches!(code, Some(0 | 130)), "{code:?}");
+}
+
+#[test]
+fn nothing_is_down_after_the_cable_was_pulled() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let start = Instant::now();
+    typing.glove.unplug();
+    typing.stalls(start, "unplugged");
+}
+
+#[test]
+fn nothing_is_down_after_the_glove_fell_silent() {
+    let Some(typing) = Typing::start() else {
+        return;
+    };
+    let start = Instant::now();
+    typing.glove.fall_silent();
+    typing.stalls(start, "silent");
+}
+
+#[test]
+fn nothing_is_down_after_the_bytes_made_no_sense_any_more() {
+    let Some(typing) = Typing::start() else {
+        return;
+    };
+    let start = Instant::now();
+    typing.glove.talk_nonsense();
+    typing.stalls(start, "nonsense");
+}
+
+#[test]
+fn a_display_that_died_ends_it_with_an_error_at_the_next_key() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    typing.server.kill();
+    typing.glove.play(&Press::of("H").lift);
+    let status = typing.program.status();
+    assert_eq!(status.code(), Some(1));
+    typing
+        .program
+        .wait_until_it_says("error: the output `desktop` failed", 1);
+}
+
+/// The default layout with the left mouse button in the place of H.
+fn layout_with_a_button() -> (TempDir, PathBuf) {
+    let (folder, path) = new_file("button.ron");
+    let board = include_str!("../../../layouts/keyboards/qwerty-flat.ron");
+    let with_button = board.replace(" G H J ", " G MouseLeft J ");
+    assert_ne!(board, with_button);
+    std::fs::write(&path, with_button).expect("room on the disk");
+    (folder, path)
+}
+
+#[test]
+fn no_button_is_down_after_the_system_asked_it_to_end() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let (folder, layout) = layout_with_a_button();
+    let port = folder.path().join("glove");
+    let press = Press::of("h");
+    let glove = Glove::plug_in(&port, press.off());
+    let (source, layout) = (format!("serial:{}", port.display()), layout.display());
+    let outputs = format!("transcript:{}/record,desktop", folder.path().display());
+    let layout = layout.to_string();
+    let arguments = [
+        "run", "--output", &outputs, "--source", &source, "--layout", &layout,
+    ];
+    let mut program = Program::start(&server, arguments);
+    program.wait_until_it_says("armed", 1);
+    let is_held = || {
+        glove.play(&press.approach);
+        wait_up_to(Duration::from_secs(5), || server.buttons_down() == [1])
+    };
+    assert!(wait_for(is_held), "{:#?}", program.said());
+    program.signal(&["TERM"]);
+    assert_eq!(program.status().code(), Some(0));
+    assert_eq!(server.buttons_down(), [0; 0]);
+    let record = std::fs::read_to_string(folder.path().join("record")).expect("a transcript");
+    let events: Vec<_> = record.lines().map(|line| &line[13..]).collect();
+    assert_eq!(events.last(), Some(&"up   MouseLeft"), "{events:?}");
+}

@@ -1,0 +1,47 @@
+//! A key that is held for a while.
+
+use std::time::Duration;
+
+use ademan::output::{Desktop, Router, open};
+use ademan::session::run_pipeline;
+use ademan::setup::Setup;
+use crossbeam_channel::never;
+
+use crate::support::hand::Hand;
+use crate::support::press::Press;
+use crate::support::x11::{Typewriter, XServer};
+
+#[test]
+fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let Some(typewriter) = Typewriter::start(&server) else {
+        return;
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("transcript");
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let needs = assembly.required_capabilities();
+    let mut sink = Router::new(vec![
+        Box::new(Desktop::open(Some(server.display()), &needs).expect("the server is there")),
+        open(&format!("transcript:{}", path.display()), &needs).expect("a new file"),
+    ]);
+    let hand = Hand::that_holds(&Press::of("h"), Duration::from_millis(1500));
+    let mut pipeline = assembly.pipeline();
+    run_pipeline(hand, &mut pipeline, &mut sink, &never(), &mut |_| {}).expect("a run to its end");
+
+    let transcript = std::fs::read_to_string(&path).expect("the transcript");
+    let events: Vec<_> = transcript.lines().map(|line| &line[13..]).collect();
+    assert_eq!(events, ["down H", "up   H"]);
+    assert_eq!(server.keys_down(), [0; 0]);
+    let typed = typewriter.typed("h");
+    println!(
+        "held for 1.5 s: the terminal made {} characters of it",
+        typed.len()
+    );
+    assert!(
+        !typed.is_empty() && typed.chars().all(|character| character == 'h'),
+        "{typed:?}"
+    );
+}

@@ -1,0 +1,157 @@
+//! A panic anywhere while a key is held: nothing stays down, and it is told.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use ademan::capture::{CaptureError, Source, SourceEvent};
+use ademan::device::keyboard::Keyboard;
+use ademan::device::{Capabilities, DeviceInput, DeviceOutput, VirtualDevice};
+use ademan::estimate::{Estimator, EstimatorSettings};
+use ademan::output::Desktop;
+use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use ademan::session::{SessionError, run_pipeline};
+use ademan::setup::Setup;
+use ademan::time::Timestamp;
+use crossbeam_channel::never;
+
+use super::{SOON, released_after};
+use crate::support::hand::Hand;
+use crate::support::press::{Press, code};
+use crate::support::x11::XServer;
+
+/// Panics at the moment that the test says.
+#[derive(Clone, Default)]
+struct Fuse(Arc<AtomicBool>);
+
+impl Fuse {
+    fn blow(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    fn check(&self) {
+        assert!(!self.0.load(Ordering::Relaxed), "meant to happen");
+    }
+}
+
+/// Something that panics when its fuse has blown.
+struct Fused<T>(T, Fuse);
+
+impl Source for Fused<Hand> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        self.1.check();
+        self.0.next()
+    }
+
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+}
+
+impl VirtualDevice for Fused<Keyboard> {
+    fn add_capabilities(&self, needs: &mut Capabilities) {
+        self.0.add_capabilities(needs);
+    }
+
+    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
+        self.1.check();
+        self.0.update(seen, out);
+    }
+
+    fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+        self.1.check();
+        self.0.release_all(time, out);
+    }
+}
+
+/// Where the fault is.
+#[derive(Default)]
+struct Fuses {
+    source: Fuse,
+    device: Fuse,
+    observer: Fuse,
+}
+
+fn pipeline(fuse: Fuse) -> Pipeline {
+    let assembly = Setup::default().load_files().expect("the default setup");
+    let keyboard = Keyboard::new(assembly.layout.key_bindings());
+    Pipeline::new(
+        Estimator::new(assembly.glove.map.clone(), EstimatorSettings::default()),
+        assembly.arm.clone(),
+        LayoutInstance::new(
+            assembly.layout.scene.clone(),
+            assembly.layout.target_names(),
+            vec![Box::new(Fused(keyboard, fuse))],
+        ),
+        PipelineSettings::default(),
+    )
+}
+
+/// How a run ended, and the sink that it had: still there, so that it is not its end that lets go.
+type Ended = (thread::Result<Result<(), SessionError>>, Desktop);
+
+/// A run in a thread of its own, with a hand that holds Shift and H down.
+fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
+    let mut sink = Desktop::open(Some(server.display()), &Capabilities::default())
+        .expect("the server is there");
+    let source = Fused(
+        Hand::that_holds(&Press::of("H"), Duration::MAX),
+        fuses.source.clone(),
+    );
+    let mut pipeline = pipeline(fuses.device.clone());
+    let observer = fuses.observer.clone();
+    let running = thread::spawn(move || {
+        let run = || {
+            let mut observe = |_: &_| observer.check();
+            run_pipeline(source, &mut pipeline, &mut sink, &never(), &mut observe).map(drop)
+        };
+        let outcome = catch_unwind(AssertUnwindSafe(run));
+        (outcome, sink)
+    });
+    assert!(server.wait_for_keys(&[code("H"), code("ShiftLeft")]));
+    running
+}
+
+/// Blows a fuse while keys are down, and says how the run ended.
+fn outcome_of(what: &str, fuse: fn(&Fuses) -> &Fuse) -> Option<Ended> {
+    let server = XServer::start()?;
+    let fuses = Fuses::default();
+    let running = start(&server, &fuses);
+    let start = Instant::now();
+    fuse(&fuses).blow();
+    let took = released_after(&server, start, what);
+    assert!(took < SOON, "{took:?}");
+    let ended = running.join().expect("the panic was caught");
+    assert_eq!(server.keys_down(), [0; 0]);
+    Some(ended)
+}
+
+#[test]
+fn nothing_is_down_after_a_panic_of_the_source() {
+    let Some((outcome, _sink)) = outcome_of("the source panicked", |fuses| &fuses.source) else {
+        return;
+    };
+    let Ok(Err(SessionError::Capture(error))) = outcome else {
+        panic!("not an error of the source: {outcome:?}");
+    };
+    assert!(error.to_string().contains("meant to happen"), "{error}");
+}
+
+#[test]
+fn nothing_is_down_after_a_panic_of_a_device() {
+    let Some((outcome, _sink)) = outcome_of("the device panicked", |fuses| &fuses.device) else {
+        return;
+    };
+    assert!(outcome.is_err());
+}
+
+#[test]
+fn nothing_is_down_after_a_panic_of_the_observer() {
+    let Some((outcome, _sink)) = outcome_of("the observer panicked", |fuses| &fuses.observer)
+    else {
+        return;
+    };
+    assert!(outcome.is_err());
+}

@@ -1,0 +1,49 @@
+//! A glove that is unplugged in the middle of a press and plugged in again.
+
+use std::time::{Duration, Instant};
+
+use super::{hold, released_after};
+use crate::support::glove::Glove;
+use crate::support::press::{Press, code};
+use crate::support::program::Program;
+use crate::support::x11::XServer;
+
+/// The wearer has to be seen off all keys for so long; less the time of one packet, by which times are uncertain.
+const NEUTRAL: Duration = Duration::from_millis(300 - 6);
+
+#[test]
+fn a_finger_that_is_still_on_the_key_presses_nothing_until_the_hand_was_off_all_keys() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let press = Press::of("h");
+    let folder = tempfile::tempdir().expect("a folder");
+    let port = folder.path().join("glove");
+    let source = format!("serial:{}", port.display());
+    let mut glove = Glove::plug_in(&port, press.off());
+    let arguments = ["run", "--output", "desktop", "--source", &source];
+    let program = Program::start(&server, arguments);
+    program.wait_until_it_says("armed", 1);
+    hold(&server, &glove, &press, &[code("H")]);
+
+    let start = Instant::now();
+    glove.unplug();
+    released_after(&server, start, "unplugged");
+    let glove = Glove::plug_in(&port, press.held());
+    program.wait_until_it_says("is back as", 1);
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(1) {
+        assert_eq!(server.keys_down(), [0; 0]);
+    }
+
+    let times_armed = program.times_said("armed");
+    let start = Instant::now();
+    glove.play(&[press.off()]);
+    program.wait_until_it_says("armed", times_armed + 1);
+    let took = start.elapsed();
+    println!("off all keys: armed after {took:.1?}");
+    assert!(took >= NEUTRAL, "{took:?}");
+    hold(&server, &glove, &press, &[code("H")]);
+    glove.play(&press.lift);
+    assert!(server.wait_for_keys(&[]));
+}

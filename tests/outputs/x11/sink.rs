@@ -1,0 +1,239 @@
+//! Keys, characters and a pointer on a real X server, seen by programs that know nothing of this one.
+
+use std::thread;
+
+use crate::support::x11::{Field, Typewriter, XServer, wait_for};
+use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
+use ademan::output::{Desktop, OutputError, Sink};
+use ademan::time::Timestamp;
+
+const NO_KEYS: [u16; 0] = [];
+
+const NO_BUTTONS: [u8; 0] = [];
+
+fn key(name: &str) -> KeyCode {
+    name.parse().unwrap()
+}
+
+fn event(action: EventKind) -> OutputEvent {
+    OutputEvent {
+        time: Timestamp(0),
+        kind: action,
+    }
+}
+
+fn down(name: &str) -> OutputEvent {
+    event(EventKind::KeyDown(key(name)))
+}
+
+fn up(name: &str) -> OutputEvent {
+    event(EventKind::KeyUp(key(name)))
+}
+
+/// The key presses that write `text` on a US keymap, one frame per character.
+fn strokes(text: &str) -> Vec<Vec<OutputEvent>> {
+    let stroke = |character| {
+        let (key, shifted) = KeyCode::for_us_character(character).next().unwrap();
+        let shift =
+            |action: fn(KeyCode) -> EventKind| shifted.then(|| event(action(KeyCode::SHIFT_LEFT)));
+        let mut events = Vec::from_iter(shift(EventKind::KeyDown));
+        events.extend([EventKind::KeyDown(key), EventKind::KeyUp(key)].map(event));
+        events.extend(shift(EventKind::KeyUp));
+        events
+    };
+    text.chars().map(stroke).collect()
+}
+
+fn open(server: &XServer) -> Desktop {
+    Desktop::open(Some(server.display()), &Capabilities::default()).unwrap()
+}
+
+/// A sink that holds Shift and A down, seen by the server.
+fn holding_two_keys(server: &XServer) -> Desktop {
+    let mut sink = open(server);
+    sink.send(&[down("ShiftLeft"), down("A")]).unwrap();
+    assert!(server.wait_for_keys(&[38, 50]), "the server sees the keys");
+    sink
+}
+
+#[test]
+fn a_text_arrives_byte_for_byte_in_a_terminal() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let Some(typewriter) = Typewriter::start(&server) else {
+        return;
+    };
+    let text = "Hello, World! 1+1=2 (a;b) {x} ~";
+    let mut sink = open(&server);
+    for frame in strokes(text) {
+        sink.send(&frame).unwrap();
+    }
+    sink.close().unwrap();
+    assert_eq!(typewriter.typed(text), text);
+    assert_eq!(sink.dropped_presses(), 0);
+    assert_eq!(server.keys_down(), NO_KEYS);
+}
+
+#[test]
+fn nothing_is_down_after_closing() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut sink = holding_two_keys(&server);
+    sink.close().unwrap();
+    assert_eq!(server.keys_down(), NO_KEYS);
+}
+
+#[test]
+fn nothing_is_down_after_a_drop_without_closing() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    drop(holding_two_keys(&server));
+    assert_eq!(server.keys_down(), NO_KEYS);
+}
+
+#[test]
+fn nothing_is_down_after_the_thread_that_held_the_sink_panicked() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let sink = holding_two_keys(&server);
+    let holder = thread::spawn(move || {
+        let _sink = sink;
+        panic!("meant to happen");
+    });
+    assert!(holder.join().is_err());
+    assert_eq!(server.keys_down(), NO_KEYS);
+}
+
+#[test]
+fn a_key_is_held_until_it_is_let_go_of_and_other_keys_stay() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut sink = holding_two_keys(&server);
+    sink.send(&[up("A"), down("A"), down("A"), up("B")])
+        .unwrap();
+    sink.send(&[up("A")]).unwrap();
+    assert!(server.wait_for_keys(&[50]));
+}
+
+#[test]
+fn a_server_that_dies_is_an_error_and_not_a_hang() {
+    let Some(mut server) = XServer::start() else {
+        return;
+    };
+    let mut sink = holding_two_keys(&server);
+    server.kill();
+    let mut outcome = Ok(());
+    assert!(wait_for(|| {
+        outcome = sink.send(&[down("B"), up("B")]);
+        outcome.is_err()
+    }));
+    let error = outcome.unwrap_err();
+    assert!(matches!(error, OutputError::Send { .. }), "{error}");
+    sink.close().unwrap_err();
+}
+
+#[test]
+fn characters_that_no_key_has_arrive_in_a_terminal() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let Some(typewriter) = Typewriter::start(&server) else {
+        return;
+    };
+    let text = "é ñß Łж€ aé!";
+    let mut sink = open(&server);
+    for character in text.chars() {
+        sink.send(&[event(EventKind::Character(character))])
+            .unwrap();
+    }
+    sink.send(&[down("A"), up("A")]).unwrap();
+    sink.close().unwrap();
+    let expected = format!("{text}a");
+    assert_eq!(typewriter.typed(&expected), expected);
+    assert_eq!(server.keys_down(), NO_KEYS);
+}
+
+#[test]
+fn the_pointer_goes_by_ways_and_to_places() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut sink = open(&server);
+    let places = [
+        (EventKind::MoveTo(0.0, 0.0), (0, 0)),
+        (EventKind::MoveTo(1.0, 1.0), (799, 599)),
+        (EventKind::MoveTo(0.5, 0.25), (400, 150)),
+        (EventKind::MoveBy(-30, 7), (370, 157)),
+        (EventKind::MoveBy(i32::MAX, i32::MIN), (799, 0)),
+    ];
+    for (action, place) in places {
+        sink.send(&[event(action)]).unwrap();
+        assert!(
+            server.wait_for_pointer(place),
+            "{action:?}: {:?}",
+            server.pointer()
+        );
+    }
+}
+
+#[test]
+fn buttons_a_drag_and_the_wheel_arrive_in_order() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let field = Field::open(&server);
+    let mut sink = open(&server);
+    sink.send(&[
+        event(EventKind::MoveTo(0.0, 0.0)),
+        event(EventKind::MoveBy(20, 10)),
+    ])
+    .unwrap();
+    sink.send(&[
+        down("MouseLeft"),
+        event(EventKind::MoveBy(5, 5)),
+        up("MouseLeft"),
+    ])
+    .unwrap();
+    for button in ["MouseMiddle", "MouseRight", "MouseBack", "MouseForward"] {
+        sink.send(&[down(button), up(button)]).unwrap();
+    }
+    let turns = [(0, 120), (0, -60), (0, -60), (240, 0), (-120, 0)];
+    sink.send(&turns.map(|(x, y)| event(EventKind::Scroll(x, y))))
+        .unwrap();
+    sink.close().unwrap();
+    let heard: Vec<_> = field.heard("up 6 at 25,15");
+    let start = heard.iter().position(|line| line == "move to 20,10");
+    let clicks = [2, 3, 8, 9, 4, 5, 7, 7, 6];
+    let clicked =
+        clicks.map(|button| ["down", "up"].map(|what| format!("{what} {button} at 25,15")));
+    let dragged = ["down 1 at 20,10", "drag to 25,15", "up 1 at 25,15"].map(str::to_owned);
+    let expected: Vec<_> = dragged
+        .into_iter()
+        .chain(clicked.into_iter().flatten())
+        .collect();
+    assert_eq!(heard[start.expect("it moved there") + 1..], expected);
+}
+
+#[test]
+fn no_button_is_down_after_closing_nor_after_a_drop() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    for closes in [true, false] {
+        let mut sink = open(&server);
+        sink.send(&[down("MouseLeft"), down("MouseRight"), down("A")])
+            .unwrap();
+        assert!(wait_for(|| server.buttons_down() == [1, 3]));
+        if closes {
+            sink.close().unwrap();
+        }
+        drop(sink);
+        assert_eq!(server.buttons_down(), NO_BUTTONS);
+        assert_eq!(server.keys_down(), NO_KEYS);
+    }
+}

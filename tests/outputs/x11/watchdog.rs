@@ -1,0 +1,252 @@
+//! What no program can do for itself: its guardian lets go when it is killed, stopped or broken.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::ends::{Typing, held_keys};
+use super::{SOON, hold, released_after};
+use crate::support::glove::Glove;
+use crate::support::press::{Press, code};
+use crate::support::program::Program;
+use crate::support::x11::{XServer, wait_for};
+
+/// How long a guardian waits for a sign of life, and then some.
+const NO_SIGN_OF_LIFE: Duration = Duration::from_secs(2);
+
+impl Typing {
+    /// The process that the program has started.
+    fn guardian(&self) -> u32 {
+        let mut found = None;
+        let is_there = || {
+            found = self
+                .program
+                .children()
+                .into_iter()
+                .find(|child| is_alive(*child));
+            found.is_some()
+        };
+        assert!(wait_for(is_there), "there is no guardian");
+        found.expect("it is there")
+    }
+
+    /// Ends the program so that it can do nothing any more.
+    fn dies_by(mut self, signal: &str) {
+        let start = Instant::now();
+        self.program.signal(&[signal]);
+        let took = released_after(&self.server, start, signal);
+        assert!(took < SOON, "{signal}: {took:?}");
+        assert_eq!(self.program.status().code(), None, "it was killed");
+        self.program.wait_until_it_says("its keys are up (2)", 1);
+    }
+}
+
+/// The default layout with a text of characters that no keymap has in the place of H.
+fn layout_that_writes(folder: &Path) -> PathBuf {
+    let path = folder.join("writes.ron");
+    let board = include_str!("../../../layouts/keyboards/qwerty-flat.ron");
+    let row = "(at_mm: (-90.25, 0), keys: \"A S D F G H J K L Semicolon Quote Backslash\")";
+    let rows = "(at_mm: (-90.25, 0), keys: \"A S D F G\"), (at_mm: (23.75, 0), keys: \"J K L\")";
+    let text: String = ('ἀ'..).take(32).collect();
+    let key = format!("keys: [(does: Write(\"{text}\"), at_mm: (4.75, 0)),");
+    let writes = board.replace(row, rows).replace("keys: [", &key);
+    assert!(writes.contains(rows) && writes.contains(&key));
+    fs::write(&path, writes).expect("room on the disk");
+    path
+}
+
+#[test]
+fn no_character_stays_down_that_was_being_written_when_it_was_killed() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let press = Press::of("h");
+    for round in 0..8 {
+        let folder = tempfile::tempdir().expect("a folder");
+        let port = folder.path().join("glove");
+        let layout = layout_that_writes(folder.path()).display().to_string();
+        let glove = Glove::plug_in(&port, press.off());
+        let source = format!("serial:{}", port.display());
+        let run = [
+            "run", "--output", "desktop", "--source", &source, "--layout", &layout,
+        ];
+        let mut program = Program::start(&server, run);
+        program.wait_until_it_says("armed", 1);
+        glove.play(&press.approach);
+        let start = Instant::now();
+        while server.keys_down().is_empty() {
+            assert!(
+                start.elapsed() < Duration::from_secs(20),
+                "it writes nothing"
+            );
+        }
+        program.signal(&["KILL"]);
+        assert_eq!(program.status().code(), None);
+        assert!(
+            server.wait_for_keys(&[]),
+            "{round}: {:?}",
+            server.keys_down()
+        );
+        // The server may still be busy with what it was sent.
+        std::thread::sleep(Duration::from_millis(200));
+        assert_eq!(server.keys_down(), [0; 0], "{round}");
+    }
+}
+
+fn is_alive(process: u32) -> bool {
+    let state = fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    !state.is_empty() && !state.contains(") Z")
+}
+
+#[test]
+fn nothing_is_down_after_it_was_killed() {
+    let Some(typing) = Typing::start() else {
+        return;
+    };
+    let guardian = typing.guardian();
+    typing.dies_by("KILL");
+    assert!(wait_for(|| !is_alive(guardian)), "the guardian stays");
+}
+
+#[test]
+fn nothing_is_down_after_it_aborted() {
+    if let Some(typing) = Typing::start() {
+        typing.dies_by("ABRT");
+    }
+}
+
+#[test]
+fn nothing_is_down_after_it_crashed() {
+    if let Some(typing) = Typing::start() {
+        typing.dies_by("ILL");
+    }
+}
+
+#[test]
+fn nothing_is_down_while_it_is_stopped_and_it_has_to_be_armed_again() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let start = Instant::now();
+    typing.program.signal(&["STOP"]);
+    let took = released_after(&typing.server, start, "STOP");
+    assert!(took < NO_SIGN_OF_LIFE, "{took:?}");
+    typing.program.wait_until_it_says("no sign of life", 1);
+    std::thread::sleep(Duration::from_secs(1));
+    typing.program.signal(&["CONT"]);
+    typing.program.wait_until_it_says("stalled", 1);
+    // The finger is still on the key: that arms nothing, and presses nothing.
+    std::thread::sleep(Duration::from_millis(700));
+    assert_eq!(typing.server.keys_down(), [0; 0]);
+    let press = Press::of("H");
+    typing.glove.play(&press.lift);
+    typing.program.wait_until_it_says("armed", 2);
+    hold(&typing.server, &typing.glove, &press, &held_keys());
+    typing.program.signal(&["TERM"]);
+    assert_eq!(typing.program.status().code(), Some(0));
+    assert_eq!(typing.server.keys_down(), [0; 0]);
+}
+
+#[test]
+fn a_guardian_that_is_killed_is_replaced_once_and_the_run_pauses() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let first = typing.guardian();
+    let start = Instant::now();
+    kill(first);
+    let took = released_after(&typing.server, start, "guardian killed");
+    assert!(took < SOON, "{took:?}");
+    typing.program.wait_until_it_says("paused", 2);
+    assert!(wait_for(|| !is_alive(first)), "the first one is gone");
+    let second = typing.guardian();
+    std::thread::sleep(Duration::from_millis(500));
+    kill(second);
+    let status = typing.program.status();
+    assert_eq!(status.code(), Some(1));
+    // A busy machine: the second one was killed before it was ready.
+    let (again, early) = (
+        "the guardian that lets go of keys was ended a second time",
+        "no guardian",
+    );
+    let said = typing.program.said();
+    let tells = said
+        .iter()
+        .any(|line| line.contains(again) || line.contains(early));
+    assert!(tells, "{said:#?}");
+    assert_eq!(typing.server.keys_down(), [0; 0]);
+}
+
+#[test]
+fn ctrl_z_lets_go_before_it_stops_and_the_hand_has_to_leave_after_it_is_continued() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let start = Instant::now();
+    typing.program.signal(&["TSTP"]);
+    let took = released_after(&typing.server, start, "TSTP");
+    assert!(took < SOON, "{took:?}");
+    let stat = format!("/proc/{}/stat", typing.program.id());
+    let is_stopped = || {
+        fs::read_to_string(&stat)
+            .expect("it is there")
+            .contains(") T ")
+    };
+    assert!(wait_for(is_stopped), "it does not stop");
+    assert_eq!(typing.program.times_said("no sign of life"), 0);
+    typing.program.signal(&["CONT"]);
+    typing.glove.play(&Press::of("H").lift);
+    typing.program.wait_until_it_says("armed", 2);
+    typing.program.signal(&["TERM"]);
+    assert_eq!(typing.program.status().code(), Some(0));
+}
+
+#[test]
+fn a_signal_pauses_until_somebody_resumes() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let start = Instant::now();
+    typing.program.signal(&["USR1"]);
+    let took = released_after(&typing.server, start, "USR1");
+    assert!(took < SOON, "{took:?}");
+    typing
+        .program
+        .wait_until_it_says("paused: everything is released", 1);
+    typing.glove.play(&Press::of("H").lift);
+    std::thread::sleep(Duration::from_millis(800));
+    assert_eq!(typing.program.times_said("armed"), 1);
+    typing.program.signal(&["TERM"]);
+    assert_eq!(typing.program.status().code(), Some(0));
+}
+
+fn kill(process: u32) {
+    send("-KILL", process);
+}
+
+fn send(signal: &str, process: u32) {
+    let status = std::process::Command::new("kill")
+        .args([signal, &process.to_string()])
+        .status();
+    assert!(status.expect("kill is there").success());
+}
+
+#[test]
+fn requests_to_end_that_reach_the_guardian_too_do_not_end_it_first() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let guardian = typing.guardian();
+    send("-TERM", guardian);
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(is_alive(guardian));
+    assert_eq!(
+        typing.server.keys_down(),
+        [code("H"), code("ShiftLeft")],
+        "{:#?}",
+        typing.program.said()
+    );
+    typing.program.signal(&["KILL"]);
+    assert!(typing.server.wait_for_keys(&[]));
+    assert_eq!(typing.program.status().code(), None);
+}

@@ -1,0 +1,237 @@
+//! What comes in is not what the hand does: nothing that was not meant is typed, and nothing stays down.
+
+use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
+use ademan::estimate::{
+    AffineMap, ChannelMap, ChannelRow, Estimator, EstimatorSettings, Rejection, Smoothing,
+};
+use ademan::hand::{Dof, Finger, FingerSet};
+use ademan::setup::LoadedSetup;
+
+use crate::support::press::{Posture, Press, line};
+use crate::support::wearer::{GloveWearer, assembly, pipeline_with, stream};
+
+/// Channels of the shipped glove.
+const ELBOW: usize = 17;
+
+/// A wearer who holds H down.
+fn holding(press: &Press) -> GloveWearer {
+    let mut wearer = GloveWearer::on(&assembly());
+    wearer.play(&press.approach);
+    wearer.play(&[press.held(); 20]);
+    assert_eq!(wearer.typed(), "down H");
+    wearer
+}
+
+fn with(posture: &Posture, channel: usize, count: u8) -> Posture {
+    let mut changed = *posture;
+    changed[channel] = count;
+    changed
+}
+
+/// What the glove says while the hand plays a script.
+fn postures(assembly: &LoadedSetup, script: &str) -> Vec<Posture> {
+    let typist = assembly.scripted(script, &line(), 0.0, 0);
+    let mut typist = typist.unwrap_or_else(|error| panic!("{error}"));
+    std::iter::from_fn(|| {
+        let counts = typist.next_counts()?;
+        Some(std::array::from_fn(|channel| counts[channel] as u8))
+    })
+    .collect()
+}
+
+#[test]
+fn a_stream_that_is_entered_in_the_middle_of_a_frame_types_the_same() {
+    let press = Press::of("h");
+    let assembly = assembly();
+    let whole = [&press.approach[..], &press.lift[..]].concat();
+    let bytes = stream(&whole);
+    for missing in 1..PACKET_BYTES {
+        let mut wearer = GloveWearer::on(&assembly);
+        wearer.send(&bytes[missing..]);
+        assert_eq!(
+            wearer.typed(),
+            "down H, up H",
+            "{missing} bytes are missing"
+        );
+        // The last frame waits for the marks of the next one.
+        assert_eq!(wearer.readings() as usize, whole.len() - 2, "{missing}");
+    }
+}
+
+#[test]
+fn one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most() {
+    let press = Press::of("h");
+    let assembly = assembly();
+    let frames = [press.held(); 12];
+    let clean = stream(&frames);
+    for bit in 0..PACKET_BYTES * 8 {
+        let mut wearer = GloveWearer::on(&assembly);
+        wearer.play(&press.approach);
+        wearer.play(&[press.held(); 20]);
+        let before = wearer.readings();
+        let mut bytes = clean.clone();
+        bytes[3 * PACKET_BYTES + bit / 8] ^= 1 << (bit % 8);
+        wearer.send(&bytes);
+        let came = wearer.readings() - before;
+        // A broken mark is the end of the frame before it and the start of its own.
+        assert!(came as usize >= frames.len() - 2, "bit {bit}: {came}");
+        wearer.play(&press.lift);
+        assert_eq!(wearer.typed(), "down H, up H", "bit {bit}");
+    }
+}
+
+#[test]
+fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on() {
+    let h = Press::of("h");
+    let assembly = assembly();
+    let deed = postures(
+        &assembly,
+        "press J; set middle-pip-flexion 40 & bend middle 20; wait 200; bend middle 45; wait 200; \
+         bend middle 20; wait 200; lift",
+    );
+    let mut healthy = GloveWearer::on(&assembly);
+    healthy.play(&deed);
+    assert_eq!(healthy.typed(), "down J, down 8, up 8, up J");
+    let index = FingerSet::NONE.with(Finger::Index);
+    let map = &assembly.glove.map;
+    let channels: Vec<usize> = (0..BODY_BYTES)
+        .filter(|&channel| map.fingers_affected_by(channel) == index)
+        .collect();
+    assert!(channels.len() >= 3, "{channels:?}");
+    for (channel, end) in channels
+        .iter()
+        .flat_map(|&channel| [(channel, 0), (channel, 255)])
+    {
+        let mut wearer = holding(&h);
+        let broken = with(&h.held(), channel, end);
+        // A second of 175 readings, and the few in which a jump is not believed yet.
+        wearer.play(&[broken; 185]);
+        assert_eq!(wearer.typed(), "up H", "channel {channel} at {end}");
+        let broken = |posture: &Posture| with(posture, channel, end);
+        let hang = |postures: &[Posture]| postures.iter().map(broken).collect::<Vec<_>>();
+        wearer.play(&hang(&h.lift));
+        wearer.play(&hang(&[deed[0]; 60]));
+        wearer.play(&hang(&deed));
+        assert_eq!(wearer.typed(), "down 8, up 8", "channel {channel} at {end}");
+        wearer.play(&[h.off(); 60]);
+        wearer.play(&h.approach);
+        wearer.play(&h.lift);
+        assert_eq!(wearer.typed(), "down H, up H", "mended: channel {channel}");
+    }
+}
+
+#[test]
+fn a_hand_that_is_here_and_there_lets_go_at_the_third_reading_and_presses_nothing() {
+    let press = Press::of("h");
+    let mut wearer = holding(&press);
+    let elbow = press.held()[ELBOW];
+    for (number, away) in [120, 60, 120, 60, 120, 60].into_iter().enumerate() {
+        let elsewhere = with(&press.held(), ELBOW, elbow + away);
+        let rejection = wearer.see_after(5_729, &elsewhere);
+        assert_eq!(rejection, Some(Rejection::TooFast));
+        assert_eq!(wearer.typed(), if number == 2 { "up H" } else { "" });
+    }
+    wearer.play(&[press.held(); 60]);
+    assert_eq!(wearer.typed(), "", "the finger has not left the key");
+    wearer.play(&press.lift);
+    wearer.play(&press.approach);
+    assert_eq!(wearer.typed(), "down H");
+}
+
+#[test]
+fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
+    const SPARE: usize = 63;
+    let press = Press::of("h");
+    let assembly = assembly();
+    let mut rows = assembly.glove.map.rows().to_vec();
+    assert!(rows.iter().all(|row| row.channel != SPARE));
+    rows.push(ChannelRow {
+        label: "without end".into(),
+        dof: Dof::ForearmSecondBone,
+        channel: SPARE,
+        calibration: AffineMap {
+            gain: 1e308,
+            offset: 0.0,
+        },
+    });
+    let map = ChannelMap::new(rows, 255);
+    let settings = EstimatorSettings {
+        rail_timeout: None,
+        ..EstimatorSettings::default()
+    };
+    let mut wearer = GloveWearer::with(pipeline_with(&assembly, Estimator::new(map, settings)));
+    let sane = |postures: &[Posture]| -> Vec<Posture> {
+        let sane = postures.iter().map(|posture| with(posture, SPARE, 0));
+        sane.collect()
+    };
+    wearer.play(&sane(&press.approach));
+    assert_eq!(wearer.typed(), "down H");
+    let (held, endless) = (sane(&[press.held()])[0], with(&press.held(), SPARE, 255));
+    for _ in 0..2 {
+        for _ in 0..2 {
+            let rejection = wearer.see_after(5_729, &endless);
+            assert_eq!(rejection, Some(Rejection::NotFinite));
+        }
+        assert_eq!(wearer.see_after(5_729, &held), None);
+    }
+    assert_eq!(wearer.typed(), "", "two in a row are two that are dropped");
+    for _ in 0..3 {
+        wearer.see_after(5_729, &endless);
+    }
+    assert_eq!(wearer.typed(), "up H");
+    wearer.see_after(5_729, &held);
+    assert_eq!(wearer.typed(), "", "the finger has not left the key");
+}
+
+#[test]
+fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_counted() {
+    const HOUR: u64 = 3_600_000_000;
+    let press = Press::of("h");
+    let mut ahead = holding(&press);
+    ahead.see_after(HOUR, &press.held());
+    assert_eq!(ahead.typed(), "up H");
+    assert_eq!(ahead.pipeline.stalls(), 1);
+    assert!(!ahead.runs(), "it has to be armed again");
+
+    for back in [HOUR, 0] {
+        let mut wearer = holding(&press);
+        wearer.now += HOUR;
+        wearer
+            .pipeline
+            .set_stall_timeout(std::time::Duration::from_secs(7_200));
+        wearer.see(&press.held());
+        let stale = || Rejection::Stale;
+        wearer.now -= back;
+        for _ in 0..3 {
+            assert_eq!(wearer.see(&press.held()), Some(stale()));
+        }
+        assert_eq!(wearer.typed(), "up H", "{back} µs back");
+        assert_eq!(wearer.pipeline.rejected()[stale().index()], 3);
+    }
+}
+
+#[test]
+fn a_million_readings_a_second_press_no_more_than_is_allowed() {
+    let press = Press::of("h");
+    let assembly = assembly();
+    let stroke = [&press.approach[..], &press.lift[..]].concat();
+    // Without a filter, which slows down such a hand by itself.
+    let settings = EstimatorSettings {
+        smoothing: Smoothing::Off,
+        ..EstimatorSettings::default()
+    };
+    for interval in [1, 20, 100, 1_000] {
+        let estimator = Estimator::new(assembly.glove.map.clone(), settings);
+        let mut wearer = GloveWearer::with(pipeline_with(&assembly, estimator));
+        for posture in stroke.iter().cycle().take(100 * stroke.len()) {
+            wearer.see_after(interval, posture);
+        }
+        let typed = wearer.typed();
+        let presses = typed.matches("down").count();
+        println!("a reading every {interval} µs: {presses} presses");
+        let allowed = 30 + wearer.now * 60 / 1_000_000;
+        assert!(presses as u64 <= allowed, "{interval} µs: {presses}");
+        assert_eq!(presses, typed.matches("up").count());
+        assert!(interval < 1_000 || presses > 0);
+    }
+}

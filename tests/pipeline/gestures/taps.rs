@@ -1,0 +1,98 @@
+//! Fast taps at slow frame rates: nothing is missed, and times lie between the frames.
+
+use ademan::contact::{Phase, Touches};
+use ademan::device::{EventKind, Events};
+use ademan::hand::{Finger, Joint};
+use ademan::time::Timestamp;
+use parry3d::math::{Pose, Vec3};
+
+use super::rig::{PITCH, RADIUS, Random, Rig, TRAVEL, world_from_board};
+
+/// Frame rate of the glove at 9600 baud (66 bytes a packet).
+const FRAMES_PER_SECOND: f64 = 14.5;
+
+/// Shows the rig one frame with the index pad at a point of the board (metres).
+fn show(rig: &mut Rig, seconds: f64, pad: Vec3, touches: &mut Touches, events: &mut Events) {
+    rig.pose.time = Timestamp::from_seconds(seconds);
+    let centre = world_from_board().transform_point(pad + Vec3::Z * RADIUS);
+    rig.pose
+        .set(Joint::tip(Finger::Index), Pose::from_translation(centre));
+    touches.clear();
+    rig.tracker.update(&rig.scene, &rig.pose, touches);
+    events.clear();
+    rig.update(&rig.pose.clone(), touches, events);
+}
+
+/// Height of the pad over the board: down at `speed`, at once up again, lowest at time 0.
+fn tap_height(seconds: f64, speed: f64, lowest: f64) -> f64 {
+    (lowest + speed * seconds.abs()).min(0.06)
+}
+
+#[test]
+fn every_tap_at_1_metre_a_second_and_14_frames_a_second_is_one_press() {
+    let mut random = Random(1);
+    let mut rig = Rig::new("q w e r / a s d f / z x c v");
+    let (mut touches, mut events) = (Touches::new(), Events::new());
+    let codes = ["Q", "W", "E", "R", "A", "S", "D", "F", "Z", "X", "C", "V"];
+    let mut frames = 0;
+    for tap in 0..600 {
+        let key = (random.bits() % codes.len() as u64) as usize;
+        let middle = Vec3::new((key % 4) as f32 * PITCH, -((key / 4) as f32) * PITCH, 0.0);
+        let mut aside = || random.between(-0.006, 0.006) as f32;
+        let place = middle + Vec3::new(aside(), aside(), 0.0);
+        let drift = random.between(-0.015, 0.015) as f32;
+        // It stays deep enough for a frame at least: what is never seen cannot be told.
+        let speed = random.between(0.8, 1.0);
+        let lowest = -0.0021 - random.between(0.5, 0.7) * speed / FRAMES_PER_SECOND;
+        let phase = random.between(0.0, 1.0);
+        let mut heard = Vec::new();
+        for frame in 0..8 {
+            let seconds = (f64::from(frame) - 4.0 + phase) / FRAMES_PER_SECOND;
+            let height = tap_height(seconds, speed, lowest) as f32;
+            let pad = place + Vec3::new(drift * seconds as f32, 0.0, height);
+            frames += 1;
+            let now = f64::from(frames) / FRAMES_PER_SECOND;
+            show(&mut rig, now, pad, &mut touches, &mut events);
+            heard.extend(events.iter().map(|event| event.kind));
+        }
+        let code = codes[key].parse().unwrap();
+        assert_eq!(
+            heard,
+            [EventKind::KeyDown(code), EventKind::KeyUp(code)],
+            "tap {tap}"
+        );
+    }
+}
+
+#[test]
+fn times_are_right_within_a_microsecond_at_constant_speed() {
+    let mut random = Random(2);
+    for _ in 0..200 {
+        let mut rig = Rig::new("q");
+        let (mut touches, mut events) = (Touches::new(), Events::new());
+        let frame = 1.0 / random.between(10.0, 200.0);
+        let speed = random.between(0.05, 1.0);
+        let start = random.between(0.001, 0.05);
+        let mut found = Vec::new();
+        for number in 0..2000 {
+            let seconds = frame * f64::from(number);
+            // The time that the tracker is told is a whole number of microseconds.
+            let told = Timestamp::from_seconds(seconds).seconds();
+            let pad = Vec3::new(0.0, 0.0, (start - speed * told) as f32);
+            show(&mut rig, seconds, pad, &mut touches, &mut events);
+            found.extend(touches.iter().copied());
+            if found.iter().any(|touch| touch.phase == Phase::Pressed) {
+                break;
+            }
+        }
+        for (phase, depth) in [
+            (Phase::Touched, 0.0),
+            (Phase::Pressed, 0.5 * f64::from(TRAVEL)),
+        ] {
+            let touch = found.iter().find(|touch| touch.phase == phase).unwrap();
+            let expected = (start + depth) / speed;
+            let late = (touch.time.seconds() - expected) * 1e6;
+            assert!(late.abs() <= 1.0, "{phase} {late} µs late at {speed} m/s");
+        }
+    }
+}

@@ -1,0 +1,401 @@
+//! Two hands on one keyboard, and several layouts in one setup, through the whole engine.
+
+use std::fs;
+
+use crate::support::checked::Judged;
+use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
+use ademan::device::{EventKind, Events};
+use ademan::estimate::{ChannelMap, JointAngles};
+use ademan::hand::Side;
+use ademan::layout::Document;
+use ademan::pipeline::SourceRole;
+use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
+use ademan::sim::TypingHand;
+use ademan::snapshot::PipelineState;
+use ademan::time::Timestamp;
+
+/// People whose hands are over keys or push them in; a reading every 10 ms of each hand.
+struct Wearer {
+    assembly: LoadedSetup,
+    pipeline: Judged,
+    time_ms: u64,
+    /// What each hand shows; `None` for one that is not seen.
+    shown: [Option<Channels>; Side::COUNT],
+    transcript: Vec<String>,
+}
+
+impl Wearer {
+    fn of(setup: Setup) -> Self {
+        let assembly = setup.load_files().expect("a setup");
+        Self {
+            pipeline: Judged::of(&assembly),
+            assembly,
+            time_ms: 0,
+            shown: [None, None],
+            transcript: Vec::new(),
+        }
+    }
+
+    /// The fingertip of a side goes over a key of the layout in force, or down on it.
+    fn go(&mut self, side: Side, key: &str, is_down: bool) {
+        self.shown[side.index()] = Some(self.posture(side, key, is_down));
+    }
+
+    fn posture(&self, side: Side, key: &str, is_down: bool) -> Channels {
+        let (arm, map) = match &self.assembly.other_hand {
+            Some(other) if other.glove.side == side => (&other.arm, &other.glove.map),
+            _ => (&self.assembly.arm, &self.assembly.glove.map),
+        };
+        let layout = self.assembly.layouts().nth(self.pipeline.active_profile());
+        let layout = layout.expect("there is a layout in force");
+        let target = layout.key(key).expect("a key").face.target;
+        let hand = TypingHand::new(arm, map);
+        let stroke = hand.tap_path(&layout.scene, target).expect("within reach");
+        let tip = if is_down { stroke.bottom } else { stroke.hover };
+        let mut values = hand.rest_values();
+        hand.reach(tip, &mut values, &[]);
+        let angles = hand.angles(&values);
+        channels(map, |dof| angles.get(dof))
+    }
+
+    fn stay(&mut self, milliseconds: u64) {
+        for _ in 0..milliseconds / 10 {
+            self.time_ms += 10;
+            for side in [Side::Left, Side::Right] {
+                let Some(shown) = self.shown[side.index()].clone() else {
+                    continue;
+                };
+                let reading = Reading {
+                    time: Timestamp(self.time_ms * 1_000),
+                    side: self.assembly.other_hand.is_some().then_some(side),
+                    sample: Sample::Channels(shown),
+                };
+                let mut events = Events::new();
+                let _ = self.pipeline.step(&reading, &mut events);
+                self.write(&events);
+            }
+        }
+    }
+
+    fn tap(&mut self, side: Side, key: &str) {
+        // Before the key may put another layout in force.
+        let postures = [false, true, false].map(|is_down| self.posture(side, key, is_down));
+        for posture in postures {
+            self.shown[side.index()] = Some(posture);
+            self.stay(150);
+        }
+    }
+
+    fn write(&mut self, events: &Events) {
+        for event in events {
+            self.transcript.push(match event.kind {
+                EventKind::KeyDown(key) => format!("+{key}"),
+                EventKind::KeyUp(key) => format!("-{key}"),
+                EventKind::Ask(request) => format!("{request:?}"),
+                other => panic!("{other:?} comes of no key"),
+            });
+        }
+    }
+
+    fn said(&mut self) -> String {
+        std::mem::take(&mut self.transcript).join(" ")
+    }
+}
+
+fn channels(map: &ChannelMap, angle: impl Fn(ademan::hand::Dof) -> f64) -> Channels {
+    let full_scale = map.full_scale();
+    let mut counts: arrayvec::ArrayVec<u16, MAX_CHANNELS> =
+        (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
+    for row in map.rows().iter().rev() {
+        let exact = row.calibration.apply_inverse(angle(row.dof)).round();
+        counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
+    }
+    Channels { full_scale, counts }
+}
+
+fn both_hands() -> Wearer {
+    let mut wearer = Wearer::of(Setup {
+        other_hand: Some(OtherHand::default()),
+        layout: "qwerty-two-flat".into(),
+        ..Setup::default()
+    });
+    wearer.go(Side::Left, "F", false);
+    wearer.go(Side::Right, "J", false);
+    wearer.stay(400);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    wearer
+}
+
+#[test]
+fn one_hand_holds_shift_while_the_other_types() {
+    let mut wearer = both_hands();
+    wearer.go(Side::Left, "ShiftLeft", false);
+    wearer.stay(150);
+    wearer.go(Side::Left, "ShiftLeft", true);
+    wearer.stay(150);
+    wearer.tap(Side::Right, "J");
+    wearer.tap(Side::Right, "K");
+    wearer.go(Side::Left, "ShiftLeft", false);
+    wearer.stay(150);
+    wearer.tap(Side::Left, "F");
+    assert_eq!(wearer.said(), "+ShiftLeft +J -J +K -K -ShiftLeft +F -F");
+}
+
+#[test]
+fn a_hand_touches_only_the_boards_that_are_there_for_it() {
+    let assembly = both_hands().assembly;
+    let board_of = |key: &str| {
+        let target = assembly.layout.key(key).expect("a key").face.target;
+        assembly.layout.scene.target(target).expect("a target").0
+    };
+    let right = assembly.arm.forward(&JointAngles::new(Timestamp(0)));
+    let left = assembly.arm.clone().for_side(Side::Left);
+    let left = left.forward(&JointAngles::new(Timestamp(0)));
+    for (key, seen, unseen) in [("F", left, right), ("J", right, left)] {
+        assert!(board_of(key).world_from_surface(&seen).is_some(), "{key}");
+        assert!(board_of(key).world_from_surface(&unseen).is_none(), "{key}");
+    }
+}
+
+#[test]
+fn a_hand_that_stays_away_lets_go_of_what_both_hold_and_both_have_to_be_off_the_keys_first() {
+    let mut wearer = both_hands();
+    wearer.go(Side::Left, "F", true);
+    wearer.stay(150);
+    assert_eq!(wearer.said(), "+F");
+    wearer.shown[Side::Left.index()] = None;
+    wearer.stay(220);
+    assert_eq!(wearer.said(), "-F");
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
+    wearer.go(Side::Left, "F", true);
+    wearer.stay(1_000);
+    assert_eq!(
+        wearer.pipeline.state(),
+        PipelineState::Stalled,
+        "a finger is in a key"
+    );
+    wearer.go(Side::Left, "F", false);
+    wearer.stay(400);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    assert_eq!(wearer.pipeline.stalls(), 1);
+    wearer.tap(Side::Left, "F");
+    assert_eq!(wearer.said(), "+F -F");
+}
+
+#[test]
+fn the_hand_that_is_left_types_on() {
+    let mut wearer = both_hands();
+    wearer.shown[Side::Left.index()] = None;
+    wearer.stay(1_000);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    wearer.tap(Side::Right, "J");
+    assert_eq!(wearer.said(), "+J -J");
+}
+
+#[test]
+fn each_hand_has_the_role_of_its_source() {
+    let mut wearer = Wearer::of(Setup {
+        source: Some("tcp:box:4001".parse().expect("a source")),
+        other_hand: Some(OtherHand {
+            source: Some("serial:/dev/x".parse().expect("a source")),
+            ..OtherHand::default()
+        }),
+        layout: "qwerty-two-flat".into(),
+        ..Setup::default()
+    });
+    wearer.go(Side::Left, "F", false);
+    wearer.go(Side::Right, "J", false);
+    wearer.stay(400);
+    wearer.tap(Side::Right, "J");
+    wearer.tap(Side::Left, "F");
+    wearer.tap(Side::Right, "K");
+    assert_eq!(wearer.said(), "+F -F");
+    assert_eq!(wearer.pipeline.suppressed().keys_by_role, 2);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+}
+
+#[test]
+fn what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("holds.ron");
+    let board = Document::shipped("qwerty-two-flat").expect("it is shipped");
+    let row = "at_mm: (-42.75, -19), keys: \"N M Comma";
+    assert!(board.text.contains(row));
+    let board = board
+        .text
+        .replace(row, "at_mm: (-23.75, -19), keys: \"M Comma");
+    let keys = "keys: [\n (code: \"N\", hold: (code: \"ControlRight\"), hold_ms: 250, at_mm: (-42.75, -19)),
+                (code: \"ShiftRight\"";
+    let board = board.replace("keys: [\n                (code: \"ShiftRight\"", keys);
+    fs::write(&path, board).expect("room on the disk");
+    let typed = |role| {
+        let mut wearer = Wearer::of(Setup {
+            source: Some("tcp:box:4001".parse().expect("a source")),
+            role,
+            other_hand: Some(OtherHand {
+                source: Some("serial:/dev/x".parse().expect("a source")),
+                ..OtherHand::default()
+            }),
+            layout: path.display().to_string(),
+            ..Setup::default()
+        });
+        wearer.go(Side::Left, "F", false);
+        wearer.go(Side::Right, "N", false);
+        wearer.stay(400);
+        // A hold that another key of the other hand begins, and one that begins after a while.
+        wearer.go(Side::Right, "N", true);
+        wearer.stay(150);
+        wearer.tap(Side::Left, "F");
+        wearer.go(Side::Right, "N", false);
+        wearer.stay(150);
+        wearer.tap(Side::Right, "ShiftRight");
+        wearer.tap(Side::Left, "F");
+        (wearer.said(), wearer.pipeline.suppressed().keys_by_role)
+    };
+    let both = "+ControlRight +F -F -ControlRight +ShiftRight +F -F -ShiftRight";
+    assert_eq!(typed(Some(SourceRole::Both)), (both.into(), 0));
+    assert_eq!(typed(None), ("+F -F +F -F".into(), 2));
+}
+
+#[test]
+fn two_gloves_for_one_hand_are_refused() {
+    let setup = Setup {
+        other_hand: Some(OtherHand {
+            glove: "unam-hc11".into(),
+            ..OtherHand::default()
+        }),
+        ..Setup::default()
+    };
+    assert_eq!(
+        setup.load_files().unwrap_err().to_string(),
+        "both gloves are for the right hand, `other_hand` is for the other one"
+    );
+}
+
+/// Files in a folder that goes with them.
+fn setup_of(main: &str, other: &str) -> (tempfile::TempDir, Setup) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let layout = |name: &str, keys: &str| {
+        let path = folder.path().join(name);
+        let text = format!(
+            "Layout(name: \"{name}\", boards: [(place: (anchor: elbow, bearing_deg: 35, \
+             forward_mm: 300, height_mm: -45), keys: [{keys}])])"
+        );
+        std::fs::write(&path, text).expect("a file");
+        path.display().to_string()
+    };
+    let setup = Setup {
+        layout: layout("main.ron", main),
+        profiles: vec![ProfileSetup {
+            name: "other".into(),
+            layout: layout("other.ron", other),
+        }],
+        ..Setup::default()
+    };
+    (folder, setup)
+}
+
+const MAIN: &str = r#"(code: "A", at_mm: (-20, 0)), (does: Profile("other"), at_mm: (0, 0)),
+    (does: NextProfile, name: "next", at_mm: (20, 0))"#;
+const OTHER: &str = r#"(code: "B", at_mm: (0, 0)), (does: Profile("main"), at_mm: (20, 0))"#;
+
+#[test]
+fn a_key_puts_another_layout_in_force_and_the_finger_has_to_leave_first() {
+    let (_folder, setup) = setup_of(MAIN, OTHER);
+    let mut wearer = Wearer::of(setup);
+    wearer.go(Side::Right, "A", false);
+    wearer.stay(400);
+    wearer.tap(Side::Right, "A");
+    wearer.go(Side::Right, "other", false);
+    wearer.stay(150);
+    wearer.go(Side::Right, "other", true);
+    wearer.stay(500);
+    assert_eq!(
+        wearer.said(),
+        "+A -A Profile(0)",
+        "not B, which is in its place now"
+    );
+    assert_eq!(wearer.pipeline.active_profile(), 1);
+    wearer.tap(Side::Right, "B");
+    wearer.tap(Side::Right, "main");
+    assert_eq!(wearer.pipeline.active_profile(), 0);
+    wearer.tap(Side::Right, "next");
+    assert_eq!(wearer.pipeline.active_profile(), 1);
+    assert_eq!(wearer.said(), "+B -B Profile(0) NextProfile");
+}
+
+#[test]
+fn what_is_held_when_another_layout_is_put_in_force_comes_up_first() {
+    let (_folder, setup) = setup_of(MAIN, OTHER);
+    let mut wearer = Wearer::of(setup);
+    wearer.go(Side::Right, "A", false);
+    wearer.stay(400);
+    wearer.go(Side::Right, "A", true);
+    wearer.stay(150);
+    let mut events = Events::new();
+    wearer.pipeline.switch_to(1, &mut events);
+    wearer.write(&events);
+    wearer.stay(500);
+    assert_eq!(wearer.said(), "+A -A");
+    wearer.pipeline.switch_to(7, &mut events);
+    assert_eq!(
+        wearer.pipeline.active_profile(),
+        1,
+        "there is no such place"
+    );
+}
+
+#[test]
+fn a_profile_that_the_setup_lacks_is_refused_by_name() {
+    let (_folder, setup) = setup_of(&MAIN.replace("\"other\"", "\"othre\""), OTHER);
+    let error = setup.load_files().unwrap_err().to_string();
+    let end =
+        "unknown profile `othre`, did you mean `other`?; list it under `profiles` of the setup";
+    assert!(error.ends_with(end), "{error}");
+    let (_folder, mut setup) = setup_of(MAIN, OTHER);
+    setup.profiles[0].name = "main".into();
+    let error = setup.load_files().unwrap_err().to_string();
+    assert_eq!(error, "there is a profile `main` already");
+}
+
+#[test]
+fn a_setup_with_two_hands_and_profiles_comes_back_out_of_a_recording() {
+    let (_folder, mut setup) = setup_of(MAIN, OTHER);
+    setup.other_hand = Some(OtherHand::default());
+    let assembly = setup.load_files().expect("a setup");
+    let recorded = assembly.recorded_setup();
+    let again = LoadedSetup::from_recording(&recorded, None, None).expect("it was recorded");
+    let texts = |assembly: &LoadedSetup| -> Vec<String> {
+        assembly
+            .layouts()
+            .map(|layout| layout.text.clone())
+            .collect()
+    };
+    assert_eq!(texts(&again), texts(&assembly));
+    assert_eq!(again.setup, assembly.setup);
+    let glove = Document::shipped("unam-hc11-left").expect("it is shipped");
+    assert_eq!(
+        recorded.get("other-glove").map(|entry| &entry.text),
+        Some(&glove.text)
+    );
+}
+
+#[test]
+fn a_key_pauses_and_the_same_key_ends_that_and_nothing_of_the_pause_is_left() {
+    let keys = r#"(code: "A", at_mm: (-20, 0)), (does: Pause, name: "pause", at_mm: (0, 0)),
+        (code: "ShiftLeft", latch: OneShot, at_mm: (20, 0))"#;
+    let (_folder, setup) = setup_of(keys, OTHER);
+    let mut wearer = Wearer::of(setup);
+    wearer.go(Side::Right, "A", false);
+    wearer.stay(400);
+    wearer.tap(Side::Right, "pause");
+    assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
+    wearer.tap(Side::Right, "ShiftLeft");
+    wearer.tap(Side::Right, "A");
+    assert_eq!(wearer.said(), "Pause", "nothing goes out");
+    wearer.tap(Side::Right, "pause");
+    wearer.stay(400);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    wearer.tap(Side::Right, "A");
+    assert_eq!(wearer.said(), "+A -A", "without the Shift of the pause");
+}

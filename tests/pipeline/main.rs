@@ -1,0 +1,19 @@
+//! The pipeline in one process, without a clock or a device: bytes, readings or touches in, events out.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod arming;
+mod estimator;
+mod examples;
+mod faulty_readings;
+mod gestures;
+mod hands_and_profiles;
+mod limits;
+mod panels;
+mod placement;
+mod scenarios;
+mod scripts;
+mod stops;
+mod typing;
+mod vectors;

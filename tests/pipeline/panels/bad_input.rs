@@ -1,0 +1,109 @@
+//! What people get wrong in a file, one test for each: a message with the place, and nothing else.
+
+use ademan::layout::Layout;
+
+use super::rig::Rig;
+
+/// Line, column and message of what is wrong with a board of these fields.
+fn refusal(fields: &str) -> (usize, usize, String) {
+    let text = format!("Layout(name: \"t\", boards: [(\nplace: (anchor: world),\n{fields})])");
+    let error = Layout::parse(&text, "t.ron").expect_err("the board is wrong");
+    let place = (
+        error.line().expect("a line"),
+        error.column().expect("a column"),
+    );
+    let text = error.to_string();
+    let message = text.lines().next().expect("a line");
+    let message = message.splitn(4, ':').nth(3).expect("after the place");
+    (place.0, place.1, message.trim().to_owned())
+}
+
+#[test]
+fn a_size_that_is_no_number_or_as_large_as_the_world_is_refused() {
+    for (size, told) in [
+        ("NaN", "NaN"),
+        ("inf", "inf"),
+        ("1e308", "1e308"),
+        ("-5", "-5"),
+        ("0", "0"),
+    ] {
+        for (field, what) in [
+            (
+                format!("keys: [(code: \"A\", at_mm: (0, 0), size_mm: Disc({size}))]"),
+                "a size is 1 to 500 mm",
+            ),
+            (
+                format!("sliders: [(name: \"s\", at_mm: (0, 0), length_mm: {size})]"),
+                "a size is 1 to 500 mm",
+            ),
+            (
+                format!("knobs: [(name: \"k\", at_mm: (0, 0), diameter_mm: {size})]"),
+                "a size is 1 to 500 mm",
+            ),
+        ] {
+            let (line, _, message) = refusal(&field);
+            assert_eq!(
+                message,
+                format!("{told} is out of range: {what}"),
+                "{field}"
+            );
+            assert_eq!(line, 3);
+        }
+    }
+}
+
+#[test]
+fn a_travel_of_nothing_is_refused() {
+    let (line, column, message) = refusal("travel_mm: 0");
+    assert_eq!((line, column), (3, 12));
+    assert_eq!(message, "0 is out of range: a travel is 0.2 to 50 mm");
+}
+
+#[test]
+fn a_range_that_is_inverted_is_refused() {
+    let (line, _, message) =
+        refusal("press_share: 0.2, release_share: 0.6, keys: [(code: \"A\", at_mm: (0, 0))]");
+    assert_eq!(line, 3);
+    assert_eq!(
+        message,
+        "the press_share 0.2 of the key `A` must be more than its release_share 0.6"
+    );
+}
+
+#[test]
+fn an_unknown_name_is_answered_with_the_nearest_one() {
+    for (fields, expected) in [
+        (
+            "keys: [(code: \"Spcae\", at_mm: (0, 0))]",
+            "unknown key `Spcae`, did you mean `Space`?",
+        ),
+        (
+            "sliders: [(name: \"s\", at_mm: (0, 0), length_mm: 50, drives: Axis(\"LefX\"))]",
+            "unknown axis `LefX`, did you mean `LeftX`?",
+        ),
+    ] {
+        assert_eq!(refusal(fields).2, expected);
+    }
+}
+
+#[test]
+fn a_layer_that_does_not_exist_is_refused() {
+    let (line, column, message) = refusal("keys: [(layer: \"digits\", at_mm: (0, 0))]");
+    assert_eq!((line, column), (3, 17));
+    assert_eq!(message, "unknown layer `digits`");
+}
+
+#[test]
+fn layers_that_lead_to_each_other_are_left_as_they_were_entered() {
+    let text = r#"Layout(name: "t", boards: [(place: (anchor: world), keys: [
+        (code: "A", at_mm: (0, 0)),
+        (layer: "one", latch: Lock, at_mm: (30, 0)),
+        (layer: "two", latch: Lock, at_mm: (60, 0)),
+    ])], layers: [(name: "one", keys: {"A": "B"}), (name: "two", keys: {"A": "C"})])"#;
+    let script = "index@A:tap index@one:tap index@A:tap index@two:tap index@A:tap index@one:tap \
+                  index@A:tap index@one:tap index@A:tap";
+    assert_eq!(
+        Rig::new(text).run(script).events(),
+        "down A | up   A | down B | up   B | down C | up   C | down B | up   B | down A | up   A"
+    );
+}

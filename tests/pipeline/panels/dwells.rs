@@ -1,0 +1,115 @@
+//! Keys that fire when a fingertip rests on them.
+
+use super::rig::{Rig, simulate, simulate_layout};
+
+const KEYS: &str = r#"keys: [
+    (code: "A", dwell_ms: 300, at_mm: (0, 0)), (code: "B", at_mm: (30, 0)),
+    (code: "ShiftLeft", latch: OneShot, dwell_ms: 300, at_mm: (60, 0)),
+]"#;
+
+#[test]
+fn a_key_fires_once_a_fingertip_has_rested_on_it() {
+    assert_eq!(simulate(KEYS, "index@A:up index@A:1 t:280ms"), "");
+    assert_eq!(
+        simulate(KEYS, "index@A:up index@A:1 t:2000ms index@A:up"),
+        "down A | up   A",
+        "once for each contact"
+    );
+    assert_eq!(
+        simulate(
+            KEYS,
+            "index@A:up index@A:1 t:300ms index@A:up index@A:1 t:300ms"
+        ),
+        "down A | up   A | down A | up   A"
+    );
+}
+
+#[test]
+fn it_fires_at_its_time_between_two_frames() {
+    let mut rig = Rig::on_board(KEYS);
+    rig.run("index@A:up index@A:4 t:400ms");
+    assert_eq!(
+        rig.transcript(),
+        "     316.000 down A\n     316.000 up   A\n"
+    );
+}
+
+#[test]
+fn a_fingertip_that_leaves_right_after_its_time_has_fired_the_key() {
+    assert_eq!(
+        simulate(KEYS, "index@A:up index@A:4 t:290ms index@A:-1"),
+        "down A | up   A"
+    );
+    assert_eq!(
+        simulate(KEYS, "index@A:up index@A:4 t:290ms index@A:-16"),
+        "",
+        "it left before"
+    );
+}
+
+#[test]
+fn pressing_it_deep_is_no_second_time() {
+    assert_eq!(
+        simulate(
+            KEYS,
+            "index@A:up index@A:down t:50ms index@A:1 index@A:down t:50ms index@A:up"
+        ),
+        ""
+    );
+    assert_eq!(
+        simulate(
+            KEYS,
+            "index@A:up index@A:1 index@A:down t:400ms index@A:1 index@A:down"
+        ),
+        "down A | up   A"
+    );
+}
+
+#[test]
+fn leaving_sliding_off_and_losing_the_finger_fire_nothing() {
+    for end in [
+        "index@A:up",
+        "index@B:1",
+        "lost:index",
+        "doubt:index",
+        "release",
+    ] {
+        let script = format!("index@A:up index@A:1 t:250ms {end} t:500ms");
+        assert_eq!(simulate(KEYS, &script), "", "{end}");
+    }
+}
+
+#[test]
+fn two_fingers_each_have_their_time() {
+    assert_eq!(
+        simulate(
+            KEYS,
+            "index@A:up&thumb@A+2:up index@A:1 t:200ms thumb@A+2:1 index@A:up t:200ms"
+        ),
+        ""
+    );
+}
+
+#[test]
+fn a_one_shot_that_is_dwelled_on_is_for_the_next_key() {
+    assert_eq!(
+        simulate(
+            KEYS,
+            "index@ShiftLeft:up index@ShiftLeft:1 t:320ms index@A:up index@A:1 t:320ms index@B:tap"
+        ),
+        "down ShiftLeft | down A | up   A | up   ShiftLeft".to_owned() + " | down B | up   B"
+    );
+}
+
+#[test]
+fn it_does_what_the_layer_says() {
+    let keys = r#"keys: [(code: "A", dwell_ms: 300, at_mm: (0, 0)), (layer: "x", name: "L", at_mm: (30, 0))]"#;
+    assert_eq!(
+        simulate_layout(
+            keys,
+            r#"layers: [(name: "x", keys: {"A": "1"})]"#,
+            "thumb@L:up&index@A:up thumb@L:down index@A:1 t:320ms"
+        ),
+        "down 1 | up   1"
+    );
+}

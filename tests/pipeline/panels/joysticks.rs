@@ -1,0 +1,130 @@
+//! Joysticks.
+
+use super::rig::simulate;
+
+const STICK: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30, dead_zone: 0,
+    axes: ("LeftX", "LeftY"))]"#;
+const KEYS: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30,
+    keys: (up: Key("W"), down: Key("S"), left: Key("A"), right: Key("D")))]"#;
+const PUSHED: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30, travel_mm: 16,
+    press: Key("PadL3"))]"#;
+const POINTER: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30,
+    moves_px_per_s: 1000)]"#;
+
+/// Every way in which a finger that is at 20 mm to the right can go.
+const ENDS: [&str; 5] = [
+    "index@Stick+20:up",
+    "lost:index",
+    "doubt:index",
+    "index@Stick+90:down",
+    "release",
+];
+
+#[test]
+fn a_stick_stands_where_it_is_pushed_from_where_it_was_pressed() {
+    assert_eq!(
+        simulate(
+            STICK,
+            "index@Stick+5:up index@Stick+5:down index@Stick+15:down index@Stick+5,-40:down"
+        ),
+        "axis LeftX +0.500 | axis LeftX +0.000 | axis LeftY -1.000",
+        "at most to its end"
+    );
+}
+
+#[test]
+fn a_stick_springs_back_to_0_however_it_is_let_go_of() {
+    for end in ENDS {
+        assert_eq!(
+            simulate(
+                STICK,
+                &format!("index@Stick:up index@Stick:down index@Stick+20:down {end} t:50ms")
+            ),
+            "axis LeftX +1.000 | axis LeftX +0.000",
+            "{end}"
+        );
+    }
+}
+
+#[test]
+fn within_the_dead_zone_a_stick_stands_in_the_middle() {
+    let stick = STICK.replace("dead_zone: 0,", "dead_zone: 0.5, curve: 2,");
+    assert_eq!(
+        simulate(
+            &stick,
+            "index@Stick:up index@Stick:down index@Stick+9:down index@Stick+15:down \
+             index@Stick-3:down"
+        ),
+        "axis LeftX +0.250 | axis LeftX +0.000"
+    );
+}
+
+#[test]
+fn a_second_finger_on_a_stick_is_ignored() {
+    assert_eq!(
+        simulate(
+            STICK,
+            "index@Stick:up&middle@Stick+5:up index@Stick:down&middle@Stick+5:down \
+             middle@Stick+20:down middle@Stick+20:up index@Stick+10:down"
+        ),
+        "axis LeftX +0.500"
+    );
+}
+
+#[test]
+fn a_side_presses_at_half_the_throw_and_ends_a_little_nearer() {
+    assert_eq!(
+        simulate(
+            KEYS,
+            "index@Stick:up index@Stick:down index@Stick+9:down index@Stick+11:down \
+             index@Stick+9:down index@Stick+11:down index@Stick+7:down"
+        ),
+        "down D | up   D"
+    );
+    assert_eq!(
+        simulate(
+            KEYS,
+            "index@Stick:up index@Stick:down index@Stick+14,14:down index@Stick-14,14:down"
+        ),
+        "down W | down D | up   D | down A",
+        "two sides on a diagonal, and releases first"
+    );
+}
+
+#[test]
+fn what_a_side_presses_comes_up_however_the_stick_is_let_go_of() {
+    for end in ENDS {
+        assert_eq!(
+            simulate(
+                KEYS,
+                &format!("index@Stick:up index@Stick:down index@Stick+20:down {end} t:50ms")
+            ),
+            "down D | up   D",
+            "{end}"
+        );
+    }
+}
+
+#[test]
+fn a_deep_push_presses() {
+    assert_eq!(
+        simulate(
+            PUSHED,
+            "index@Stick:up index@Stick:10 index@Stick:15 index@Stick:12 index@Stick:15 index@Stick:10 \
+             index@Stick:20 index@Stick:up"
+        ),
+        "down PadL3 | up   PadL3 | down PadL3 | up   PadL3"
+    );
+}
+
+#[test]
+fn a_stick_moves_the_pointer_as_long_as_it_is_held() {
+    assert_eq!(
+        simulate(
+            POINTER,
+            "index@Stick:up index@Stick:down index@Stick+20:down t:20ms index@Stick+0,20:down \
+             index@Stick:up t:50ms"
+        ),
+        "move +10 +0 | move +10 +0 | move +10 +0 | move +0 -10"
+    );
+}

@@ -1,0 +1,161 @@
+//! How a pointer moves the cursor.
+
+use super::pointer_modes::pointer;
+use super::rig::Rig;
+
+/// 5 pixels for a millimetre, from a middle of (0, 0, 0).
+const BOX: &str = "mode: Direct(place: (anchor: world), size_mm: (200, 100, 100))";
+
+fn play(fields: &str, script: &str) -> String {
+    pointer(&format!("{BOX}, {fields}")).run(script).events()
+}
+
+#[test]
+fn a_relative_pointer_goes_by_differences_and_keeps_what_is_left_of_a_pixel() {
+    assert_eq!(
+        play(
+            "moves: By",
+            "tip:index=30,0,0 tip:index=40,0,0 tip:index=40,10,0"
+        ),
+        "move +50 +0 | move +0 -50"
+    );
+    let crept = play(
+        "moves: By",
+        "tip:index=0,0,0 tip:index=0.05,0,0 tip:index=0.1,0,0 tip:index=0.15,0,0 \
+         tip:index=0.2,0,0 tip:index=0.25,0,0 tip:index=0.3,0,0 tip:index=0.4,0,0",
+    );
+    assert_eq!(crept, "move +1 +0 | move +1 +0");
+}
+
+#[test]
+fn no_step_is_longer_than_it_may_be_and_nothing_is_left_out() {
+    let stepped = play(
+        "moves: By, max_step_px: 101",
+        "tip:index=0,0,0 tip:index=50,0,0 t:50ms",
+    );
+    assert_eq!(stepped, "move +100 +0 | move +100 +0 | move +50 +0");
+    let placed = play(
+        "max_step_px: 101",
+        "tip:index=0,0,0 tip:index=50,0,0 t:50ms",
+    );
+    assert_eq!(
+        placed,
+        "place 0.5000 0.5000 | place 0.6000 0.5000 | place 0.7000 0.5000 | place 0.7500 0.5000"
+    );
+}
+
+#[test]
+fn a_hand_that_is_seen_again_elsewhere_moves_no_mouse_and_is_followed_in_steps() {
+    let script = "tip:index=0,0,0 lost:index tip:index=20,0,0 t:50ms";
+    assert_eq!(play("moves: By", script), "");
+    assert_eq!(
+        play("max_step_px: 51", script),
+        "place 0.5000 0.5000 | place 0.5500 0.5000 | place 0.6000 0.5000"
+    );
+    let jump = "tip:index=0,0,0 jump&tip:index=20,0,0 t:50ms";
+    assert_eq!(play("moves: By", jump), "");
+}
+
+#[test]
+fn a_clutch_moves_the_cursor_only_while_it_is_held() {
+    let clutched = "moves: By, clutch: Flexion(\"ring-pip-flexion\", 60)";
+    assert_eq!(
+        play(
+            clutched,
+            "angle:ring-pip-flexion=0&tip:index=0,0,0 tip:index=10,0,0 \
+             angle:ring-pip-flexion=60 tip:index=20,0,0 angle:ring-pip-flexion=55 tip:index=30,0,0 \
+             angle:ring-pip-flexion=49 tip:index=0,0,0"
+        ),
+        "move +50 +0 | move +50 +0"
+    );
+    assert_eq!(
+        play(
+            clutched,
+            "angle:ring-pip-flexion=60&tip:index=0,0,0 tip:index=10,0,0"
+        ),
+        "",
+        "one that is held at first has to be let go of"
+    );
+}
+
+#[test]
+fn a_place_that_was_left_by_a_clutch_is_found_again_bit_by_bit() {
+    let clutched = "clutch: Flexion(\"ring-pip-flexion\", 60)";
+    assert_eq!(
+        play(
+            clutched,
+            "angle:ring-pip-flexion=0&tip:index=0,0,0 tip:index=20,0,0 angle:ring-pip-flexion=60 \
+             tip:index=40,0,0 tip:index=20,0,0"
+        ),
+        "place 0.5000 0.5000 | place 0.6200 0.5000 | place 0.5400 0.5000",
+        "a fifth of the way makes up for the 100 pixels"
+    );
+}
+
+#[test]
+fn a_control_holds_the_pointer_still_or_makes_it_slow() {
+    let on_board = |does: &str| {
+        let layout = format!(
+            "Layout(name: \"test\", boards: [(place: (anchor: world, height_mm: -200), \
+             keys: [(does: {does}, name: \"Hold\", at_mm: (0, 0))])], \
+             pointer: Pointer(smoothing: Off, screen_px: (1001, 501), moves: By, {BOX}))"
+        );
+        let script = "tip:index=0,0,0 thumb@Hold:up thumb@Hold:down tip:index=20,0,0 thumb@Hold:up tip:index=40,0,0";
+        Rig::new(&layout).run(script).events()
+    };
+    assert_eq!(on_board("Clutch"), "move +100 +0");
+    assert_eq!(on_board("Precision"), "move +25 +0 | move +100 +0");
+}
+
+#[test]
+fn a_gesture_makes_the_pointer_slow() {
+    let slow = "moves: By, precision: Flexion(\"ring-pip-flexion\", 60), precision_factor: 0.1";
+    assert_eq!(
+        play(
+            slow,
+            "angle:ring-pip-flexion=0&tip:index=0,0,0 tip:index=20,0,0 \
+             angle:ring-pip-flexion=60 tip:index=40,0,0"
+        ),
+        "move +100 +0 | move +10 +0"
+    );
+}
+
+#[test]
+fn a_fast_hand_goes_further_with_an_acceleration() {
+    let accelerated = "moves: By, acceleration: [(1000, 0.5), (2000, 1), (10000, 2)]";
+    assert_eq!(
+        play(
+            accelerated,
+            "tip:index=0,0,0 tip:index=2,0,0 tip:index=6,0,0 tip:index=26,0,0"
+        ),
+        "move +5 +0 | move +20 +0 | move +200 +0",
+        "1000, 2000 and 10000 px/s"
+    );
+}
+
+#[test]
+fn a_tremble_within_the_dead_zone_moves_nothing() {
+    let still = "dead_zone_px: 10";
+    assert_eq!(
+        play(
+            still,
+            "tip:index=0,0,0 tip:index=1.9,0,0 tip:index=-1.9,0,0 tip:index=0,1.9,0"
+        ),
+        "place 0.5000 0.5000"
+    );
+    assert_eq!(
+        play(still, "tip:index=0,0,0 tip:index=22,0,0"),
+        "place 0.5000 0.5000 | place 0.6000 0.5000"
+    );
+}
+
+#[test]
+fn the_first_hand_points_until_everything_is_let_go_of_or_the_one_that_is_named() {
+    let script = "right tip:index=0,0,0 left tip:index=20,0,0 t:50ms";
+    assert_eq!(play("max_step_px: 1000", script), "place 0.5000 0.5000");
+    assert_eq!(
+        play("max_step_px: 1000", &format!("{script} release t:20ms")),
+        "place 0.5000 0.5000 | place 0.6000 0.5000"
+    );
+    assert_eq!(play("hand: \"left\"", script), "place 0.6000 0.5000");
+}

@@ -1,0 +1,201 @@
+//! How a pointer clicks, drags and scrolls.
+
+use super::pointer_modes::pointer;
+
+/// The wrist moves the cursor: 50 px a degree.
+const WRIST: &str = r#"mode: Joint(
+    x: (dof: "wrist-deviation", from_deg: -10, to_deg: 10),
+    y: (dof: "wrist-flexion", from_deg: 10, to_deg: -10),
+), moves: By"#;
+const PINCHES: &str = r#"clicks: [
+    (by: Pinch("index"), does: Key("MouseLeft")),
+    (by: Pinch("middle"), does: Key("MouseRight")),
+]"#;
+/// Fingers apart, wrist straight.
+const OPEN: &str = "tip:thumb=0,0,0&tip:index=80,0,0&tip:middle=0,80,0&\
+                    angle:wrist-deviation=0&angle:wrist-flexion=0";
+
+fn play(fields: &str, script: &str) -> String {
+    let script = script.replace("open", OPEN);
+    pointer(&format!("{WRIST}, {fields}")).run(&script).events()
+}
+
+#[test]
+fn a_pinch_is_a_button_with_hysteresis() {
+    assert_eq!(
+        play(
+            PINCHES,
+            "open tip:index=26,0,0 tip:index=24,0,0 tip:index=29,0,0 tip:index=31,0,0"
+        ),
+        "down MouseLeft | up   MouseLeft"
+    );
+    assert_eq!(
+        play(PINCHES, "open tip:middle=20,0,0 open"),
+        "down MouseRight | up   MouseRight"
+    );
+}
+
+#[test]
+fn of_two_fingers_at_the_thumb_only_the_nearest_pinches() {
+    assert_eq!(
+        play(
+            PINCHES,
+            "open tip:index=15,0,0&tip:middle=0,20,0 tip:middle=0,10,0 t:100ms open"
+        ),
+        "down MouseLeft | up   MouseLeft"
+    );
+    assert_eq!(
+        play(
+            PINCHES,
+            "open tip:index=15,0,0&tip:middle=0,20,0 tip:index=80,0,0 t:100ms"
+        ),
+        "down MouseLeft | up   MouseLeft",
+        "the other one counts for nothing until it was apart"
+    );
+}
+
+#[test]
+fn a_click_does_not_move_the_pointer_from_its_first_sign_to_its_end() {
+    assert_eq!(
+        play(
+            PINCHES,
+            "open angle:wrist-deviation=1 tip:index=40,0,0 angle:wrist-deviation=2 \
+             tip:index=20,0,0 angle:wrist-deviation=2.2 tip:index=40,0,0 angle:wrist-deviation=3 \
+             tip:index=80,0,0 angle:wrist-deviation=4"
+        ),
+        "move +50 +0 | down MouseLeft | up   MouseLeft | move +50 +0"
+    );
+}
+
+#[test]
+fn a_hand_whose_fingers_rest_close_together_still_moves_the_pointer() {
+    assert_eq!(
+        play(
+            PINCHES,
+            "open tip:index=40,0,0 t:400ms angle:wrist-deviation=1"
+        ),
+        "move +50 +0"
+    );
+}
+
+#[test]
+fn what_is_held_down_is_dragged_once_the_hand_has_gone_far_enough() {
+    assert_eq!(
+        play(
+            PINCHES,
+            "open tip:index=20,0,0 angle:wrist-deviation=0.4 angle:wrist-deviation=0 \
+             angle:wrist-deviation=0.7 angle:wrist-deviation=1.7 tip:index=80,0,0"
+        ),
+        "down MouseLeft | move +50 +0 | up   MouseLeft"
+    );
+}
+
+#[test]
+fn what_is_held_comes_up_when_a_finger_or_the_hand_is_lost() {
+    for lost in [
+        "lost:index",
+        "doubt:index",
+        "lost:thumb",
+        "jump",
+        "nan:wrist-flexion",
+        "release",
+    ] {
+        assert_eq!(
+            play(
+                PINCHES,
+                &format!("open tip:index=20,0,0 {lost} trust:index&tip:index=20,0,0 t:50ms")
+            ),
+            "down MouseLeft | up   MouseLeft",
+            "{lost}, and it has to open before it presses again"
+        );
+    }
+}
+
+#[test]
+fn a_bent_joint_clicks() {
+    let bent = "clicks: [(by: Flexion(\"index-pip-flexion\", 60), does: Key(\"MouseLeft\"))]";
+    let bend = |degrees: &str| {
+        let frames = degrees
+            .split(' ')
+            .map(|it| format!("angle:index-pip-flexion={it}"));
+        let script = frames.collect::<Vec<_>>().join(" ");
+        play(bent, &format!("open {script}"))
+    };
+    assert_eq!(bend("0 59 60 51 49"), "down MouseLeft | up   MouseLeft");
+    assert_eq!(bend("70 80"), "");
+}
+
+#[test]
+fn a_push_forward_clicks_and_half_the_way_back_ends_it() {
+    let push = "clicks: [(by: Push(20), does: Key(\"MouseLeft\"))]";
+    assert_eq!(
+        play(
+            push,
+            "open tip:index=80,0,-10 tip:index=80,0,-25 t:200ms tip:index=80,0,-13 tip:index=80,0,0"
+        ),
+        "down MouseLeft | up   MouseLeft"
+    );
+    let slowly: Vec<String> = (0..40)
+        .map(|step| format!("tip:index=80,0,-{step}"))
+        .collect();
+    assert_eq!(
+        play(push, &format!("open {}", slowly.join(" "))),
+        "",
+        "100 mm/s"
+    );
+}
+
+#[test]
+fn a_fingertip_on_its_way_to_another_place_is_no_push_and_a_reach_ends_one() {
+    let push = "clicks: [(by: Push(20), does: Key(\"MouseLeft\"))]";
+    let way = |x: i32, z: i32| {
+        let step = |step: i32| format!("tip:index={},0,{}", 80 + x * step / 8, z * step / 8);
+        (0..=8).map(step).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(
+        play(push, &format!("open {} t:2000ms", way(40, -60))),
+        "",
+        "aside"
+    );
+    assert_eq!(
+        play(push, &format!("open {} t:2000ms", way(0, -90))),
+        "down MouseLeft | up   MouseLeft",
+        "too far"
+    );
+}
+
+#[test]
+fn a_cursor_that_rests_clicks_once_where_it_was_brought_to() {
+    let dwell = "dwell: (ms: 300, radius_px: 10, does: Key(\"MouseLeft\"))";
+    assert_eq!(play(dwell, "open t:1000ms"), "", "nobody brought it there");
+    assert_eq!(
+        play(
+            dwell,
+            "open angle:wrist-deviation=1 t:200ms angle:wrist-deviation=1.1 t:2000ms"
+        ),
+        "move +50 +0 | move +5 +0 | down MouseLeft | up   MouseLeft",
+        "once"
+    );
+    assert_eq!(
+        play(
+            dwell,
+            "open angle:wrist-deviation=1 t:200ms angle:wrist-deviation=2 t:200ms"
+        ),
+        "move +50 +0 | move +50 +0",
+        "it rested nowhere"
+    );
+}
+
+#[test]
+fn while_a_gesture_is_held_motion_turns_the_wheel_and_nothing_of_it_is_lost() {
+    let scroll = "scroll: (by: Flexion(\"little-mcp-flexion\", 60), px_per_click: 50)";
+    assert_eq!(
+        play(
+            scroll,
+            "open angle:little-mcp-flexion=0 angle:little-mcp-flexion=60 angle:wrist-flexion=-1 \
+             angle:wrist-deviation=0.005 angle:wrist-deviation=0.01 angle:little-mcp-flexion=0 \
+             angle:wrist-deviation=1.01"
+        ),
+        "scroll +0 +60 | scroll +1 +0 | move +50 +0"
+    );
+}

@@ -1,0 +1,130 @@
+//! The shipped panels and boards, played.
+
+use ademan::estimate::JointAngles;
+use ademan::hand::{Dof, Finger, Joint};
+use ademan::kinematics::ArmModel;
+use ademan::layout::{Document, Layout};
+use ademan::time::Timestamp;
+
+use super::rig::Rig;
+
+fn rig(name: &str) -> Rig {
+    let document = Document::shipped(name).expect("a shipped layout");
+    Rig::new(&document.text)
+}
+
+#[test]
+fn the_touch_pad_moves_clicks_scrolls_and_has_two_buttons() {
+    let mut rig = rig("touch-pad");
+    rig.run("index@Pad+0:up index@Pad+0:1 index@Pad+0:up");
+    rig.run("index@Pad+20:up t:400ms index@Pad+20:1 index@Pad+30:1 index@Pad+30:up t:400ms");
+    rig.run("index@Pad+0:up&middle@Pad+15:up index@Pad+0:1&middle@Pad+15:1 index@Pad+0,12:1&middle@Pad+15,12:1");
+    rig.run("index@Pad+0:up&middle@Pad+15:up thumb@MouseRight:tap thumb@MouseLeft:tap");
+    let events = rig.events();
+    let kinds: Vec<&str> = events.split(" | ").map(|event| &event[..4]).collect();
+    assert_eq!(
+        kinds,
+        [
+            "down", "up  ", "move", "scro", "down", "up  ", "down", "up  "
+        ],
+        "{events}"
+    );
+    assert!(
+        events.ends_with("down MouseRight | up   MouseRight | down MouseLeft | up   MouseLeft")
+    );
+}
+
+const KEYS: [(&str, Finger); 5] = [
+    ("T", Finger::Thumb),
+    ("I", Finger::Index),
+    ("M", Finger::Middle),
+    ("R", Finger::Ring),
+    ("L", Finger::Little),
+];
+
+/// Where the fingertips of the default hand are, seen from its wrist, as orders of a script: those of
+/// `pressing` are bent by 5° more than half at each joint, the others by 5° less.
+fn fingertips(pressing: &str) -> String {
+    let document = Document::shipped("unam").expect("the default arm");
+    let arm = ArmModel::parse(&document).expect("the default arm");
+    let mut angles = JointAngles::new(Timestamp(0));
+    angles.set(Dof::ElbowFlexion, 35_f64.to_radians());
+    for &dof in Dof::ALL {
+        let Some(finger) = dof.finger() else {
+            continue;
+        };
+        let name = dof.name();
+        let half = match name.rsplit_once('-') {
+            Some((joint, "flexion")) if joint.starts_with("thumb") => 20.0,
+            Some((joint, "flexion")) if joint.ends_with("mcp") => 20.0,
+            Some((joint, "flexion")) if joint.ends_with("pip") => 30.0,
+            Some((_, "flexion")) => 15.0,
+            _ => continue,
+        };
+        let presses = KEYS
+            .iter()
+            .any(|&(key, of)| of == finger && pressing.contains(key));
+        let bend: f64 = if presses { 5.0 } else { -5.0 };
+        angles.set(dof, (half + bend).to_radians());
+    }
+    let pose = arm.forward(&angles);
+    let wrist = pose.position(Joint::Wrist).expect("a wrist");
+    let order = |&finger: &Finger| {
+        let tip = (pose.fingertip(finger).expect("a fingertip") - wrist) * 1e3;
+        format!("tip:{finger}={},{},{}", tip.x, tip.y, tip.z)
+    };
+    Finger::ALL.iter().map(order).collect::<Vec<_>>().join("&")
+}
+
+#[test]
+fn the_fingers_of_the_default_hand_are_over_their_chord_keys_and_press_each_letter() {
+    let layout = Layout::load("chords-five").expect("the shipped board");
+    let name = |target| {
+        let front = layout.face(target).expect("a key");
+        front.name.clone()
+    };
+    let own = layout
+        .keys
+        .iter()
+        .map(|key| (key.face.name.clone(), key.action(0).expect("an action")));
+    let together = layout.chords.iter().map(|chord| {
+        let keys: String = chord.keys.iter().map(|&target| name(target)).collect();
+        (keys, chord.action)
+    });
+    let (open, mut sent) = (fingertips(""), Vec::new());
+    for (keys, action) in own.chain(together) {
+        let mut rig = rig("chords-five");
+        rig.run(&format!(
+            "{open} {} t:100ms {open} t:100ms",
+            fingertips(&keys)
+        ));
+        let events = rig.events();
+        match action {
+            ademan::device::KeyAction::Key(code) => {
+                assert_eq!(events, format!("down {code} | up   {code}"), "{keys}");
+                sent.push(code.name());
+            }
+            _ => assert_eq!((events.as_str(), keys.as_str()), ("", "TIMRL")),
+        }
+    }
+    sent.sort_unstable();
+    let letters: Vec<String> = ('A'..='Z').map(String::from).collect();
+    let mut wanted: Vec<&str> = letters.iter().map(String::as_str).collect();
+    wanted.extend(["Space", "Backspace", "Enter", "Period"]);
+    wanted.sort_unstable();
+    assert_eq!(sent, wanted);
+}
+
+#[test]
+fn all_five_fingers_are_a_capital() {
+    let (open, all) = (fingertips(""), fingertips("TIMRL"));
+    let mut rig = rig("chords-five");
+    rig.run(&format!(
+        "{open} {all} t:100ms {open} {} t:100ms {open}",
+        fingertips("I")
+    ));
+    assert_eq!(
+        rig.events(),
+        "down ShiftLeft | down E | up   E | up   ShiftLeft"
+    );
+}

@@ -1,0 +1,39 @@
+//! Values of a file of reference vectors.
+
+use serde_json::Value;
+
+/// Checks a file and says how many cases it had; panics at the first wrong number.
+pub type Check = fn(&Value) -> usize;
+
+pub fn list(value: &Value) -> &Vec<Value> {
+    value.as_array().expect("a list")
+}
+
+pub fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+pub fn numbers(value: &Value) -> Vec<f64> {
+    list(value).iter().map(number).collect()
+}
+
+pub fn text(value: &Value) -> &str {
+    value.as_str().expect("a text")
+}
+
+pub fn bytes(hex: &Value) -> Vec<u8> {
+    let hex = text(hex);
+    (0..hex.len())
+        .step_by(2)
+        .map(|place| u8::from_str_radix(&hex[place..place + 2], 16).expect("hex"))
+        .collect()
+}
+
+/// Panics unless `ours` is within `tolerance` of `theirs`.
+pub fn assert_close(ours: f64, theirs: f64, tolerance: f64, what: &str) {
+    let difference = (ours - theirs).abs();
+    assert!(
+        difference <= tolerance,
+        "{what}: {ours} instead of {theirs}, {difference:e} apart"
+    );
+}

@@ -1,0 +1,344 @@
+use ademan::capture::hc11::{Framing, Hc11Decoder};
+use ademan::capture::{Channels, Reading, Sample};
+use ademan::estimate::{
+    AffineMap, ChannelMap, Estimator, EstimatorSettings, JointAngles, Smoothing, divider_resistance,
+};
+use ademan::hand::{Dof, Finger, Joint};
+use ademan::kinematics::{ArmModel, Link};
+use ademan::layout::Glove;
+use ademan::time::Timestamp;
+use parry3d::math::{Pose, Vec3};
+use serde_json::Value;
+
+use super::check::{assert_close, bytes, list, number, numbers, text};
+
+/// Positions in `f32`: a micrometre per metre of arm, in centimetres for the 57 cm of this one.
+const F32_CM: f64 = 0.57e-4;
+
+fn glove() -> Glove {
+    Glove::load("unam-hc11").expect("the shipped glove loads")
+}
+
+/// The shipped arm in its own frame instead of the world's.
+fn arm() -> ArmModel {
+    let shipped = ArmModel::load("unam").expect("the shipped arm loads");
+    let links: Vec<Link> = shipped.links().to_vec();
+    ArmModel::new(shipped.side(), links, Pose::IDENTITY, 0.005).expect("the same links")
+}
+
+fn dof_of(arm: &ArmModel, link: &str) -> Dof {
+    let found = arm.links().iter().find(|other| other.name == link);
+    found
+        .and_then(|link| link.dof)
+        .unwrap_or_else(|| panic!("no link {link}"))
+}
+
+fn reading(number: u64, body: &[u8]) -> Reading {
+    Reading {
+        time: Timestamp(1_000 * (number + 1)),
+        side: None,
+        sample: Sample::Channels(Channels {
+            full_scale: 255,
+            counts: body.iter().map(|byte| u16::from(*byte)).collect(),
+        }),
+    }
+}
+
+fn thesis(map: ChannelMap) -> Estimator {
+    Estimator::new(
+        map,
+        EstimatorSettings::unchecked(Smoothing::RecursiveAverage),
+    )
+}
+
+fn centimetres(position: Vec3) -> [f64; 3] {
+    position.to_array().map(|metres| f64::from(metres) * 100.0)
+}
+
+fn assert_place(ours: Vec3, theirs: &Value, tolerance: f64, what: &str) {
+    for (ours, theirs) in centimetres(ours).iter().zip(numbers(theirs)) {
+        assert_close(*ours, theirs, tolerance, what);
+    }
+}
+
+/// The wire order, our glove file and our arm file against the tables.
+pub fn channels(file: &Value) -> usize {
+    let tolerance = number(&file["tolerance"]["absolute"]);
+    for row in list(&file["wire"]) {
+        let (step, port) = (number(&row["mux_step"]), number(&row["adc_port"]));
+        assert_eq!(8.0 * step + port, number(&row["wire_index"]));
+        assert_eq!(8.0 * port + step + 1.0, number(&row["sensor_number"]));
+    }
+    let (glove, arm) = (glove(), arm());
+    let elements = list(&file["elements"]);
+    assert_eq!(glove.full_map.rows().len(), elements.len());
+    for (row, element) in glove.full_map.rows().iter().zip(elements) {
+        let label = element["label"].as_str().unwrap_or("");
+        assert_eq!(row.label, label);
+        assert_eq!(row.dof, dof_of(&arm, text(&element["link"])), "{label}");
+        assert_eq!(row.channel as f64, number(&element["channel"]), "{label}");
+        assert_close(
+            row.calibration.gain,
+            number(&element["factor"]),
+            tolerance,
+            label,
+        );
+        for count in [0.0, 100.0, 255.0] {
+            let wanted = number(&element["initial_rotation"])
+                + (count + number(&element["offset"])) * number(&element["factor"]);
+            assert_close(row.calibration.apply(count), wanted, tolerance, label);
+        }
+    }
+    let links = list(&file["links"]);
+    assert_eq!(arm.links().len(), links.len());
+    for (ours, theirs) in arm.links().iter().zip(links) {
+        assert_link(&arm, ours, theirs);
+    }
+    let maya = list(&file["maya"]);
+    for row in maya {
+        maya_value(row, 0.0);
+    }
+    list(&file["wire"]).len() + elements.len() + links.len() + maya.len()
+}
+
+fn assert_link(arm: &ArmModel, ours: &Link, theirs: &Value) {
+    assert_eq!(ours.name, text(&theirs["id"]));
+    let parent = ours.parent.map(|place| arm.links()[place].name.as_str());
+    assert_eq!(parent, theirs["parent"].as_str(), "{}", ours.name);
+    assert_place(ours.offset, &theirs["offset"], F32_CM, &ours.name);
+    let axis = match text(&theirs["axis"]) {
+        "x" => Vec3::X,
+        "y" => Vec3::Y,
+        _ => Vec3::Z,
+    };
+    assert_eq!(ours.axis, axis, "{}", ours.name);
+    let length = f64::from(ours.length) * 100.0;
+    assert_close(length, number(&theirs["length"]), F32_CM, &ours.name);
+}
+
+/// A row of the Maya script: value = count × 360 / 255, attribute = value × scale + offset.
+fn maya_value(row: &Value, value: f64) -> f64 {
+    let line = AffineMap {
+        gain: number(&row["scale"]) * 360.0 / 255.0,
+        offset: number(&row["offset"]),
+    };
+    line.apply(value)
+}
+
+/// Calibration and filters, frame by frame; the forms of the glove's own programs are written out here, for comparison.
+pub fn pipeline(file: &Value) -> usize {
+    let mut cases = 0;
+    for case in list(&file["cases"]) {
+        corrected(case, number(&file["tolerance"]["angles_rad"]));
+        as_coded(case, &file["tolerance"]);
+        cases += list(&case["frames"]).len();
+    }
+    cases + linear(file) + fit(file) + divider(file)
+}
+
+/// Each row has an estimator of its own, so that rows that share an angle can be told apart.
+fn corrected(case: &Value, tolerance: f64) {
+    let name = text(&case["name"]);
+    for (place, row) in glove().full_map.rows().iter().enumerate() {
+        let mut estimator = thesis(ChannelMap::new(vec![row.clone()], 255));
+        for (frame, wanted) in list(&case["frames"]).iter().enumerate() {
+            let reading = reading(frame as u64, &bytes(&wanted["body"]));
+            let angles = estimator.update(&reading).expect("nothing is refused");
+            let wanted = number(&wanted["corrected_angles"][place]);
+            assert_close(angles.get(row.dof), wanted, tolerance, name);
+        }
+    }
+}
+
+/// The servers of the glove's own programs: signed-byte slip, integer mean, feedback shared by all rows of a channel.
+fn as_coded(case: &Value, tolerance: &Value) {
+    let name = text(&case["name"]);
+    let rows = glove().full_map.rows().to_vec();
+    let mut readings = [0_i64; 64];
+    let mut fed_back = [(0.0, 0.0); 64];
+    let mut maya_before: Vec<f64> = vec![0.0; 64];
+    let maya_rows = maya_rows();
+    for frame in list(&case["frames"]) {
+        let body = bytes(&frame["body"]);
+        let slipped: Vec<i64> = body
+            .iter()
+            .map(|byte| i64::from(*byte) - i64::from(*byte > 127))
+            .collect();
+        for (reading, slipped) in readings.iter_mut().zip(&slipped) {
+            *reading = (slipped + *reading).div_euclid(2);
+        }
+        let wanted: Vec<i64> = numbers(&frame["as_coded_readings"])
+            .iter()
+            .map(|n| *n as i64)
+            .collect();
+        assert_eq!(readings.to_vec(), wanted, "{name}");
+        for (row, wanted) in rows.iter().zip(numbers(&frame["as_coded_angles"])) {
+            let (newer, older) = fed_back[row.channel];
+            let x = row.calibration.apply(readings[row.channel] as f64);
+            let y = (x + newer + older) / 3.0;
+            fed_back[row.channel] = (y, newer);
+            assert_close(y, wanted, number(&tolerance["angles_rad"]), name);
+        }
+        let line = frame["as_coded_line_degrees"]
+            .as_object()
+            .expect("channels");
+        for (channel, degrees) in line {
+            let channel: usize = channel.parse().expect("a channel");
+            let ours = fed_back[channel].0.to_degrees();
+            assert_close(
+                ours,
+                number(degrees),
+                number(&tolerance["line_degrees"]),
+                name,
+            );
+        }
+        let values: Vec<f64> = slipped.iter().map(|count| *count as f64).collect();
+        for (row, wanted) in maya_rows.iter().zip(numbers(&frame["c_server_maya"])) {
+            let channel = number(&row["channel"]) as usize;
+            let mean = (values[channel] + maya_before[channel]) / 2.0;
+            let ours = maya_value(row, mean);
+            assert_close(ours, wanted, number(&tolerance["maya"]), name);
+        }
+        maya_before = values;
+    }
+}
+
+/// The rows of the Maya script stand in the file of the channels.
+fn maya_rows() -> Vec<Value> {
+    let path = super::folder().join("glove_channels.json");
+    let text = std::fs::read_to_string(path).expect("glove_channels.json is beside this file");
+    let file: Value = serde_json::from_str(&text).expect("it is JSON");
+    list(&file["maya"]).clone()
+}
+
+fn linear(file: &Value) -> usize {
+    let tolerance = number(&file["tolerance"]["linear"]);
+    let cases = list(&file["linear"]);
+    for case in cases {
+        let of = |name: &str| number(&case[name]);
+        let line =
+            AffineMap::from_counts(of("offset_counts"), of("factor"), of("initial_rotation"));
+        assert_close(
+            line.apply(of("reading")),
+            of("angle_counts_form"),
+            tolerance,
+            "linear",
+        );
+        assert_close(line.gain, of("text_form_factor"), tolerance, "linear");
+        assert_close(line.offset, of("text_form_offset"), tolerance, "linear");
+    }
+    cases.len()
+}
+
+fn fit(file: &Value) -> usize {
+    let tolerance = number(&file["tolerance"]["fit"]);
+    let cases = list(&file["fit"]);
+    for case in cases {
+        let readings = numbers(&case["readings"]);
+        let poses: Vec<(f64, f64)> = readings
+            .into_iter()
+            .zip(numbers(&case["angles_degrees"]))
+            .collect();
+        let fitted = AffineMap::fit(&poses);
+        if case["factor"].is_null() {
+            assert!(fitted.is_err(), "no line goes through these");
+            continue;
+        }
+        let line = fitted.expect("a line goes through these");
+        assert_close(line.gain, number(&case["factor"]), tolerance, "fit");
+        assert_close(line.offset, number(&case["offset"]), tolerance, "fit");
+    }
+    cases.len()
+}
+
+fn divider(file: &Value) -> usize {
+    let tolerance = number(&file["tolerance"]["divider"]);
+    let cases = list(&file["divider"]);
+    for case in cases {
+        let of = |name: &str| number(&case[name]);
+        let ours = divider_resistance(of("r1_kohm"), of("supply_volt"), of("vx_volt"));
+        assert_close(ours, of("r2_kohm"), tolerance.max(1e-9 * ours), "divider");
+    }
+    cases.len()
+}
+
+pub fn forward_kinematics(file: &Value) -> usize {
+    let arm = arm();
+    let tolerance = number(&file["tolerance"]["absolute"]) + F32_CM;
+    let cases = list(&file["cases"]);
+    for case in cases {
+        let name = text(&case["name"]);
+        let mut angles = JointAngles::new(Timestamp(0));
+        for (link, angle) in case["angles"].as_object().expect("angles") {
+            angles.set(dof_of(&arm, link), number(angle));
+        }
+        let poses = arm.link_poses(&angles);
+        let place = |name: &str| {
+            arm.links()
+                .iter()
+                .position(|link| link.name == name)
+                .expect("a link")
+        };
+        for (link, wanted) in case["pivot"].as_object().expect("pivots") {
+            assert_place(
+                poses[place(link)].translation,
+                wanted,
+                tolerance,
+                &format!("{name} {link}"),
+            );
+        }
+        let hand = arm.forward(&angles);
+        for (finger, wanted) in case["tip"].as_object().expect("tips") {
+            let tip = hand
+                .fingertip(finger.parse().expect("a finger"))
+                .expect("a tip");
+            assert_place(tip, wanted, tolerance, &format!("{name} {finger} tip"));
+        }
+        assert_rotation(&poses[place("wrist_z")], &case["hand_rotation"], name);
+        let index_tip = hand.get(Joint::tip(Finger::Index)).expect("a tip");
+        assert_rotation(index_tip, &case["index_tip_rotation"], name);
+    }
+    cases.len()
+}
+
+/// A rotation turns every point of the hand, 0.57 m from the shoulder at most: 1e-6 is 0.6 µm there.
+fn assert_rotation(pose: &Pose, rows: &Value, name: &str) {
+    let matrix = parry3d::math::Mat3::from_quat(pose.rotation);
+    for (place, row) in list(rows).iter().enumerate() {
+        for (ours, theirs) in matrix.row(place).to_array().iter().zip(numbers(row)) {
+            assert_close(f64::from(*ours), theirs, 2e-6, name);
+        }
+    }
+}
+
+/// All 26 rows of the table drive the arm, also those that our glove file turns off.
+pub fn end_to_end(file: &Value) -> usize {
+    let tolerance = number(&file["tolerance"]["absolute"]) + F32_CM;
+    let arm = arm();
+    let cases = list(&file["cases"]);
+    for case in cases {
+        let name = text(&case["name"]);
+        let mut bodies = Vec::new();
+        let mut decoder = Hc11Decoder::new(Framing::Double06);
+        decoder.push(&bytes(&case["hex"]), &mut |body| bodies.push(*body));
+        decoder.finish(&mut |body| bodies.push(*body));
+        let frames = list(&case["frames"]);
+        assert_eq!(bodies.len(), frames.len(), "{name}");
+        let mut estimator = thesis(glove().full_map);
+        for (number, (body, wanted)) in bodies.iter().zip(frames).enumerate() {
+            let angles = estimator
+                .update(&reading(number as u64, body))
+                .expect("nothing is refused");
+            let hand = arm.forward(&angles);
+            let wrist = hand.position(Joint::Wrist).expect("a wrist");
+            assert_place(wrist, &wanted["wrist_z"], tolerance, name);
+            for (finger, tip) in wanted["tip"].as_object().expect("tips") {
+                let ours = hand
+                    .fingertip(finger.parse().expect("a finger"))
+                    .expect("a tip");
+                assert_place(ours, tip, tolerance, &format!("{name} {finger}"));
+            }
+        }
+    }
+    cases.len()
+}

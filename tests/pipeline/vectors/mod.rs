@@ -1,0 +1,72 @@
+//! Our arithmetic against numbers from an independent reference.
+//!
+//! Reads every file in the folder that `ADEMAN_VECTORS` names (default: `tests/vectors`) and prints how
+//! many cases of each it checked. A covered file that is missing or yields no case fails.
+
+mod check;
+mod glove;
+mod keypad;
+mod one_euro;
+mod packets;
+
+use std::path::PathBuf;
+
+use self::check::Check;
+
+/// The files that are covered, by the first word, and what checks each.
+const COVERED: &[(&str, Check)] = &[
+    ("glove_channels", glove::channels),
+    ("glove_packets", packets::packets),
+    ("glove_pipeline", glove::pipeline),
+    ("glove_fk", glove::forward_kinematics),
+    ("glove_end_to_end", glove::end_to_end),
+    ("keypad_press", keypad::press),
+    (
+        "keypad_press as layout files",
+        keypad::press_through_layouts,
+    ),
+    ("one_euro", one_euro::filter),
+];
+
+fn folder() -> PathBuf {
+    match std::env::var_os("ADEMAN_VECTORS") {
+        Some(folder) => folder.into(),
+        None => PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/vectors"),
+    }
+}
+
+#[test]
+fn our_numbers_are_those_of_the_reference() {
+    let folder = folder();
+    let mut failed = Vec::new();
+    for (name, check) in COVERED {
+        let path = folder.join(format!("{}.json", file_of(name)));
+        let text = std::fs::read_to_string(&path)
+            .unwrap_or_else(|error| panic!("cannot read {}: {error}", path.display()));
+        let file = serde_json::from_str(&text)
+            .unwrap_or_else(|error| panic!("cannot parse {}: {error}", path.display()));
+        let result = std::panic::catch_unwind(|| check(&file));
+        match result {
+            Ok(cases) if cases > 0 => println!("{name}: {cases} cases"),
+            Ok(_) => failed.push(format!("{name}: no case")),
+            Err(_) => failed.push(format!("{name}: see above")),
+        }
+    }
+    list_uncovered(&folder);
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+fn file_of(name: &str) -> &str {
+    name.split(' ').next().unwrap_or(name)
+}
+
+fn list_uncovered(folder: &std::path::Path) {
+    let entries = std::fs::read_dir(folder).expect("the folder of the vectors can be listed");
+    let mut names: Vec<String> = entries
+        .flatten()
+        .filter_map(|entry| Some(entry.path().file_stem()?.to_str()?.to_owned()))
+        .filter(|name| COVERED.iter().all(|(covered, _)| file_of(covered) != name))
+        .collect();
+    names.sort();
+    println!("not covered yet: {}", names.join(" "));
+}
