@@ -39,6 +39,7 @@
 pub mod time;
 pub mod names;
 pub mod hand;
+pub mod document;
 pub mod advice;
 pub mod capture;
 pub mod estimate;

@@ -20,7 +20,8 @@ use self::active_layout::ActiveLayout;
 use self::watched_file::WatchedFile;
 use self::worker::{ChangeDetection, watch};
 use crate::contact::board_pose::BoardPose;
-use crate::layout::{DocumentError, Layout};
+use crate::document::DocumentError;
+use crate::layout::Layout;
 use crate::pipeline::LayoutInstance;
 use crate::session::Replacement;
 

@@ -21,6 +21,7 @@ const FLOW: &[&str] = &[
     "time",
     "names",
     "hand",
+    "document",
     "access",
     "capture",
     "estimate",

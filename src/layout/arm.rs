@@ -3,8 +3,8 @@
 use parry3d::math::{Mat3, Pose, Vec3};
 use serde::Deserialize;
 
-use super::document::Document;
-use super::error::DocumentError;
+use crate::document::Document;
+use crate::document::DocumentError;
 use crate::hand::{Dof, Finger, Joint, Side};
 use crate::kinematics::{ArmModel, Link};
 

@@ -13,8 +13,6 @@ use parry3d::math::Vec2;
 
 use super::controls::Control;
 use super::controls::space::SpaceTargets;
-use super::document::Document;
-use super::error::{DocumentError, line_of};
 use super::model::{BASE_LAYER, Board, Face, Key, Layout, MAX_LAYERS, MAX_TARGETS, metres};
 use super::outline::{Outline, first_overlap};
 use super::placement::{self, BoardShape, Stance};
@@ -27,6 +25,8 @@ use crate::device::KeyCode;
 use crate::device::keyboard::Chord;
 use crate::device::pointer::PointerSettings;
 use crate::device::trigger::Trigger;
+use crate::document::Document;
+use crate::document::{DocumentError, line_number};
 use crate::names::UnknownName;
 
 /// Reads and checks a document.
@@ -323,7 +323,7 @@ impl<'a> Checked<'a> {
         let Some((what, other)) = self.names.get(name) else {
             return Ok(());
         };
-        let line = line_of(&self.document.text, other);
+        let line = line_number(&self.document.text, other);
         let message = format!(
             "there is a {what} `{name}` already in line {line}, give this one a `name` of its own"
         );
@@ -337,7 +337,7 @@ impl<'a> Checked<'a> {
         };
         let (_, what, name, word) = self.placed[b];
         let (_, other, other_name, other_word) = self.placed[a];
-        let line = line_of(&self.document.text, other_word);
+        let line = line_number(&self.document.text, other_word);
         let message =
             format!("the {what} `{name}` overlaps the {other} `{other_name}` of line {line}");
         Err(self.document.error_at(word, message))

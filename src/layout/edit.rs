@@ -5,12 +5,12 @@ use std::ops::Range;
 use ron::value::RawValue;
 use serde::Deserialize;
 
-use super::document::Document;
-use super::error::{DocumentError, offset_of};
 use super::placement::anchor_from_board;
 use super::ranged::{Distance, Tilt};
 use super::schema;
 use crate::contact::board_pose::BoardPose;
+use crate::document::Document;
+use crate::document::{DocumentError, byte_offset};
 
 /// The text of a layout with its boards in these places, one for each; millimetres and degrees to the
 /// hundredth. Boards that are there already keep their numbers. The bearing stays as it is.
@@ -81,7 +81,7 @@ fn rewrite(
     let pieces: Pieces = document.parse()?;
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
     for (number, (board, piece)) in layout.boards.iter().zip(&pieces.boards).enumerate() {
-        let place: PlacePieces = super::parse_ron(piece.place.get_ron(), &document.file)?;
+        let place: PlacePieces = crate::document::parse_ron(piece.place.get_ron(), &document.file)?;
         for (field, value) in changes(number, board).unwrap_or_default() {
             edits.push(match place.of(field) {
                 Some(old) => (range(&document.text, old), value.to_string()),
@@ -149,7 +149,7 @@ impl<'a> PlacePieces<'a> {
 /// Where a piece of a text is in it, without the blanks and comments around it.
 fn range(text: &str, piece: &RawValue) -> Range<usize> {
     let piece = piece.trim().get_ron();
-    let start = offset_of(text, piece).expect("it was read from this text");
+    let start = byte_offset(text, piece).expect("it was read from this text");
     start..start + piece.len()
 }
 

@@ -2,9 +2,9 @@
 
 use serde::Deserialize;
 
-use super::document::Document;
-use super::error::DocumentError;
 use crate::capture::MAX_CHANNELS;
+use crate::document::Document;
+use crate::document::DocumentError;
 use crate::estimate::{AffineMap, ChannelMap, ChannelRow, MAX_ROWS};
 use crate::hand::{Dof, Side};
 

@@ -8,8 +8,6 @@ use parry3d::math::{Vec2, Vec3};
 use super::controls::pointer::POINTER;
 use super::controls::space::SpaceTargets;
 use super::controls::{self, Control};
-use super::document::{self, Document};
-use super::error::DocumentError;
 use super::outline::Outline;
 use super::placement::BoardShape;
 use super::{builder, ranged};
@@ -21,6 +19,8 @@ use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold};
 use crate::device::pointer::PointerSettings;
 use crate::device::trigger::Trigger;
 use crate::device::{Capabilities, KeyAction, Request, TextId, VirtualDevice};
+use crate::document::DocumentError;
+use crate::document::{self, Document};
 use crate::hand::Side;
 
 /// The most targets that a layout has: keys and other controls.

@@ -10,7 +10,8 @@ use crossbeam_channel::{Receiver, Sender, bounded, select};
 use super::watched_file::WatchedFile;
 use super::{FileCall, FileOrder, ReloadReport};
 use crate::contact::board_pose::BoardPose;
-use crate::layout::{self, Document, DocumentError, Layout};
+use crate::document::{Document, DocumentError};
+use crate::layout::{self, Layout};
 use crate::pipeline::LayoutInstance;
 use crate::session::Replacement;
 

@@ -3,7 +3,8 @@
 use std::fs;
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::layout::{Document, DocumentError, Layout};
+use crate::document::{Document, DocumentError};
+use crate::layout::Layout;
 
 /// How long the file has to be left alone before it is read, as saving may take several writes.
 const SETTLE_TIME: Duration = Duration::from_millis(50);

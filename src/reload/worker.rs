@@ -132,7 +132,7 @@ pub(super) fn watch<A: Fn(&Layout) -> Result<LayoutInstance, String>>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::Document;
+    use crate::document::Document;
     use crate::reload::watched_file::WatchedFile;
     use crate::reload::watched_file::tests::text;
     use crate::setup;

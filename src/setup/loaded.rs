@@ -6,9 +6,10 @@ use super::{ArmSetup, OtherHand, Setup, SetupError};
 use crate::capture::recording::{RecordedSetup, Replay};
 use crate::capture::{self, MergedSource, Source, SourceUri, StreamOptions};
 use crate::device::Capabilities;
+use crate::document::{Document, DocumentError};
 use crate::estimate::{Estimator, EstimatorSettings};
 use crate::kinematics::ArmModel;
-use crate::layout::{Document, DocumentError, Glove, Layout};
+use crate::layout::{Glove, Layout};
 use crate::names::UnknownName;
 use crate::pipeline::{LayoutInstance, Pipeline, PipelineSettings, SourcePermissions};
 

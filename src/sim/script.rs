@@ -13,8 +13,8 @@ use parry3d::math::Vec2;
 
 use super::action::{HandAction, TargetPoint};
 use crate::contact::{TargetId, TargetNames};
+use crate::document::{Document, DocumentError};
 use crate::hand::{Dof, Finger};
-use crate::layout::{Document, DocumentError};
 use crate::names::{UnknownName, named_enum};
 use tokens::{Token, tokenize};
 

@@ -4,7 +4,7 @@ use std::process::ExitCode;
 
 use ademan::capture::CaptureError;
 use ademan::control::ControlError;
-use ademan::layout::DocumentError;
+use ademan::document::DocumentError;
 use ademan::output::OutputError;
 use ademan::panic_keys::PanicKeysError;
 use ademan::session::SessionError;

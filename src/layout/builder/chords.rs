@@ -3,8 +3,8 @@
 use super::Checked;
 use crate::contact::TargetId;
 use crate::device::keyboard::{Activation, Chord, MAX_CHORD_KEYS};
+use crate::document::DocumentError;
 use crate::hand::FINGERS_OF_BOTH_HANDS;
-use crate::layout::DocumentError;
 use crate::layout::schema;
 use crate::layout::text::Spanned;
 

@@ -3,7 +3,7 @@
 use super::{Checked, milliseconds};
 use crate::device::keyboard::{Activation, TapHold};
 use crate::device::{KeyAction, Latch};
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::model::Key;
 use crate::layout::schema;
 use crate::layout::text::Spanned;

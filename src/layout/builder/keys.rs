@@ -6,7 +6,7 @@ use super::{Checked, Spot, milliseconds};
 use crate::contact::surface::TREMOR_MARGIN;
 use crate::device::keyboard::Activation;
 use crate::device::{KeyAction, KeyCode, Latch, Request, TextId};
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::model::{Key, label, metres, metres2};
 use crate::layout::placement::Stance;
 use crate::layout::ranged::{PressShare, ReleaseShare, Repress, Travel, Turn};

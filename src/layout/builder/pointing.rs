@@ -2,7 +2,7 @@
 
 use super::Checked;
 use crate::contact::TargetId;
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::controls::pointer::POINTER;
 use crate::layout::model::MAX_TARGETS;
 use crate::layout::schema;

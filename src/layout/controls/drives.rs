@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::device::Axis;
 use crate::device::value_output::ValueOutput;
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::ranged::{Clicks, Pixels, Steps};
 use crate::layout::schema::Does;

@@ -6,7 +6,7 @@ use super::{Control, ControlKind};
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::joystick;
 use crate::device::{Axis, KeyAction};
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::ranged::{Curve, DeadZone, Distance, PointerSpeed, Reach, Size, Travel};

@@ -7,7 +7,7 @@ use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::knob::{self, KnobRange};
 use crate::device::value_output::ValueOutput;
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::ranged::{Distance, KnobRangeDegrees, Share, Size, Steps};

@@ -6,7 +6,7 @@ use super::Drives;
 use super::slider::TrackSpot;
 use crate::device::slider::{GrabMode, Slider, Track};
 use crate::device::value_output::ValueOutput;
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::ranged::{Distance, Share, Size, Steps, Throw, Turn};
 use crate::layout::schema::Board;

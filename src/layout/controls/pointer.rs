@@ -13,9 +13,9 @@ use crate::device::pointer::{
     self, ClickMethod, DwellSettings, MAX_CLICKS, PinchGaps, PointerSettings,
 };
 use crate::device::value_output::ValueOutput;
+use crate::document::DocumentError;
 use crate::estimate::OneEuroSettings;
 use crate::hand::{Dof, Finger, Side};
-use crate::layout::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::controls::Drives;
 use crate::layout::model::metres;

@@ -6,7 +6,7 @@ use super::{Control, ControlKind};
 use crate::contact::surface::TREMOR_MARGIN;
 use crate::device::radio;
 use crate::device::toggle::ToggleOutput;
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::ranged::Distance;

@@ -6,7 +6,7 @@ use super::{Control, ControlKind, Drives};
 use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
 use crate::device::slider::{self, Track};
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::ranged::{Distance, Share, Size, Steps, Turn};

@@ -7,7 +7,7 @@ use super::pointer::Frame;
 use crate::contact::TargetId;
 use crate::contact::volume::{Volume, VolumeSet, VolumeShape};
 use crate::device::pointer;
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::model::metres;
 use crate::layout::ranged::{Distance, Extent};

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use super::{Control, ControlKind};
 use crate::contact::surface::TREMOR_MARGIN;
 use crate::device::toggle::{self, ToggleOutput};
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::ranged::Distance;

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use super::{Control, ControlKind};
 use crate::contact::surface::{Shape, TREMOR_MARGIN};
 use crate::device::touch_surface::{self, TouchMode, TouchpadSettings};
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::builder::{Checked, Spot};
 use crate::layout::model::metres2;
 use crate::layout::placement;

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::Drives;
 use super::knob::RoundSpot;
 use crate::device::knob::{Knob, KnobRange};
-use crate::layout::DocumentError;
+use crate::document::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::ranged::{Distance, Share, Size, Steps, Turns};
 use crate::layout::schema::Board;

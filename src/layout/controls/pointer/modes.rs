@@ -7,8 +7,8 @@ use crate::device::pointer::mode::{
     AngleMapping, DirectPointing, Displacement, JointPointing, RateControl, RayOrigin, RayPointing,
 };
 use crate::device::pointer::{self, mode};
+use crate::document::DocumentError;
 use crate::hand::Dof;
-use crate::layout::DocumentError;
 use crate::layout::builder::Checked;
 use crate::layout::model::metres;
 use crate::layout::placement;

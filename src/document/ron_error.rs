@@ -1,4 +1,4 @@
-//! What the RON reader found wrong, in words for the person who wrote the file.
+//! Messages and byte ranges of errors that the RON reader reports.
 
 use std::ops::Range;
 
@@ -6,20 +6,18 @@ use ron::error::{Error, Position, SpannedError};
 
 use crate::names::UnknownName;
 
-/// What is wrong: lower case, no full stop, with the nearest valid name.
+/// Returns the message of an error: lower case, no full stop, with the nearest valid name.
 pub(super) fn message(error: &Error) -> String {
     match error {
         Error::Message(message) => message.clone(),
         Error::NoSuchStructField {
             expected, found, ..
-        } => unknown("field", found, expected),
+        } => unknown_name("field", found, expected),
         Error::NoSuchEnumVariant {
             expected, found, ..
-        } => unknown("value", found, expected),
-        Error::MissingStructField { field, .. } => format!("the field `{field}` is missing here"),
-        Error::DuplicateStructField { field, .. } => {
-            format!("the field `{field}` is here for the second time")
-        }
+        } => unknown_name("value", found, expected),
+        Error::MissingStructField { field, .. } => format!("the field `{field}` is missing"),
+        Error::DuplicateStructField { field, .. } => format!("duplicate field `{field}`"),
         Error::ExpectedDifferentStructName { expected, found } => {
             format!("expected `{expected}(…)`, found `{found}`")
         }
@@ -32,18 +30,19 @@ pub(super) fn message(error: &Error) -> String {
         Error::ExpectedArray => "expected a list: `[…]`".into(),
         Error::ExpectedMap => "expected a map: `{…}`".into(),
         Error::ExpectedComma => "expected a comma or the closing bracket".into(),
-        Error::ExpectedStringEnd => "this text has no closing quote".into(),
-        Error::UnclosedBlockComment => "this comment has no `*/`".into(),
-        Error::Eof => "the file ends too early".into(),
-        Error::TrailingCharacters => "there is something after the end".into(),
-        Error::ExceededRecursionLimit => "brackets are nested more than 128 deep".into(),
-        other => lower(&other.to_string()),
+        Error::ExpectedStringEnd => "the text has no closing quote".into(),
+        Error::UnclosedBlockComment => "the comment has no `*/`".into(),
+        Error::Eof => "unexpected end of file".into(),
+        Error::TrailingCharacters => "unexpected text after the end".into(),
+        Error::ExceededRecursionLimit => "brackets are nested more than 128 levels deep".into(),
+        other => lower_case_first(&other.to_string()),
     }
 }
 
-/// The bytes of `text` that the error is about, without blanks in front.
-pub(super) fn range(text: &str, error: &SpannedError) -> Range<usize> {
-    let (start, end) = (offset(text, error.span.start), offset(text, error.span.end));
+/// Returns the bytes of `text` that the error refers to, without leading blanks.
+pub(super) fn byte_range(text: &str, error: &SpannedError) -> Range<usize> {
+    let start = byte_offset(text, error.span.start);
+    let end = byte_offset(text, error.span.end);
     if error.code == Error::UnclosedBlockComment {
         return start.saturating_sub("/*".len())..start;
     }
@@ -54,15 +53,16 @@ pub(super) fn range(text: &str, error: &SpannedError) -> Range<usize> {
     start + blanks..end.max(start + blanks)
 }
 
-fn unknown(what: &'static str, found: &str, expected: &'static [&'static str]) -> String {
-    let unknown = UnknownName::new(what, found, expected.iter().copied());
-    match unknown.nearest {
-        Some(_) => unknown.to_string(),
-        None => format!("{unknown}, valid here: {}", expected.join(", ")),
+fn unknown_name(kind: &'static str, found: &str, expected: &'static [&'static str]) -> String {
+    let error = UnknownName::new(kind, found, expected.iter().copied());
+    match error.nearest {
+        Some(_) => error.to_string(),
+        None => format!("{error}, expected one of: {}", expected.join(", ")),
     }
 }
 
-fn offset(text: &str, position: Position) -> usize {
+/// Converts a line and a column in characters, both from 1, to a byte offset.
+fn byte_offset(text: &str, position: Position) -> usize {
     let line_start = match position.line {
         0 | 1 => 0,
         line => text
@@ -76,7 +76,7 @@ fn offset(text: &str, position: Position) -> usize {
         .map_or(text.len(), |(column, _)| line_start + column)
 }
 
-fn lower(text: &str) -> String {
+fn lower_case_first(text: &str) -> String {
     let mut characters = text.chars();
     match characters.next() {
         Some(first) => first.to_lowercase().chain(characters).collect(),
@@ -89,10 +89,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_position_in_characters_becomes_one_in_bytes() {
+    fn columns_in_characters_become_offsets_in_bytes() {
         let text = "é(\nöx\n";
-        let at = |line, col| offset(text, Position { line, col });
-        assert_eq!([at(1, 1), at(1, 2), at(2, 2), at(3, 1)], [0, 2, 6, 8]);
-        assert_eq!(at(9, 9), text.len());
+        let offset = |line, col| byte_offset(text, Position { line, col });
+        assert_eq!(
+            [offset(1, 1), offset(1, 2), offset(2, 2), offset(3, 1)],
+            [0, 2, 6, 8]
+        );
+        assert_eq!(offset(9, 9), text.len());
     }
 }

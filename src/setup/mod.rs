@@ -11,9 +11,9 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::capture::{CaptureError, SourceUri};
+use crate::document::{Document, DocumentError};
 use crate::estimate::{OneEuroSettings, Smoothing};
 use crate::kinematics::BoneLengths;
-use crate::layout::{Document, DocumentError};
 use crate::pipeline::{PipelineSettings, PressRateLimit, SourcePermissions, SourceRole};
 use crate::sim::TypistError;
 

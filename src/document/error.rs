@@ -1,0 +1,210 @@
+//! Errors in a file, with the position and an excerpt.
+
+use std::fmt;
+use std::ops::Range;
+
+/// The maximum width of an excerpt, in characters.
+const EXCERPT_WIDTH: usize = 90;
+
+/// The number of characters of a long line that are shown before the position.
+const EXCERPT_LEAD: usize = 50;
+
+/// An error in a file.
+///
+/// Displayed as `FILE:LINE:COLUMN: message`, followed by the source line and carets under the position. An error without a
+/// position, such as a file that cannot be read, is displayed as `FILE: message`.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{file}{}: {message}{}", line_and_column(.position), excerpt(.position))]
+pub struct DocumentError {
+    file: String,
+    message: String,
+    position: Option<TextPosition>,
+}
+
+/// A range of characters within one line of a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct TextPosition {
+    /// From 1.
+    line: usize,
+    /// In characters, from 1.
+    column: usize,
+    /// Number of underlined characters, at least 1.
+    width: usize,
+    /// The text of the line.
+    source: String,
+}
+
+impl DocumentError {
+    /// Creates an error about the file as a whole.
+    pub fn for_file(file: &str, message: impl fmt::Display) -> Self {
+        Self {
+            file: file.to_owned(),
+            message: message.to_string(),
+            position: None,
+        }
+    }
+
+    /// Creates an error at the bytes `range` of `text`. An end of the range that lies outside the text or inside a character
+    /// is moved to the nearest character boundary before it.
+    pub fn at(file: &str, text: &str, range: Range<usize>, message: impl fmt::Display) -> Self {
+        Self {
+            file: file.to_owned(),
+            message: message.to_string(),
+            position: Some(TextPosition::new(text, range)),
+        }
+    }
+
+    /// Creates an error at `slice`, a slice of `text`. The position is the start of `text` if `slice` is not part of it.
+    pub fn at_slice(file: &str, text: &str, slice: &str, message: impl fmt::Display) -> Self {
+        let start = byte_offset(text, slice).unwrap_or(0);
+        Self::at(file, text, start..start + slice.len(), message)
+    }
+
+    /// The file, as its user named it.
+    pub fn file(&self) -> &str {
+        &self.file
+    }
+
+    /// The message without the position.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// The line, from 1, if the error has a position.
+    pub fn line(&self) -> Option<usize> {
+        self.position.as_ref().map(|position| position.line)
+    }
+
+    /// The column in characters, from 1, if the error has a position.
+    pub fn column(&self) -> Option<usize> {
+        self.position.as_ref().map(|position| position.column)
+    }
+}
+
+/// Returns the byte offset of `slice` in `text`, or `None` if it is not a slice of `text`.
+pub(crate) fn byte_offset(text: &str, slice: &str) -> Option<usize> {
+    let offset = (slice.as_ptr() as usize).checked_sub(text.as_ptr() as usize)?;
+    (offset + slice.len() <= text.len()).then_some(offset)
+}
+
+/// Returns the line, from 1, on which `slice` starts in `text`; 1 if it is not a slice of `text`.
+pub(crate) fn line_number(text: &str, slice: &str) -> usize {
+    let start = byte_offset(text, slice).unwrap_or(0);
+    1 + text[..start].matches('\n').count()
+}
+
+impl TextPosition {
+    fn new(text: &str, range: Range<usize>) -> Self {
+        let start = text.floor_char_boundary(range.start);
+        let end = text.floor_char_boundary(range.end).max(start);
+        let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
+        let source = text[line_start..].lines().next().unwrap_or_default();
+        let line_end = (line_start + source.len()).max(start);
+        Self {
+            line: 1 + text[..start].matches('\n').count(),
+            column: 1 + text[line_start..start].chars().count(),
+            width: text[start..end.min(line_end)].chars().count().max(1),
+            source: source.to_owned(),
+        }
+    }
+}
+
+fn line_and_column(position: &Option<TextPosition>) -> String {
+    match position {
+        Some(TextPosition { line, column, .. }) => format!(":{line}:{column}"),
+        None => String::new(),
+    }
+}
+
+/// Formats the source line and the carets, each on its own line.
+///
+/// Control characters become blanks: a tab would move the carets, and an escape code could control the terminal.
+fn excerpt(position: &Option<TextPosition>) -> String {
+    let Some(position) = position else {
+        return String::new();
+    };
+    let skipped = if position.source.chars().count() > EXCERPT_WIDTH {
+        (position.column - 1).saturating_sub(EXCERPT_LEAD)
+    } else {
+        0
+    };
+    let mut rest = position.source.chars().skip(skipped);
+    let head = if skipped > 0 { "…" } else { "" };
+    let visible: String = rest
+        .by_ref()
+        .take(EXCERPT_WIDTH)
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    let tail = if rest.next().is_some() { "…" } else { "" };
+    let indent = position.column - 1 - skipped + head.chars().count();
+    let carets = position
+        .width
+        .min((skipped + EXCERPT_WIDTH + 1).saturating_sub(position.column))
+        .max(1);
+    let number = position.line.to_string();
+    format!(
+        "\n {number} | {head}{visible}{tail}\n {:width$} | {:indent$}{}",
+        "",
+        "",
+        "^".repeat(carets),
+        width = number.len(),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_error_shows_its_line_and_underlines_the_position() {
+        let text = "Layout(\n\tname: \"é\", kyes: []\n)";
+        let start = text.find("kyes").unwrap();
+        let error = DocumentError::at("a.ron", text, start..start + 4, "unknown field `kyes`");
+        assert_eq!(
+            error.to_string(),
+            "a.ron:2:13: unknown field `kyes`\n 2 |  name: \"é\", kyes: []\n   |             ^^^^"
+        );
+    }
+
+    #[test]
+    fn a_long_line_is_cut_around_the_position() {
+        let text = format!("{}HERE{}", "a".repeat(500), "b".repeat(500));
+        let error = DocumentError::at("a.ron", &text, 500..504, "wrong").to_string();
+        let lines: Vec<&str> = error.lines().collect();
+        assert_eq!(lines[0], "a.ron:1:501: wrong");
+        assert!(lines[1].chars().count() < 100, "{error}");
+        assert!(lines[1].starts_with(" 1 | …a") && lines[1].ends_with("b…"));
+        let column = lines[2].chars().position(|c| c == '^').unwrap();
+        let marked: String = lines[1].chars().skip(column).take(4).collect();
+        assert_eq!(marked, "HERE");
+        assert!(lines[2].ends_with(" ^^^^"));
+    }
+
+    #[test]
+    fn a_range_at_the_end_or_inside_a_character_has_a_position() {
+        let position = |range| {
+            let error = DocumentError::at("a.ron", "é\nxy", range, "wrong");
+            (error.line().unwrap(), error.column().unwrap())
+        };
+        assert_eq!(position(5..5), (2, 3));
+        assert_eq!(position(900..901), (2, 3));
+        assert_eq!(position(1..2), (1, 1));
+    }
+
+    #[test]
+    fn an_excerpt_contains_no_escape_codes() {
+        let error = DocumentError::at("a.ron", "\u{1b}[31mred", 5..8, "wrong").to_string();
+        assert!(!error.contains('\u{1b}'), "{error:?}");
+    }
+
+    #[test]
+    fn a_slice_has_an_offset_and_a_line() {
+        let text = String::from("one\ntwo three\n");
+        let slice = text.split_whitespace().nth(2).unwrap();
+        assert_eq!(
+            (byte_offset(&text, slice), line_number(&text, slice)),
+            (Some(8), 2)
+        );
+        assert_eq!(byte_offset(&text, "elsewhere"), None);
+    }
+}

@@ -1,0 +1,167 @@
+//! RON files as text with positions.
+//!
+//! Layouts, gloves, arms, setups and simulation scripts are all read through a [`Document`]. A document keeps its text, so that an
+//! error can name the line and column, show the line, and underline the part that is wrong.
+
+mod error;
+mod ron_error;
+mod shipped;
+
+pub use error::DocumentError;
+pub(crate) use error::{byte_offset, line_number};
+pub use shipped::shipped_layouts;
+
+use std::fs::{self, File};
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+
+use ron::extensions::Extensions;
+use serde::Deserialize;
+
+/// The largest file that is read, in bytes: 1 MiB.
+pub const MAX_BYTES: u64 = 1 << 20;
+
+const IS_DIRECTORY: &str = "this is a directory, name a file in it";
+
+/// Some editors write a byte order mark at the start of a UTF-8 file.
+const BYTE_ORDER_MARK: char = '\u{feff}';
+
+/// The text of a file and the name under which errors report it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Document {
+    /// The name that the user gave, or for a shipped file its path, such as `layouts/keyboards/arrows.ron`.
+    pub file: String,
+    /// The text, without a byte order mark.
+    pub text: String,
+}
+
+impl Document {
+    /// Reads the file at the path `name`, or the shipped file with that name.
+    ///
+    /// An existing file takes precedence. The folder and the `.ron` of a shipped file are optional: `arrows`,
+    /// `keyboards/arrows.ron`. A file larger than [`MAX_BYTES`] is rejected without being read to its end.
+    pub fn open(name: &str) -> Result<Self, DocumentError> {
+        Self::open_relative_to(Path::new(""), name)
+    }
+
+    /// As [`open`](Self::open), with relative paths resolved against `folder`.
+    pub fn open_relative_to(folder: &Path, name: &str) -> Result<Self, DocumentError> {
+        let file_error = |message: String| DocumentError::for_file(name, message);
+        let path = folder.join(name);
+        let is_directory = fs::metadata(&path).map(|metadata| metadata.is_dir());
+        match (is_directory, shipped::find(name)) {
+            (Ok(false), _) => Self::read(&path, name),
+            (_, Some(document)) => Ok(document),
+            (Ok(true), None) => Err(file_error(IS_DIRECTORY.into())),
+            (Err(error), None) if is_not_found(&error) => {
+                Err(file_error(shipped::not_found_message(name)))
+            }
+            (Err(error), None) => Err(file_error(format!("cannot read the file: {error}"))),
+        }
+    }
+
+    /// Reads the regular file at `path`. Does not fall back to a shipped file.
+    pub fn from_path(path: &str) -> Result<Self, DocumentError> {
+        let file_error = |message: String| DocumentError::for_file(path, message);
+        match fs::metadata(path) {
+            Ok(metadata) if metadata.is_dir() => Err(file_error(IS_DIRECTORY.into())),
+            Ok(metadata) if !metadata.is_file() => {
+                Err(file_error("this is not a regular file".into()))
+            }
+            Ok(_) => Self::read(Path::new(path), path),
+            Err(error) if is_not_found(&error) => Err(file_error("there is no such file".into())),
+            Err(error) => Err(file_error(format!("cannot read the file: {error}"))),
+        }
+    }
+
+    /// Returns the shipped file with that name. Ignores files on the disk.
+    pub fn shipped(name: &str) -> Result<Self, DocumentError> {
+        shipped::find(name)
+            .ok_or_else(|| DocumentError::for_file(name, shipped::not_found_message(name)))
+    }
+
+    /// Makes a document of a text. `file` names it in errors.
+    pub fn new(file: impl Into<String>, text: impl Into<String>) -> Self {
+        let mut text = text.into();
+        if text.starts_with(BYTE_ORDER_MARK) {
+            text.drain(..BYTE_ORDER_MARK.len_utf8());
+        }
+        Self {
+            file: file.into(),
+            text,
+        }
+    }
+
+    fn read(path: &Path, name: &str) -> Result<Self, DocumentError> {
+        let file_error = |message: String| DocumentError::for_file(name, message);
+        let mut bytes = Vec::new();
+        File::open(path)
+            .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
+            .map_err(|error| file_error(format!("cannot read the file: {error}")))?;
+        if bytes.len() as u64 > MAX_BYTES {
+            return Err(file_error("the file is larger than 1 MiB".into()));
+        }
+        match String::from_utf8(bytes) {
+            Ok(text) => Ok(Self::new(name, text)),
+            Err(error) => {
+                let offset = error.utf8_error().valid_up_to();
+                let text = String::from_utf8_lossy(error.as_bytes());
+                let message = "the file is not valid UTF-8, save it in that encoding";
+                Err(DocumentError::at(name, &text, offset..offset + 1, message))
+            }
+        }
+    }
+
+    /// Deserialises the text; see [`parse_ron`].
+    pub fn parse<'a, T: Deserialize<'a>>(&'a self) -> Result<T, DocumentError> {
+        parse_ron(&self.text, &self.file)
+    }
+
+    /// Returns an error at `slice`, a slice of [`text`](Self::text) such as [`Spanned::text`].
+    pub fn error_at(&self, slice: &str, message: impl std::fmt::Display) -> DocumentError {
+        DocumentError::at_slice(&self.file, &self.text, slice, message)
+    }
+}
+
+/// Deserialises a RON text, from which the value may borrow. `file` names the text in errors.
+///
+/// Optional fields are written without `Some`. An error has a position, states what is expected there, and suggests the
+/// nearest valid name. Nesting deeper than 128 levels is an error.
+pub fn parse_ron<'a, T: Deserialize<'a>>(text: &'a str, file: &str) -> Result<T, DocumentError> {
+    ron::Options::default()
+        .with_default_extension(Extensions::IMPLICIT_SOME)
+        .from_str(text)
+        .map_err(|error| {
+            let range = ron_error::byte_range(text, &error);
+            DocumentError::at(file, text, range, ron_error::message(&error.code))
+        })
+}
+
+fn is_not_found(error: &std::io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidInput
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_name_suggests_the_nearest_shipped_file() {
+        let error = Document::open("qwerty-falt").unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "qwerty-falt: there is no such file, and no shipped one of that name, did you mean `qwerty-flat`?"
+        );
+    }
+
+    #[test]
+    fn a_byte_order_mark_is_not_part_of_the_text() {
+        let read = |text: &str| Document::new("a.ron", text).parse::<u8>();
+        assert_eq!(read("\u{feff}7"), Ok(7));
+        let error = read("\u{feff}x").unwrap_err();
+        assert_eq!((error.line(), error.column()), (Some(1), Some(1)));
+    }
+}
