@@ -1,51 +1,52 @@
-//! What a layout can ever send, so that an output that cannot carry it is refused before anything is typed.
+//! The capabilities that layouts need and outputs offer.
 
 use std::collections::BTreeSet;
 use std::fmt;
 
 use super::{Axis, EventKind, KeyCode, KeyKind};
 
-/// Everything that a layout can ever send to an output.
+/// A set of capabilities: those that a layout needs, or those that an output offers.
 ///
-/// A [`Depth`](Action::Depth), a [`Value`](Action::Value), what is selected and what is asked of the
-/// engine are not in it: they are told to all outputs, and an output may make nothing of them.
+/// A layout is refused by an output that lacks one of its capabilities. Events without a capability
+/// ([`Depth`](EventKind::Depth), [`Value`](EventKind::Value), [`Select`](EventKind::Select) and
+/// [`Unselect`](EventKind::Unselect)) go to every output, which may ignore them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {
-    /// The keys and buttons, modifiers included.
+    /// Keys and buttons, including modifiers.
     pub keys: BTreeSet<KeyCode>,
-    /// Whether it [writes](Action::Write) characters.
+    /// Whether it contains [`EventKind::Character`].
     pub text: bool,
-    /// Whether it [moves](Action::MoveBy) the pointer.
+    /// Whether it contains [`EventKind::MoveBy`].
     pub relative_motion: bool,
-    /// Whether it [brings](Action::MoveTo) the pointer to places on the screen.
+    /// Whether it contains [`EventKind::MoveTo`].
     pub absolute_motion: bool,
-    /// Whether it turns the [wheel](Action::Scroll).
+    /// Whether it contains [`EventKind::Scroll`].
     pub scroll: bool,
-    /// The axes that it moves.
+    /// Gamepad and 6-DoF axes.
     pub axes: BTreeSet<Axis>,
 }
 
-/// One of the things that an output must be able to carry.
+/// A kind of event that an output can send.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Capability {
-    /// This key or button.
+    /// A key or button.
     Key(KeyCode),
     /// Characters.
     Text,
-    /// Motion of the pointer.
+    /// Motion of the pointer in pixels.
     RelativeMotion,
-    /// Places on the screen.
+    /// Positions of the pointer on the screen.
     AbsoluteMotion,
     /// The wheel.
     Scroll,
-    /// This axis.
+    /// A gamepad or 6-DoF axis.
     Axis(Axis),
 }
 
 impl Capability {
-    /// What an output must be able to carry for this action; `None` for what all outputs are told.
-    pub const fn required_by(action: EventKind) -> Option<Self> {
-        Some(match action {
+    /// Returns the capability that an output needs for an event; `None` if every output accepts it.
+    pub const fn required_by(kind: EventKind) -> Option<Self> {
+        Some(match kind {
             EventKind::KeyDown(code) | EventKind::KeyUp(code) => Self::Key(code),
             EventKind::Character(_) => Self::Text,
             EventKind::MoveBy(..) => Self::RelativeMotion,
@@ -66,24 +67,24 @@ impl fmt::Display for Capability {
         match self {
             Self::Key(code) => write!(f, "`{code}`"),
             Self::Text => f.write_str("characters"),
-            Self::RelativeMotion => f.write_str("pointer motion"),
-            Self::AbsoluteMotion => f.write_str("pointer places"),
-            Self::Scroll => f.write_str("a wheel"),
+            Self::RelativeMotion => f.write_str("relative pointer motion"),
+            Self::AbsoluteMotion => f.write_str("absolute pointer motion"),
+            Self::Scroll => f.write_str("scrolling"),
             Self::Axis(axis) => write!(f, "`{axis}`"),
         }
     }
 }
 
 impl Capabilities {
-    /// Whether it presses keys, not just buttons, or writes characters.
+    /// Whether the set contains keys, not only buttons, or characters.
     pub fn include_typing(&self) -> bool {
         let is_key = |code: &KeyCode| code.kind() == KeyKind::Keyboard;
         self.text || self.keys.iter().any(is_key)
     }
 
-    /// Whether this is among them.
-    pub fn contains(&self, need: Capability) -> bool {
-        match need {
+    /// Whether the set contains a capability.
+    pub fn contains(&self, capability: Capability) -> bool {
+        match capability {
             Capability::Key(code) => self.keys.contains(&code),
             Capability::Text => self.text,
             Capability::RelativeMotion => self.relative_motion,
@@ -93,9 +94,9 @@ impl Capabilities {
         }
     }
 
-    /// Adds one.
-    pub fn insert(&mut self, need: Capability) {
-        match need {
+    /// Adds a capability.
+    pub fn insert(&mut self, capability: Capability) {
+        match capability {
             Capability::Key(code) => drop(self.keys.insert(code)),
             Capability::Text => self.text = true,
             Capability::RelativeMotion => self.relative_motion = true,
@@ -105,34 +106,39 @@ impl Capabilities {
         }
     }
 
-    /// All of them: keys and buttons in order of code, then the rest.
+    /// Iterates over the set: keys and buttons in order of code, then the rest.
     pub fn iter(&self) -> impl Iterator<Item = Capability> + '_ {
-        let wanted = |is_wanted: bool, need| is_wanted.then_some(need);
-        let of_pointer = [
-            wanted(self.text, Capability::Text),
-            wanted(self.relative_motion, Capability::RelativeMotion),
-            wanted(self.absolute_motion, Capability::AbsoluteMotion),
-            wanted(self.scroll, Capability::Scroll),
+        let others = [
+            (self.text, Capability::Text),
+            (self.relative_motion, Capability::RelativeMotion),
+            (self.absolute_motion, Capability::AbsoluteMotion),
+            (self.scroll, Capability::Scroll),
         ];
-        let codes = self.keys.iter().copied().map(Capability::Key);
+        let others = others.into_iter().filter_map(|(has, it)| has.then_some(it));
+        let keys = self.keys.iter().copied().map(Capability::Key);
         let axes = self.axes.iter().copied().map(Capability::Axis);
-        codes.chain(of_pointer.into_iter().flatten()).chain(axes)
+        keys.chain(others).chain(axes)
+    }
+
+    /// Iterates over the capabilities of this set that `offered` lacks.
+    pub fn missing_from<'a>(&'a self, offered: &'a Self) -> impl Iterator<Item = Capability> + 'a {
+        self.iter().filter(|&required| !offered.contains(required))
     }
 }
 
 impl Extend<Capability> for Capabilities {
-    fn extend<T: IntoIterator<Item = Capability>>(&mut self, needs: T) {
-        for need in needs {
-            self.insert(need);
+    fn extend<T: IntoIterator<Item = Capability>>(&mut self, capabilities: T) {
+        for capability in capabilities {
+            self.insert(capability);
         }
     }
 }
 
 impl FromIterator<Capability> for Capabilities {
-    fn from_iter<T: IntoIterator<Item = Capability>>(needs: T) -> Self {
-        let mut all = Self::default();
-        all.extend(needs);
-        all
+    fn from_iter<T: IntoIterator<Item = Capability>>(capabilities: T) -> Self {
+        let mut set = Self::default();
+        set.extend(capabilities);
+        set
     }
 }
 
@@ -140,48 +146,45 @@ impl FromIterator<Capability> for Capabilities {
 mod tests {
     use super::*;
 
-    fn code(name: &str) -> Capability {
+    fn key(name: &str) -> Capability {
         Capability::Key(name.parse().unwrap())
     }
 
     #[test]
-    fn what_is_put_in_comes_out_once_keys_first() {
-        let put_in = [
+    fn a_set_iterates_over_each_capability_once_keys_first() {
+        let inserted = [
             Capability::Axis(Axis::TurnZ),
             Capability::Scroll,
             Capability::AbsoluteMotion,
-            code("PadSouth"),
+            key("PadSouth"),
             Capability::Text,
             Capability::RelativeMotion,
-            code("A"),
-            code("A"),
+            key("A"),
+            key("A"),
         ];
-        let needs: Capabilities = put_in.into_iter().collect();
+        let set: Capabilities = inserted.into_iter().collect();
         let ordered = [
-            code("A"),
-            code("PadSouth"),
+            key("A"),
+            key("PadSouth"),
             Capability::Text,
             Capability::RelativeMotion,
             Capability::AbsoluteMotion,
             Capability::Scroll,
             Capability::Axis(Axis::TurnZ),
         ];
-        assert!(needs.iter().eq(ordered));
-        assert!(put_in.iter().all(|need| needs.contains(*need)));
-        assert!(!needs.contains(code("B")) && !needs.contains(Capability::Axis(Axis::TurnX)));
-        assert!(
-            !ordered
-                .iter()
-                .any(|need| Capabilities::default().contains(*need))
-        );
+        assert!(set.iter().eq(ordered));
+        assert!(inserted.iter().all(|it| set.contains(*it)));
+        assert!(!set.contains(key("B")) && !set.contains(Capability::Axis(Axis::TurnX)));
+        assert!(set.missing_from(&Capabilities::default()).eq(ordered));
+        assert_eq!(set.missing_from(&set).count(), 0);
     }
 
     #[test]
-    fn both_layouts_are_served_by_what_either_needs() {
-        let mut both = Capabilities::from_iter([code("A"), Capability::Text]);
-        both.extend(Capabilities::from_iter([code("B"), Capability::Scroll]).iter());
-        let needs =
-            Capabilities::from_iter([code("A"), code("B"), Capability::Text, Capability::Scroll]);
-        assert_eq!(both, needs);
+    fn the_union_of_two_layouts_contains_the_capabilities_of_both() {
+        let mut union = Capabilities::from_iter([key("A"), Capability::Text]);
+        union.extend(Capabilities::from_iter([key("B"), Capability::Scroll]).iter());
+        let expected =
+            Capabilities::from_iter([key("A"), key("B"), Capability::Text, Capability::Scroll]);
+        assert_eq!(union, expected);
     }
 }

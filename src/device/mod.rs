@@ -1,4 +1,6 @@
-//! 5 · [`HandPose`] + [`Touches`](crate::contact::Touches) → [`OutputEvent`].
+//! 5 · [`HandPose`] + [`Touches`](crate::contact::Touches) → [`OutputEvent`], [`Request`].
+//!
+//! One file or folder per kind of control. All devices of a layout share one [`KeyArbiter`].
 
 use arrayvec::ArrayVec;
 
@@ -11,205 +13,204 @@ use crate::time::Timestamp;
 
 pub mod keycode;
 pub mod capabilities;
-pub mod pointer;
 pub mod key_arbiter;
 mod target_index;
 mod grips;
-mod pending_returns;
 mod steps;
 pub mod value_output;
+mod pending_returns;
 pub mod keyboard;
-pub mod radio;
 pub mod toggle;
-pub mod touch_surface;
-pub mod trigger;
+pub mod radio;
 pub mod slider;
 pub mod knob;
 pub mod joystick;
+pub mod touch_surface;
+pub mod trigger;
+pub mod pointer;
 
 pub use capabilities::{Capabilities, Capability};
 pub use key_arbiter::{KeyAction, KeyArbiter, Latch, PressSource, TextId};
 pub use keycode::{KeyCode, KeyKind};
 
-/// Something for the operating system or a peer.
+/// An event for the operating system or a peer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OutputEvent {
-    /// When it happened.
+    /// The time at which it happened.
     pub time: Timestamp,
-    /// What happened.
+    /// The event itself.
     pub kind: EventKind,
 }
 
-/// What an output is to do.
+/// The kind of an event and its data.
 ///
-/// What goes down comes up, and an axis that left 0 comes back to it, when the hand is lost, the layout
-/// changes or the run ends.
+/// When tracking is lost, the layout changes or the session ends, each key that is down is released and each
+/// axis is set to 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum EventKind {
-    /// A key or button goes down.
+    /// A press of a key or button.
     KeyDown(KeyCode),
-    /// A key or button comes up.
+    /// A release of a key or button.
     KeyUp(KeyCode),
-    /// A character is written, whichever keys the receiver's keymap has for it.
+    /// A character, independent of the keymap of the receiver.
     Character(char),
-    /// The pointer moves by so many pixels to the right and down.
+    /// Motion of the pointer in pixels: to the right, down.
     MoveBy(i32, i32),
-    /// The pointer goes to this place on the screen: 0..=1 from left to right and from top to bottom.
+    /// Position of the pointer on the screen, 0..=1: from left to right, from top to bottom.
     MoveTo(f32, f32),
-    /// The wheel turns: to the right and up (away from the wearer), in 120ths of a click.
+    /// Rotation of the wheel in 1/120 detents: to the right, up (away from the wearer).
     Scroll(i32, i32),
-    /// A stick, trigger or 6-DoF axis stands there: −1..=1; 0 is its rest, triggers stay at 0 or above.
+    /// Value of a stick, trigger or 6-DoF axis, −1..=1 (triggers 0..=1); 0 at rest.
     Axis(Axis, f32),
-    /// How far a target is pushed in, 0..=1; for outputs that know analogue controls.
+    /// Depth of a press on a target, as a fraction of its travel, for outputs with analog controls.
     Depth(TargetId, f32),
-    /// Where a control stands that keeps its place, such as a slider: 0..=1 of its range; an
-    /// endless knob counts its turns, negative the other way.
+    /// Value of a control that keeps its position, such as a slider: 0..=1 of its range. The value of an
+    /// endless knob is the number of its turns, negative for counter-clockwise.
     Value(TargetId, f32),
-    /// A target in space is selected.
+    /// Selection of a target in space.
     Select(TargetId),
-    /// It no longer is.
+    /// End of the selection of a target.
     Unselect(TargetId),
-    /// Something for the engine itself.
+    /// A request to the session.
     Ask(Request),
 }
 
-/// What a control can ask of the engine.
+/// A request of a control to the session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
-    /// Let nothing out any more; the same again ends that.
+    /// Toggles the pause.
     Pause,
-    /// Put another layout of the setup in force: its place.
+    /// Activates another layout of the setup, by its index.
     Profile(u8),
-    /// The same with the one after the one in force; after the last comes the first.
+    /// Activates the next layout of the setup, and the first one after the last.
     NextProfile,
-    /// Bring the boards to where the hand is.
+    /// Moves the boards to the hand.
     Recenter,
-    /// Move the boards to the right, up and towards the wearer, in micrometres.
+    /// Moves the boards to the right, up and towards the wearer, in micrometres.
     Nudge([i32; 3]),
-    /// Lift the far sides of the boards, in thousandths of a degree.
+    /// Raises the far edges of the boards, in thousandths of a degree.
     Tilt(i32),
-    /// Make the boards so many thousandths as large as they are. New boards are built outside the engine,
-    /// by whoever runs it.
+    /// Scales the boards, in thousandths. The session builds the new boards outside the pipeline.
     Scale(u16),
 }
 
 named_enum! {
-    /// An axis of a gamepad or of a 6-DoF device. X runs to the right, Y up on a stick and away from
-    /// the wearer on a 6-DoF device, Z up; turns are right-handed about the axis.
+    /// An axis of a gamepad or of a 6-DoF device. X points to the right; Y points up on a stick and away
+    /// from the wearer on a 6-DoF device; Z points up. Rotations are right-handed about the axis.
     pub enum Axis ("axis") {
-        /// The left stick, sideways.
+        /// Left stick, horizontal.
         LeftX = "LeftX",
-        /// The left stick, up and down.
+        /// Left stick, vertical.
         LeftY = "LeftY",
-        /// The right stick, sideways.
+        /// Right stick, horizontal.
         RightX = "RightX",
-        /// The right stick, up and down.
+        /// Right stick, vertical.
         RightY = "RightY",
-        /// The left trigger.
+        /// Left trigger.
         LeftTrigger = "LeftTrigger",
-        /// The right trigger.
+        /// Right trigger.
         RightTrigger = "RightTrigger",
-        /// Displacement to the right.
+        /// Translation to the right.
         MoveX = "MoveX",
-        /// Displacement away from the wearer.
+        /// Translation away from the wearer.
         MoveY = "MoveY",
-        /// Displacement up.
+        /// Translation up.
         MoveZ = "MoveZ",
-        /// Turn about X.
+        /// Rotation about X.
         TurnX = "TurnX",
-        /// Turn about Y.
+        /// Rotation about Y.
         TurnY = "TurnY",
-        /// Turn about Z.
+        /// Rotation about Z.
         TurnZ = "TurnZ",
     }
 }
 
 impl Axis {
-    /// Whether a gamepad has it; otherwise a 6-DoF device does.
+    /// Whether it belongs to a gamepad, otherwise to a 6-DoF device.
     pub const fn is_gamepad(self) -> bool {
         self.index() < Self::MoveX.index()
     }
 
-    /// Whether it goes from 0 to one side only.
+    /// Whether its range is 0..=1 instead of −1..=1.
     pub const fn is_trigger(self) -> bool {
         matches!(self, Self::LeftTrigger | Self::RightTrigger)
     }
 }
 
-/// The events of one frame: releases first, presses second.
+/// The events of one step, releases first.
 ///
-/// Ten fingers can each end one press and begin another in a frame, each with a modifier around it:
-/// 10 × (2 + 2), tell a depth and a value: 10 × 2, a text has at most 32 characters, and everything that
-/// is down, at most 48 codes, can be let go of after that.
+/// In one step, ten fingers can each end one press and begin another, each with one modifier, 10 × (2 + 2)
+/// events, and emit a depth and a value each, 10 × 2. A text has 32 characters at most, and the release of
+/// all keys takes 48 more.
 pub type Events = ArrayVec<OutputEvent, 192>;
 
-/// What a device sees of one hand in one frame.
+/// The input of a device: one hand in one step.
 #[derive(Clone, Copy, Debug)]
 pub struct DeviceInput<'a> {
-    /// Where the controls are.
+    /// The targets of all controls.
     pub scene: &'a Scene,
-    /// The angles of its joints.
+    /// The joint angles of the hand.
     pub angles: &'a JointAngles,
-    /// Where it is, and since when.
+    /// The pose of the hand, and its time.
     pub pose: &'a HandPose,
-    /// What its fingertips did, in order of time for each finger.
+    /// The touches of the fingertips, in order of time for each finger.
     pub touches: &'a [Touch],
 }
 
-/// Where a device puts what comes of it.
+/// The output of a device.
 #[derive(Debug)]
 pub struct DeviceOutput<'a> {
-    /// What is down; shared by all devices of a layout.
+    /// The presses of all devices of a layout.
     pub arbiter: &'a mut KeyArbiter,
-    /// What goes out in this frame.
+    /// The events of this step.
     pub events: &'a mut Events,
 }
 
 impl DeviceOutput<'_> {
-    /// Begins a press, see [`Switchboard::press`]; whether it found room.
-    pub fn press(&mut self, owner: PressSource, action: KeyAction, time: Timestamp) -> bool {
-        let is_pressed = self.arbiter.press(owner, action, time, self.events);
+    /// Starts a press and emits its events, see [`KeyArbiter::press`]. Returns `false`, and has no effect, if
+    /// there is no room.
+    pub fn press(&mut self, source: PressSource, action: KeyAction, time: Timestamp) -> bool {
+        let is_pressed = self.arbiter.press(source, action, time, self.events);
         self.arbiter.emit_changes(time, self.events);
         is_pressed
     }
 
-    /// Ends the press of this owner, who let go.
-    pub fn release(&mut self, owner: PressSource, time: Timestamp) {
-        self.arbiter.release(|other| other == owner);
+    /// Ends the press of a source.
+    pub fn release(&mut self, source: PressSource, time: Timestamp) {
+        self.arbiter.release(|other| other == source);
         self.arbiter.emit_changes(time, self.events);
     }
 
-    /// Ends the press of this owner, who was lost or slid off.
-    pub fn cancel(&mut self, owner: PressSource, time: Timestamp) {
-        self.arbiter.cancel(|other| other == owner);
+    /// Ends the press of a source that was lost or slid off: it does not count as a tap.
+    pub fn cancel(&mut self, source: PressSource, time: Timestamp) {
+        self.arbiter.cancel(|other| other == source);
         self.arbiter.emit_changes(time, self.events);
     }
 
-    /// Begins a press and ends it at once; whether it found room.
-    pub fn tap(&mut self, owner: PressSource, action: KeyAction, time: Timestamp) -> bool {
-        let is_pressed = self.press(owner, action, time);
-        self.release(owner, time);
+    /// Starts a press and ends it at once. Returns `false`, and has no effect, if there is no room.
+    pub fn tap(&mut self, source: PressSource, action: KeyAction, time: Timestamp) -> bool {
+        let is_pressed = self.press(source, action, time);
+        self.release(source, time);
         is_pressed
     }
 
-    /// Tells of something that is neither down nor up; `false` when there is no room for it.
-    pub fn emit(&mut self, time: Timestamp, action: EventKind) -> bool {
-        self.arbiter.emit(time, action, self.events)
+    /// Emits an event that is neither a press nor a release. Returns `false` if there is no room.
+    pub fn emit(&mut self, time: Timestamp, kind: EventKind) -> bool {
+        self.arbiter.emit(time, kind, self.events)
     }
 }
 
-/// A virtual device: it hears of every touch and says what should go out.
+/// A kind of control: turns the touches of a hand into events.
 pub trait VirtualDevice: Send {
-    /// Adds everything that it can ever send to an output, so that an output which cannot carry it is
-    /// refused before anything is sent.
-    fn add_capabilities(&self, needs: &mut Capabilities);
+    /// Adds the capabilities that an output needs for every event the device can emit.
+    fn add_capabilities(&self, required: &mut Capabilities);
 
-    /// Takes one frame of one hand.
-    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput);
+    /// Updates the device for one hand and one step.
+    fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput);
 
-    /// Lets go of everything at `time`: tracking lost, paused, layout changed, exit. What is pressed on
-    /// the switchboard is ended there for all devices at once; what is left are values that spring back,
-    /// and what the device remembers.
+    /// Returns the device to rest at `time`: tracking is lost, or the session pauses, changes the layout or
+    /// ends. The [`KeyArbiter`] has already released all presses; the device resets its state, and emits the
+    /// values and axes that return to rest.
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput);
 }

@@ -1,45 +1,45 @@
-//! Values that come to rest.
+//! Values that return to rest.
 
 use super::DeviceOutput;
-use super::value_output::Driver;
+use super::value_output::ValueEmitter;
 use crate::time::Timestamp;
 
-/// Those that have not come to rest yet, because there was no room to tell of it: places in a list.
+/// The controls, by index, whose return to rest is not emitted yet because the event list was full.
 #[derive(Clone, Debug)]
-pub(super) struct Resting(Vec<usize>);
+pub(super) struct PendingReturns(Vec<usize>);
 
-impl Resting {
-    /// None of `count`.
-    pub(super) fn of(count: usize) -> Self {
-        // Room for all, so that a frame never allocates.
+impl PendingReturns {
+    /// Creates an empty list with room for `count` controls, so that a step never allocates.
+    pub(super) fn with_capacity(count: usize) -> Self {
         Self(Vec::with_capacity(count))
     }
 
-    /// Lets one of the drivers come to rest, in this frame or a later one.
-    pub(super) fn begin(
+    /// Returns a control to rest, in this step or in a later one.
+    pub(super) fn start(
         &mut self,
-        place: usize,
-        driver: &mut Driver,
+        index: usize,
+        emitter: &mut ValueEmitter,
         time: Timestamp,
         out: &mut DeviceOutput,
     ) {
-        if !driver.rest(time, out) && !self.0.contains(&place) {
-            self.0.push(place);
+        if !emitter.return_to_rest(time, out) && !self.0.contains(&index) {
+            self.0.push(index);
         }
     }
 
-    /// Somebody holds it again.
-    pub(super) fn end(&mut self, place: usize) {
-        self.0.retain(|other| *other != place);
+    /// Cancels the return of a control that is held again.
+    pub(super) fn cancel(&mut self, index: usize) {
+        self.0.retain(|other| *other != index);
     }
 
-    /// Goes on with those that had no room; each control of the list has its driver beside it.
-    pub(super) fn go_on<T>(
+    /// Retries the returns that did not fit; each control is paired with its emitter.
+    pub(super) fn retry<T>(
         &mut self,
-        list: &mut [(T, Driver)],
+        controls: &mut [(T, ValueEmitter)],
         time: Timestamp,
         out: &mut DeviceOutput,
     ) {
-        self.0.retain(|&place| !list[place].1.rest(time, out));
+        self.0
+            .retain(|&index| !controls[index].1.return_to_rest(time, out));
     }
 }

@@ -1,101 +1,103 @@
-//! Radio groups: of several options one is on, and poking another switches over.
+//! Radio groups: one of several options is on, and pressing another one switches to it.
 
-use super::target_index::Places;
-use super::toggle::{ToggleOutput, value};
+use super::target_index::TargetIndex;
+use super::toggle::{ToggleOutput, value_event};
 use super::{Capabilities, DeviceInput, DeviceOutput, PressSource, VirtualDevice};
 use crate::contact::{Phase, TargetId};
 use crate::time::Timestamp;
 
-/// One group.
+/// A radio group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Radio {
-    /// What it can be switched to.
+    /// The options to choose from.
     pub options: Vec<RadioOption>,
-    /// The place of the option that is on at the start; nothing goes out for that.
+    /// The index of the option that is on at the start; no event is emitted for it.
     pub initial: Option<usize>,
 }
 
-/// One option of a group.
+/// An option of a radio group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadioOption {
-    /// The target that is poked.
+    /// The target that is pressed.
     pub target: TargetId,
-    /// What goes on with the option; what it taps is tapped when it goes on only.
+    /// What it emits in addition to its value. A [`ToggleOutput::Tap`] is tapped only when the option
+    /// switches on.
     pub output: ToggleOutput,
 }
 
 /// The radio groups of a layout.
 ///
-/// An option goes on at a press; the one that was on goes off first. Poking the one that is on does
-/// nothing, nor does anything else. An option that finds no room leaves its group with none on.
+/// Pressing an option switches the previous one off, then the new one on. Pressing the option that is on
+/// has no effect. If the press of an option does not fit into the event list, its group has no option on.
 #[derive(Clone, Debug)]
 pub struct Radios {
-    /// The options of all groups, each with the place of its group.
+    /// The options of all groups, each with the index of its group.
     options: Vec<(RadioOption, usize)>,
-    /// For each group the place of the option that is on.
+    /// The index of the option that is on, for each group.
     on: Vec<Option<usize>>,
-    places: Places,
+    index: TargetIndex,
 }
 
 impl Radios {
-    /// Each group stands at its start.
+    /// Creates the groups with their initial options on.
     pub fn new(radios: Vec<Radio>) -> Self {
         let (mut options, mut on) = (Vec::new(), Vec::new());
         for (group, radio) in radios.into_iter().enumerate() {
             let first = options.len();
-            let starts = radio.initial.filter(|&place| place < radio.options.len());
-            on.push(starts.map(|place| first + place));
+            let initial = radio.initial.filter(|&index| index < radio.options.len());
+            on.push(initial.map(|index| first + index));
             options.extend(radio.options.into_iter().map(|option| (option, group)));
         }
         Self {
-            places: Places::new(options.iter().map(|(option, _)| option.target)),
+            index: TargetIndex::new(options.iter().map(|(option, _)| option.target)),
             options,
             on,
         }
     }
 
-    fn poke(&mut self, place: usize, time: Timestamp, out: &mut DeviceOutput) {
-        let (RadioOption { target, output }, group) = self.options[place];
-        if self.on[group] == Some(place) {
+    fn switch_on(&mut self, index: usize, time: Timestamp, out: &mut DeviceOutput) {
+        let (RadioOption { target, output }, group) = self.options[index];
+        if self.on[group] == Some(index) {
             return;
         }
         self.switch_off(group, time, out);
-        let owner = PressSource::Part(target, 0);
+        let source = PressSource::Part(target, 0);
         let is_on = match output {
             ToggleOutput::ValueOnly => true,
-            ToggleOutput::Hold(action) => out.press(owner, action, time),
-            ToggleOutput::Tap(action) => out.tap(owner, action, time),
+            ToggleOutput::Hold(action) => out.press(source, action, time),
+            ToggleOutput::Tap(action) => out.tap(source, action, time),
         };
         if is_on {
-            self.on[group] = Some(place);
-            out.emit(time, value(target, true));
+            self.on[group] = Some(index);
+            out.emit(time, value_event(target, true));
         }
     }
 
+    /// Switches off the option of a group that is on.
     fn switch_off(&mut self, group: usize, time: Timestamp, out: &mut DeviceOutput) {
-        let Some(place) = self.on[group].take() else {
+        let Some(index) = self.on[group].take() else {
             return;
         };
-        let (RadioOption { target, output }, _) = self.options[place];
+        let (RadioOption { target, output }, _) = self.options[index];
         if let ToggleOutput::Hold(_) = output {
             out.release(PressSource::Part(target, 0), time);
         }
-        out.emit(time, value(target, false));
+        out.emit(time, value_event(target, false));
     }
 }
 
 impl VirtualDevice for Radios {
-    fn add_capabilities(&self, needs: &mut Capabilities) {
+    fn add_capabilities(&self, required: &mut Capabilities) {
         let options = self.options.iter();
-        needs.extend(options.filter_map(|(option, _)| option.output.required_capability()));
+        required.extend(options.filter_map(|(option, _)| option.output.required_capability()));
     }
 
-    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
-        for touch in seen.touches {
+    fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
+        for touch in input.touches {
             if touch.phase == Phase::Pressed
-                && let Some(place) = self.places.of(touch.target)
+                && let Some(index) = self.index.get(touch.target)
             {
-                self.poke(place, touch.time, out);
+                self.switch_on(index, touch.time, out);
             }
         }
     }
@@ -103,7 +105,7 @@ impl VirtualDevice for Radios {
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         for group in 0..self.on.len() {
             let holds = self.on[group]
-                .is_some_and(|place| matches!(self.options[place].0.output, ToggleOutput::Hold(_)));
+                .is_some_and(|index| matches!(self.options[index].0.output, ToggleOutput::Hold(_)));
             if holds {
                 self.switch_off(group, time, out);
             }

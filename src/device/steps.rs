@@ -1,31 +1,34 @@
-//! Values that stand on steps.
+//! Quantised control values.
 
-/// How far past the middle between two steps a value has to be, as a share of a step, before it goes over:
-/// so that a tremble there does not go back and forth.
+/// Distance past the midpoint between two steps at which a value changes step, as a fraction of a step.
+/// Hand tremor at the midpoint then does not make the value alternate.
 const HYSTERESIS: f32 = 0.1;
 
-/// Two values nearer together than this are the same but for rounding.
+/// Values closer together than this differ by rounding only.
 const ROUNDING: f32 = 1e-6;
 
-/// Where a control stands that is moved to `value` (0..=1 where it has ends) and stood at `now`, on one of
-/// `steps` + 1 places of that range, or anywhere when it has no steps.
-pub(super) fn step_to(value: f32, steps: Option<u16>, now: f32) -> f32 {
+/// Returns the new value of a control that stands at `current` and is moved to `value`, 0..=1 unless the
+/// control is endless.
+///
+/// With `steps` intervals the value snaps to one of `steps` + 1 positions, with hysteresis. Without, it is
+/// continuous, and differences by rounding are ignored except at the ends.
+pub(super) fn snap(value: f32, steps: Option<u16>, current: f32) -> f32 {
     let Some(steps) = steps.map(f32::from) else {
         let is_end = value == 0.0 || value == 1.0;
-        return if (value - now).abs() < ROUNDING && !is_end {
-            now
+        return if (value - current).abs() < ROUNDING && !is_end {
+            current
         } else {
             value
         };
     };
-    if (value - now).abs() * steps <= 0.5 + HYSTERESIS {
-        return now;
+    if (value - current).abs() * steps <= 0.5 + HYSTERESIS {
+        return current;
     }
     (value * steps).round() / steps
 }
 
-/// The step that is nearest to a value.
-pub(super) fn nearest(value: f32, steps: Option<u16>) -> f32 {
+/// Returns the step nearest to a value, or the value itself if there are no steps.
+pub(super) fn nearest_step(value: f32, steps: Option<u16>) -> f32 {
     match steps.map(f32::from) {
         Some(steps) => (value * steps).round() / steps,
         None => value,
@@ -37,8 +40,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_value_between_two_steps_stays_on_the_one_where_it_is() {
-        for (value, now, expected) in [
+    fn a_value_near_the_midpoint_keeps_its_step() {
+        for (value, current, expected) in [
             (0.50, 0.25, 0.5),
             (0.39, 0.25, 0.25),
             (0.41, 0.25, 0.5),
@@ -46,15 +49,19 @@ mod tests {
             (0.34, 0.50, 0.25),
             (1.0, 0.0, 1.0),
         ] {
-            assert_eq!(step_to(value, Some(4), now), expected, "{now} to {value}");
+            assert_eq!(
+                snap(value, Some(4), current),
+                expected,
+                "{current} to {value}"
+            );
         }
-        assert_eq!(nearest(0.3, Some(4)), 0.25);
+        assert_eq!(nearest_step(0.3, Some(4)), 0.25);
     }
 
     #[test]
-    fn without_steps_only_rounding_is_no_move_and_the_ends_are_exact() {
-        assert_eq!(step_to(0.5 + 1e-7, None, 0.5), 0.5);
-        assert_eq!(step_to(0.501, None, 0.5), 0.501);
-        assert_eq!(step_to(0.0, None, 1e-7), 0.0);
+    fn a_continuous_value_ignores_rounding_and_reaches_its_ends_exactly() {
+        assert_eq!(snap(0.5 + 1e-7, None, 0.5), 0.5);
+        assert_eq!(snap(0.501, None, 0.5), 0.501);
+        assert_eq!(snap(0.0, None, 1e-7), 0.0);
     }
 }

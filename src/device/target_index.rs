@@ -1,35 +1,30 @@
-//! From a target to the control that it belongs to.
+//! Lookup from a target to the control that it belongs to.
 
 use crate::contact::TargetId;
 
-/// For each target the place of its control in a list; a lookup costs the same for any number of them.
+/// The index of the control that each target belongs to. A lookup takes constant time.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Places(Vec<Option<u32>>);
+pub(super) struct TargetIndex(Vec<Option<u32>>);
 
-impl Places {
-    /// Target `targets[i]` belongs to control `i`; of several with the same target the first counts.
+impl TargetIndex {
+    /// Maps the `i`-th target to control `i`. If a target occurs several times, its first control wins.
     pub(super) fn new(
         targets: impl DoubleEndedIterator<Item = TargetId> + ExactSizeIterator,
     ) -> Self {
-        Self::of_pairs(targets.enumerate().rev())
-    }
-
-    /// Each pair is a control and one of its targets; of several with the same target the last counts.
-    pub(super) fn of_pairs(pairs: impl Iterator<Item = (usize, TargetId)>) -> Self {
-        let mut places = Vec::new();
-        for (place, TargetId(target)) in pairs {
+        let mut controls = Vec::new();
+        for (control, TargetId(target)) in targets.enumerate().rev() {
             let target = target as usize;
-            if places.len() <= target {
-                places.resize(target + 1, None);
+            if controls.len() <= target {
+                controls.resize(target + 1, None);
             }
-            places[target] = Some(place as u32);
+            controls[target] = Some(control as u32);
         }
-        Self(places)
+        Self(controls)
     }
 
-    /// The place of the control that a target belongs to.
-    pub(super) fn of(&self, target: TargetId) -> Option<usize> {
-        let place = (*self.0.get(target.0 as usize)?)?;
-        Some(place as usize)
+    /// Returns the index of the control that a target belongs to.
+    pub(super) fn get(&self, target: TargetId) -> Option<usize> {
+        let control = (*self.0.get(target.0 as usize)?)?;
+        Some(control as usize)
     }
 }

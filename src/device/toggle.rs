@@ -1,6 +1,6 @@
-//! Toggle switches: one poke turns one on, the next turns it off.
+//! Toggle switches: a press turns one on, the next press turns it off.
 
-use super::target_index::Places;
+use super::target_index::TargetIndex;
 use super::{
     Capabilities, Capability, DeviceInput, DeviceOutput, EventKind, KeyAction, PressSource,
     VirtualDevice,
@@ -8,29 +8,29 @@ use super::{
 use crate::contact::{Phase, TargetId};
 use crate::time::Timestamp;
 
-/// One switch.
+/// A toggle switch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Toggle {
-    /// The target that is poked.
+    /// The target that is pressed.
     pub target: TargetId,
-    /// What goes on with the switch.
+    /// What it emits in addition to its value.
     pub output: ToggleOutput,
 }
 
-/// What goes on with a switch.
+/// What a switch emits in addition to [`EventKind::Value`], 1 for on and 0 for off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ToggleOutput {
-    /// Only its value is told: 1 for on, 0 for off.
+    /// Nothing else.
     ValueOnly,
-    /// Something is pressed as long as it is on. When everything is let go of, it is off again.
+    /// The action is held while the switch is on. [`VirtualDevice::release_all`] turns the switch off.
     Hold(KeyAction),
-    /// Something is tapped at each change, for a receiver that has the state itself. It stays as it is
-    /// when everything is let go of.
+    /// The action is tapped at each change, for receivers that keep the state themselves.
+    /// [`VirtualDevice::release_all`] leaves the switch as it is.
     Tap(KeyAction),
 }
 
 impl ToggleOutput {
-    /// What an output must be able to carry for it.
+    /// Returns the capability that an output needs for it.
     pub fn required_capability(self) -> Option<Capability> {
         match self {
             Self::ValueOnly => None,
@@ -41,60 +41,59 @@ impl ToggleOutput {
 
 /// The toggle switches of a layout.
 ///
-/// A switch changes at each press and at nothing else: not at the release, nor when the finger is
-/// withdrawn or slides off.
+/// A switch changes only when it is pressed: not on release, and not when the finger leaves or slides off.
 #[derive(Clone, Debug)]
 pub struct Toggles {
     toggles: Vec<(Toggle, bool)>,
-    places: Places,
+    index: TargetIndex,
 }
 
 impl Toggles {
-    /// All off.
+    /// Creates the switches, all off.
     pub fn new(toggles: Vec<Toggle>) -> Self {
         Self {
-            places: Places::new(toggles.iter().map(|toggle| toggle.target)),
+            index: TargetIndex::new(toggles.iter().map(|toggle| toggle.target)),
             toggles: toggles.into_iter().map(|toggle| (toggle, false)).collect(),
         }
     }
 
-    fn poke(&mut self, place: usize, time: Timestamp, out: &mut DeviceOutput) {
-        let (Toggle { target, output }, is_on) = &mut self.toggles[place];
-        let owner = PressSource::Part(*target, 0);
+    fn switch(&mut self, index: usize, time: Timestamp, out: &mut DeviceOutput) {
+        let (Toggle { target, output }, is_on) = &mut self.toggles[index];
+        let source = PressSource::Part(*target, 0);
         let will_be_on = !*is_on;
         let has_changed = match *output {
             ToggleOutput::ValueOnly => true,
-            ToggleOutput::Hold(action) if will_be_on => out.press(owner, action, time),
+            ToggleOutput::Hold(action) if will_be_on => out.press(source, action, time),
             ToggleOutput::Hold(_) => {
-                out.release(owner, time);
+                out.release(source, time);
                 true
             }
-            ToggleOutput::Tap(action) => out.tap(owner, action, time),
+            ToggleOutput::Tap(action) => out.tap(source, action, time),
         };
         if has_changed {
             *is_on = will_be_on;
-            out.emit(time, value(*target, *is_on));
+            out.emit(time, value_event(*target, *is_on));
         }
     }
 }
 
-/// What is told of a target that is on or off.
-pub(super) fn value(target: TargetId, is_on: bool) -> EventKind {
+/// Returns the value event of a target that is on or off.
+pub(super) fn value_event(target: TargetId, is_on: bool) -> EventKind {
     EventKind::Value(target, f32::from(u8::from(is_on)))
 }
 
 impl VirtualDevice for Toggles {
-    fn add_capabilities(&self, needs: &mut Capabilities) {
+    fn add_capabilities(&self, required: &mut Capabilities) {
         let toggles = self.toggles.iter();
-        needs.extend(toggles.filter_map(|(toggle, _)| toggle.output.required_capability()));
+        required.extend(toggles.filter_map(|(toggle, _)| toggle.output.required_capability()));
     }
 
-    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
-        for touch in seen.touches {
+    fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
+        for touch in input.touches {
             if touch.phase == Phase::Pressed
-                && let Some(place) = self.places.of(touch.target)
+                && let Some(index) = self.index.get(touch.target)
             {
-                self.poke(place, touch.time, out);
+                self.switch(index, touch.time, out);
             }
         }
     }
@@ -103,7 +102,7 @@ impl VirtualDevice for Toggles {
         for (toggle, is_on) in &mut self.toggles {
             let holds = matches!(toggle.output, ToggleOutput::Hold(_));
             if holds && std::mem::take(is_on) {
-                out.emit(time, value(toggle.target, false));
+                out.emit(time, value_event(toggle.target, false));
             }
         }
     }

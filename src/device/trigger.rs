@@ -1,194 +1,194 @@
-//! Triggers: an angle of a joint or a pinch as a control, without anything to touch.
+//! Triggers: a joint angle or a pinch as a control, without a target to touch.
 
-use super::value_output::{Driver, ValueOutput};
+use super::value_output::{ValueEmitter, ValueOutput};
 use super::{Capabilities, DeviceInput, DeviceOutput, KeyAction, PressSource, VirtualDevice};
 use crate::contact::TargetId;
 use crate::hand::{Dof, Finger, Side};
 use crate::time::Timestamp;
 
-/// The most triggers that a layout has: each is looked at in each frame.
+/// Maximum number of triggers of a layout: every step evaluates each of them.
 pub const MAX_TRIGGERS: usize = 64;
 
-/// The steps in which a value is told, so that a tremble is no news.
-const STEPS: f32 = 1000.0;
+/// Resolution of the value, in steps: hand tremor then emits no events.
+const VALUE_STEPS: f32 = 1000.0;
 
-/// One trigger.
+/// A trigger.
 ///
-/// It goes on as what it measures reaches `on`, and off as that is back at `off`; which of the two is
-/// more says which way is on. Where the measure is not known (the source lacks the joint, the finger is
-/// lost or not to be believed, the hand jumped) it is off, and has to be seen off before it goes on.
+/// It switches on when its measurement reaches `on`, and off when it is back at `off`; `on` may be more or
+/// less than `off`. While the measurement is unknown (the source does not provide the joint, the finger is
+/// lost or untrusted, the hand was re-acquired) the trigger is off, and has to be seen off before it
+/// switches on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trigger {
-    /// What its value is told of. Nothing of it is in the scene.
+    /// The subject of its value events. The scene does not contain it.
     pub target: TargetId,
-    /// Of which hand; `None` for either, each for itself.
+    /// The hand; `None` for both hands, each on its own.
     pub side: Option<Side>,
     /// What it measures.
     pub measure: Measure,
-    /// Where it goes on, in radians or metres.
+    /// Where it switches on, in radians or metres.
     pub on: f32,
-    /// Where it goes off, in radians or metres; not the same as `on`.
+    /// Where it switches off, in radians or metres; not equal to `on`.
     pub off: f32,
-    /// Where its value is 0 and where it is 1, in radians or metres: in between and beyond, the value is
-    /// `clamp((measure − first) / (second − first), 0, 1)`. Without these the value is 1 as long as it is
-    /// on, else 0.
+    /// The measurements for the values 0 and 1, in radians or metres. The value is
+    /// `clamp((measurement − first) / (second − first), 0, 1)`. `None`: the value is 1 while it is on, else 0.
     pub range: Option<(f32, f32)>,
-    /// What is pressed as long as it is on.
+    /// The action that is held while it is on.
     pub action: Option<KeyAction>,
-    /// What its value drives.
+    /// What its value emits.
     pub output: ValueOutput,
 }
 
 /// What a trigger measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// An angle of a joint, in radians.
+    /// A joint angle, in radians.
     Angle(Dof),
-    /// How far the middle of the tip of the thumb is from that of a finger, in metres.
+    /// The distance from the fingertip center of the thumb to that of a finger, in metres.
     Pinch(Finger),
 }
 
 /// The triggers of a layout.
 #[derive(Clone, Debug)]
-pub struct Triggers(Vec<Followed>);
+pub struct Triggers(Vec<HandTrigger>);
 
-/// A trigger on one hand.
+/// A trigger of one hand.
 #[derive(Clone, Debug)]
-struct Followed {
+struct HandTrigger {
     trigger: Trigger,
     side: Side,
-    driver: Driver,
-    state: State,
+    emitter: ValueEmitter,
+    state: TriggerState,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum State {
-    /// Not seen off since it was lost.
-    Lost,
+enum TriggerState {
+    /// Not seen off since its measurement was unknown.
+    Unknown,
     Off,
     On,
 }
 
 impl Triggers {
-    /// All off; those after the first [`MOST_TRIGGERS`] are left out.
+    /// Creates the triggers, all off; those after the first [`MAX_TRIGGERS`] are ignored.
     pub fn new(triggers: impl IntoIterator<Item = Trigger>) -> Self {
         let triggers = triggers.into_iter().take(MAX_TRIGGERS);
-        Self(triggers.flat_map(Followed::on_its_hands).collect())
+        Self(triggers.flat_map(HandTrigger::for_hands).collect())
     }
 }
 
 impl VirtualDevice for Triggers {
-    fn add_capabilities(&self, needs: &mut Capabilities) {
-        for Followed { trigger, .. } in &self.0 {
-            needs.extend(trigger.action.and_then(KeyAction::required_capability));
-            trigger.output.add_capabilities(needs);
+    fn add_capabilities(&self, required: &mut Capabilities) {
+        for HandTrigger { trigger, .. } in &self.0 {
+            required.extend(trigger.action.and_then(KeyAction::required_capability));
+            trigger.output.add_capabilities(required);
         }
     }
 
-    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
-        for followed in &mut self.0 {
-            if followed.side != seen.pose.side {
+    fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
+        for trigger in &mut self.0 {
+            if trigger.side != input.pose.side {
                 continue;
             }
-            match followed.trigger.measure.of(seen) {
-                Some(measured) => followed.follow(measured, seen.pose.time, out),
-                None => followed.lose(seen.pose.time, out),
+            match trigger.trigger.measure.measurement(input) {
+                Some(measurement) => trigger.update(measurement, input.pose.time, out),
+                None => trigger.reset(input.pose.time, out),
             }
         }
     }
 
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput) {
-        for followed in &mut self.0 {
-            followed.lose(time, out);
+        for trigger in &mut self.0 {
+            trigger.reset(time, out);
         }
     }
 }
 
-impl Followed {
-    fn on_its_hands(trigger: Trigger) -> impl Iterator<Item = Self> {
+impl HandTrigger {
+    fn for_hands(trigger: Trigger) -> impl Iterator<Item = Self> {
         let sides = Side::ALL.iter().copied();
         let sides = sides.filter(move |&side| trigger.side.is_none_or(|own| own == side));
         sides.map(move |side| Self {
-            driver: Driver::new(trigger.target, trigger.output, 0.0),
+            emitter: ValueEmitter::new(trigger.target, trigger.output, 0.0),
             trigger,
             side,
-            state: State::Lost,
+            state: TriggerState::Unknown,
         })
     }
 
-    fn owner(&self) -> PressSource {
+    fn source(&self) -> PressSource {
         PressSource::Part(self.trigger.target, self.side.index() as u8)
     }
 
-    fn follow(&mut self, measured: f32, time: Timestamp, out: &mut DeviceOutput) {
+    fn update(&mut self, measurement: f32, time: Timestamp, out: &mut DeviceOutput) {
         let Trigger { on, off, .. } = self.trigger;
-        let is_past = |limit: f32| (measured - limit) * (on - off).signum() >= 0.0;
-        let is_back = measured == off || !is_past(off);
+        let is_past = |limit: f32| (measurement - limit) * (on - off).signum() >= 0.0;
+        let is_back = measurement == off || !is_past(off);
         match self.state {
-            State::Lost if !is_back => return,
-            State::Lost => {
-                self.state = State::Off;
-                // What it stood at meanwhile is no way that it went.
-                self.driver.stand(self.value(measured), time, out);
+            TriggerState::Unknown if !is_back => return,
+            TriggerState::Unknown => {
+                self.state = TriggerState::Off;
+                // The change since the measurement was lost is not emitted as motion or taps.
+                self.emitter.restart_at(self.value(measurement), time, out);
             }
-            State::Off if is_past(on) => self.go_on(time, out),
-            State::On if is_back => {
-                out.release(self.owner(), time);
-                self.state = State::Off;
+            TriggerState::Off if is_past(on) => self.switch_on(time, out),
+            TriggerState::On if is_back => {
+                out.release(self.source(), time);
+                self.state = TriggerState::Off;
             }
-            State::Off | State::On => {}
+            TriggerState::Off | TriggerState::On => {}
         }
-        self.driver.set(self.value(measured), time, out);
+        self.emitter.set(self.value(measurement), time, out);
     }
 
-    /// Goes on, or stays off until there is room.
-    fn go_on(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+    /// Switches on, or stays off if the press does not fit into the event list.
+    fn switch_on(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let action = self.trigger.action;
-        if action.is_none_or(|action| out.press(self.owner(), action, time)) {
-            self.state = State::On;
+        if action.is_none_or(|action| out.press(self.source(), action, time)) {
+            self.state = TriggerState::On;
         }
     }
 
-    fn lose(&mut self, time: Timestamp, out: &mut DeviceOutput) {
-        if self.state == State::Lost && self.driver.value() == 0.0 {
+    fn reset(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+        if self.state == TriggerState::Unknown && self.emitter.value() == 0.0 {
             return;
         }
-        out.cancel(self.owner(), time);
-        self.state = State::Lost;
-        self.driver.stand(0.0, time, out);
+        out.cancel(self.source(), time);
+        self.state = TriggerState::Unknown;
+        self.emitter.restart_at(0.0, time, out);
     }
 
-    fn value(&self, measured: f32) -> f32 {
+    fn value(&self, measurement: f32) -> f32 {
         let Some((first, second)) = self.trigger.range else {
-            return f32::from(u8::from(self.state == State::On));
+            return f32::from(u8::from(self.state == TriggerState::On));
         };
-        let share = ((measured - first) / (second - first)).clamp(0.0, 1.0);
-        (share * STEPS).round() / STEPS
+        let fraction = ((measurement - first) / (second - first)).clamp(0.0, 1.0);
+        (fraction * VALUE_STEPS).round() / VALUE_STEPS
     }
 }
 
 impl Measure {
-    /// What it is now; `None` where that is not known.
-    fn of(self, seen: &DeviceInput) -> Option<f32> {
-        let untrusted = seen.pose.untrusted.union(seen.angles.untrusted);
-        let is_believed = |finger: Finger| !untrusted.contains(finger);
-        if seen.pose.jumped || seen.angles.jumped {
+    /// Returns the current measurement, or `None` if it is unknown.
+    fn measurement(self, input: &DeviceInput) -> Option<f32> {
+        let untrusted = input.pose.untrusted.union(input.angles.untrusted);
+        let is_trusted = |finger: Finger| !untrusted.contains(finger);
+        if input.pose.jumped || input.angles.jumped {
             return None;
         }
-        let measured = match self {
+        let measurement = match self {
             Self::Angle(dof) => {
-                let is_seen = seen.angles.is_known(dof) && dof.finger().is_none_or(is_believed);
-                is_seen.then(|| seen.angles.get(dof) as f32)
+                let is_known = input.angles.is_known(dof) && dof.finger().is_none_or(is_trusted);
+                is_known.then(|| input.angles.get(dof) as f32)
             }
             Self::Pinch(finger) => {
                 let tips = [Finger::Thumb, finger];
                 let [thumb, tip] = tips.map(|finger| {
-                    let tip = seen.pose.fingertip(finger);
-                    tip.filter(|_| is_believed(finger))
+                    let tip = input.pose.fingertip(finger);
+                    tip.filter(|_| is_trusted(finger))
                 });
                 Some(thumb?.distance(tip?))
             }
         };
-        measured.filter(|measured| measured.is_finite())
+        measurement.filter(|measurement| measurement.is_finite())
     }
 }

@@ -1,206 +1,201 @@
-//! What the value of a slider, knob or lever drives.
+//! What the value of a slider, knob, lever or trigger emits.
 
 use super::{Axis, Capabilities, Capability, DeviceOutput, EventKind, KeyAction, PressSource};
 use crate::contact::TargetId;
 use crate::time::Timestamp;
 
-/// A click of the wheel in the units of [`Action::Scroll`].
-const CLICK: f32 = 120.0;
+/// One detent of the wheel, in the units of [`EventKind::Scroll`].
+const DETENT: f32 = 120.0;
 
-/// What a value of 0..=1 drives, beside being told as it is.
+/// What a value of 0..=1 emits in addition to [`EventKind::Value`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ValueOutput {
     /// Nothing else.
     ValueOnly,
-    /// An axis: a trigger stands at the value, any other from −1 at 0 to 1 at 1.
+    /// An axis. A trigger axis is set to the value, any other axis to −1 for 0 and 1 for 1.
     Axis(Axis),
-    /// The wheel: this many clicks to the right for the whole range; negative the other way.
+    /// The wheel: detents to the right over the whole range; negative for left.
     ScrollX(f32),
-    /// The wheel: this many clicks up for the whole range; negative the other way.
+    /// The wheel: detents up over the whole range; negative for down.
     ScrollY(f32),
-    /// The pointer: this many pixels to the right for the whole range; negative the other way.
+    /// The pointer: pixels to the right over the whole range; negative for left.
     MoveX(f32),
-    /// The pointer: this many pixels up for the whole range; negative the other way.
+    /// The pointer: pixels up over the whole range; negative for down.
     MoveY(f32),
-    /// Taps at each step of the way.
+    /// One tap per step of the range.
     Taps {
-        /// At each step up.
+        /// Tapped at each step up.
         increase: KeyAction,
-        /// At each step down.
+        /// Tapped at each step down.
         decrease: KeyAction,
-        /// How many steps the whole range has, at least 1.
+        /// Number of steps in the whole range, at least 1.
         steps: u16,
     },
 }
 
 impl ValueOutput {
-    /// Adds what an output must be able to carry for it.
-    pub fn add_capabilities(self, needs: &mut Capabilities) {
+    /// Adds the capabilities that an output needs for it.
+    pub fn add_capabilities(self, required: &mut Capabilities) {
         match self {
             Self::ValueOnly => {}
-            Self::Axis(axis) => needs.insert(Capability::Axis(axis)),
-            Self::ScrollX(_) | Self::ScrollY(_) => needs.insert(Capability::Scroll),
-            Self::MoveX(_) | Self::MoveY(_) => needs.insert(Capability::RelativeMotion),
+            Self::Axis(axis) => required.insert(Capability::Axis(axis)),
+            Self::ScrollX(_) | Self::ScrollY(_) => required.insert(Capability::Scroll),
+            Self::MoveX(_) | Self::MoveY(_) => required.insert(Capability::RelativeMotion),
             Self::Taps {
-                increase: more,
-                decrease: less,
-                ..
+                increase, decrease, ..
             } => {
-                needs.extend(
-                    [more, less]
-                        .into_iter()
-                        .filter_map(KeyAction::required_capability),
-                );
+                let actions = [increase, decrease].into_iter();
+                required.extend(actions.filter_map(KeyAction::required_capability));
             }
         }
     }
 }
 
-/// A value that drives something.
+/// The value of one control and what it has emitted.
 #[derive(Clone, Debug)]
-pub(super) struct Driver {
+pub(super) struct ValueEmitter {
     target: TargetId,
-    drive: ValueOutput,
+    output: ValueOutput,
     value: f32,
-    /// Where it goes when it is let go of; nowhere when `None`.
-    springs_to: Option<f32>,
-    /// What of the value has been driven: whole units, pixels or steps.
-    driven: i32,
-    /// Where the axis stands.
+    /// The value to which the control returns when it is released; `None` if it stays.
+    rest: Option<f32>,
+    /// Whole units, pixels or steps emitted so far.
+    emitted: i32,
+    /// The axis value emitted last.
     axis: f32,
 }
 
-impl Driver {
-    /// One that stands at `value` and has told nothing yet; `target` is what the value is told of.
-    pub(super) fn new(target: TargetId, drive: ValueOutput, value: f32) -> Self {
-        let mut driver = Self {
+impl ValueEmitter {
+    /// Creates an emitter that stands at `value`, without emitting it. `target` is the subject of its
+    /// [`EventKind::Value`] events.
+    pub(super) fn new(target: TargetId, output: ValueOutput, value: f32) -> Self {
+        let mut emitter = Self {
             target,
-            drive,
+            output,
             value,
-            springs_to: None,
-            driven: 0,
+            rest: None,
+            emitted: 0,
             axis: 0.0,
         };
-        driver.driven = driver.units(value);
-        driver
+        emitter.emitted = emitter.units(value);
+        emitter
     }
 
-    /// The same that springs back to a value when it is let go of, at which its axis, if it has one, is 0.
-    pub(super) fn springing_to(self, springs_to: Option<f32>) -> Self {
-        Self { springs_to, ..self }
+    /// Sets the value to which it returns on release. Its axis, if any, must be 0 there.
+    pub(super) fn with_rest(self, rest: Option<f32>) -> Self {
+        Self { rest, ..self }
     }
 
-    /// Whether it moves when it is let go of.
-    pub(super) fn springs(&self) -> bool {
-        self.springs_to.is_some()
+    /// Whether it returns to a rest value on release.
+    pub(super) fn springs_back(&self) -> bool {
+        self.rest.is_some()
     }
 
-    /// Where it stands.
     pub(super) fn value(&self) -> f32 {
         self.value
     }
 
-    /// Brings it to a value, 0..=1 where it has ends; tells and drives what that changes. A value that is
-    /// not a number changes nothing. What finds no room is made up for at the next change.
+    /// Sets the value, 0..=1 unless the control is endless, and emits what changed. A value that is not
+    /// finite is ignored. What does not fit into the event list is made up for by the next call.
     pub(super) fn set(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) {
         if !value.is_finite() {
             return;
         }
-        self.tell_value(value, time, out);
-        self.drive_to(value, time, out);
+        self.emit_value(value, time, out);
+        self.emit_output(value, time, out);
     }
 
-    /// Makes it stand at a value from which it goes on: that is told, and nothing of the way there is
-    /// driven, but the axis springs back to 0 until the next [`set`](Self::set).
-    pub(super) fn stand(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) {
-        self.tell_value(value, time, out);
-        self.driven = self.units(value);
-        self.rest(time, out);
+    /// Sets the value as a new starting point: emits the value, but no scrolling, motion or taps for the
+    /// distance. The axis returns to 0 until the next [`set`](Self::set).
+    pub(super) fn restart_at(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) {
+        self.emit_value(value, time, out);
+        self.emitted = self.units(value);
+        self.return_to_rest(time, out);
     }
 
-    /// Lets the axis spring back to 0; the value stays where it is, unless it springs back too. That taps,
-    /// scrolls and moves nothing, so that a spring works as a ratchet. `false` when there was no room for
-    /// all of it.
-    pub(super) fn rest(&mut self, time: Timestamp, out: &mut DeviceOutput) -> bool {
-        if let ValueOutput::Axis(axis) = self.drive {
-            self.stand_at(axis, 0.0, time, out);
+    /// Returns the axis to 0, and the value to its rest value if it has one. Emits no scrolling, motion or
+    /// taps for that, so a control with a spring works as a ratchet. Returns `false` if not all of it fitted
+    /// into the event list.
+    pub(super) fn return_to_rest(&mut self, time: Timestamp, out: &mut DeviceOutput) -> bool {
+        if let ValueOutput::Axis(axis) = self.output {
+            self.emit_axis(axis, 0.0, time, out);
         }
-        let value = self.springs_to.unwrap_or(self.value);
-        if self.tell_value(value, time, out) {
-            self.driven = self.units(value);
+        let value = self.rest.unwrap_or(self.value);
+        if self.emit_value(value, time, out) {
+            self.emitted = self.units(value);
         }
         self.axis == 0.0 && self.value == value
     }
 
-    /// Whether the value is another than before and has been told.
-    fn tell_value(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) -> bool {
-        let is_told = value != self.value && out.emit(time, EventKind::Value(self.target, value));
-        if is_told {
+    /// Emits the value if it has changed; returns whether it was emitted.
+    fn emit_value(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) -> bool {
+        let is_emitted =
+            value != self.value && out.emit(time, EventKind::Value(self.target, value));
+        if is_emitted {
             self.value = value;
         }
-        is_told
+        is_emitted
     }
 
-    fn drive_to(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) {
-        let (units, behind) = (self.units(value), self.units(value) - self.driven);
-        let is_driven = match self.drive {
+    fn emit_output(&mut self, value: f32, time: Timestamp, out: &mut DeviceOutput) {
+        let units = self.units(value);
+        let due = units - self.emitted;
+        let is_emitted = match self.output {
             ValueOutput::ValueOnly => true,
             ValueOutput::Axis(axis) => {
-                let place = if axis.is_trigger() {
+                let position = if axis.is_trigger() {
                     value
                 } else {
                     2.0 * value - 1.0
                 };
-                self.stand_at(axis, place.clamp(-1.0, 1.0), time, out);
+                self.emit_axis(axis, position.clamp(-1.0, 1.0), time, out);
                 true
             }
             ValueOutput::Taps {
-                increase: more,
-                decrease: less,
-                ..
-            } => return self.tap(more, less, behind, time, out),
-            _ if behind == 0 => true,
-            ValueOutput::ScrollX(_) => out.emit(time, EventKind::Scroll(behind, 0)),
-            ValueOutput::ScrollY(_) => out.emit(time, EventKind::Scroll(0, behind)),
-            ValueOutput::MoveX(_) => out.emit(time, EventKind::MoveBy(behind, 0)),
-            ValueOutput::MoveY(_) => out.emit(time, EventKind::MoveBy(0, -behind)),
+                increase, decrease, ..
+            } => return self.emit_taps(increase, decrease, due, time, out),
+            _ if due == 0 => true,
+            ValueOutput::ScrollX(_) => out.emit(time, EventKind::Scroll(due, 0)),
+            ValueOutput::ScrollY(_) => out.emit(time, EventKind::Scroll(0, due)),
+            ValueOutput::MoveX(_) => out.emit(time, EventKind::MoveBy(due, 0)),
+            ValueOutput::MoveY(_) => out.emit(time, EventKind::MoveBy(0, -due)),
         };
-        if is_driven {
-            self.driven = units;
+        if is_emitted {
+            self.emitted = units;
         }
     }
 
-    fn stand_at(&mut self, axis: Axis, place: f32, time: Timestamp, out: &mut DeviceOutput) {
-        if place != self.axis && out.emit(time, EventKind::Axis(axis, place)) {
-            self.axis = place;
+    fn emit_axis(&mut self, axis: Axis, position: f32, time: Timestamp, out: &mut DeviceOutput) {
+        if position != self.axis && out.emit(time, EventKind::Axis(axis, position)) {
+            self.axis = position;
         }
     }
 
-    fn tap(
+    fn emit_taps(
         &mut self,
-        more: KeyAction,
-        less: KeyAction,
-        behind: i32,
+        increase: KeyAction,
+        decrease: KeyAction,
+        due: i32,
         time: Timestamp,
         out: &mut DeviceOutput,
     ) {
-        let owner = PressSource::Part(self.target, 0);
-        let action = if behind > 0 { more } else { less };
-        for _ in 0..behind.abs() {
-            if !out.tap(owner, action, time) {
+        let source = PressSource::Part(self.target, 0);
+        let action = if due > 0 { increase } else { decrease };
+        for _ in 0..due.abs() {
+            if !out.tap(source, action, time) {
                 return;
             }
-            self.driven += behind.signum();
+            self.emitted += due.signum();
         }
     }
 
     fn units(&self, value: f32) -> i32 {
-        let whole = match self.drive {
+        let range = match self.output {
             ValueOutput::ValueOnly | ValueOutput::Axis(_) => 0.0,
-            ValueOutput::ScrollX(clicks) | ValueOutput::ScrollY(clicks) => clicks * CLICK,
+            ValueOutput::ScrollX(detents) | ValueOutput::ScrollY(detents) => detents * DETENT,
             ValueOutput::MoveX(pixels) | ValueOutput::MoveY(pixels) => pixels,
             ValueOutput::Taps { steps, .. } => f32::from(steps),
         };
-        (value * whole).round() as i32
+        (value * range).round() as i32
     }
 }

@@ -1,4 +1,4 @@
-//! A joystick that is held, or was until now.
+//! The state of a joystick that is off its center.
 
 use std::time::Duration;
 
@@ -10,133 +10,146 @@ use crate::device::{DeviceOutput, EventKind, PressSource};
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
 
-/// The share of the throw to a side at which its key goes down, and at which it comes up again.
-const DIRECTION: (f32, f32) = (0.5, 0.4);
-/// The share of the travel at which a push in counts, and at which it ends.
-const PUSH: (f32, f32) = (0.9, 0.7);
-/// Four directions and the push.
-pub(super) const PARTS: usize = 5;
-/// Where each part goes down and where it comes up.
-const LEVELS: [(f32, f32); PARTS] = [DIRECTION, DIRECTION, DIRECTION, DIRECTION, PUSH];
-/// The longest time between two frames for which the pointer moves: after a longer one nobody knows for how
-/// much of it the stick stood there.
-const LONGEST_FRAME: Duration = Duration::from_millis(100);
+/// Thresholds with hysteresis, as fractions.
+#[derive(Clone, Copy, Debug)]
+struct Thresholds {
+    press: f32,
+    release: f32,
+}
 
-/// What is known of a joystick that is not in the middle.
+/// For the key of a direction: fractions of the full deflection.
+const DIRECTION: Thresholds = Thresholds {
+    press: 0.5,
+    release: 0.4,
+};
+/// For the push: fractions of the travel.
+const PUSH: Thresholds = Thresholds {
+    press: 0.9,
+    release: 0.7,
+};
+/// Four directions and the push.
+pub(super) const PART_COUNT: usize = 5;
+/// For each part: up, down, left, right, push.
+const THRESHOLDS: [Thresholds; PART_COUNT] = [DIRECTION, DIRECTION, DIRECTION, DIRECTION, PUSH];
+/// Longest time between two steps for which the pointer moves: after a longer gap, the deflection during
+/// the gap is unknown.
+const MAX_GAP: Duration = Duration::from_millis(100);
+
+/// A joystick that is held, or whose return to the center is not emitted yet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stick {
-    /// The place of the joystick in its list.
-    pub(super) place: usize,
-    /// Who holds it.
-    held_by: Option<(Side, Finger)>,
-    /// Where on the cap the fingertip pressed, in metres.
+    /// The index of the joystick.
+    pub(super) index: usize,
+    holder: Option<(Side, Finger)>,
+    /// The position on the cap at which the fingertip pressed, in metres.
     pressed_at: Vec2,
-    /// Where it is pushed to, as shares of the reach.
-    throw: Vec2,
-    /// Where its axes stand.
+    /// Fraction of the full deflection, of length 1 at most.
+    deflection: Vec2,
+    /// The axis values emitted last.
     axes: Vec2,
-    /// Which of up, down, left, right and the push are pressed.
-    pressed: [bool; PARTS],
+    /// The parts that are pressed: up, down, left, right, push.
+    pressed: [bool; PART_COUNT],
     /// The time up to which it has moved the pointer.
-    moved_by: Timestamp,
-    /// Pixels that are not a whole one yet.
-    owed: Vec2,
+    moved_until: Timestamp,
+    /// Motion of the pointer that is less than a pixel and not emitted yet.
+    remainder: Vec2,
 }
 
 impl Stick {
-    /// One that the fingertip of a touch holds.
-    pub(super) fn new(place: usize, touch: &Touch) -> Self {
+    /// Creates a centerd stick that the touching fingertip holds.
+    pub(super) fn new(index: usize, touch: &Touch) -> Self {
         Self {
-            place,
-            held_by: Some((touch.side, touch.finger)),
+            index,
+            holder: Some((touch.side, touch.finger)),
             pressed_at: touch.position,
-            throw: Vec2::ZERO,
+            deflection: Vec2::ZERO,
             axes: Vec2::ZERO,
-            pressed: [false; PARTS],
-            moved_by: touch.time,
-            owed: Vec2::ZERO,
+            pressed: [false; PART_COUNT],
+            moved_until: touch.time,
+            remainder: Vec2::ZERO,
         }
     }
 
-    /// The fingertip of a touch takes it, before it was told that it is back in the middle.
+    /// Makes the touching fingertip hold a stick whose return to the center is not emitted yet.
     pub(super) fn grab(&mut self, touch: &Touch) {
         *self = Self {
             axes: self.axes,
-            ..Self::new(self.place, touch)
+            ..Self::new(self.index, touch)
         };
     }
 
     pub(super) fn is_held(&self) -> bool {
-        self.held_by.is_some()
+        self.holder.is_some()
     }
 
-    pub(super) fn is_of(&self, touch: &Touch) -> bool {
-        self.held_by == Some((touch.side, touch.finger))
+    pub(super) fn is_held_by(&self, touch: &Touch) -> bool {
+        self.holder == Some((touch.side, touch.finger))
     }
 
-    pub(super) fn is_of_hand(&self, hand: Side) -> bool {
-        self.held_by.is_some_and(|(side, _)| side == hand)
+    pub(super) fn is_held_by_hand(&self, hand: Side) -> bool {
+        self.holder.is_some_and(|(side, _)| side == hand)
     }
 
-    /// The fingertip that holds it is somewhere else.
-    pub(super) fn push(&mut self, joystick: &Joystick, touch: &Touch, out: &mut DeviceOutput) {
-        let throw = (touch.position - self.pressed_at) / joystick.max_deflection;
-        if !throw.is_finite() {
+    /// Follows the fingertip that holds it: presses and releases the keys of its parts.
+    pub(super) fn deflect(&mut self, joystick: &Joystick, touch: &Touch, out: &mut DeviceOutput) {
+        let deflection = (touch.position - self.pressed_at) / joystick.max_deflection;
+        if !deflection.is_finite() {
             return;
         }
-        self.throw = throw.clamp_length_max(1.0);
-        let Vec2 { x, y } = self.throw;
-        let shares = [y, -y, -x, x, touch.depth];
-        self.let_go_of_parts(joystick, &shares, touch.time, out);
-        for (part, &share) in shares.iter().enumerate() {
+        self.deflection = deflection.clamp_length_max(1.0);
+        let Vec2 { x, y } = self.deflection;
+        let fractions = [y, -y, -x, x, touch.depth];
+        self.release_parts(joystick, &fractions, touch.time, out);
+        for (part, &fraction) in fractions.iter().enumerate() {
             let Some(action) = joystick.action(part) else {
                 continue;
             };
-            if !self.pressed[part] && share >= LEVELS[part].0 {
-                let owner = PressSource::Part(joystick.target, part as u8);
-                self.pressed[part] = out.press(owner, action, touch.time);
+            if !self.pressed[part] && fraction >= THRESHOLDS[part].press {
+                let source = PressSource::Part(joystick.target, part as u8);
+                self.pressed[part] = out.press(source, action, touch.time);
             }
         }
     }
 
-    /// Releases go first: a stick that goes over from one side to the other never presses both.
-    fn let_go_of_parts(
+    /// Releases the parts below their threshold. Runs before presses: a stick that flips from one side to
+    /// the other never presses both.
+    fn release_parts(
         &mut self,
         joystick: &Joystick,
-        shares: &[f32; PARTS],
+        fractions: &[f32; PART_COUNT],
         time: Timestamp,
         out: &mut DeviceOutput,
     ) {
-        for (part, &share) in shares.iter().enumerate() {
-            if self.pressed[part] && share < LEVELS[part].1 {
+        for (part, &fraction) in fractions.iter().enumerate() {
+            if self.pressed[part] && fraction < THRESHOLDS[part].release {
                 out.release(PressSource::Part(joystick.target, part as u8), time);
                 self.pressed[part] = false;
             }
         }
     }
 
-    /// It is let go of, or its fingertip is lost.
-    pub(super) fn let_go(&mut self, joystick: &Joystick, touch: &Touch, out: &mut DeviceOutput) {
-        for part in (0..PARTS).filter(|&part| self.pressed[part]) {
-            let owner = PressSource::Part(joystick.target, part as u8);
+    /// Ends the grip of the fingertip: releases all parts and centers the axes.
+    pub(super) fn release(&mut self, joystick: &Joystick, touch: &Touch, out: &mut DeviceOutput) {
+        for part in (0..PART_COUNT).filter(|&part| self.pressed[part]) {
+            let source = PressSource::Part(joystick.target, part as u8);
             match touch.phase {
-                Phase::Released | Phase::Left => out.release(owner, touch.time),
-                _ => out.cancel(owner, touch.time),
+                Phase::Released | Phase::Left => out.release(source, touch.time),
+                _ => out.cancel(source, touch.time),
             }
         }
-        self.forget();
-        self.stand(joystick, touch.time, out);
+        self.reset();
+        self.emit_axes(joystick, touch.time, out);
     }
 
-    /// Nobody holds it any more, and what it pressed is let go of.
-    pub(super) fn forget(&mut self) {
-        self.held_by = None;
-        self.throw = Vec2::ZERO;
-        self.pressed = [false; PARTS];
+    /// Forgets holder, deflection and presses, without emitting anything.
+    pub(super) fn reset(&mut self) {
+        self.holder = None;
+        self.deflection = Vec2::ZERO;
+        self.pressed = [false; PART_COUNT];
     }
 
-    /// Brings the axes to where it is pushed; whether they are at 0.
-    pub(super) fn stand(
+    /// Emits the axes that have changed; returns whether both are at 0.
+    pub(super) fn emit_axes(
         &mut self,
         joystick: &Joystick,
         time: Timestamp,
@@ -145,32 +158,32 @@ impl Stick {
         let Some(axes) = joystick.axes else {
             return true;
         };
-        let places = joystick.response(self.throw);
-        for (side, axis) in axes.into_iter().enumerate() {
-            let place = places[side];
-            if place != self.axes[side] && out.emit(time, EventKind::Axis(axis, place)) {
-                self.axes[side] = place;
+        let response = joystick.response(self.deflection);
+        for (component, axis) in axes.into_iter().enumerate() {
+            let value = response[component];
+            if value != self.axes[component] && out.emit(time, EventKind::Axis(axis, value)) {
+                self.axes[component] = value;
             }
         }
         self.axes == Vec2::ZERO
     }
 
-    /// Moves the pointer for the time since it did so last.
+    /// Moves the pointer for the time since the last call.
     pub(super) fn move_pointer(
         &mut self,
         joystick: &Joystick,
         time: Timestamp,
         out: &mut DeviceOutput,
     ) {
-        let passed = time.since(self.moved_by).min(LONGEST_FRAME);
-        self.moved_by = time;
-        let speed = joystick.response(self.throw) * joystick.pointer_speed_px_s;
-        let way = self.owed + speed * passed.as_secs_f32();
-        let whole = way.round();
-        self.owed = way - whole;
-        let (right, up) = (whole.x as i32, whole.y as i32);
+        let elapsed = time.since(self.moved_until).min(MAX_GAP);
+        self.moved_until = time;
+        let velocity = joystick.response(self.deflection) * joystick.pointer_speed_px_s;
+        let motion = self.remainder + velocity * elapsed.as_secs_f32();
+        let pixels = motion.round();
+        self.remainder = motion - pixels;
+        let (right, up) = (pixels.x as i32, pixels.y as i32);
         if (right, up) != (0, 0) {
-            // Pixels that find no room are lost: the stick goes on moving.
+            // Motion that does not fit into the event list is dropped: the pointer keeps moving anyway.
             out.emit(time, EventKind::MoveBy(right, -up));
         }
     }

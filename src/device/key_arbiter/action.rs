@@ -1,28 +1,29 @@
-//! What a press does.
+//! The actions of key presses.
 
-use crate::device::{Capability, KeyCode, KeyKind, Request};
+use crate::device::Request;
+use crate::device::{Capability, KeyCode, KeyKind};
 
-/// What pressing a key does, or switching on anything else that can be on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The action of a key, or of any other control that can be pressed or on.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KeyAction {
-    /// Holds a key or button down as long as it is pressed; the receiver repeats.
+    /// Holds a key or button down while it is pressed. The receiver repeats it.
     Key(KeyCode),
     /// Holds a modifier key down.
     Modifier(KeyCode, Latch),
-    /// Switches to another layer: its place, 0 for the base layer.
+    /// Activates a layer by its index, 0 for the base layer.
     Layer(usize, Latch),
-    /// Writes a text, once.
+    /// Types a text, once.
     Text(TextId),
-    /// Asks something of the engine, once.
+    /// Sends a command to the session, once.
     Ask(Request),
-    /// Holds the pointer still, so that the hand can go back without it.
+    /// Holds the pointer still, so that the hand can move back.
     Clutch,
-    /// Makes the pointer slow.
+    /// Slows the pointer down.
     Precision,
 }
 
 impl KeyAction {
-    /// What an output must be able to carry for it; `None` for what stays within the engine.
+    /// Returns the capability that an output needs for it; `None` if it emits no event.
     pub const fn required_capability(self) -> Option<Capability> {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => Some(Capability::Key(code)),
@@ -31,7 +32,7 @@ impl KeyAction {
         }
     }
 
-    /// Whether it presses a key, not just a button, or writes characters.
+    /// Whether it presses a key, not only a button, or types a text.
     pub const fn is_typing(self) -> bool {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => matches!(code.kind(), KeyKind::Keyboard),
@@ -41,19 +42,19 @@ impl KeyAction {
     }
 }
 
-/// The place of a text in the list of its [`Switchboard`](super::Switchboard).
+/// The index of a text in the list of the [`KeyArbiter`](super::KeyArbiter).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TextId(pub u16);
 
-/// How long a modifier or layer stays in force.
+/// How long a modifier or layer stays active.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Latch {
-    /// As long as its key is pressed.
+    /// While its key is pressed.
     Momentary,
-    /// A tap puts it in force for the next key only, a second tap takes that back; held while
-    /// another key is pressed it is as `Held`.
+    /// After a tap, for the next key only; a second tap cancels it. Momentary if another key is pressed
+    /// meanwhile.
     OneShot,
-    /// In force while it is pressed, and after a tap until the next tap; held while another key is
-    /// pressed it is as `Held`. Of several locked layers the last counts.
+    /// While its key is pressed, and after a tap until the next tap. Momentary if another key is pressed
+    /// meanwhile. Of several locked layers the last one is active.
     Lock,
 }

@@ -1,22 +1,22 @@
-//! Modifiers and layers that a tap puts in force until the next tap.
+//! Modifiers and layers that a tap locks until the next tap.
 
 use arrayvec::ArrayVec;
 
-use super::{KeyAction, Latch, MODIFIERS, Press};
+use super::{KeyAction, Latch, MODIFIER_COUNT, Press};
 use crate::device::KeyCode;
 
-/// What taps of locking keys left in force.
+/// The locked modifiers and the locked layer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Locks {
     /// Modifiers that stay down.
-    pub(super) modifiers: ArrayVec<KeyCode, MODIFIERS>,
-    /// The layer that stays.
+    pub(super) modifiers: ArrayVec<KeyCode, MODIFIER_COUNT>,
+    /// The layer that stays active.
     pub(super) layer: Option<usize>,
 }
 
 impl Locks {
-    /// Unlocks what `action` locked before; whether there was something to unlock.
-    pub(super) fn take_back(&mut self, action: KeyAction) -> bool {
+    /// Unlocks what `action` has locked; returns whether it was locked.
+    pub(super) fn deactivate(&mut self, action: KeyAction) -> bool {
         match action {
             KeyAction::Modifier(code, Latch::Lock) => {
                 let before = self.modifiers.len();
@@ -31,14 +31,14 @@ impl Locks {
         }
     }
 
-    /// Takes note that a press has ended.
-    pub(super) fn end_of(&mut self, press: &Press, is_tap: bool) {
-        if !is_tap || !press.arms || press.is_used {
+    /// Handles the end of a press.
+    pub(super) fn end_press(&mut self, press: &Press, is_tap: bool) {
+        if !is_tap || !press.latches || press.is_used {
             return;
         }
         match press.action {
             KeyAction::Modifier(code, Latch::Lock) if !self.modifiers.contains(&code) => {
-                // A ninth modifier does not exist; if it did, its tap would be lost.
+                // There are no more modifiers than fit.
                 let _ = self.modifiers.try_push(code);
             }
             KeyAction::Layer(layer, Latch::Lock) => self.layer = Some(layer),

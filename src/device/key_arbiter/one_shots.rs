@@ -1,26 +1,26 @@
-//! Modifiers and layers that a tap puts in force for one key.
+//! Modifiers and layers that a tap activates for the next key.
 
 use arrayvec::ArrayVec;
 
-use super::{KeyAction, Latch, MODIFIERS, Press, PressSource};
+use super::{KeyAction, Latch, MODIFIER_COUNT, Press, PressSource};
 use crate::device::KeyCode;
 
-/// What taps of one-shot keys left behind.
+/// The one-shot modifiers and the one-shot layer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OneShots {
-    /// Modifiers that wait for the next key.
-    armed: ArrayVec<KeyCode, MODIFIERS>,
-    /// The layer that waits for the next key.
+    /// Modifiers armed for the next key.
+    armed: ArrayVec<KeyCode, MODIFIER_COUNT>,
+    /// The layer armed for the next key.
     pub(super) layer: Option<usize>,
     /// Modifiers that are down for one key press.
-    pub(super) in_force: ArrayVec<KeyCode, MODIFIERS>,
-    /// That key press.
-    for_press: Option<PressSource>,
+    pub(super) active: ArrayVec<KeyCode, MODIFIER_COUNT>,
+    /// The source of that key press.
+    active_for: Option<PressSource>,
 }
 
 impl OneShots {
-    /// Disarms what `action` armed before; whether there was something to disarm.
-    pub(super) fn take_back(&mut self, action: KeyAction) -> bool {
+    /// Disarms what `action` has armed; returns whether it was armed.
+    pub(super) fn deactivate(&mut self, action: KeyAction) -> bool {
         match action {
             KeyAction::Modifier(code, Latch::OneShot) => {
                 let before = self.armed.len();
@@ -35,25 +35,25 @@ impl OneShots {
         }
     }
 
-    /// Puts what is armed in force for one key press, instead of what was in force before.
-    pub(super) fn pass_to(&mut self, press: PressSource) {
-        self.in_force = std::mem::take(&mut self.armed);
-        self.for_press = Some(press);
+    /// Makes the armed modifiers active for one key press, instead of those active before.
+    pub(super) fn apply_to(&mut self, source: PressSource) {
+        self.active = std::mem::take(&mut self.armed);
+        self.active_for = Some(source);
         self.layer = None;
     }
 
-    /// Takes note that a press has ended.
-    pub(super) fn end_of(&mut self, press: &Press, is_tap: bool) {
-        if self.for_press == Some(press.owner) {
-            self.in_force.clear();
-            self.for_press = None;
+    /// Handles the end of a press.
+    pub(super) fn end_press(&mut self, press: &Press, is_tap: bool) {
+        if self.active_for == Some(press.source) {
+            self.active.clear();
+            self.active_for = None;
         }
-        if !is_tap || !press.arms || press.is_used {
+        if !is_tap || !press.latches || press.is_used {
             return;
         }
         match press.action {
             KeyAction::Modifier(code, Latch::OneShot) if !self.armed.contains(&code) => {
-                // A ninth modifier does not exist; if it did, its tap would be lost.
+                // There are no more modifiers than fit.
                 let _ = self.armed.try_push(code);
             }
             KeyAction::Layer(layer, Latch::OneShot) => self.layer = Some(layer),

@@ -1,54 +1,53 @@
-//! What the keys of a keyboard do.
+//! Key bindings: the actions of keys and when they fire.
 
 use std::time::Duration;
 
 use crate::contact::TargetId;
 use crate::device::KeyAction;
 
-/// What one key of a layout does.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// The binding of one key.
+#[derive(Clone, Debug, PartialEq)]
 pub struct KeyBinding {
-    /// The target that stands for the key.
+    /// The target of the key.
     pub target: TargetId,
-    /// What pressing it does in each layer, base layer first. `None`, or a list that ends before
-    /// the layer, does what the base layer says.
+    /// The action in each layer, base layer first. In a layer that is `None` or beyond the end of the list,
+    /// the action of the base layer applies.
     pub actions: Vec<Option<KeyAction>>,
-    /// Whether the depth of the press goes out too.
+    /// Whether the depth of the press is emitted as well.
     pub reports_depth: bool,
-    /// When what it does takes effect.
+    /// When the action fires.
     pub activation: Activation,
-    /// For how long after it came up it does not press again, by the times of the touches; a press
-    /// that comes sooner is no press at all. Zero lets every press through.
+    /// Time after a release during which presses are ignored, by the times of the touches. Zero accepts
+    /// every press.
     pub debounce: Duration,
 }
 
-/// When a key does what its actions say.
+/// When a key fires its action.
 ///
-/// Kinds other than `Press` are for actions that are [`KeyAction::Key`]; the others are in force
-/// from the press whatever stands here, except for `Dwell`. The action is settled at the press, and nothing of it goes
-/// out before it fires. A press that is cancelled before that does nothing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// [`OnRelease`](Self::OnRelease) and [`TapHold`](Self::TapHold) apply to [`KeyAction::Key`], texts and
+/// commands; other actions are active from the press on. The action is chosen at the press, and emits
+/// nothing before it fires. A press that is cancelled before that has no effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Activation {
-    /// From the press on, as long as it is pressed.
+    /// At the press; held until the release.
     OnPress,
-    /// When it is let go of: the code goes down and up at once.
+    /// At the release, as a tap.
     OnRelease,
-    /// By how long it is pressed.
+    /// At the release as a tap, or after a time as a hold.
     TapHold(TapHold),
-    /// When a fingertip has been on it for so long, however deep, once each time that it comes: the
-    /// action is that of the layer in force then, and is tapped. Pressing does nothing.
+    /// When a fingertip has touched the key for this time, at any depth, once per contact: the action of the
+    /// layer active at that moment is tapped. Presses have no effect.
     Dwell(Duration),
 }
 
-/// What a key does when it is held instead of tapped.
+/// The hold of a tap-hold key.
 ///
-/// Let go of sooner than `after`, the key is tapped: its code goes down and up at once. Once the
-/// time of a frame is `after` past the press, or at once when another key is pressed, `action` is in
-/// force instead, until the key is let go of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A release before `hold_after` taps the action of the binding. When the key has been pressed for
+/// `hold_after`, or as soon as another key is pressed, `hold_action` is held instead, until the release.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TapHold {
-    /// What it does when held; latches count as [`Latch::Held`](crate::device::Latch::Held).
+    /// The action when held; every latch counts as [`Latch::Momentary`](crate::device::Latch::Momentary).
     pub hold_action: KeyAction,
-    /// How long it is pressed before it counts as held.
+    /// The time after which a press is a hold.
     pub hold_after: Duration,
 }

@@ -1,4 +1,4 @@
-//! Keys that do something else when they are pressed together.
+//! Chords: keys with another action when they are pressed together.
 
 use std::time::Duration;
 
@@ -7,68 +7,63 @@ use arrayvec::ArrayVec;
 use super::{KeyAction, Keyboard, PressSource};
 use crate::contact::{Phase, TargetId, Touch};
 use crate::device::DeviceOutput;
-use crate::device::target_index::Places;
+use crate::device::target_index::TargetIndex;
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::time::Timestamp;
 
-/// How many keys can take part in chords.
+/// Maximum number of keys that take part in chords.
 pub const MAX_CHORD_KEYS: usize = KeySet::BITS as usize;
 
-/// What several keys do together, whatever the layer.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// The action of several keys that are pressed together, in every layer.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Chord {
     /// Its keys, each once.
     pub keys: Vec<TargetId>,
-    /// What it does.
+    /// Its action.
     pub action: KeyAction,
 }
 
-/// Keys that take part in chords: bit `i` is the key of number `i`.
+/// A set of chord keys: bit `i` is chord key `i`.
 type KeySet = u64;
 
 /// The chords of a keyboard, and which of their keys are pressed.
 ///
-/// Presses of such keys are gathered until it is known what they are: the window is over, one of them is
-/// let go of, another key is pressed, or no larger chord can come of them. Then the largest chords among
-/// them are pressed, of two as large the first of the list, and what is left acts on its own. A
-/// fingertip that slides off or is lost while they are gathered takes all of them back: what is left
-/// could be a chord that nobody meant.
+/// Presses of chord keys are gathered until the chord is known: the time window ends, one of the keys is
+/// released, another key is pressed, or no larger chord is possible. Then the largest chord among them is
+/// pressed, the first in the list if several are as large, then the largest of the rest; keys that are left
+/// act on their own. If a fingertip slides off or is lost meanwhile, all gathered presses are dropped:
+/// the rest could be an unintended chord.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Chords {
     chords: Vec<(KeySet, KeyAction)>,
-    /// From a target to the number of its key.
-    numbers: Places,
-    within: Duration,
-    /// Keys that wait, in order of pressing; each finger has one at most.
-    gathered: ArrayVec<Gathered, FINGERS_OF_BOTH_HANDS>,
-    /// Chords that are down; each has a finger at least.
-    down: ArrayVec<Down, FINGERS_OF_BOTH_HANDS>,
+    /// From a target to the number of its chord key.
+    chord_keys: TargetIndex,
+    window: Duration,
+    /// Gathered presses, in order; each finger has one at most.
+    gathered: ArrayVec<GatheredPress, FINGERS_OF_BOTH_HANDS>,
+    /// Chords that are pressed; each has at least one finger.
+    pressed: ArrayVec<PressedChord, FINGERS_OF_BOTH_HANDS>,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Gathered {
+struct GatheredPress {
     key: KeySet,
     touch: Touch,
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Down {
-    /// In whose name it is pressed.
-    owner: PressSource,
-    /// Whose release ends it.
+struct PressedChord {
+    /// The source of its press: the first of its fingers.
+    source: PressSource,
+    /// The fingers on its keys; the release of any of them releases the chord.
     fingers: [Option<PressSource>; FINGERS_OF_BOTH_HANDS],
     keys: KeySet,
 }
 
 impl Chords {
-    /// What the chords do.
-    pub(super) fn actions(&self) -> impl Iterator<Item = KeyAction> + '_ {
-        self.chords.iter().map(|&(_, action)| action)
-    }
-
-    /// Chords of keys that are pressed `within` that time. Keys beyond [`MOST_CHORD_KEYS`] take part in
-    /// none, and chords with them are left out.
-    pub(super) fn new(chords: &[Chord], within: Duration) -> Self {
+    /// Creates chords whose keys are pressed within `window`. Keys beyond [`MAX_CHORD_KEYS`] take part in
+    /// none, and chords that contain them are ignored.
+    pub(super) fn new(chords: &[Chord], window: Duration) -> Self {
         let mut keys: Vec<TargetId> = chords.iter().flat_map(|chord| chord.keys.clone()).collect();
         keys.sort_unstable();
         keys.dedup();
@@ -82,105 +77,108 @@ impl Chords {
                 .iter()
                 .filter_map(|chord| Some((set(chord).filter(|&set| set != 0)?, chord.action)))
                 .collect(),
-            numbers: Places::new(keys.iter().copied()),
-            within,
+            chord_keys: TargetIndex::new(keys.iter().copied()),
+            window,
             ..Self::default()
         }
     }
 
-    /// Forgets every finger.
-    pub(super) fn forget(&mut self) {
-        self.gathered.clear();
-        self.down.clear();
+    /// Returns the actions of all chords.
+    pub(super) fn actions(&self) -> impl Iterator<Item = KeyAction> + '_ {
+        self.chords.iter().map(|&(_, action)| action)
     }
 
-    /// Takes back what a finger does in chords.
-    pub(super) fn lift(
+    /// Forgets all presses.
+    pub(super) fn reset(&mut self) {
+        self.gathered.clear();
+        self.pressed.clear();
+    }
+
+    /// Cancels the gathered presses and the chords of a finger.
+    pub(super) fn cancel_finger(
         &mut self,
         is_of_finger: impl Fn(PressSource) -> bool,
         out: &mut DeviceOutput,
     ) {
         let mut gathered = self.gathered.iter();
-        if gathered.any(|other| is_of_finger(PressSource::from_touch(&other.touch))) {
+        if gathered.any(|press| is_of_finger(PressSource::from_touch(&press.touch))) {
             self.gathered.clear();
         }
-        self.down.retain(|chord| {
-            let is_lifted = chord.fingers.into_iter().flatten().any(&is_of_finger);
-            if is_lifted {
-                out.arbiter.cancel(|other| other == chord.owner);
+        self.pressed.retain(|chord| {
+            let is_cancelled = chord.fingers.into_iter().flatten().any(&is_of_finger);
+            if is_cancelled {
+                out.arbiter.cancel(|source| source == chord.source);
             }
-            !is_lifted
+            !is_cancelled
         });
     }
 
-    /// Whether the press of a touch waits, or would if it began now.
-    pub(super) fn is_waiting(&self, touch: &Touch, owner: PressSource) -> bool {
-        let is_down = self.down.iter().any(|chord| chord.has(owner));
-        self.numbers.of(touch.target).is_some() && !is_down
+    /// Whether the press of a touch is gathered, or would be if it began now.
+    pub(super) fn is_or_would_be_gathered(&self, touch: &Touch, source: PressSource) -> bool {
+        let is_pressed = self.pressed.iter().any(|chord| chord.has_finger(source));
+        self.chord_keys.get(touch.target).is_some() && !is_pressed
     }
 
     fn key(&self, target: TargetId) -> Option<KeySet> {
-        Some(1 << self.numbers.of(target)?)
+        Some(1 << self.chord_keys.get(target)?)
     }
 
     fn gathered_keys(&self) -> KeySet {
-        self.gathered.iter().fold(0, |set, other| set | other.key)
+        self.gathered.iter().fold(0, |set, press| set | press.key)
     }
 
-    fn is_gathered(&self, owner: PressSource) -> bool {
+    fn is_gathered(&self, source: PressSource) -> bool {
         self.gathered
             .iter()
-            .any(|other| PressSource::from_touch(&other.touch) == owner)
+            .any(|press| PressSource::from_touch(&press.touch) == source)
     }
 
-    /// When what is gathered is to be pressed; `None` when nothing is.
+    /// Returns the end of the time window, if presses are gathered.
     fn due(&self) -> Option<Timestamp> {
-        Some(self.gathered.first()?.touch.time + self.within)
+        Some(self.gathered.first()?.touch.time + self.window)
     }
 
-    /// Whether a chord may still come that has all that is gathered and more.
+    /// Whether a chord exists that contains all gathered keys and more.
     fn may_grow(&self) -> bool {
         let gathered = self.gathered_keys();
-        let grows = |set: KeySet| set & gathered == gathered && set != gathered;
-        self.chords.iter().any(|&(set, _)| grows(set))
+        let is_larger = |set: KeySet| set & gathered == gathered && set != gathered;
+        self.chords.iter().any(|&(set, _)| is_larger(set))
     }
 
-    /// The largest chord within `keys`, the first of those as large.
-    fn largest_in(&self, keys: KeySet) -> Option<(KeySet, KeyAction)> {
+    /// Returns the largest chord within `keys`; the first in the list if several are as large.
+    fn largest_within(&self, keys: KeySet) -> Option<(KeySet, KeyAction)> {
         let within = self.chords.iter().rev().filter(|(set, _)| set & !keys == 0);
         within.max_by_key(|(set, _)| set.count_ones()).copied()
     }
 }
 
-impl Down {
-    fn has(&self, owner: PressSource) -> bool {
-        self.fingers.contains(&Some(owner))
+impl PressedChord {
+    fn has_finger(&self, source: PressSource) -> bool {
+        self.fingers.contains(&Some(source))
     }
 }
 
 impl Keyboard {
-    /// The same with chords of keys that are pressed `within` that time of the first of them.
-    pub fn with_chords(self, chords: &[Chord], within: Duration) -> Self {
+    /// Adds chords whose keys are pressed within `window` of the first one.
+    pub fn with_chords(self, chords: &[Chord], window: Duration) -> Self {
         Self {
-            chords: Chords::new(chords, within),
+            chords: Chords::new(chords, window),
             ..self
         }
     }
 
-    /// Takes the press of a key that takes part in chords; `false` for other keys. A second finger on
-    /// such a key does nothing.
+    /// Gathers the press of a chord key; returns `false` for other keys. A second finger on a chord key is
+    /// ignored.
     pub(super) fn gather(&mut self, touch: &Touch, out: &mut DeviceOutput) -> bool {
         let Some(key) = self.chords.key(touch.target) else {
             return false;
         };
-        let down = self.chords.down.iter();
-        let taken = down.fold(self.chords.gathered_keys(), |set, chord| set | chord.keys);
-        if taken & key == 0 {
+        let pressed = self.chords.pressed.iter();
+        let occupied = pressed.fold(self.chords.gathered_keys(), |set, chord| set | chord.keys);
+        if occupied & key == 0 {
+            let press = GatheredPress { key, touch: *touch };
             // Each finger has one press at most, so there is room.
-            let _ = self
-                .chords
-                .gathered
-                .try_push(Gathered { key, touch: *touch });
+            let _ = self.chords.gathered.try_push(press);
             if !self.chords.may_grow() {
                 self.press_gathered(touch.time, out);
             }
@@ -188,52 +186,53 @@ impl Keyboard {
         true
     }
 
-    /// Presses what was gathered, if its time is over by `time`.
-    pub(super) fn press_gathered_by(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+    /// Presses the gathered keys if their time window has ended by `time`.
+    pub(super) fn press_gathered_if_due(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         if let Some(due) = self.chords.due().filter(|&due| due <= time) {
             self.press_gathered(due, out);
         }
     }
 
-    /// Presses what was gathered: chords, and keys on their own.
+    /// Presses the gathered keys: as chords, and those that are left on their own.
     pub(super) fn press_gathered(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         let gathered = std::mem::take(&mut self.chords.gathered);
-        let mut left = gathered.iter().fold(0, |set, other| set | other.key);
-        while let Some((keys, action)) = self.chords.largest_in(left) {
+        let mut left = gathered.iter().fold(0, |set, press| set | press.key);
+        while let Some((keys, action)) = self.chords.largest_within(left) {
             left &= !keys;
-            let of_chord = gathered.iter().filter(|other| other.key & keys != 0);
-            self.press_chord(keys, action, of_chord.map(|other| other.touch), time, out);
+            let of_chord = gathered.iter().filter(|press| press.key & keys != 0);
+            self.press_chord(keys, action, of_chord.map(|press| press.touch), time, out);
         }
-        for Gathered { key, touch } in gathered {
+        for GatheredPress { key, touch } in gathered {
             if key & left != 0 {
-                self.press_alone(&touch, time, out);
+                self.press_single(&touch, time, out);
             }
         }
     }
 
-    /// Ends what a finger does in chords, before what it does on its own.
-    pub(super) fn end_in_chords(&mut self, touch: &Touch, out: &mut DeviceOutput) {
-        let owner = PressSource::from_touch(touch);
-        if self.chords.is_gathered(owner) {
+    /// Ends the part of a finger in gathered presses and chords, before its own press ends.
+    pub(super) fn end_chords(&mut self, touch: &Touch, out: &mut DeviceOutput) {
+        let source = PressSource::from_touch(touch);
+        if self.chords.is_gathered(source) {
             match touch.phase {
                 Phase::Cancelled => self.chords.gathered.clear(),
                 _ => self.press_gathered(touch.time, out),
             }
         }
-        let Some(place) = self.chords.down.iter().position(|chord| chord.has(owner)) else {
+        let mut pressed = self.chords.pressed.iter();
+        let Some(index) = pressed.position(|chord| chord.has_finger(source)) else {
             return;
         };
-        let chord = self.chords.down.remove(place);
-        for owner in chord.fingers.into_iter().flatten() {
-            if let PressSource::Touch(.., target) = owner
-                && let Some(place) = self.places.of(target)
+        let chord = self.chords.pressed.remove(index);
+        for source in chord.fingers.into_iter().flatten() {
+            if let PressSource::Touch(.., target) = source
+                && let Some(key) = self.index.get(target)
             {
-                self.bounces.came_up(place, touch.time);
+                self.debouncer.record_release(key, touch.time);
             }
         }
         match touch.phase {
-            Phase::Cancelled => out.arbiter.cancel(|other| other == chord.owner),
-            _ => out.arbiter.release(|other| other == chord.owner),
+            Phase::Cancelled => out.arbiter.cancel(|source| source == chord.source),
+            _ => out.arbiter.release(|source| source == chord.source),
         }
     }
 
@@ -249,14 +248,14 @@ impl Keyboard {
         for (finger, touch) in fingers.iter_mut().zip(touches) {
             *finger = Some(PressSource::from_touch(&touch));
         }
-        let Some(owner) = fingers[0] else {
+        let Some(source) = fingers[0] else {
             return;
         };
-        self.hold_for_another_key(time, out);
-        if out.press(owner, action, time) {
+        self.hold_pending(time, out);
+        if out.press(source, action, time) {
             // Each chord has a finger of its own, so there is room.
-            let _ = self.chords.down.try_push(Down {
-                owner,
+            let _ = self.chords.pressed.try_push(PressedChord {
+                source,
                 fingers,
                 keys,
             });

@@ -1,40 +1,40 @@
-//! Presses that come too soon after the key came up.
+//! Debouncing of keys.
 
 use std::time::Duration;
 
 use crate::time::Timestamp;
 
-/// When each key came up last.
+/// The last release of each key, by the index of its binding.
 #[derive(Clone, Debug)]
-pub(super) struct Bounces {
-    /// By the place of the key's binding.
-    came_up: Vec<Option<Timestamp>>,
+pub(super) struct Debouncer {
+    released_at: Vec<Option<Timestamp>>,
 }
 
-impl Bounces {
-    /// No key of `count` has come up yet.
+impl Debouncer {
+    /// Creates a debouncer for `count` keys, none released yet.
     pub(super) fn new(count: usize) -> Self {
         Self {
-            came_up: vec![None; count],
+            released_at: vec![None; count],
         }
     }
 
-    /// Takes note that a press of a key has ended.
-    pub(super) fn came_up(&mut self, place: usize, time: Timestamp) {
-        if let Some(came_up) = self.came_up.get_mut(place) {
-            *came_up = Some(time);
+    /// Records the release of a key.
+    pub(super) fn record_release(&mut self, index: usize, time: Timestamp) {
+        if let Some(released_at) = self.released_at.get_mut(index) {
+            *released_at = Some(time);
         }
     }
 
-    /// Whether a press comes sooner than `delay` after the key came up. One that began before that
-    /// is another finger's.
-    pub(super) fn is_bounce(&self, place: usize, time: Timestamp, delay: Duration) -> bool {
-        let came_up = self.came_up.get(place).copied().flatten();
-        came_up.is_some_and(|came_up| time >= came_up && time.since(came_up) < delay)
+    /// Whether a press follows the release of its key within `debounce`. A press before the release is that
+    /// of another finger and does not bounce.
+    pub(super) fn is_bounce(&self, index: usize, time: Timestamp, debounce: Duration) -> bool {
+        let released_at = self.released_at.get(index).copied().flatten();
+        released_at
+            .is_some_and(|released_at| time >= released_at && time.since(released_at) < debounce)
     }
 
-    /// Forgets every key.
-    pub(super) fn forget(&mut self) {
-        self.came_up.fill(None);
+    /// Forgets all releases.
+    pub(super) fn reset(&mut self) {
+        self.released_at.fill(None);
     }
 }

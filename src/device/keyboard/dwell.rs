@@ -7,77 +7,71 @@ use crate::time::Timestamp;
 
 /// A fingertip that rests on a key and has not fired it yet.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Dwell {
-    owner: PressSource,
-    /// The place of the key's binding.
-    place: usize,
+pub(super) struct PendingDwell {
+    source: PressSource,
+    /// The index of the key's binding.
+    key: usize,
     due: Timestamp,
 }
 
 impl Keyboard {
-    /// Takes note of fingertips that come to rest on keys or leave them. One that leaves late enough has
-    /// rested long enough; one that slides off or is lost has not.
-    pub(super) fn take_dwells(&mut self, touches: &[Touch], out: &mut DeviceOutput) {
+    /// Starts and ends dwells. A fingertip that leaves a key after its dwell time fires it; one that slides
+    /// off or is lost does not.
+    pub(super) fn update_dwells(&mut self, touches: &[Touch], out: &mut DeviceOutput) {
         for touch in touches {
-            let owner = PressSource::from_touch(touch);
+            let source = PressSource::from_touch(touch);
             match touch.phase {
-                Phase::Touched => self.begin_dwell(touch, owner),
+                Phase::Touched => self.begin_dwell(touch, source),
                 Phase::Left | Phase::Cancelled => {
                     if touch.phase == Phase::Left {
-                        self.dwell_where(touch.time, |dwell| dwell.owner == owner, out);
+                        self.fire_dwells_where(touch.time, |dwell| dwell.source == source, out);
                     }
-                    self.dwells.retain(|dwell| dwell.owner != owner);
+                    self.dwells.retain(|dwell| dwell.source != source);
                 }
                 _ => {}
             }
         }
     }
 
-    /// Fires what has been rested on long enough by `time`.
-    pub(super) fn dwell_by(&mut self, time: Timestamp, out: &mut DeviceOutput) {
-        self.dwell_where(time, |_| true, out);
+    /// Fires the dwells that are due by `time`.
+    pub(super) fn fire_due_dwells(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+        self.fire_dwells_where(time, |_| true, out);
     }
 
-    fn begin_dwell(&mut self, touch: &Touch, owner: PressSource) {
-        let Some(place) = self.places.of(touch.target) else {
+    fn begin_dwell(&mut self, touch: &Touch, source: PressSource) {
+        let Some(key) = self.index.get(touch.target) else {
             return;
         };
-        if let KeyBinding {
-            activation: Activation::Dwell(after),
-            ..
-        } = self.bindings[place]
-        {
+        if let Activation::Dwell(dwell_time) = self.bindings[key].activation {
             // Each finger is on one target at most, so there is room.
-            let _ = self.dwells.try_push(Dwell {
-                owner,
-                place,
-                due: touch.time + after,
+            let _ = self.dwells.try_push(PendingDwell {
+                source,
+                key,
+                due: touch.time + dwell_time,
             });
         }
     }
 
-    fn dwell_where(
+    fn fire_dwells_where(
         &mut self,
         time: Timestamp,
-        is_meant: impl Fn(&Dwell) -> bool,
+        matches: impl Fn(&PendingDwell) -> bool,
         out: &mut DeviceOutput,
     ) {
-        let is_due = |dwell: &Dwell| dwell.due <= time && is_meant(dwell);
-        while let Some(at) = self.dwells.iter().position(is_due) {
-            let Dwell { owner, place, due } = self.dwells.remove(at);
+        let is_due = |dwell: &PendingDwell| dwell.due <= time && matches(dwell);
+        while let Some(index) = self.dwells.iter().position(is_due) {
+            let PendingDwell { source, key, due } = self.dwells.remove(index);
             let KeyBinding {
-                target,
-                debounce: repress,
-                ..
-            } = self.bindings[place];
-            if self.bounces.is_bounce(place, due, repress) {
+                target, debounce, ..
+            } = self.bindings[key];
+            if self.debouncer.is_bounce(key, due, debounce) {
                 continue;
             }
             self.press_gathered(due, out);
-            self.hold_for_another_key(due, out);
+            self.hold_pending(due, out);
             if let Some(action) = self.action(target, out.arbiter.active_layer()) {
-                out.tap(owner, action, due);
-                self.bounces.came_up(place, due);
+                out.tap(source, action, due);
+                self.debouncer.record_release(key, due);
             }
         }
     }

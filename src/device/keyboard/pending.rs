@@ -1,57 +1,58 @@
-//! Presses that do nothing until it is known what they are: a tap, a hold, or nothing.
+//! Presses that are pending: not yet known to be a tap, a hold, or nothing.
 
 use super::{Activation, KeyAction, Keyboard, PressSource, TapHold};
 use crate::contact::Touch;
 use crate::device::{DeviceOutput, Latch};
 use crate::time::Timestamp;
 
-/// A press that waits.
+/// A press that has not fired yet.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Waiting {
-    pub(super) owner: PressSource,
-    /// What it does when it is let go of in time.
+pub(super) struct PendingPress {
+    pub(super) source: PressSource,
+    /// The action of a tap.
     tap: KeyAction,
-    /// When it becomes a hold, and of what.
+    /// The time at which it becomes a hold, and the action then.
     hold: Option<(Timestamp, KeyAction)>,
 }
 
-impl Waiting {
-    /// What a press at `time` waits for; `None` if it is in force at once.
-    pub(super) fn of(
-        owner: PressSource,
+impl PendingPress {
+    /// Returns the pending press at `time`, or `None` if the action is active at once.
+    pub(super) fn new(
+        source: PressSource,
         action: KeyAction,
-        fires: Activation,
+        activation: Activation,
         time: Timestamp,
     ) -> Option<Self> {
-        let hold = match (action, fires) {
-            (action, _) if acts_while_pressed(action) => return None,
+        let hold = match (action, activation) {
+            (action, _) if is_active_while_pressed(action) => return None,
             (_, Activation::OnPress | Activation::Dwell(_)) => return None,
             (_, Activation::OnRelease) => None,
             (
                 _,
                 Activation::TapHold(TapHold {
-                    hold_action: action,
-                    hold_after: after,
+                    hold_action,
+                    hold_after,
                 }),
-            ) => Some((time + after, while_pressed(action))),
+            ) => Some((time + hold_after, momentary(hold_action))),
         };
         Some(Self {
-            owner,
+            source,
             tap: action,
             hold,
         })
     }
 }
 
-/// Whether there is nothing to wait for: it means something only as long as it is pressed.
-fn acts_while_pressed(action: KeyAction) -> bool {
+/// Whether an action only has an effect while it is pressed, so that it cannot be pending.
+fn is_active_while_pressed(action: KeyAction) -> bool {
     !matches!(
         action,
         KeyAction::Key(_) | KeyAction::Text(_) | KeyAction::Ask(_)
     )
 }
 
-fn while_pressed(action: KeyAction) -> KeyAction {
+/// Returns the action with its latch, if any, set to [`Latch::Momentary`].
+fn momentary(action: KeyAction) -> KeyAction {
     match action {
         KeyAction::Modifier(code, _) => KeyAction::Modifier(code, Latch::Momentary),
         KeyAction::Layer(layer, _) => KeyAction::Layer(layer, Latch::Momentary),
@@ -60,70 +61,75 @@ fn while_pressed(action: KeyAction) -> KeyAction {
 }
 
 impl Keyboard {
-    /// Whether a press of this owner waits.
-    pub(super) fn is_pending(&self, owner: PressSource) -> bool {
-        self.waiting.iter().any(|press| press.owner == owner)
+    /// Whether a press from this source is pending.
+    pub(super) fn is_pending(&self, source: PressSource) -> bool {
+        self.pending.iter().any(|press| press.source == source)
     }
 
-    /// Whether the press of a touch waits, or would if it began now.
-    pub(super) fn is_waiting(&self, touch: &Touch, out: &DeviceOutput) -> bool {
-        let owner = PressSource::from_touch(touch);
+    /// Whether the press of a touch is pending, or would be if it began now.
+    pub(super) fn is_or_would_be_pending(&self, touch: &Touch, out: &DeviceOutput) -> bool {
+        let source = PressSource::from_touch(touch);
         let binding = self.binding(touch.target);
-        let would_wait = binding.is_some_and(|binding| binding.activation != Activation::OnPress)
-            || self.chords.is_waiting(touch, owner);
-        self.is_pending(owner) || would_wait && !out.arbiter.has_press_from(owner)
+        let would_be = binding.is_some_and(|it| it.activation != Activation::OnPress)
+            || self.chords.is_or_would_be_gathered(touch, source);
+        self.is_pending(source) || would_be && !out.arbiter.has_press_from(source)
     }
 
-    /// Holds what has been pressed long enough by `time`.
-    pub(super) fn hold_by(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+    /// Turns the pending presses that are due by `time` into holds.
+    pub(super) fn hold_due(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.hold_where(|due| (due <= time).then_some(due), out);
     }
 
-    /// Another key is pressed at `time`: what can be held is held from now on.
-    pub(super) fn hold_for_another_key(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+    /// Turns all pending tap-hold presses into holds because another key is pressed at `time`.
+    pub(super) fn hold_pending(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         self.hold_where(|due| Some(due.min(time)), out);
     }
 
-    /// Holds each press at the time that `when` gives for the time that it is due.
+    /// Turns each pending press into a hold for whose due time `hold_time` returns a time, at that time.
     fn hold_where(
         &mut self,
-        when: impl Fn(Timestamp) -> Option<Timestamp>,
+        hold_time: impl Fn(Timestamp) -> Option<Timestamp>,
         out: &mut DeviceOutput,
     ) {
-        let mut place = 0;
-        while let Some(press) = self.waiting.get(place) {
-            let due = press
+        let mut index = 0;
+        while let Some(press) = self.pending.get(index) {
+            let hold = press
                 .hold
-                .and_then(|(due, action)| Some((when(due)?, action)));
-            let is_decided =
-                due.is_some_and(|(time, action)| self.decide(place, action, time, out));
-            place += usize::from(!is_decided);
+                .and_then(|(due, action)| Some((hold_time(due)?, action)));
+            let is_fired = hold.is_some_and(|(time, action)| self.fire(index, action, time, out));
+            index += usize::from(!is_fired);
         }
     }
 
-    /// Fires the press of a finger that lets go at `time`, if it waits: a tap, or a hold that was
-    /// due since the frame before.
-    pub(super) fn fire(&mut self, owner: PressSource, time: Timestamp, out: &mut DeviceOutput) {
-        let Some(place) = self.waiting.iter().position(|press| press.owner == owner) else {
+    /// Fires the pending press of a source that is released at `time`: as a tap, or as a hold that was due
+    /// since the last step.
+    pub(super) fn fire_on_release(
+        &mut self,
+        source: PressSource,
+        time: Timestamp,
+        out: &mut DeviceOutput,
+    ) {
+        let Some(index) = self.pending.iter().position(|it| it.source == source) else {
             return;
         };
-        match self.waiting[place].hold {
-            Some((due, action)) if due <= time => self.decide(place, action, due, out),
-            _ => self.decide(place, self.waiting[place].tap, time, out),
+        match self.pending[index].hold {
+            Some((due, action)) if due <= time => self.fire(index, action, due, out),
+            _ => self.fire(index, self.pending[index].tap, time, out),
         };
     }
 
-    /// Puts an action in force for a press that waits. Without room it waits on, and `false` comes back.
-    fn decide(
+    /// Presses the action of a pending press. If it does not fit into the event list, the press stays
+    /// pending and the result is `false`.
+    fn fire(
         &mut self,
-        place: usize,
+        index: usize,
         action: KeyAction,
         time: Timestamp,
         out: &mut DeviceOutput,
     ) -> bool {
-        let is_pressed = out.press(self.waiting[place].owner, action, time);
+        let is_pressed = out.press(self.pending[index].source, action, time);
         if is_pressed {
-            self.waiting.remove(place);
+            self.pending.remove(index);
         }
         is_pressed
     }

@@ -8,115 +8,116 @@ use parry3d::math::{Rotation, Vec3};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::contact::sweep::is_inside;
-use crate::device::target_index::Places;
+use crate::device::target_index::TargetIndex;
 use crate::hand::{Finger, Joint};
 use crate::kinematics::HandPose;
 
-/// Thumb and index fingertip are closed when their middles are nearer together than this, in metres; the
-/// figures of Ultraleap's interaction engine.
-const CLOSED: f32 = 0.025;
-/// They are open when they are further apart than this.
-const OPEN: f32 = 0.030;
-/// How far in front of a knob or behind it they may close, in metres.
-const HEIGHT: f32 = 0.04;
+/// Thumb and index finger are closed when their fingertip centers are closer together than this, in metres.
+/// Value of the Ultraleap Interaction Engine.
+const CLOSED_BELOW: f32 = 0.025;
+/// They are open when the centers are further apart than this, in metres.
+const OPEN_ABOVE: f32 = 0.030;
+/// Maximum distance from the front of a knob, before it or behind it, at which they may close, in metres.
+const MAX_HEIGHT: f32 = 0.04;
 
-/// What thumb and index finger of one hand do.
+/// The pinch of one hand.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) enum Pinch {
-    /// They are apart.
+pub(super) enum PinchState {
+    /// The fingers are apart.
     Open,
-    /// They closed, or may have, where there is no knob: they have to open first.
+    /// The fingers are closed, or may be, and hold no knob. They have to open first.
     #[default]
     Closed,
-    /// They hold a knob.
-    On(Held),
+    /// The fingers hold a knob.
+    Holding(PinchGrip),
 }
 
-impl Pinch {
-    /// Whether they hold the knob at this place of the list.
-    pub(super) fn is_on(&self, place: usize) -> bool {
-        matches!(self, Self::On(held) if held.place == place)
+impl PinchState {
+    /// Whether the fingers hold the knob with this index.
+    pub(super) fn holds(&self, knob: usize) -> bool {
+        matches!(self, Self::Holding(grip) if grip.knob == knob)
     }
 }
 
 /// A knob between thumb and index finger.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Held {
-    /// The place of the knob in its list.
-    pub(super) place: usize,
-    /// The value without steps.
+pub(super) struct PinchGrip {
+    /// The index of the knob.
+    pub(super) knob: usize,
+    /// The value before quantisation.
     pub(super) value: f32,
-    /// The number of its surface, which spares the search for it.
+    /// The index of the knob's surface in the scene.
     surface: usize,
     target: TargetId,
-    /// How the hand was turned against the target when it took the knob.
+    /// The inverse of the hand's orientation relative to the target at the start of the pinch.
     hand_from_target: Rotation,
-    /// How far it has turned about the normal since then, in radians.
+    /// The rotation about the normal since the start, in radians.
     twist: f32,
 }
 
-/// Where the tips of thumb and index finger are.
-pub(super) struct Tips {
-    middle: Vec3,
-    apart: f32,
+/// The midpoint and the distance of the fingertips of thumb and index finger.
+pub(super) struct PinchTips {
+    midpoint: Vec3,
+    distance: f32,
 }
 
-impl Tips {
+impl PinchTips {
     /// The fingers that pinch.
     pub(super) const FINGERS: [Finger; 2] = [Finger::Thumb, Finger::Index];
 
-    /// `None` where one of them cannot be believed, or the hand may have been anywhere since.
-    pub(super) fn of(pose: &HandPose) -> Option<Self> {
-        let is_doubtful = |&finger: &Finger| pose.untrusted.contains(finger);
-        if pose.jumped || Self::FINGERS.iter().any(is_doubtful) {
+    /// Returns `None` if one of the fingers is unknown or untrusted, or if the hand was re-acquired.
+    pub(super) fn from_pose(pose: &HandPose) -> Option<Self> {
+        let is_untrusted = |&finger: &Finger| pose.untrusted.contains(finger);
+        if pose.jumped || Self::FINGERS.iter().any(is_untrusted) {
             return None;
         }
         let [thumb, index] = Self::FINGERS.map(|finger| pose.fingertip(finger));
         let (thumb, index) = (thumb?, index?);
-        let (middle, apart) = (thumb.midpoint(index), thumb.distance(index));
-        (middle.is_finite() && apart.is_finite()).then_some(Self { middle, apart })
+        let (midpoint, distance) = (thumb.midpoint(index), thumb.distance(index));
+        (midpoint.is_finite() && distance.is_finite()).then_some(Self { midpoint, distance })
     }
 
     pub(super) fn are_open(&self) -> bool {
-        self.apart > OPEN
+        self.distance > OPEN_ABOVE
     }
 
     pub(super) fn are_closed(&self) -> bool {
-        self.apart < CLOSED
+        self.distance < CLOSED_BELOW
     }
 }
 
-/// The knob that the tips close over; its value is not known here, and 0.
+/// Returns the grip on the knob that the fingertips close over, with value 0, if there is one.
 ///
-/// Looks through the fronts less than [`HEIGHT`] from them only, and only when they close. Does not allocate: see
-/// [`first_crossing`](crate::contact::hit_test::first_crossing).
-pub(super) fn knob_under(
-    tips: &Tips,
+/// Tests only the fronts within [`MAX_HEIGHT`] of the midpoint, and only when the fingers close. Does not
+/// allocate: see [`first_crossing`](crate::contact::hit_test::first_crossing).
+pub(super) fn grip_between(
+    tips: &PinchTips,
     pose: &HandPose,
     scene: &Scene,
-    knobs: &Places,
-) -> Option<Held> {
-    for (number, surface) in scene.surfaces().iter().enumerate() {
+    knobs: &TargetIndex,
+) -> Option<PinchGrip> {
+    for (surface_index, surface) in scene.surfaces().iter().enumerate() {
         let Some(world_from_surface) = surface.world_from_surface(pose) else {
             continue;
         };
-        let middle = world_from_surface.inverse_transform_point(tips.middle);
-        let around = Aabb::new(middle - Vec3::splat(HEIGHT), middle + Vec3::splat(HEIGHT));
-        for leaf in surface.front_bvh().intersect_aabb(&around) {
+        let midpoint = world_from_surface.inverse_transform_point(tips.midpoint);
+        let margin = Vec3::splat(MAX_HEIGHT);
+        let aabb = Aabb::new(midpoint - margin, midpoint + margin);
+        for leaf in surface.front_bvh().intersect_aabb(&aabb) {
             let id = surface.target_id(leaf);
-            let (Some(place), Some(target)) = (knobs.of(id), surface.target(id)) else {
+            let (Some(knob), Some(target)) = (knobs.get(id), surface.target(id)) else {
                 continue;
             };
-            let middle = target.surface_from_target.inverse_transform_point(middle);
-            if !is_inside(target.shape, middle.truncate(), 0.0) {
+            let midpoint = target.surface_from_target.inverse_transform_point(midpoint);
+            if !is_inside(target.shape, midpoint.truncate(), 0.0) {
                 continue;
             }
-            return Some(Held {
-                place,
+            return Some(PinchGrip {
+                knob,
                 value: 0.0,
-                surface: number,
+                surface: surface_index,
                 target: id,
-                hand_from_target: target_from_hand(number, id, pose, scene)?.inverse(),
+                hand_from_target: target_from_hand(surface_index, id, pose, scene)?.inverse(),
                 twist: 0.0,
             });
         }
@@ -124,26 +125,27 @@ pub(super) fn knob_under(
     None
 }
 
-impl Held {
-    /// How far the hand has turned about the knob's normal since the last time, in radians,
-    /// counter-clockwise as seen from the front; `None` when that is not known any more.
+impl PinchGrip {
+    /// Returns the rotation of the hand about the knob's normal since the last call, in radians,
+    /// counter-clockwise as seen from the front; `None` if the pose of the hand or of the knob is unknown.
     ///
-    /// The twist of a turn `q` about Z is 2 atan(z/w), whatever its swing is. It is taken of the whole turn
-    /// since the pinch began: those of frame after frame would add up to something when the hand only swings.
-    pub(super) fn turn(&mut self, pose: &HandPose, scene: &Scene) -> Option<f32> {
+    /// The twist of a rotation `q` about Z is 2 atan(z/w), independent of its swing. It is computed from the
+    /// rotation since the start of the pinch: the sum of the twists of single steps drifts when the hand
+    /// swings.
+    pub(super) fn rotation_since_last(&mut self, pose: &HandPose, scene: &Scene) -> Option<f32> {
         let target_from_hand = target_from_hand(self.surface, self.target, pose, scene)?;
-        let turn = target_from_hand * self.hand_from_target;
-        let twist = 2.0 * (turn.z / turn.w).atan();
+        let rotation = target_from_hand * self.hand_from_target;
+        let twist = 2.0 * (rotation.z / rotation.w).atan();
         if !twist.is_finite() {
             return Some(0.0);
         }
-        let since = twist - self.twist;
+        let change = twist - self.twist;
         self.twist = twist;
-        Some(since - TAU * (since / TAU).round())
+        Some(change - TAU * (change / TAU).round())
     }
 }
 
-/// How the hand is turned against a target.
+/// Returns the orientation of the hand relative to a target.
 fn target_from_hand(
     surface: usize,
     target: TargetId,
@@ -154,5 +156,5 @@ fn target_from_hand(
     let surface_from_target = surface.target(target)?.surface_from_target.rotation;
     let world_from_target = surface.world_from_surface(pose)?.rotation * surface_from_target;
     let world_from_hand = pose.get(Joint::Wrist)?.rotation;
-    Some(world_from_target.inverse() * world_from_hand).filter(|turn| turn.is_finite())
+    Some(world_from_target.inverse() * world_from_hand).filter(|rotation| rotation.is_finite())
 }

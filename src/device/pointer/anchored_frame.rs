@@ -1,22 +1,22 @@
-//! A place in space that a hand is seen from.
+//! A frame that moves with the body and keeps its orientation in the world.
 
 use parry3d::math::{Pose, Vec3};
 
 use crate::contact::surface::Anchor;
 use crate::kinematics::HandPose;
 
-/// A frame that goes along with its anchor and keeps the world's directions: +X to its right, +Y up,
-/// +Z towards the wearer, in metres.
+/// A frame that follows the position of its anchor but not its rotation: +X to the right, +Y up, +Z towards
+/// the wearer, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AnchoredFrame {
-    /// What it is fixed to.
+    /// The world or a joint.
     pub anchor: Anchor,
-    /// Where it is as seen from the anchor, in the world's axes.
+    /// The pose relative to the position of the anchor, in the world's axes.
     pub anchor_from_frame: Pose,
 }
 
 impl AnchoredFrame {
-    /// Where it is for this pose of the hand; `None` when its anchor is not known.
+    /// Returns its pose in the world for a pose of the hand; `None` if the position of its anchor is unknown.
     pub fn world_from_frame(&self, pose: &HandPose) -> Option<Pose> {
         let origin = match self.anchor {
             Anchor::World => Vec3::ZERO,
@@ -28,13 +28,13 @@ impl AnchoredFrame {
         ))
     }
 
-    /// A point of the world as seen from it; `None` when that is not known or not finite.
+    /// Converts a point of the world into this frame; `None` if the result is unknown or not finite.
     pub(super) fn to_local(&self, pose: &HandPose, point: Vec3) -> Option<Vec3> {
-        let place = self.world_from_frame(pose)?.inverse_transform_point(point);
-        place.is_finite().then_some(place)
+        let local = self.world_from_frame(pose)?.inverse_transform_point(point);
+        local.is_finite().then_some(local)
     }
 
-    /// The way away from the wearer, in the world.
+    /// Returns the direction away from the wearer, in the world.
     pub(super) fn forward(&self) -> Vec3 {
         self.anchor_from_frame.rotation * Vec3::NEG_Z
     }

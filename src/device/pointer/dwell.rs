@@ -1,4 +1,4 @@
-//! A pointer that rests clicks.
+//! Dwell clicks: a cursor that rests clicks.
 
 use std::time::Duration;
 
@@ -6,43 +6,49 @@ use parry3d::math::Vec2;
 
 use crate::time::Timestamp;
 
-/// A pointer that stays within a circle for a while.
+/// The time and the radius of a dwell click.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DwellSettings {
-    /// For how long.
+    /// The time for which the cursor has to rest.
     pub duration: Duration,
-    /// The radius of the circle, in pixels.
+    /// The radius of the circle that it must not leave, in pixels.
     pub radius_px: f32,
 }
 
-/// Where the pointer rests.
+/// Detects that a cursor rests.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Resting {
-    since: Option<(Vec2, Timestamp)>,
-    /// It has clicked, and has to leave the circle before it does again.
-    is_done: bool,
+pub(super) struct DwellDetector {
+    /// The center of the circle, and the time at which the cursor entered it.
+    circle: Option<(Vec2, Timestamp)>,
+    /// Whether the cursor has to leave the circle before the next click.
+    has_clicked: bool,
 }
 
-impl Resting {
-    /// Whether it has rested for long enough, once.
-    pub(super) fn clicks(&mut self, dwell: DwellSettings, at: Vec2, time: Timestamp) -> bool {
-        let Some((middle, since)) = self.since else {
-            // Where it is first seen it has to be left first: nobody brought it there.
+impl DwellDetector {
+    /// Updates the position of the cursor; returns `true` once it has rested for long enough.
+    pub(super) fn update(
+        &mut self,
+        settings: DwellSettings,
+        position: Vec2,
+        time: Timestamp,
+    ) -> bool {
+        let Some((center, since)) = self.circle else {
+            // The first position does not click: the wearer did not move the cursor there.
             *self = Self {
-                since: Some((at, time)),
-                is_done: true,
+                circle: Some((position, time)),
+                has_clicked: true,
             };
             return false;
         };
-        if at.distance(middle) > dwell.radius_px {
+        if position.distance(center) > settings.radius_px {
             *self = Self {
-                since: Some((at, time)),
-                is_done: false,
+                circle: Some((position, time)),
+                has_clicked: false,
             };
             return false;
         }
-        let clicks = !self.is_done && time.since(since) >= dwell.duration;
-        self.is_done |= clicks;
+        let clicks = !self.has_clicked && time.since(since) >= settings.duration;
+        self.has_clicked |= clicks;
         clicks
     }
 }

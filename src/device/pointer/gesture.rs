@@ -1,43 +1,43 @@
-//! Gestures of one hand: from the first sign of one to its end.
+//! Gestures of one hand and their detection.
 
 use std::time::Duration;
 
-use super::trusted_hand::Sight;
+use super::trusted_hand::TrustedHand;
 use crate::hand::{Dof, Finger};
 use crate::time::Timestamp;
 
-/// How much less bent than where it goes on a joint is when it goes off, and at the first sign, in
-/// radians: 10° and 20°.
-const BEND_OFF: f32 = 0.174_533;
-const BEND_READY: f32 = 0.349_066;
+/// Difference of the off threshold of a flexion from its on threshold, in radians: 10°.
+const FLEXION_OFF: f32 = 0.174_533;
+/// Difference of the near threshold of a flexion from its on threshold, in radians: 20°.
+const FLEXION_NEAR: f32 = 0.349_066;
 
-/// For how long a first sign holds the pointer still: a hand whose fingers rest close together does not
-/// keep it.
-const READY_TIME: Duration = Duration::from_millis(300);
+/// Time for which a near gesture holds the pointer: a hand whose fingers rest close together does not hold
+/// it for longer.
+const NEAR_TIME: Duration = Duration::from_millis(300);
 
-/// Something that a hand does and holds.
+/// A gesture that can be held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gesture {
-    /// The tips of the thumb and this finger meet; not the thumb itself.
+    /// The fingertips of the thumb and of this finger meet; not the thumb itself.
     Pinch(Finger),
-    /// A joint is bent this far, in radians; below 0 it is bent the other way. It goes off 10° before.
+    /// A joint is bent by this angle, in radians; negative for the other direction. Off 10° before.
     Flexion(Dof, f32),
 }
 
-/// How far apart the middles of two fingertips are in a pinch, in metres: `on < off < ready`.
+/// The distances between two fingertip centers in a pinch, in metres: `on < off < near`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PinchGaps {
-    /// A pinch goes on where they are no further apart.
+    /// A pinch switches on at this distance or less.
     pub on: f32,
-    /// It goes off where they are further apart.
+    /// It switches off at more than this distance.
     pub off: f32,
-    /// Its first sign is where they are nearer.
+    /// It is near at less than this distance.
     pub near: f32,
 }
 
 impl Default for PinchGaps {
-    /// 25, 30 and 45 mm: the first two as in Ultraleap's tracking plug-in, the third so far that a closing
-    /// hand (some 200 mm/s) is seen 100 ms ahead.
+    /// 25, 30 and 45 mm. The first two are the values of the Ultraleap tracking plug-in. With the third, a
+    /// hand that closes at 200 mm/s is near 100 ms before it is on.
     fn default() -> Self {
         Self {
             on: 0.025,
@@ -47,123 +47,120 @@ impl Default for PinchGaps {
     }
 }
 
-/// Where a measure that grows with a gesture changes what it means: `ready < off < on`.
+/// Thresholds of a measurement that increases with a gesture: `near < off < on`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Levels {
-    pub(super) ready: f32,
+pub(super) struct Thresholds {
+    pub(super) near: f32,
     pub(super) off: f32,
     pub(super) on: f32,
 }
 
 impl Gesture {
-    /// How much of it there is; `None` when that is not known.
-    pub(super) fn measure(self, sight: &Sight) -> Option<f32> {
+    /// Returns a measurement that increases with the gesture; `None` if it is unknown.
+    pub(super) fn measurement(self, hand: &TrustedHand) -> Option<f32> {
         match self {
             Self::Pinch(finger) => {
-                let gap = sight.tip(Finger::Thumb)?.distance(sight.tip(finger)?);
+                let gap = hand.tip(Finger::Thumb)?.distance(hand.tip(finger)?);
                 Some(-gap)
             }
-            Self::Flexion(dof, at) => Some(sight.angle(dof)? * at.signum()),
+            Self::Flexion(dof, angle) => Some(hand.angle(dof)? * angle.signum()),
         }
     }
 
-    pub(super) fn levels(self, gaps: PinchGaps) -> Levels {
+    pub(super) fn thresholds(self, gaps: PinchGaps) -> Thresholds {
         match self {
-            Self::Pinch(_) => Levels {
-                ready: -gaps.near,
+            Self::Pinch(_) => Thresholds {
+                near: -gaps.near,
                 off: -gaps.off,
                 on: -gaps.on,
             },
-            Self::Flexion(_, at) => Levels {
-                ready: at.abs() - BEND_READY,
-                off: at.abs() - BEND_OFF,
-                on: at.abs(),
+            Self::Flexion(_, angle) => Thresholds {
+                near: angle.abs() - FLEXION_NEAR,
+                off: angle.abs() - FLEXION_OFF,
+                on: angle.abs(),
             },
         }
     }
 }
 
-/// A gesture followed from frame to frame.
+/// Detects the beginning and the end of a gesture.
 ///
-/// It has to be seen off before it goes on: one that is on when the hand appears, after it was lost, or
-/// while another one was in its way counts for nothing.
+/// A gesture has to be seen off before it can begin. One that is on when the hand appears, after a loss, or
+/// while another gesture blocks it, does not count.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Watch(Stage);
+pub(super) struct GestureDetector(State);
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-enum Stage {
-    /// Not seen off.
+enum State {
+    /// Not seen off yet.
     #[default]
-    Unseen,
+    Blocked,
     Off,
-    /// A first sign, or what is left of it, since then.
-    Ready(Timestamp),
-    /// The same for so long that it is none.
+    /// Near since this time: about to begin, or just ended.
+    Near(Timestamp),
+    /// Near for longer than [`NEAR_TIME`].
     Resting,
     On,
 }
 
-/// What became of a gesture in a frame.
+/// The change of a gesture in one step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Change {
     None,
-    Begins,
-    Ends,
-    /// It was on and cannot be seen any more.
-    IsLost,
+    Began,
+    Ended,
+    /// It was on, and its measurement is unknown now.
+    Lost,
 }
 
-impl Watch {
+impl GestureDetector {
     pub(super) fn is_on(&self) -> bool {
-        self.0 == Stage::On
+        self.0 == State::On
     }
 
-    /// Whether it may be about to begin, or has just ended.
-    pub(super) fn is_ready(&self) -> bool {
-        matches!(self.0, Stage::Ready(_))
+    /// Whether the gesture may be about to begin, or has just ended.
+    pub(super) fn is_near(&self) -> bool {
+        matches!(self.0, State::Near(_))
     }
 
-    /// Counts for nothing until it is seen off again; whether it was on.
-    pub(super) fn forget(&mut self) -> bool {
-        std::mem::take(&mut self.0) == Stage::On
+    /// Blocks the gesture until it is seen off; returns whether it was on.
+    pub(super) fn block(&mut self) -> bool {
+        std::mem::take(&mut self.0) == State::On
     }
 
-    pub(super) fn follow(
+    pub(super) fn update(
         &mut self,
-        measure: Option<f32>,
-        levels: Levels,
+        measurement: Option<f32>,
+        thresholds: Thresholds,
         may_begin: bool,
         time: Timestamp,
     ) -> Change {
-        let Some(measure) = measure.filter(|measure| measure.is_finite()) else {
-            return match self.forget() {
-                true => Change::IsLost,
+        let Some(measurement) = measurement.filter(|it| it.is_finite()) else {
+            return match self.block() {
+                true => Change::Lost,
                 false => Change::None,
             };
         };
-        let (is_near, is_on) = (measure > levels.ready, measure >= levels.on);
-        let (stage, change) = match self.0 {
-            Stage::On if measure < levels.off => (near_since(is_near, time), Change::Ends),
-            Stage::On => (Stage::On, Change::None),
-            Stage::Unseen if measure >= levels.off => (Stage::Unseen, Change::None),
-            Stage::Unseen if is_near => (Stage::Resting, Change::None),
-            Stage::Unseen => (Stage::Off, Change::None),
-            _ if is_on && may_begin => (Stage::On, Change::Begins),
-            _ if is_on => (Stage::Unseen, Change::None),
-            Stage::Off | Stage::Ready(_) | Stage::Resting if !is_near => (Stage::Off, Change::None),
-            Stage::Off => (Stage::Ready(time), Change::None),
-            Stage::Ready(since) if time.since(since) > READY_TIME => (Stage::Resting, Change::None),
-            stage => (stage, Change::None),
+        let is_near = measurement > thresholds.near;
+        let is_on = measurement >= thresholds.on;
+        let (state, change) = match self.0 {
+            State::On if measurement < thresholds.off => match is_near {
+                true => (State::Near(time), Change::Ended),
+                false => (State::Off, Change::Ended),
+            },
+            State::On => (State::On, Change::None),
+            State::Blocked if measurement >= thresholds.off => (State::Blocked, Change::None),
+            State::Blocked if is_near => (State::Resting, Change::None),
+            State::Blocked => (State::Off, Change::None),
+            _ if is_on && may_begin => (State::On, Change::Began),
+            _ if is_on => (State::Blocked, Change::None),
+            State::Off | State::Near(_) | State::Resting if !is_near => (State::Off, Change::None),
+            State::Off => (State::Near(time), Change::None),
+            State::Near(since) if time.since(since) > NEAR_TIME => (State::Resting, Change::None),
+            state => (state, Change::None),
         };
-        self.0 = stage;
+        self.0 = state;
         change
-    }
-}
-
-fn near_since(is_near: bool, time: Timestamp) -> Stage {
-    match is_near {
-        true => Stage::Ready(time),
-        false => Stage::Off,
     }
 }
 
@@ -171,54 +168,54 @@ fn near_since(is_near: bool, time: Timestamp) -> Stage {
 mod tests {
     use super::*;
 
-    const LEVELS: Levels = Levels {
-        ready: 1.0,
+    const THRESHOLDS: Thresholds = Thresholds {
+        near: 1.0,
         off: 2.0,
         on: 3.0,
     };
 
-    /// What becomes of it, a character for each measure 100 ms apart: `^` begins, `v` ends, `!` lost; else
-    /// `r` ready, `+` on, `.` neither.
-    fn follow(measures: &[f32], may_begin: bool) -> String {
-        let mut watch = Watch::default();
+    /// Updates a detector with one measurement per 100 ms, negative for unknown. Returns one character for
+    /// each: `^` began, `v` ended, `!` lost, `n` near, `+` on, `.` none of these.
+    fn detect(measurements: &[f32], may_begin: bool) -> String {
+        let mut detector = GestureDetector::default();
         let mut time = Timestamp(0);
-        let mut step = |&measure: &f32| {
+        let mut step = |&measurement: &f32| {
             time = time + Duration::from_millis(100);
-            let measure = (measure >= 0.0).then_some(measure);
-            match watch.follow(measure, LEVELS, may_begin, time) {
-                Change::Begins => '^',
-                Change::Ends => 'v',
-                Change::IsLost => '!',
-                Change::None if watch.is_on() => '+',
-                Change::None if watch.is_ready() => 'r',
+            let measurement = (measurement >= 0.0).then_some(measurement);
+            match detector.update(measurement, THRESHOLDS, may_begin, time) {
+                Change::Began => '^',
+                Change::Ended => 'v',
+                Change::Lost => '!',
+                Change::None if detector.is_on() => '+',
+                Change::None if detector.is_near() => 'n',
                 Change::None => '.',
             }
         };
-        measures.iter().map(&mut step).collect()
+        measurements.iter().map(&mut step).collect()
     }
 
     #[test]
-    fn a_gesture_is_latched_between_two_levels_and_ready_on_both_sides() {
-        let measures = [0.0, 1.5, 2.5, 3.0, 2.5, 2.1, 1.9, 1.5, 0.5];
-        assert_eq!(follow(&measures, true), ".rr^++vr.");
+    fn a_gesture_has_hysteresis_and_is_near_before_and_after() {
+        let measurements = [0.0, 1.5, 2.5, 3.0, 2.5, 2.1, 1.9, 1.5, 0.5];
+        assert_eq!(detect(&measurements, true), ".nn^++vn.");
     }
 
     #[test]
-    fn one_that_is_on_at_first_or_after_it_was_lost_has_to_be_seen_off() {
-        assert_eq!(follow(&[3.0, 3.0, 1.5, 3.0], true), "...^");
-        assert_eq!(follow(&[0.0, 3.0, -1.0, 3.0, 0.0, 3.0], true), ".^!..^");
+    fn a_gesture_that_is_on_at_first_or_after_a_loss_has_to_be_seen_off() {
+        assert_eq!(detect(&[3.0, 3.0, 1.5, 3.0], true), "...^");
+        assert_eq!(detect(&[0.0, 3.0, -1.0, 3.0, 0.0, 3.0], true), ".^!..^");
     }
 
     #[test]
-    fn one_that_another_is_in_the_way_of_has_to_be_seen_off() {
-        assert_eq!(follow(&[0.0, 3.0, 3.0], false), "...");
+    fn a_gesture_that_may_not_begin_has_to_be_seen_off() {
+        assert_eq!(detect(&[0.0, 3.0, 3.0], false), "...");
     }
 
     #[test]
-    fn fingers_that_rest_close_together_are_no_first_sign_for_long() {
+    fn fingers_that_rest_close_together_are_near_for_300_ms() {
         assert_eq!(
-            follow(&[0.0, 1.5, 1.5, 1.5, 1.5, 1.5, 3.0], true),
-            ".rrrr.^"
+            detect(&[0.0, 1.5, 1.5, 1.5, 1.5, 1.5, 3.0], true),
+            ".nnnn.^"
         );
     }
 }

@@ -1,183 +1,187 @@
-//! The gestures of a pointer: one at a time where they could be mistaken for each other.
+//! The gestures of a pointer.
 
 use arrayvec::ArrayVec;
 
-use super::gesture::{Change, Gesture, Watch};
-use super::push::{self, Push};
+use super::gesture::{Change, Gesture, GestureDetector};
+use super::push::{self, PushDetector};
 use super::settings::{ClickMethod, MAX_CLICKS, PointerSettings};
-use super::trusted_hand::Sight;
+use super::trusted_hand::TrustedHand;
 use crate::contact::TargetId;
 use crate::device::{DeviceOutput, KeyAction, PressSource};
 use crate::hand::Finger;
 use crate::time::Timestamp;
 
-/// All clicks, the clutch, precision and the wheel.
-const MOST: usize = MAX_CLICKS + 3;
+/// All clicks, the clutch, precision and scrolling.
+const MAX_GESTURES: usize = MAX_CLICKS + 3;
 
-/// The gestures of a pointer.
+/// The gestures of a pointer. At most one pinch is on at a time: that of the finger nearest to the thumb.
 #[derive(Clone, Debug)]
-pub(super) struct Gestures(ArrayVec<Watched, MOST>);
+pub(super) struct GestureSet(ArrayVec<AssignedGesture, MAX_GESTURES>);
 
 #[derive(Clone, Copy, Debug)]
-struct Watched {
+struct AssignedGesture {
     role: Role,
-    by: ClickMethod,
-    watch: Watch,
-    push: Push,
+    method: ClickMethod,
+    detector: GestureDetector,
+    push: PushDetector,
 }
 
-/// What a gesture is there for.
+/// The effect of a gesture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Role {
     Clutch,
-    Slow,
+    Precision,
     Scroll,
     Press(KeyAction),
 }
 
-impl Gestures {
-    /// None of them seen yet; clicks after the first [`MOST_CLICKS`] are left out.
+impl GestureSet {
+    /// Creates the gestures, none seen yet; clicks after the first [`MAX_CLICKS`] are ignored.
     pub(super) fn new(settings: &PointerSettings) -> Self {
         let clicks = settings.clicks.iter().take(MAX_CLICKS);
-        let clicks = clicks.map(|&(by, action)| (Role::Press(action), by));
+        let clicks = clicks.map(|&(method, action)| (Role::Press(action), method));
         let others = [
             (Role::Clutch, settings.clutch),
-            (Role::Slow, settings.precision_gesture),
+            (Role::Precision, settings.precision_gesture),
             (Role::Scroll, settings.scroll.map(|scroll| scroll.gesture)),
         ];
         let others = others.into_iter();
-        let others = others.filter_map(|(role, by)| Some((role, ClickMethod::Gesture(by?))));
-        let watched = clicks.chain(others).map(|(role, by)| Watched {
+        let others =
+            others.filter_map(|(role, gesture)| Some((role, ClickMethod::Gesture(gesture?))));
+        let gestures = clicks.chain(others).map(|(role, method)| AssignedGesture {
             role,
-            by,
-            watch: Watch::default(),
-            push: Push::default(),
+            method,
+            detector: GestureDetector::default(),
+            push: PushDetector::default(),
         });
-        Self(watched.collect())
+        Self(gestures.collect())
     }
 
-    /// Whether something is pressed.
-    pub(super) fn presses(&self) -> bool {
-        let is_press = |it: &&Watched| matches!(it.role, Role::Press(_));
-        self.0.iter().filter(is_press).any(|it| it.watch.is_on())
+    /// Whether a click is held.
+    pub(super) fn is_pressing(&self) -> bool {
+        let is_press = |it: &&AssignedGesture| matches!(it.role, Role::Press(_));
+        self.0.iter().filter(is_press).any(|it| it.detector.is_on())
     }
 
-    /// Whether something may be about to be pressed or scrolled, or has just been.
-    pub(super) fn is_ready(&self) -> bool {
-        let moves = |it: &&Watched| matches!(it.role, Role::Press(_) | Role::Scroll);
-        self.0.iter().filter(moves).any(|it| it.watch.is_ready())
+    /// Whether a click or scrolling may be about to begin, or has just ended.
+    pub(super) fn is_near(&self) -> bool {
+        let holds_cursor = |it: &&AssignedGesture| matches!(it.role, Role::Press(_) | Role::Scroll);
+        let mut gestures = self.0.iter().filter(holds_cursor);
+        gestures.any(|it| it.detector.is_near())
     }
 
-    pub(super) fn scrolls(&self) -> bool {
+    pub(super) fn is_scrolling(&self) -> bool {
         self.is_on(Role::Scroll)
     }
 
     pub(super) fn is_precise(&self) -> bool {
-        self.is_on(Role::Slow)
+        self.is_on(Role::Precision)
     }
 
     pub(super) fn has_clutch(&self) -> bool {
         self.0.iter().any(|it| it.role == Role::Clutch)
     }
 
-    /// Whether there is a clutch and it is let go of.
-    pub(super) fn is_let_go(&self) -> bool {
+    /// Whether there is a clutch and it is off.
+    pub(super) fn is_clutch_released(&self) -> bool {
         self.has_clutch() && !self.is_on(Role::Clutch)
     }
 
     fn is_on(&self, role: Role) -> bool {
-        self.0.iter().any(|it| it.role == role && it.watch.is_on())
+        let mut gestures = self.0.iter();
+        gestures.any(|it| it.role == role && it.detector.is_on())
     }
 
-    /// Takes a frame: what ends comes up first, then what begins goes down.
-    pub(super) fn follow(
+    /// Updates all gestures for one step; emits releases first, then presses.
+    pub(super) fn update(
         &mut self,
-        sight: &Sight,
+        hand: &TrustedHand,
         settings: &PointerSettings,
         seconds: f32,
         time: Timestamp,
         out: &mut DeviceOutput,
     ) {
-        let nearest = nearest_to_thumb(sight);
+        let nearest = nearest_to_thumb(hand);
         let is_pinching = self
             .0
             .iter()
-            .any(|it| it.pinch().is_some() && it.watch.is_on());
-        let mut changes = ArrayVec::<Change, MOST>::new();
-        for watched in &mut self.0 {
-            let is_free = !is_pinching && watched.pinch() == nearest;
-            let may_begin = watched.pinch().is_none() || is_free;
-            changes.push(watched.follow(sight, settings, may_begin, seconds, time));
+            .any(|it| it.pinch_finger().is_some() && it.detector.is_on());
+        let mut changes = ArrayVec::<Change, MAX_GESTURES>::new();
+        for gesture in &mut self.0 {
+            let finger = gesture.pinch_finger();
+            let may_begin = finger.is_none() || (!is_pinching && finger == nearest);
+            changes.push(gesture.update(hand, settings, may_begin, seconds, time));
         }
-        for (place, change) in changes.iter().enumerate() {
-            let owner = PressSource::Part(settings.target, place as u8);
+        let source = |index: usize| PressSource::Part(settings.target, index as u8);
+        for (index, change) in changes.iter().enumerate() {
             match change {
-                Change::Ends => out.release(owner, time),
-                Change::IsLost => out.cancel(owner, time),
-                Change::None | Change::Begins => {}
+                Change::Ended => out.release(source(index), time),
+                Change::Lost => out.cancel(source(index), time),
+                Change::None | Change::Began => {}
             }
         }
-        for ((place, change), watched) in changes.iter().enumerate().zip(&mut self.0) {
-            let Role::Press(action) = watched.role else {
+        for ((index, change), gesture) in changes.iter().enumerate().zip(&mut self.0) {
+            let Role::Press(action) = gesture.role else {
                 continue;
             };
-            let owner = PressSource::Part(settings.target, place as u8);
-            if *change == Change::Begins && !out.press(owner, action, time) {
-                watched.watch.forget();
+            if *change == Change::Began && !out.press(source(index), action, time) {
+                gesture.detector.block();
             }
         }
     }
 
-    /// Cancels what is pressed.
-    pub(super) fn lose(&mut self, target: TargetId, time: Timestamp, out: &mut DeviceOutput) {
-        for (place, watched) in self.0.iter_mut().enumerate() {
-            watched.push = Push::default();
-            if watched.watch.forget() {
-                out.cancel(PressSource::Part(target, place as u8), time);
+    /// Cancels all gestures and what they press.
+    pub(super) fn cancel(&mut self, target: TargetId, time: Timestamp, out: &mut DeviceOutput) {
+        for (index, gesture) in self.0.iter_mut().enumerate() {
+            gesture.push = PushDetector::default();
+            if gesture.detector.block() {
+                out.cancel(PressSource::Part(target, index as u8), time);
             }
         }
     }
 }
 
-impl Watched {
-    /// The finger that it pinches with.
-    fn pinch(&self) -> Option<Finger> {
-        match self.by {
+impl AssignedGesture {
+    /// Returns the finger that pinches, if the gesture is a pinch.
+    fn pinch_finger(&self) -> Option<Finger> {
+        match self.method {
             ClickMethod::Gesture(Gesture::Pinch(finger)) => Some(finger),
             _ => None,
         }
     }
 
-    fn follow(
+    fn update(
         &mut self,
-        sight: &Sight,
+        hand: &TrustedHand,
         settings: &PointerSettings,
         may_begin: bool,
         seconds: f32,
         time: Timestamp,
     ) -> Change {
-        let (measure, levels) = match self.by {
-            ClickMethod::Gesture(gesture) => {
-                (gesture.measure(sight), gesture.levels(settings.pinch))
-            }
+        let (measurement, thresholds) = match self.method {
+            ClickMethod::Gesture(gesture) => (
+                gesture.measurement(hand),
+                gesture.thresholds(settings.pinch),
+            ),
             ClickMethod::Push(depth) => {
-                let (tip, forward) = (sight.tip(Finger::Index), settings.mode.forward());
-                let is_on = self.watch.is_on();
+                let (tip, forward) = (hand.tip(Finger::Index), settings.mode.forward());
+                let is_on = self.detector.is_on();
                 (
-                    self.push.measure(tip, forward, (depth, is_on), seconds),
-                    push::levels(depth),
+                    self.push.update(tip, forward, (depth, is_on), seconds),
+                    push::thresholds(depth),
                 )
             }
         };
-        self.watch.follow(measure, levels, may_begin, time)
+        self.detector
+            .update(measurement, thresholds, may_begin, time)
     }
 }
 
-/// The finger whose tip is nearest to that of the thumb. When one finger comes to the thumb the next one
-/// comes along; only the nearest is meant.
-fn nearest_to_thumb(sight: &Sight) -> Option<Finger> {
-    let thumb = sight.tip(Finger::Thumb)?;
+/// Returns the finger whose tip is nearest to that of the thumb. When one finger moves to the thumb, its
+/// neighbour moves along; only the nearest one is intended.
+fn nearest_to_thumb(hand: &TrustedHand) -> Option<Finger> {
+    let thumb = hand.tip(Finger::Thumb)?;
     let others = Finger::ALL.iter().filter(|&&it| it != Finger::Thumb);
-    let gaps = others.filter_map(|&it| Some((it, sight.tip(it)?.distance(thumb))));
+    let gaps = others.filter_map(|&it| Some((it, hand.tip(it)?.distance(thumb))));
     gaps.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(it, _)| it)
 }

@@ -1,49 +1,49 @@
-//! How a hand says where to point.
+//! Pointing modes: the relation between a hand and the position of the cursor.
 
 use parry3d::math::Vec3;
 
 use super::anchored_frame::AnchoredFrame;
-use super::trusted_hand::Sight;
+use super::trusted_hand::TrustedHand;
 
 pub use super::direct::DirectPointing;
 pub use super::joint::{AngleMapping, JointPointing};
 pub use super::rate::{Displacement, RateControl};
 pub use super::ray::{RayOrigin, RayPointing};
 
-/// How a hand says where to point.
+/// The relation between a hand and the position of the cursor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointingMode {
-    /// By three angles.
+    /// Three joint angles are the position.
     Joint(JointPointing),
-    /// By where the index fingertip is.
+    /// The position of the index fingertip in a box is the position.
     Direct(DirectPointing),
-    /// By where a ray from the hand meets a plane.
+    /// The intersection of a ray from the hand with a rectangle is the position.
     Ray(RayPointing),
-    /// By how far it is from a pose of rest: that is how fast the pointer goes.
+    /// The displacement from a rest pose is the velocity.
     Rate(RateControl),
 }
 
-/// What a mode makes of a hand.
+/// The output of a pointing mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Aim {
-    /// A place: shares of the whole range, 0..=1, to the right, up, and towards the wearer.
-    At(Vec3),
-    /// A speed in pixels a second, to the right and up.
-    Goes(Vec3),
+    /// A position as fractions 0..=1 of the whole range: to the right, up, towards the wearer.
+    Position(Vec3),
+    /// A velocity in pixels per second: to the right, up.
+    Velocity(Vec3),
 }
 
 impl PointingMode {
-    /// `None` when it is not known, or the hand points nowhere.
-    pub(super) fn aim(&self, sight: &Sight) -> Option<Aim> {
+    /// Returns `None` if the hand points nowhere, or if the measurements it needs are unknown.
+    pub(super) fn aim(&self, hand: &TrustedHand) -> Option<Aim> {
         match self {
-            Self::Joint(joints) => joints.shares(sight).map(Aim::At),
-            Self::Direct(direct) => direct.shares(sight).map(Aim::At),
-            Self::Ray(ray) => ray.shares(sight).map(Aim::At),
-            Self::Rate(rate) => rate.speed(sight).map(Aim::Goes),
+            Self::Joint(joint) => joint.fractions(hand).map(Aim::Position),
+            Self::Direct(direct) => direct.fractions(hand).map(Aim::Position),
+            Self::Ray(ray) => ray.fractions(hand).map(Aim::Position),
+            Self::Rate(rate) => rate.velocity(hand).map(Aim::Velocity),
         }
     }
 
-    /// The way away from the wearer in which a fingertip pushes, in the world.
+    /// Returns the direction of a push, away from the wearer, in the world.
     pub(super) fn forward(&self) -> Vec3 {
         match self {
             Self::Joint(_) => Vec3::NEG_Z,

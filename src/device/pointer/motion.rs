@@ -1,4 +1,4 @@
-//! From where a hand points to how far that moved.
+//! The motion of the position that a hand points at.
 
 use parry3d::math::Vec3;
 
@@ -6,88 +6,87 @@ use super::mode::Aim;
 use super::settings::PointerSettings;
 use crate::estimate::OneEuroFilter;
 
-/// Follows the place that a hand points at, in pixels to the right, up and towards the wearer.
+/// Smooths the position that a hand points at, applies the dead zone and returns its motion.
+///
+/// Positions are in pixels: to the right, up, towards the wearer.
 #[derive(Clone, Debug)]
-pub(super) struct Way {
+pub(super) struct MotionTracker {
     extent: Vec3,
-    dead_zone: f32,
+    dead_zone_px: f32,
     filter: Option<OneEuroFilter>,
-    /// `None` when the hand has not been seen, and in a mode without places.
-    place: Option<Vec3>,
+    /// `None` before the hand is seen, and in a mode without positions.
+    position: Option<Vec3>,
 }
 
-/// What became of the place.
+/// The motion in one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Moved {
-    /// How far it moved.
-    pub(super) by: Vec3,
-    /// Where it is when it is there for the first time.
-    pub(super) starts_at: Option<Vec3>,
+pub(super) struct Motion {
+    pub(super) delta: Vec3,
+    /// The position, in the first step that has one.
+    pub(super) first_position: Option<Vec3>,
 }
 
-impl Way {
+impl MotionTracker {
     pub(super) fn new(settings: &PointerSettings) -> Self {
         Self {
             extent: extent(settings),
-            dead_zone: settings.dead_zone_px,
+            dead_zone_px: settings.dead_zone_px,
             filter: settings
                 .smoothing
                 .map(|smoothing| OneEuroFilter::new(smoothing, 3)),
-            place: None,
+            position: None,
         }
     }
 
-    /// Where the hand points.
-    pub(super) fn place(&self) -> Option<Vec3> {
-        self.place
+    pub(super) fn position(&self) -> Option<Vec3> {
+        self.position
     }
 
-    /// Forgets where the hand was.
-    pub(super) fn forget(&mut self) {
-        self.place = None;
+    pub(super) fn reset(&mut self) {
+        self.position = None;
         if let Some(filter) = &mut self.filter {
             filter.reset();
         }
     }
 
-    pub(super) fn follow(&mut self, aim: Aim, seconds: f32) -> Moved {
-        let shares = match aim {
-            Aim::At(shares) => shares,
-            Aim::Goes(speed) => {
-                return Moved {
-                    by: speed * seconds,
-                    starts_at: None,
+    pub(super) fn update(&mut self, aim: Aim, seconds: f32) -> Motion {
+        let fractions = match aim {
+            Aim::Position(fractions) => fractions,
+            Aim::Velocity(velocity) => {
+                return Motion {
+                    delta: velocity * seconds,
+                    first_position: None,
                 };
             }
         };
-        let new = self.smooth(shares * self.extent, seconds);
-        let Some(before) = self.place else {
-            self.place = Some(new);
-            return Moved {
-                by: Vec3::ZERO,
-                starts_at: Some(new),
+        let smoothed = self.smooth(fractions * self.extent, seconds);
+        let Some(before) = self.position else {
+            self.position = Some(smoothed);
+            return Motion {
+                delta: Vec3::ZERO,
+                first_position: Some(smoothed),
             };
         };
-        let taut = (new - before).length() - self.dead_zone;
-        let by = (new - before).normalize_or_zero() * taut.max(0.0);
-        self.place = Some(before + by);
-        Moved {
-            by,
-            starts_at: None,
+        let beyond_dead_zone = (smoothed - before).length() - self.dead_zone_px;
+        let delta = (smoothed - before).normalize_or_zero() * beyond_dead_zone.max(0.0);
+        self.position = Some(before + delta);
+        Motion {
+            delta,
+            first_position: None,
         }
     }
 
-    fn smooth(&mut self, place: Vec3, seconds: f32) -> Vec3 {
+    fn smooth(&mut self, position: Vec3, seconds: f32) -> Vec3 {
         let Some(filter) = &mut self.filter else {
-            return place;
+            return position;
         };
-        let mut values = place.to_array().map(f64::from);
+        let mut values = position.to_array().map(f64::from);
         filter.filter(&mut values, f64::from(seconds));
         Vec3::from_array(values.map(|value| value as f32))
     }
 }
 
-/// How many pixels the whole range is; as many towards the wearer as up.
+/// Returns the size of the whole range in pixels; the depth is equal to the height.
 pub(super) fn extent(settings: &PointerSettings) -> Vec3 {
     let last = settings.screen_px - 1.0;
     last.extend(last.y)

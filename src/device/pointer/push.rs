@@ -2,73 +2,76 @@
 
 use parry3d::math::Vec3;
 
-use super::gesture::Levels;
+use super::gesture::Thresholds;
 
-/// How fast the place that a push begins at follows a fingertip that goes forward, in 1/s: a push of 15 mm is
-/// one from 150 mm/s on, the speed from which TouchFree counts one.
-const FOLLOWS: f32 = 10.0;
+/// Rate at which the origin of a push follows a fingertip that moves forward, in 1/s. A push of 15 mm then
+/// starts from 150 mm/s, the minimum speed of TouchFree.
+const FOLLOW_RATE: f32 = 10.0;
 
-/// How far to a side a push may go for each metre forward: 15°. A fingertip that goes further aside is on
-/// its way to another place.
-const ASIDE: f32 = 0.27;
+/// Maximum sideways motion per forward motion: 15°. A fingertip that moves further sideways is on its way to
+/// another position.
+const MAX_SIDEWAYS: f32 = 0.27;
 
-/// So far aside counts for nothing, in metres: hands tremble.
-const TREMBLE: f32 = 0.002;
+/// Sideways motion that is ignored, in metres: hand tremor.
+const SIDEWAYS_TREMOR: f32 = 0.002;
 
-/// A fingertip that goes on further than so many depths reaches for something: that is no push.
-const REACHES: f32 = 2.5;
+/// A fingertip that moves forward by more than this multiple of the push depth is reaching, not pushing.
+const MAX_DEPTHS: f32 = 2.5;
 
-/// A fingertip slower than this, in m/s, has come to rest.
-const RESTS: f32 = 0.05;
+/// A fingertip slower than this, in m/s, is at rest.
+const REST_SPEED: f32 = 0.05;
 
-/// Where a push begins: at once where the fingertip draws back or aside to, and slowly along when it goes
-/// forward.
+/// Measures the depth of a push from an origin.
+///
+/// The origin follows the fingertip at once when it moves back or sideways, and slowly when it moves forward.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Push {
-    rest: Option<Vec3>,
-    /// Whether it has gone aside or too far: it has to come to rest before a push can begin.
-    is_on_its_way: bool,
+pub(super) struct PushDetector {
+    origin: Option<Vec3>,
+    /// Whether the fingertip has moved sideways or too far. It has to rest before a push can begin.
+    is_travelling: bool,
 }
 
-impl Push {
-    /// How far it is pushed, in metres; `is_held` keeps the place as long as a push of `depth` metres is on.
-    pub(super) fn measure(
+impl PushDetector {
+    /// Returns the depth of the push, in metres. `depth` is the depth that presses; while a push `is_on`, the
+    /// origin does not move.
+    pub(super) fn update(
         &mut self,
         tip: Option<Vec3>,
         forward: Vec3,
-        (depth, is_held): (f32, bool),
+        (depth, is_on): (f32, bool),
         seconds: f32,
     ) -> Option<f32> {
         let Some(tip) = tip else {
             *self = Self::default();
             return None;
         };
-        let way = tip - self.rest.unwrap_or(tip);
-        let ahead = way.dot(forward);
-        let aside = (way - forward * ahead).length();
-        let goes_aside = !is_held && aside > TREMBLE + ASIDE * ahead;
-        if goes_aside || ahead > REACHES * depth {
-            self.is_on_its_way = true;
-        } else if ahead <= RESTS * seconds {
-            self.is_on_its_way = false;
+        let motion = tip - self.origin.unwrap_or(tip);
+        let ahead = motion.dot(forward);
+        let sideways = (motion - forward * ahead).length();
+        let is_sideways = !is_on && sideways > SIDEWAYS_TREMOR + MAX_SIDEWAYS * ahead;
+        if is_sideways || ahead > MAX_DEPTHS * depth {
+            self.is_travelling = true;
+        } else if ahead <= REST_SPEED * seconds {
+            self.is_travelling = false;
         }
-        if self.is_on_its_way || ahead <= 0.0 {
-            self.rest = Some(tip);
+        if self.is_travelling || ahead <= 0.0 {
+            self.origin = Some(tip);
             return Some(0.0);
         }
-        let share = match is_held {
+        let follow = match is_on {
             true => 0.0,
-            false => 1.0 - 1.0 / (1.0 + FOLLOWS * seconds),
+            false => 1.0 - 1.0 / (1.0 + FOLLOW_RATE * seconds),
         };
-        self.rest = Some(tip - way * (1.0 - share));
+        self.origin = Some(tip - motion * (1.0 - follow));
         Some(ahead)
     }
 }
 
-/// Of a push of this depth, in metres: it goes off half way back, a quarter is its first sign.
-pub(super) fn levels(depth: f32) -> Levels {
-    Levels {
-        ready: 0.25 * depth,
+/// Returns the thresholds of a push that presses at `depth`, in metres: it releases at half of it, and a
+/// quarter of it is near.
+pub(super) fn thresholds(depth: f32) -> Thresholds {
+    Thresholds {
+        near: 0.25 * depth,
         off: 0.5 * depth,
         on: depth,
     }

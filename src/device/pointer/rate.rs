@@ -1,58 +1,58 @@
-//! How far the hand is from a pose of rest is how fast the pointer goes.
+//! Rate control: the displacement of the hand from a rest pose is the velocity of the pointer.
 
 use parry3d::math::{Vec2, Vec3};
 
 use super::anchored_frame::AnchoredFrame;
 use super::joint::AngleMapping;
-use super::trusted_hand::Sight;
+use super::trusted_hand::TrustedHand;
 use crate::hand::Finger;
 
-/// Displacement as speed.
+/// The relation between displacement and velocity.
 ///
-/// speed = top · ((d − dead) / (1 − dead))^curve in the direction of the displacement, whose length d is
-/// a share of the full one, at most 1; 0 within the dead zone.
+/// The speed is max_speed · ((d − dead_zone) / (1 − dead_zone))^curve in the direction of the displacement,
+/// whose length d is a fraction of the full displacement, 1 at most. It is 0 in the dead zone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RateControl {
-    /// What is displaced.
+    /// The displacement.
     pub displacement: Displacement,
-    /// The share of the full displacement within which the pointer stands still: 0..1.
+    /// Radius of the dead zone, as a fraction of the full displacement: 0..1.
     pub dead_zone: f32,
-    /// The speed at the full displacement, in pixels a second.
+    /// The speed at full displacement, in pixels per second.
     pub max_speed_px_s: f32,
-    /// More than 1 makes small displacements slower; more than 0.
+    /// Exponent, more than 0. More than 1 makes small displacements slower.
     pub curve: f32,
 }
 
-/// What is displaced from its rest.
+/// The quantity that is displaced from its rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Displacement {
-    /// The index fingertip: from where, and how far is full, in metres, more than 0.
+    /// The index fingertip: its rest position, and the full displacement in metres, more than 0.
     Fingertip(AnchoredFrame, f32),
-    /// Two angles, to the right and up: from the middle of their ranges to the ends. Curves of their own
-    /// count as well.
+    /// Two angles, to the right and up, from the middle of their ranges to the ends. Their own curves apply
+    /// as well.
     Angles(AngleMapping, AngleMapping),
 }
 
 impl RateControl {
-    /// Pixels a second to the right and up.
-    pub(super) fn speed(&self, sight: &Sight) -> Option<Vec3> {
-        let displaced = match &self.displacement {
+    /// Returns the velocity in pixels per second, to the right and up.
+    pub(super) fn velocity(&self, hand: &TrustedHand) -> Option<Vec3> {
+        let displacement = match &self.displacement {
             Displacement::Fingertip(frame, full) => {
-                let tip = frame.to_local(sight.pose(), sight.tip(Finger::Index)?)?;
+                let tip = frame.to_local(hand.pose(), hand.tip(Finger::Index)?)?;
                 tip.truncate() / full
             }
-            Displacement::Angles(x, y) => Vec2::new(x.deflection(sight)?, y.deflection(sight)?),
+            Displacement::Angles(x, y) => Vec2::new(x.deflection(hand)?, y.deflection(hand)?),
         };
-        let displaced = displaced.clamp_length_max(1.0);
-        let beyond = (displaced.length() - self.dead_zone) / (1.0 - self.dead_zone);
-        if beyond <= 0.0 {
+        let displacement = displacement.clamp_length_max(1.0);
+        let t = (displacement.length() - self.dead_zone) / (1.0 - self.dead_zone);
+        if t <= 0.0 {
             return Some(Vec3::ZERO);
         }
-        let speed = self.max_speed_px_s * beyond.powf(self.curve);
-        Some((displaced.normalize_or_zero() * speed).extend(0.0))
+        let speed = self.max_speed_px_s * t.powf(self.curve);
+        Some((displacement.normalize_or_zero() * speed).extend(0.0))
     }
 
-    /// What the displacement is seen from.
+    /// Returns the frame of the displacement, if it is a displacement in space.
     pub(super) fn frame(&self) -> Option<&AnchoredFrame> {
         match &self.displacement {
             Displacement::Fingertip(frame, _) => Some(frame),

@@ -1,4 +1,4 @@
-//! Targets in space: one is selected while the cursor is in it.
+//! Targets in space: a target is selected while the cursor is in it.
 
 use parry3d::math::Vec3;
 
@@ -10,73 +10,76 @@ use crate::device::{Capabilities, DeviceOutput, EventKind, KeyAction, PressSourc
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
 
-/// The most targets that a cursor comes into in a frame; those after that are passed over.
-const MOST_ENTRIES: usize = 4;
+/// Maximum number of targets that the cursor enters in one step; further targets are skipped.
+const MAX_ENTRIES: usize = 4;
 
-/// The steps in which a depth is told, so that a tremble is no news.
-const STEPS: f32 = 100.0;
+/// Resolution of the depth, in steps: hand tremor then emits no events.
+const DEPTH_STEPS: f32 = 100.0;
 
-/// Targets in space that move as one.
+/// Targets in space that share a frame.
 #[derive(Clone, Debug)]
 pub struct SelectionSpace {
-    /// Where they are.
+    /// Their frame.
     pub frame: AnchoredFrame,
-    /// The id of the first; the others follow.
+    /// The id of the first target; the others have consecutive ids.
     pub first_target: TargetId,
-    /// What they look like.
+    /// Their volumes.
     pub volumes: VolumeSet,
-    /// What is pressed while each is selected; as many as there are volumes.
+    /// The action held while a target is selected, one entry per volume.
     pub actions: Vec<Option<KeyAction>>,
 }
 
 impl SelectionSpace {
-    fn id(&self, place: usize) -> TargetId {
-        TargetId(self.first_target.0 + place as u32)
+    fn target(&self, index: usize) -> TargetId {
+        TargetId(self.first_target.0 + index as u32)
     }
 }
 
-/// Where a cursor is, in metres.
+/// The position of the cursor, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum At {
+pub(super) enum CursorPoint {
     /// In the world.
-    InTheWorld(Vec3),
+    InWorld(Vec3),
     /// In the frame of every space.
     InEachSpace(Vec3),
 }
 
-impl At {
-    fn seen_from(self, space: &SelectionSpace, pose: &HandPose) -> Option<Vec3> {
+impl CursorPoint {
+    fn in_space(self, space: &SelectionSpace, pose: &HandPose) -> Option<Vec3> {
         match self {
-            Self::InTheWorld(point) => space.frame.to_local(pose, point),
+            Self::InWorld(point) => space.frame.to_local(pose, point),
             Self::InEachSpace(point) => Some(point),
         }
     }
 }
 
-/// Follows a cursor through spaces.
+/// Selects targets with a cursor.
 ///
-/// The cursor moves in a straight line from frame to frame, so nothing is tunnelled through. A target is
-/// selected from where the cursor comes into it until that is [`TREMBLE`] outside. Where targets overlap
-/// the one whose middle is nearest is selected, another one only when it is nearer by as much. A cursor that
-/// is in a target when it is first seen has to leave all targets before it selects any.
+/// Between two steps the cursor moves on a straight line, so it cannot tunnel through a target. A target is
+/// selected from the point where the cursor enters it until the cursor is [`TREMOR_MARGIN`] outside. Where
+/// targets overlap, the one with the nearest center is selected; the selection changes when another center
+/// is nearer by that margin. A cursor that is in a target when it is first seen has to leave all targets
+/// before it selects one.
 #[derive(Clone, Debug)]
 pub(super) struct Selector {
     spaces: Vec<SelectionSpace>,
-    /// Where the cursor was in each space.
+    /// The last position of the cursor in each space.
     before: Vec<Option<Vec3>>,
     time: Timestamp,
+    /// Whether the cursor has been outside all targets.
     is_armed: bool,
     selected: Option<Selected>,
-    /// Whose end found no room.
-    owed: Option<TargetId>,
+    /// A target whose unselect event is not emitted yet.
+    pending_unselect: Option<TargetId>,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Selected {
     space: usize,
-    place: usize,
+    /// The index of the volume in its space.
+    volume: usize,
     target: TargetId,
-    /// The depth that was told last.
+    /// The depth emitted last.
     depth: f32,
 }
 
@@ -88,135 +91,169 @@ impl Selector {
             time: Timestamp::default(),
             is_armed: false,
             selected: None,
-            owed: None,
+            pending_unselect: None,
         }
     }
 
-    pub(super) fn add_needs(&self, needs: &mut Capabilities) {
+    pub(super) fn add_capabilities(&self, required: &mut Capabilities) {
         let actions = self.spaces.iter().flat_map(|space| &space.actions);
-        needs.extend(actions.filter_map(|action| action.and_then(KeyAction::required_capability)));
+        required
+            .extend(actions.filter_map(|action| action.and_then(KeyAction::required_capability)));
     }
 
-    /// The cursor is not seen.
-    pub(super) fn lose(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+    /// Cancels the selection when the cursor is lost.
+    pub(super) fn reset(&mut self, time: Timestamp, out: &mut DeviceOutput) {
         if let Some(selected) = self.selected {
             out.cancel(PressSource::Part(selected.target, 0), time);
             self.unselect(selected, time, out);
         }
-        self.settle(time, out);
+        self.emit_pending_unselect(time, out);
         self.before.fill(None);
         self.is_armed = false;
     }
 
-    pub(super) fn follow(&mut self, at: Option<At>, pose: &HandPose, out: &mut DeviceOutput) {
+    /// Moves the cursor for one step; `None` if its position is unknown.
+    pub(super) fn update(
+        &mut self,
+        cursor: Option<CursorPoint>,
+        pose: &HandPose,
+        out: &mut DeviceOutput,
+    ) {
         let end = pose.time;
-        let Some(at) = at else {
-            self.lose(end, out);
+        let Some(cursor) = cursor else {
+            self.reset(end, out);
             return;
         };
         let start = std::mem::replace(&mut self.time, end);
-        self.settle(end, out);
+        self.emit_pending_unselect(end, out);
         match self.is_armed {
-            true => self.pass(at, pose, start, out),
-            false => self.is_armed = self.is_clear(at, pose),
+            true => self.sweep(cursor, pose, start, out),
+            false => self.is_armed = self.is_clear(cursor, pose),
         }
         for (space, before) in self.spaces.iter().zip(&mut self.before) {
-            *before = at.seen_from(space, pose);
+            *before = cursor.in_space(space, pose);
         }
     }
 
-    /// Sends the end that found no room.
-    fn settle(&mut self, time: Timestamp, out: &mut DeviceOutput) {
-        if let Some(target) = self.owed
+    fn emit_pending_unselect(&mut self, time: Timestamp, out: &mut DeviceOutput) {
+        if let Some(target) = self.pending_unselect
             && out.emit(time, EventKind::Unselect(target))
         {
-            self.owed = None;
+            self.pending_unselect = None;
         }
     }
 
-    fn is_clear(&self, at: At, pose: &HandPose) -> bool {
+    /// Whether the cursor is outside all targets.
+    fn is_clear(&self, cursor: CursorPoint, pose: &HandPose) -> bool {
         self.spaces.iter().all(|space| {
-            let point = at.seen_from(space, pose);
+            let point = cursor.in_space(space, pose);
             point.is_none_or(|point| space.volumes.first_entry([point; 2], 0.0).is_none())
         })
     }
 
-    fn pass(&mut self, at: At, pose: &HandPose, start: Timestamp, out: &mut DeviceOutput) {
+    /// Emits the selections along the segment from the last position to the current one.
+    fn sweep(
+        &mut self,
+        cursor: CursorPoint,
+        pose: &HandPose,
+        start: Timestamp,
+        out: &mut DeviceOutput,
+    ) {
         let end = pose.time;
-        let mut since = 0.0;
-        for _ in 0..MOST_ENTRIES {
+        let mut t = 0.0;
+        for _ in 0..MAX_ENTRIES {
             if let Some(selected) = self.selected {
-                match self.leaves(&selected, at, pose) {
-                    Some(share) => {
-                        since = share.max(since);
-                        self.end(selected, start.lerp(end, since), out);
+                match self.exit(&selected, cursor, pose) {
+                    Some(exit) => {
+                        t = exit.max(t);
+                        self.end_selection(selected, start.lerp(end, t), out);
                     }
                     None => break,
                 }
             }
-            let Some((space, entry)) = self.first(at, pose, since) else {
+            let Some((space, entry)) = self.first_entry(cursor, pose, t) else {
                 return;
             };
             self.select(space, entry.index, start.lerp(end, entry.t), out);
         }
-        self.prefer_the_nearest(at, pose, out);
-        self.tell_depth(at, pose, out);
+        self.select_nearest(cursor, pose, out);
+        self.emit_depth(cursor, pose, out);
     }
 
-    /// The way of the cursor in a space; `None` when that is not known.
-    fn way(&self, space: usize, at: At, pose: &HandPose) -> Option<[Vec3; 2]> {
-        let now = at.seen_from(&self.spaces[space], pose)?;
+    /// Returns the segment of the cursor in a space; `None` if an end is unknown.
+    fn segment(&self, space: usize, cursor: CursorPoint, pose: &HandPose) -> Option<[Vec3; 2]> {
+        let now = cursor.in_space(&self.spaces[space], pose)?;
         Some([self.before[space]?, now])
     }
 
     fn volume(&self, selected: &Selected) -> Option<&Volume> {
-        self.spaces[selected.space].volumes.get(selected.place)
+        self.spaces[selected.space].volumes.get(selected.volume)
     }
 
-    /// The share of the way at which the cursor leaves what is selected.
-    fn leaves(&self, selected: &Selected, at: At, pose: &HandPose) -> Option<f32> {
-        let way = self.way(selected.space, at, pose);
-        let within = |way| self.volume(selected)?.intersect_segment(way, TREMOR_MARGIN);
-        match way.and_then(within) {
-            Some([_, leaves]) if leaves < 1.0 => Some(leaves),
+    /// Returns the fraction of the segment at which the cursor leaves the selected target, if it does.
+    fn exit(&self, selected: &Selected, cursor: CursorPoint, pose: &HandPose) -> Option<f32> {
+        let segment = self.segment(selected.space, cursor, pose);
+        let inside = |segment| {
+            self.volume(selected)?
+                .intersect_segment(segment, TREMOR_MARGIN)
+        };
+        match segment.and_then(inside) {
+            Some([_, exit]) if exit < 1.0 => Some(exit),
             Some(_) => None,
             None => Some(0.0),
         }
     }
 
-    /// The first target on the way since a share of it.
-    fn first(&self, at: At, pose: &HandPose, since: f32) -> Option<(usize, VolumeEntry)> {
+    /// Returns the first target that the cursor enters after fraction `t` of its segment, and its space.
+    fn first_entry(
+        &self,
+        cursor: CursorPoint,
+        pose: &HandPose,
+        t: f32,
+    ) -> Option<(usize, VolumeEntry)> {
+        self.first_of_all_spaces(|index, space| {
+            space
+                .volumes
+                .first_entry(self.segment(index, cursor, pose)?, t)
+        })
+    }
+
+    /// Returns the entry of all spaces that precedes the others, and the index of its space.
+    fn first_of_all_spaces(
+        &self,
+        entry: impl Fn(usize, &SelectionSpace) -> Option<VolumeEntry>,
+    ) -> Option<(usize, VolumeEntry)> {
         let mut first: Option<(usize, VolumeEntry)> = None;
-        for (place, space) in self.spaces.iter().enumerate() {
-            let way = self.way(place, at, pose);
-            let Some(entry) = way.and_then(|way| space.volumes.first_entry(way, since)) else {
+        for (index, space) in self.spaces.iter().enumerate() {
+            let Some(entry) = entry(index, space) else {
                 continue;
             };
             if first.is_none_or(|(_, other)| entry.precedes(&other)) {
-                first = Some((place, entry));
+                first = Some((index, entry));
             }
         }
         first
     }
 
-    fn select(&mut self, space: usize, place: usize, time: Timestamp, out: &mut DeviceOutput) {
-        let target = self.spaces[space].id(place);
-        if self.owed.is_some() || !out.emit(time, EventKind::Select(target)) {
+    fn select(&mut self, space: usize, volume: usize, time: Timestamp, out: &mut DeviceOutput) {
+        let target = self.spaces[space].target(volume);
+        if self.pending_unselect.is_some() || !out.emit(time, EventKind::Select(target)) {
             return;
         }
         self.selected = Some(Selected {
             space,
-            place,
+            volume,
             target,
             depth: 0.0,
         });
-        if let Some(action) = self.spaces[space].actions.get(place).copied().flatten() {
-            // A press that finds no room is missed.
+        let action = self.spaces[space].actions.get(volume).copied().flatten();
+        if let Some(action) = action {
+            // A press that does not fit into the event list is dropped.
             out.press(PressSource::Part(target, 0), action, time);
         }
     }
 
-    fn end(&mut self, selected: Selected, time: Timestamp, out: &mut DeviceOutput) {
+    fn end_selection(&mut self, selected: Selected, time: Timestamp, out: &mut DeviceOutput) {
         out.release(PressSource::Part(selected.target, 0), time);
         self.unselect(selected, time, out);
     }
@@ -226,51 +263,43 @@ impl Selector {
             out.emit(time, EventKind::Depth(selected.target, 0.0));
         }
         self.selected = None;
-        self.owed = Some(selected.target);
-        self.settle(time, out);
+        self.pending_unselect = Some(selected.target);
+        self.emit_pending_unselect(time, out);
     }
 
-    fn prefer_the_nearest(&mut self, at: At, pose: &HandPose, out: &mut DeviceOutput) {
+    /// Selects another target if its center is nearer by the margin.
+    fn select_nearest(&mut self, cursor: CursorPoint, pose: &HandPose, out: &mut DeviceOutput) {
         let Some(selected) = self.selected else {
             return;
         };
-        let mut nearest: Option<(usize, VolumeEntry)> = None;
-        for (place, space) in self.spaces.iter().enumerate() {
-            let Some([_, now]) = self.way(place, at, pose) else {
-                continue;
-            };
-            let Some(entry) = space.volumes.first_entry([now; 2], 0.0) else {
-                continue;
-            };
-            if nearest.is_none_or(|(_, other)| entry.precedes(&other)) {
-                nearest = Some((place, entry));
-            }
-        }
-        let own = self.way(selected.space, at, pose);
+        let nearest = self.first_of_all_spaces(|index, space| {
+            let [_, now] = self.segment(index, cursor, pose)?;
+            space.volumes.first_entry([now; 2], 0.0)
+        });
+        let segment = self.segment(selected.space, cursor, pose);
         let (Some((space, entry)), Some([_, now]), Some(volume)) =
-            (nearest, own, self.volume(&selected))
+            (nearest, segment, self.volume(&selected))
         else {
             return;
         };
-        let is_other = (space, entry.index) != (selected.space, selected.place);
+        let is_other = (space, entry.index) != (selected.space, selected.volume);
         if is_other && entry.center_distance + TREMOR_MARGIN < now.distance(volume.center) {
-            self.end(selected, pose.time, out);
+            self.end_selection(selected, pose.time, out);
             self.select(space, entry.index, pose.time, out);
         }
     }
 
-    fn tell_depth(&mut self, at: At, pose: &HandPose, out: &mut DeviceOutput) {
+    fn emit_depth(&mut self, cursor: CursorPoint, pose: &HandPose, out: &mut DeviceOutput) {
         let Some(mut selected) = self.selected else {
             return;
         };
-        let (Some([_, now]), Some(volume)) =
-            (self.way(selected.space, at, pose), self.volume(&selected))
-        else {
+        let segment = self.segment(selected.space, cursor, pose);
+        let (Some([_, now]), Some(volume)) = (segment, self.volume(&selected)) else {
             return;
         };
-        let depth = (volume.depth(now) * STEPS).round() / STEPS;
-        if depth != selected.depth && out.emit(pose.time, EventKind::Depth(selected.target, depth))
-        {
+        let depth = (volume.depth(now) * DEPTH_STEPS).round() / DEPTH_STEPS;
+        let event = EventKind::Depth(selected.target, depth);
+        if depth != selected.depth && out.emit(pose.time, event) {
             selected.depth = depth;
             self.selected = Some(selected);
         }

@@ -1,4 +1,4 @@
-//! What a pointer does.
+//! The settings of a pointer.
 
 use parry3d::math::Vec2;
 
@@ -11,82 +11,84 @@ use crate::device::value_output::ValueOutput;
 use crate::estimate::OneEuroSettings;
 use crate::hand::Side;
 
-/// The most clicks that a pointer has.
+/// Maximum number of clicks of a pointer.
 pub const MAX_CLICKS: usize = 8;
 
-/// What a pointer does. Pixels are those of `screen`.
+/// The settings of a pointer. Pixels are those of `screen_px`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointerSettings {
-    /// What owns its presses, and what its depth is told of. Nothing of it is in the scene.
+    /// The source of its presses and the subject of its depth events. The scene does not contain it.
     pub target: TargetId,
-    /// The hand that points; `None` for the first that is seen.
+    /// The hand that points; `None` for the first one that is seen.
     pub side: Option<Side>,
-    /// How the hand says where.
+    /// The relation between the hand and the position of the cursor.
     pub mode: PointingMode,
-    /// How the cursor of the screen is moved.
+    /// The events that move the cursor.
     pub output: CursorOutput,
-    /// How many pixels the whole range is to the right and up; at least 2.
+    /// The whole range in pixels, to the right and up; at least 2.
     pub screen_px: Vec2,
-    /// The most that the cursor moves in a frame, in pixels; at least 2. Only the first place of all,
-    /// which the cursor may be anywhere away from, is sent as it is.
+    /// Maximum motion of the cursor in one step, in pixels; at least 2. Only the very first position is
+    /// emitted without this limit.
     pub max_step_px: f32,
-    /// How the place is smoothed, in pixels; a [`Rate`](Mode::Rate) is not.
+    /// The smoothing of the position, in pixels. Does not apply to [`PointingMode::Rate`].
     pub smoothing: Option<OneEuroSettings>,
-    /// How far the hand goes before the cursor follows, in pixels: it is drawn along as on a string.
+    /// Distance that the hand moves before the cursor follows, in pixels. The cursor is dragged along as on a
+    /// string of this length.
     pub dead_zone_px: f32,
-    /// Gains by the speed of the hand, in pixels a second: between two knots along a line, beyond the
-    /// ends as at the ends; speeds ascend. None is a gain of 1.
+    /// Gain as a function of the speed of the hand, in pixels per second: linear between two knots, constant
+    /// beyond the ends. Speeds are ascending. An empty list is a gain of 1.
     pub acceleration: Vec<(f32, f32)>,
-    /// The gain while the pointer is made slow.
+    /// The gain while precision is on.
     pub precision_factor: f32,
-    /// While it is on the pointer is slow, as by [`KeyAction::Precision`].
+    /// The gesture for precision, in addition to [`KeyAction::Precision`].
     pub precision_gesture: Option<Gesture>,
-    /// The cursor moves only while it is on. Beside that [`KeyAction::Clutch`] holds it still.
+    /// The gesture for the clutch: the cursor moves only while it is on. [`KeyAction::Clutch`] holds the
+    /// cursor as well.
     pub clutch: Option<Gesture>,
-    /// When fingers pinch.
+    /// The distances of all pinches.
     pub pinch: PinchGaps,
-    /// What presses what; at most [`MOST_CLICKS`].
+    /// The clicks and their actions, at most [`MAX_CLICKS`].
     pub clicks: Vec<(ClickMethod, KeyAction)>,
-    /// What is tapped where the cursor rests.
+    /// The action that is tapped where the cursor rests.
     pub dwell: Option<(DwellSettings, KeyAction)>,
-    /// How far the hand goes while something is pressed until the cursor follows, in pixels.
+    /// Distance that the hand moves while a button is pressed before the cursor follows, in pixels.
     pub drag_threshold_px: f32,
-    /// What makes a wheel of it.
+    /// Scrolling by moving the hand.
     pub scroll: Option<ScrollSettings>,
-    /// What the third axis drives, 0..=1 towards the wearer; not that of a [`Rate`](Mode::Rate).
+    /// The output of the third axis, 0..=1 towards the wearer. Does not apply to [`PointingMode::Rate`].
     pub depth: Option<ValueOutput>,
 }
 
-/// How the cursor of the screen is moved.
+/// The events that move the cursor of the screen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CursorOutput {
-    /// To places on the screen.
+    /// Positions: [`EventKind::MoveTo`](crate::device::EventKind::MoveTo).
     Absolute,
-    /// By pixels.
+    /// Motion in pixels: [`EventKind::MoveBy`](crate::device::EventKind::MoveBy).
     Relative,
-    /// Not at all.
+    /// None.
     None,
 }
 
-/// What presses.
+/// How a click is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClickMethod {
-    /// A gesture, as long as it is on.
+    /// A gesture; the action is held while it is on.
     Gesture(Gesture),
-    /// The index fingertip, as long as it is pushed forward so many metres from where it was.
+    /// A push of the index fingertip by this distance forward, in metres; the action is held while it lasts.
     Push(f32),
 }
 
-/// What makes a wheel of a pointer.
+/// Scrolling by moving the hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScrollSettings {
-    /// While it is on, motion turns the wheel instead of moving the cursor.
+    /// While it is on, motion scrolls instead of moving the cursor.
     pub gesture: Gesture,
-    /// How many pixels are a click of the wheel; below 0 the wheel turns the other way.
+    /// Pixels per detent of the wheel; negative to invert the direction.
     pub px_per_detent: f32,
 }
 
-/// The gain at a speed, by knots whose speeds ascend.
+/// Returns the gain at a speed, by linear interpolation between knots with ascending speeds.
 pub(super) fn gain(knots: &[(f32, f32)], speed: f32) -> f32 {
     let after = knots.iter().position(|&(knot, _)| speed < knot);
     match (after, knots.last()) {
@@ -105,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn gains_lie_on_lines_between_the_knots() {
+    fn the_gain_is_linear_between_knots_and_constant_beyond_them() {
         let knots = [(100.0, 0.5), (300.0, 1.5), (400.0, 4.0)];
         let gains = [0.0, 100.0, 200.0, 350.0, 400.0, 9e9].map(|speed| gain(&knots, speed));
         assert_eq!(gains, [0.5, 0.5, 1.0, 2.75, 4.0, 4.0]);

@@ -1,4 +1,4 @@
-//! What can be believed of a hand in one frame.
+//! The trusted measurements of a hand in one step.
 
 use parry3d::math::Vec3;
 
@@ -6,41 +6,41 @@ use crate::device::DeviceInput;
 use crate::hand::{Dof, Finger, FingerSet};
 use crate::kinematics::HandPose;
 
-/// A hand in one frame without what cannot be believed of it.
+/// A view of the device input that returns `None` for untrusted measurements.
 #[derive(Clone, Copy)]
-pub(super) struct Sight<'a> {
-    seen: &'a DeviceInput<'a>,
+pub(super) struct TrustedHand<'a> {
+    input: &'a DeviceInput<'a>,
     untrusted: FingerSet,
 }
 
-impl<'a> Sight<'a> {
-    pub(super) fn of(seen: &'a DeviceInput<'a>) -> Self {
-        let untrusted = seen.pose.untrusted.union(seen.angles.untrusted);
-        Self { seen, untrusted }
+impl<'a> TrustedHand<'a> {
+    pub(super) fn new(input: &'a DeviceInput<'a>) -> Self {
+        let untrusted = input.pose.untrusted.union(input.angles.untrusted);
+        Self { input, untrusted }
     }
 
-    /// Whether the hand was re-acquired: nothing is known of the way here.
+    /// Whether the hand was re-acquired: its path since the last step is unknown.
     pub(super) fn jumped(&self) -> bool {
-        self.seen.pose.jumped || self.seen.angles.jumped
+        self.input.pose.jumped || self.input.angles.jumped
     }
 
     pub(super) fn pose(&self) -> &'a HandPose {
-        self.seen.pose
+        self.input.pose
     }
 
-    /// An angle in radians; `None` when it is not measured, not finite, or of a finger in doubt.
+    /// Returns an angle in radians; `None` if it is not measured, not finite, or its finger is untrusted.
     pub(super) fn angle(&self, dof: Dof) -> Option<f32> {
-        let is_doubtful = dof.finger().is_some_and(|it| self.untrusted.contains(it));
-        let is_seen = self.seen.angles.is_known(dof) && !is_doubtful;
-        let radians = is_seen.then(|| self.seen.angles.get(dof) as f32)?;
+        let is_untrusted = dof.finger().is_some_and(|it| self.untrusted.contains(it));
+        let is_known = self.input.angles.is_known(dof) && !is_untrusted;
+        let radians = is_known.then(|| self.input.angles.get(dof) as f32)?;
         radians.is_finite().then_some(radians)
     }
 
-    /// The middle of a fingertip in the world (metres); `None` when it is not known, not finite, or in
-    /// doubt.
+    /// Returns the center of a fingertip in the world, in metres; `None` if it is unknown, not finite, or
+    /// untrusted.
     pub(super) fn tip(&self, finger: Finger) -> Option<Vec3> {
-        let tip = self.seen.pose.fingertip(finger)?;
-        let is_believed = !self.untrusted.contains(finger) && tip.is_finite();
-        is_believed.then_some(tip)
+        let tip = self.input.pose.fingertip(finger)?;
+        let is_trusted = !self.untrusted.contains(finger) && tip.is_finite();
+        is_trusted.then_some(tip)
     }
 }

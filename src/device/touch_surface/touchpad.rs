@@ -1,238 +1,247 @@
-//! A touch pad.
+//! Touchpads.
 
 use std::time::Duration;
 
 use arrayvec::ArrayVec;
 use parry3d::math::Vec2;
 
-use super::{Button, LEFT, RIGHT};
+use super::{LEFT, MouseButton, RIGHT};
 use crate::contact::{Phase, Touch};
 use crate::device::{DeviceOutput, EventKind};
 use crate::hand::{FINGERS_OF_BOTH_HANDS, Finger, Side};
 use crate::time::Timestamp;
 
-/// A touch that is shorter clicks, in case it did not move.
-const TAP: Duration = Duration::from_millis(200);
+/// A touch without motion that is shorter than this clicks.
+const TAP_TIME: Duration = Duration::from_millis(200);
 
-/// A finger that comes back sooner after a click drags, in case it moves.
-const TAP_AGAIN: Duration = Duration::from_millis(300);
+/// A touch that begins within this time after a click drags when it moves (tap-and-drag).
+const TAP_DRAG_TIME: Duration = Duration::from_millis(300);
 
-/// Metres that a finger goes before it counts as moving: the dead zone of TouchFree (Ultraleap,
+/// Distance that a finger travels before it moves the pointer, in metres. Dead zone of TouchFree (Ultraleap,
 /// `InteractionConfigFile.cs`).
 const DEAD_ZONE: f32 = 0.003;
 
-/// From this speed on, in metres per second, the pointer does not get any faster.
-const QUICK: f32 = 0.25;
+/// Speed of a finger from which the acceleration is full, in metres per second.
+const FAST: f32 = 0.25;
 
-/// A click of the wheel in the units of [`Action::Scroll`].
-const CLICK: f32 = 120.0;
+/// One detent of the wheel, in the units of [`EventKind::Scroll`].
+const DETENT: f32 = 120.0;
 
-/// How a pad moves the pointer and the wheel.
+/// The pointer and scroll speed of a touchpad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TouchpadSettings {
-    /// Pixels for a metre of a slow finger.
+    /// Pointer motion of a slow finger, in pixels per metre.
     pub px_per_m: f32,
-    /// A quick finger, from 250 mm/s on, moves the pointer `1 + acceleration` times as far; in between
-    /// the factor grows with the speed.
+    /// A finger at 250 mm/s or more moves the pointer `1 + acceleration` times as far as a slow one. Below,
+    /// the factor is linear in the speed.
     pub acceleration: f32,
-    /// Clicks of the wheel for a metre of two fingers.
+    /// Scroll distance of two fingers, in detents per metre.
     pub detents_per_m: f32,
-    /// Whether the page goes along with two fingers; else the wheel does.
+    /// Whether the content moves with the fingers (natural scrolling), instead of the view.
     pub natural_scrolling: bool,
 }
 
-/// A pad and the fingers on it.
+/// A touchpad and the fingers on it.
 ///
-/// A gesture is from the first finger that comes to the last that goes. It counts its fingers: once there
-/// were two, what stays of them moves no pointer, so that fingers that do not leave at once do not either.
+/// A gesture lasts from the first finger down to the last finger up. Its finger count is the maximum since
+/// it began: after a two-finger gesture the finger that is lifted last does not move the pointer.
 #[derive(Clone, Debug)]
-pub(super) struct Pad {
+pub(super) struct Touchpad {
     settings: TouchpadSettings,
-    /// Those of the gesture; none between two.
-    fingers: ArrayVec<OnPad, FINGERS_OF_BOTH_HANDS>,
+    fingers: ArrayVec<PadFinger, FINGERS_OF_BOTH_HANDS>,
     began: Timestamp,
-    most_fingers: usize,
+    max_fingers: usize,
     has_moved: bool,
-    /// Whether a finger slid off or was lost, so that nothing comes of the rest.
+    /// Whether a finger slid off or was lost: the rest of the gesture has no effect.
     is_cancelled: bool,
-    /// Whether it began soon after a click.
+    /// Whether the gesture began soon after a click.
     may_drag: bool,
     is_dragging: bool,
-    /// When the last click was.
-    clicked: Option<Timestamp>,
-    /// When the fingers were followed last.
-    followed: Timestamp,
-    /// What of the pointer's way, in pixels, and of the wheel's, in 120ths, has not been told yet.
-    pointer_rest: Vec2,
-    wheel_rest: Vec2,
+    last_click: Option<Timestamp>,
+    /// The time up to which motion is emitted.
+    moved_until: Timestamp,
+    /// Pointer motion that is not emitted yet, in pixels.
+    pointer_remainder: Vec2,
+    /// Scrolling that is not emitted yet, in 1/120 detents.
+    scroll_remainder: Vec2,
 }
 
+/// A finger on the pad. Positions are in metres.
 #[derive(Clone, Copy, Debug)]
-struct OnPad {
-    finger: (Side, Finger),
-    /// Where it came, in metres.
+struct PadFinger {
+    id: (Side, Finger),
     start: Vec2,
-    at: Vec2,
-    /// Up to where it was followed.
-    followed: Vec2,
+    position: Vec2,
+    /// The position up to which motion is emitted.
+    moved_to: Vec2,
 }
 
-impl Pad {
+impl Touchpad {
     pub(super) fn new(settings: TouchpadSettings) -> Self {
         Self {
             settings,
             fingers: ArrayVec::new(),
             began: Timestamp::default(),
-            most_fingers: 0,
+            max_fingers: 0,
             has_moved: false,
             is_cancelled: false,
             may_drag: false,
             is_dragging: false,
-            clicked: None,
-            followed: Timestamp::default(),
-            pointer_rest: Vec2::ZERO,
-            wheel_rest: Vec2::ZERO,
+            last_click: None,
+            moved_until: Timestamp::default(),
+            pointer_remainder: Vec2::ZERO,
+            scroll_remainder: Vec2::ZERO,
         }
     }
 
-    pub(super) fn forget(&mut self) {
+    pub(super) fn reset(&mut self) {
         *self = Self::new(self.settings);
     }
 
-    /// Takes note of where a finger is.
-    pub(super) fn take(&mut self, touch: &Touch, button: Button, out: &mut DeviceOutput) {
+    /// Updates the fingers; emits clicks and the end of a drag.
+    pub(super) fn handle(&mut self, touch: &Touch, button: MouseButton, out: &mut DeviceOutput) {
         if touch.phase == Phase::Touched {
-            self.come(touch);
+            self.finger_down(touch);
             return;
         }
-        let finger = (touch.side, touch.finger);
-        let Some(place) = self.fingers.iter().position(|on| on.finger == finger) else {
+        let id = (touch.side, touch.finger);
+        let Some(index) = self.fingers.iter().position(|finger| finger.id == id) else {
             return;
         };
-        self.fingers[place].at = touch.position;
-        self.has_moved |= touch.position.distance(self.fingers[place].start) > DEAD_ZONE;
+        self.fingers[index].position = touch.position;
+        self.has_moved |= touch.position.distance(self.fingers[index].start) > DEAD_ZONE;
         if matches!(touch.phase, Phase::Left | Phase::Cancelled) {
-            self.fingers.remove(place);
-            self.go(touch, button, out);
+            self.fingers.remove(index);
+            self.finger_up(touch, button, out);
         }
     }
 
-    /// Moves the pointer or the wheel along with the fingers, up to `time`.
-    pub(super) fn follow(&mut self, time: Timestamp, button: Button, out: &mut DeviceOutput) {
-        let seconds = time.since(self.followed).as_secs_f32();
-        self.followed = time;
+    /// Emits pointer motion or scrolling for the motion of the fingers up to `time`.
+    pub(super) fn emit_motion(
+        &mut self,
+        time: Timestamp,
+        button: MouseButton,
+        out: &mut DeviceOutput,
+    ) {
+        let seconds = time.since(self.moved_until).as_secs_f32();
+        self.moved_until = time;
         let count = self.fingers.len();
-        if !self.has_moved || self.is_cancelled || count != self.most_fingers {
+        if !self.has_moved || self.is_cancelled || count != self.max_fingers {
             return;
         }
-        let mut way = Vec2::ZERO;
-        for on in &mut self.fingers {
-            way += on.way() / count as f32;
-            on.followed = on.at;
+        let mut motion = Vec2::ZERO;
+        for finger in &mut self.fingers {
+            motion += finger.motion() / count as f32;
+            finger.moved_to = finger.position;
         }
         match count {
             1 => {
-                let will_drag = self.may_drag && !self.is_dragging;
-                if will_drag {
+                let begins_drag = self.may_drag && !self.is_dragging;
+                if begins_drag {
                     self.is_dragging = button.press(time, out);
                 }
-                // Without its button a drag would be a mere motion.
-                if !will_drag || self.is_dragging {
-                    self.move_pointer(way, seconds, time, out);
+                // Without its button a drag would be plain motion.
+                if !begins_drag || self.is_dragging {
+                    self.move_pointer(motion, seconds, time, out);
                 }
             }
-            2 => self.turn_wheel(way, time, out),
+            2 => self.scroll(motion, time, out),
             _ => {}
         }
     }
 
-    fn come(&mut self, touch: &Touch) {
-        let finger = (touch.side, touch.finger);
-        // One that comes again has gone, told or not.
-        self.fingers.retain(|on| on.finger != finger);
+    fn finger_down(&mut self, touch: &Touch) {
+        let id = (touch.side, touch.finger);
+        // A finger that touches again has left before, whether or not that was reported.
+        self.fingers.retain(|finger| finger.id != id);
         if self.fingers.is_empty() {
-            let since_click = self.clicked.take().map(|clicked| touch.time.since(clicked));
+            let since_click = self.last_click.take().map(|click| touch.time.since(click));
             *self = Self {
                 began: touch.time,
-                followed: touch.time,
-                may_drag: since_click.is_some_and(|since| since < TAP_AGAIN),
+                moved_until: touch.time,
+                may_drag: since_click.is_some_and(|since| since < TAP_DRAG_TIME),
                 ..Self::new(self.settings)
             };
         }
         // Each finger is on one target at most, so there is room.
-        let _ = self.fingers.try_push(OnPad {
-            finger,
+        let _ = self.fingers.try_push(PadFinger {
+            id,
             start: touch.position,
-            at: touch.position,
-            followed: touch.position,
+            position: touch.position,
+            moved_to: touch.position,
         });
-        self.most_fingers = self.most_fingers.max(self.fingers.len());
+        self.max_fingers = self.max_fingers.max(self.fingers.len());
     }
 
-    /// A finger has gone.
-    fn go(&mut self, touch: &Touch, button: Button, out: &mut DeviceOutput) {
+    fn finger_up(&mut self, touch: &Touch, button: MouseButton, out: &mut DeviceOutput) {
         self.is_cancelled |= touch.phase == Phase::Cancelled;
         if std::mem::take(&mut self.is_dragging) {
             match touch.phase {
                 Phase::Cancelled => button.cancel(touch.time, out),
-                _ => button.end(touch.time, out),
+                _ => button.release(touch.time, out),
             }
             self.may_drag = false;
         }
         let is_tap = self.fingers.is_empty()
             && !self.has_moved
             && !self.is_cancelled
-            && touch.time.since(self.began) < TAP;
-        let action = match self.most_fingers {
+            && touch.time.since(self.began) < TAP_TIME;
+        let action = match self.max_fingers {
             1 if is_tap => LEFT,
             2 if is_tap => RIGHT,
             _ => return,
         };
         if button.click(action, touch.time, out) && action == LEFT {
-            self.clicked = Some(touch.time);
+            self.last_click = Some(touch.time);
         }
     }
 
-    fn move_pointer(&mut self, way: Vec2, seconds: f32, time: Timestamp, out: &mut DeviceOutput) {
-        let speed = way.length() / seconds;
-        // Not a number where no time has gone by.
-        let quickness = if speed > 0.0 {
-            (speed / QUICK).min(1.0)
+    fn move_pointer(
+        &mut self,
+        motion: Vec2,
+        seconds: f32,
+        time: Timestamp,
+        out: &mut DeviceOutput,
+    ) {
+        let speed = motion.length() / seconds;
+        // The speed is NaN if neither time nor motion has passed.
+        let fraction = if speed > 0.0 {
+            (speed / FAST).min(1.0)
         } else {
             0.0
         };
-        let factor = 1.0 + self.settings.acceleration * quickness;
-        let pixels = way * self.settings.px_per_m * factor;
-        self.pointer_rest += Vec2::new(pixels.x, -pixels.y);
-        let whole = self.pointer_rest.trunc();
-        let told = EventKind::MoveBy(whole.x as i32, whole.y as i32);
-        if whole != Vec2::ZERO && out.emit(time, told) {
-            self.pointer_rest -= whole;
+        let factor = 1.0 + self.settings.acceleration * fraction;
+        let pixels = motion * self.settings.px_per_m * factor;
+        self.pointer_remainder += Vec2::new(pixels.x, -pixels.y);
+        let whole = self.pointer_remainder.trunc();
+        let event = EventKind::MoveBy(whole.x as i32, whole.y as i32);
+        if whole != Vec2::ZERO && out.emit(time, event) {
+            self.pointer_remainder -= whole;
         }
     }
 
-    fn turn_wheel(&mut self, way: Vec2, time: Timestamp, out: &mut DeviceOutput) {
-        let turn = way * self.settings.detents_per_m * CLICK;
-        self.wheel_rest += if self.settings.natural_scrolling {
-            -turn
+    fn scroll(&mut self, motion: Vec2, time: Timestamp, out: &mut DeviceOutput) {
+        let amount = motion * self.settings.detents_per_m * DETENT;
+        self.scroll_remainder += if self.settings.natural_scrolling {
+            -amount
         } else {
-            turn
+            amount
         };
-        let whole = self.wheel_rest.trunc();
-        let told = EventKind::Scroll(whole.x as i32, whole.y as i32);
-        if whole != Vec2::ZERO && out.emit(time, told) {
-            self.wheel_rest -= whole;
+        let whole = self.scroll_remainder.trunc();
+        let event = EventKind::Scroll(whole.x as i32, whole.y as i32);
+        if whole != Vec2::ZERO && out.emit(time, event) {
+            self.scroll_remainder -= whole;
         }
     }
 }
 
-impl OnPad {
-    /// Its way since it was followed last, without what lies in the dead zone around its start.
-    fn way(&self) -> Vec2 {
-        if self.followed != self.start {
-            return self.at - self.followed;
+impl PadFinger {
+    /// Returns the motion that is not emitted yet, without the dead zone around the start.
+    fn motion(&self) -> Vec2 {
+        if self.moved_to != self.start {
+            return self.position - self.moved_to;
         }
-        let way = self.at - self.start;
-        way * (1.0 - DEAD_ZONE / way.length()).max(0.0)
+        let motion = self.position - self.start;
+        motion * (1.0 - DEAD_ZONE / motion.length()).max(0.0)
     }
 }

@@ -1,77 +1,77 @@
-//! A touch screen.
+//! Touchscreens.
 
 use parry3d::math::Vec2;
 
-use super::Button;
+use super::MouseButton;
 use crate::contact::{Phase, Touch};
 use crate::device::{DeviceOutput, EventKind};
 use crate::hand::{Finger, Side};
 
-/// A touch screen and the finger that counts.
+/// A touchscreen and the finger that controls it.
 #[derive(Clone, Debug)]
-pub(super) struct Screen {
-    half: Vec2,
+pub(super) struct Touchscreen {
+    half_extents: Vec2,
     finger: Option<(Side, Finger)>,
-    /// The place that was told last since the finger came.
-    told: Option<Vec2>,
+    /// The position emitted last since the finger touched, 0..=1.
+    position: Option<Vec2>,
 }
 
-impl Screen {
-    pub(super) fn new(half: Vec2) -> Self {
+impl Touchscreen {
+    pub(super) fn new(half_extents: Vec2) -> Self {
         Self {
-            half,
+            half_extents,
             finger: None,
-            told: None,
+            position: None,
         }
     }
 
-    pub(super) fn forget(&mut self) {
+    pub(super) fn reset(&mut self) {
         self.finger = None;
-        self.told = None;
+        self.position = None;
     }
 
-    pub(super) fn take(&mut self, touch: &Touch, button: Button, out: &mut DeviceOutput) {
+    pub(super) fn handle(&mut self, touch: &Touch, button: MouseButton, out: &mut DeviceOutput) {
         let finger = (touch.side, touch.finger);
         if touch.phase == Phase::Touched && self.finger.is_none() {
             self.finger = Some(finger);
-            self.told = None;
+            self.position = None;
         }
         if self.finger != Some(finger) {
             return;
         }
         match touch.phase {
             Phase::Touched | Phase::Moved => {
-                self.point(touch, out);
+                self.move_pointer(touch, out);
             }
-            // A press at a place that was not told would be one somewhere else.
+            // If the position was not emitted, the button would press somewhere else.
             Phase::Pressed => {
-                if self.point(touch, out) {
+                if self.move_pointer(touch, out) {
                     button.press(touch.time, out);
                 }
             }
             Phase::Released => {
-                self.point(touch, out);
-                button.end(touch.time, out);
+                self.move_pointer(touch, out);
+                button.release(touch.time, out);
             }
             Phase::Left => {
-                button.end(touch.time, out);
-                self.forget();
+                button.release(touch.time, out);
+                self.reset();
             }
             Phase::Cancelled => {
                 button.cancel(touch.time, out);
-                self.forget();
+                self.reset();
             }
         }
     }
 
-    /// Brings the pointer to the finger; whether it is there.
-    fn point(&mut self, touch: &Touch, out: &mut DeviceOutput) -> bool {
-        let share = touch.position / (self.half * 2.0);
-        let place = Vec2::new(0.5 + share.x, 0.5 - share.y).clamp(Vec2::ZERO, Vec2::ONE);
-        let is_there =
-            self.told == Some(place) || out.emit(touch.time, EventKind::MoveTo(place.x, place.y));
+    /// Moves the pointer to the finger; returns whether it is there.
+    fn move_pointer(&mut self, touch: &Touch, out: &mut DeviceOutput) -> bool {
+        let offset = touch.position / (self.half_extents * 2.0);
+        let position = Vec2::new(0.5 + offset.x, 0.5 - offset.y).clamp(Vec2::ZERO, Vec2::ONE);
+        let is_there = self.position == Some(position)
+            || out.emit(touch.time, EventKind::MoveTo(position.x, position.y));
         if is_there {
-            self.told = Some(place);
+            self.position = Some(position);
         }
         is_there
     }

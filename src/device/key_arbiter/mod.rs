@@ -1,0 +1,309 @@
+//! The keys that should be down, from the presses of all controls of a layout.
+
+mod action;
+mod locks;
+mod one_shots;
+
+pub use self::action::{KeyAction, Latch, TextId};
+
+use arrayvec::ArrayVec;
+
+use self::locks::Locks;
+use self::one_shots::OneShots;
+use super::{EventKind, Events, KeyCode, OutputEvent, Request};
+use crate::contact::{TargetId, Touch};
+use crate::hand::{Finger, Side};
+use crate::time::Timestamp;
+
+/// The number of modifier keys.
+pub(super) const MODIFIER_COUNT: usize = 8;
+
+/// Ten fingers, and 30 controls that stay on, such as toggle switches. Further presses are refused.
+const MAX_PRESSES: usize = 40;
+
+/// One key per press, and the modifiers.
+const MAX_PRESSED_KEYS: usize = MAX_PRESSES + MODIFIER_COUNT;
+
+/// Decides which keys are down when several controls, modifiers and layers share them.
+///
+/// Each press belongs to its source and ends only there. A key that two presses hold goes down with the
+/// first and up with the last. A press keeps its action when the layer changes. A press that does not fit
+/// into the event list is refused; a release never is.
+#[derive(Clone, Debug, Default)]
+pub struct KeyArbiter {
+    texts: Vec<String>,
+    /// In order of pressing.
+    presses: ArrayVec<Press, MAX_PRESSES>,
+    one_shots: OneShots,
+    locks: Locks,
+    /// The keys that are down for the receiver, in order of pressing.
+    pressed_keys: ArrayVec<PressedKey, MAX_PRESSED_KEYS>,
+    /// The time of the last event; times never decrease.
+    time: Timestamp,
+    /// By side, the hands that may point but not type.
+    pointing_only: [bool; Side::COUNT],
+    /// The presses dropped because of that.
+    dropped_presses: u64,
+}
+
+/// The source of a press.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PressSource {
+    /// A fingertip on a target.
+    Touch(Side, Finger, TargetId),
+    /// A part of a control, such as the left side of a joystick.
+    Part(TargetId, u8),
+}
+
+impl PressSource {
+    /// Returns the fingertip and the target of a touch.
+    pub fn from_touch(touch: &Touch) -> Self {
+        Self::Touch(touch.side, touch.finger, touch.target)
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Press {
+    source: PressSource,
+    action: KeyAction,
+    /// For a one-shot or lock: whether another key was pressed meanwhile, so that it acts as momentary.
+    is_used: bool,
+    /// For a one-shot or lock: whether a tap activates it. Not if it was active and this press ended that.
+    latches: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct PressedKey {
+    code: KeyCode,
+    is_modifier: bool,
+}
+
+impl KeyArbiter {
+    /// Creates an arbiter with nothing pressed. `texts[i]` is the text of [`TextId`] `i`.
+    pub fn new(texts: Vec<String>) -> Self {
+        Self {
+            texts,
+            ..Self::default()
+        }
+    }
+
+    /// Returns the active layer, 0 for the base layer: that of the layer key pressed last, or else the
+    /// one-shot layer, or else the locked one.
+    pub fn active_layer(&self) -> usize {
+        let pressed = self
+            .presses
+            .iter()
+            .rev()
+            .find_map(|press| match press.action {
+                KeyAction::Layer(layer, _) => Some(layer),
+                _ => None,
+            });
+        let latched = self.one_shots.layer.or(self.locks.layer);
+        pressed.or(latched).unwrap_or(0)
+    }
+
+    /// Whether an action is pressed.
+    pub fn is_pressed(&self, action: KeyAction) -> bool {
+        self.presses.iter().any(|press| press.action == action)
+    }
+
+    /// Sets, by side, which hands may point but not type: keys that their fingers press from now on are
+    /// dropped. Checked at each press, because a delayed press may begin in a step of the other hand.
+    pub fn set_pointing_hands(&mut self, pointing_only: [bool; Side::COUNT]) {
+        self.pointing_only = pointing_only;
+    }
+
+    /// Returns the number of presses dropped because of that since the last call.
+    pub fn take_dropped_presses(&mut self) -> u64 {
+        std::mem::take(&mut self.dropped_presses)
+    }
+
+    /// Whether a source presses anything.
+    pub fn has_press_from(&self, source: PressSource) -> bool {
+        self.presses.iter().any(|press| press.source == source)
+    }
+
+    /// Returns the time of the last event.
+    pub fn last_event_time(&self) -> Timestamp {
+        self.time
+    }
+
+    /// Whether a press fits: after it and its modifiers there must be room to release everything that is
+    /// down. This is why a press may be dropped and a release never is.
+    pub fn has_room(&self, events: &Events) -> bool {
+        let max_pressed = self.pressed_keys.len() + 1 + MODIFIER_COUNT;
+        !self.presses.is_full() && events.remaining_capacity() >= 1 + MODIFIER_COUNT + max_pressed
+    }
+
+    /// Starts a press. Returns `false`, and has no effect, if there is no room. The keys that it holds are
+    /// emitted by the next [`emit_changes`](Self::emit_changes).
+    pub fn press(
+        &mut self,
+        source: PressSource,
+        action: KeyAction,
+        time: Timestamp,
+        events: &mut Events,
+    ) -> bool {
+        if matches!(source, PressSource::Touch(side, ..) if self.pointing_only[side.index()])
+            && action.is_typing()
+        {
+            self.dropped_presses += 1;
+            return true;
+        }
+        if !self.has_room(events) {
+            const PAUSE: Request = Request::Pause;
+            return action == KeyAction::Ask(PAUSE)
+                && self.emit(time, EventKind::Ask(PAUSE), events);
+        }
+        match action {
+            KeyAction::Text(text) if !self.write(text, time, events) => return false,
+            KeyAction::Ask(request) => {
+                self.push_event(time, EventKind::Ask(request), events);
+            }
+            _ => {}
+        }
+        let was_one_shot = self.one_shots.deactivate(action);
+        let was_locked = self.locks.deactivate(action);
+        if let KeyAction::Key(_) = action {
+            self.apply_one_shots(source);
+        }
+        self.presses.push(Press {
+            source,
+            action,
+            is_used: false,
+            latches: !was_one_shot && !was_locked,
+        });
+        true
+    }
+
+    /// Ends the presses of matching sources, as taps. Their keys are released by the next
+    /// [`emit_changes`](Self::emit_changes).
+    pub fn release(&mut self, matches: impl Fn(PressSource) -> bool) {
+        self.end(matches, true);
+    }
+
+    /// Ends the presses of matching sources that were lost or slid off: none of them counts as a tap.
+    pub fn cancel(&mut self, matches: impl Fn(PressSource) -> bool) {
+        self.end(matches, false);
+    }
+
+    /// Emits the difference between the pressed and the wanted keys, releases first. A release that does not
+    /// fit into the event list is retried by the next call.
+    pub fn emit_changes(&mut self, time: Timestamp, events: &mut Events) {
+        let wanted = self.wanted_keys();
+        self.release_unwanted(&wanted, time, events);
+        for key in wanted {
+            let is_down = self.pressed_keys.iter().any(|other| other.code == key.code);
+            if is_down || self.pressed_keys.is_full() {
+                continue;
+            }
+            if self.push_event(time, EventKind::KeyDown(key.code), events) {
+                self.pressed_keys.push(key);
+            }
+        }
+    }
+
+    /// Ends all presses, one-shots and locks, and releases all keys.
+    pub fn release_all(&mut self, time: Timestamp, events: &mut Events) {
+        self.presses.clear();
+        self.one_shots = OneShots::default();
+        self.locks = Locks::default();
+        self.time = self.time.max(time);
+        self.release_unwanted(&[], time, events);
+    }
+
+    /// Emits an event that is neither a press nor a release. Returns `false` if it would take the room that
+    /// releases need.
+    pub fn emit(&mut self, time: Timestamp, kind: EventKind, events: &mut Events) -> bool {
+        events.remaining_capacity() > self.pressed_keys.len() && self.push_event(time, kind, events)
+    }
+
+    /// Applies the armed one-shots to the key press of a source.
+    fn apply_one_shots(&mut self, source: PressSource) {
+        self.one_shots.apply_to(source);
+        for press in &mut self.presses {
+            press.is_used = true;
+        }
+    }
+
+    /// Emits a text, or nothing if not all of it fits.
+    fn write(&mut self, TextId(text): TextId, time: Timestamp, events: &mut Events) -> bool {
+        let time = self.time.max(time);
+        let Some(text) = self.texts.get(usize::from(text)) else {
+            return false;
+        };
+        let room = events.remaining_capacity();
+        if room <= text.chars().count() + self.pressed_keys.len() + 1 + MODIFIER_COUNT {
+            return false;
+        }
+        events.extend(text.chars().map(|character| OutputEvent {
+            time,
+            kind: EventKind::Character(character),
+        }));
+        self.time = time;
+        true
+    }
+
+    fn end(&mut self, matches: impl Fn(PressSource) -> bool, is_tap: bool) {
+        let (one_shots, locks) = (&mut self.one_shots, &mut self.locks);
+        self.presses.retain(|press| {
+            if !matches(press.source) {
+                return true;
+            }
+            one_shots.end_press(press, is_tap);
+            locks.end_press(press, is_tap);
+            false
+        });
+    }
+
+    /// Returns the keys that should be down now, modifiers first.
+    fn wanted_keys(&self) -> ArrayVec<PressedKey, MAX_PRESSED_KEYS> {
+        let mut wanted = ArrayVec::new();
+        let mut add = |code: KeyCode, is_modifier: bool| {
+            if !wanted.iter().any(|other: &PressedKey| other.code == code) {
+                let _ = wanted.try_push(PressedKey { code, is_modifier });
+            }
+        };
+        for press in &self.presses {
+            match press.action {
+                KeyAction::Modifier(code, Latch::Momentary | Latch::Lock) => add(code, true),
+                KeyAction::Modifier(code, Latch::OneShot) if press.is_used => add(code, true),
+                _ => {}
+            }
+        }
+        for &code in self.locks.modifiers.iter().chain(&self.one_shots.active) {
+            add(code, true);
+        }
+        for press in &self.presses {
+            if let KeyAction::Key(code) = press.action {
+                add(code, false);
+            }
+        }
+        wanted
+    }
+
+    /// Releases the keys that are down but not wanted: in reverse order of pressing, modifiers last.
+    fn release_unwanted(&mut self, wanted: &[PressedKey], time: Timestamp, events: &mut Events) {
+        for is_modifier in [false, true] {
+            for index in (0..self.pressed_keys.len()).rev() {
+                let key = self.pressed_keys[index];
+                let is_wanted = wanted.iter().any(|other| other.code == key.code);
+                if is_wanted || key.is_modifier != is_modifier {
+                    continue;
+                }
+                if self.push_event(time, EventKind::KeyUp(key.code), events) {
+                    self.pressed_keys.remove(index);
+                }
+            }
+        }
+    }
+
+    fn push_event(&mut self, time: Timestamp, kind: EventKind, events: &mut Events) -> bool {
+        let time = self.time.max(time);
+        let has_room = events.try_push(OutputEvent { time, kind }).is_ok();
+        if has_room {
+            self.time = time;
+        }
+        has_room
+    }
+}
