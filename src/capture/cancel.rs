@@ -63,7 +63,7 @@ mod tests {
         let (bell, interrupt) = cancel_token().unwrap();
         let heard = interrupt.clone();
         assert!(!heard.is_cancelled());
-        drop(cancel_token);
+        drop(bell);
         assert!(heard.is_cancelled());
         assert!(heard.channel().recv().is_err());
         assert_eq!(heard.pipe().read(&mut [0]).unwrap(), 0);

@@ -18,33 +18,20 @@
 //! # Ok::<(), ademan::capture::CaptureError>(())
 //! ```
 
-pub mod hc11;
 pub mod uri;
-mod connect;
-mod clock;
-mod garbage;
+pub mod protocol;
+pub mod transport;
 pub mod cancel;
-#[cfg(target_os = "linux")]
-mod wait;
-#[cfg(not(target_os = "linux"))]
-#[path = "no_wait.rs"]
-mod wait;
-mod text_watch;
-mod line;
+mod poll;
+mod packet_clock;
+mod garbage;
 mod reconnect;
-mod usb;
-mod serial;
-mod tcp;
-mod file;
+mod stream;
 pub mod recording;
 pub mod pace;
-#[cfg_attr(not(target_os = "linux"), path = "always_awake.rs")]
 mod suspend;
 pub mod thread;
 mod merge;
-pub mod loopback;
-#[cfg(unix)]
-mod pty;
 #[cfg(test)]
 mod test_random;
 
@@ -57,21 +44,18 @@ use crate::hand::Side;
 use crate::time::Timestamp;
 
 pub use cancel::CancelToken;
-pub use loopback::Loopback;
-#[cfg(not(unix))]
-pub use loopback::open_tcp_loopback as open_wire;
 pub use merge::MergedSource;
 pub use pace::PacedSource;
-#[cfg(unix)]
-pub use pty::open_loopback;
+pub use protocol::hc11;
 pub use reconnect::BackOff;
 pub use thread::{CaptureEvent, CaptureThread, spawn};
+pub use transport::loopback::{self, Loopback, open_loopback};
 pub use uri::{Protocol, SourceUri, StreamOptions};
 
-use file::FileConnector;
-use line::StreamSource;
-use serial::SerialConnector;
-use tcp::TcpConnector;
+use stream::StreamSource;
+use transport::file::FileConnector;
+use transport::serial::SerialConnector;
+use transport::tcp::TcpConnector;
 
 /// Opens a source whose bytes come over a line: `serial:`, `tcp:` or `file:`.
 ///

@@ -5,7 +5,7 @@ use std::time::Duration;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, after, bounded, never, select};
 
 use super::cancel::CancelToken;
-use super::connect::{ConnectError, Connection, READ_TIMEOUT, Transport};
+use super::transport::{ConnectError, Connection, Connector, READ_TIMEOUT};
 
 /// The intervals between attempts: 0.1 s, doubling to 2 s.
 #[derive(Clone, Debug)]
@@ -49,7 +49,7 @@ pub(super) enum ReconnectEvent {
 
 impl Reconnect {
     /// Starts to look, at intervals of `back_off`.
-    pub fn start(connector: impl Transport, back_off: BackOff) -> Self {
+    pub fn start(connector: impl Connector, back_off: BackOff) -> Self {
         let (sender, findings) = bounded(1);
         let (stop, stopped) = bounded(0);
         let thread = std::thread::Builder::new()
@@ -83,7 +83,7 @@ impl Reconnect {
 }
 
 fn search(
-    mut connector: impl Transport,
+    mut connector: impl Connector,
     mut back_off: BackOff,
     stopped: &Receiver<()>,
     findings: &Sender<ReconnectEvent>,
@@ -124,7 +124,7 @@ mod tests {
         refusals: &'static [&'static str],
     }
 
-    impl Transport for Reluctant {
+    impl Connector for Reluctant {
         const IS_LIVE: bool = true;
 
         fn connect(&mut self) -> Result<Connection, ConnectError> {

@@ -3,8 +3,13 @@
 use std::io::{ErrorKind, Result, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 
-use super::SourceUri;
-use super::uri::StreamOptions;
+use crate::capture::SourceUri;
+use crate::capture::uri::StreamOptions;
+
+#[cfg(not(unix))]
+pub use self::open_tcp_loopback as open_loopback;
+#[cfg(unix)]
+pub use super::pty::open_loopback;
 
 /// A line whose writing end is in this program.
 ///

@@ -6,17 +6,17 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::fs::MetadataExt;
 use std::time::Duration;
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::event::{PollFd, PollFlags, Timespec};
 use rustix::fs::{Mode, OFlags, open};
 use rustix::io::Errno;
 
-use super::cancel::CancelToken;
+use crate::capture::cancel::CancelToken;
 
 /// Where the kernel has its pseudo-terminals.
 const TERMINALS: &str = "/dev/pts";
 
 /// Says when a line has bytes.
-pub(super) struct Readiness(OwnedFd);
+pub(in crate::capture) struct Readiness(OwnedFd);
 
 impl Readiness {
     /// That of `line`; `None` where the system has no more file numbers.
@@ -36,7 +36,7 @@ impl Readiness {
         let line = PollFd::new(&self.0, PollFlags::IN);
         // Without an interrupt the line stands in its place too: nothing else can end the wait.
         let mut files = [line.clone(), pipe.unwrap_or(line)];
-        match poll(&mut files, limit.as_ref()) {
+        match rustix::event::poll(&mut files, limit.as_ref()) {
             Ok(_) => {}
             Err(Errno::INTR) => return Ok(false),
             Err(error) => return Err(error.into()),
@@ -51,14 +51,14 @@ impl Readiness {
 
 /// A second way to the port at `place`, to be opened before the first one closes it to others: a port does not lend
 /// its file number. It does not wait. `None` where it cannot be had.
-pub(super) fn open_to_read(place: &str) -> Option<File> {
+pub(in crate::capture) fn open_to_read(place: &str) -> Option<File> {
     let flags = OFlags::RDONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
     open(place, flags, Mode::empty()).ok().map(File::from)
 }
 
 /// A name of a pseudo-terminal, as it was when it was opened.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct TerminalName {
+pub(in crate::capture) struct TerminalName {
     /// Number and last change of a link; `None` for the terminal's own name.
     link: Option<(u64, i64, i64)>,
 }
@@ -100,7 +100,7 @@ mod tests {
         let (bell, interrupt) = cancel_token().unwrap();
         let later = spawn(move || {
             sleep(Duration::from_millis(50));
-            drop(cancel_token);
+            drop(bell);
             sleep(Duration::from_millis(50));
             end.write_all(&[1]).unwrap();
             end

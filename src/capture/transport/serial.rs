@@ -7,15 +7,15 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
 
-use super::connect::{ConnectError, Connection, READ_TIMEOUT, Transport};
-use super::lists_serial_ports;
-use super::usb::{KnownDevice, Port, PortChoice, choose_port};
-use super::wait::{self, Readiness, TerminalName};
+use super::usb_port::{KnownDevice, Port, PortChoice, choose_port};
+use super::{ConnectError, Connection, Connector, READ_TIMEOUT};
 use crate::advice::{self, AccessDenied};
+use crate::capture::lists_serial_ports;
+use crate::capture::poll::{self, Readiness, TerminalName};
 
 /// Opens a serial port, and finds its device again under another name.
 #[derive(Clone)]
-pub(super) struct SerialConnector {
+pub(in crate::capture) struct SerialConnector {
     port: String,
     baud: u32,
     known: Option<KnownDevice>,
@@ -34,7 +34,7 @@ impl SerialConnector {
     }
 }
 
-impl Transport for SerialConnector {
+impl Connector for SerialConnector {
     const IS_LIVE: bool = true;
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {
@@ -53,7 +53,7 @@ impl Transport for SerialConnector {
                 "that pseudo-terminal has ended; give its successor a link of the same name".into(),
             ));
         }
-        let file = wait::open_to_read(&place);
+        let file = poll::open_to_read(&place);
         let port = open(&place, self.baud).map_err(|error| explain(&error, &place, &present))?;
         *terminal = name;
         if self.known.is_none() {
@@ -205,7 +205,7 @@ fn list(present: &[Port]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::usb::UsbIdentity;
+    use crate::capture::transport::usb_port::UsbIdentity;
 
     fn usb_port(name: &str) -> Port {
         Port {

@@ -6,7 +6,7 @@ const SHORTEST_LINE: u8 = 8;
 
 /// Looks for a line of text among the bytes that belong to no frame.
 #[derive(Clone, Debug, Default)]
-pub(super) struct TextDetector {
+pub(in crate::capture) struct TextDetector {
     /// Printable characters in a row, up to now.
     printable: u8,
     has_seen_frame: bool,

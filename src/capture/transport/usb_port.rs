@@ -6,7 +6,7 @@ use serialport::{SerialPortInfo, SerialPortType};
 ///
 /// Adapters of one make without a serial number look alike.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct UsbIdentity {
+pub(in crate::capture) struct UsbIdentity {
     pub vendor: u16,
     pub product: u16,
     pub serial_number: Option<String>,
@@ -24,7 +24,7 @@ impl std::fmt::Display for UsbIdentity {
 
 /// A serial port that is present.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Port {
+pub(in crate::capture) struct Port {
     pub name: String,
     pub usb: Option<UsbIdentity>,
 }
@@ -48,7 +48,7 @@ impl From<SerialPortInfo> for Port {
 
 /// The device that was on a port when it was opened for the first time.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct KnownDevice {
+pub(in crate::capture) struct KnownDevice {
     pub identity: UsbIdentity,
     /// Another port had the same identity then: only the name tells them apart.
     pub has_twin: bool,
@@ -69,7 +69,7 @@ impl KnownDevice {
 
 /// Which port to open.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum PortChoice {
+pub(in crate::capture) enum PortChoice {
     /// The port of this name.
     Open(String),
     /// The device is on no port.
@@ -84,7 +84,11 @@ pub(super) enum PortChoice {
 ///
 /// A device whose identity is not known is wherever its name is. One that is known is followed to another
 /// name, unless it has a twin.
-pub(super) fn choose_port(name: &str, known: Option<&KnownDevice>, present: &[Port]) -> PortChoice {
+pub(in crate::capture) fn choose_port(
+    name: &str,
+    known: Option<&KnownDevice>,
+    present: &[Port],
+) -> PortChoice {
     let Some(device) = known else {
         return PortChoice::Open(name.to_owned());
     };

@@ -3,11 +3,11 @@
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-use super::connect::{ConnectError, Connection, Transport};
+use super::{ConnectError, Connection, Connector};
 
 /// Opens a file of bytes.
 #[derive(Clone)]
-pub(super) struct FileConnector {
+pub(in crate::capture) struct FileConnector {
     path: PathBuf,
 }
 
@@ -19,7 +19,7 @@ impl FileConnector {
     }
 }
 
-impl Transport for FileConnector {
+impl Connector for FileConnector {
     const IS_LIVE: bool = false;
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {

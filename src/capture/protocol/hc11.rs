@@ -1,7 +1,7 @@
 //! The packets of the HC11 glove: 64 counts between marks, found in a stream that may be cut anywhere.
 
-use super::text_watch::TextDetector;
-use super::{Channels, SourceStats};
+use super::restart_text::TextDetector;
+use crate::capture::{Channels, SourceStats};
 use crate::names::named_enum;
 
 /// Bytes between the marks of a frame: one per sensor channel, in wire order.

@@ -7,8 +7,9 @@ use std::time::Duration;
 
 use serialport::{SerialPort, TTYPort};
 
-use super::uri::StreamOptions;
-use super::{SourceUri, loopback::Loopback};
+use super::loopback::Loopback;
+use crate::capture::SourceUri;
+use crate::capture::uri::StreamOptions;
 
 /// Opens a wire over a pair of pseudo terminals.
 ///

@@ -11,7 +11,7 @@ const TOLERANCE: Duration = Duration::from_millis(100);
 ///
 /// The clock that [`Instant`](std::time::Instant) goes by stands still in a sleep; the one since the start of
 /// the machine does not.
-pub(super) struct SuspendDetector {
+pub(in crate::capture) struct SuspendDetector {
     /// How long the machine has slept since its start.
     asleep: fn() -> Duration,
     /// What that was when it was last asked.

@@ -2,7 +2,7 @@
 
 /// Notices nothing.
 #[derive(Default)]
-pub(super) struct Awake;
+pub(in crate::capture) struct Awake;
 
 impl Awake {
     /// Never, as far as is known here.

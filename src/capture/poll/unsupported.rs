@@ -5,10 +5,10 @@ use std::fs::File;
 use std::io::Result;
 use std::time::Duration;
 
-use super::interrupt::Interrupt;
+use crate::capture::cancel::CancelToken;
 
 /// There is none.
-pub(super) struct Readiness(Infallible);
+pub(in crate::capture) struct Readiness(Infallible);
 
 impl Readiness {
     /// None.
@@ -17,19 +17,19 @@ impl Readiness {
     }
 
     /// Never asked.
-    pub fn wait(&self, _: Option<&Interrupt>, _: Option<Duration>) -> Result<bool> {
+    pub fn wait(&self, _: Option<&CancelToken>, _: Option<Duration>) -> Result<bool> {
         match self.0 {}
     }
 }
 
 /// None.
-pub(super) fn open_to_read(_place: &str) -> Option<File> {
+pub(in crate::capture) fn open_to_read(_place: &str) -> Option<File> {
     None
 }
 
 /// The name of a pseudo-terminal; nothing is known of them here.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum TerminalName {}
+pub(in crate::capture) enum TerminalName {}
 
 impl TerminalName {
     pub fn of(_: &str) -> Option<Self> {

@@ -4,14 +4,14 @@ use std::io::Error;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-use super::connect::{ConnectError, Connection, READ_TIMEOUT, Transport};
-use super::wait::Readiness;
+use super::{ConnectError, Connection, Connector, READ_TIMEOUT};
+use crate::capture::poll::Readiness;
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// Connects to a converter.
 #[derive(Clone)]
-pub(super) struct TcpConnector {
+pub(in crate::capture) struct TcpConnector {
     address: String,
 }
 
@@ -23,7 +23,7 @@ impl TcpConnector {
     }
 }
 
-impl Transport for TcpConnector {
+impl Connector for TcpConnector {
     const IS_LIVE: bool = true;
 
     /// A peer whose power was cut never closes its end; a glove that runs is never silent for so long.

@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 use arrayvec::ArrayVec;
 
 use super::cancel::CancelToken;
-use super::clock::PacketClock;
-use super::connect::{Connection, READ_TIMEOUT, Transport};
 use super::garbage::GarbageDetector;
 use super::hc11::{self, BODY_BYTES, Hc11Decoder, PACKET_BYTES};
+use super::packet_clock::PacketClock;
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
+use super::transport::{Connection, Connector, READ_TIMEOUT};
 use super::uri::StreamOptions;
 use super::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
 use crate::time::Timestamp;
@@ -44,7 +44,7 @@ enum State {
     Ended,
 }
 
-impl<C: Transport> StreamSource<C> {
+impl<C: Connector> StreamSource<C> {
     /// Opens the line for the first time.
     pub fn open(
         name: String,
@@ -214,7 +214,7 @@ impl<C: Transport> StreamSource<C> {
     }
 }
 
-impl<C: Transport> Source for StreamSource<C> {
+impl<C: Connector> Source for StreamSource<C> {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         if let Some(reading) = self.next_pending() {
             return Ok(reading);
@@ -284,8 +284,8 @@ mod tests {
     use std::sync::{Arc, Mutex};
 
     use super::*;
-    use crate::capture::connect::ConnectError;
     use crate::capture::hc11::{Framing, encode};
+    use crate::capture::transport::ConnectError;
 
     const LIMIT: Duration = Duration::from_secs(20);
 
@@ -319,7 +319,7 @@ mod tests {
         }
     }
 
-    impl Transport for Script {
+    impl Connector for Script {
         const IS_LIVE: bool = true;
 
         fn connect(&mut self) -> Result<Connection, ConnectError> {
@@ -472,7 +472,7 @@ mod tests {
     #[derive(Clone)]
     struct StickyPort;
 
-    impl Transport for StickyPort {
+    impl Connector for StickyPort {
         const IS_LIVE: bool = true;
 
         fn connect(&mut self) -> Result<Connection, ConnectError> {

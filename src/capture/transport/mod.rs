@@ -1,18 +1,26 @@
 //! What a kind of line has to know: how it is opened.
 
+pub(in crate::capture) mod file;
+pub mod loopback;
+#[cfg(unix)]
+mod pty;
+pub(in crate::capture) mod serial;
+pub(in crate::capture) mod tcp;
+mod usb_port;
+
 use std::io::{Error, ErrorKind, Read, Result};
 use std::time::Duration;
 
-use super::cancel::CancelToken;
-use super::wait::Readiness;
+use crate::capture::cancel::CancelToken;
+use crate::capture::poll::Readiness;
 
 /// The longest time that one read may block where it cannot be interrupted.
-pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
+pub(in crate::capture) const READ_TIMEOUT: Duration = Duration::from_millis(50);
 
 /// How a line is opened, and opened again after it was lost.
 ///
 /// A clone of it looks for the lost device on a thread of its own, because opening may block.
-pub(super) trait Transport: Clone + Send + 'static {
+pub(in crate::capture) trait Connector: Clone + Send + 'static {
     /// Whether bytes come at their own pace and the end of the stream is a loss. A line that is not live
     /// ends with its stream, and its time is that of the nominal baud.
     const IS_LIVE: bool;
@@ -25,7 +33,7 @@ pub(super) trait Transport: Clone + Send + 'static {
 }
 
 /// An open line.
-pub(super) struct Connection {
+pub(in crate::capture) struct Connection {
     /// The bytes that come in.
     pub bytes: Box<dyn Read + Send>,
     /// Says when there are some; `None` where a read has to be tried.
@@ -54,7 +62,7 @@ impl Connection {
 
 /// Why a line does not open.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum ConnectError {
+pub(in crate::capture) enum ConnectError {
     /// It is not there: what is usual while a cable is out.
     Absent(String),
     /// It is there and cannot be used before its user does something.

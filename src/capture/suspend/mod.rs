@@ -1,0 +1,11 @@
+//! Detection of a system suspend: readings taken before it are stale.
+
+#[cfg(target_os = "linux")]
+mod linux;
+#[cfg(not(target_os = "linux"))]
+mod unsupported;
+
+#[cfg(target_os = "linux")]
+pub(in crate::capture) use linux::SuspendDetector;
+#[cfg(not(target_os = "linux"))]
+pub(in crate::capture) use unsupported::SuspendDetector;
