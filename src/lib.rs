@@ -55,7 +55,4 @@ pub mod pipeline;
 pub mod sim;
 pub mod setup;
 pub mod session;
-pub mod reload;
-pub mod control;
-pub mod panic_keys;
 pub mod doctor;

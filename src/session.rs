@@ -1,7 +1,10 @@
 //! Drives a pipeline, live or from a recording: one loop for both.
 
 mod call;
+pub mod control_socket;
 mod inbox;
+pub mod panic_keys;
+pub mod reload;
 
 use std::thread;
 use std::time::{Duration, Instant};

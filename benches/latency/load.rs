@@ -6,7 +6,7 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::control::{ControlServer, Notifier, ProfileInfo, ServerContext};
+use ademan::session::control_socket::{ControlServer, Notifier, ProfileInfo, ServerContext};
 use ademan::session::{Calls, calls};
 use crossbeam_channel::Receiver;
 use tempfile::TempDir;

@@ -8,14 +8,6 @@
 mod checks;
 mod facts;
 mod output_test;
-
-#[cfg(target_os = "linux")]
-mod probe;
-#[cfg(target_os = "linux")]
-mod wayland;
-
-#[cfg(not(target_os = "linux"))]
-#[path = "elsewhere.rs"]
 mod probe;
 
 pub use checks::check;

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use crate::support::process::Process;
 use crate::support::run::{MOVE, PATIENCE, Run, lines, shipped};
-use ademan::control::Client;
+use ademan::session::control_socket::Client;
 use serde_json::Value;
 
 /// A run with the key H held and a socket of its own.

@@ -5,7 +5,7 @@ use std::thread;
 
 use crate::support::binary::ademan;
 use crate::support::run::{ARMED, MOVE, Run};
-use ademan::control::Client;
+use ademan::session::control_socket::Client;
 use serde_json::Value;
 
 /// A setup that says nothing of roles.

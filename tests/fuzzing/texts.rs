@@ -5,9 +5,9 @@ use std::sync::LazyLock;
 use ademan::capture::SourceUri;
 use ademan::contact::TargetNames;
 use ademan::contact::board_pose::BoardPose;
-use ademan::control::request;
 use ademan::kinematics::ArmModel;
 use ademan::layout::{Document, DocumentError, Glove, Layout, move_boards, scale_boards};
+use ademan::session::control_socket::request;
 use ademan::setup::{ArmSetup, Setup, controls};
 use ademan::sim::Script;
 

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use ademan::control::{self, ControlServer, ProfileInfo, ServerContext};
-use ademan::reload::FileCalls;
 use ademan::session::Calls;
+use ademan::session::control_socket::{self as control, ControlServer, ProfileInfo, ServerContext};
+use ademan::session::reload::FileCalls;
 use ademan::setup::LoadedSetup;
 
 use crate::failure::Failure;

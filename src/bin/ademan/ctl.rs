@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use ademan::control::{self, Client};
+use ademan::session::control_socket::{self as control, Client};
 use serde_json::{Value, json};
 
 use crate::args::{CtlArgs, CtlRequest};

@@ -3,11 +3,11 @@
 use std::process::ExitCode;
 
 use ademan::capture::CaptureError;
-use ademan::control::ControlError;
 use ademan::document::DocumentError;
 use ademan::output::OutputError;
-use ademan::panic_keys::PanicKeysError;
 use ademan::session::SessionError;
+use ademan::session::control_socket::ControlError;
+use ademan::session::panic_keys::PanicKeysError;
 use ademan::setup::SetupError;
 
 /// The exit code for a job that failed.

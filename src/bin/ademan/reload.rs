@@ -3,13 +3,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use ademan::control::Notifier;
 use ademan::device::Capabilities;
 use ademan::device::{EventKind, Request};
 use ademan::layout::Layout;
 use ademan::output;
-use ademan::reload::{FileCall, FileCalls, FileOrder, LayoutManager, ReloadReport, ReplySender};
 use ademan::session::Replacement;
+use ademan::session::control_socket::Notifier;
+use ademan::session::reload::{
+    FileCall, FileCalls, FileOrder, LayoutManager, ReloadReport, ReplySender,
+};
 use ademan::setup::LoadedSetup;
 use ademan::snapshot::Snapshot;
 use crossbeam_channel::{Sender, bounded};

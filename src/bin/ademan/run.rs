@@ -1,11 +1,11 @@
 //! `ademan run`: the real thing.
 
 use ademan::advice;
-use ademan::control::ControlServer;
 use ademan::doctor;
 use ademan::output;
-use ademan::panic_keys;
-use ademan::reload::LayoutManager;
+use ademan::session::control_socket::ControlServer;
+use ademan::session::panic_keys;
+use ademan::session::reload::LayoutManager;
 use ademan::session::{self, Call, Commands, Order, run_pipeline};
 use crossbeam_channel::bounded;
 

@@ -6,7 +6,11 @@ use std::thread;
 use rustix::process::{Gid, Uid};
 use rustix::thread::{set_thread_groups, set_thread_res_gid, set_thread_res_uid};
 
-use super::*;
+use super::linux::*;
+use crate::advice::AccessDenied;
+use crate::doctor::Requirements;
+use crate::doctor::facts::*;
+use std::path::PathBuf;
 
 /// A person who is in no group but his own, and one of whom the list of groups says more.
 const BEA: u32 = 65_101;

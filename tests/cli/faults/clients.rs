@@ -3,7 +3,7 @@
 use std::io::{BufRead, BufReader, ErrorKind, Write};
 use std::os::unix::net::UnixStream;
 
-use ademan::control::Client;
+use ademan::session::control_socket::Client;
 
 use crate::support::run::{PATIENCE, Run};
 

@@ -1,10 +1,16 @@
 //! Keys of a real keyboard that stop a run at once: a way out that does not lead through the hand.
 
 #[cfg(target_os = "linux")]
-mod keyboards;
+mod key_combination;
+#[cfg(target_os = "linux")]
+mod linux;
 #[cfg(not(target_os = "linux"))]
-#[path = "panic_keys/no_keyboards.rs"]
-mod keyboards;
+mod unsupported;
+
+#[cfg(target_os = "linux")]
+use linux as platform;
+#[cfg(not(target_os = "linux"))]
+use unsupported as platform;
 
 use crate::device::{KeyCode, KeyKind};
 use crate::names::UnknownName;
@@ -46,7 +52,7 @@ pub fn parse_keys(names: &[String]) -> Result<Vec<KeyCode>, PanicKeysError> {
 pub fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<(), PanicKeysError> {
     match keys.is_empty() {
         true => Ok(()),
-        false => keyboards::watch(keys, stop).map_err(PanicKeysError::NoKeyboard),
+        false => platform::watch(keys, stop).map_err(PanicKeysError::NoKeyboard),
     }
 }
 

@@ -11,8 +11,8 @@ use super::connection::{self, LineWriter};
 use super::notification::{NotificationQueue, Notifier, Subscribers, broadcast};
 use super::{ControlError, ProfileInfo, response};
 use crate::output::socket::{Listener, Stream};
-use crate::reload::FileCalls;
 use crate::session::Calls;
+use crate::session::reload::FileCalls;
 
 /// Clients at a time.
 const MAX_CLIENTS: usize = 16;

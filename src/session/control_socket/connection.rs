@@ -14,7 +14,7 @@ use super::response::{self, JsonLine};
 use super::server::ServerContext;
 use crate::contact::board_pose::BoardPose;
 use crate::output::socket::Stream;
-use crate::reload::{FileCall, FileCalls, FileOrder};
+use crate::session::reload::{FileCall, FileCalls, FileOrder};
 use crate::session::{Answer, BoardPoses, Call, Order};
 
 /// How long a client may take nothing of what is said to it.

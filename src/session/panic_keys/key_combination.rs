@@ -46,7 +46,7 @@ impl KeyCombination {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panic_keys::parse_keys;
+    use crate::session::panic_keys::parse_keys;
 
     fn chord(names: &[&str]) -> KeyCombination {
         let names: Vec<_> = names.iter().map(|name| name.to_string()).collect();

@@ -11,7 +11,7 @@ use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use super::response::{self, JsonLine};
 use crate::contact::TargetNames;
 use crate::device::Events;
-use crate::reload::ReloadReport;
+use crate::session::reload::ReloadReport;
 use crate::snapshot::{PipelineState, Snapshot};
 
 /// Frames with news that wait for the thread that makes lines of them.

@@ -133,8 +133,8 @@ pub(super) fn watch<A: Fn(&Layout) -> Result<LayoutInstance, String>>(
 mod tests {
     use super::*;
     use crate::document::Document;
-    use crate::reload::watched_file::WatchedFile;
-    use crate::reload::watched_file::tests::text;
+    use crate::session::reload::watched_file::WatchedFile;
+    use crate::session::reload::watched_file::tests::text;
     use crate::setup;
     use crossbeam_channel::{bounded, unbounded};
     use std::{fs, thread};

@@ -192,7 +192,7 @@ fn write(path: &Path, text: &str) -> io::Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reload::LayoutManager;
+    use crate::session::reload::LayoutManager;
     use crate::setup;
     use std::thread;
     use std::time::Duration;

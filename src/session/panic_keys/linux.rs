@@ -1,7 +1,5 @@
 //! The keyboards of a Linux machine: `/dev/input/event*`.
 
-mod key_combination;
-
 use std::fs;
 use std::io;
 use std::mem::MaybeUninit;
@@ -14,7 +12,7 @@ use rustix::event::{PollFd, PollFlags, poll};
 use rustix::fs::inotify::{self, CreateFlags, Reader, WatchFlags};
 use rustix::io::Errno;
 
-use self::key_combination::KeyCombination;
+use super::key_combination::KeyCombination;
 use crate::device::KeyCode;
 
 /// How the names of the program's own keyboards begin: what it presses itself stops nothing.

@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
+use super::super::facts::{Compositor, Display, Facts, Node, Runtime, Uinput, User};
 use super::Wants;
-use super::facts::{Compositor, Display, Facts, Node, Runtime, Uinput, User};
 use crate::device::Needs;
 use crate::output::{self, OutputError, SPEAKS_WAYLAND, Sink};
 
 /// Nothing is asked of it here.
-pub(super) struct Environment;
+pub(in crate::doctor) struct Environment;
 
 impl Environment {
     /// Nothing.
@@ -18,7 +18,7 @@ impl Environment {
 }
 
 /// What can be said of any machine.
-pub(super) fn look(_: &Path, _: &Environment, wants: &Wants) -> Facts {
+pub(in crate::doctor) fn look(_: &Path, _: &Environment, wants: &Wants) -> Facts {
     let unseen = || Node::Odd("this system is not looked at yet; start the run and see".into());
     Facts {
         user: User {
@@ -43,16 +43,16 @@ pub(super) fn look(_: &Path, _: &Environment, wants: &Wants) -> Facts {
 }
 
 /// Nobody knows.
-pub(super) fn is_root() -> bool {
+pub(in crate::doctor) fn is_root() -> bool {
     false
 }
 
 /// Refuses.
-pub(super) fn open_keyboard(needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
+pub(in crate::doctor) fn open_keyboard(needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
     output::open("uinput", needs)
 }
 
 /// There are none.
-pub(super) fn has_keyboard() -> bool {
+pub(in crate::doctor) fn has_keyboard() -> bool {
     false
 }

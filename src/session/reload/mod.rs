@@ -4,7 +4,7 @@ mod active_layout;
 #[cfg(target_os = "linux")]
 mod notice;
 #[cfg(not(target_os = "linux"))]
-#[path = "reload/no_notice.rs"]
+#[path = "no_notice.rs"]
 mod notice;
 mod watched_file;
 mod worker;
@@ -139,7 +139,7 @@ impl LayoutManager {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reload::watched_file::tests::text;
+    use crate::session::reload::watched_file::tests::text;
     use crate::setup;
     use crossbeam_channel::{Receiver, RecvTimeoutError};
     use std::fs;

@@ -3,7 +3,7 @@
 use super::facts::{Compositor, DeviceNode, Facts, RuntimeDir, UinputFacts, XDisplay};
 use super::{CheckStatus, Finding, Requirements};
 use crate::advice::{self, Advice, KEYBOARD_PROTOCOL, POINTER_PROTOCOL};
-use crate::control::{self, ControlError};
+use crate::session::control_socket::{self, ControlError};
 
 /// All checks, in the order of the way from the glove to the screen.
 pub fn check(facts: &Facts, wants: &Requirements) -> Vec<Finding> {
@@ -159,7 +159,7 @@ fn sockets(runtime: &RuntimeDir) -> Finding {
         }
         RuntimeDir::Present { socket, run } => (socket, run),
     };
-    if let Err(error) = control::check_path(socket) {
+    if let Err(error) = control_socket::check_path(socket) {
         return finding("sockets", CheckStatus::Missing, true, of_control(&error));
     }
     let Some(run) = run else {

@@ -11,10 +11,11 @@ use rustix::fs::{Access, AtFlags, CWD, OFlags, accessat};
 use rustix::io::Errno;
 use rustix::process::{getegid, geteuid, getgroups};
 
-use super::facts::{
+use super::super::Requirements;
+use super::super::facts::{
     Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, XDisplay,
 };
-use super::{Requirements, wayland};
+use super::wayland;
 use crate::advice::AccessDenied;
 use crate::device::Capabilities;
 use crate::output::uinput::{self, is_missing};
@@ -28,7 +29,7 @@ const NAME: &str = "Ademan doctor";
 
 /// The environment variables that say where things are.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Environment {
+pub(in crate::doctor) struct Environment {
     pub display: Option<String>,
     pub wayland_display: Option<OsString>,
     pub runtime_folder: Option<PathBuf>,
@@ -47,7 +48,11 @@ impl Environment {
 }
 
 /// Looks at everything.
-pub(super) fn gather_facts(root: &Path, environment: &Environment, wants: &Requirements) -> Facts {
+pub(in crate::doctor) fn gather_facts(
+    root: &Path,
+    environment: &Environment,
+    wants: &Requirements,
+) -> Facts {
     let machine = Machine::new(root);
     Facts {
         user: machine.user(),
@@ -61,17 +66,17 @@ pub(super) fn gather_facts(root: &Path, environment: &Environment, wants: &Requi
 }
 
 /// Whether the user of this process may do everything.
-pub(super) fn is_root() -> bool {
+pub(in crate::doctor) fn is_root() -> bool {
     geteuid().is_root()
 }
 
 /// Makes a keyboard of the kernel.
-pub(super) fn open_keyboard(needs: &Capabilities) -> Result<Box<dyn Sink>, OutputError> {
+pub(in crate::doctor) fn open_keyboard(needs: &Capabilities) -> Result<Box<dyn Sink>, OutputError> {
     Ok(Box::new(uinput::Uinput::open(NAME, needs)?))
 }
 
 /// Whether the kernel has that keyboard, with a node for it.
-pub(super) fn has_keyboard() -> bool {
+pub(in crate::doctor) fn has_keyboard() -> bool {
     let name = format!("{NAME} keyboard");
     let Ok(entries) = fs::read_dir("/sys/class/input") else {
         return false;
@@ -294,6 +299,3 @@ fn runtime(folder: Option<&Path>) -> RuntimeDir {
         });
     RuntimeDir::Present { socket, run }
 }
-
-#[cfg(test)]
-mod tests;
