@@ -40,6 +40,7 @@ pub mod time;
 pub mod names;
 pub mod hand;
 pub mod document;
+pub mod command;
 pub mod advice;
 pub mod capture;
 pub mod estimate;

@@ -67,11 +67,11 @@ impl Stage {
     /// The form of its values, as a JSON Schema (draft 2020-12).
     pub const fn schema(self) -> &'static str {
         match self {
-            Self::Readings => include_str!("trace/reading.schema.json"),
-            Self::Angles => include_str!("trace/angles.schema.json"),
-            Self::Pose => include_str!("trace/pose.schema.json"),
-            Self::Touches => include_str!("trace/touch.schema.json"),
-            Self::Events => include_str!("trace/event.schema.json"),
+            Self::Readings => include_str!("reading.schema.json"),
+            Self::Angles => include_str!("angles.schema.json"),
+            Self::Pose => include_str!("pose.schema.json"),
+            Self::Touches => include_str!("touch.schema.json"),
+            Self::Events => include_str!("event.schema.json"),
         }
     }
 

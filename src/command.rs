@@ -1,0 +1,490 @@
+//! Commands to a running session: one type for layout keys, gestures, the control socket, the command line and the
+//! library.
+//!
+//! As JSON a command is an object with its name and its fields, such as `{"command":"tilt","deg":-2.5}`. [`SPECS`] lists
+//! all commands with the ranges of their fields; help texts and error messages are made from it.
+
+use std::fmt;
+
+use arrayvec::{ArrayString, ArrayVec};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+
+use crate::names::UnknownName;
+
+/// The name of one of the layouts of a setup, at most 64 bytes long.
+pub type ProfileName = ArrayString<64>;
+
+/// The commands that the devices of a layout issue in one step, in order. A step with more commands loses the last ones:
+/// each needs a touch of its own, and a hand has five fingertips.
+pub type Commands = ArrayVec<Command, 8>;
+
+/// A command to a running session.
+///
+/// Lengths are in millimetres along the world axes, angles in degrees. Values outside the ranges of [`SPECS`] are refused
+/// by [`check`](Self::check), which every entry point calls.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "command", rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Command {
+    /// Reports the state, the active profile and the statistics.
+    State,
+    /// Releases everything and suppresses all events until `Resume`.
+    Pause,
+    /// Ends a pause. Output is armed again once the hand has been clear of every control.
+    Resume,
+    /// Pauses a running session and resumes a paused one.
+    TogglePause,
+    /// Activates the layout with this name in the setup.
+    Profile {
+        /// Name of the profile.
+        name: ProfileName,
+    },
+    /// Activates the next layout of the setup, and the first one after the last.
+    NextProfile,
+    /// Moves the boards below the index fingertip of the hand seen last.
+    Recenter,
+    /// Moves the boards along the world axes.
+    Nudge {
+        /// Distance to the right.
+        x_mm: f32,
+        /// Distance up.
+        y_mm: f32,
+        /// Distance towards the wearer.
+        z_mm: f32,
+    },
+    /// Rotates each board about its rows, through its origin.
+    Tilt {
+        /// Angle; positive raises the far edge.
+        deg: f32,
+    },
+    /// Changes the size of the boards about their origins.
+    Scale {
+        /// Ratio of the new size to the present one.
+        factor: f32,
+    },
+    /// Writes the poses and the size of the boards to the layout file.
+    Save,
+    /// Reads the layout files again.
+    Reload,
+    /// Releases everything and ends the session.
+    Stop,
+}
+
+/// Name, fields and description of a command, for help texts and error messages.
+#[derive(Clone, Copy, Debug)]
+pub struct CommandSpec {
+    /// Name in JSON and on the command line.
+    pub name: &'static str,
+    /// One sentence without a full stop.
+    pub summary: &'static str,
+    /// Required fields, in the order of the command line.
+    pub fields: &'static [FieldSpec],
+}
+
+/// A field of a command.
+#[derive(Clone, Copy, Debug)]
+pub struct FieldSpec {
+    /// Name in JSON, with the unit.
+    pub name: &'static str,
+    /// Description for a help text.
+    pub summary: &'static str,
+    /// Accepted values.
+    pub kind: FieldKind,
+}
+
+/// Accepted values of a field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FieldKind {
+    /// A number in a closed range.
+    Number {
+        /// Smallest value.
+        min: f32,
+        /// Largest value.
+        max: f32,
+    },
+    /// A name of at most [`ProfileName`]'s capacity.
+    Name,
+}
+
+/// All commands, in the order of the help text.
+pub const SPECS: &[CommandSpec] = &[
+    plain(
+        "state",
+        "Report the state, the active layout and the statistics",
+    ),
+    plain("pause", "Release everything and suppress all events"),
+    plain(
+        "resume",
+        "End a pause; output is armed once the hand is clear of every control",
+    ),
+    plain("toggle-pause", "Pause, or resume if paused"),
+    CommandSpec {
+        name: "profile",
+        summary: "Activate another layout of the setup",
+        fields: &[FieldSpec {
+            name: "name",
+            summary: "Name of the profile",
+            kind: FieldKind::Name,
+        }],
+    },
+    plain("next-profile", "Activate the next layout of the setup"),
+    plain(
+        "recenter",
+        "Move the boards below the index fingertip of the hand seen last",
+    ),
+    CommandSpec {
+        name: "nudge",
+        summary: "Move the boards, in mm",
+        fields: &[
+            number("x_mm", "To the right", -1000.0, 1000.0),
+            number("y_mm", "Up", -1000.0, 1000.0),
+            number("z_mm", "Towards you", -1000.0, 1000.0),
+        ],
+    },
+    CommandSpec {
+        name: "tilt",
+        summary: "Rotate each board about its rows",
+        fields: &[number(
+            "deg",
+            "Degrees; positive raises the far edge",
+            -90.0,
+            90.0,
+        )],
+    },
+    CommandSpec {
+        name: "scale",
+        summary: "Make the boards larger or smaller",
+        fields: &[number(
+            "factor",
+            "Ratio of the new size to the present one",
+            0.5,
+            2.0,
+        )],
+    },
+    plain(
+        "save",
+        "Write the poses and the size of the boards to the layout file",
+    ),
+    plain("reload", "Read the layout files again"),
+    plain("stop", "Release everything and end the session"),
+];
+
+const fn plain(name: &'static str, summary: &'static str) -> CommandSpec {
+    CommandSpec {
+        name,
+        summary,
+        fields: &[],
+    }
+}
+
+const fn number(name: &'static str, summary: &'static str, min: f32, max: f32) -> FieldSpec {
+    FieldSpec {
+        name,
+        summary,
+        kind: FieldKind::Number { min, max },
+    }
+}
+
+/// Reason why a text or a value is not a command.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum InvalidCommand {
+    /// The text is not a JSON object, or a field occurs twice.
+    #[error("{0}")]
+    Syntax(String),
+    /// The object has no field `command`.
+    #[error(r#"the field `command` is missing; write a command such as {{"command":"state"}}"#)]
+    NoCommand,
+    /// A command or a field has an unknown name.
+    #[error(transparent)]
+    UnknownName(#[from] UnknownName),
+    /// A required field is missing.
+    #[error("`{command}` needs the field `{field}`")]
+    MissingField {
+        /// Name of the command.
+        command: &'static str,
+        /// Name of the field.
+        field: &'static str,
+    },
+    /// The command has no such field.
+    #[error("`{command}` has no field `{field}`")]
+    ExtraField {
+        /// Name of the command.
+        command: &'static str,
+        /// Name of the field.
+        field: String,
+    },
+    /// The value of a field has the wrong type or is out of range.
+    #[error("`{field}` is {expected}, not {value}")]
+    Value {
+        /// Name of the field.
+        field: &'static str,
+        /// Accepted values.
+        expected: String,
+        /// The value, as JSON.
+        value: String,
+    },
+}
+
+impl Command {
+    /// Parses a JSON object and checks it.
+    pub fn from_json(text: &str) -> Result<Self, InvalidCommand> {
+        let syntax = |error: serde_json::Error| InvalidCommand::Syntax(error.to_string());
+        let fields: Map<String, Value> = serde_json::from_str(text).map_err(syntax)?;
+        let name = fields.get("command").ok_or_else(|| no_command(&fields))?;
+        let name = name.as_str().ok_or(InvalidCommand::NoCommand)?;
+        CommandSpec::find(name)?.check(&fields)?;
+        // A map keeps the last of two fields with the same name; the derived code refuses them.
+        serde_json::from_str(text).map_err(syntax)
+    }
+
+    /// Checks the ranges of all fields.
+    pub fn check(&self) -> Result<(), InvalidCommand> {
+        let value = serde_json::to_value(self)
+            .map_err(|error| InvalidCommand::Syntax(error.to_string()))?;
+        self.spec().check(value.as_object().unwrap_or(&Map::new()))
+    }
+
+    /// Name in JSON and on the command line.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::State => "state",
+            Self::Pause => "pause",
+            Self::Resume => "resume",
+            Self::TogglePause => "toggle-pause",
+            Self::Profile { .. } => "profile",
+            Self::NextProfile => "next-profile",
+            Self::Recenter => "recenter",
+            Self::Nudge { .. } => "nudge",
+            Self::Tilt { .. } => "tilt",
+            Self::Scale { .. } => "scale",
+            Self::Save => "save",
+            Self::Reload => "reload",
+            Self::Stop => "stop",
+        }
+    }
+
+    /// Name, fields and description.
+    pub fn spec(&self) -> &'static CommandSpec {
+        let spec = SPECS.iter().find(|spec| spec.name == self.name());
+        spec.expect("every command is listed, as a test shows")
+    }
+}
+
+/// The name and the values of the fields: `nudge 0 -1.5 2`.
+impl fmt::Display for Command {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())?;
+        match self {
+            Self::Profile { name } => write!(f, " {name}"),
+            Self::Nudge { x_mm, y_mm, z_mm } => write!(f, " {x_mm} {y_mm} {z_mm}"),
+            Self::Tilt { deg } => write!(f, " {deg}"),
+            Self::Scale { factor } => write!(f, " {factor}"),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl CommandSpec {
+    /// The command with this name.
+    pub fn find(name: &str) -> Result<&'static Self, UnknownName> {
+        SPECS
+            .iter()
+            .find(|spec| spec.name == name)
+            .ok_or_else(|| UnknownName::new("command", name, SPECS.iter().map(|spec| spec.name)))
+    }
+
+    /// Checks that an object has the fields of this command and no others, with accepted values.
+    fn check(&self, fields: &Map<String, Value>) -> Result<(), InvalidCommand> {
+        for field in self.fields {
+            let value = fields.get(field.name).ok_or(InvalidCommand::MissingField {
+                command: self.name,
+                field: field.name,
+            })?;
+            field.check(value)?;
+        }
+        let is_known =
+            |name: &str| name == "command" || self.fields.iter().any(|field| field.name == name);
+        match fields.keys().find(|name| !is_known(name)) {
+            None => Ok(()),
+            Some(field) => Err(InvalidCommand::ExtraField {
+                command: self.name,
+                field: field.clone(),
+            }),
+        }
+    }
+}
+
+impl FieldSpec {
+    fn check(&self, value: &Value) -> Result<(), InvalidCommand> {
+        if self.kind.accepts(value) {
+            return Ok(());
+        }
+        Err(InvalidCommand::Value {
+            field: self.name,
+            expected: self.kind.to_string(),
+            value: value.to_string(),
+        })
+    }
+}
+
+impl FieldKind {
+    fn accepts(self, value: &Value) -> bool {
+        match self {
+            Self::Number { min, max } => value
+                .as_f64()
+                .is_some_and(|number| (f64::from(min)..=f64::from(max)).contains(&number)),
+            Self::Name => value
+                .as_str()
+                .is_some_and(|name| ProfileName::from(name).is_ok()),
+        }
+    }
+}
+
+impl fmt::Display for FieldKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number { min, max } => write!(f, "{min} to {max}"),
+            Self::Name => write!(
+                f,
+                "a name of at most {} bytes",
+                ProfileName::new_const().capacity()
+            ),
+        }
+    }
+}
+
+/// A misspelled `command` is reported as such.
+fn no_command(fields: &Map<String, Value>) -> InvalidCommand {
+    let misspelled = fields
+        .keys()
+        .map(|name| UnknownName::new("field", name, ["command"]))
+        .find(|unknown| unknown.nearest.is_some());
+    misspelled.map_or(InvalidCommand::NoCommand, InvalidCommand::from)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line with the smallest accepted values of all fields.
+    fn smallest(spec: &CommandSpec) -> String {
+        let mut line = format!(r#"{{"command":"{}""#, spec.name);
+        for field in spec.fields {
+            line += &match field.kind {
+                FieldKind::Number { min, .. } => format!(r#","{}":{min}"#, field.name),
+                FieldKind::Name => format!(r#","{}":"sofa""#, field.name),
+            };
+        }
+        line + "}"
+    }
+
+    fn error(text: &str) -> String {
+        Command::from_json(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_command_is_listed_and_survives_a_round_trip() {
+        for spec in SPECS {
+            let command = Command::from_json(&smallest(spec)).unwrap();
+            assert_eq!(command.name(), spec.name);
+            assert_eq!(command.spec().name, spec.name);
+            assert_eq!(command.check(), Ok(()));
+            let json = serde_json::to_string(&command).unwrap();
+            assert_eq!(Command::from_json(&json), Ok(command));
+        }
+    }
+
+    #[test]
+    fn json_is_compact_and_keeps_decimal_fractions() {
+        let nudge = Command::Nudge {
+            x_mm: 0.0,
+            y_mm: -1.5,
+            z_mm: 0.1,
+        };
+        assert_eq!(
+            serde_json::to_string(&nudge).unwrap(),
+            r#"{"command":"nudge","x_mm":0.0,"y_mm":-1.5,"z_mm":0.1}"#
+        );
+        assert_eq!(nudge.to_string(), "nudge 0 -1.5 0.1");
+    }
+
+    #[test]
+    fn invalid_commands_are_explained() {
+        let table = [
+            (
+                r#"{"command":"paus"}"#,
+                "unknown command `paus`, did you mean `pause`?",
+            ),
+            (
+                r#"{"comand":"pause"}"#,
+                "unknown field `comand`, did you mean `command`?",
+            ),
+            (
+                "{}",
+                "the field `command` is missing; write a command such as",
+            ),
+            (
+                r#"{"command":"pause","deg":1}"#,
+                "`pause` has no field `deg`",
+            ),
+            (
+                r#"{"command":"save","name":"x"}"#,
+                "`save` has no field `name`",
+            ),
+            (r#"{"command":"tilt"}"#, "`tilt` needs the field `deg`"),
+            (
+                r#"{"command":"profile"}"#,
+                "`profile` needs the field `name`",
+            ),
+            (
+                r#"{"command":"scale","factor":0}"#,
+                "`factor` is 0.5 to 2, not 0",
+            ),
+            (
+                r#"{"command":"tilt","deg":1e308}"#,
+                "`deg` is -90 to 90, not 1e+308",
+            ),
+            (
+                r#"{"command":"tilt","deg":1e999}"#,
+                "number out of range at line 1",
+            ),
+            (
+                r#"{"command":"tilt","deg":"1"}"#,
+                "`deg` is -90 to 90, not \"1\"",
+            ),
+            (
+                r#"{"command":"pause","command":"stop"}"#,
+                "duplicate field `command`",
+            ),
+            (
+                r#"{"command":"tilt","deg":1,"deg":2}"#,
+                "duplicate field `deg`",
+            ),
+            ("", "EOF while parsing a value"),
+            ("[1]", "invalid type: sequence, expected a map"),
+            (
+                r#"{"command":"state"}{"command":"stop"}"#,
+                "trailing characters",
+            ),
+        ];
+        for (text, expected) in table {
+            let error = error(text);
+            assert!(error.starts_with(expected), "{text}: {error}");
+        }
+        let long = format!(r#"{{"command":"profile","name":"{}"}}"#, "x".repeat(65));
+        assert!(error(&long).starts_with("`name` is a name of at most 64 bytes, not"));
+    }
+
+    #[test]
+    fn a_number_out_of_range_is_refused_also_if_it_was_not_parsed() {
+        assert!(Command::Tilt { deg: 91.0 }.check().is_err());
+        assert!(Command::Scale { factor: f32::NAN }.check().is_err());
+    }
+
+    #[test]
+    fn deeply_nested_json_is_refused() {
+        for deep in ["[", "{\"command\":", "{\"deg\":["] {
+            error(&deep.repeat(4096 / deep.len()));
+        }
+    }
+}
