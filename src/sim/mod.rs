@@ -2,7 +2,6 @@
 
 mod movement;
 mod simulated_hand;
-mod oracle;
 mod action;
 mod text_plan;
 mod planner;
@@ -16,7 +15,6 @@ mod typist;
 
 pub use action::{HandAction, TargetPoint};
 pub use action_error::{ActionError, ActionErrorKind};
-pub use oracle::{Cause, Observation, ObservedStep, Oracle, OutputRules, Violation};
 pub use player::{PacketWriters, PlaybackStats, play};
 pub use score::{TypingScore, error_rate, words_per_minute};
 pub use script::Script;

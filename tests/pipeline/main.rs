@@ -9,6 +9,7 @@ mod examples;
 mod faulty_readings;
 mod gestures;
 mod hands_and_profiles;
+mod oracle;
 mod limits;
 mod panels;
 mod placement;

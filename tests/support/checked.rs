@@ -9,9 +9,11 @@ use ademan::estimate::Rejection;
 use ademan::layout::Layout;
 use ademan::pipeline::{CommandError, LayoutInstance, Pipeline, PipelineSettings, StepOutput};
 use ademan::setup::LoadedSetup;
-use ademan::sim::{Cause, Observation, Oracle, OutputRules};
+
 use ademan::snapshot::PipelineState;
 use parry3d::math::Vec3;
+
+use super::oracle::{Cause, Observation, Oracle, OutputRules};
 
 /// A pipeline with an oracle beside it; what only asks goes to the pipeline itself.
 pub struct Judged {

@@ -7,6 +7,7 @@ pub mod binary;
 pub mod checked;
 pub mod glove;
 pub mod hand;
+pub mod oracle;
 pub mod press;
 pub mod process;
 pub mod program;

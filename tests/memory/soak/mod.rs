@@ -15,11 +15,11 @@ mod schedule;
 use std::num::NonZeroU32;
 use std::sync::{Mutex, PoisonError};
 
+use crate::support::oracle::{Oracle, OutputRules};
 use ademan::capture::{SourceUri, StreamOptions, open};
 use ademan::output;
 use ademan::pipeline::PipelineSettings;
 use ademan::session::run_pipeline;
-use ademan::sim::{Oracle, OutputRules};
 use ademan::snapshot::Snapshot;
 use crossbeam_channel::never;
 

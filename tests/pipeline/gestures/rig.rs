@@ -14,6 +14,7 @@
 //! - `lost:index`, `doubt:index`, `trust:index`: not known, not to be believed, believed again.
 //! - `jump`: the hand is re-acquired; `reset`: the tracker forgets; `release`: the keyboard lets go.
 
+use crate::support::oracle::Oracle;
 use ademan::contact::surface::{Anchor, Scene, Shape, TREMOR_MARGIN, Target};
 use ademan::contact::{ContactTracker, TargetId, Touch, Touches};
 use ademan::device::keyboard::{Activation, KeyBinding, Keyboard, TapHold};
@@ -25,7 +26,6 @@ use ademan::estimate::JointAngles;
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::pipeline::PipelineSettings;
-use ademan::sim::Oracle;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 use std::time::Duration;

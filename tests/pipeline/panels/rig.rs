@@ -16,6 +16,7 @@
 use std::io::{Result, Write};
 use std::sync::{Arc, Mutex};
 
+use crate::support::oracle::{Oracle, OutputRules};
 use ademan::contact::{ContactTracker, TargetId, TargetName, TargetNames, Touches};
 use ademan::device::{DeviceInput, DeviceOutput, Events, KeyArbiter, VirtualDevice};
 use ademan::estimate::JointAngles;
@@ -24,7 +25,6 @@ use ademan::kinematics::HandPose;
 use ademan::layout::Layout;
 use ademan::output::{Sink, Transcript};
 use ademan::pipeline::PipelineSettings;
-use ademan::sim::{Oracle, OutputRules};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec3};
 
