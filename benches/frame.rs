@@ -17,7 +17,7 @@ use ademan::device::keyboard::{Activation, KeyBinding, Keyboard};
 use ademan::device::{
     DeviceInput, DeviceOutput, Events, KeyAction, KeyArbiter, KeyCode, VirtualDevice,
 };
-use ademan::estimate::{Estimator, EstimatorSettings, JointAngles};
+use ademan::estimate::{Estimate, Estimator, EstimatorSettings};
 use ademan::hand::Side;
 use ademan::kinematics::{ArmModel, BoneLengths, HandPose};
 use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
@@ -152,7 +152,7 @@ struct Typing {
     assembly: LoadedSetup,
     packets: Vec<[u8; PACKET_BYTES]>,
     readings: Vec<Reading>,
-    angles: Vec<JointAngles>,
+    estimates: Vec<Estimate>,
     poses: Vec<HandPose>,
     touches: Vec<Touches>,
     presses: usize,
@@ -173,7 +173,7 @@ impl Typing {
             assembly,
             packets: Vec::new(),
             readings: Vec::new(),
-            angles: Vec::new(),
+            estimates: Vec::new(),
             poses: Vec::new(),
             touches: Vec::new(),
             presses: 0,
@@ -189,14 +189,14 @@ impl Typing {
                 side: None,
                 sample: Sample::Channels(hc11::channels(&body)),
             };
-            let angles = estimator.update(&reading).expect("a hand that can be");
-            let pose = typing.assembly.arm.forward(&angles);
+            let estimate = estimator.update(&reading).expect("a plausible reading");
+            let pose = typing.assembly.arm.forward(&estimate);
             let mut touches = Touches::new();
             tracker.update(&scene, &pose, &mut touches);
             typing.presses += presses(&touches);
             typing.packets.push(hc11::encode(Framing::Double06, &body));
             typing.readings.push(reading);
-            typing.angles.push(angles);
+            typing.estimates.push(estimate);
             typing.poses.push(pose);
             typing.touches.push(touches);
         }
@@ -205,10 +205,7 @@ impl Typing {
     }
 
     fn estimator(&self) -> Estimator {
-        Estimator::new(
-            self.assembly.glove.map.clone(),
-            EstimatorSettings::default(),
-        )
+        Estimator::new(EstimatorSettings::default()).with_channels(&self.assembly.glove.map)
     }
 
     fn presses_on(&self, board: Board) -> usize {
@@ -291,8 +288,8 @@ fn d_forward_kinematics(bencher: Bencher, arm: &str) {
             ArmModel::anthropometric(Side::Right, &bones).expect("an arm")
         }
     };
-    run(bencher, &typing().angles, |angles| {
-        black_box(&arm.forward(angles));
+    run(bencher, &typing().estimates, |estimate| {
+        black_box(&arm.forward(estimate));
     });
 }
 
@@ -319,7 +316,7 @@ fn f_keyboard(bencher: Bencher) {
         events.clear();
         let seen = DeviceInput {
             scene: &scene,
-            angles: &typing().angles[0],
+            angles: &typing().estimates[0].angles,
             pose: &pose,
             touches,
         };

@@ -60,7 +60,7 @@ fn main() -> anyhow::Result<()> {
     };
     let assembly = setup.load_files()?;
     let mut pipeline = Pipeline::new(
-        Estimator::new(assembly.glove.map.clone(), EstimatorSettings::default()),
+        Estimator::new(EstimatorSettings::default()).with_channels(&assembly.glove.map),
         assembly.arm.clone(),
         LayoutInstance::new(
             assembly.layout.scene.clone(),

@@ -1,11 +1,11 @@
-//! Names that people type: enums spelled one way everywhere, and the nearest valid name to a wrong one.
+//! Enums with one spelling per value in files, messages and output, and suggestions for misspelled names.
 
-/// Declares a field-less enum whose variants are spelled the same in files, messages and output.
+/// Declares a field-less enum whose values have one name in files, messages and output.
 ///
-/// Gives `ALL`, `COUNT`, `name`, `index`, `Display`, `FromStr` (its error names the nearest valid
-/// name) and serde by name.
+/// Generates `ALL`, `COUNT`, `name`, `index`, `Display`, `FromStr` (whose error suggests the closest valid name) and
+/// serde support by name.
 macro_rules! named_enum {
-    ($(#[$meta:meta])* $vis:vis enum $enum:ident ($what:literal) {
+    ($(#[$meta:meta])* $vis:vis enum $enum:ident ($kind:literal) {
         $($(#[$variant_meta:meta])* $variant:ident = $name:literal,)+
     }) => {
         $(#[$meta])*
@@ -14,17 +14,17 @@ macro_rules! named_enum {
         $vis enum $enum { $($(#[$variant_meta])* $variant,)+ }
 
         impl $enum {
-            /// All values, in order.
+            /// All values, in declaration order.
             pub const ALL: &'static [Self] = &[$(Self::$variant),+];
-            /// How many there are.
+            /// The number of values.
             pub const COUNT: usize = Self::ALL.len();
 
-            /// The name as written in files and output.
+            /// Returns the name used in files, messages and output.
             pub const fn name(self) -> &'static str {
                 match self { $(Self::$variant => $name,)+ }
             }
 
-            /// The place in [`Self::ALL`].
+            /// Returns the index in [`Self::ALL`].
             pub const fn index(self) -> usize {
                 self as usize
             }
@@ -45,7 +45,7 @@ macro_rules! named_enum {
                     .copied()
                     .find(|value| value.name() == text)
                     .ok_or_else(|| {
-                        $crate::names::UnknownName::new($what, text, Self::ALL.iter().map(|value| value.name()))
+                        $crate::names::UnknownName::new($kind, text, Self::ALL.iter().map(|value| value.name()))
                     })
             }
         }
@@ -66,27 +66,27 @@ macro_rules! named_enum {
 }
 pub(crate) use named_enum;
 
-/// A name that is not one of the valid ones.
+/// A name that is not one of the valid names.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown {kind} `{text}`{}", suggestion(.nearest))]
 pub struct UnknownName {
-    /// What kind of thing was looked for: "joint", "key", ….
+    /// The kind of thing that the name stands for, such as "joint" or "key".
     pub kind: &'static str,
     /// The name as written.
     pub text: String,
-    /// The valid name that is spelled most like it, when one is near enough to be meant.
+    /// The most similar valid name, if one is similar enough to suggest.
     pub nearest: Option<String>,
 }
 
 impl UnknownName {
-    /// Looks among `valid` for what `text` may have meant.
+    /// Creates the error for `text` and searches `valid` for a name to suggest.
     pub fn new<'a>(
-        what: &'static str,
+        kind: &'static str,
         text: &str,
         valid: impl IntoIterator<Item = &'a str>,
     ) -> Self {
         Self {
-            kind: what,
+            kind,
             text: text.to_owned(),
             nearest: nearest(text, valid).map(str::to_owned),
         }
@@ -100,27 +100,28 @@ fn suggestion(nearest: &Option<String>) -> String {
     }
 }
 
-/// Longer words than this, in bytes, are compared with nothing: that takes time and memory by the product of
-/// both lengths, and nobody means a name by them.
-const LONGEST: usize = 128;
+/// The longest text, in bytes, for which a similar name is searched. The time and memory of a comparison grow with
+/// the product of both lengths.
+const MAX_COMPARED_LEN: usize = 128;
 
-/// The name among `valid` that is spelled most like `text`; `None` when nothing is close, or when it is
-/// longer than any name.
+/// The lowest similarity, 0..=1, of a name that is suggested.
+const MIN_SIMILARITY: f64 = 0.4;
+
+/// Returns the name in `valid` that is spelled most like `text`, or `None` if none is similar or `text` is longer
+/// than 128 bytes. Ignores case.
 pub fn nearest<'a>(text: &str, valid: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    if text.len() > LONGEST {
+    if text.len() > MAX_COMPARED_LEN {
         return None;
     }
     let wanted = text.to_lowercase();
     valid
         .into_iter()
-        .filter(|name| name.len() <= LONGEST)
+        .filter(|name| name.len() <= MAX_COMPARED_LEN)
         .map(|name| {
-            (
-                strsim::normalized_damerau_levenshtein(&wanted, &name.to_lowercase()),
-                name,
-            )
+            let similarity = strsim::normalized_damerau_levenshtein(&wanted, &name.to_lowercase());
+            (similarity, name)
         })
-        .filter(|(likeness, _)| *likeness >= 0.4)
+        .filter(|(similarity, _)| *similarity >= MIN_SIMILARITY)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| name)
 }
@@ -137,15 +138,15 @@ mod tests {
     }
 
     #[test]
-    fn words_without_end_are_compared_with_nothing() {
-        let (endless, name) = ("a".repeat(5_000), "a".repeat(100));
-        assert_eq!(nearest(&endless, [&*endless]), None);
-        assert_eq!(nearest(&endless[..129], [&*name]), None);
-        assert_eq!(nearest(&endless[..101], [&*endless, &*name]), Some(&*name));
+    fn texts_over_128_bytes_are_not_compared() {
+        let (long, name) = ("a".repeat(5_000), "a".repeat(100));
+        assert_eq!(nearest(&long, [&*long]), None);
+        assert_eq!(nearest(&long[..129], [&*name]), None);
+        assert_eq!(nearest(&long[..101], [&*long, &*name]), Some(&*name));
     }
 
     #[test]
-    fn an_unknown_name_says_what_may_have_been_meant() {
+    fn an_unknown_name_suggests_the_nearest() {
         let error = UnknownName::new("key", "Spcae", ["Space", "Tab"]);
         assert_eq!(
             error.to_string(),

@@ -1,17 +1,17 @@
-//! The only clock that a stage knows: a number that its caller hands over.
+//! Time stamps.
+//!
+//! Only `capture` and `session` read a clock. Every other module receives the time as an argument, so the same
+//! readings produce the same events at any replay speed.
 
 use std::ops::{Add, Sub};
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-/// Where nothing is expected a thread wakes up once an hour, for nothing.
+/// The time-out of a thread that waits without a deadline: it wakes once an hour and waits again.
 pub(crate) const NO_DEADLINE: Duration = Duration::from_secs(3600);
 
-/// Microseconds on the source's own monotonic clock; 0 is the start of the source.
-///
-/// Stages never ask an operating system for the time: they get it with the reading, so that the
-/// same readings give the same events at any speed.
+/// Microseconds on the monotonic clock of a source; 0 is the start of the source.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -19,48 +19,49 @@ pub(crate) const NO_DEADLINE: Duration = Duration::from_secs(3600);
 pub struct Timestamp(pub u64);
 
 impl Timestamp {
-    /// The time in seconds.
+    /// Returns the time in seconds.
     pub fn seconds(self) -> f64 {
         self.0 as f64 * 1e-6
     }
 
-    /// The time in milliseconds.
+    /// Returns the time in milliseconds.
     pub fn milliseconds(self) -> f64 {
         self.0 as f64 * 1e-3
     }
 
-    /// From seconds; negative and non-finite values give the start, 0.
+    /// Creates a time stamp from seconds. Negative values and NaN give 0; larger values than fit saturate.
     pub fn from_seconds(seconds: f64) -> Self {
         Self((seconds * 1e6).round() as u64)
     }
 
-    /// How long after `earlier` this is; zero when it is not after it.
+    /// Returns the time elapsed since `earlier`, or zero if `earlier` is later than `self`.
     pub fn since(self, earlier: Self) -> Duration {
         Duration::from_micros(self.0.saturating_sub(earlier.0))
     }
 
-    /// The moment at `share` (0..=1) of the way from `self` to `later`.
-    pub fn lerp(self, later: Self, share: f32) -> Self {
-        let gap = later.0.saturating_sub(self.0) as f64;
-        let passed = (gap * f64::from(share.clamp(0.0, 1.0))).round() as u64;
-        // A gap of centuries has more digits than the share can tell.
-        Self(self.0.saturating_add(passed).min(later.0.max(self.0)))
+    /// Interpolates linearly from `self` (`t` = 0) to `later` (`t` = 1). `t` is clamped to 0..=1; the result is
+    /// `self` if `later` is earlier.
+    pub fn lerp(self, later: Self, t: f32) -> Self {
+        let span = later.0.saturating_sub(self.0) as f64;
+        let elapsed = (span * f64::from(t.clamp(0.0, 1.0))).round() as u64;
+        // `f64` cannot represent every span exactly, so the sum may pass `later`.
+        Self(self.0.saturating_add(elapsed).min(later.0.max(self.0)))
     }
 }
 
 impl Add<Duration> for Timestamp {
     type Output = Self;
 
-    fn add(self, later: Duration) -> Self {
-        Self(self.0.saturating_add(later.as_micros() as u64))
+    fn add(self, duration: Duration) -> Self {
+        Self(self.0.saturating_add(duration.as_micros() as u64))
     }
 }
 
 impl Sub<Duration> for Timestamp {
     type Output = Self;
 
-    fn sub(self, earlier: Duration) -> Self {
-        Self(self.0.saturating_sub(earlier.as_micros() as u64))
+    fn sub(self, duration: Duration) -> Self {
+        Self(self.0.saturating_sub(duration.as_micros() as u64))
     }
 }
 
@@ -69,14 +70,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn time_never_goes_below_the_start() {
+    fn arithmetic_saturates_at_the_start() {
         assert_eq!(Timestamp(5) - Duration::from_secs(1), Timestamp(0));
         assert_eq!(Timestamp(5).since(Timestamp(9)), Duration::ZERO);
         assert_eq!(Timestamp::from_seconds(f64::NAN), Timestamp(0));
     }
 
     #[test]
-    fn a_share_of_the_way_lies_between_both_ends() {
+    fn interpolation_stays_between_both_ends() {
         let (start, end) = (Timestamp(1_000), Timestamp(2_000));
         assert_eq!(start.lerp(end, 0.25), Timestamp(1_250));
         assert_eq!(start.lerp(end, 7.0), end);

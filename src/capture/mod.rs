@@ -40,7 +40,7 @@ use std::time::Duration;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
-use crate::hand::Side;
+use crate::hand::{JointAngles, Side};
 use crate::time::Timestamp;
 
 pub use cancel::CancelToken;
@@ -116,6 +116,12 @@ pub struct Reading {
 pub enum Sample {
     /// One count per sensor channel.
     Channels(Channels),
+    /// Joint angles.
+    Angles {
+        /// The angles that the source provides, in radians.
+        #[serde(rename = "angles_rad")]
+        angles: JointAngles,
+    },
 }
 
 /// Counts of an analogue-to-digital converter, in wire order.

@@ -350,7 +350,9 @@ mod tests {
                 Ok(SourceEvent::Idle) => {}
                 Ok(SourceEvent::End) => heard.push("end".to_owned()),
                 Ok(SourceEvent::Reading(reading)) => {
-                    let Sample::Channels(channels) = reading.sample;
+                    let Sample::Channels(channels) = reading.sample else {
+                        panic!("the stream has channels");
+                    };
                     heard.push(channels.counts[0].to_string());
                 }
                 Err(error) => heard.push(error.to_string()),

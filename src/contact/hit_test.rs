@@ -1,140 +1,141 @@
-//! Which targets a fingertip meets: at one moment, and on its way from one frame to the next.
+//! Hit tests: the targets that a fingertip touches at one time or enters during one step.
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Vec3;
 
 use super::surface::{Surface, Target};
-use super::sweep::{Stroke, is_inside, pad};
+use super::sweep::{Sweep, is_inside, pad_position};
 
-/// Two fronts that are crossed closer together than this share of a frame's way count as crossed
-/// at once; `f32` cannot tell coplanar fronts apart any finer.
-const TIE: f32 = 1e-5;
+/// The largest difference in `t` at which two crossings count as simultaneous: `f32` does not resolve coplanar
+/// fronts any finer.
+const COPLANAR_TOLERANCE: f32 = 1e-5;
 
-/// Metres behind a front up to which a fingertip counts as in it. A finger is at most about 70 mm
-/// long (palmar length of the middle finger, doi 10.5115/acb.23.310); what is further behind did
-/// not poke through, and on a board that bends round the hand it may be in front of other targets.
-const BEHIND_REACH: f32 = 0.1;
+/// The largest depth behind a front, in metres, at which a fingertip counts as inside the target. A finger is at most
+/// about 70 mm long (palmar length of the middle finger, doi 10.5115/acb.23.310). A fingertip further behind cannot
+/// have pushed through, and on a board that bends around the hand it may be in front of other targets.
+const MAX_PENETRATION: f32 = 0.1;
 
-/// How far `pad` (metres, target's frame) is behind the front, more than 0 and at most the travel;
-/// `None` in front of it, on it and outside the outline.
+/// Returns the depth of a pad (metres, target's frame) behind the front: more than 0, at most the travel.
+/// Returns `None` in front of the plane, on it and outside the outline.
 ///
-/// A pad beyond the travel stays at the full travel: poking through does not let go.
-pub fn depth(target: &Target, pad: Vec3) -> Option<f32> {
-    let is_on = pad.z < 0.0 && is_inside(target.shape, pad.truncate(), 0.0);
-    is_on.then(|| (-pad.z).min(target.travel))
+/// A pad beyond the travel has the depth of the full travel: pushing through does not release.
+pub fn penetration_depth(target: &Target, pad: Vec3) -> Option<f32> {
+    let is_behind = pad.z < 0.0 && is_inside(target.shape, pad.truncate(), 0.0);
+    is_behind.then(|| (-pad.z).min(target.travel))
 }
 
-/// Which pad pushes a target in, and how far.
+/// The deepest of several pads on a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PressedBy {
-    /// The place of the deepest pad in the list; the lowest on a tie.
-    pub pad: usize,
-    /// How far the target is pushed in, in metres: more than 0, at most the travel.
+pub struct DeepestPad {
+    /// The index of the pad in the list; the lowest on a tie.
+    pub index: usize,
+    /// The penetration depth in metres: more than 0, at most the travel.
     pub depth: f32,
-    /// The depth as a share of the travel.
-    pub pressure: f32,
+    /// The depth as a fraction of the travel.
+    pub travel_fraction: f32,
 }
 
-/// The pad that pushes `target` in the most; `pads` in the surface's frame, in metres.
+/// Returns the pad that presses `target` deepest, or `None` if none does; `pads` are in the surface's frame, in metres.
 ///
-/// Looks at this moment only, so one pad may push several overlapping targets in.
-pub fn pressed_by(target: &Target, pads: &[Vec3]) -> Option<PressedBy> {
-    let mut deepest: Option<PressedBy> = None;
-    for (place, &point) in pads.iter().enumerate() {
-        let Some(depth) = depth(target, pad(target, point, 0.0)) else {
+/// Considers positions only, no history: one pad may press several overlapping targets.
+pub fn deepest_pad(target: &Target, pads: &[Vec3]) -> Option<DeepestPad> {
+    let mut deepest: Option<DeepestPad> = None;
+    for (index, &pad) in pads.iter().enumerate() {
+        let Some(depth) = penetration_depth(target, pad_position(target, pad, 0.0)) else {
             continue;
         };
         if deepest.is_none_or(|other| depth > other.depth) {
-            deepest = Some(PressedBy {
-                pad: place,
+            deepest = Some(DeepestPad {
+                index,
                 depth,
-                pressure: depth / target.travel,
+                travel_fraction: depth / target.travel,
             });
         }
     }
     deepest
 }
 
-/// Where a fingertip comes in through the front of a target.
+/// The entry of a fingertip through the front of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// The target's place on its surface.
-    pub place: u32,
-    /// The share of the frame's way at which it happens.
-    pub share: f32,
-    /// The square of the distance from the middle of the front, in square metres.
-    off_centre: f32,
+    /// The index of the target on its surface.
+    pub index: u32,
+    /// The position along the sweep, 0..=1.
+    pub t: f32,
+    /// The squared distance from the center of the front, in square metres.
+    center_distance_squared: f32,
 }
 
 impl Crossing {
-    /// Whether this one wins against `other`: the earlier, on a tie the one nearer to its middle.
-    pub fn beats(&self, other: &Self) -> bool {
-        if (self.share - other.share).abs() > TIE {
-            return self.share < other.share;
+    /// Returns whether this crossing takes precedence over `other`: the earlier one; on a tie, the one nearer to its
+    /// center.
+    pub fn precedes(&self, other: &Self) -> bool {
+        if (self.t - other.t).abs() > COPLANAR_TOLERANCE {
+            return self.t < other.t;
         }
-        self.off_centre < other.off_centre
+        self.center_distance_squared < other.center_distance_squared
     }
 }
 
-/// The first front of `surface` that a fingertip comes in through at or after the share `since`
-/// of its way; centres and radius in the surface's frame (metres).
+/// Returns the first front of `surface` that a fingertip enters at or after `since` (0..=1); the centers at the start
+/// and end of the step and the radius are in the surface's frame (metres).
 ///
-/// Does not allocate: parry's iterator keeps its open branches, at most one for each level of the
-/// tree, in place up to 32; a tree over 10 000 fronts has half as many levels.
+/// Does not allocate: the iterator of parry keeps its open branches, at most one for each level of the
+/// tree, inline up to 32; a tree of 10 000 fronts has half as many levels.
 pub fn first_crossing(
     surface: &Surface,
-    centres: [Vec3; 2],
+    centers: [Vec3; 2],
     radius: f32,
     since: f32,
 ) -> Option<Crossing> {
     let mut first: Option<Crossing> = None;
-    let reach = Vec3::splat(radius);
-    let [from, to] = centres;
-    let swept = Aabb::new(from.min(to) - reach, from.max(to) + reach);
-    // Most fingers are nowhere near most of the time: a third less than opening the tree.
+    let extent = Vec3::splat(radius);
+    let [from, to] = centers;
+    let swept = Aabb::new(from.min(to) - extent, from.max(to) + extent);
+    // Most fingers are far from every target most of the time; this test costs a third of a traversal.
     if !surface.front_bvh().root_aabb().intersects(&swept) {
         return None;
     }
-    for place in surface.front_bvh().intersect_aabb(&swept) {
-        let Some(target) = surface.target(surface.target_id(place)) else {
+    for index in surface.front_bvh().intersect_aabb(&swept) {
+        let Some(target) = surface.target(surface.target_id(index)) else {
             continue;
         };
-        let stroke = Stroke::of(target, centres, radius);
-        let Some(share) = stroke.enters(target.shape).filter(|&share| share >= since) else {
+        let sweep = Sweep::from_centers(target, centers, radius);
+        let Some(t) = sweep.t_at_entry(target.shape).filter(|&t| t >= since) else {
             continue;
         };
         let crossing = Crossing {
-            place,
-            share,
-            off_centre: stroke.at(share).truncate().length_squared(),
+            index,
+            t,
+            center_distance_squared: sweep.point_at(t).truncate().length_squared(),
         };
-        if first.is_none_or(|other| crossing.beats(&other)) {
+        if first.is_none_or(|other| crossing.precedes(&other)) {
             first = Some(crossing);
         }
     }
     first
 }
 
-/// Whether a fingertip is behind the front of any target of `surface`, inside its outline and at
-/// most 0.1 m deep; centre and radius in the surface's frame (metres).
-pub fn is_in_a_target(surface: &Surface, centre: Vec3, radius: f32) -> bool {
-    let reach = Vec3::splat(radius + BEHIND_REACH);
-    let near = Aabb::new(centre - reach, centre + reach);
-    surface.front_bvh().intersect_aabb(&near).any(|place| {
+/// Returns whether a fingertip is behind the front of any target of `surface`, inside its outline and at
+/// most 0.1 m deep; center and radius are in the surface's frame (metres).
+pub fn is_inside_any_target(surface: &Surface, center: Vec3, radius: f32) -> bool {
+    let extent = Vec3::splat(radius + MAX_PENETRATION);
+    let near = Aabb::new(center - extent, center + extent);
+    surface.front_bvh().intersect_aabb(&near).any(|index| {
         surface
-            .target(surface.target_id(place))
+            .target(surface.target_id(index))
             .is_some_and(|target| {
-                let pad = pad(target, centre, radius);
-                pad.z > -BEHIND_REACH && depth(target, pad).is_some()
+                let pad = pad_position(target, center, radius);
+                pad.z > -MAX_PENETRATION && penetration_depth(target, pad).is_some()
             })
     })
 }
 
-/// Whether the pad of a fingertip may be within `reach` metres of a front of `surface`; centre and radius
-/// in the surface's frame (metres). Looks at boxes around the fronts, so it says `true` rather too early.
-pub fn is_near_a_target(surface: &Surface, centre: Vec3, radius: f32, reach: f32) -> bool {
-    let reach = Vec3::splat(radius + reach);
-    let near = Aabb::new(centre - reach, centre + reach);
+/// Returns whether a fingertip may be within `distance` metres of a front of `surface`; center and radius
+/// are in the surface's frame (metres). Conservative: tests the bounding boxes of the fronts.
+pub fn is_near_any_target(surface: &Surface, center: Vec3, radius: f32, distance: f32) -> bool {
+    let extent = Vec3::splat(radius + distance);
+    let near = Aabb::new(center - extent, center + extent);
     surface.front_bvh().root_aabb().intersects(&near)
         && surface.front_bvh().intersect_aabb(&near).next().is_some()
 }
@@ -150,6 +151,7 @@ mod tests {
     use crate::contact::sweep::tests::assert_close;
 
     const KEY: Shape = Shape::Box(Vec2::new(0.008, 0.006));
+
     fn target(shape: Shape, surface_from_target: Pose) -> Target {
         Target {
             shape,
@@ -162,37 +164,34 @@ mod tests {
     }
 
     #[test]
-    fn a_turned_target_is_pushed_along_its_own_normal() {
-        // The front looks to the wearer (+Y of the surface is away), 0.1 m to the right.
+    fn a_rotated_target_is_pressed_along_its_own_normal() {
+        // The front faces the wearer (+Y of the surface is away), 0.1 m to the right.
         let pose = Pose::from_parts(
             Vec3::new(0.1, 0.0, 0.0),
             Rotation::from_rotation_x(FRAC_PI_2),
         );
-        let turned = target(KEY, pose);
-        let centres = [Vec3::new(0.1, -0.02, 0.0), Vec3::new(0.1, 0.0, 0.0)];
-        let stroke = Stroke::of(&turned, centres, 0.005);
-        assert_close(stroke.enters(KEY), Some(0.75), "along +Y");
-        let wide = Vec3::new(0.107, -0.004, 0.0);
-        let high = Vec3::new(0.1, -0.004, 0.007);
-        assert_close(
-            depth(&turned, pad(&turned, wide, 0.005)),
-            Some(0.001),
-            "wide",
-        );
-        assert_eq!(depth(&turned, pad(&turned, high, 0.005)), None);
+        let rotated = target(KEY, pose);
+        let centers = [Vec3::new(0.1, -0.02, 0.0), Vec3::new(0.1, 0.0, 0.0)];
+        let sweep = Sweep::from_centers(&rotated, centers, 0.005);
+        assert_close(sweep.t_at_entry(KEY), Some(0.75), "along +Y");
+        let depth = |center| penetration_depth(&rotated, pad_position(&rotated, center, 0.005));
+        let inside = Vec3::new(0.107, -0.004, 0.0);
+        assert_close(depth(inside), Some(0.001), "inside the width");
+        let above = Vec3::new(0.1, -0.004, 0.007);
+        assert_eq!(depth(above), None);
     }
 
     #[test]
-    fn the_first_front_on_the_way_wins_and_on_a_tie_the_nearest_middle() {
+    fn the_first_front_wins_and_the_nearest_center_on_a_tie() {
         let at = |x: f32, z: f32| target(KEY, Pose::from_translation(Vec3::new(x, 0.0, z) * 1e-3));
         let cross = |targets: Vec<Target>, x: f32| {
             let mut scene = Scene::new();
             scene.add_surface(Anchor::World, Pose::IDENTITY, targets);
-            let centres = [
+            let centers = [
                 Vec3::new(x, 0.0, 15.0) * 1e-3,
                 Vec3::new(x, 0.0, -5.0) * 1e-3,
             ];
-            first_crossing(&scene.surfaces()[0], centres, 0.005, 0.0).map(|found| found.place)
+            first_crossing(&scene.surfaces()[0], centers, 0.005, 0.0).map(|found| found.index)
         };
         assert_eq!(cross(vec![at(0.0, 0.0), at(0.0, 2.0)], 0.0), Some(1));
         assert_eq!(cross(vec![at(0.0, 0.0), at(4.0, 0.0)], 3.0), Some(1));
@@ -201,52 +200,46 @@ mod tests {
     }
 
     #[test]
-    fn the_tree_finds_what_a_look_at_every_turned_target_finds() {
-        let mut state = 7_u64;
-        let mut between = |low: f32, high: f32| {
-            // Knuth's MMIX generator; its high bits are the good ones.
-            state = state.wrapping_mul(6_364_136_223_846_793_005);
-            state = state.wrapping_add(1_442_695_040_888_963_407);
-            low + (high - low) * (state >> 40) as f32 / (1 << 24) as f32
-        };
-        let mut place = |reach: f32| {
-            let mut along = || between(-reach, reach);
-            Vec3::new(along(), along(), along())
+    fn the_tree_agrees_with_a_linear_search_over_rotated_targets() {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut vector = |limit: f32| {
+            let mut component = || limit * (2.0 * random.f32() - 1.0);
+            Vec3::new(component(), component(), component())
         };
         let shapes = [KEY, Shape::Disc(0.01)].into_iter().cycle();
         let targets = shapes.take(400).map(|shape| {
-            let pose = Pose::from_parts(place(0.1), Rotation::from_scaled_axis(place(3.0)));
+            let pose = Pose::from_parts(vector(0.1), Rotation::from_scaled_axis(vector(3.0)));
             target(shape, pose)
         });
         let mut scene = Scene::new();
         scene.add_surface(Anchor::World, Pose::IDENTITY, targets.collect());
         let surface = &scene.surfaces()[0];
-        let mut found = 0;
+        let mut crossings = 0;
         for _ in 0..2_000 {
-            let centres = [place(0.12), place(0.12)];
+            let centers = [vector(0.12), vector(0.12)];
             let mut first: Option<Crossing> = None;
             for (id, target) in surface.targets() {
-                let stroke = Stroke::of(target, centres, 0.006);
-                let Some(share) = stroke.enters(target.shape) else {
+                let sweep = Sweep::from_centers(target, centers, 0.006);
+                let Some(t) = sweep.t_at_entry(target.shape) else {
                     continue;
                 };
                 let crossing = Crossing {
-                    place: id.0,
-                    share,
-                    off_centre: stroke.at(share).truncate().length_squared(),
+                    index: id.0,
+                    t,
+                    center_distance_squared: sweep.point_at(t).truncate().length_squared(),
                 };
-                if first.is_none_or(|other| crossing.beats(&other)) {
+                if first.is_none_or(|other| crossing.precedes(&other)) {
                     first = Some(crossing);
                 }
             }
-            assert_eq!(first_crossing(surface, centres, 0.006, 0.0), first);
-            found += u32::from(first.is_some());
+            assert_eq!(first_crossing(surface, centers, 0.006, 0.0), first);
+            crossings += u32::from(first.is_some());
         }
-        assert!(found > 500, "only {found}");
+        assert!(crossings > 500, "only {crossings}");
     }
 
     #[test]
-    fn the_four_button_pad_comes_out_as_in_the_vectors() {
+    fn the_four_button_pad_agrees_with_the_reference_vectors() {
         let path = concat!(
             env!("CARGO_MANIFEST_DIR"),
             "/tests/vectors/keypad_press.json"
@@ -258,7 +251,7 @@ mod tests {
         for case in file["cases"].as_array().unwrap() {
             let (half, height) = (number(&case["half_extent"]), number(&case["height"]));
             for sample in case["samples"].as_array().unwrap() {
-                // The pad's height above its base is our +Z; the front at rest is at `height`.
+                // The vectors' height above the base is our +Z; the front at rest is at `height`.
                 let tips = sample["tips"].as_array().unwrap().iter();
                 let tips: Vec<Vec3> = tips
                     .map(|tip| Vec3::new(number(&tip[0]), number(&tip[2]), number(&tip[1])))
@@ -266,23 +259,28 @@ mod tests {
                 let rows = sample.get("clamped").unwrap_or(&sample["as_coded"]);
                 let rows = rows.as_array().unwrap().iter();
                 for (button, row) in case["buttons_xz"].as_array().unwrap().iter().zip(rows) {
-                    let middle = Vec3::new(number(&button[0]), number(&button[1]), height);
+                    let center = Vec3::new(number(&button[0]), number(&button[1]), height);
                     let button = Target {
                         travel: height,
                         ..target(
                             Shape::Box(Vec2::splat(half)),
-                            Pose::from_translation(middle),
+                            Pose::from_translation(center),
                         )
                     };
-                    let found = pressed_by(&button, &tips);
+                    let found = deepest_pad(&button, &tips);
                     let expected = row[0].as_bool().unwrap().then(|| row[1].as_u64().unwrap());
-                    assert_eq!(found.map(|by| by.pad as u64), expected, "{}", case["name"]);
-                    let depth = found.map_or(0.0, |by| by.depth);
-                    let pressure = found.map_or(0.0, |by| by.pressure);
+                    assert_eq!(
+                        found.map(|pad| pad.index as u64),
+                        expected,
+                        "{}",
+                        case["name"]
+                    );
+                    let depth = found.map_or(0.0, |pad| pad.depth);
+                    let fraction = found.map_or(0.0, |pad| pad.travel_fraction);
                     assert!((depth - number(&row[3])).abs() < 1e-6, "{row}: {depth}");
                     assert!(
-                        (pressure - number(&row[4])).abs() < 1e-6,
-                        "{row}: {pressure}"
+                        (fraction - number(&row[4])).abs() < 1e-6,
+                        "{row}: {fraction}"
                     );
                     checked += 1;
                 }

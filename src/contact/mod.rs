@@ -1,9 +1,9 @@
-//! 4 · [`HandPose`](crate::kinematics::HandPose) → [`Touches`].
+//! Stage 4: [`HandPose`](crate::kinematics::HandPose) → [`Touches`].
 
 pub mod board_pose;
+pub mod hit_test;
 pub mod surface;
 pub mod sweep;
-pub mod hit_test;
 pub mod tracker;
 pub mod volume;
 mod target_names;
@@ -19,56 +19,55 @@ use crate::hand::{Finger, Side};
 use crate::names::named_enum;
 use crate::time::Timestamp;
 
-/// The place of a target in its [`Scene`](surface::Scene).
+/// The index of a target in its [`Scene`](surface::Scene).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct TargetId(pub u32);
 
-/// One step in the meeting of a fingertip and a target.
+/// A change in the contact between a fingertip and a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// When it happened, between the frame before and this one.
+    /// The time of the change, interpolated between the previous and the current pose.
     pub time: Timestamp,
-    /// Of which hand.
+    /// The hand.
     pub side: Side,
-    /// Whose fingertip.
+    /// The finger.
     pub finger: Finger,
-    /// On what.
+    /// The target.
     pub target: TargetId,
-    /// What happened.
+    /// The kind of change.
     pub phase: Phase,
-    /// How far this fingertip pushes the target in, as a share of its travel: 0..=1; 0 once it has
-    /// left or was cancelled.
+    /// The penetration by this fingertip as a fraction of the target's travel, 0..=1; 0 after `Left` and `Cancelled`.
     pub depth: f32,
-    /// Where on the target's front the fingertip is, in metres from its middle along the target's own X
-    /// and Y; where it was last when it is no longer seen.
+    /// The position of the fingertip on the target's front, in metres from its center along the target's X and Y axes;
+    /// the last known position if the fingertip is no longer tracked.
     pub position: Vec2,
 }
 
 named_enum! {
-    /// What happened between a fingertip and a target. Each is latched to its target from
+    /// A phase of the contact between a fingertip and a target. A fingertip stays on its target from
     /// `Touched` to `Left` or `Cancelled`; in between `Pressed` and `Released` alternate.
     pub enum Phase ("phase") {
-        /// The fingertip came in through the front.
+        /// The fingertip entered through the front.
         Touched = "touched",
-        /// It went past the press share of the travel.
+        /// The fingertip passed the press depth.
         Pressed = "pressed",
-        /// It stays on the target; only its place and depth are new. At most one a frame and finger.
-        Moved = "held",
-        /// It came back above the release share.
+        /// The fingertip moved on the target: position and depth are new. At most once per step and finger.
+        Moved = "moved",
+        /// The fingertip returned above the release depth.
         Released = "released",
-        /// It left through the front.
+        /// The fingertip left through the front.
         Left = "left",
-        /// It slid off sideways, was lost, or the hand jumped: what was down comes up, nothing fires.
+        /// The fingertip slid off sideways, was lost, or the hand jumped. Pressed keys are released; nothing fires.
         Cancelled = "cancelled",
     }
 }
 
-/// How many touches a frame can have, and some to spare.
+/// The most touches of one step.
+///
+/// In one step a finger can end a contact (released, left) and begin another (touched, pressed, and moved or
+/// cancelled): 5 for each of 5 fingers, plus 5 if everything is cancelled, rounded up.
 pub const MAX_TOUCHES: usize = 32;
 
-/// The touches of one frame, in order of time for each finger.
-///
-/// One frame can end a contact (released, left) and begin another (touched, pressed, and held or
-/// cancelled): at most 5 for each of 5 fingers, and 5 more when everything is cancelled.
+/// The touches of one step, in order of time for each finger.
 pub type Touches = ArrayVec<Touch, MAX_TOUCHES>;

@@ -1,19 +1,20 @@
-//! How a fingertip moves over one target: pure geometry, in the target's frame.
+//! The movement of a fingertip relative to one target: geometry in the target's frame.
 //!
-//! A fingertip is a sphere. What meets a target is its **pad**: the sphere's furthest point along
-//! the press direction, `centre − radius · normal`. All tests are about that point.
+//! A fingertip is a sphere. Its **pad**, the sphere's furthest point along the press direction
+//! (`center − radius · normal`), is the point that touches targets. All tests are about the pad.
 
 use parry3d::math::{Vec2, Vec3};
 
 use super::surface::{Shape, Target};
 
-/// The pad of a fingertip in the target's frame; `centre` and `radius` (metres) in the surface's.
-pub fn pad(target: &Target, centre: Vec3, radius: f32) -> Vec3 {
-    target.surface_from_target.inverse_transform_point(centre) - Vec3::Z * radius
+/// Returns the position of a fingertip's pad in the target's frame; `center` and `radius` (metres) are in the surface's
+/// frame.
+pub fn pad_position(target: &Target, center: Vec3, radius: f32) -> Vec3 {
+    target.surface_from_target.inverse_transform_point(center) - Vec3::Z * radius
 }
 
-/// Whether a point in the plane of the front lies inside the outline made wider by `margin`
-/// metres. The outline itself is outside: a point on the shared edge of two targets is on neither.
+/// Returns whether a point in the plane of the front is inside the outline widened by `margin` metres. Points on the
+/// outline are outside: a point on the shared edge of two targets is on neither.
 pub fn is_inside(shape: Shape, point: Vec2, margin: f32) -> bool {
     match shape {
         Shape::Box(half) => point.abs().cmplt(half + margin).all(),
@@ -21,83 +22,83 @@ pub fn is_inside(shape: Shape, point: Vec2, margin: f32) -> bool {
     }
 }
 
-/// The straight way of a pad from one frame to the next, in the target's frame (metres).
+/// The straight path of a pad during one step, in the target's frame (metres).
 ///
-/// Places on it are shares of the way: 0 at `from`, 1 at `to`.
+/// Positions along it are values of `t`: 0 at `from`, 1 at `to`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stroke {
-    /// Where the pad was in the frame before.
+pub struct Sweep {
+    /// The position of the pad in the previous pose.
     pub from: Vec3,
-    /// Where it is now.
+    /// The position of the pad in the current pose.
     pub to: Vec3,
 }
 
-impl Stroke {
-    /// The way of a fingertip sphere's pad; both centres and the radius in the surface's frame.
-    pub fn of(target: &Target, centres: [Vec3; 2], radius: f32) -> Self {
+impl Sweep {
+    /// Creates the sweep of a fingertip's pad; both centers and the radius are in the surface's frame.
+    pub fn from_centers(target: &Target, centers: [Vec3; 2], radius: f32) -> Self {
         Self {
-            from: pad(target, centres[0], radius),
-            to: pad(target, centres[1], radius),
+            from: pad_position(target, centers[0], radius),
+            to: pad_position(target, centers[1], radius),
         }
     }
 
-    /// The point at this share of the way.
-    pub fn at(&self, share: f32) -> Vec3 {
-        self.from.lerp(self.to, share)
+    /// Returns the position at `t`.
+    pub fn point_at(&self, t: f32) -> Vec3 {
+        self.from.lerp(self.to, t)
     }
 
-    /// The share at which the pad comes in through the front: from in front of the plane (or on
-    /// it) to behind it, inside the outline. `None` from behind, from the side and past the edge.
-    pub fn enters(&self, shape: Shape) -> Option<f32> {
+    /// Returns the `t` at which the pad enters through the front: from the front side or the plane to behind the plane,
+    /// inside the outline. Returns `None` if it enters from behind or from the side, or passes the edge.
+    pub fn t_at_entry(&self, shape: Shape) -> Option<f32> {
         if self.from.z < 0.0 || self.to.z >= 0.0 {
             return None;
         }
-        let share = self.from.z / (self.from.z - self.to.z);
-        is_inside(shape, self.at(share).truncate(), 0.0).then_some(share)
+        let t = self.from.z / (self.from.z - self.to.z);
+        is_inside(shape, self.point_at(t).truncate(), 0.0).then_some(t)
     }
 
-    /// The share at which the pad is `depth` metres behind the front on its way in; 0 if it
-    /// started deeper, `None` if it does not end as deep.
-    pub fn sinks_to(&self, depth: f32) -> Option<f32> {
-        (-self.to.z >= depth).then(|| self.share_at_depth(depth))
+    /// Returns the `t` at which the pad reaches `depth` metres behind the front on its way in; 0 if it
+    /// starts deeper, `None` if it ends less deep.
+    pub fn t_at_depth_inward(&self, depth: f32) -> Option<f32> {
+        (-self.to.z >= depth).then(|| self.t_at_depth(depth))
     }
 
-    /// The share at which the pad is `depth` metres behind the front on its way out; 0 if it
-    /// started less deep, `None` if it ends deeper. It leaves through the front at depth 0.
-    pub fn rises_to(&self, depth: f32) -> Option<f32> {
-        (-self.to.z <= depth).then(|| self.share_at_depth(depth))
+    /// Returns the `t` at which the pad reaches `depth` metres behind the front on its way out; 0 if it
+    /// starts less deep, `None` if it ends deeper. At depth 0 it leaves through the front.
+    pub fn t_at_depth_outward(&self, depth: f32) -> Option<f32> {
+        (-self.to.z <= depth).then(|| self.t_at_depth(depth))
     }
 
-    /// The share at which the pad goes out of the outline sideways, the outline made wider by
-    /// `margin` metres; 0 if it was never inside, `None` if it ends inside.
-    pub fn leaves_sideways(&self, shape: Shape, margin: f32) -> Option<f32> {
+    /// Returns the `t` at which the pad leaves the outline, widened by `margin` metres, sideways; 0 if it was never
+    /// inside, `None` if it ends inside.
+    pub fn t_at_side_exit(&self, shape: Shape, margin: f32) -> Option<f32> {
         let (from, to) = (self.from.truncate(), self.to.truncate());
         if is_inside(shape, to, margin) {
             return None;
         }
-        let way = to - from;
-        let share = match shape {
+        let direction = to - from;
+        let t = match shape {
             Shape::Box(half) => {
-                // The edge that the pad moves towards; a pad that keeps its place never gets there.
-                let edge = (half + margin).copysign(way);
-                let shares = (edge - from) / way;
-                shares.x.min(shares.y)
+                // The edge in the direction of movement; a pad that does not move never reaches it.
+                let edge = (half + margin).copysign(direction);
+                let t_by_axis = (edge - from) / direction;
+                t_by_axis.x.min(t_by_axis.y)
             }
             Shape::Disc(radius) => {
-                let reach = radius + margin;
-                let (a, b) = (way.length_squared(), from.dot(way));
-                let c = from.length_squared() - reach * reach;
+                let radius = radius + margin;
+                let (a, b) = (direction.length_squared(), from.dot(direction));
+                let c = from.length_squared() - radius * radius;
                 ((b * b - a * c).sqrt() - b) / a
             }
         };
-        // Not a number where it neither moves nor was inside.
-        Some(if share > 0.0 { share.min(1.0) } else { 0.0 })
+        // NaN if the pad neither moves nor was inside.
+        Some(if t > 0.0 { t.min(1.0) } else { 0.0 })
     }
 
-    fn share_at_depth(&self, depth: f32) -> f32 {
-        let share = (self.from.z + depth) / (self.from.z - self.to.z);
-        // Not a number where the pad keeps its depth.
-        if share > 0.0 { share.min(1.0) } else { 0.0 }
+    fn t_at_depth(&self, depth: f32) -> f32 {
+        let t = (self.from.z + depth) / (self.from.z - self.to.z);
+        // NaN if the depth does not change.
+        if t > 0.0 { t.min(1.0) } else { 0.0 }
     }
 }
 
@@ -108,9 +109,9 @@ pub(super) mod tests {
     const KEY: Shape = Shape::Box(Vec2::new(0.008, 0.006));
     const DISC: Shape = Shape::Disc(0.008);
 
-    /// A stroke in millimetres.
-    fn stroke(from: [f32; 3], to: [f32; 3]) -> Stroke {
-        Stroke {
+    /// Creates a sweep from positions in millimetres.
+    fn sweep(from: [f32; 3], to: [f32; 3]) -> Sweep {
+        Sweep {
             from: Vec3::from_array(from) * 1e-3,
             to: Vec3::from_array(to) * 1e-3,
         }
@@ -125,7 +126,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_stroke_enters_through_the_front_and_inside_the_outline_only() {
+    fn a_sweep_enters_only_through_the_front_inside_the_outline() {
         let cases = [
             (
                 "straight in",
@@ -149,7 +150,7 @@ pub(super) mod tests {
                 None,
             ),
             (
-                "through and through",
+                "fast, right through",
                 KEY,
                 [0.0, 0.0, 30.0],
                 [0.0, 0.0, -70.0],
@@ -186,7 +187,7 @@ pub(super) mod tests {
                 Some(0.5),
             ),
             (
-                "in no corner of a disc",
+                "in the corner around a disc",
                 DISC,
                 [7.0, 5.0, 1.0],
                 [7.0, 5.0, -1.0],
@@ -201,12 +202,12 @@ pub(super) mod tests {
             ),
         ];
         for (what, shape, from, to, expected) in cases {
-            assert_close(stroke(from, to).enters(shape), expected, what);
+            assert_close(sweep(from, to).t_at_entry(shape), expected, what);
         }
     }
 
     #[test]
-    fn a_stroke_leaves_sideways_where_it_crosses_the_widened_outline() {
+    fn a_sweep_exits_sideways_where_it_crosses_the_widened_outline() {
         let cases = [
             ("stays", KEY, [0.0, 0.0, -1.0], [7.0, 5.0, -1.0], None),
             (
@@ -276,21 +277,25 @@ pub(super) mod tests {
             ),
         ];
         for (what, shape, from, to, expected) in cases {
-            let share = stroke(from, to).leaves_sideways(shape, 0.002);
-            assert_close(share, expected, what);
+            let t = sweep(from, to).t_at_side_exit(shape, 0.002);
+            assert_close(t, expected, what);
         }
     }
 
     #[test]
-    fn a_stroke_reaches_a_depth_at_its_share_of_the_way() {
-        let down = stroke([0.0, 0.0, 1.0], [0.0, 0.0, -3.0]);
-        let up = stroke([0.0, 0.0, -3.0], [0.0, 0.0, 1.0]);
-        assert_close(down.sinks_to(0.002), Some(0.75), "sinks to 2 mm");
-        assert_close(down.sinks_to(0.004), None, "does not sink to 4 mm");
-        assert_close(up.sinks_to(0.002), None, "does not end at 2 mm");
-        assert_close(up.rises_to(0.001), Some(0.5), "rises to 1 mm");
-        assert_close(up.rises_to(0.0), Some(0.75), "rises to the front");
-        assert_close(down.rises_to(0.001), None, "does not rise");
-        assert_close(up.rises_to(0.005), Some(0.0), "has risen before");
+    fn a_sweep_reaches_each_depth_at_its_t() {
+        let down = sweep([0.0, 0.0, 1.0], [0.0, 0.0, -3.0]);
+        let up = sweep([0.0, 0.0, -3.0], [0.0, 0.0, 1.0]);
+        assert_close(down.t_at_depth_inward(0.002), Some(0.75), "reaches 2 mm");
+        assert_close(down.t_at_depth_inward(0.004), None, "does not reach 4 mm");
+        assert_close(up.t_at_depth_inward(0.002), None, "ends above 2 mm");
+        assert_close(up.t_at_depth_outward(0.001), Some(0.5), "returns to 1 mm");
+        assert_close(
+            up.t_at_depth_outward(0.0),
+            Some(0.75),
+            "returns to the front",
+        );
+        assert_close(down.t_at_depth_outward(0.001), None, "does not return");
+        assert_close(up.t_at_depth_outward(0.005), Some(0.0), "starts above 5 mm");
     }
 }

@@ -1,4 +1,4 @@
-//! What targets are called.
+//! Names of targets.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,38 +7,38 @@ use serde::Serialize;
 
 use super::TargetId;
 
-/// What the targets of a scene are called, in the order of their numbers. Copies are cheap.
+/// The names of the targets of a scene, in the order of their ids. Clones share the list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TargetNames(Arc<[String]>);
 
-/// A target by its name, or by its number where it has none.
+/// The name of a target, or its id if it has no name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(untagged)]
 pub enum TargetName<'a> {
     /// The name.
     Name(&'a str),
-    /// The number.
+    /// The id.
     Id(TargetId),
 }
 
 impl TargetNames {
-    /// Target number `i` is called `names[i]`.
+    /// Creates the list; `names[i]` is the name of the target with id `i`.
     pub fn new(names: impl IntoIterator<Item = String>) -> Self {
         Self(names.into_iter().collect())
     }
 
-    /// The target that is called so.
+    /// Returns the id of the first target with this name.
     pub fn find(&self, name: &str) -> Option<TargetId> {
-        let place = self.0.iter().position(|other| other == name)?;
-        Some(TargetId(place as u32))
+        let index = self.0.iter().position(|other| other == name)?;
+        Some(TargetId(index as u32))
     }
 
-    /// The names, in the order of the targets.
+    /// Iterates over the names, in the order of the target ids.
     pub fn iter(&self) -> impl Iterator<Item = &str> {
         self.0.iter().map(String::as_str)
     }
 
-    /// What a target is called.
+    /// Returns the name of a target, or its id if it has no name.
     pub fn get(&self, target: TargetId) -> TargetName<'_> {
         match self.0.get(target.0 as usize) {
             Some(name) => TargetName::Name(name),
@@ -51,7 +51,7 @@ impl fmt::Display for TargetName<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Name(name) => f.pad(name),
-            Self::Id(TargetId(number)) => number.fmt(f),
+            Self::Id(TargetId(id)) => id.fmt(f),
         }
     }
 }

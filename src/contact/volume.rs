@@ -1,170 +1,170 @@
-//! Volumes in space that a point can be in: which of them it enters on its way, and how deep it is.
+//! Volumes in space: the entry of a moving point and its penetration depth.
 
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::Vec3;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 
-/// What a volume looks like about its middle, in metres.
+/// The shape of a volume around its center, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum VolumeShape {
-    /// A ball of this radius, more than 0.
+    /// A ball with this radius, more than 0.
     Ball(f32),
-    /// A box with these half extents along the axes of its space, each more than 0.
+    /// A box with these half extents along the axes of its frame, each more than 0.
     Box(Vec3),
 }
 
 /// A volume in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
-    /// Its middle in the frame of its space, in metres.
+    /// The center, in metres.
     pub center: Vec3,
-    /// What it looks like.
+    /// The shape.
     pub shape: VolumeShape,
 }
 
 impl Volume {
-    /// How deep a point is in it: 0 on its surface and outside, 1 in its middle. In a box the nearest
-    /// side counts.
+    /// Returns the penetration depth of a point: 0 on the surface and outside, 1 at the center. In a box the distance
+    /// to the nearest side counts.
     pub fn depth(&self, point: Vec3) -> f32 {
-        let from_middle = point - self.center;
+        let from_center = point - self.center;
         let outward = match self.shape {
-            VolumeShape::Ball(radius) => from_middle.length() / radius,
-            VolumeShape::Box(half) => (from_middle.abs() / half).max_element(),
+            VolumeShape::Ball(radius) => from_center.length() / radius,
+            VolumeShape::Box(half) => (from_center.abs() / half).max_element(),
         };
         (1.0 - outward).clamp(0.0, 1.0)
     }
 
-    /// From which share of a straight way to which a point is in it, both within 0..=1; the volume is
-    /// `margin` metres larger on every side. `None` where the way does not meet it, and where it only
-    /// grazes the surface.
-    pub fn intersect_segment(&self, way: [Vec3; 2], margin: f32) -> Option<[f32; 2]> {
-        let (from, step) = (way[0] - self.center, way[1] - way[0]);
-        let [enters, leaves] = match self.shape {
-            VolumeShape::Ball(radius) => line_in_ball(from, step, radius + margin),
-            VolumeShape::Box(half) => line_in_box(from, step, half + margin),
+    /// Returns the interval of `t`, within 0..=1, in which a segment is inside the volume enlarged by `margin` metres on
+    /// every side. Returns `None` if the segment is outside or only touches the surface.
+    pub fn intersect_segment(&self, segment: [Vec3; 2], margin: f32) -> Option<[f32; 2]> {
+        let (origin, direction) = (segment[0] - self.center, segment[1] - segment[0]);
+        let [enter, exit] = match self.shape {
+            VolumeShape::Ball(radius) => intersect_ball(origin, direction, radius + margin),
+            VolumeShape::Box(half) => intersect_box(origin, direction, half + margin),
         }?;
-        let (enters, leaves) = (enters.max(0.0), leaves.min(1.0));
-        // One point that stays has a way of no length: in it from 0 to 1.
-        (enters < leaves).then_some([enters, leaves])
+        let (enter, exit) = (enter.max(0.0), exit.min(1.0));
+        // A segment without length that is inside has the interval 0..=1.
+        (enter < exit).then_some([enter, exit])
     }
 
-    fn around(&self) -> Aabb {
-        let reach = match self.shape {
+    fn aabb(&self) -> Aabb {
+        let extent = match self.shape {
             VolumeShape::Ball(radius) => Vec3::splat(radius),
             VolumeShape::Box(half) => half,
         };
-        Aabb::new(self.center - reach, self.center + reach)
+        Aabb::new(self.center - extent, self.center + extent)
     }
 }
 
-/// Where on the line `from + share · step` the ball about the origin begins and ends.
-fn line_in_ball(from: Vec3, step: Vec3, radius: f32) -> Option<[f32; 2]> {
-    let (a, b) = (step.length_squared(), from.dot(step));
-    let c = from.length_squared() - radius * radius;
+/// Intersects the line `origin + t · direction` with the ball around the origin.
+fn intersect_ball(origin: Vec3, direction: Vec3, radius: f32) -> Option<[f32; 2]> {
+    let (a, b) = (direction.length_squared(), origin.dot(direction));
+    let c = origin.length_squared() - radius * radius;
     if a == 0.0 {
         return (c < 0.0).then_some([f32::NEG_INFINITY, f32::INFINITY]);
     }
+    // NaN if the line misses the ball.
     let root = (b * b - a * c).sqrt();
-    // Not a number where the line passes it by.
     (root > 0.0).then_some([(-b - root) / a, (-b + root) / a])
 }
 
-/// The same for the box about the origin, by slabs (Kay & Kajiya 1986).
-fn line_in_box(from: Vec3, step: Vec3, half: Vec3) -> Option<[f32; 2]> {
-    let (mut enters, mut leaves) = (f32::NEG_INFINITY, f32::INFINITY);
+/// Intersects the line with the box around the origin, by slabs (Kay & Kajiya 1986).
+fn intersect_box(origin: Vec3, direction: Vec3, half: Vec3) -> Option<[f32; 2]> {
+    let (mut enter, mut exit) = (f32::NEG_INFINITY, f32::INFINITY);
     for axis in 0..3 {
-        if step[axis] == 0.0 {
-            if from[axis].abs() >= half[axis] {
+        if direction[axis] == 0.0 {
+            if origin[axis].abs() >= half[axis] {
                 return None;
             }
             continue;
         }
-        let sides = [-half[axis], half[axis]].map(|side| (side - from[axis]) / step[axis]);
-        enters = enters.max(sides[0].min(sides[1]));
-        leaves = leaves.min(sides[0].max(sides[1]));
+        let sides = [-half[axis], half[axis]].map(|side| (side - origin[axis]) / direction[axis]);
+        enter = enter.max(sides[0].min(sides[1]));
+        exit = exit.min(sides[0].max(sides[1]));
     }
-    (enters < leaves).then_some([enters, leaves])
+    (enter < exit).then_some([enter, exit])
 }
 
-/// Volumes that share a frame.
+/// A set of volumes in one frame, with a search tree.
 #[derive(Clone, Debug)]
 pub struct VolumeSet {
     volumes: Vec<Volume>,
-    tree: Bvh,
+    bvh: Bvh,
 }
 
-/// Where a point comes into a volume, or is in it.
+/// The point at which a segment enters a volume, or its start if it is inside already.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeEntry {
-    /// The place of the volume.
+    /// The index of the volume.
     pub index: usize,
-    /// The share of the way.
+    /// The position along the segment, 0..=1.
     pub t: f32,
-    /// How far the point is from the middle there, in metres.
+    /// The distance of the point from the center of the volume, in metres.
     pub center_distance: f32,
 }
 
 impl VolumeEntry {
-    /// Whether this one wins against `other`: the earlier, on a tie the one nearer to its middle.
+    /// Returns whether this entry takes precedence over `other`: the earlier one; on a tie, the one nearer to its
+    /// center.
     pub fn precedes(&self, other: &Self) -> bool {
         (self.t, self.center_distance) < (other.t, other.center_distance)
     }
 }
 
 impl VolumeSet {
-    /// Volume `i` is `volumes[i]`.
+    /// Creates a set; the index of a volume is its index in `volumes`.
     pub fn new(volumes: Vec<Volume>) -> Self {
-        let boxes: Vec<Aabb> = volumes.iter().map(Volume::around).collect();
+        let boxes: Vec<Aabb> = volumes.iter().map(Volume::aabb).collect();
         Self {
-            tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
+            bvh: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
             volumes,
         }
     }
 
-    /// The volume at a place.
-    pub fn get(&self, place: usize) -> Option<&Volume> {
-        self.volumes.get(place)
+    /// Returns the volume with this index.
+    pub fn get(&self, index: usize) -> Option<&Volume> {
+        self.volumes.get(index)
     }
 
-    /// All of them, in order of their places.
+    /// Iterates over the volumes.
     pub fn iter(&self) -> impl Iterator<Item = &Volume> {
         self.volumes.iter()
     }
 
-    /// How many there are.
+    /// Returns the number of volumes.
     pub fn len(&self) -> usize {
         self.volumes.len()
     }
 
-    /// Whether there are none.
+    /// Returns whether there are no volumes.
     pub fn is_empty(&self) -> bool {
         self.volumes.is_empty()
     }
 
-    /// The first volume that a point is in at or after the share `since` of its straight way, and not
-    /// only up to there. Of several that it is in at `since` the one whose middle is nearest.
+    /// Returns the first volume that a segment is inside at or after `since` (0..=1). Volumes that it leaves at or before
+    /// `since` do not count. If it is inside several at `since`, the one with the nearest center takes precedence.
     ///
-    /// Does not allocate, see [`first_crossing`](super::hit_test::first_crossing).
-    pub fn first_entry(&self, way: [Vec3; 2], since: f32) -> Option<VolumeEntry> {
+    /// Does not allocate; see [`first_crossing`](super::hit_test::first_crossing).
+    pub fn first_entry(&self, segment: [Vec3; 2], since: f32) -> Option<VolumeEntry> {
         let mut first: Option<VolumeEntry> = None;
-        let [from, to] = way;
+        let [from, to] = segment;
         let swept = Aabb::new(from.min(to), from.max(to));
-        for leaf in self.tree.intersect_aabb(&swept) {
-            let place = leaf as usize;
-            let Some(volume) = self.volumes.get(place) else {
+        for leaf in self.bvh.intersect_aabb(&swept) {
+            let index = leaf as usize;
+            let Some(volume) = self.volumes.get(index) else {
                 continue;
             };
-            let Some([enters, leaves]) = volume.intersect_segment(way, 0.0) else {
+            let Some([enter, exit]) = volume.intersect_segment(segment, 0.0) else {
                 continue;
             };
-            if leaves <= since && since > 0.0 {
+            if exit <= since && since > 0.0 {
                 continue;
             }
-            let share = enters.max(since);
+            let t = enter.max(since);
             let entry = VolumeEntry {
-                index: place,
-                t: share,
-                center_distance: from.lerp(to, share).distance(volume.center),
+                index,
+                t,
+                center_distance: from.lerp(to, t).distance(volume.center),
             };
             if first.is_none_or(|other| entry.precedes(&other)) {
                 first = Some(entry);
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn depth_is_0_on_the_surface_and_1_in_the_middle() {
+    fn depth_is_0_on_the_surface_and_1_at_the_center() {
         for volume in [ball(1.0, 0.5), cube(1.0, 0.5)] {
             let depths = [1.0, 1.25, 1.5, 9.0].map(|x| volume.depth(Vec3::X * x));
             assert_eq!(depths, [1.0, 0.5, 0.0, 0.0]);
@@ -201,72 +201,64 @@ mod tests {
     }
 
     #[test]
-    fn a_way_through_a_volume_is_in_it_between_two_shares() {
+    fn a_segment_through_a_volume_is_inside_during_an_interval() {
         let through = [Vec3::ZERO, Vec3::X * 4.0];
         for volume in [ball(1.0, 0.5), cube(1.0, 0.5)] {
-            assert_eq!(volume.intersect_segment(through, 0.0), Some([0.125, 0.375]));
-            assert_eq!(volume.intersect_segment(through, 0.5), Some([0.0, 0.5]));
-            let ends_inside = [Vec3::ZERO, Vec3::X];
-            assert_eq!(volume.intersect_segment(ends_inside, 0.0), Some([0.5, 1.0]));
-            assert_eq!(
-                volume.intersect_segment([Vec3::X; 2], 0.0),
-                Some([0.0, 1.0]),
-                "stays"
-            );
-            assert_eq!(volume.intersect_segment([Vec3::ZERO; 2], 0.0), None);
+            let interval = |segment, margin| volume.intersect_segment(segment, margin);
+            assert_eq!(interval(through, 0.0), Some([0.125, 0.375]));
+            assert_eq!(interval(through, 0.5), Some([0.0, 0.5]));
+            assert_eq!(interval([Vec3::ZERO, Vec3::X], 0.0), Some([0.5, 1.0]));
+            assert_eq!(interval([Vec3::X; 2], 0.0), Some([0.0, 1.0]), "at rest");
+            assert_eq!(interval([Vec3::ZERO; 2], 0.0), None);
             let beside = through.map(|point| point + Vec3::Y);
-            assert_eq!(volume.intersect_segment(beside, 0.0), None);
-            let grazing = through.map(|point| point + Vec3::Y * 0.5);
-            assert_eq!(volume.intersect_segment(grazing, 0.0), None);
+            assert_eq!(interval(beside, 0.0), None);
+            let tangent = through.map(|point| point + Vec3::Y * 0.5);
+            assert_eq!(interval(tangent, 0.0), None);
         }
     }
 
     #[test]
-    fn the_first_on_the_way_wins_and_where_they_overlap_the_nearest_middle() {
+    fn the_first_volume_wins_and_the_nearest_center_where_they_overlap() {
         let volumes = VolumeSet::new(vec![ball(3.0, 0.5), cube(1.0, 0.5), ball(1.4, 0.5)]);
-        let place = |way, since| {
-            volumes
-                .first_entry(way, since)
-                .map(|entry: VolumeEntry| entry.index)
-        };
+        let index = |segment, since| volumes.first_entry(segment, since).map(|entry| entry.index);
         let through = [Vec3::ZERO, Vec3::X * 4.0];
-        assert_eq!(place(through, 0.0), Some(1));
-        assert_eq!(place(through, 0.4), Some(2), "the cube is left behind");
-        assert_eq!(place(through, 0.6), Some(0));
-        assert_eq!(place(through, 0.9), None);
-        assert_eq!(place([Vec3::X * 1.1; 2], 0.0), Some(1));
-        assert_eq!(place([Vec3::X * 1.3; 2], 0.0), Some(2));
+        assert_eq!(index(through, 0.0), Some(1));
+        assert_eq!(index(through, 0.4), Some(2), "the point has left the cube");
+        assert_eq!(index(through, 0.6), Some(0));
+        assert_eq!(index(through, 0.9), None);
+        assert_eq!(index([Vec3::X * 1.1; 2], 0.0), Some(1));
+        assert_eq!(index([Vec3::X * 1.3; 2], 0.0), Some(2));
     }
 
     #[test]
-    fn the_tree_over_many_volumes_stays_shallow_and_finds_what_a_look_at_each_finds() {
-        let place = |number: usize| {
+    fn the_tree_of_many_volumes_is_shallow_and_agrees_with_a_linear_search() {
+        let center = |number: usize| {
             let (layer, rest) = (number / 625, number % 625);
             Vec3::new((rest % 25) as f32, (rest / 25) as f32, layer as f32)
         };
         let volume = |number| Volume {
-            center: place(number),
+            center: center(number),
             shape: match number % 2 {
                 0 => VolumeShape::Ball(0.6),
                 _ => VolumeShape::Box(Vec3::splat(0.4)),
             },
         };
         let volumes = VolumeSet::new((0..10_000).map(volume).collect());
-        let depth = volumes.tree.subtree_depth(0);
+        let depth = volumes.bvh.subtree_depth(0);
         assert!(depth <= 24, "{depth} levels");
         for number in 0..500 {
-            let from = place(number * 19) + Vec3::new(0.31, 0.23, 0.47);
+            let from = center(number * 19) + Vec3::new(0.31, 0.23, 0.47);
             let to = from + Vec3::new(0.9, -1.3, (number % 7) as f32 * 0.3);
-            let each = volumes.iter().enumerate().filter_map(|(place, volume)| {
-                let [share, _] = volume.intersect_segment([from, to], 0.0)?;
-                let off_middle = from.lerp(to, share).distance(volume.center);
+            let entries = volumes.iter().enumerate().filter_map(|(index, volume)| {
+                let [t, _] = volume.intersect_segment([from, to], 0.0)?;
+                let center_distance = from.lerp(to, t).distance(volume.center);
                 Some(VolumeEntry {
-                    index: place,
-                    t: share,
-                    center_distance: off_middle,
+                    index,
+                    t,
+                    center_distance,
                 })
             });
-            let first = each.reduce(|one, other| if other.precedes(&one) { other } else { one });
+            let first = entries.reduce(|one, other| if other.precedes(&one) { other } else { one });
             assert_eq!(volumes.first_entry([from, to], 0.0), first, "{number}");
         }
     }

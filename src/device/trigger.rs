@@ -170,9 +170,9 @@ impl HandTrigger {
 impl Measure {
     /// Returns the current measurement, or `None` if it is unknown.
     fn measurement(self, input: &DeviceInput) -> Option<f32> {
-        let untrusted = input.pose.untrusted.union(input.angles.untrusted);
+        let untrusted = input.pose.untrusted;
         let is_trusted = |finger: Finger| !untrusted.contains(finger);
-        if input.pose.jumped || input.angles.jumped {
+        if input.pose.jumped {
             return None;
         }
         let measurement = match self {

@@ -1,74 +1,78 @@
-//! From a reading to an angle: straight lines, and how they are found.
+//! Linear calibration: converts a raw sensor value into an angle.
 
-/// A straight line from a reading to an angle: `angle = reading × factor + offset`.
+/// An affine map from a raw value to an angle: `angle = gain × value + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AffineMap {
-    /// Angle per count.
+    /// Angle per unit of the raw value.
     pub gain: f64,
-    /// Angle at reading 0.
+    /// Angle at raw value 0.
     pub offset: f64,
 }
 
 impl AffineMap {
-    /// The line that is written as `initial + (reading + offset_counts) × factor`.
-    pub fn from_counts(offset_counts: f64, factor: f64, initial: f64) -> Self {
+    /// The map that returns its argument.
+    pub const IDENTITY: Self = Self {
+        gain: 1.0,
+        offset: 0.0,
+    };
+
+    /// Creates the map `initial + (counts + offset_counts) × gain`, the form used in glove files.
+    pub fn from_counts(offset_counts: f64, gain: f64, initial: f64) -> Self {
         Self {
-            gain: factor,
-            offset: offset_counts * factor + initial,
+            gain,
+            offset: offset_counts * gain + initial,
         }
     }
 
-    /// The angle of a reading, in the unit of the line.
-    pub fn apply(&self, reading: f64) -> f64 {
-        reading * self.gain + self.offset
+    /// Returns the angle for a raw value.
+    pub fn apply(&self, value: f64) -> f64 {
+        value * self.gain + self.offset
     }
 
-    /// The reading that gives `angle`; not finite for a line of factor 0.
+    /// Returns the raw value for an angle; not finite if the gain is 0.
     pub fn apply_inverse(&self, angle: f64) -> f64 {
         (angle - self.offset) / self.gain
     }
 
-    /// The line that comes nearest to known poses, `(reading, angle)`, by least squares.
+    /// Fits the map to calibration poses, each a pair of raw value and known angle, by least squares.
     ///
-    /// Needs two poses with different readings.
+    /// # Errors
+    /// Fails with fewer than two poses, if all raw values are equal, or if a number is not finite.
     pub fn fit(poses: &[(f64, f64)]) -> Result<Self, FitError> {
         let count = poses.len() as f64;
-        let mean_reading = poses.iter().map(|pose| pose.0).sum::<f64>() / count;
+        let mean_value = poses.iter().map(|pose| pose.0).sum::<f64>() / count;
         let mean_angle = poses.iter().map(|pose| pose.1).sum::<f64>() / count;
-        let spread: f64 = poses
-            .iter()
-            .map(|pose| (pose.0 - mean_reading).powi(2))
-            .sum();
-        if !(spread > 0.0 && spread.is_finite() && mean_angle.is_finite()) {
+        let variance: f64 = poses.iter().map(|pose| (pose.0 - mean_value).powi(2)).sum();
+        if !(variance > 0.0 && variance.is_finite() && mean_angle.is_finite()) {
             return Err(FitError { poses: poses.len() });
         }
-        let shared: f64 = poses
+        let covariance: f64 = poses
             .iter()
-            .map(|pose| (pose.0 - mean_reading) * (pose.1 - mean_angle))
+            .map(|pose| (pose.0 - mean_value) * (pose.1 - mean_angle))
             .sum();
-        let factor = shared / spread;
+        let gain = covariance / variance;
         Ok(Self {
-            gain: factor,
-            offset: mean_angle - factor * mean_reading,
+            gain,
+            offset: mean_angle - gain * mean_value,
         })
     }
 }
 
-/// No line goes through the poses.
+/// The calibration poses do not determine an affine map.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "cannot calibrate from {poses} poses: at least two with different readings are needed; bend the joint between them"
 )]
 pub struct FitError {
-    /// How many poses there were.
+    /// The number of poses.
     pub poses: usize,
 }
 
-/// The resistance of a bend sensor, from the voltage at its divider.
+/// Returns the resistance of a bend sensor from the voltage of its divider, in the unit of `fixed_resistance`.
 ///
-/// The sensor lies between the tap and ground, `fixed_resistance` between the supply and the tap:
-/// R2 = R1 · Vx / (V − Vx), in the unit of R1. Infinite or negative when the tap is at or above the
-/// supply, as with a broken wire.
+/// The sensor R2 lies between the tap and ground, the fixed resistor R1 between the supply and the tap:
+/// R2 = R1 · Vx / (V − Vx). The result is infinite or negative if the tap is at or above the supply voltage, as with a
+/// broken wire.
 pub fn divider_resistance(fixed_resistance: f64, supply_volt: f64, tap_volt: f64) -> f64 {
     fixed_resistance * tap_volt / (supply_volt - tap_volt)
 }
@@ -78,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_poses_with_one_reading_give_no_line() {
+    fn poses_with_equal_values_do_not_determine_a_map() {
         let error = AffineMap::fit(&[(100.0, 0.0), (100.0, 1.5)]).unwrap_err();
         assert!(error.to_string().contains("2 poses"));
         assert!(AffineMap::fit(&[]).is_err());
@@ -86,8 +90,8 @@ mod tests {
     }
 
     #[test]
-    fn a_line_and_its_inverse_agree() {
-        let line = AffineMap::from_counts(-25.0, 3.3 / 255.0, -0.8);
-        assert!((line.apply_inverse(line.apply(100.0)) - 100.0).abs() < 1e-9);
+    fn the_inverse_undoes_the_map() {
+        let map = AffineMap::from_counts(-25.0, 3.3 / 255.0, -0.8);
+        assert!((map.apply_inverse(map.apply(100.0)) - 100.0).abs() < 1e-9);
     }
 }

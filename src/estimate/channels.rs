@@ -1,70 +1,129 @@
-//! Which sensor channel tells which angle.
+//! Samples of sensor channels: conversion to angles, and detection of broken sensors.
+
+use std::time::Duration;
 
 use super::calibration::AffineMap;
-use crate::capture::MAX_CHANNELS;
+use super::channel_map::ChannelMap;
+use super::limits::{JointLimits, JointRange};
+use super::{JointAngles, Rejection};
+use crate::capture::Channels;
 use crate::hand::{Dof, FingerSet};
+use crate::time::Timestamp;
 
-/// One sensor channel that tells one angle. Several rows may share a channel.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ChannelRow {
-    /// What the glove's makers call it.
-    pub label: String,
-    /// The angle that it tells.
-    pub dof: Dof,
-    /// The channel in wire order, from 0.
-    pub channel: usize,
-    /// From counts to radians.
-    pub calibration: AffineMap,
-}
-
-/// All channels of a glove that are in use. Where two rows tell the same angle, the later one counts.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ChannelMap {
-    rows: Vec<ChannelRow>,
+/// The converter of one glove.
+#[derive(Clone, Debug)]
+pub(super) struct ChannelConverter {
     full_scale: u16,
+    required_channels: usize,
+    rows: Vec<ConverterRow>,
+    health: Vec<ChannelHealth>,
 }
 
-impl ChannelMap {
-    /// A map for converters that give counts of 0..=`full_scale`.
-    ///
-    /// # Panics
-    /// When a row names a channel that no reading can carry (64 or more).
-    pub fn new(rows: Vec<ChannelRow>, full_scale: u16) -> Self {
-        assert!(
-            rows.iter().all(|row| row.channel < MAX_CHANNELS),
-            "a channel is at most {}",
-            MAX_CHANNELS - 1
-        );
-        Self { rows, full_scale }
+/// The conversion of one channel to one angle.
+#[derive(Clone, Debug)]
+struct ConverterRow {
+    dof: Dof,
+    calibration: AffineMap,
+    range: JointRange,
+    channel: usize,
+    /// The index of the channel's [`ChannelHealth`].
+    health: usize,
+}
+
+/// The state of a channel in use: it is railed if its counts stay at one end of the range, as with a broken wire or a
+/// short circuit.
+#[derive(Clone, Debug)]
+struct ChannelHealth {
+    channel: usize,
+    /// The fingers whose position depends on the channel.
+    fingers: FingerSet,
+    at_rail_since: Option<Timestamp>,
+    is_railed: bool,
+}
+
+impl ChannelConverter {
+    pub(super) fn new(map: &ChannelMap, limits: Option<&JointLimits>) -> Self {
+        let mut health: Vec<ChannelHealth> = Vec::new();
+        let mut health_index = |channel: usize| {
+            if let Some(index) = health.iter().position(|other| other.channel == channel) {
+                return index;
+            }
+            health.push(ChannelHealth {
+                channel,
+                fingers: map.fingers_affected_by(channel),
+                at_rail_since: None,
+                is_railed: false,
+            });
+            health.len() - 1
+        };
+        let rows = map.rows().iter().map(|row| ConverterRow {
+            dof: row.dof,
+            calibration: row.calibration,
+            range: limits.map_or(JointRange::ANY, |limits| limits.joint_range(row.dof)),
+            channel: row.channel,
+            health: health_index(row.channel),
+        });
+        Self {
+            full_scale: map.full_scale(),
+            required_channels: map.required_channels(),
+            rows: rows.collect(),
+            health,
+        }
     }
 
-    /// The rows, in order.
-    pub fn rows(&self) -> &[ChannelRow] {
-        &self.rows
+    /// Returns whether the channels of a sample are those of the glove.
+    pub(super) fn accepts(&self, channels: &Channels) -> bool {
+        channels.full_scale == self.full_scale && channels.counts.len() >= self.required_channels
     }
 
-    /// The largest count of a channel.
-    pub fn full_scale(&self) -> u16 {
-        self.full_scale
+    /// Updates the state of every channel, and returns the fingers that depend on a railed one. A channel is railed once
+    /// it has been at one end of its range for `timeout`.
+    pub(super) fn update_health(
+        &mut self,
+        time: Timestamp,
+        channels: &Channels,
+        timeout: Duration,
+    ) -> FingerSet {
+        let mut untrusted = FingerSet::NONE;
+        for health in &mut self.health {
+            health.update(time, channels, timeout);
+            if health.is_railed {
+                untrusted = untrusted.union(health.fingers);
+            }
+        }
+        untrusted
     }
 
-    /// How many channels a reading needs to have.
-    pub fn required_channels(&self) -> usize {
-        self.rows
-            .iter()
-            .map(|row| row.channel + 1)
-            .max()
-            .unwrap_or(0)
+    /// Converts counts to angles within the joint limits. Angles of railed channels are clamped; others that are far
+    /// outside are an error.
+    pub(super) fn convert(&self, channels: &Channels) -> Result<JointAngles, Rejection> {
+        let mut angles = JointAngles::default();
+        for row in &self.rows {
+            let count = f64::from(channels.counts[row.channel]);
+            let radians = row.calibration.apply(count);
+            if !radians.is_finite() {
+                return Err(Rejection::NotFinite);
+            }
+            let clamped = match row.range.checked_clamp(radians) {
+                Some(clamped) => clamped,
+                None if self.health[row.health].is_railed => row.range.clamp(radians),
+                None => return Err(Rejection::OutsideLimits),
+            };
+            angles.set(row.dof, clamped);
+        }
+        Ok(angles)
     }
+}
 
-    /// The fingers that cannot be placed without `channel`: all of them when it moves the whole hand.
-    pub fn fingers_affected_by(&self, channel: usize) -> FingerSet {
-        self.rows.iter().filter(|row| row.channel == channel).fold(
-            FingerSet::NONE,
-            |fingers, row| match row.dof.finger() {
-                Some(finger) => fingers.with(finger),
-                None => FingerSet::ALL,
-            },
-        )
+impl ChannelHealth {
+    fn update(&mut self, time: Timestamp, channels: &Channels, timeout: Duration) {
+        let count = channels.counts[self.channel];
+        if count != 0 && count != channels.full_scale {
+            self.at_rail_since = None;
+            self.is_railed = false;
+            return;
+        }
+        let since = *self.at_rail_since.get_or_insert(time);
+        self.is_railed = time.since(since) >= timeout;
     }
 }

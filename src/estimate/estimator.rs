@@ -1,46 +1,43 @@
-//! From sensor channels to joint angles that can be believed.
+//! The estimator: converts readings to plausible, smooth joint angles.
 
 use std::time::Duration;
 
-use super::channels::ChannelMap;
+use super::channel_map::ChannelMap;
+use super::channels::ChannelConverter;
 use super::limits::JointLimits;
-use super::rows::{Row, Wire, prepare};
 use super::smoothing::{Smoother, Smoothing};
-use super::{JointAngles, Rejection};
+use super::{Estimate, JointAngles, Rejection, angles};
 use crate::capture::{Channels, Reading, Sample};
-use crate::hand::{Dof, FingerSet};
+use crate::hand::FingerSet;
 use crate::time::Timestamp;
 
-/// The most rows a channel map can have: two for each degree of freedom is more than any glove needs.
-pub const MAX_ROWS: usize = 2 * Dof::COUNT;
-
-/// Readings in a row, each near the one before, after which a place that the hand cannot have
-/// reached is believed all the same.
+/// The number of consecutive readings, each plausible after the previous one, after which an implausible jump is
+/// accepted.
 const CONSISTENT_READINGS: u8 = 3;
 
-/// A turn that is always possible, in radians: a busy machine hands readings over in bunches, so that the
-/// time between two of them can come out far too short.
-const MIN_REACH: f64 = 0.3;
+/// A rotation that is always plausible, in radians: a busy machine delivers readings in bursts, so the
+/// measured time between two readings can be far too short.
+const MIN_PLAUSIBLE_ROTATION: f64 = 0.3;
 
-/// What the estimator lets pass.
+/// Settings of an [`Estimator`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorSettings {
-    /// The filter.
+    /// The smoothing filter.
     pub smoothing: Smoothing,
-    /// Ranges of the joints; `None` lets every finite angle pass.
+    /// The ranges of motion; `None` accepts every finite angle.
     pub limits: Option<JointLimits>,
-    /// The fastest that a joint turns, in rad/s; `None` lets every step pass.
+    /// The highest speed of a joint, in rad/s; `None` accepts every change.
     pub max_speed: Option<f64>,
-    /// A gap between two readings after which the filters start anew.
+    /// The longest gap between two readings that does not reset the filters.
     pub max_gap: Duration,
-    /// How long a channel may stay at one end of its range before its fingers are not believed
-    /// any more: a broken wire or a short circuit; `None` believes it for ever.
+    /// The time for which a channel may stay at one end of its range before its fingers are untrusted, as with a broken
+    /// wire or a short circuit; `None` disables the check.
     pub rail_timeout: Option<Duration>,
 }
 
 impl Default for EstimatorSettings {
-    /// Human limits; 40 rad/s, twice the fastest finger flexion; filters start anew after 0.5 s; a
-    /// channel is given up after 1 s.
+    /// Human ranges of motion; 40 rad/s, twice the fastest finger flexion; reset after 0.5 s;
+    /// rail time-out 1 s.
     fn default() -> Self {
         Self {
             smoothing: Smoothing::default(),
@@ -53,7 +50,7 @@ impl Default for EstimatorSettings {
 }
 
 impl EstimatorSettings {
-    /// Only the arithmetic: every finite angle passes, at any speed.
+    /// Returns settings without plausibility checks: every finite angle is accepted, at any speed.
     pub fn unchecked(smoothing: Smoothing) -> Self {
         Self {
             smoothing,
@@ -65,135 +62,130 @@ impl EstimatorSettings {
     }
 }
 
-/// Turns the counts of a glove into joint angles.
+/// The estimator of one hand. It accepts samples of every kind; those with sensor channels need a
+/// [channel map](Self::with_channels).
 #[derive(Clone, Debug)]
 pub struct Estimator {
-    full_scale: u16,
-    channels_needed: usize,
-    rows: Vec<Row>,
-    channel_health: Vec<Wire>,
+    channels: Option<ChannelConverter>,
     settings: EstimatorSettings,
     smoother: Smoother,
-    last: Option<Measured>,
-    candidate: Option<(Measured, u8)>,
+    /// The last accepted angles, before the filter.
+    last: Option<RawAngles>,
+    /// An implausible jump, and the number of consecutive readings that agree with it.
+    candidate: Option<(RawAngles, u8)>,
 }
 
-/// The angles of all rows as measured, before the filter.
+/// The angles of one reading before the filter.
 #[derive(Clone, Copy, Debug)]
-struct Measured {
+struct RawAngles {
     time: Timestamp,
-    rows: [f64; MAX_ROWS],
+    angles: JointAngles,
 }
 
 impl Estimator {
-    /// An estimator that has seen nothing yet.
-    ///
-    /// # Panics
-    /// When the map has more than [`MAX_ROWS`] rows.
-    pub fn new(map: ChannelMap, settings: EstimatorSettings) -> Self {
-        assert!(map.rows().len() <= MAX_ROWS, "at most {MAX_ROWS} rows");
-        let (rows, wires) = prepare(&map, settings.limits.as_ref());
+    /// Creates an estimator for samples of joint angles.
+    pub fn new(settings: EstimatorSettings) -> Self {
         Self {
-            smoother: Smoother::new(settings.smoothing, rows.len()),
-            channels_needed: map.required_channels(),
-            full_scale: map.full_scale(),
-            rows,
-            channel_health: wires,
+            channels: None,
+            smoother: Smoother::new(settings.smoothing),
             settings,
             last: None,
             candidate: None,
         }
     }
 
-    /// The angles that a reading tells, or why it tells none; then nothing is remembered of it.
-    pub fn update(&mut self, reading: &Reading) -> Result<JointAngles, Rejection> {
-        let Sample::Channels(channels) = &reading.sample;
-        if !self.fits(channels) {
-            return Err(Rejection::WrongShape);
-        }
+    /// Adds the channel map of a glove, for samples of sensor channels.
+    #[must_use]
+    pub fn with_channels(mut self, map: &ChannelMap) -> Self {
+        let limits = self.settings.limits.as_ref();
+        self.channels = Some(ChannelConverter::new(map, limits));
+        self
+    }
+
+    /// Converts a reading. A rejected reading does not change the filters.
+    pub fn update(&mut self, reading: &Reading) -> Result<Estimate, Rejection> {
         let time = reading.time;
-        let last_time = self.last.as_ref().map(|last| last.time);
-        if last_time.is_some_and(|last| time <= last) {
-            return Err(Rejection::Stale);
-        }
-        let untrusted = self.watch_wires(time, channels);
-        let measured = self.measure(time, channels)?;
-        let jumped = self.check_speed(&measured)?;
-        let gap = last_time.map_or(Duration::ZERO, |last| time.since(last));
-        if jumped || gap > self.settings.max_gap {
+        let (angles, untrusted) = match &reading.sample {
+            Sample::Channels(channels) => self.convert_channels(time, channels)?,
+            Sample::Angles { angles } => {
+                self.check_order(time)?;
+                let limits = self.settings.limits.as_ref();
+                (angles::convert(angles, limits)?, FingerSet::NONE)
+            }
+        };
+        let raw = RawAngles { time, angles };
+        let jumped = self.check_speed(&raw)?;
+        let gap = match &self.last {
+            Some(last) => time.since(last.time),
+            None => Duration::ZERO,
+        };
+        if jumped || gap > self.settings.max_gap || !self.has_same_dofs(&angles) {
             self.smoother.reset();
         }
-        let measured = self.last.insert(measured);
-        let rows = self.rows.len();
-        let mut smooth = measured.rows;
-        let seconds = gap.as_secs_f64();
+        self.last = Some(raw);
+        let mut estimate = Estimate::new(time, angles);
+        estimate.untrusted = untrusted;
+        estimate.jumped = jumped;
         self.smoother
-            .smooth(&mut smooth[..rows], &self.rows, channels, seconds);
-        let mut angles = JointAngles::new(time);
-        angles.untrusted = untrusted;
-        angles.jumped = jumped;
-        for (row, smooth) in self.rows.iter().zip(smooth) {
-            angles.set(row.dof, row.range.clamp(smooth));
+            .filter(&mut estimate.angles, gap.as_secs_f64());
+        if let Some(limits) = &self.settings.limits {
+            limits.clamp_all(&mut estimate.angles);
         }
-        Ok(angles)
+        Ok(estimate)
     }
 
-    fn fits(&self, channels: &Channels) -> bool {
-        channels.full_scale == self.full_scale && channels.counts.len() >= self.channels_needed
-    }
-
-    /// Gives the fingers that hang on a dead wire.
-    fn watch_wires(&mut self, time: Timestamp, channels: &Channels) -> FingerSet {
-        let mut untrusted = FingerSet::NONE;
-        let Some(limit) = self.settings.rail_timeout else {
-            return untrusted;
+    fn convert_channels(
+        &mut self,
+        time: Timestamp,
+        channels: &Channels,
+    ) -> Result<(JointAngles, FingerSet), Rejection> {
+        let converter = self.channels.as_ref();
+        if !converter.is_some_and(|converter| converter.accepts(channels)) {
+            return Err(Rejection::WrongShape);
+        }
+        self.check_order(time)?;
+        let converter = self.channels.as_mut().ok_or(Rejection::WrongShape)?;
+        let untrusted = match self.settings.rail_timeout {
+            Some(timeout) => converter.update_health(time, channels, timeout),
+            None => FingerSet::NONE,
         };
-        for wire in &mut self.channel_health {
-            wire.watch(time, channels, limit);
-            if wire.is_dead {
-                untrusted = untrusted.union(wire.fingers);
-            }
-        }
-        untrusted
+        Ok((converter.convert(channels)?, untrusted))
     }
 
-    fn measure(&self, time: Timestamp, channels: &Channels) -> Result<Measured, Rejection> {
-        let mut rows = [0.0; MAX_ROWS];
-        for (row, angle) in self.rows.iter().zip(&mut rows) {
-            let measured = row.calibration.apply(row.count(channels));
-            *angle = match row.range.admit(measured) {
-                _ if !measured.is_finite() => return Err(Rejection::NotFinite),
-                Some(admitted) => admitted,
-                None if self.channel_health[row.health].is_dead => row.range.clamp(measured),
-                None => return Err(Rejection::OutsideLimits),
-            };
+    fn check_order(&self, time: Timestamp) -> Result<(), Rejection> {
+        match &self.last {
+            Some(last) if time <= last.time => Err(Rejection::OutOfOrder),
+            _ => Ok(()),
         }
-        Ok(Measured { time, rows })
     }
 
-    /// Whether the hand was re-acquired in a new place; an error while that is not sure.
-    fn check_speed(&mut self, measured: &Measured) -> Result<bool, Rejection> {
+    fn has_same_dofs(&self, angles: &JointAngles) -> bool {
+        let last = self.last.as_ref();
+        last.is_none_or(|last| last.angles.has_same_dofs(angles))
+    }
+
+    /// Returns whether the hand was re-acquired at another position; an error until consecutive readings agree on it.
+    fn check_speed(&mut self, raw: &RawAngles) -> Result<bool, Rejection> {
         let (Some(max_speed), Some(last)) = (self.settings.max_speed, &self.last) else {
             return Ok(false);
         };
-        let rows = self.rows.len();
-        // Readings that were not believed give the hand no time to get anywhere.
-        let before = self
+        // The time of rejected readings does not extend the plausible rotation.
+        let previous = self
             .candidate
             .as_ref()
-            .map_or(last.time, |(before, _)| before.time);
-        let reach = max_speed * measured.time.since(before).as_secs_f64();
-        let is_near = |from: &Measured| from.is_within(reach.max(MIN_REACH), measured, rows);
-        if is_near(last) {
+            .map_or(last.time, |(candidate, _)| candidate.time);
+        let rotation = max_speed * raw.time.since(previous).as_secs_f64();
+        let rotation = rotation.max(MIN_PLAUSIBLE_ROTATION);
+        if raw.is_within(rotation, last) {
             self.candidate = None;
             return Ok(false);
         }
         let agreeing = match &self.candidate {
-            Some((before, count)) if is_near(before) => count + 1,
+            Some((candidate, count)) if raw.is_within(rotation, candidate) => count + 1,
             _ => 1,
         };
         if agreeing < CONSISTENT_READINGS {
-            self.candidate = Some((*measured, agreeing));
+            self.candidate = Some((*raw, agreeing));
             return Err(Rejection::TooFast);
         }
         self.candidate = None;
@@ -201,10 +193,13 @@ impl Estimator {
     }
 }
 
-impl Measured {
-    /// Whether no row is more than `reach` (radians) away in `other`.
-    fn is_within(&self, reach: f64, other: &Self, rows: usize) -> bool {
-        let mut pairs = self.rows[..rows].iter().zip(&other.rows[..rows]);
-        pairs.all(|(from, to)| (to - from).abs() <= reach)
+impl RawAngles {
+    /// Returns whether no angle differs from `other` by more than `rotation` (radians). Angles that are known in only
+    /// one of both do not count.
+    fn is_within(&self, rotation: f64, other: &Self) -> bool {
+        let mut known = self.angles.known();
+        known.all(|(dof, radians)| {
+            !other.angles.is_known(dof) || (radians - other.angles.get(dof)).abs() <= rotation
+        })
     }
 }

@@ -1,17 +1,19 @@
-//! What a human joint can do.
+//! Ranges of motion of human joints.
 
+use super::JointAngles;
 use crate::hand::Dof;
 
-/// How far outside its range an angle may be and still be taken for a calibration error: a share of the range.
-const GRACE: f64 = 0.1;
+/// How far outside its range an angle may be and still be attributed to a calibration error, as a fraction of the
+/// range.
+const TOLERANCE: f64 = 0.1;
 
-/// The range of every degree of freedom, in radians.
+/// The range of motion of every degree of freedom, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits {
     ranges: [JointRange; Dof::COUNT],
 }
 
-/// The range of one degree of freedom, in radians.
+/// The range of motion of one degree of freedom, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct JointRange {
     low: f64,
@@ -19,7 +21,7 @@ pub(super) struct JointRange {
 }
 
 impl JointRange {
-    /// Every finite angle.
+    /// The range of all finite angles.
     pub(super) const ANY: Self = Self {
         low: f64::MIN,
         high: f64::MAX,
@@ -29,16 +31,16 @@ impl JointRange {
         radians.clamp(self.low, self.high)
     }
 
-    pub(super) fn admit(self, radians: f64) -> Option<f64> {
-        let grace = GRACE * (self.high - self.low);
-        (self.low - grace..=self.high + grace)
+    pub(super) fn checked_clamp(self, radians: f64) -> Option<f64> {
+        let tolerance = TOLERANCE * (self.high - self.low);
+        (self.low - tolerance..=self.high + tolerance)
             .contains(&radians)
             .then(|| self.clamp(radians))
     }
 }
 
 impl JointLimits {
-    /// Ranges of motion of a healthy adult.
+    /// Returns the ranges of motion of a healthy adult.
     ///
     /// Elbow, wrist, thumb and finger flexion after the clinical table "Normal range of motion" of
     /// the Electronic Textbook of Hand Surgery; MCP extension and the PIP and DIP maxima at the wide
@@ -56,32 +58,39 @@ impl JointLimits {
         Self { ranges }
     }
 
-    /// The range of `dof` in radians, lowest first.
+    /// Returns the lower and upper limit of `dof` in radians.
     pub fn range(&self, dof: Dof) -> (f64, f64) {
-        let range = self.joint(dof);
+        let range = self.joint_range(dof);
         (range.low, range.high)
     }
 
-    pub(super) fn joint(&self, dof: Dof) -> JointRange {
+    pub(super) fn joint_range(&self, dof: Dof) -> JointRange {
         self.ranges[dof.index()]
     }
 
-    /// The angle brought into the range of `dof`; radians.
+    /// Clamps an angle to the range of `dof`; radians.
     pub fn clamp(&self, dof: Dof, radians: f64) -> f64 {
-        self.joint(dof).clamp(radians)
+        self.joint_range(dof).clamp(radians)
     }
 
-    /// The angle as far as it can be true: brought into the range when it is outside by at most a
-    /// tenth of the range, `None` when it is further out or not a number.
-    pub fn admit(&self, dof: Dof, radians: f64) -> Option<f64> {
-        self.joint(dof).admit(radians)
+    /// Clamps all angles in place. Angles that are not known stay 0.
+    pub(super) fn clamp_all(&self, angles: &mut JointAngles) {
+        for (index, radians) in angles.radians_mut().iter_mut().enumerate() {
+            *radians = self.ranges[index].clamp(*radians);
+        }
+    }
+
+    /// Clamps an angle to the range of `dof`; radians. Returns `None` if it is NaN or outside the range by more than a
+    /// tenth of the range, which no calibration error explains.
+    pub fn checked_clamp(&self, dof: Dof, radians: f64) -> Option<f64> {
+        self.joint_range(dof).checked_clamp(radians)
     }
 }
 
 fn human_degrees(dof: Dof) -> (f64, f64) {
     match dof {
         Dof::ShoulderZ | Dof::ShoulderY | Dof::ShoulderX => (-180.0, 180.0),
-        // It carries nothing, and the glove's table turns it more than twice as far as the forearm.
+        // It has no children, and the glove's table turns it more than twice as far as the forearm.
         Dof::ForearmSecondBone => (-360.0, 360.0),
         Dof::ElbowFlexion => (0.0, 145.0),
         Dof::ForearmSupination => (-20.0, 155.0),
@@ -115,9 +124,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_little_outside_is_brought_in_and_far_outside_is_refused() {
+    fn an_angle_slightly_outside_is_clamped_and_one_far_outside_is_rejected() {
         let limits = JointLimits::human();
-        let degrees = |value: f64| limits.admit(Dof::ElbowFlexion, value.to_radians());
+        let degrees = |value: f64| limits.checked_clamp(Dof::ElbowFlexion, value.to_radians());
         assert_eq!(degrees(-10.0), Some(0.0));
         assert_eq!(degrees(90.0), Some(90_f64.to_radians()));
         assert_eq!(degrees(-15.0), None);

@@ -1,91 +1,103 @@
-//! 2 · [`Reading`](crate::capture::Reading) → [`JointAngles`].
+//! Stage 2: [`Reading`](crate::capture::Reading) → [`Estimate`].
 
+mod angles;
 mod calibration;
+mod channel_map;
 mod channels;
 mod estimator;
 mod limits;
 mod one_euro;
-mod rows;
 mod smoothing;
 
 pub use calibration::{AffineMap, FitError, divider_resistance};
-pub use channels::{ChannelMap, ChannelRow};
-pub use estimator::{Estimator, EstimatorSettings, MAX_ROWS};
+pub use channel_map::{ChannelMap, ChannelRow, MAX_ROWS};
+pub use estimator::{Estimator, EstimatorSettings};
 pub use limits::JointLimits;
 pub use one_euro::{OneEuroFilter, OneEuroSettings};
 pub use smoothing::Smoothing;
 
-use crate::hand::{Dof, FingerSet};
+pub use crate::hand::JointAngles;
+
+use parry3d::math::{Pose, Vec3};
+
+use crate::hand::{FingerSet, Joint};
 use crate::names::named_enum;
 use crate::time::Timestamp;
 
-/// The angles of an arm and hand at one moment.
+/// The state of an arm and hand estimated from one reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JointAngles {
-    /// When the reading behind them was complete.
+pub struct Estimate {
+    /// The time stamp of the reading.
     pub time: Timestamp,
-    /// Fingers whose sensors cannot be believed at the moment: they press nothing.
+    /// The filtered joint angles, within the joint limits.
+    pub angles: JointAngles,
+    /// Fingers with a sensor fault. They press nothing.
     pub untrusted: FingerSet,
-    /// Whether the hand was re-acquired in another place: what lies between was not seen.
+    /// Whether the hand was re-acquired at another position. The movement in between was not seen.
     pub jumped: bool,
-    radians: [f64; Dof::COUNT],
+    /// The pose of the arm's root in the world (metres), or `None` if the sensor does not measure it.
+    pub root: Option<Pose>,
+    /// The joint positions that the sensor measures directly. They override those of forward kinematics.
+    pub measured: MeasuredJoints,
+}
+
+impl Estimate {
+    /// Creates an estimate that consists of joint angles only.
+    pub fn new(time: Timestamp, angles: JointAngles) -> Self {
+        Self {
+            time,
+            angles,
+            untrusted: FingerSet::NONE,
+            jumped: false,
+            root: None,
+            measured: MeasuredJoints::default(),
+        }
+    }
+}
+
+/// The joint positions that a sensor measures directly, in the world (metres).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeasuredJoints {
+    positions: [Vec3; Joint::COUNT],
     known: u32,
 }
 
-impl JointAngles {
-    /// The zero pose, with nothing known.
-    pub fn new(time: Timestamp) -> Self {
-        Self {
-            time,
-            untrusted: FingerSet::NONE,
-            jumped: false,
-            radians: [0.0; Dof::COUNT],
-            known: 0,
-        }
+impl MeasuredJoints {
+    /// Sets the position of a joint, in metres.
+    pub fn set(&mut self, joint: Joint, position: Vec3) {
+        self.positions[joint.index()] = position;
+        self.known |= 1 << joint.index();
     }
 
-    /// The angle in radians; 0 where the source does not measure it.
-    pub fn get(&self, dof: Dof) -> f64 {
-        self.radians[dof.index()]
+    /// Returns the position of a joint (metres), or `None` if it was not measured.
+    pub fn get(&self, joint: Joint) -> Option<Vec3> {
+        (self.known & (1 << joint.index()) != 0).then(|| self.positions[joint.index()])
     }
 
-    /// All angles in radians, in the order of [`Dof::ALL`]; 0 where the source does not measure.
-    pub fn radians(&self) -> &[f64; Dof::COUNT] {
-        &self.radians
-    }
-
-    /// Sets an angle, in radians, and marks it as measured.
-    pub fn set(&mut self, dof: Dof, radians: f64) {
-        self.radians[dof.index()] = radians;
-        self.known |= 1 << dof.index();
-    }
-
-    /// Whether the source measures this angle.
-    pub fn is_known(&self, dof: Dof) -> bool {
-        self.known & (1 << dof.index()) != 0
-    }
-
-    /// The measured angles, in the order of [`Dof::ALL`].
-    pub fn known(&self) -> impl Iterator<Item = (Dof, f64)> + '_ {
-        Dof::ALL
-            .iter()
-            .filter(|dof| self.is_known(**dof))
-            .map(|&dof| (dof, self.get(dof)))
+    /// Iterates over the measured joints and their positions (metres), in the order of [`Joint::ALL`].
+    pub fn iter(&self) -> impl Iterator<Item = (Joint, Vec3)> + '_ {
+        let mut rest = self.known;
+        std::iter::from_fn(move || {
+            let index = rest.trailing_zeros() as usize;
+            let joint = *Joint::ALL.get(index)?;
+            rest &= rest - 1;
+            Some((joint, self.positions[index]))
+        })
     }
 }
 
 named_enum! {
-    /// Why a reading gave no angles.
+    /// The reason why a reading was rejected.
     pub enum Rejection ("reason") {
-        /// The reading has too few channels, or is of another kind than the estimator reads.
+        /// The reading has too few channels or no angles, or no glove is configured for its channels.
         WrongShape = "wrong-shape",
-        /// It is not later than the one before.
-        Stale = "not-later",
-        /// An angle came out that is not a finite number.
+        /// Its time stamp is not later than that of the previous reading.
+        OutOfOrder = "out-of-order",
+        /// An angle is not a finite number.
         NotFinite = "not-finite",
-        /// An angle is further outside the joint's range than a calibration error explains.
+        /// An angle is further outside the range of its joint than a calibration error explains.
         OutsideLimits = "outside-limits",
-        /// A joint turned faster than a person can; accepted once it stays there.
+        /// A joint turned faster than a person can. Accepted once consecutive readings agree.
         TooFast = "too-fast",
     }
 }

@@ -1,95 +1,101 @@
-//! The 1-Euro filter: a low-pass whose cutoff rises with speed.
+//! The 1-Euro filter: a low-pass filter whose cutoff frequency rises with speed.
 
 use std::f64::consts::TAU;
 
-/// What the filter is tuned by.
+/// Parameters of a [`OneEuroFilter`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OneEuroSettings {
     /// Cutoff at rest, in Hz; more than 0. Lower: less jitter, more lag at rest.
     pub min_cutoff_hz: f64,
-    /// How much the cutoff rises with speed, in Hz per unit/s; 0 or more. Higher: less lag in motion.
+    /// Rise of the cutoff with speed, in Hz per unit/s; 0 or more. Higher: less lag in motion.
     pub beta: f64,
     /// Cutoff of the speed itself, in Hz; more than 0.
     pub derivative_cutoff_hz: f64,
 }
 
-/// Filters values that come together, each by itself.
+/// A bank of 1-Euro filters, one for each of a fixed number of values that are sampled together.
 ///
-/// The reference form of August 2023 (github.com/casiez/OneEuroFilter): the derivative is taken
+/// Follows the reference implementation of August 2023 (github.com/casiez/OneEuroFilter): the derivative is taken
 /// against the last *filtered* value, and is 0 for the first sample.
 #[derive(Clone, Debug)]
 pub struct OneEuroFilter {
     settings: OneEuroSettings,
-    has_begun: bool,
+    has_samples: bool,
     values: Vec<f64>,
     speeds: Vec<f64>,
 }
 
 impl OneEuroFilter {
-    /// A filter for so many values that has seen none yet.
-    pub fn new(settings: OneEuroSettings, values: usize) -> Self {
+    /// Creates a filter for `count` values.
+    pub fn new(settings: OneEuroSettings, count: usize) -> Self {
         Self {
             settings,
-            has_begun: false,
-            values: vec![0.0; values],
-            speeds: vec![0.0; values],
+            has_samples: false,
+            values: vec![0.0; count],
+            speeds: vec![0.0; count],
         }
     }
 
-    /// Forgets what it has seen: the next values come out as they are.
+    /// Clears the state: the next values pass unchanged.
     pub fn reset(&mut self) {
-        self.has_begun = false;
+        self.has_samples = false;
     }
 
-    /// Filters `values` in place; they came `seconds` after those before.
+    /// Filters `values` in place, sampled `seconds` after the previous ones.
     ///
-    /// The first values come out as they are. No time gone by: the last filtered values again.
-    /// Values beyond the number that the filter was made for stay as they are.
+    /// The first values pass unchanged. If `seconds` is 0, returns the last filtered values. Values beyond the number
+    /// that the filter was created for are not changed.
     pub fn filter(&mut self, values: &mut [f64], seconds: f64) {
-        if !self.has_begun {
-            self.begin(values);
+        if !self.has_samples {
+            self.start(values);
         } else if seconds > 0.0 {
-            self.follow(values, seconds);
+            self.advance(values, seconds);
         }
         for (value, filtered) in values.iter_mut().zip(&self.values) {
             *value = *filtered;
         }
     }
 
-    fn begin(&mut self, values: &[f64]) {
-        self.has_begun = true;
+    fn start(&mut self, values: &[f64]) {
+        self.has_samples = true;
         self.speeds.fill(0.0);
         for (filtered, value) in self.values.iter_mut().zip(values) {
             *filtered = *value;
         }
     }
 
-    fn follow(&mut self, values: &[f64], seconds: f64) {
+    fn advance(&mut self, values: &[f64], seconds: f64) {
         let OneEuroSettings {
             min_cutoff_hz,
             beta,
             derivative_cutoff_hz,
         } = self.settings;
         let rate = 1.0 / seconds;
-        let speed_share = share(derivative_cutoff_hz, seconds);
+        let speed_alpha = smoothing_factor(derivative_cutoff_hz, seconds);
         let state = self.values.iter_mut().zip(&mut self.speeds);
         for ((filtered, speed), value) in state.zip(values) {
             let change = value - *filtered;
-            *speed += speed_share * (change * rate - *speed);
-            *filtered += share(min_cutoff_hz + beta * speed.abs(), seconds) * change;
+            *speed += speed_alpha * (change * rate - *speed);
+            *filtered += smoothing_factor(min_cutoff_hz + beta * speed.abs(), seconds) * change;
         }
     }
 }
 
-/// How far one step of a first-order low-pass goes: α = 1 / (1 + τ / Δt) with τ = 1 / (2π cutoff),
-/// written with a single division.
-fn share(cutoff_hz: f64, seconds: f64) -> f64 {
+/// Returns α of a first-order low-pass filter: α = 1 / (1 + τ / Δt) with τ = 1 / (2π cutoff), written with a single
+/// division.
+fn smoothing_factor(cutoff_hz: f64, seconds: f64) -> f64 {
     1.0 - 1.0 / (1.0 + TAU * cutoff_hz * seconds)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const SETTINGS: OneEuroSettings = OneEuroSettings {
+        min_cutoff_hz: 1.0,
+        beta: 0.5,
+        derivative_cutoff_hz: 1.0,
+    };
 
     fn next(filter: &mut OneEuroFilter, value: f64, seconds: f64) -> f64 {
         let mut values = [value];
@@ -98,13 +104,8 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_stays_and_a_step_is_approached_without_overshoot() {
-        let settings = OneEuroSettings {
-            min_cutoff_hz: 1.0,
-            beta: 0.5,
-            derivative_cutoff_hz: 1.0,
-        };
-        let mut filter = OneEuroFilter::new(settings, 1);
+    fn a_constant_is_unchanged_and_a_step_is_approached_without_overshoot() {
+        let mut filter = OneEuroFilter::new(SETTINGS, 1);
         assert_eq!(next(&mut filter, 2.0, 0.0), 2.0);
         assert_eq!(next(&mut filter, 2.0, 0.01), 2.0);
         let mut last = 2.0;
@@ -117,11 +118,10 @@ mod tests {
     }
 
     #[test]
-    fn no_time_gone_by_changes_nothing() {
+    fn a_sample_without_elapsed_time_changes_nothing() {
         let settings = OneEuroSettings {
-            min_cutoff_hz: 1.0,
             beta: 0.0,
-            derivative_cutoff_hz: 1.0,
+            ..SETTINGS
         };
         let mut filter = OneEuroFilter::new(settings, 1);
         next(&mut filter, 1.0, 0.0);
@@ -129,22 +129,17 @@ mod tests {
     }
 
     #[test]
-    fn values_that_come_together_do_not_mix_and_a_reset_forgets_all() {
-        let settings = OneEuroSettings {
-            min_cutoff_hz: 1.0,
-            beta: 0.5,
-            derivative_cutoff_hz: 1.0,
-        };
-        let mut both = OneEuroFilter::new(settings, 2);
-        let mut alone = OneEuroFilter::new(settings, 1);
+    fn values_are_filtered_independently_and_a_reset_clears_them() {
+        let mut pair = OneEuroFilter::new(SETTINGS, 2);
+        let mut single = OneEuroFilter::new(SETTINGS, 1);
         for step in 0..20 {
             let mut values = [f64::from(step), -1.0];
-            both.filter(&mut values, 0.01);
-            assert_eq!(values, [next(&mut alone, f64::from(step), 0.01), -1.0]);
+            pair.filter(&mut values, 0.01);
+            assert_eq!(values, [next(&mut single, f64::from(step), 0.01), -1.0]);
         }
-        both.reset();
+        pair.reset();
         let mut values = [5.0, 6.0];
-        both.filter(&mut values, 0.01);
+        pair.filter(&mut values, 0.01);
         assert_eq!(values, [5.0, 6.0]);
     }
 }

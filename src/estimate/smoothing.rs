@@ -1,23 +1,23 @@
-//! Filters between the calibrated angles and the hand.
+//! Smoothing filters for joint angles.
 
+use super::JointAngles;
 use super::one_euro::{OneEuroFilter, OneEuroSettings};
-use super::rows::Row;
-use crate::capture::Channels;
+use crate::hand::Dof;
 
-/// Which filter smooths a glove's angles.
+/// A choice of smoothing filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Smoothing {
-    /// None: every count shows.
+    /// No filter.
     Off,
-    /// The filters of the thesis that the glove comes from, corrected: the mean of this and the last smoothed count of each
-    /// channel, then y = (x + y₁ + y₂) / 3 on each angle, its state its own.
+    /// The filters of the 68HC11 glove's original software, corrected: s = (x + s₁) / 2 on each angle, then
+    /// y = (s + y₁ + y₂) / 3. The result does not depend on the time between readings.
     RecursiveAverage,
     /// A 1-Euro filter on each angle; `beta` in Hz per rad/s.
     OneEuro(OneEuroSettings),
 }
 
 impl Default for Smoothing {
-    /// 1-Euro, tuned on simulated key strokes through 8-bit counts at 14.5 and 174.5 frames a second.
+    /// A 1-Euro filter, tuned on simulated key presses through 8-bit counts at 14.5 and 174.5 readings per second.
     fn default() -> Self {
         Self::OneEuro(OneEuroSettings {
             min_cutoff_hz: 2.0,
@@ -27,72 +27,65 @@ impl Default for Smoothing {
     }
 }
 
-/// The chosen filter and what it remembers of each row of a channel map.
+/// The chosen filter and its state for every degree of freedom.
 #[derive(Clone, Debug)]
 pub(super) enum Smoother {
     Off,
-    Thesis(Vec<Option<Thesis>>),
+    RecursiveAverage(Box<RecursiveAverage>),
     OneEuro(OneEuroFilter),
 }
 
-/// What the thesis's filters remember of one row.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Thesis {
-    count: f64,
-    newer: f64,
-    older: f64,
+/// The state of [`Smoothing::RecursiveAverage`].
+#[derive(Clone, Debug, Default)]
+pub(super) struct RecursiveAverage {
+    has_samples: bool,
+    /// s₁ of each degree of freedom.
+    means: [f64; Dof::COUNT],
+    /// y₁ and y₂ of each degree of freedom.
+    outputs: [[f64; 2]; Dof::COUNT],
 }
 
 impl Smoother {
-    pub(super) fn new(kind: Smoothing, rows: usize) -> Self {
-        match kind {
+    pub(super) fn new(smoothing: Smoothing) -> Self {
+        match smoothing {
             Smoothing::Off => Self::Off,
-            Smoothing::RecursiveAverage => Self::Thesis(vec![None; rows]),
-            Smoothing::OneEuro(settings) => Self::OneEuro(OneEuroFilter::new(settings, rows)),
+            Smoothing::RecursiveAverage => Self::RecursiveAverage(Box::default()),
+            Smoothing::OneEuro(settings) => Self::OneEuro(OneEuroFilter::new(settings, Dof::COUNT)),
         }
     }
 
+    /// Clears the state: the next angles pass unchanged.
     pub(super) fn reset(&mut self) {
         match self {
             Self::Off => {}
-            Self::Thesis(memory) => memory.fill(None),
+            Self::RecursiveAverage(filter) => filter.has_samples = false,
             Self::OneEuro(filter) => filter.reset(),
         }
     }
 
-    /// Smooths in place the angles that `rows` tell of `channels`, `seconds` after the frame before.
-    pub(super) fn smooth(
-        &mut self,
-        angles: &mut [f64],
-        rows: &[Row],
-        channels: &Channels,
-        seconds: f64,
-    ) {
+    /// Filters the angles in place, measured `seconds` after the previous ones.
+    pub(super) fn filter(&mut self, angles: &mut JointAngles, seconds: f64) {
         match self {
             Self::Off => {}
-            Self::Thesis(memory) => {
-                for ((row, memory), angle) in rows.iter().zip(memory).zip(angles) {
-                    *angle = Thesis::filter(memory, row, row.count(channels));
-                }
-            }
-            Self::OneEuro(filter) => filter.filter(angles, seconds),
+            Self::RecursiveAverage(filter) => filter.filter(angles.radians_mut()),
+            Self::OneEuro(filter) => filter.filter(angles.radians_mut(), seconds),
         }
     }
 }
 
-impl Thesis {
-    fn filter(memory: &mut Option<Self>, row: &Row, count: f64) -> f64 {
-        let count = memory.map_or(count, |last| (count + last.count) / 2.0);
-        let angle = row.range.clamp(row.calibration.apply(count));
-        let (value, newer) = match memory {
-            Some(last) => ((angle + last.newer + last.older) / 3.0, last.newer),
-            None => (angle, angle),
-        };
-        *memory = Some(Self {
-            count,
-            newer: value,
-            older: newer,
-        });
-        value
+impl RecursiveAverage {
+    fn filter(&mut self, angles: &mut [f64; Dof::COUNT]) {
+        if !self.has_samples {
+            self.has_samples = true;
+            self.means = *angles;
+            self.outputs = angles.map(|angle| [angle; 2]);
+            return;
+        }
+        let state = self.means.iter_mut().zip(&mut self.outputs);
+        for (angle, (mean, [newer, older])) in angles.iter_mut().zip(state) {
+            *mean = (*angle + *mean) / 2.0;
+            *angle = (*mean + *newer + *older) / 3.0;
+            (*newer, *older) = (*angle, *newer);
+        }
     }
 }

@@ -1,29 +1,29 @@
-//! Bone lengths from two measures of a person, and the arm model that they make.
+//! Anthropometry: bone lengths derived from hand and forearm length, and an arm model with these bones.
 
 use parry3d::math::Vec3;
 
 use super::arm_model::{ArmModel, ArmModelError, Link};
 use crate::hand::{Dof, Finger, Joint, Side};
 
-/// Hand breadth as a share of hand length: 84/183 mm and 75/166 mm (Buryanov & Kotiuk 2010).
+/// Hand breadth as a fraction of hand length: 84/183 mm and 75/166 mm (Buryanov & Kotiuk 2010).
 const BREADTH: f64 = 0.456;
-/// Upper arm as a share of the forearm: 0.186 and 0.146 of the stature (Drillis & Contini 1966).
+/// Upper arm length as a multiple of forearm length: 0.186 and 0.146 of the stature (Drillis & Contini 1966).
 const UPPER_ARM: f64 = 0.186 / 0.146;
-/// Distance of the finger CMC joints from the wrist as a share of hand length (Buchholz 1992).
+/// Distance of the finger CMC joints from the wrist as a fraction of hand length (Buchholz 1992).
 const CARPUS: f64 = 0.073;
-/// The pad of a fingertip, in metres: the poke radius that the field uses.
+/// The radius of a fingertip, in metres: the usual poke radius of XR hand interaction.
 const TIP_RADIUS: f32 = 0.005;
 
-/// The lengths of an arm's and a hand's bones, in metres.
+/// The bone lengths of an arm and hand, in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoneLengths {
-    /// Wrist crease to the end of the middle finger.
+    /// Hand length: wrist crease to the end of the middle finger.
     pub hand: f64,
-    /// Elbow to wrist.
+    /// Forearm length: elbow to wrist.
     pub forearm: f64,
-    /// Shoulder to elbow.
+    /// Upper arm length: shoulder to elbow.
     pub upper_arm: f64,
-    /// Across the knuckles.
+    /// Hand breadth across the knuckles.
     pub breadth: f64,
     /// Proximal, middle and distal phalanx of index, middle, ring and little finger.
     pub phalanges: [[f64; 3]; 4],
@@ -32,12 +32,12 @@ pub struct BoneLengths {
 }
 
 impl BoneLengths {
-    /// The bones of a person whose hand and forearm are this long, in metres.
+    /// Derives all bone lengths from hand and forearm length, in metres.
     ///
-    /// Ratios to hand length of Buchholz et al. 1992, proximal phalanges after An 1979.
+    /// Uses the ratios to hand length of Buchholz et al. 1992, with proximal phalanges after An 1979.
     ///
     /// # Errors
-    /// A text, when a length is not that of a person: hand 0.1..=0.3 m, forearm 0.1..=0.5 m.
+    /// Returns a message if a length is outside the human range: hand 0.1..=0.3 m, forearm 0.1..=0.5 m.
     pub fn from_hand_and_forearm(hand: f64, forearm: f64) -> Result<Self, String> {
         if !(0.1..=0.3).contains(&hand) {
             return Err(format!(
@@ -51,7 +51,7 @@ impl BoneLengths {
                 forearm * 1e3
             ));
         }
-        let scaled = |shares: [f64; 3]| shares.map(|share| share * hand);
+        let scaled = |ratios: [f64; 3]| ratios.map(|ratio| ratio * hand);
         Ok(Self {
             hand,
             forearm,
@@ -67,27 +67,27 @@ impl BoneLengths {
         })
     }
 
-    /// CMC and MCP joint of a finger: along the hand and towards the thumb side, in metres.
-    fn knuckle(&self, finger: Finger) -> ([f64; 2], [f64; 2]) {
-        let place = |along: f64, across: f64| [along * self.hand, across * self.breadth];
+    /// Returns the positions of the CMC and MCP joint of a finger, along the hand and towards the thumb side, in metres.
+    fn cmc_and_mcp(&self, finger: Finger) -> ([f64; 2], [f64; 2]) {
+        let at = |along: f64, across: f64| [along * self.hand, across * self.breadth];
         match finger {
-            Finger::Thumb => (place(CARPUS, 0.196), place(CARPUS, 0.196)),
-            Finger::Index => (place(CARPUS, 0.126), place(0.447, 0.252)),
-            Finger::Middle => (place(CARPUS, 0.0), place(0.446, 0.0)),
-            Finger::Ring => (place(CARPUS, -0.129), place(0.409, -0.206)),
-            Finger::Little => (place(CARPUS, -0.223), place(0.368, -0.402)),
+            Finger::Thumb => (at(CARPUS, 0.196), at(CARPUS, 0.196)),
+            Finger::Index => (at(CARPUS, 0.126), at(0.447, 0.252)),
+            Finger::Middle => (at(CARPUS, 0.0), at(0.446, 0.0)),
+            Finger::Ring => (at(CARPUS, -0.129), at(0.409, -0.206)),
+            Finger::Little => (at(CARPUS, -0.223), at(0.368, -0.402)),
         }
     }
 }
 
 impl ArmModel {
-    /// An arm with these bones, its joints named after WebXR, its shoulder at the world's origin,
-    /// mounted [palm down](Self::palm_down).
+    /// Creates an arm with these bones and the joints of WebXR, with the shoulder at the world's origin and
+    /// the palm down (see [`palm_down_pose`](Self::palm_down_pose)).
     ///
-    /// The axes are those of the hierarchical arm: fingers along +X, palm side +Y, flexion about
-    /// +Z. On a left arm everything sideways is mirrored.
+    /// In the zero pose, the fingers point along +X and the palm faces +Y; flexion turns about +Z. A left arm is the
+    /// mirror image.
     pub fn anthropometric(side: Side, bones: &BoneLengths) -> Result<Self, ArmModelError> {
-        let mut tree = Tree {
+        let mut tree = LinkTree {
             thumb_side: match side {
                 Side::Right => 1.0,
                 Side::Left => -1.0,
@@ -102,13 +102,13 @@ impl ArmModel {
     }
 }
 
-struct Tree {
+struct LinkTree {
     thumb_side: f32,
     links: Vec<Link>,
 }
 
-impl Tree {
-    /// Adds a link at (along, across) of its parent and returns its place.
+impl LinkTree {
+    /// Adds a link at (along, across) in its parent's frame and returns its index.
     fn add(&mut self, parent: Option<usize>, at: [f64; 2], axis: Vec3, dof: Option<Dof>) -> usize {
         let name = dof.map_or_else(
             || format!("fixed-{}", self.links.len()),
@@ -149,10 +149,11 @@ impl Tree {
     }
 
     fn finger(&mut self, palm: usize, finger: Finger, bones: &BoneLengths) {
-        let (cmc, mcp) = bones.knuckle(finger);
-        let bend = |name: &str| -> Dof {
+        let (cmc, mcp) = bones.cmc_and_mcp(finger);
+        let dof = |name: &str| -> Dof {
             let full = format!("{finger}-{name}");
-            full.parse().expect("every finger has these angles")
+            full.parse()
+                .expect("every finger has these degrees of freedom")
         };
         let joints = joints_of(finger);
         let (root, lengths, names) = if finger == Finger::Thumb {
@@ -160,7 +161,7 @@ impl Tree {
                 Some(palm),
                 cmc,
                 Vec3::Y * self.thumb_side,
-                Some(bend("cmc-abduction")),
+                Some(dof("cmc-abduction")),
             );
             let names = ["cmc-flexion", "mcp-flexion", "ip-flexion"];
             (root, bones.thumb, names)
@@ -169,14 +170,14 @@ impl Tree {
             self.links[metacarpal].joint = Some(joints[0]);
             let along = [mcp[0] - cmc[0], mcp[1] - cmc[1]];
             let axis = Vec3::Y * self.thumb_side;
-            let root = self.add(Some(metacarpal), along, axis, Some(bend("mcp-abduction")));
+            let root = self.add(Some(metacarpal), along, axis, Some(dof("mcp-abduction")));
             let names = ["mcp-flexion", "pip-flexion", "dip-flexion"];
             (root, bones.phalanges[finger.index() - 1], names)
         };
         let moving = &joints[joints.len() - 3..];
         let (mut parent, mut at) = (root, 0.0);
         for ((name, length), joint) in names.iter().zip(lengths).zip(moving) {
-            parent = self.add(Some(parent), [at, 0.0], Vec3::Z, Some(bend(name)));
+            parent = self.add(Some(parent), [at, 0.0], Vec3::Z, Some(dof(name)));
             self.links[parent].length = length as f32;
             self.links[parent].joint = Some(*joint);
             at = length;
@@ -185,7 +186,7 @@ impl Tree {
     }
 }
 
-/// The joints of a finger from the wrist outwards, without its tip.
+/// Returns the joints of a finger from the wrist outwards, without its tip.
 fn joints_of(finger: Finger) -> &'static [Joint] {
     let tip = Joint::tip(finger).index();
     let count = if finger == Finger::Thumb { 3 } else { 4 };
@@ -195,30 +196,30 @@ fn joints_of(finger: Finger) -> &'static [Joint] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::JointAngles;
+    use crate::estimate::{Estimate, JointAngles};
     use crate::time::Timestamp;
 
-    fn flat(side: Side) -> crate::kinematics::HandPose {
+    fn zero_pose(side: Side) -> crate::kinematics::HandPose {
         let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).unwrap();
         let model = ArmModel::anthropometric(side, &bones).unwrap();
-        model.forward(&JointAngles::new(Timestamp(0)))
+        model.forward(&Estimate::new(Timestamp(0), JointAngles::default()))
     }
 
     #[test]
-    fn all_25_hand_joints_are_there_and_the_middle_finger_ends_the_hand() {
-        let pose = flat(Side::Right);
-        let of_hand = pose
+    fn the_pose_has_25_hand_joints_and_the_middle_fingertip_is_one_hand_length_away() {
+        let pose = zero_pose(Side::Right);
+        let hand_joints = pose
             .known()
             .filter(|(joint, _)| joint.index() >= Joint::Wrist.index());
-        assert_eq!(of_hand.count(), 25);
+        assert_eq!(hand_joints.count(), 25);
         let wrist = pose.position(Joint::Wrist).unwrap();
         let tip = pose.fingertip(Finger::Middle).unwrap();
-        let reach = wrist.distance(tip);
-        assert!((reach - 0.190).abs() < 0.003, "{reach}");
+        let distance = wrist.distance(tip);
+        assert!((distance - 0.190).abs() < 0.003, "{distance}");
     }
 
     #[test]
-    fn phalanges_agree_with_the_radiographic_means_to_3_mm() {
+    fn phalanges_agree_with_the_radiographic_means_within_4_5_mm() {
         // Buryanov & Kotiuk 2010, means of 66 adults; their hands were about 175 mm long.
         let bones = BoneLengths::from_hand_and_forearm(0.175, 0.24).unwrap();
         let radiographic = [
@@ -236,7 +237,7 @@ mod tests {
 
     #[test]
     fn the_left_arm_is_the_mirror_image_of_the_right() {
-        let (left, right) = (flat(Side::Left), flat(Side::Right));
+        let (left, right) = (zero_pose(Side::Left), zero_pose(Side::Right));
         for (joint, pose) in right.known() {
             let other = left.position(joint).unwrap();
             let mirrored = Vec3::new(-pose.translation.x, pose.translation.y, pose.translation.z);
@@ -246,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_that_no_person_has_are_refused() {
+    fn lengths_outside_the_human_range_are_rejected() {
         assert!(BoneLengths::from_hand_and_forearm(1.9, 0.255).is_err());
         assert!(BoneLengths::from_hand_and_forearm(f64::NAN, 0.255).is_err());
         assert!(

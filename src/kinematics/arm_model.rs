@@ -1,43 +1,43 @@
-//! An arm as a tree of links, and where each is for given angles.
+//! An arm as a tree of links, and its forward kinematics.
 
 use arrayvec::ArrayVec;
 use glam::Quat;
 use parry3d::math::{Mat3, Pose, Vec3};
 
 use super::HandPose;
-use super::joint_rotations::Turns;
-use crate::estimate::JointAngles;
+use super::joint_rotations::JointRotations;
+use crate::estimate::{Estimate, JointAngles};
 use crate::hand::{Dof, Finger, Joint, Side};
 
-/// The most links of a model: 3 for the shoulder, 1 each for elbow and two forearm bones, 2 for the
-/// wrist, 5 for each finger make 32; the rest is for models that split a joint.
+/// The most links of a model. 3 for the shoulder, 1 each for the elbow and two forearm bones, 2 for the wrist and 5 for
+/// each finger make 33; the rest is for models that split a joint.
 pub const MAX_LINKS: usize = 48;
 
-/// One rigid piece that turns about one axis at its near end.
+/// A rigid body that turns about one axis at its near end.
 ///
 /// `world_from_link = world_from_parent · translate(offset) · rotate(axis, angle)`; the body lies
 /// along the link's own +X from its pivot to (length, 0, 0).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
-    /// Its name in the model.
+    /// The name of the link in the model.
     pub name: String,
-    /// The place of its parent, which comes earlier in the list; `None` for the root.
+    /// The index of the parent, which precedes this link in the list; `None` for the root.
     pub parent: Option<usize>,
-    /// Its pivot in the parent's frame, in metres.
+    /// The position of the pivot in the parent's frame, in metres.
     pub offset: Vec3,
-    /// The unit axis it turns about, positive counter-clockwise.
+    /// The unit axis of rotation; positive angles are counter-clockwise.
     pub axis: Vec3,
-    /// The angle that turns it; `None` for a fixed piece.
+    /// The degree of freedom that turns the link; `None` for a fixed link.
     pub dof: Option<Dof>,
-    /// Its length in metres.
+    /// The length in metres.
     pub length: f32,
-    /// The joint that its pivot is.
+    /// The joint at the pivot.
     pub joint: Option<Joint>,
-    /// The finger whose tip is its far end.
+    /// The finger whose tip is the far end of the link.
     pub fingertip: Option<Finger>,
 }
 
-/// A right or left arm from shoulder to fingertips.
+/// A right or left arm from the shoulder to the fingertips.
 #[derive(Clone, Debug)]
 pub struct ArmModel {
     side: Side,
@@ -46,29 +46,29 @@ pub struct ArmModel {
     tip_radius: f32,
 }
 
-/// Why a list of links is no arm.
+/// The reason why a list of links is not a valid arm model.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ArmModelError {
-    /// Too many links.
+    /// There are more than [`MAX_LINKS`] links.
     #[error("an arm model has at most {MAX_LINKS} links, this one has {0}")]
     TooManyLinks(usize),
-    /// A parent that is not earlier in the list.
+    /// A parent does not precede its child in the list.
     #[error("link `{0}` has a parent that does not come before it")]
     ParentNotBefore(String),
-    /// A number that is not finite, or an axis without direction.
+    /// A number is not finite, or an axis is not a unit vector.
     #[error("link `{0}` has a size or an axis that is not a finite, usable number")]
     NotFinite(String),
-    /// A joint or fingertip that two links claim.
+    /// Two links have the same joint or fingertip.
     #[error("link `{0}` is a joint or fingertip that another link is already")]
-    Twice(String),
-    /// No fingertip at all.
+    Duplicate(String),
+    /// No link has a fingertip.
     #[error("no link is a fingertip, so nothing can be touched")]
     NoFingertip,
 }
 
 impl ArmModel {
-    /// A model whose root has the pose `world_from_root`; `tip_radius` is that of the fingertip
-    /// spheres, in metres.
+    /// Creates a model whose root has the pose `world_from_root`. `tip_radius` is the radius of the fingertip spheres,
+    /// in metres.
     pub fn new(
         side: Side,
         links: Vec<Link>,
@@ -78,8 +78,8 @@ impl ArmModel {
         if links.len() > MAX_LINKS {
             return Err(ArmModelError::TooManyLinks(links.len()));
         }
-        for (place, link) in links.iter().enumerate() {
-            check(link, place, &links[..place])?;
+        for (index, link) in links.iter().enumerate() {
+            check(link, index, &links[..index])?;
         }
         if links.iter().all(|link| link.fingertip.is_none()) {
             return Err(ArmModelError::NoFingertip);
@@ -92,15 +92,15 @@ impl ArmModel {
         })
     }
 
-    /// The pose of a root whose forearm points straight forward with the palm down: the model's +X
+    /// Returns the root pose of an arm whose forearm points straight forward with the palm down: the model's +X
     /// is the world's −Z, its +Y (palm side) the world's −Y, its +Z the world's −X.
     pub fn palm_down_pose() -> Pose {
         let axes = Mat3::from_cols(Vec3::NEG_Z, Vec3::NEG_Y, Vec3::NEG_X);
         Pose::from_parts(Vec3::ZERO, Quat::from_mat3(&axes))
     }
 
-    /// The same arm where it is of that side, else its mirror image: the thumb is on the other side, and
-    /// flexion still goes towards the palm.
+    /// Returns the model for an arm of `side`: the mirror image if the model is of the other side. Flexion still
+    /// turns towards the palm.
     #[must_use]
     pub fn for_side(mut self, side: Side) -> Self {
         if self.side == side {
@@ -109,41 +109,48 @@ impl ArmModel {
         self.side = side;
         for link in &mut self.links {
             link.offset.z = -link.offset.z;
-            // A mirror turns the sense of a rotation round, and the axis itself as well as it lies in
-            // the mirror's plane or not.
+            // A mirror reverses the sense of every rotation, and also the component of the axis along its normal.
             link.axis = Vec3::new(-link.axis.x, -link.axis.y, link.axis.z);
         }
         self
     }
 
-    /// Which arm it is.
+    /// Returns the side of the body.
     pub fn side(&self) -> Side {
         self.side
     }
 
-    /// The links, parents before children.
+    /// Returns the links, parents before children.
     pub fn links(&self) -> &[Link] {
         &self.links
     }
 
-    /// Where the root is in the world.
+    /// Returns the pose of the root in the world.
     pub fn world_from_root(&self) -> Pose {
         self.world_from_root
     }
 
-    /// `world_from_link` of every link (metres), in the order of [`links`](Self::links).
+    /// Returns `world_from_link` of every link (metres), in the order of [`links`](Self::links).
     ///
-    /// An angle that is not known counts as 0.
+    /// Angles that are not known count as 0.
     pub fn link_poses(&self, angles: &JointAngles) -> ArrayVec<Pose, MAX_LINKS> {
-        let turns = Turns::of(angles);
+        self.link_poses_from(&self.world_from_root, angles)
+    }
+
+    fn link_poses_from(
+        &self,
+        world_from_root: &Pose,
+        angles: &JointAngles,
+    ) -> ArrayVec<Pose, MAX_LINKS> {
+        let rotations = JointRotations::from_angles(angles);
         let mut poses = ArrayVec::<Pose, MAX_LINKS>::new();
         for link in &self.links {
             let parent = match link.parent {
                 Some(parent) => &poses[parent],
-                None => &self.world_from_root,
+                None => world_from_root,
             };
             let rotation = match link.dof {
-                Some(dof) => parent.rotation * turns.about(link.axis, dof),
+                Some(dof) => parent.rotation * rotations.about(link.axis, dof),
                 None => parent.rotation,
             };
             let translation = parent.translation + parent.rotation * link.offset;
@@ -152,12 +159,14 @@ impl ArmModel {
         poses
     }
 
-    /// Where the arm and hand are for these angles.
-    pub fn forward(&self, angles: &JointAngles) -> HandPose {
-        let poses = self.link_poses(angles);
-        let mut hand = HandPose::new(angles.time, self.side, self.tip_radius);
-        hand.untrusted = angles.untrusted;
-        hand.jumped = angles.jumped;
+    /// Computes the pose of the arm and hand by forward kinematics. A measured root pose replaces that of the model, and
+    /// measured joint positions replace the computed ones.
+    pub fn forward(&self, estimate: &Estimate) -> HandPose {
+        let world_from_root = estimate.root.unwrap_or(self.world_from_root);
+        let poses = self.link_poses_from(&world_from_root, &estimate.angles);
+        let mut hand = HandPose::new(estimate.time, self.side, self.tip_radius);
+        hand.untrusted = estimate.untrusted;
+        hand.jumped = estimate.jumped;
         for (link, pose) in self.links.iter().zip(&poses) {
             if let Some(joint) = link.joint {
                 hand.set(joint, *pose);
@@ -166,11 +175,15 @@ impl ArmModel {
                 hand.set(Joint::tip(finger), far_end(link, pose));
             }
         }
+        for (joint, position) in estimate.measured.iter() {
+            let rotation = hand.get(joint).map_or(Quat::IDENTITY, |pose| pose.rotation);
+            hand.set(joint, Pose::from_parts(position, rotation));
+        }
         hand
     }
 }
 
-/// The frame of a link, moved to its far end.
+/// Returns the frame of a link, moved to its far end.
 pub(super) fn far_end(link: &Link, pose: &Pose) -> Pose {
     Pose::from_parts(
         pose.translation + pose.rotation * Vec3::new(link.length, 0.0, 0.0),
@@ -178,20 +191,46 @@ pub(super) fn far_end(link: &Link, pose: &Pose) -> Pose {
     )
 }
 
-fn check(link: &Link, place: usize, before: &[Link]) -> Result<(), ArmModelError> {
-    if link.parent.is_some_and(|parent| parent >= place) {
+fn check(link: &Link, index: usize, preceding: &[Link]) -> Result<(), ArmModelError> {
+    if link.parent.is_some_and(|parent| parent >= index) {
         return Err(ArmModelError::ParentNotBefore(link.name.clone()));
     }
-    let usable = link.offset.is_finite() && link.axis.is_normalized() && link.length.is_finite();
-    if !usable {
+    let is_finite = link.offset.is_finite() && link.axis.is_normalized() && link.length.is_finite();
+    if !is_finite {
         return Err(ArmModelError::NotFinite(link.name.clone()));
     }
-    let twice = before.iter().any(|other| {
+    let is_duplicate = preceding.iter().any(|other| {
         (link.joint.is_some() && link.joint == other.joint)
             || (link.fingertip.is_some() && link.fingertip == other.fingertip)
     });
-    if twice {
-        return Err(ArmModelError::Twice(link.name.clone()));
+    if is_duplicate {
+        return Err(ArmModelError::Duplicate(link.name.clone()));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kinematics::BoneLengths;
+    use crate::time::Timestamp;
+
+    #[test]
+    fn measured_root_and_joints_override_the_model() {
+        let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).unwrap();
+        let model = ArmModel::anthropometric(Side::Right, &bones).unwrap();
+        let mut estimate = Estimate::new(Timestamp(0), JointAngles::default());
+        let computed = model.forward(&estimate);
+        let shift = Vec3::new(0.0, 1.0, 0.0);
+        let mut root = model.world_from_root();
+        root.translation += shift;
+        estimate.root = Some(root);
+        let measured = Vec3::new(0.1, 0.2, 0.3);
+        estimate.measured.set(Joint::IndexTip, measured);
+        let pose = model.forward(&estimate);
+        assert_eq!(pose.fingertip(Finger::Index), Some(measured));
+        let middle = pose.fingertip(Finger::Middle).unwrap();
+        let expected = computed.fingertip(Finger::Middle).unwrap() + shift;
+        assert!(middle.distance(expected) < 1e-6, "{middle}");
+    }
 }

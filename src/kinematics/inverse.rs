@@ -1,4 +1,4 @@
-//! Which angles put a fingertip where it is wanted.
+//! Inverse kinematics: the angles that move a fingertip to a target.
 
 use arrayvec::ArrayVec;
 use glam::{DMat3, DVec3};
@@ -8,230 +8,225 @@ use super::arm_model::{ArmModel, MAX_LINKS, far_end};
 use crate::estimate::{AffineMap, JointAngles};
 use crate::hand::{Dof, Finger};
 
-/// The most controls that one solution moves.
+/// The most variables of one problem.
 pub const MAX_IK_VARIABLES: usize = 16;
 
-const ITERATIONS: usize = 120;
-/// The longest way that the fingertip is asked to go in one step, in metres: further than that the
-/// arm is no longer the straight line that a step takes it for.
-const STRIDE: f64 = 0.04;
-/// Damping λ of the least squares, in metres per radian: a bone's length times a few degrees, so that
-/// a stretched finger does not thrash.
+const MAX_ITERATIONS: usize = 120;
+/// The longest displacement of the fingertip in one iteration, in metres. Over a longer one the linearisation is wrong.
+const MAX_STEP: f64 = 0.04;
+/// The damping λ of the least squares, in metres per radian: a bone's length times a few degrees, so that
+/// a stretched finger does not oscillate.
 const DAMPING: f64 = 0.008;
-/// The share of the way to its rest value that a control goes in each step, where that moves nothing.
-const REST_PULL: f64 = 0.1;
-/// Good enough, in metres: a tenth of what an 8-bit glove can tell.
-const CLOSE_ENOUGH: f64 = 5e-5;
+/// The fraction of the distance to its rest value that a variable moves in each iteration, within the null space.
+const REST_GAIN: f64 = 0.1;
+/// The accepted distance to the target, in metres: a tenth of the resolution of an 8-bit glove.
+const TOLERANCE: f64 = 5e-5;
 
-/// Something that can be turned: one angle, or several that a shared sensor or tendon couples.
+/// One variable of an inverse kinematics problem: an angle, or several angles that a shared sensor or tendon couples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IkVariable {
-    /// What it moves: each angle (radians) is a line of the control's value.
+    /// The degrees of freedom that the variable drives, each with the map from the variable's value to radians.
     pub mappings: ArrayVec<(Dof, AffineMap), 4>,
-    /// The values that it can take, lowest first.
+    /// The lower and upper limit of the value.
     pub range: (f64, f64),
-    /// The value that it takes where nothing else is wanted of it.
+    /// The preferred value: the one taken if it does not matter for the target.
     pub rest: f64,
 }
 
 impl IkVariable {
-    /// A control that is one angle, in radians.
+    /// Creates a variable that is a single angle, in radians.
     pub fn from_dof(dof: Dof, range: (f64, f64), rest: f64) -> Self {
-        let itself = AffineMap {
-            gain: 1.0,
-            offset: 0.0,
-        };
         Self {
-            mappings: [(dof, itself)].into_iter().collect(),
+            mappings: [(dof, AffineMap::IDENTITY)].into_iter().collect(),
             range,
             rest,
         }
     }
 
-    /// Radians that its fastest angle turns for a change of 1.
+    /// Returns the rotation of the fastest angle, in radians, for a change of 1.
     fn scale(&self) -> f64 {
         self.mappings
             .iter()
-            .map(|(_, line)| line.gain.abs())
+            .map(|(_, map)| map.gain.abs())
             .fold(f64::MIN_POSITIVE, f64::max)
     }
 }
 
-/// What was found for a target.
+/// The best solution found for a target.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IkSolution {
-    /// The value of each control, within its range.
+    /// The value of each variable, within its range.
     pub values: ArrayVec<f64, MAX_IK_VARIABLES>,
-    /// How far the fingertip is from the target, in metres; large when it is out of reach.
+    /// The remaining distance from the fingertip to the target, in metres; large if the target is out of reach.
     pub distance: f64,
 }
 
-/// Turns `controls` so that the centre of a fingertip comes to `target` (world, metres).
+/// Finds values of `variables` that move the center of a fingertip to `target` (world, metres).
 ///
-/// Damped least squares with the controls held within their ranges; among the ways to reach the
-/// target, one near the controls' rest values. Begins at `start`; angles that no control moves are
-/// those of `fixed`. Always gives the best it found: look at [`Solution::distance`].
+/// Uses damped least squares with the variables clamped to their ranges, and pulls them towards their rest values in
+/// the null space. Starts at `start`; angles that no variable drives are those of `fixed`. Always returns the best
+/// values found: check [`IkSolution::distance`].
 ///
 /// # Panics
-/// When there are more than [`MAX_CONTROLS`] controls, or the model lacks the finger.
+/// If there are more than [`MAX_IK_VARIABLES`] variables, or if the model does not have the finger.
 pub fn solve_ik(
     model: &ArmModel,
-    controls: &[IkVariable],
+    variables: &[IkVariable],
     fixed: &JointAngles,
     start: &[f64],
     finger: Finger,
     target: Vec3,
 ) -> IkSolution {
-    let chain = Chain::to(model, finger);
+    let chain = Chain::to_fingertip(model, finger);
     let mut values: ArrayVec<f64, MAX_IK_VARIABLES> = start.iter().copied().collect();
     let mut best = IkSolution {
         values: values.clone(),
         distance: f64::INFINITY,
     };
-    for _ in 0..ITERATIONS {
-        let angles = angles_from_variables(controls, &values, fixed);
+    for _ in 0..MAX_ITERATIONS {
+        let angles = angles_from_variables(variables, &values, fixed);
         let poses = model.link_poses(&angles);
-        let missing = (target - chain.tip(model, &poses)).as_dvec3();
-        if missing.length() < best.distance - CLOSE_ENOUGH / 10.0 {
-            best.distance = missing.length();
+        let error = (target - chain.fingertip(model, &poses)).as_dvec3();
+        if error.length() < best.distance - TOLERANCE / 10.0 {
+            best.distance = error.length();
             best.values.clone_from(&values);
-        } else if best.distance < CLOSE_ENOUGH {
+        } else if best.distance < TOLERANCE {
             break;
         }
-        let columns = chain.columns(model, &poses, controls);
+        let jacobian = chain.jacobian(model, &poses, variables);
         step(
-            controls,
-            &columns,
-            missing.clamp_length_max(STRIDE),
+            variables,
+            &jacobian,
+            error.clamp_length_max(MAX_STEP),
             &mut values,
         );
     }
     best
 }
 
-/// The angles that the controls give with these values, over those of `fixed`.
+/// Returns `fixed` with the angles that the variables drive replaced by those for the given values.
 pub fn angles_from_variables(
-    controls: &[IkVariable],
+    variables: &[IkVariable],
     values: &[f64],
     fixed: &JointAngles,
 ) -> JointAngles {
     let mut angles = *fixed;
-    for (control, value) in controls.iter().zip(values) {
-        for (dof, line) in &control.mappings {
-            angles.set(*dof, line.apply(*value));
+    for (variable, value) in variables.iter().zip(values) {
+        for (dof, map) in &variable.mappings {
+            angles.set(*dof, map.apply(*value));
         }
     }
     angles
 }
 
-/// One step: towards the target, and to rest where that does not move the fingertip.
-fn step(controls: &[IkVariable], columns: &[DVec3], missing: DVec3, values: &mut [f64]) {
-    let mut free: ArrayVec<bool, MAX_IK_VARIABLES> = controls.iter().map(|_| true).collect();
-    // A control that would leave its range stands at the end, and the others do its share.
-    for _ in 0..controls.len() {
-        let active: ArrayVec<DVec3, MAX_IK_VARIABLES> = columns
+/// Changes the values by one iteration. A variable that would leave its range stops at the limit, and the step is
+/// solved again for the others.
+fn step(variables: &[IkVariable], jacobian: &[DVec3], error: DVec3, values: &mut [f64]) {
+    let mut free: ArrayVec<bool, MAX_IK_VARIABLES> = variables.iter().map(|_| true).collect();
+    for _ in 0..variables.len() {
+        let active: ArrayVec<DVec3, MAX_IK_VARIABLES> = jacobian
             .iter()
             .zip(&free)
             .map(|(column, free)| if *free { *column } else { DVec3::ZERO })
             .collect();
-        let wanted = changes(controls, &active, missing, values);
-        let blocked = (0..controls.len()).find(|&place| {
-            let (low, high) = controls[place].range;
-            free[place] && !(low..=high).contains(&(values[place] + wanted[place]))
+        let changes = changes(variables, &active, error, values);
+        let limited = (0..variables.len()).find(|&index| {
+            let (low, high) = variables[index].range;
+            free[index] && !(low..=high).contains(&(values[index] + changes[index]))
         });
-        let Some(place) = blocked else {
-            for ((value, change), free) in values.iter_mut().zip(&wanted).zip(&free) {
+        let Some(index) = limited else {
+            for ((value, change), free) in values.iter_mut().zip(&changes).zip(&free) {
                 *value += if *free { *change } else { 0.0 };
             }
             return;
         };
-        let (low, high) = controls[place].range;
-        values[place] = (values[place] + wanted[place]).clamp(low, high);
-        free[place] = false;
+        let (low, high) = variables[index].range;
+        values[index] = (values[index] + changes[index]).clamp(low, high);
+        free[index] = false;
     }
 }
 
-/// Δ = J⁺ · missing + (1 − J⁺ J) · pull, with J⁺ = Jᵀ (J Jᵀ + λ²)⁻¹, in radians of each control.
+/// Solves Δ = J⁺ · error + (1 − J⁺ J) · pull, with J⁺ = Jᵀ (J Jᵀ + λ²)⁻¹, in radians of each variable.
 fn changes(
-    controls: &[IkVariable],
-    columns: &[DVec3],
-    missing: DVec3,
+    variables: &[IkVariable],
+    jacobian: &[DVec3],
+    error: DVec3,
     values: &[f64],
 ) -> ArrayVec<f64, MAX_IK_VARIABLES> {
     let mut square = DMat3::from_diagonal(DVec3::splat(DAMPING * DAMPING));
-    for column in columns {
+    for column in jacobian {
         square += DMat3::from_cols(*column * column.x, *column * column.y, *column * column.z);
     }
     let inverse = square.inverse();
-    let pulls: ArrayVec<f64, MAX_IK_VARIABLES> = controls
+    let pulls: ArrayVec<f64, MAX_IK_VARIABLES> = variables
         .iter()
         .zip(values)
-        .map(|(control, value)| REST_PULL * (control.rest - value) * control.scale())
+        .map(|(variable, value)| REST_GAIN * (variable.rest - value) * variable.scale())
         .collect();
-    let pulled: DVec3 = columns
+    let pulled: DVec3 = jacobian
         .iter()
         .zip(&pulls)
         .map(|(column, pull)| *column * *pull)
         .sum();
-    let weights = inverse * (missing - pulled);
-    columns
+    let weights = inverse * (error - pulled);
+    jacobian
         .iter()
         .zip(&pulls)
-        .zip(controls)
-        .map(|((column, pull), control)| (column.dot(weights) + pull) / control.scale())
+        .zip(variables)
+        .map(|((column, pull), variable)| (column.dot(weights) + pull) / variable.scale())
         .collect()
 }
 
-/// The links between the shoulder and one fingertip.
+/// The links from a fingertip to the root.
 struct Chain {
     links: ArrayVec<usize, MAX_LINKS>,
 }
 
 impl Chain {
-    fn to(model: &ArmModel, finger: Finger) -> Self {
+    fn to_fingertip(model: &ArmModel, finger: Finger) -> Self {
         let last = model
             .links()
             .iter()
             .position(|link| link.fingertip == Some(finger));
         let mut links = ArrayVec::new();
         let mut next = Some(last.expect("the model has the finger"));
-        while let Some(place) = next {
-            links.push(place);
-            next = model.links()[place].parent;
+        while let Some(index) = next {
+            links.push(index);
+            next = model.links()[index].parent;
         }
         Self { links }
     }
 
-    fn tip(&self, model: &ArmModel, poses: &[Pose]) -> Vec3 {
+    fn fingertip(&self, model: &ArmModel, poses: &[Pose]) -> Vec3 {
         let last = self.links[0];
         far_end(&model.links()[last], &poses[last]).translation
     }
 
-    /// How far the fingertip goes for each radian of each control's fastest angle.
-    fn columns(
+    /// Returns the displacement of the fingertip per radian of each variable's fastest angle.
+    fn jacobian(
         &self,
         model: &ArmModel,
         poses: &[Pose],
-        controls: &[IkVariable],
+        variables: &[IkVariable],
     ) -> ArrayVec<DVec3, MAX_IK_VARIABLES> {
-        let tip = self.tip(model, poses);
-        controls
+        let fingertip = self.fingertip(model, poses);
+        variables
             .iter()
-            .map(|control| {
-                let moved = self.links.iter().map(|&place| {
-                    let link = &model.links()[place];
-                    let Some((_, line)) = control
+            .map(|variable| {
+                let columns = self.links.iter().map(|&index| {
+                    let link = &model.links()[index];
+                    let Some((_, map)) = variable
                         .mappings
                         .iter()
                         .find(|(dof, _)| link.dof == Some(*dof))
                     else {
                         return DVec3::ZERO;
                     };
-                    let axis = poses[place].rotation * link.axis;
-                    let arm = tip - poses[place].translation;
-                    axis.cross(arm).as_dvec3() * line.gain
+                    let axis = poses[index].rotation * link.axis;
+                    let lever = fingertip - poses[index].translation;
+                    axis.cross(lever).as_dvec3() * map.gain
                 });
-                moved.sum::<DVec3>() / control.scale()
+                columns.sum::<DVec3>() / variable.scale()
             })
             .collect()
     }
@@ -240,7 +235,7 @@ impl Chain {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimate::JointLimits;
+    use crate::estimate::{Estimate, JointLimits};
     use crate::hand::Side;
     use crate::kinematics::BoneLengths;
     use crate::time::Timestamp;
@@ -248,50 +243,51 @@ mod tests {
     fn arm() -> (ArmModel, Vec<IkVariable>) {
         let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).unwrap();
         let limits = JointLimits::human();
-        let moved = [
+        let dofs = [
             (Dof::ElbowFlexion, 0.6),
             (Dof::WristFlexion, 0.0),
             (Dof::WristDeviation, 0.0),
             (Dof::IndexMcpFlexion, 0.5),
             (Dof::IndexPipFlexion, 0.5),
         ];
-        let controls = moved.map(|(dof, rest)| IkVariable::from_dof(dof, limits.range(dof), rest));
+        let variables = dofs.map(|(dof, rest)| IkVariable::from_dof(dof, limits.range(dof), rest));
         let model = ArmModel::anthropometric(Side::Right, &bones).unwrap();
-        (model, controls.to_vec())
+        (model, variables.to_vec())
     }
 
     #[test]
-    fn every_place_away_from_the_ends_of_the_joints_is_reached() {
-        let (model, controls) = arm();
-        let fixed = JointAngles::new(Timestamp(0));
-        let rest: Vec<f64> = controls.iter().map(|control| control.rest).collect();
+    fn every_position_away_from_the_joint_limits_is_reached() {
+        let (model, variables) = arm();
+        let fixed = JointAngles::default();
+        let rest: Vec<f64> = variables.iter().map(|variable| variable.rest).collect();
         for number in 0..200 {
-            let wanted: Vec<f64> = controls
+            let expected: Vec<f64> = variables
                 .iter()
                 .enumerate()
-                .map(|(place, control)| {
-                    let share = (number as f64 * 0.618_034 * (place + 1) as f64).fract();
-                    let (low, high) = control.range;
-                    low + (0.05 + 0.9 * share) * (high - low)
+                .map(|(index, variable)| {
+                    let fraction = (number as f64 * 0.618_034 * (index + 1) as f64).fract();
+                    let (low, high) = variable.range;
+                    low + (0.05 + 0.9 * fraction) * (high - low)
                 })
                 .collect();
-            let pose = model.forward(&angles_from_variables(&controls, &wanted, &fixed));
+            let angles = angles_from_variables(&variables, &expected, &fixed);
+            let pose = model.forward(&Estimate::new(Timestamp(0), angles));
             let target = pose.fingertip(Finger::Index).unwrap();
-            let found = solve_ik(&model, &controls, &fixed, &rest, Finger::Index, target);
+            let found = solve_ik(&model, &variables, &fixed, &rest, Finger::Index, target);
             assert!(found.distance < 1e-3, "{number}: {}", found.distance);
-            for (value, control) in found.values.iter().zip(&controls) {
-                assert!((control.range.0..=control.range.1).contains(value));
+            for (value, variable) in found.values.iter().zip(&variables) {
+                assert!((variable.range.0..=variable.range.1).contains(value));
             }
         }
     }
 
     #[test]
-    fn what_is_out_of_reach_says_how_far() {
-        let (model, controls) = arm();
-        let fixed = JointAngles::new(Timestamp(0));
-        let rest: Vec<f64> = controls.iter().map(|control| control.rest).collect();
+    fn a_target_out_of_reach_returns_its_distance() {
+        let (model, variables) = arm();
+        let fixed = JointAngles::default();
+        let rest: Vec<f64> = variables.iter().map(|variable| variable.rest).collect();
         let far = Vec3::new(0.0, 0.0, -5.0);
-        let found = solve_ik(&model, &controls, &fixed, &rest, Finger::Index, far);
+        let found = solve_ik(&model, &variables, &fixed, &rest, Finger::Index, far);
         assert!(found.distance > 4.0 && found.distance.is_finite());
     }
 }

@@ -1,8 +1,8 @@
-//! The sines and cosines of all angles of an arm at once.
+//! The half-angle sines and cosines of all joint angles at once.
 //!
-//! A library's sine takes one angle at a time and differs in the last bit from system to system.
-//! This one is plain arithmetic in a loop without branches, which compilers turn into vector
-//! instructions: half as much time for an arm's angles, and the same bits everywhere.
+//! `f32::sin` takes one angle at a time, and its last bit differs between systems. This implementation is
+//! branch-free arithmetic in a loop, which compilers vectorise: it takes half the time for the angles of an arm and
+//! returns the same bits on every system.
 
 use std::f32::consts::FRAC_2_PI;
 
@@ -12,49 +12,50 @@ use parry3d::math::Vec3;
 use crate::estimate::JointAngles;
 use crate::hand::Dof;
 
-/// Added and taken away again it rounds an `f32` below 2²² to a whole number, which also stands in
-/// the lowest bits of the sum.
+/// 1.5 · 2²³. Adding and subtracting it rounds an `f32` below 2²² to an integer, which is also in the lowest bits of
+/// the sum.
 const ROUND: f32 = 12_582_912.0;
 /// π/2 in three parts, the first two short enough that their multiples are exact (Cody & Waite 1980).
-const QUARTER: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
+const HALF_PI_PARTS: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
 
-/// For each degree of freedom the sine and cosine of half its angle.
-pub(super) struct Turns {
+/// The sine and cosine of half the angle of each degree of freedom.
+pub(super) struct JointRotations {
     sines: [f32; Dof::COUNT],
     cosines: [f32; Dof::COUNT],
 }
 
-impl Turns {
-    /// Right to 1e-7 for angles up to ±1000 rad; joints turn a few.
-    pub(super) fn of(angles: &JointAngles) -> Self {
-        // Two loops: a vector holds twice as many of the narrow numbers.
-        let halves = angles.radians().map(|angle| angle as f32 * 0.5);
-        let mut turns = Self {
+impl JointRotations {
+    /// Computes the sines and cosines, accurate to 1e-7 for angles up to ±1000 rad.
+    pub(super) fn from_angles(angles: &JointAngles) -> Self {
+        // A separate loop: a vector register holds twice as many `f32` as `f64`.
+        let half_angles = angles.radians().map(|angle| angle as f32 * 0.5);
+        let mut rotations = Self {
             sines: [0.0; Dof::COUNT],
             cosines: [0.0; Dof::COUNT],
         };
-        let places = turns.sines.iter_mut().zip(&mut turns.cosines);
-        for ((sine, cosine), half) in places.zip(halves) {
-            (*sine, *cosine) = sine_cosine(half);
+        let pairs = rotations.sines.iter_mut().zip(&mut rotations.cosines);
+        for ((sine, cosine), half_angle) in pairs.zip(half_angles) {
+            (*sine, *cosine) = sin_cos(half_angle);
         }
-        turns
+        rotations
     }
 
-    /// The rotation by the angle of `dof` about a unit axis.
+    /// Returns the rotation by the angle of `dof` about a unit axis.
     pub(super) fn about(&self, axis: Vec3, dof: Dof) -> Quat {
-        let place = dof.index();
-        Quat::from_vec4((axis * self.sines[place]).extend(self.cosines[place]))
+        let index = dof.index();
+        Quat::from_vec4((axis * self.sines[index]).extend(self.cosines[index]))
     }
 }
 
-/// Polynomials of the Cephes library (`sinf`, `cosf`) on the nearest quarter turn.
-fn sine_cosine(angle: f32) -> (f32, f32) {
+/// Evaluates the polynomials of the Cephes library (`sinf`, `cosf`) after reduction to the nearest quarter turn.
+fn sin_cos(angle: f32) -> (f32, f32) {
     let shifted = angle * FRAC_2_PI + ROUND;
     let quarters = shifted - ROUND;
-    let rest = ((angle - quarters * QUARTER[0]) - quarters * QUARTER[1]) - quarters * QUARTER[2];
-    let square = rest * rest;
-    let sine = rest
-        + rest * square * (-1.666_665_5e-1 + square * (8.332_161e-3 - square * 1.951_529_6e-4));
+    let reduced = ((angle - quarters * HALF_PI_PARTS[0]) - quarters * HALF_PI_PARTS[1])
+        - quarters * HALF_PI_PARTS[2];
+    let square = reduced * reduced;
+    let sine = reduced
+        + reduced * square * (-1.666_665_5e-1 + square * (8.332_161e-3 - square * 1.951_529_6e-4));
     let cosine = 1.0 - 0.5 * square
         + square * square * (4.166_664_6e-2 + square * (-1.388_731_6e-3 + square * 2.443_315_7e-5));
     let quadrant = shifted.to_bits();
@@ -76,14 +77,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sines_and_cosines_are_right_to_the_last_digits() {
+    fn sines_and_cosines_are_accurate_to_1_2e_7() {
         for step in -200_000..=200_000 {
             let angle = step as f32 * 1e-3;
-            let (sine, cosine) = sine_cosine(angle);
-            let (true_sine, true_cosine) = f64::from(angle).sin_cos();
-            assert!((f64::from(sine) - true_sine).abs() < 1.2e-7, "{angle}");
-            assert!((f64::from(cosine) - true_cosine).abs() < 1.2e-7, "{angle}");
+            let (sine, cosine) = sin_cos(angle);
+            let (exact_sine, exact_cosine) = f64::from(angle).sin_cos();
+            assert!((f64::from(sine) - exact_sine).abs() < 1.2e-7, "{angle}");
+            assert!((f64::from(cosine) - exact_cosine).abs() < 1.2e-7, "{angle}");
         }
-        assert!(sine_cosine(f32::NAN).0.is_nan());
+        assert!(sin_cos(f32::NAN).0.is_nan());
     }
 }

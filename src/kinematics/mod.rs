@@ -1,4 +1,4 @@
-//! 3 · [`JointAngles`](crate::estimate::JointAngles) → [`HandPose`].
+//! Stage 3: [`Estimate`](crate::estimate::Estimate) → [`HandPose`].
 
 mod anthropometry;
 mod arm_model;
@@ -14,25 +14,25 @@ use parry3d::math::{Pose, Vec3};
 use crate::hand::{Finger, FingerSet, Joint, Side};
 use crate::time::Timestamp;
 
-/// Where an arm and hand are in space at one moment.
+/// The poses of the joints of one arm and hand at one time, in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct HandPose {
-    /// When the reading behind it was complete.
+    /// The time stamp of the reading.
     pub time: Timestamp,
-    /// Which hand.
+    /// The side of the body.
     pub side: Side,
-    /// Fingers that cannot be believed at the moment: they press nothing.
+    /// Fingers with a sensor fault. They press nothing.
     pub untrusted: FingerSet,
-    /// Whether the hand was re-acquired in another place: what lies between was not seen.
+    /// Whether the hand was re-acquired at another position. The movement in between was not seen.
     pub jumped: bool,
-    /// Radius of the fingertip spheres, in metres.
+    /// The radius of the fingertip spheres, in metres.
     pub tip_radius: f32,
     joints: [Pose; Joint::COUNT],
     known: u32,
 }
 
 impl HandPose {
-    /// A pose in which no joint is known yet.
+    /// Creates a pose without known joints.
     pub fn new(time: Timestamp, side: Side, tip_radius: f32) -> Self {
         Self {
             time,
@@ -51,22 +51,23 @@ impl HandPose {
         self.known |= 1 << joint.index();
     }
 
-    /// `world_from_joint` (metres), or `None` where the arm model does not have the joint.
+    /// Returns `world_from_joint` (metres), or `None` if the arm model does not have the joint.
     pub fn get(&self, joint: Joint) -> Option<&Pose> {
         (self.known & (1 << joint.index()) != 0).then(|| &self.joints[joint.index()])
     }
 
-    /// The joint's position in the world (metres), where the arm model has it.
+    /// Returns the position of a joint in the world (metres), or `None` if the arm model does not have the joint.
     pub fn position(&self, joint: Joint) -> Option<Vec3> {
         self.get(joint).map(|pose| pose.translation)
     }
 
-    /// The centre of the fingertip sphere in the world (metres), where the arm model has the finger.
+    /// Returns the center of a fingertip sphere in the world (metres), or `None` if the arm model does not have the
+    /// finger.
     pub fn fingertip(&self, finger: Finger) -> Option<Vec3> {
         self.position(Joint::tip(finger))
     }
 
-    /// The known joints, in the order of [`Joint::ALL`].
+    /// Iterates over the known joints, in the order of [`Joint::ALL`].
     pub fn known(&self) -> impl Iterator<Item = (Joint, &Pose)> + '_ {
         Joint::ALL
             .iter()

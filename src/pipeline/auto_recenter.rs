@@ -155,7 +155,7 @@ fn is_near(scene: &Scene, pose: &HandPose) -> bool {
             .filter_map(|&finger| trusted_fingertip(pose, finger));
         tips.any(|tip| {
             let centre = world_from_surface.inverse_transform_point(tip);
-            hit_test::is_near_a_target(surface, centre, pose.tip_radius, CLEARANCE)
+            hit_test::is_near_any_target(surface, centre, pose.tip_radius, CLEARANCE)
         })
     };
     scene.surfaces().iter().any(is_over)

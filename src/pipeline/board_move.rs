@@ -106,7 +106,7 @@ impl LayoutInstance {
             if !place.is_distance_valid() {
                 return Err(CommandError::TooFar(number));
             }
-            if !place.is_gentle() {
+            if !place.is_tilt_valid() {
                 return Err(CommandError::TooSteep(number));
             }
         }

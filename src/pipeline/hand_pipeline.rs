@@ -2,7 +2,7 @@
 
 use super::StepOutput;
 use crate::contact::Touches;
-use crate::estimate::{Estimator, JointAngles};
+use crate::estimate::{Estimate, Estimator, JointAngles};
 use crate::hand::Side;
 use crate::kinematics::ArmModel;
 use crate::time::Timestamp;
@@ -27,11 +27,11 @@ const REFUSALS: u8 = 3;
 
 impl Hand {
     pub(super) fn new(estimator: Estimator, arm: ArmModel) -> Self {
-        let angles = JointAngles::new(Timestamp::default());
+        let estimate = Estimate::new(Timestamp::default(), JointAngles::default());
         Self {
             frame: StepOutput {
-                angles,
-                pose: arm.forward(&angles),
+                estimate,
+                pose: arm.forward(&estimate),
                 touches: Touches::new(),
             },
             estimator,

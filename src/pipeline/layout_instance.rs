@@ -134,7 +134,7 @@ impl LayoutInstance {
         self.switchboard.set_pointing_hands(only_point);
         let seen = DeviceInput {
             scene: &self.scene,
-            angles: &frame.angles,
+            angles: &frame.estimate.angles,
             pose: &frame.pose,
             touches: &frame.touches,
         };

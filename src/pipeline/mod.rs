@@ -23,7 +23,7 @@ use crate::capture::Reading;
 use crate::contact::board_pose::BoardPose;
 use crate::contact::{TargetNames, Touches};
 use crate::device::{EventKind, Events, OutputEvent, Request};
-use crate::estimate::{Estimator, JointAngles, Rejection};
+use crate::estimate::{Estimate, Estimator, Rejection};
 use crate::hand::Side;
 use crate::kinematics::{ArmModel, HandPose};
 use crate::snapshot::{PipelineState, Suppressed};
@@ -62,7 +62,7 @@ impl Default for PipelineSettings {
 #[derive(Clone, Debug)]
 pub struct StepOutput {
     /// The angles.
-    pub angles: JointAngles,
+    pub estimate: Estimate,
     /// Where they put the hand.
     pub pose: HandPose,
     /// What the fingertips did.
@@ -160,12 +160,12 @@ impl Pipeline {
         let applied = applied.inspect_err(|&reason| self.rejected[reason.index()] += 1)?;
         let (hand, controls) = (&mut self.hands[place], &mut self.profiles[self.profile]);
         let StepOutput {
-            angles,
+            estimate,
             pose,
             touches,
         } = &mut hand.frame;
-        *angles = applied;
-        *pose = hand.arm.forward(angles);
+        *estimate = applied;
+        *pose = hand.arm.forward(estimate);
         controls.touch(pose, touches);
         self.accepted += 1;
         self.time = self.time.max(pose.time);

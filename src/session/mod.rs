@@ -426,7 +426,7 @@ impl SessionLoop<'_> {
     /// Shows what happened, and takes note when another layout is in force from now on.
     fn show(&mut self, reading: Option<Reading>, frame: Option<StepOutput>) {
         let (angles, pose, touches) = match frame {
-            Some(frame) => (Some(frame.angles), Some(frame.pose), frame.touches),
+            Some(frame) => (Some(frame.estimate.angles), Some(frame.pose), frame.touches),
             None => (None, None, Touches::new()),
         };
         let snapshot = Snapshot {

@@ -218,7 +218,7 @@ impl LoadedSetup {
             self.controls(layout)
                 .expect("the profiles were looked up when the setup was assembled")
         };
-        let estimator = |glove: &Glove| Estimator::new(glove.map.clone(), self.estimator);
+        let estimator = |glove: &Glove| Estimator::new(self.estimator).with_channels(&glove.map);
         let pipeline = Pipeline::new(
             estimator(&self.glove),
             self.arm.clone(),

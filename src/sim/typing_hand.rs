@@ -6,7 +6,7 @@ use parry3d::math::{Pose, Vec2, Vec3};
 use super::action::TargetPoint;
 use crate::contact::TargetId;
 use crate::contact::surface::{Scene, Target};
-use crate::estimate::{ChannelMap, JointAngles, JointLimits};
+use crate::estimate::{ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Joint};
 use crate::kinematics::{
     ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik,
@@ -132,12 +132,13 @@ impl TypingHand {
 
     /// The angles of the whole hand in this posture.
     pub fn angles(&self, values: &[f64]) -> JointAngles {
-        angles_from_variables(&self.controls, values, &JointAngles::new(Timestamp(0)))
+        angles_from_variables(&self.controls, values, &JointAngles::default())
     }
 
     /// Where the whole hand is in this posture.
     pub fn pose(&self, values: &[f64]) -> HandPose {
-        self.arm.forward(&self.angles(values))
+        let estimate = Estimate::new(Timestamp(0), self.angles(values));
+        self.arm.forward(&estimate)
     }
 
     /// Where the index fingertip is in this posture (world, metres); the origin where the arm has none.

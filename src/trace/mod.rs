@@ -89,10 +89,11 @@ impl Stage {
                 .reading
                 .iter()
                 .try_for_each(|reading| take(reading.time, json(reading, buffer))),
-            Self::Angles => snapshot
-                .angles
-                .iter()
-                .try_for_each(|angles| take(angles.time, json(&AnglesForm::of(angles), buffer))),
+            Self::Angles => snapshot.angles.iter().zip(&snapshot.pose).try_for_each(
+                |(angles, HandPose { time, .. })| {
+                    take(*time, json(&AnglesForm::of(*time, angles), buffer))
+                },
+            ),
             Self::Pose => snapshot
                 .pose
                 .iter()
@@ -134,9 +135,9 @@ struct AnglesForm<'a> {
 }
 
 impl<'a> AnglesForm<'a> {
-    fn of(angles: &'a JointAngles) -> Self {
+    fn of(time: Timestamp, angles: &'a JointAngles) -> Self {
         Self {
-            time_us: angles.time,
+            time_us: time,
             angles,
         }
     }
@@ -301,7 +302,7 @@ mod tests {
             full_scale: 255,
             counts,
         };
-        let mut angles = JointAngles::new(time);
+        let mut angles = JointAngles::default();
         angles.set(Dof::IndexMcpFlexion, 0.1 + 0.2);
         angles.set(Dof::ElbowFlexion, -1.0);
         let mut pose = HandPose::new(time, Side::Right, 0.008);

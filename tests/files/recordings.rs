@@ -35,7 +35,7 @@ fn reading(number: u64) -> Reading {
 fn snapshot(number: u64) -> Snapshot {
     let reading = reading(number);
     let time = reading.time;
-    let mut angles = JointAngles::new(time);
+    let mut angles = JointAngles::default();
     angles.set(Dof::WristFlexion, number as f64 * 0.01);
     let mut pose = HandPose::new(time, Side::Right, 0.008);
     let wrist = Pose::from_translation(Vec3::new(0.1, 0.2, -0.3));

@@ -152,7 +152,7 @@ pub fn glove(data: &[u8]) -> bool {
 
 /// Whether it is an arm. One that is holds a pose.
 pub fn arm(data: &[u8]) -> bool {
-    use ademan::estimate::JointAngles;
+    use ademan::estimate::{Estimate, JointAngles};
     use ademan::time::Timestamp;
 
     let Some(document) = document(data) else {
@@ -160,7 +160,7 @@ pub fn arm(data: &[u8]) -> bool {
     };
     match ArmModel::parse(&document) {
         Ok(arm) => {
-            let pose = arm.forward(&JointAngles::new(Timestamp(0)));
+            let pose = arm.forward(&Estimate::new(Timestamp(0), JointAngles::default()));
             for (joint, pose) in pose.known() {
                 assert!(pose.is_finite(), "{joint} is nowhere");
             }

@@ -244,7 +244,7 @@ fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
     assert_eq!(pipeline.stalls(), 2);
     for reason in [
         Rejection::WrongShape,
-        Rejection::Stale,
+        Rejection::OutOfOrder,
         Rejection::OutsideLimits,
         Rejection::TooFast,
     ] {
@@ -262,7 +262,7 @@ fn update(
 ) {
     let seen = DeviceInput {
         scene: &ademan::contact::surface::Scene::new(),
-        angles: &JointAngles::new(pose.time),
+        angles: &JointAngles::default(),
         pose,
         touches,
     };
@@ -364,7 +364,7 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
     let targets = layout.scene.len() as u64;
     let mut devices = layout.devices();
     let mut switchboard = KeyArbiter::new(layout.texts.clone());
-    let mut angles = JointAngles::new(Timestamp(0));
+    let mut angles = JointAngles::default();
     let mut random = 1_u64;
     let mut next = |below: u64| {
         random = random
@@ -571,7 +571,7 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
         };
         let seen = DeviceInput {
             scene: &layout.scene,
-            angles: &JointAngles::new(pose.time),
+            angles: &JointAngles::default(),
             pose: &pose,
             touches: &touches,
         };
@@ -645,7 +645,7 @@ fn a_pointer_and_targets_in_space_allocate_nothing() {
     let before = allocations();
     for frame in 0..20_000_u64 {
         let mut pose = HandPose::new(Timestamp(frame * 5_729), Side::Right, 0.005);
-        let mut angles = JointAngles::new(pose.time);
+        let mut angles = JointAngles::default();
         angles.set(Dof::WristFlexion, f64::from(random()));
         for &finger in Finger::ALL {
             let tip = Vec3::new(random() - 0.5, random() - 0.5, random() - 0.5) * 0.2;

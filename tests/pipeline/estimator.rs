@@ -1,9 +1,9 @@
-//! What the estimator lets pass, and what never goes on.
+//! The estimator: the readings that it accepts, and the angles that it returns.
 
 use std::time::Duration;
 
 use ademan::capture::{Channels, Reading, Sample};
-use ademan::estimate::{Estimator, EstimatorSettings, JointAngles, Rejection, Smoothing};
+use ademan::estimate::{Estimate, Estimator, EstimatorSettings, JointAngles, Rejection, Smoothing};
 use ademan::hand::{Dof, Finger, FingerSet};
 use ademan::layout::Glove;
 use ademan::time::Timestamp;
@@ -14,32 +14,30 @@ const INDEX_MCP: usize = 12;
 const MIDDLE_MCP: usize = 57;
 const WRIST: usize = 4;
 
-/// A reading every 10 ms of a hand that rests.
-struct Wearer {
+/// A resting hand in the shipped glove, with a reading every 10 ms.
+struct GloveHand {
     time_ms: u64,
     counts: [u16; 64],
     estimator: Estimator,
 }
 
-impl Wearer {
+impl GloveHand {
     fn new(settings: EstimatorSettings) -> Self {
         let glove = Glove::load("unam-hc11").expect("the shipped glove");
         let mut counts = [127; 64];
         for row in glove.map.rows() {
-            counts[row.channel] = row.calibration.apply_inverse(resting(row.dof)).round() as u16;
+            let count = row.calibration.apply_inverse(rest_angle(row.dof));
+            counts[row.channel] = count.round() as u16;
         }
         Self {
             time_ms: 0,
             counts,
-            estimator: Estimator::new(glove.map, settings),
+            estimator: Estimator::new(settings).with_channels(&glove.map),
         }
     }
 
     fn unsmoothed() -> Self {
-        Self::new(EstimatorSettings {
-            smoothing: Smoothing::Off,
-            ..EstimatorSettings::default()
-        })
+        Self::new(unsmoothed())
     }
 
     fn reading(&self) -> Reading {
@@ -53,19 +51,26 @@ impl Wearer {
         }
     }
 
-    fn next(&mut self) -> Result<JointAngles, Rejection> {
+    fn next(&mut self) -> Result<Estimate, Rejection> {
         self.time_ms += 10;
         self.estimator.update(&self.reading())
     }
 
-    fn turn(&mut self, channel: usize, count: u16) -> Result<JointAngles, Rejection> {
+    fn set(&mut self, channel: usize, count: u16) -> Result<Estimate, Rejection> {
         self.counts[channel] = count;
         self.next()
     }
 }
 
-/// The thumb's sideways sensor of this glove cannot tell 0.
-fn resting(dof: Dof) -> f64 {
+fn unsmoothed() -> EstimatorSettings {
+    EstimatorSettings {
+        smoothing: Smoothing::Off,
+        ..EstimatorSettings::default()
+    }
+}
+
+/// The abduction sensor of the thumb cannot measure 0.
+fn rest_angle(dof: Dof) -> f64 {
     match dof {
         Dof::ThumbCmcAbduction => -0.5,
         Dof::ElbowFlexion => 0.5,
@@ -74,175 +79,220 @@ fn resting(dof: Dof) -> f64 {
 }
 
 #[test]
-fn a_resting_hand_has_the_angles_it_rests_at() {
-    let mut glove = Wearer::unsmoothed();
-    let angles = glove.next().expect("a resting hand");
-    for (dof, radians) in angles.known() {
-        assert!((radians - resting(dof)).abs() < 0.03, "{dof}: {radians}");
+fn a_resting_hand_has_its_rest_angles() {
+    let mut hand = GloveHand::unsmoothed();
+    let estimate = hand.next().expect("a resting hand");
+    for (dof, radians) in estimate.angles.known() {
+        assert!((radians - rest_angle(dof)).abs() < 0.03, "{dof}: {radians}");
     }
-    assert_eq!(angles.untrusted, FingerSet::NONE);
-    assert!(!angles.is_known(Dof::ShoulderZ), "no sensor tells it");
+    assert_eq!(estimate.untrusted, FingerSet::NONE);
+    assert!(!estimate.angles.is_known(Dof::ShoulderZ), "no sensor");
 }
 
 #[test]
-fn readings_of_another_shape_are_refused() {
-    let mut glove = Wearer::unsmoothed();
-    glove.next().expect("a resting hand");
-    let mut short = glove.reading();
+fn readings_of_another_shape_are_rejected() {
+    let mut hand = GloveHand::unsmoothed();
+    hand.next().expect("a resting hand");
+    let mut short = hand.reading();
     short.time = Timestamp(50_000);
     let Sample::Channels(channels) = &mut short.sample else {
         panic!("channels");
     };
     channels.counts.truncate(60);
-    assert_eq!(glove.estimator.update(&short), Err(Rejection::WrongShape));
-    let mut wide = glove.reading();
+    assert_eq!(hand.estimator.update(&short), Err(Rejection::WrongShape));
+    let mut wide = hand.reading();
     wide.time = Timestamp(60_000);
     let Sample::Channels(channels) = &mut wide.sample else {
         panic!("channels");
     };
     channels.full_scale = 4_095;
-    assert_eq!(glove.estimator.update(&wide), Err(Rejection::WrongShape));
+    assert_eq!(hand.estimator.update(&wide), Err(Rejection::WrongShape));
 }
 
 #[test]
-fn a_clock_that_stands_still_or_goes_back_is_refused() {
-    let mut glove = Wearer::unsmoothed();
-    glove.next().expect("a resting hand");
+fn channels_without_a_channel_map_are_rejected() {
+    let hand = GloveHand::unsmoothed();
+    let mut estimator = Estimator::new(unsmoothed());
     assert_eq!(
-        glove.estimator.update(&glove.reading()),
-        Err(Rejection::Stale)
-    );
-    glove.time_ms -= 5;
-    assert_eq!(
-        glove.estimator.update(&glove.reading()),
-        Err(Rejection::Stale)
+        estimator.update(&hand.reading()),
+        Err(Rejection::WrongShape)
     );
 }
 
 #[test]
-fn an_angle_a_little_outside_its_range_is_brought_in_and_one_far_outside_drops_the_reading() {
-    let mut glove = Wearer::unsmoothed();
-    // 31 counts are a straight elbow: 10 below is 6 degrees too far, 31 below 17 degrees.
-    glove.counts[ELBOW] = 21;
-    let angles = glove.next().expect("a calibration error");
-    assert_eq!(angles.get(Dof::ElbowFlexion), 0.0);
-    assert_eq!(glove.turn(ELBOW, 1), Err(Rejection::OutsideLimits));
+fn a_time_stamp_that_does_not_advance_is_rejected() {
+    let mut hand = GloveHand::unsmoothed();
+    hand.next().expect("a resting hand");
+    let repeated = hand.reading();
+    assert_eq!(hand.estimator.update(&repeated), Err(Rejection::OutOfOrder));
+    hand.time_ms -= 5;
+    let earlier = hand.reading();
+    assert_eq!(hand.estimator.update(&earlier), Err(Rejection::OutOfOrder));
 }
 
 #[test]
-fn a_flipped_bit_for_one_reading_does_not_go_on() {
-    let mut glove = Wearer::unsmoothed();
-    let rest = glove
-        .next()
-        .expect("a resting hand")
-        .get(Dof::IndexMcpFlexion);
-    let count = glove.counts[INDEX_MCP];
-    assert_eq!(glove.turn(INDEX_MCP, count ^ 0x80), Err(Rejection::TooFast));
-    let after = glove.turn(INDEX_MCP, count).expect("as before");
-    assert_eq!(after.get(Dof::IndexMcpFlexion), rest);
-    assert!(!after.jumped);
+fn an_angle_slightly_outside_its_range_is_clamped_and_one_far_outside_rejects_the_reading() {
+    let mut hand = GloveHand::unsmoothed();
+    // A straight elbow reads 31 counts: 10 below is 6 degrees too far, 31 below 17 degrees.
+    let estimate = hand.set(ELBOW, 21).expect("a calibration error");
+    assert_eq!(estimate.angles.get(Dof::ElbowFlexion), 0.0);
+    assert_eq!(hand.set(ELBOW, 1), Err(Rejection::OutsideLimits));
 }
 
 #[test]
-fn a_hand_that_stays_where_it_cannot_have_come_is_believed_at_the_third_reading() {
-    let mut glove = Wearer::unsmoothed();
-    glove.next().expect("a resting hand");
-    assert_eq!(glove.turn(ELBOW, 200), Err(Rejection::TooFast));
-    assert_eq!(glove.turn(ELBOW, 201), Err(Rejection::TooFast));
-    let angles = glove.turn(ELBOW, 202).expect("the third of its kind");
-    assert!(angles.jumped);
-    assert!(!glove.turn(ELBOW, 203).expect("from there on").jumped);
+fn a_flipped_bit_in_one_reading_is_rejected() {
+    let mut hand = GloveHand::unsmoothed();
+    let rest = hand.next().expect("a resting hand");
+    let count = hand.counts[INDEX_MCP];
+    assert_eq!(hand.set(INDEX_MCP, count ^ 0x80), Err(Rejection::TooFast));
+    let next = hand.set(INDEX_MCP, count).expect("the angle as before");
+    assert_eq!(next.angles, rest.angles);
+    assert!(!next.jumped);
 }
 
 #[test]
-fn places_that_do_not_agree_with_each_other_are_never_believed() {
-    let mut glove = Wearer::unsmoothed();
-    glove.next().expect("a resting hand");
+fn an_implausible_position_is_accepted_at_the_third_consistent_reading() {
+    let mut hand = GloveHand::unsmoothed();
+    hand.next().expect("a resting hand");
+    assert_eq!(hand.set(ELBOW, 200), Err(Rejection::TooFast));
+    assert_eq!(hand.set(ELBOW, 201), Err(Rejection::TooFast));
+    assert!(hand.set(ELBOW, 202).expect("the third reading").jumped);
+    assert!(!hand.set(ELBOW, 203).expect("a small step").jumped);
+}
+
+#[test]
+fn implausible_positions_that_contradict_each_other_are_never_accepted() {
+    let mut hand = GloveHand::unsmoothed();
+    hand.next().expect("a resting hand");
     for count in [160, 230].into_iter().cycle().take(50) {
-        assert_eq!(glove.turn(ELBOW, count), Err(Rejection::TooFast));
+        assert_eq!(hand.set(ELBOW, count), Err(Rejection::TooFast));
     }
 }
 
 #[test]
 fn the_fastest_finger_is_not_too_fast() {
-    let mut glove = Wearer::unsmoothed();
-    glove.next().expect("a resting hand");
-    // 20 rad/s, the fastest flexion of a finger, at 100 readings a second.
-    let mut count = f64::from(glove.counts[INDEX_MCP]);
+    let mut hand = GloveHand::unsmoothed();
+    hand.next().expect("a resting hand");
+    // 20 rad/s, the fastest flexion of a finger, at 100 readings per second.
+    let mut count = f64::from(hand.counts[INDEX_MCP]);
     for _ in 0..7 {
         count += 0.2 * 255.0 / 3.0;
-        glove
-            .turn(INDEX_MCP, count as u16)
-            .expect("a person can do that");
+        hand.set(INDEX_MCP, count as u16).expect("a fast finger");
     }
 }
 
 #[test]
-fn a_finger_whose_sensor_is_broken_is_not_believed_after_a_second() {
-    let mut glove = Wearer::unsmoothed();
-    glove.counts[MIDDLE_MCP] = 0;
+fn a_finger_with_a_broken_sensor_is_untrusted_after_one_second() {
+    let mut hand = GloveHand::unsmoothed();
+    hand.counts[MIDDLE_MCP] = 0;
     let mut untrusted = FingerSet::NONE;
     for _ in 0..100 {
-        untrusted = glove.next().expect("the angle is possible").untrusted;
+        untrusted = hand.next().expect("a possible angle").untrusted;
     }
-    assert_eq!(untrusted, FingerSet::NONE, "not within the first second");
+    assert_eq!(untrusted, FingerSet::NONE, "within the first second");
     for _ in 0..2 {
-        untrusted = glove.next().expect("the others go on").untrusted;
+        untrusted = hand.next().expect("the other fingers").untrusted;
     }
     assert_eq!(untrusted, FingerSet::NONE.with(Finger::Middle));
-    let back = glove.turn(MIDDLE_MCP, 20).expect("plugged in again");
-    assert_eq!(back.untrusted, FingerSet::NONE);
+    let repaired = hand.set(MIDDLE_MCP, 20).expect("plugged in again");
+    assert_eq!(repaired.untrusted, FingerSet::NONE);
 }
 
 #[test]
-fn a_broken_wrist_takes_all_fingers_with_it() {
-    let mut glove = Wearer::unsmoothed();
-    glove.next().expect("a resting hand");
-    glove.counts[WRIST] = 255;
-    let mut refused = 0;
+fn a_broken_wrist_sensor_makes_all_fingers_untrusted() {
+    let mut hand = GloveHand::unsmoothed();
+    hand.next().expect("a resting hand");
+    hand.counts[WRIST] = 255;
+    let mut rejected = 0;
     let mut untrusted = FingerSet::NONE;
     for _ in 0..110 {
-        match glove.next() {
-            Ok(angles) => untrusted = angles.untrusted,
-            Err(_) => refused += 1,
+        match hand.next() {
+            Ok(estimate) => untrusted = estimate.untrusted,
+            Err(_) => rejected += 1,
         }
     }
-    assert!(
-        refused >= 100,
-        "an impossible wrist drops the reading at first"
-    );
+    assert!(rejected >= 100, "an impossible wrist angle at first");
     assert_eq!(untrusted, FingerSet::ALL);
 }
 
 #[test]
-fn filters_start_anew_after_a_gap() {
-    let mut glove = Wearer::new(EstimatorSettings {
+fn a_gap_resets_the_filters() {
+    let mut hand = GloveHand::new(EstimatorSettings {
         smoothing: Smoothing::RecursiveAverage,
         ..EstimatorSettings::default()
     });
     for _ in 0..50 {
-        glove.next().expect("a resting hand");
+        hand.next().expect("a resting hand");
     }
-    glove.time_ms += 1_000;
-    let angles = glove
-        .turn(ELBOW, 100)
-        .expect("a second is time enough to get there");
+    hand.time_ms += 1_000;
+    let estimate = hand.set(ELBOW, 100).expect("possible within a second");
     let exact = (100.0 - 31.0) * 2.5 / 255.0;
-    assert!((angles.get(Dof::ElbowFlexion) - exact).abs() < 1e-9);
+    assert!((estimate.angles.get(Dof::ElbowFlexion) - exact).abs() < 1e-9);
 }
 
 #[test]
-fn a_filter_that_runs_on_lags_behind() {
-    let mut glove = Wearer::new(EstimatorSettings {
+fn without_a_gap_the_filters_lag() {
+    let mut hand = GloveHand::new(EstimatorSettings {
         smoothing: Smoothing::RecursiveAverage,
         max_gap: Duration::MAX,
         ..EstimatorSettings::default()
     });
-    let rest = glove.next().expect("a resting hand").get(Dof::ElbowFlexion);
-    let moved = glove
-        .turn(ELBOW, 90)
-        .expect("a small step")
-        .get(Dof::ElbowFlexion);
+    let elbow = |estimate: Estimate| estimate.angles.get(Dof::ElbowFlexion);
+    let rest = elbow(hand.next().expect("a resting hand"));
+    let moved = elbow(hand.set(ELBOW, 90).expect("a small step"));
     let exact = (90.0 - 31.0) * 2.5 / 255.0;
     assert!(moved > rest && moved < exact);
+}
+
+/// A reading of joint angles.
+fn angles(time_ms: u64, angles: &[(Dof, f64)]) -> Reading {
+    let mut known = JointAngles::default();
+    for &(dof, radians) in angles {
+        known.set(dof, radians);
+    }
+    Reading {
+        time: Timestamp(time_ms * 1_000),
+        side: None,
+        sample: Sample::Angles { angles: known },
+    }
+}
+
+#[test]
+fn angles_need_no_channel_map_and_are_checked_in_the_same_way() {
+    let mut estimator = Estimator::new(unsmoothed());
+    let mut elbow = |time_ms, radians| {
+        let estimate = estimator.update(&angles(time_ms, &[(Dof::ElbowFlexion, radians)]))?;
+        assert!(!estimate.angles.is_known(Dof::WristFlexion));
+        Ok(estimate.angles.get(Dof::ElbowFlexion))
+    };
+    assert_eq!(elbow(10, 0.5), Ok(0.5));
+    assert_eq!(elbow(10, 0.5), Err(Rejection::OutOfOrder));
+    assert_eq!(elbow(20, -0.1), Err(Rejection::TooFast));
+    assert_eq!(elbow(30, 0.2), Ok(0.2));
+    assert_eq!(elbow(40, -0.1), Ok(0.0), "clamped");
+    assert_eq!(elbow(50, -0.5), Err(Rejection::OutsideLimits));
+    assert_eq!(elbow(60, f64::NAN), Err(Rejection::NotFinite));
+    assert_eq!(
+        estimator.update(&angles(70, &[])),
+        Err(Rejection::WrongShape)
+    );
+}
+
+#[test]
+fn a_change_of_the_known_angles_resets_the_filters() {
+    let mut estimator = Estimator::new(EstimatorSettings::default());
+    let elbow = (Dof::ElbowFlexion, 0.5);
+    for number in 1..10 {
+        let estimate = estimator.update(&angles(10 * number, &[elbow]));
+        assert!(
+            !estimate
+                .expect("an elbow")
+                .angles
+                .is_known(Dof::WristFlexion)
+        );
+    }
+    let with_wrist = angles(100, &[elbow, (Dof::WristFlexion, 0.9)]);
+    let estimate = estimator.update(&with_wrist).expect("a wrist");
+    assert_eq!(estimate.angles.get(Dof::WristFlexion), 0.9, "no lag from 0");
+    assert!(!estimate.jumped);
 }

@@ -159,7 +159,10 @@ fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
         rail_timeout: None,
         ..EstimatorSettings::default()
     };
-    let mut wearer = GloveWearer::with(pipeline_with(&assembly, Estimator::new(map, settings)));
+    let mut wearer = GloveWearer::with(pipeline_with(
+        &assembly,
+        Estimator::new(settings).with_channels(&map),
+    ));
     let sane = |postures: &[Posture]| -> Vec<Posture> {
         let sane = postures.iter().map(|posture| with(posture, SPARE, 0));
         sane.collect()
@@ -200,7 +203,7 @@ fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_count
             .pipeline
             .set_stall_timeout(std::time::Duration::from_secs(7_200));
         wearer.see(&press.held());
-        let stale = || Rejection::Stale;
+        let stale = || Rejection::OutOfOrder;
         wearer.now -= back;
         for _ in 0..3 {
             assert_eq!(wearer.see(&press.held()), Some(stale()));
@@ -221,7 +224,7 @@ fn a_million_readings_a_second_press_no_more_than_is_allowed() {
         ..EstimatorSettings::default()
     };
     for interval in [1, 20, 100, 1_000] {
-        let estimator = Estimator::new(assembly.glove.map.clone(), settings);
+        let estimator = Estimator::new(settings).with_channels(&assembly.glove.map);
         let mut wearer = GloveWearer::with(pipeline_with(&assembly, estimator));
         for posture in stroke.iter().cycle().take(100 * stroke.len()) {
             wearer.see_after(interval, posture);

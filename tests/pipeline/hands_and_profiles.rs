@@ -5,7 +5,7 @@ use std::fs;
 use crate::support::checked::Judged;
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::device::{EventKind, Events};
-use ademan::estimate::{ChannelMap, JointAngles};
+use ademan::estimate::{ChannelMap, Estimate, JointAngles};
 use ademan::hand::Side;
 use ademan::layout::Document;
 use ademan::pipeline::SourceRole;
@@ -148,9 +148,11 @@ fn a_hand_touches_only_the_boards_that_are_there_for_it() {
         let target = assembly.layout.key(key).expect("a key").face.target;
         assembly.layout.scene.target(target).expect("a target").0
     };
-    let right = assembly.arm.forward(&JointAngles::new(Timestamp(0)));
+    let right = assembly
+        .arm
+        .forward(&Estimate::new(Timestamp(0), JointAngles::default()));
     let left = assembly.arm.clone().for_side(Side::Left);
-    let left = left.forward(&JointAngles::new(Timestamp(0)));
+    let left = left.forward(&Estimate::new(Timestamp(0), JointAngles::default()));
     for (key, seen, unseen) in [("F", left, right), ("J", right, left)] {
         assert!(board_of(key).world_from_surface(&seen).is_some(), "{key}");
         assert!(board_of(key).world_from_surface(&unseen).is_none(), "{key}");

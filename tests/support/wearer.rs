@@ -43,7 +43,7 @@ pub struct GloveWearer {
 impl GloveWearer {
     pub fn on(assembly: &LoadedSetup) -> Self {
         let map = assembly.glove.map.clone();
-        let estimator = Estimator::new(map, EstimatorSettings::default());
+        let estimator = Estimator::new(EstimatorSettings::default()).with_channels(&map);
         Self::with(pipeline_with(assembly, estimator))
     }
 

@@ -226,11 +226,11 @@ impl<R: Read + Send> Replay<R> {
         let reading: Reading = serde_json::from_slice(data).map_err(|error| {
             self.malformed(format!("what should be a reading is none: {error}"))
         })?;
-        let Sample::Channels(channels) = &reading.sample;
-        if channels
-            .counts
-            .iter()
-            .any(|count| *count > channels.full_scale)
+        if let Sample::Channels(channels) = &reading.sample
+            && channels
+                .counts
+                .iter()
+                .any(|count| *count > channels.full_scale)
         {
             return Err(self.malformed("a count is larger than its full scale".into()));
         }

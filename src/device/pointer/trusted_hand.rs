@@ -15,13 +15,13 @@ pub(super) struct TrustedHand<'a> {
 
 impl<'a> TrustedHand<'a> {
     pub(super) fn new(input: &'a DeviceInput<'a>) -> Self {
-        let untrusted = input.pose.untrusted.union(input.angles.untrusted);
+        let untrusted = input.pose.untrusted;
         Self { input, untrusted }
     }
 
     /// Whether the hand was re-acquired: its path since the last step is unknown.
     pub(super) fn jumped(&self) -> bool {
-        self.input.pose.jumped || self.input.angles.jumped
+        self.input.pose.jumped
     }
 
     pub(super) fn pose(&self) -> &'a HandPose {

@@ -78,7 +78,7 @@ fn pipeline(fuse: Fuse) -> Pipeline {
     let assembly = Setup::default().load_files().expect("the default setup");
     let keyboard = Keyboard::new(assembly.layout.key_bindings());
     Pipeline::new(
-        Estimator::new(assembly.glove.map.clone(), EstimatorSettings::default()),
+        Estimator::new(EstimatorSettings::default()).with_channels(&assembly.glove.map),
         assembly.arm.clone(),
         LayoutInstance::new(
             assembly.layout.scene.clone(),

@@ -193,7 +193,7 @@ impl Rig {
     pub fn update(&mut self, pose: &HandPose, touches: &[Touch], events: &mut Events) {
         let seen = DeviceInput {
             scene: &self.scene,
-            angles: &JointAngles::new(pose.time),
+            angles: &JointAngles::default(),
             pose,
             touches,
         };

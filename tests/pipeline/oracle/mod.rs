@@ -64,7 +64,7 @@ impl FakePipeline {
             time: 0,
             state: PipelineState::Starting,
             is_paused: false,
-            angles: JointAngles::new(time),
+            angles: JointAngles::default(),
             touches: Vec::new(),
             pose: HandPose::new(time, Side::Right, 0.005),
         }
@@ -105,7 +105,7 @@ impl FakePipeline {
     fn step(&mut self, kinds: &[EventKind]) -> Result<(), Violation> {
         self.time += 10_000;
         let time = Timestamp(self.time);
-        (self.angles.time, self.pose.time) = (time, time);
+        self.pose.time = time;
         self.observe(Cause::Reading(time), true, kinds)
     }
 

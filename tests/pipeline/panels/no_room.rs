@@ -44,7 +44,7 @@ fn stands(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
         });
         let seen = DeviceInput {
             scene: &layout.scene,
-            angles: &JointAngles::new(time),
+            angles: &JointAngles::default(),
             pose: &HandPose::new(time, Side::Right, 0.005),
             touches: touches.as_slice(),
         };

@@ -100,7 +100,7 @@ impl Rig {
         transcript.set_target_names(&names);
         let hand = || Hand {
             tracker: ContactTracker::new(&layout.scene),
-            angles: JointAngles::new(Timestamp(0)),
+            angles: JointAngles::default(),
             tips: [None; Finger::COUNT],
             untrusted: FingerSet::NONE,
             jumped: false,
@@ -249,7 +249,6 @@ impl Rig {
         self.time = Timestamp(self.time.0 + FRAME);
         let pose = self.pose();
         let hand = &mut self.hands[self.side.index()];
-        hand.angles.time = self.time;
         hand.jumped = false;
         let mut touches = Touches::new();
         hand.tracker.update(&self.layout.scene, &pose, &mut touches);

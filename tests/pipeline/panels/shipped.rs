@@ -1,6 +1,6 @@
 //! The shipped panels and boards, played.
 
-use ademan::estimate::JointAngles;
+use ademan::estimate::{Estimate, JointAngles};
 use ademan::hand::{Dof, Finger, Joint};
 use ademan::kinematics::ArmModel;
 use ademan::layout::{Document, Layout};
@@ -47,7 +47,7 @@ const KEYS: [(&str, Finger); 5] = [
 fn fingertips(pressing: &str) -> String {
     let document = Document::shipped("unam").expect("the default arm");
     let arm = ArmModel::parse(&document).expect("the default arm");
-    let mut angles = JointAngles::new(Timestamp(0));
+    let mut angles = JointAngles::default();
     angles.set(Dof::ElbowFlexion, 35_f64.to_radians());
     for &dof in Dof::ALL {
         let Some(finger) = dof.finger() else {
@@ -67,7 +67,7 @@ fn fingertips(pressing: &str) -> String {
         let bend: f64 = if presses { 5.0 } else { -5.0 };
         angles.set(dof, (half + bend).to_radians());
     }
-    let pose = arm.forward(&angles);
+    let pose = arm.forward(&Estimate::new(Timestamp(0), angles));
     let wrist = pose.position(Joint::Wrist).expect("a wrist");
     let order = |&finger: &Finger| {
         let tip = (pose.fingertip(finger).expect("a fingertip") - wrist) * 1e3;

@@ -1,7 +1,8 @@
 use ademan::capture::hc11::{Framing, Hc11Decoder};
 use ademan::capture::{Channels, Reading, Sample};
 use ademan::estimate::{
-    AffineMap, ChannelMap, Estimator, EstimatorSettings, JointAngles, Smoothing, divider_resistance,
+    AffineMap, ChannelMap, Estimate, Estimator, EstimatorSettings, JointAngles, Smoothing,
+    divider_resistance,
 };
 use ademan::hand::{Dof, Finger, Joint};
 use ademan::kinematics::{ArmModel, Link};
@@ -45,10 +46,8 @@ fn reading(number: u64, body: &[u8]) -> Reading {
 }
 
 fn thesis(map: ChannelMap) -> Estimator {
-    Estimator::new(
-        map,
-        EstimatorSettings::unchecked(Smoothing::RecursiveAverage),
-    )
+    let settings = EstimatorSettings::unchecked(Smoothing::RecursiveAverage);
+    Estimator::new(settings).with_channels(&map)
 }
 
 fn centimetres(position: Vec3) -> [f64; 3] {
@@ -143,9 +142,9 @@ fn corrected(case: &Value, tolerance: f64) {
         let mut estimator = thesis(ChannelMap::new(vec![row.clone()], 255));
         for (frame, wanted) in list(&case["frames"]).iter().enumerate() {
             let reading = reading(frame as u64, &bytes(&wanted["body"]));
-            let angles = estimator.update(&reading).expect("nothing is refused");
+            let estimate = estimator.update(&reading).expect("nothing is rejected");
             let wanted = number(&wanted["corrected_angles"][place]);
-            assert_close(angles.get(row.dof), wanted, tolerance, name);
+            assert_close(estimate.angles.get(row.dof), wanted, tolerance, name);
         }
     }
 }
@@ -268,7 +267,7 @@ pub fn forward_kinematics(file: &Value) -> usize {
     let cases = list(&file["cases"]);
     for case in cases {
         let name = text(&case["name"]);
-        let mut angles = JointAngles::new(Timestamp(0));
+        let mut angles = JointAngles::default();
         for (link, angle) in case["angles"].as_object().expect("angles") {
             angles.set(dof_of(&arm, link), number(angle));
         }
@@ -287,7 +286,7 @@ pub fn forward_kinematics(file: &Value) -> usize {
                 &format!("{name} {link}"),
             );
         }
-        let hand = arm.forward(&angles);
+        let hand = arm.forward(&Estimate::new(Timestamp(0), angles));
         for (finger, wanted) in case["tip"].as_object().expect("tips") {
             let tip = hand
                 .fingertip(finger.parse().expect("a finger"))
@@ -326,10 +325,10 @@ pub fn end_to_end(file: &Value) -> usize {
         assert_eq!(bodies.len(), frames.len(), "{name}");
         let mut estimator = thesis(glove().full_map);
         for (number, (body, wanted)) in bodies.iter().zip(frames).enumerate() {
-            let angles = estimator
+            let estimate = estimator
                 .update(&reading(number as u64, body))
                 .expect("nothing is refused");
-            let hand = arm.forward(&angles);
+            let hand = arm.forward(&estimate);
             let wrist = hand.position(Joint::Wrist).expect("a wrist");
             assert_place(wrist, &wanted["wrist_z"], tolerance, name);
             for (finger, tip) in wanted["tip"].as_object().expect("tips") {

@@ -1,5 +1,5 @@
 use ademan::contact::TargetId;
-use ademan::contact::hit_test::pressed_by;
+use ademan::contact::hit_test::deepest_pad;
 use ademan::contact::surface::{Scene, Shape, TREMOR_MARGIN, Target};
 use ademan::hand::Side;
 use ademan::kinematics::HandPose;
@@ -165,11 +165,11 @@ fn assert_button(
     tolerance: f64,
     name: &str,
 ) {
-    let (finger, depth, pressure) = match pressed_by(button, tips) {
+    let (finger, depth, pressure) = match deepest_pad(button, tips) {
         Some(press) => (
-            Some(press.pad as u64),
+            Some(press.index as u64),
             f64::from(press.depth),
-            f64::from(press.pressure),
+            f64::from(press.travel_fraction),
         ),
         None => (None, 0.0, 0.0),
     };

@@ -138,7 +138,7 @@ pub struct ObservedStep<'a> {
 impl<'a> From<&'a StepOutput> for ObservedStep<'a> {
     fn from(output: &'a StepOutput) -> Self {
         Self {
-            angles: &output.angles,
+            angles: &output.estimate.angles,
             pose: &output.pose,
             touches: &output.touches,
         }
@@ -259,7 +259,7 @@ impl Oracle {
             return Ok(());
         };
         let (time, side) = (step.pose.time, step.pose.side);
-        if observation.cause != Cause::Reading(time) || step.angles.time != time {
+        if observation.cause != Cause::Reading(time) {
             return Err(Violation::StalePose(time));
         }
         let last = &mut self.last_time[side.index()];

@@ -1,9 +1,13 @@
-//! The words that every stage shares: sides, fingers, joints and degrees of freedom of an arm and hand.
+//! Types that every stage shares: sides, fingers, joints, degrees of freedom and joint angles of an arm and hand.
+
+mod joint_angles;
+
+pub use joint_angles::JointAngles;
 
 use crate::names::named_enum;
 
 named_enum! {
-    /// Which hand.
+    /// A side of the body: the left or right hand.
     pub enum Side ("side") {
         /// The left hand.
         Left = "left",
@@ -13,7 +17,7 @@ named_enum! {
 }
 
 impl Side {
-    /// The one that it is not.
+    /// Returns the other side.
     pub const fn opposite(self) -> Self {
         match self {
             Self::Left => Self::Right,
@@ -23,7 +27,7 @@ impl Side {
 }
 
 named_enum! {
-    /// A finger; the order is the one in which a tie between two fingers is decided.
+    /// A finger. On a tie between two fingers, the first in this order takes precedence.
     pub enum Finger ("finger") {
         /// The thumb, finger 0.
         Thumb = "thumb",
@@ -38,7 +42,7 @@ named_enum! {
     }
 }
 
-/// How many fingers two hands have.
+/// The number of fingers of both hands.
 pub const FINGERS_OF_BOTH_HANDS: usize = Side::COUNT * Finger::COUNT;
 
 /// A set of fingers.
@@ -46,55 +50,55 @@ pub const FINGERS_OF_BOTH_HANDS: usize = Side::COUNT * Finger::COUNT;
 pub struct FingerSet(u8);
 
 impl FingerSet {
-    /// No finger.
+    /// The empty set.
     pub const NONE: Self = Self(0);
-    /// All five.
+    /// All five fingers.
     pub const ALL: Self = Self(0b1_1111);
 
-    /// The set with `finger` added.
+    /// Returns the set with `finger` added.
     #[must_use]
     pub fn with(self, finger: Finger) -> Self {
         Self(self.0 | 1 << finger.index())
     }
 
-    /// The fingers that are in either set.
+    /// Returns the fingers that are in either set.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// Whether `finger` is in the set.
+    /// Returns whether `finger` is in the set.
     pub fn contains(self, finger: Finger) -> bool {
         self.0 & (1 << finger.index()) != 0
     }
 
-    /// Whether the set has no finger.
+    /// Returns whether the set has no finger.
     pub fn is_empty(self) -> bool {
         self.0 == 0
     }
 }
 
 named_enum! {
-    /// A place on the arm whose position is known after forward kinematics.
+    /// A joint or fingertip whose pose forward kinematics computes.
     ///
-    /// The hand's 25 carry the names of the WebXR hand input specification; a phalanx is named
-    /// after the joint at its near end, so `index-finger-phalanx-proximal` is the MCP joint.
+    /// The 25 joints of the hand have the names of the WebXR hand input specification. A phalanx is named
+    /// after the joint at its near end: `index-finger-phalanx-proximal` is the MCP joint.
     pub enum Joint ("joint") {
-        /// Where the upper arm is attached.
+        /// The shoulder.
         Shoulder = "shoulder",
         /// The elbow.
         Elbow = "elbow",
         /// The wrist.
         Wrist = "wrist",
-        /// Base of the thumb's metacarpal: the CMC joint.
+        /// The base of the thumb metacarpal: the CMC joint.
         ThumbMetacarpal = "thumb-metacarpal",
-        /// The thumb's MCP joint.
+        /// The thumb MCP joint.
         ThumbPhalanxProximal = "thumb-phalanx-proximal",
-        /// The thumb's IP joint.
+        /// The thumb IP joint.
         ThumbPhalanxDistal = "thumb-phalanx-distal",
-        /// The end of the thumb.
+        /// The tip of the thumb.
         ThumbTip = "thumb-tip",
-        /// Base of the index metacarpal.
+        /// The base of the index metacarpal.
         IndexMetacarpal = "index-finger-metacarpal",
         /// The index MCP joint (knuckle).
         IndexPhalanxProximal = "index-finger-phalanx-proximal",
@@ -102,9 +106,9 @@ named_enum! {
         IndexPhalanxIntermediate = "index-finger-phalanx-intermediate",
         /// The index DIP joint.
         IndexPhalanxDistal = "index-finger-phalanx-distal",
-        /// The end of the index finger.
+        /// The tip of the index finger.
         IndexTip = "index-finger-tip",
-        /// Base of the middle metacarpal.
+        /// The base of the middle metacarpal.
         MiddleMetacarpal = "middle-finger-metacarpal",
         /// The middle MCP joint (knuckle).
         MiddlePhalanxProximal = "middle-finger-phalanx-proximal",
@@ -112,9 +116,9 @@ named_enum! {
         MiddlePhalanxIntermediate = "middle-finger-phalanx-intermediate",
         /// The middle DIP joint.
         MiddlePhalanxDistal = "middle-finger-phalanx-distal",
-        /// The end of the middle finger.
+        /// The tip of the middle finger.
         MiddleTip = "middle-finger-tip",
-        /// Base of the ring metacarpal.
+        /// The base of the ring metacarpal.
         RingMetacarpal = "ring-finger-metacarpal",
         /// The ring MCP joint (knuckle).
         RingPhalanxProximal = "ring-finger-phalanx-proximal",
@@ -122,9 +126,9 @@ named_enum! {
         RingPhalanxIntermediate = "ring-finger-phalanx-intermediate",
         /// The ring DIP joint.
         RingPhalanxDistal = "ring-finger-phalanx-distal",
-        /// The end of the ring finger.
+        /// The tip of the ring finger.
         RingTip = "ring-finger-tip",
-        /// Base of the little metacarpal.
+        /// The base of the little metacarpal.
         LittleMetacarpal = "pinky-finger-metacarpal",
         /// The little MCP joint (knuckle).
         LittlePhalanxProximal = "pinky-finger-phalanx-proximal",
@@ -132,13 +136,13 @@ named_enum! {
         LittlePhalanxIntermediate = "pinky-finger-phalanx-intermediate",
         /// The little DIP joint.
         LittlePhalanxDistal = "pinky-finger-phalanx-distal",
-        /// The end of the little finger.
+        /// The tip of the little finger.
         LittleTip = "pinky-finger-tip",
     }
 }
 
 impl Joint {
-    /// The end of `finger`.
+    /// Returns the tip of `finger`.
     pub const fn tip(finger: Finger) -> Self {
         match finger {
             Finger::Thumb => Self::ThumbTip,
@@ -151,7 +155,7 @@ impl Joint {
 }
 
 named_enum! {
-    /// A degree of freedom: one angle of one joint, in radians, 0 in the model's zero pose.
+    /// A degree of freedom: one angle of one joint, in radians. All angles are 0 in the model's zero pose.
     ///
     /// Flexion is positive towards the palm, abduction and deviation are positive towards the
     /// little-finger side, supination is positive when the palm turns up.
@@ -160,13 +164,13 @@ named_enum! {
         ShoulderZ = "shoulder-z",
         /// Upper arm about the model's second shoulder axis.
         ShoulderY = "shoulder-y",
-        /// Upper arm about its own length.
+        /// Upper arm about its long axis.
         ShoulderX = "shoulder-x",
         /// Elbow flexion.
         ElbowFlexion = "elbow-flexion",
         /// Forearm supination (negative: pronation); 0 with the palm down in the mounted model.
         ForearmSupination = "forearm-supination",
-        /// Roll of the second forearm bone, which carries nothing else.
+        /// Roll of the second forearm bone, which has no children.
         ForearmSecondBone = "forearm-second-bone",
         /// Wrist deviation: ulnar positive, radial negative.
         WristDeviation = "wrist-deviation",
@@ -216,7 +220,7 @@ named_enum! {
 }
 
 impl Dof {
-    /// The finger that this angle moves, or `None` where it moves the whole hand.
+    /// Returns the finger that this angle moves, or `None` if it moves the whole hand.
     pub const fn finger(self) -> Option<Finger> {
         match self.index() {
             0..8 => None,
@@ -234,7 +238,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_finger_has_four_degrees_of_freedom_and_the_arm_eight() {
+    fn every_finger_has_four_degrees_of_freedom_and_the_arm_has_eight() {
         for &finger in Finger::ALL {
             let count = Dof::ALL.iter().filter(|dof| dof.finger() == Some(finger));
             assert_eq!(count.count(), 4, "{finger}");
@@ -249,9 +253,9 @@ mod tests {
 
     #[test]
     fn the_hand_has_the_25_joints_of_webxr() {
-        let of_hand = Joint::ALL
+        let hand_joints = Joint::ALL
             .iter()
             .filter(|joint| joint.index() >= Joint::Wrist.index());
-        assert_eq!(of_hand.count(), 25);
+        assert_eq!(hand_joints.count(), 25);
     }
 }
