@@ -13,6 +13,7 @@ mod oracle;
 mod limits;
 mod panels;
 mod placement;
+mod rig;
 mod scenarios;
 mod scripts;
 mod stops;

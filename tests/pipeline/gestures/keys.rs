@@ -6,7 +6,8 @@ use ademan::hand::{Finger, Side};
 use ademan::time::Timestamp;
 use parry3d::math::Vec2;
 
-use super::rig::{Rig, simulate, simulate_keys};
+use super::{simulate, simulate_keys};
+use crate::rig::Rig;
 
 const BOARD: &str = "q|1 w|2 e r / shift *shift#S ctrl *ctrl#C / layer1 *layer1#L";
 
@@ -17,16 +18,22 @@ fn keys(script: &str) -> String {
 #[test]
 fn a_held_shift_is_down_while_it_is_pressed() {
     assert_eq!(
-        keys("thumb@shift:up thumb@shift:down index@q:tap index@w:tap thumb@shift:up index@e:tap"),
+        keys(
+            "thumb shift up; thumb shift down; index q tap; index w tap; thumb shift up; index e tap"
+        ),
         "dn:ShiftLeft dn:Q up:Q dn:W up:W up:ShiftLeft dn:E up:E"
     );
 }
 
 #[test]
 fn a_one_shot_shift_is_for_the_next_key_only() {
-    assert_eq!(keys("thumb@S:tap t:50ms"), "", "a tap alone sends nothing");
     assert_eq!(
-        keys("thumb@S:tap index@q:tap index@w:tap"),
+        keys("thumb S tap; wait 50"),
+        "",
+        "a tap alone sends nothing"
+    );
+    assert_eq!(
+        keys("thumb S tap; index q tap; index w tap"),
         "dn:ShiftLeft dn:Q up:Q up:ShiftLeft dn:W up:W"
     );
 }
@@ -35,7 +42,7 @@ fn a_one_shot_shift_is_for_the_next_key_only() {
 fn a_one_shot_shift_ends_when_another_key_is_pressed() {
     assert_eq!(
         keys(
-            "thumb@S:tap index@q:up&middle@w:up index@q:down middle@w:down index@q:up middle@w:up"
+            "thumb S tap; index q up & middle w up; index q down; middle w down; index q up; middle w up"
         ),
         "dn:ShiftLeft dn:Q up:ShiftLeft dn:W up:Q up:W"
     );
@@ -44,16 +51,16 @@ fn a_one_shot_shift_ends_when_another_key_is_pressed() {
 #[test]
 fn a_one_shot_shift_that_stays_pressed_is_held() {
     assert_eq!(
-        keys("thumb@S:up thumb@S:down index@q:tap index@w:tap thumb@S:up index@e:tap"),
+        keys("thumb S up; thumb S down; index q tap; index w tap; thumb S up; index e tap"),
         "dn:ShiftLeft dn:Q up:Q dn:W up:W up:ShiftLeft dn:E up:E"
     );
 }
 
 #[test]
 fn a_second_tap_takes_a_one_shot_back() {
-    assert_eq!(keys("thumb@S:tap thumb@S:tap index@q:tap"), "dn:Q up:Q");
+    assert_eq!(keys("thumb S tap; thumb S tap; index q tap"), "dn:Q up:Q");
     assert_eq!(
-        keys("thumb@S:tap thumb@S:tap thumb@S:tap index@q:tap"),
+        keys("thumb S tap; thumb S tap; thumb S tap; index q tap"),
         "dn:ShiftLeft dn:Q up:Q up:ShiftLeft"
     );
 }
@@ -61,11 +68,11 @@ fn a_second_tap_takes_a_one_shot_back() {
 #[test]
 fn several_one_shots_add_up() {
     assert_eq!(
-        keys("thumb@S:tap thumb@C:tap index@q:tap index@w:tap"),
+        keys("thumb S tap; thumb C tap; index q tap; index w tap"),
         "dn:ShiftLeft dn:ControlLeft dn:Q up:Q up:ControlLeft up:ShiftLeft dn:W up:W"
     );
     assert_eq!(
-        keys("thumb@S:tap thumb@C:tap thumb@S:tap index@q:tap"),
+        keys("thumb S tap; thumb C tap; thumb S tap; index q tap"),
         "dn:ControlLeft dn:Q up:Q up:ControlLeft",
         "taking one back leaves the other"
     );
@@ -75,8 +82,8 @@ fn several_one_shots_add_up() {
 fn two_capitals_in_rollover_keep_shift_down_between_them() {
     assert_eq!(
         keys(
-            "thumb@S:tap index@q:up&middle@w:up index@q:down thumb@S:tap middle@w:down index@q:up \
-             middle@w:up"
+            "thumb S tap; index q up & middle w up; index q down; thumb S tap; middle w down; index q \
+             up; middle w up"
         ),
         "dn:ShiftLeft dn:Q dn:W up:Q up:W up:ShiftLeft"
     );
@@ -85,7 +92,7 @@ fn two_capitals_in_rollover_keep_shift_down_between_them() {
 #[test]
 fn a_one_shot_from_which_the_finger_slid_off_does_not_fire() {
     assert_eq!(
-        keys("thumb@S:up thumb@S:down thumb@ctrl:down index@q:tap"),
+        keys("thumb S up; thumb S down; thumb ctrl down; index q tap"),
         "dn:Q up:Q"
     );
 }
@@ -94,7 +101,7 @@ fn a_one_shot_from_which_the_finger_slid_off_does_not_fire() {
 fn a_layer_changes_what_keys_do_while_it_is_held() {
     assert_eq!(
         keys(
-            "thumb@layer1:up thumb@layer1:down index@q:tap index@e:tap thumb@layer1:up index@q:tap"
+            "thumb layer1 up; thumb layer1 down; index q tap; index e tap; thumb layer1 up; index q tap"
         ),
         "dn:1 up:1 dn:E up:E dn:Q up:Q",
         "a key without an action in the layer does what the base layer says"
@@ -103,8 +110,8 @@ fn a_layer_changes_what_keys_do_while_it_is_held() {
 
 #[test]
 fn of_two_held_layers_the_last_pressed_counts() {
-    let script = "thumb@layer1:up&index@layer2:up&ring@q:up thumb@layer1:down index@layer2:down \
-                  ring@q:tap index@layer2:up ring@q:tap thumb@layer1:up ring@q:tap";
+    let script = "thumb layer1 up & index layer2 up & ring q up; thumb layer1 down; index layer2 down; \
+             ring q tap; index layer2 up; ring q tap; thumb layer1 up; ring q tap";
     assert_eq!(
         simulate_keys("q|1|2 layer1 layer2", script),
         "dn:2 up:2 dn:1 up:1 dn:Q up:Q"
@@ -115,12 +122,12 @@ fn of_two_held_layers_the_last_pressed_counts() {
 fn a_key_comes_up_as_what_it_went_down() {
     assert_eq!(
         keys(
-            "thumb@layer1:up&index@q:up thumb@layer1:down index@q:down thumb@layer1:up index@q:up"
+            "thumb layer1 up & index q up; thumb layer1 down; index q down; thumb layer1 up; index q up"
         ),
         "dn:1 up:1"
     );
     assert_eq!(
-        keys("thumb@layer1:up&index@q:up index@q:down thumb@layer1:down index@q:up"),
+        keys("thumb layer1 up & index q up; index q down; thumb layer1 down; index q up"),
         "dn:Q up:Q"
     );
 }
@@ -128,17 +135,17 @@ fn a_key_comes_up_as_what_it_went_down() {
 #[test]
 fn a_one_shot_layer_ends_with_the_next_key() {
     assert_eq!(
-        keys("thumb@L:tap index@q:tap index@q:tap"),
+        keys("thumb L tap; index q tap; index q tap"),
         "dn:1 up:1 dn:Q up:Q"
     );
-    assert_eq!(keys("thumb@L:tap thumb@L:tap index@q:tap"), "dn:Q up:Q");
+    assert_eq!(keys("thumb L tap; thumb L tap; index q tap"), "dn:Q up:Q");
     assert_eq!(
-        keys("thumb@L:tap thumb@S:tap index@w:tap index@w:tap"),
+        keys("thumb L tap; thumb S tap; index w tap; index w tap"),
         "dn:ShiftLeft dn:2 up:2 up:ShiftLeft dn:W up:W",
         "a modifier is not the next key"
     );
     assert_eq!(
-        keys("thumb@L:up thumb@L:down index@q:tap index@w:tap thumb@L:up index@q:tap"),
+        keys("thumb L up; thumb L down; index q tap; index w tap; thumb L up; index q tap"),
         "dn:1 up:1 dn:2 up:2 dn:Q up:Q",
         "held it stays"
     );
@@ -146,13 +153,13 @@ fn a_one_shot_layer_ends_with_the_next_key() {
 
 #[test]
 fn everything_comes_up_in_reverse_order_and_modifiers_last() {
-    let press = "thumb@ctrl:up&index@q:up&middle@e:up thumb@S:tap index@q:down thumb@ctrl:up \
-                 thumb@ctrl:down middle@e:down";
+    let press = "thumb ctrl up & index q up & middle e up; thumb S tap; index q down; thumb ctrl up; \
+             thumb ctrl down; middle e down";
     let down = "dn:ShiftLeft dn:Q dn:ControlLeft up:ShiftLeft dn:E";
     assert_eq!(keys(press), down);
     assert_eq!(
         keys(&format!(
-            "{press} release index@q:up&middle@e:up&thumb@ctrl:up"
+            "{press}; release-devices; index q up & middle e up & thumb ctrl up"
         )),
         format!("{down} up:E up:Q up:ControlLeft"),
         "what the fingers do after that ends nothing a second time"
@@ -162,7 +169,7 @@ fn everything_comes_up_in_reverse_order_and_modifiers_last() {
 #[test]
 fn letting_go_forgets_one_shots_and_layers() {
     assert_eq!(
-        keys("thumb@S:tap thumb@L:tap release index@q:tap"),
+        keys("thumb S tap; thumb L tap; release-devices; index q tap"),
         "dn:Q up:Q"
     );
 }
@@ -172,13 +179,13 @@ fn the_depth_of_an_analogue_key_goes_out_when_it_changes() {
     assert_eq!(
         simulate(
             "~q w",
-            "index@q:up index@q:1 t:50ms index@q:3 index@q:9 t:50ms index@q:up"
+            "index q up; index q 1; wait 50; index q 3; index q 9; wait 50; index q up"
         ),
-        "t:20ms depth:q=0.25 t:55ms dn:Q t:5ms depth:q=0.75 t:10ms depth:q=1.00 \
-         t:55.333ms up:Q t:0.667ms depth:q=0.00"
+        "t:20ms depth:q=0.250 t:55ms dn:Q t:5ms depth:q=0.750 t:10ms depth:q=1.000 \
+         t:55.333ms up:Q t:0.667ms depth:q=0.000"
     );
     assert_eq!(
-        simulate_keys("~q w", "index@w:up index@w:3 index@w:up"),
+        simulate_keys("~q w", "index w up; index w 3; index w up"),
         "dn:W up:W"
     );
 }
@@ -188,9 +195,9 @@ fn after_letting_go_the_depth_of_an_old_press_goes_out_no_more() {
     assert_eq!(
         simulate_keys(
             "~q",
-            "index@q:up index@q:1 release index@q:1.5 index@q:0.5 index@q:up"
+            "index q up; index q 1; release-devices; index q 1.5; index q 0.5; index q up"
         ),
-        "depth:q=0.25 depth:q=0.00"
+        "depth:q=0.250 depth:q=0.000"
     );
 }
 
@@ -199,13 +206,16 @@ fn of_two_fingers_on_an_analogue_key_the_deeper_counts() {
     assert_eq!(
         simulate_keys(
             "~q",
-            "index@q:up&middle@q+3:up index@q:1 middle@q+3:3 index@q:1.5 middle@q+3:up release"
+            "index q up & middle q 3 0 up; index q 1; middle q 3 0 3; index q 1.5; middle q 3 0 up; release-devices"
         ),
-        "depth:q=0.25 dn:Q depth:q=0.75 up:Q depth:q=0.38 depth:q=0.00"
+        "depth:q=0.250 dn:Q depth:q=0.750 up:Q depth:q=0.375 depth:q=0.000"
     );
     assert_eq!(
-        simulate_keys("~q", "index@q:up&middle@q+3:up index@q:1.5 middle@q+3:1"),
-        "depth:q=0.38"
+        simulate_keys(
+            "~q",
+            "index q up & middle q 3 0 up; index q 1.5; middle q 3 0 1"
+        ),
+        "depth:q=0.375"
     );
 }
 
@@ -223,10 +233,10 @@ fn touch(time: u64, finger: Finger, target: u32, phase: Phase) -> Touch {
 
 #[test]
 fn a_release_counts_only_from_the_finger_and_target_that_pressed() {
-    let mut rig = Rig::new("q w");
+    let mut rig = Rig::with_keys("q w");
     let mut hear = |touches: &[Touch]| {
         let mut events = Events::new();
-        rig.update(&rig.pose.clone(), touches, &mut events);
+        rig.update(&rig.pose(), touches, &mut events);
         events.iter().map(|event| event.kind).collect::<Vec<_>>()
     };
     let q = "Q".parse().unwrap();
@@ -249,11 +259,11 @@ fn a_release_counts_only_from_the_finger_and_target_that_pressed() {
 
 #[test]
 fn a_finger_that_presses_a_second_key_has_let_go_of_the_first() {
-    let mut rig = Rig::new("q w");
+    let mut rig = Rig::with_keys("q w");
     let mut events = Events::new();
     for target in [0, 1] {
         let touch = touch(1, Finger::Index, target, Phase::Pressed);
-        rig.update(&rig.pose.clone(), &[touch], &mut events);
+        rig.update(&rig.pose(), &[touch], &mut events);
     }
     let [q, w] = ["Q", "W"].map(|name| name.parse().unwrap());
     let actions: Vec<EventKind> = events.iter().map(|event| event.kind).collect();
@@ -269,7 +279,7 @@ fn a_finger_that_presses_a_second_key_has_let_go_of_the_first() {
 
 #[test]
 fn when_there_is_no_room_presses_are_dropped_and_releases_are_not() {
-    let mut rig = Rig::new("q w");
+    let mut rig = Rig::with_keys("q w");
     let filler = ademan::device::OutputEvent {
         time: Timestamp(0),
         kind: EventKind::Depth(TargetId(9), 0.0),
@@ -277,7 +287,7 @@ fn when_there_is_no_room_presses_are_dropped_and_releases_are_not() {
     let mut crowded = |touches: &[Touch], room: usize| {
         let mut events = Events::new();
         (room..events.capacity()).for_each(|_| events.push(filler));
-        rig.update(&rig.pose.clone(), touches, &mut events);
+        rig.update(&rig.pose(), touches, &mut events);
         let sent = events.iter().filter(|event| **event != filler);
         sent.map(|event| format!("{:?}", event.kind))
             .collect::<Vec<_>>()

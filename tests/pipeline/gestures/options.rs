@@ -6,7 +6,8 @@ use ademan::hand::{Finger, Side};
 use ademan::time::Timestamp;
 use parry3d::math::Vec2;
 
-use super::rig::{Rig, simulate, simulate_keys};
+use super::{simulate, simulate_keys};
+use crate::rig::Rig;
 
 const LOCKS: &str = "q|1 w|2 e r / shift !shift#S *ctrl#C / layer1 !layer1#L !layer0#B *layer2#M";
 
@@ -16,9 +17,9 @@ fn locks(script: &str) -> String {
 
 #[test]
 fn a_locked_modifier_is_down_from_one_tap_to_the_next() {
-    assert_eq!(locks("thumb@S:tap t:50ms"), "dn:ShiftLeft");
+    assert_eq!(locks("thumb S tap; wait 50"), "dn:ShiftLeft");
     assert_eq!(
-        locks("thumb@S:tap index@q:tap index@w:tap thumb@S:tap index@e:tap"),
+        locks("thumb S tap; index q tap; index w tap; thumb S tap; index e tap"),
         "dn:ShiftLeft dn:Q up:Q dn:W up:W up:ShiftLeft dn:E up:E"
     );
 }
@@ -26,17 +27,17 @@ fn a_locked_modifier_is_down_from_one_tap_to_the_next() {
 #[test]
 fn a_lock_that_is_pressed_while_another_key_is_is_held() {
     assert_eq!(
-        locks("thumb@S:up thumb@S:down index@q:tap thumb@S:up index@e:tap"),
+        locks("thumb S up; thumb S down; index q tap; thumb S up; index e tap"),
         "dn:ShiftLeft dn:Q up:Q up:ShiftLeft dn:E up:E"
     );
 }
 
 #[test]
 fn sliding_off_a_lock_never_leaves_it_locked() {
-    let slide = "thumb@S:up thumb@S:down thumb@C:down thumb@C:up";
+    let slide = "thumb S up; thumb S down; thumb C down; thumb C up";
     assert_eq!(locks(slide), "dn:ShiftLeft up:ShiftLeft");
     assert_eq!(
-        locks(&format!("thumb@S:tap {slide} index@q:tap")),
+        locks(&format!("thumb S tap; {slide}; index q tap")),
         "dn:ShiftLeft up:ShiftLeft dn:Q up:Q"
     );
 }
@@ -44,7 +45,7 @@ fn sliding_off_a_lock_never_leaves_it_locked() {
 #[test]
 fn a_one_shot_leaves_a_lock_as_it_is() {
     assert_eq!(
-        locks("thumb@S:tap thumb@C:tap index@q:tap index@w:tap"),
+        locks("thumb S tap; thumb C tap; index q tap; index w tap"),
         "dn:ShiftLeft dn:ControlLeft dn:Q up:Q up:ControlLeft dn:W up:W"
     );
 }
@@ -52,7 +53,7 @@ fn a_one_shot_leaves_a_lock_as_it_is() {
 #[test]
 fn a_held_modifier_does_not_end_a_lock_of_the_same_code() {
     assert_eq!(
-        locks("thumb@S:tap middle@shift:tap index@q:tap"),
+        locks("thumb S tap; middle shift tap; index q tap"),
         "dn:ShiftLeft dn:Q up:Q"
     );
 }
@@ -60,11 +61,11 @@ fn a_held_modifier_does_not_end_a_lock_of_the_same_code() {
 #[test]
 fn a_locked_layer_stays_until_its_key_is_tapped_again() {
     assert_eq!(
-        locks("thumb@L:tap index@q:tap index@w:tap index@e:tap thumb@L:tap index@q:tap"),
+        locks("thumb L tap; index q tap; index w tap; index e tap; thumb L tap; index q tap"),
         "dn:1 up:1 dn:2 up:2 dn:E up:E dn:Q up:Q"
     );
     assert_eq!(
-        locks("thumb@L:tap thumb@B:tap index@q:tap"),
+        locks("thumb L tap; thumb B tap; index q tap"),
         "dn:Q up:Q",
         "the layer that was locked last counts"
     );
@@ -75,7 +76,7 @@ fn a_one_shot_layer_goes_before_a_locked_one_and_gives_it_back() {
     assert_eq!(
         simulate_keys(
             "q|1|2 !layer1#L *layer2#M",
-            "thumb@L:tap thumb@M:tap index@q:tap index@q:tap"
+            "thumb L tap; thumb M tap; index q tap; index q tap"
         ),
         "dn:2 up:2 dn:1 up:1"
     );
@@ -84,11 +85,11 @@ fn a_one_shot_layer_goes_before_a_locked_one_and_gives_it_back() {
 #[test]
 fn letting_go_of_everything_unlocks() {
     assert_eq!(
-        locks("thumb@S:tap thumb@L:tap release index@q:tap"),
+        locks("thumb S tap; thumb L tap; release-devices; index q tap"),
         "dn:ShiftLeft up:ShiftLeft dn:Q up:Q"
     );
     assert_eq!(
-        locks("thumb@S:tap release thumb@S:tap"),
+        locks("thumb S tap; release-devices; thumb S tap"),
         "dn:ShiftLeft up:ShiftLeft dn:ShiftLeft",
         "the next tap locks again"
     );
@@ -103,13 +104,13 @@ fn release(script: &str) -> String {
 #[test]
 fn a_key_that_fires_on_release_goes_down_and_up_when_it_is_let_go_of() {
     assert_eq!(
-        simulate(RELEASE, "index@q:up index@q:down t:80ms index@q:up"),
+        simulate(RELEASE, "index q up; index q down; wait 80; index q up"),
         "t:103ms dn:Q up:Q",
         "1 mm deep after 3 ms of the way out"
     );
-    assert_eq!(release("index@q:up index@q:down t:500ms"), "");
+    assert_eq!(release("index q up; index q down; wait 500"), "");
     assert_eq!(
-        release("index@q:up index@q:3 index@q:0.5 index@q:3 index@q:0.5"),
+        release("index q up; index q 3; index q 0.5; index q 3; index q 0.5"),
         "dn:Q up:Q dn:Q up:Q",
         "it need not leave the key"
     );
@@ -117,17 +118,17 @@ fn a_key_that_fires_on_release_goes_down_and_up_when_it_is_let_go_of() {
 
 #[test]
 fn a_key_that_fires_on_release_does_nothing_when_it_is_cancelled() {
-    let press = "index@q:up index@q:down";
+    let press = "index q up; index q down";
     for end in [
-        "index@w:down index@w:up",
-        "lost:index index@q:up",
-        "doubt:index trust:index&index@q:up",
-        "jump&index@q:down index@q:up",
-        "reset index@q:up",
-        "release index@q:up",
-        "index@q:NaN index@q:up",
+        "index w down; index w up",
+        "hide index; index q up",
+        "doubt index; trust index & index q up",
+        "reacquire & index q down; index q up",
+        "reset; index q up",
+        "release-devices; index q up",
+        "index q NaN; index q up",
     ] {
-        assert_eq!(release(&format!("{press} {end} t:50ms")), "", "{end}");
+        assert_eq!(release(&format!("{press}; {end}; wait 50")), "", "{end}");
     }
 }
 
@@ -135,7 +136,7 @@ fn a_key_that_fires_on_release_does_nothing_when_it_is_cancelled() {
 fn what_a_release_fires_is_settled_when_it_is_pressed() {
     assert_eq!(
         release(
-            "thumb@layer1:up&index@q:up thumb@layer1:down index@q:down thumb@layer1:up index@q:up"
+            "thumb layer1 up & index q up; thumb layer1 down; index q down; thumb layer1 up; index q up"
         ),
         "dn:1 up:1"
     );
@@ -143,17 +144,17 @@ fn what_a_release_fires_is_settled_when_it_is_pressed() {
 
 #[test]
 fn a_one_shot_is_for_the_key_that_fires_first() {
-    let rollover = "index@q:up&middle@w:up index@q:down middle@w:down middle@w:up index@q:up";
+    let rollover = "index q up & middle w up; index q down; middle w down; middle w up; index q up";
     assert_eq!(
-        release(&format!("thumb@S:tap {rollover}")),
+        release(&format!("thumb S tap; {rollover}")),
         "dn:ShiftLeft dn:W up:W up:ShiftLeft dn:Q up:Q"
     );
     assert_eq!(
-        release("thumb@S:tap index@q:tap index@w:tap"),
+        release("thumb S tap; index q tap; index w tap"),
         "dn:ShiftLeft dn:Q up:Q up:ShiftLeft dn:W up:W"
     );
     assert_eq!(
-        release("thumb@S:tap index@q:up index@q:down index@w:down index@w:up index@w:tap"),
+        release("thumb S tap; index q up; index q down; index w down; index w up; index w tap"),
         "dn:ShiftLeft dn:W up:W up:ShiftLeft",
         "a press that was cancelled takes nothing away"
     );
@@ -162,12 +163,12 @@ fn a_one_shot_is_for_the_key_that_fires_first() {
 #[test]
 fn in_one_frame_what_was_down_comes_up_before_a_release_fires() {
     assert_eq!(
-        release("index@q:up&middle@w:up index@q:down middle@w:down index@q:up&middle@w:up"),
+        release("index q up & middle w up; index q down; middle w down; index q up & middle w up"),
         "dn:W up:W dn:Q up:Q"
     );
     assert_eq!(
         release(
-            "index@q:up&middle@e:up index@q:down middle@e:down index@q:up&middle@e:up index@q:up"
+            "index q up & middle e up; index q down; middle e down; index q up & middle e up; index q up"
         ),
         "dn:Q up:Q dn:E up:E"
     );
@@ -177,14 +178,14 @@ const BOUNCE: &str = "q%50 w";
 
 #[test]
 fn a_key_that_bounces_within_its_delay_is_pressed_once() {
-    let bounce = "index@q:up index@q:3 index@q:0.5 index@q:3 index@q:0.5 index@q:3";
+    let bounce = "index q up; index q 3; index q 0.5; index q 3; index q 0.5; index q 3";
     assert_eq!(simulate_keys(BOUNCE, bounce), "dn:Q up:Q");
     assert_eq!(
         simulate_keys(BOUNCE, &bounce.replace('q', "w")),
         "dn:W up:W dn:W up:W dn:W"
     );
     assert_eq!(
-        simulate_keys(BOUNCE, &format!("{bounce} t:50ms index@q:up index@q:3")),
+        simulate_keys(BOUNCE, &format!("{bounce}; wait 50; index q up; index q 3")),
         "dn:Q up:Q dn:Q",
         "a bounce does not begin the delay again"
     );
@@ -194,7 +195,7 @@ fn a_key_that_bounces_within_its_delay_is_pressed_once() {
 fn the_delay_is_from_the_key_coming_up_to_its_next_press() {
     // It comes up at 28 ms and is pressed at 8 ms into the last frame.
     for (pause, expected) in [(30, "dn:Q up:Q"), (40, "dn:Q up:Q dn:Q")] {
-        let script = format!("index@q:up index@q:down index@q:up t:{pause}ms index@q:down");
+        let script = format!("index q up; index q down; index q up; wait {pause}; index q down");
         assert_eq!(simulate_keys(BOUNCE, &script), expected, "{pause} ms");
     }
 }
@@ -202,15 +203,15 @@ fn the_delay_is_from_the_key_coming_up_to_its_next_press() {
 #[test]
 fn the_delay_is_of_one_key_and_for_every_finger() {
     assert_eq!(
-        simulate_keys(BOUNCE, "middle@q+3:up index@q:tap middle@q+3:down"),
+        simulate_keys(BOUNCE, "middle q 3 0 up; index q tap; middle q 3 0 down"),
         "dn:Q up:Q"
     );
     assert_eq!(
-        simulate_keys("q%50 e%50", "index@q:tap index@e:tap"),
+        simulate_keys("q%50 e%50", "index q tap; index e tap"),
         "dn:Q up:Q dn:E up:E"
     );
     assert_eq!(
-        simulate_keys(BOUNCE, "index@q:tap release index@q:tap"),
+        simulate_keys(BOUNCE, "index q tap; release-devices; index q tap"),
         "dn:Q up:Q dn:Q up:Q",
         "letting go of everything forgets it"
     );
@@ -225,23 +226,23 @@ fn hold(script: &str) -> String {
 #[test]
 fn let_go_of_early_a_key_with_a_hold_is_tapped() {
     assert_eq!(
-        simulate(HOLD, "index@q:up index@q:down t:180ms index@q:up"),
+        simulate(HOLD, "index q up; index q down; wait 180; index q up"),
         "t:203ms dn:Q up:Q",
         "pressed at 18 ms, let go of 185 ms later"
     );
-    assert_eq!(hold("index@q:tap index@q:tap"), "dn:Q up:Q dn:Q up:Q");
+    assert_eq!(hold("index q tap; index q tap"), "dn:Q up:Q dn:Q up:Q");
 }
 
 #[test]
 fn pressed_for_long_a_key_with_a_hold_is_held_until_it_is_let_go_of() {
     assert_eq!(
-        simulate(HOLD, "index@q:up index@q:down t:300ms index@q:up"),
+        simulate(HOLD, "index q up; index q down; wait 300; index q up"),
         "t:218ms dn:ShiftLeft t:105ms up:ShiftLeft",
         "pressed at 18 ms, held 200 ms later"
     );
-    assert_eq!(hold("index@r:up index@r:down t:300ms"), "dn:X");
+    assert_eq!(hold("index r up; index r down; wait 300"), "dn:X");
     assert_eq!(
-        simulate_keys("q>*shift", "index@q:up index@q:down t:300ms index@q:up"),
+        simulate_keys("q>*shift", "index q up; index q down; wait 300; index q up"),
         "dn:ShiftLeft up:ShiftLeft",
         "whatever its latch"
     );
@@ -254,7 +255,7 @@ fn between_two_frames_the_times_of_the_touches_tell_a_tap_from_a_hold() {
         ("0.3", "t:218.056ms dn:Q up:Q"),
         ("0.35", "t:218.081ms dn:ShiftLeft t:0.088ms up:ShiftLeft"),
     ] {
-        let script = format!("index@q:up index@q:3.9 t:190ms index@q:{depth}");
+        let script = format!("index q up; index q 3.9; wait 190; index q {depth}");
         assert_eq!(simulate(HOLD, &script), expected);
     }
 }
@@ -262,7 +263,9 @@ fn between_two_frames_the_times_of_the_touches_tell_a_tap_from_a_hold() {
 #[test]
 fn another_key_makes_it_a_hold_at_once() {
     let around = |key: &str| {
-        format!("thumb@{key}:up&index@w:up thumb@{key}:down index@w:tap thumb@{key}:up index@w:tap")
+        format!(
+            "thumb {key} up & index w up; thumb {key} down; index w tap; thumb {key} up; index w tap"
+        )
     };
     assert_eq!(
         hold(&around("q")),
@@ -275,35 +278,37 @@ fn another_key_makes_it_a_hold_at_once() {
 #[test]
 fn two_holds_add_up_and_the_second_can_still_be_a_tap() {
     assert_eq!(
-        hold("thumb@q:up&ring@u:up thumb@q:down ring@u:down index@w:tap ring@u:up thumb@q:up"),
+        hold(
+            "thumb q up & ring u up; thumb q down; ring u down; index w tap; ring u up; thumb q up"
+        ),
         "dn:ShiftLeft dn:ControlLeft dn:W up:W up:ControlLeft up:ShiftLeft"
     );
     assert_eq!(
-        hold("thumb@q:up&ring@u:up thumb@q:down ring@u:down ring@u:up thumb@q:up"),
+        hold("thumb q up & ring u up; thumb q down; ring u down; ring u up; thumb q up"),
         "dn:ShiftLeft dn:U up:U up:ShiftLeft"
     );
 }
 
 #[test]
 fn cancelled_before_it_is_decided_a_key_with_a_hold_does_nothing() {
-    let press = "index@q:up index@q:down";
+    let press = "index q up; index q down";
     for end in [
-        "index@w:down index@w:up",
-        "lost:index index@q:up",
-        "jump&index@q:down index@q:up",
-        "reset index@q:up",
-        "release index@q:up",
+        "index w down; index w up",
+        "hide index; index q up",
+        "reacquire & index q down; index q up",
+        "reset; index q up",
+        "release-devices; index q up",
     ] {
-        assert_eq!(hold(&format!("{press} {end} t:300ms")), "", "{end}");
+        assert_eq!(hold(&format!("{press}; {end}; wait 300")), "", "{end}");
     }
 }
 
 #[test]
 fn a_hold_comes_up_however_it_ends() {
-    let press = "index@q:up index@q:down t:300ms";
-    for end in ["index@w:down", "lost:index", "reset", "release"] {
+    let press = "index q up; index q down; wait 300";
+    for end in ["index w down", "hide index", "reset", "release-devices"] {
         assert_eq!(
-            hold(&format!("{press} {end} t:300ms")),
+            hold(&format!("{press}; {end}; wait 300")),
             "dn:ShiftLeft up:ShiftLeft",
             "{end}"
         );
@@ -313,11 +318,11 @@ fn a_hold_comes_up_however_it_ends() {
 #[test]
 fn a_one_shot_waits_for_the_tap() {
     assert_eq!(
-        hold("thumb@S:tap index@q:tap index@w:tap"),
+        hold("thumb S tap; index q tap; index w tap"),
         "dn:ShiftLeft dn:Q up:Q up:ShiftLeft dn:W up:W"
     );
     assert_eq!(
-        hold("thumb@S:tap index@u:up index@u:down t:300ms middle@w:tap"),
+        hold("thumb S tap; index u up; index u down; wait 300; middle w tap"),
         "dn:ControlLeft dn:ShiftLeft dn:W up:W up:ShiftLeft",
         "a hold that is a modifier leaves it to the next key"
     );
@@ -325,7 +330,7 @@ fn a_one_shot_waits_for_the_tap() {
 
 #[test]
 fn without_room_nothing_fires_and_nothing_stays_down() {
-    let mut rig = Rig::new("q>shift ^w");
+    let mut rig = Rig::with_keys("q>shift ^w");
     let touch = |time: u64, finger: Finger, target: u32, phase: Phase| Touch {
         time: Timestamp(time),
         side: Side::Right,
@@ -342,8 +347,9 @@ fn without_room_nothing_fires_and_nothing_stays_down() {
         };
         let mut events = Events::new();
         (room..events.capacity()).for_each(|_| events.push(filler));
-        rig.pose.time = Timestamp(now);
-        rig.update(&rig.pose.clone(), touches, &mut events);
+        let mut pose = rig.pose();
+        pose.time = Timestamp(now);
+        rig.update(&pose, touches, &mut events);
         events.iter().filter(|event| **event != filler).count()
     };
     let (index, middle) = (Finger::Index, Finger::Middle);

@@ -7,7 +7,8 @@ use ademan::kinematics::HandPose;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
-use super::rig::{HALF, RADIUS, key_target};
+use crate::rig::board::{HALF, key_target};
+use crate::rig::fingers::TIP_RADIUS;
 
 const KEY: Shape = Shape::Box(Vec2::splat(HALF));
 
@@ -30,7 +31,7 @@ impl Index {
     /// Moves the fingertip's centre, and the wrist where it is known; both in millimetres.
     fn step(&mut self, tip: [f32; 3], wrist: Option<[f32; 3]>) -> String {
         self.time += 10_000;
-        let mut pose = HandPose::new(Timestamp(self.time), Side::Right, RADIUS);
+        let mut pose = HandPose::new(Timestamp(self.time), Side::Right, TIP_RADIUS);
         let at = |point: [f32; 3]| Pose::from_translation(Vec3::from_array(point) * 1e-3);
         pose.set(Joint::tip(Finger::Index), at(tip));
         if let Some(wrist) = wrist {
@@ -254,7 +255,7 @@ fn a_surface_whose_anchor_is_not_finite_is_let_go_of_at_the_end_of_the_frame() {
     let mut touches = Touches::new();
     let frames = [(10.0, 0.0), (2.0, 0.0), (2.0, f32::NAN)];
     for (number, (tip, wrist)) in (1..).zip(frames) {
-        let mut pose = HandPose::new(Timestamp(number * 1_000), Side::Right, RADIUS);
+        let mut pose = HandPose::new(Timestamp(number * 1_000), Side::Right, TIP_RADIUS);
         let at = |height: f32| Pose::from_translation(Vec3::Z * height * 1e-3);
         pose.set(Joint::tip(Finger::Index), at(tip));
         pose.set(Joint::Wrist, at(wrist));

@@ -4,23 +4,27 @@ use ademan::contact::{Phase, Touches};
 use ademan::device::{EventKind, Events};
 use ademan::hand::{Finger, Joint};
 use ademan::time::Timestamp;
+use fastrand::Rng;
 use parry3d::math::{Pose, Vec3};
 
-use super::rig::{PITCH, RADIUS, Random, Rig, TRAVEL, world_from_board};
+use super::between;
+use crate::rig::Rig;
+use crate::rig::board::{PITCH, TRAVEL, world_from_board};
+use crate::rig::fingers::TIP_RADIUS;
 
 /// Frame rate of the glove at 9600 baud (66 bytes a packet).
 const FRAMES_PER_SECOND: f64 = 14.5;
 
 /// Shows the rig one frame with the index pad at a point of the board (metres).
 fn show(rig: &mut Rig, seconds: f64, pad: Vec3, touches: &mut Touches, events: &mut Events) {
-    rig.pose.time = Timestamp::from_seconds(seconds);
-    let centre = world_from_board().transform_point(pad + Vec3::Z * RADIUS);
-    rig.pose
-        .set(Joint::tip(Finger::Index), Pose::from_translation(centre));
+    let mut pose = rig.pose();
+    pose.time = Timestamp::from_seconds(seconds);
+    let centre = world_from_board().transform_point(pad + Vec3::Z * TIP_RADIUS);
+    pose.set(Joint::tip(Finger::Index), Pose::from_translation(centre));
     touches.clear();
-    rig.tracker.update(&rig.scene, &rig.pose, touches);
+    rig.track(&pose, touches);
     events.clear();
-    rig.update(&rig.pose.clone(), touches, events);
+    rig.update(&pose, touches, events);
 }
 
 /// Height of the pad over the board: down at `speed`, at once up again, lowest at time 0.
@@ -30,21 +34,21 @@ fn tap_height(seconds: f64, speed: f64, lowest: f64) -> f64 {
 
 #[test]
 fn every_tap_at_1_metre_a_second_and_14_frames_a_second_is_one_press() {
-    let mut random = Random(1);
-    let mut rig = Rig::new("q w e r / a s d f / z x c v");
+    let mut random = Rng::with_seed(1);
+    let mut rig = Rig::with_keys("q w e r / a s d f / z x c v");
     let (mut touches, mut events) = (Touches::new(), Events::new());
     let codes = ["Q", "W", "E", "R", "A", "S", "D", "F", "Z", "X", "C", "V"];
     let mut frames = 0;
     for tap in 0..600 {
-        let key = (random.bits() % codes.len() as u64) as usize;
+        let key = random.usize(..codes.len());
         let middle = Vec3::new((key % 4) as f32 * PITCH, -((key / 4) as f32) * PITCH, 0.0);
-        let mut aside = || random.between(-0.006, 0.006) as f32;
+        let mut aside = || between(&mut random, -0.006, 0.006) as f32;
         let place = middle + Vec3::new(aside(), aside(), 0.0);
-        let drift = random.between(-0.015, 0.015) as f32;
+        let drift = between(&mut random, -0.015, 0.015) as f32;
         // It stays deep enough for a frame at least: what is never seen cannot be told.
-        let speed = random.between(0.8, 1.0);
-        let lowest = -0.0021 - random.between(0.5, 0.7) * speed / FRAMES_PER_SECOND;
-        let phase = random.between(0.0, 1.0);
+        let speed = between(&mut random, 0.8, 1.0);
+        let lowest = -0.0021 - between(&mut random, 0.5, 0.7) * speed / FRAMES_PER_SECOND;
+        let phase = between(&mut random, 0.0, 1.0);
         let mut heard = Vec::new();
         for frame in 0..8 {
             let seconds = (f64::from(frame) - 4.0 + phase) / FRAMES_PER_SECOND;
@@ -66,13 +70,13 @@ fn every_tap_at_1_metre_a_second_and_14_frames_a_second_is_one_press() {
 
 #[test]
 fn times_are_right_within_a_microsecond_at_constant_speed() {
-    let mut random = Random(2);
+    let mut random = Rng::with_seed(2);
     for _ in 0..200 {
-        let mut rig = Rig::new("q");
+        let mut rig = Rig::with_keys("q");
         let (mut touches, mut events) = (Touches::new(), Events::new());
-        let frame = 1.0 / random.between(10.0, 200.0);
-        let speed = random.between(0.05, 1.0);
-        let start = random.between(0.001, 0.05);
+        let frame = 1.0 / between(&mut random, 10.0, 200.0);
+        let speed = between(&mut random, 0.05, 1.0);
+        let start = between(&mut random, 0.001, 0.05);
         let mut found = Vec::new();
         for number in 0..2000 {
             let seconds = frame * f64::from(number);

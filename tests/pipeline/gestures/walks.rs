@@ -7,9 +7,13 @@ use ademan::device::{EventKind, Events, KeyCode};
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::time::Timestamp;
+use fastrand::Rng;
 use parry3d::math::{Pose, Vec3};
 
-use super::rig::{PITCH, RADIUS, Random, Rig, world_from_board};
+use super::between;
+use crate::rig::Rig;
+use crate::rig::board::{PITCH, world_from_board};
+use crate::rig::fingers::TIP_RADIUS;
 
 const BOARD: &str = "q w e r t y u i o p|1 / a s d f g ~h j k l *shift / \
                      z x c v b n m *layer1 shift layer1 / 1 2 3 4 5 6 7 *ctrl 9 q";
@@ -24,7 +28,7 @@ struct Wanderer {
 }
 
 impl Wanderer {
-    fn new(random: &mut Random) -> Self {
+    fn new(random: &mut Rng) -> Self {
         let mut wanderer = Self {
             pads: [Vec3::ZERO; Finger::COUNT],
             goals: [Vec3::ZERO; Finger::COUNT],
@@ -36,27 +40,27 @@ impl Wanderer {
         wanderer
     }
 
-    fn step(&mut self, random: &mut Random) {
+    fn step(&mut self, random: &mut Rng) {
         for (pad, goal) in self.pads.iter_mut().zip(&mut self.goals) {
-            if random.once_in(2) {
+            if random.u32(..2) == 0 {
                 // Straight up or down, as in typing, or off to another place.
                 let place = anywhere(random);
-                let stays = !random.once_in(8);
+                let stays = random.u32(..8) != 0;
                 *goal = if stays { goal.with_z(place.z) } else { place };
             }
-            let share = random.between(0.3, 1.0) as f32;
-            let tremble = |random: &mut Random| random.between(-3e-4, 3e-4) as f32;
+            let share = between(random, 0.3, 1.0) as f32;
+            let tremble = |random: &mut Rng| between(random, -3e-4, 3e-4) as f32;
             *pad = pad.lerp(*goal, share);
             *pad += Vec3::new(tremble(random), tremble(random), tremble(random));
         }
     }
 }
 
-fn anywhere(random: &mut Random) -> Vec3 {
+fn anywhere(random: &mut Rng) -> Vec3 {
     Vec3::new(
-        random.between(-1.0, 10.0) as f32 * PITCH,
-        random.between(-4.0, 1.0) as f32 * PITCH,
-        random.between(-0.012, 0.015) as f32,
+        between(random, -1.0, 10.0) as f32 * PITCH,
+        between(random, -4.0, 1.0) as f32 * PITCH,
+        between(random, -0.012, 0.015) as f32,
     )
 }
 
@@ -122,28 +126,28 @@ impl Held {
 #[test]
 fn presses_and_releases_alternate_whatever_the_fingers_do() {
     for (seed, board) in (0..8).flat_map(|seed| [(seed, BOARD), (seed, OPTIONS)]) {
-        let mut random = Random(seed);
-        let mut rig = Rig::new(board);
+        let mut random = Rng::with_seed(seed);
+        let mut rig = Rig::with_keys(board);
         let mut wanderer = Wanderer::new(&mut random);
         let (mut latches, mut held) = (Latches::default(), Held::default());
         let mut touches = Touches::new();
         let mut time = 0;
         for _ in 0..10_000 {
-            time += random.bits() % 70_000;
+            time += random.u64(..70_000);
             wanderer.step(&mut random);
             let pose = pose(&wanderer, Timestamp(time), &mut random);
             let mut events = Events::new();
             touches.clear();
-            if random.once_in(500) {
-                rig.tracker.reset(pose.time, &mut touches);
+            if random.u32(..500) == 0 {
+                rig.tracker().reset(pose.time, &mut touches);
             }
-            if random.once_in(500) {
+            if random.u32(..500) == 0 {
                 rig.release_all(pose.time, &mut events);
                 held.take(&events);
                 assert_eq!(held.down, []);
                 events.clear();
             }
-            rig.tracker.update(&rig.scene, &pose, &mut touches);
+            rig.track(&pose, &mut touches);
             assert!(touches.len() <= 25, "{touches:?}");
             touches.iter().for_each(|touch| latches.take(touch));
             rig.update(&pose, &touches, &mut events);
@@ -159,18 +163,18 @@ fn presses_and_releases_alternate_whatever_the_fingers_do() {
     }
 }
 
-fn pose(wanderer: &Wanderer, time: Timestamp, random: &mut Random) -> HandPose {
-    let mut pose = HandPose::new(time, Side::Right, RADIUS);
-    pose.jumped = random.once_in(200);
+fn pose(wanderer: &Wanderer, time: Timestamp, random: &mut Rng) -> HandPose {
+    let mut pose = HandPose::new(time, Side::Right, TIP_RADIUS);
+    pose.jumped = random.u32(..200) == 0;
     for (&finger, pad) in Finger::ALL.iter().zip(wanderer.pads) {
-        if random.once_in(100) {
+        if random.u32(..100) == 0 {
             continue;
         }
-        if random.once_in(100) {
+        if random.u32(..100) == 0 {
             pose.untrusted = pose.untrusted.union(FingerSet::NONE.with(finger));
         }
-        let mut centre = world_from_board().transform_point(pad + Vec3::Z * RADIUS);
-        if random.once_in(300) {
+        let mut centre = world_from_board().transform_point(pad + Vec3::Z * TIP_RADIUS);
+        if random.u32(..300) == 0 {
             centre.y = f32::NAN;
         }
         pose.set(Joint::tip(finger), Pose::from_translation(centre));

@@ -2,7 +2,7 @@
 
 use ademan::layout::Layout;
 
-use super::rig::Rig;
+use crate::rig::Rig;
 
 /// Line, column and message of what is wrong with a board of these fields.
 fn refusal(fields: &str) -> (usize, usize, String) {
@@ -100,10 +100,10 @@ fn layers_that_lead_to_each_other_are_left_as_they_were_entered() {
         (layer: "one", latch: Lock, at_mm: (30, 0)),
         (layer: "two", latch: Lock, at_mm: (60, 0)),
     ])], layers: [(name: "one", keys: {"A": "B"}), (name: "two", keys: {"A": "C"})])"#;
-    let script = "index@A:tap index@one:tap index@A:tap index@two:tap index@A:tap index@one:tap \
-                  index@A:tap index@one:tap index@A:tap";
+    let script = "index A tap; index one tap; index A tap; index two tap; index A tap; index one tap; \
+             index A tap; index one tap; index A tap";
     assert_eq!(
         Rig::new(text).run(script).events(),
-        "down A | up   A | down B | up   B | down C | up   C | down B | up   B | down A | up   A"
+        "dn:A up:A dn:B up:B dn:C up:C dn:B up:B dn:A up:A"
     );
 }

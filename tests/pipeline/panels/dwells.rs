@@ -1,6 +1,7 @@
 //! Keys that fire when a fingertip rests on them.
 
-use super::rig::{Rig, simulate, simulate_layout};
+use super::{simulate, simulate_layout};
+use crate::rig::Rig;
 
 const KEYS: &str = r#"keys: [
     (code: "A", dwell_ms: 300, at_mm: (0, 0)), (code: "B", at_mm: (30, 0)),
@@ -9,39 +10,36 @@ const KEYS: &str = r#"keys: [
 
 #[test]
 fn a_key_fires_once_a_fingertip_has_rested_on_it() {
-    assert_eq!(simulate(KEYS, "index@A:up index@A:1 t:280ms"), "");
+    assert_eq!(simulate(KEYS, "index A up; index A 1; wait 280"), "");
     assert_eq!(
-        simulate(KEYS, "index@A:up index@A:1 t:2000ms index@A:up"),
-        "down A | up   A",
+        simulate(KEYS, "index A up; index A 1; wait 2000; index A up"),
+        "dn:A up:A",
         "once for each contact"
     );
     assert_eq!(
         simulate(
             KEYS,
-            "index@A:up index@A:1 t:300ms index@A:up index@A:1 t:300ms"
+            "index A up; index A 1; wait 300; index A up; index A 1; wait 300"
         ),
-        "down A | up   A | down A | up   A"
+        "dn:A up:A dn:A up:A"
     );
 }
 
 #[test]
 fn it_fires_at_its_time_between_two_frames() {
     let mut rig = Rig::on_board(KEYS);
-    rig.run("index@A:up index@A:4 t:400ms");
-    assert_eq!(
-        rig.transcript(),
-        "     316.000 down A\n     316.000 up   A\n"
-    );
+    rig.run("index A up; index A 4; wait 400");
+    assert_eq!(rig.transcript(), "t:316ms dn:A up:A");
 }
 
 #[test]
 fn a_fingertip_that_leaves_right_after_its_time_has_fired_the_key() {
     assert_eq!(
-        simulate(KEYS, "index@A:up index@A:4 t:290ms index@A:-1"),
-        "down A | up   A"
+        simulate(KEYS, "index A up; index A 4; wait 290; index A -1"),
+        "dn:A up:A"
     );
     assert_eq!(
-        simulate(KEYS, "index@A:up index@A:4 t:290ms index@A:-16"),
+        simulate(KEYS, "index A up; index A 4; wait 290; index A -16"),
         "",
         "it left before"
     );
@@ -52,29 +50,29 @@ fn pressing_it_deep_is_no_second_time() {
     assert_eq!(
         simulate(
             KEYS,
-            "index@A:up index@A:down t:50ms index@A:1 index@A:down t:50ms index@A:up"
+            "index A up; index A down; wait 50; index A 1; index A down; wait 50; index A up"
         ),
         ""
     );
     assert_eq!(
         simulate(
             KEYS,
-            "index@A:up index@A:1 index@A:down t:400ms index@A:1 index@A:down"
+            "index A up; index A 1; index A down; wait 400; index A 1; index A down"
         ),
-        "down A | up   A"
+        "dn:A up:A"
     );
 }
 
 #[test]
 fn leaving_sliding_off_and_losing_the_finger_fire_nothing() {
     for end in [
-        "index@A:up",
-        "index@B:1",
-        "lost:index",
-        "doubt:index",
+        "index A up",
+        "index B 1",
+        "hide index",
+        "doubt index",
         "release",
     ] {
-        let script = format!("index@A:up index@A:1 t:250ms {end} t:500ms");
+        let script = format!("index A up; index A 1; wait 250; {end}; wait 500");
         assert_eq!(simulate(KEYS, &script), "", "{end}");
     }
 }
@@ -84,7 +82,7 @@ fn two_fingers_each_have_their_time() {
     assert_eq!(
         simulate(
             KEYS,
-            "index@A:up&thumb@A+2:up index@A:1 t:200ms thumb@A+2:1 index@A:up t:200ms"
+            "index A up & thumb A 2 0 up; index A 1; wait 200; thumb A 2 0 1; index A up; wait 200"
         ),
         ""
     );
@@ -95,9 +93,9 @@ fn a_one_shot_that_is_dwelled_on_is_for_the_next_key() {
     assert_eq!(
         simulate(
             KEYS,
-            "index@ShiftLeft:up index@ShiftLeft:1 t:320ms index@A:up index@A:1 t:320ms index@B:tap"
+            "index ShiftLeft up; index ShiftLeft 1; wait 320; index A up; index A 1; wait 320; index B tap"
         ),
-        "down ShiftLeft | down A | up   A | up   ShiftLeft".to_owned() + " | down B | up   B"
+        "dn:ShiftLeft dn:A up:A up:ShiftLeft dn:B up:B"
     );
 }
 
@@ -108,8 +106,8 @@ fn it_does_what_the_layer_says() {
         simulate_layout(
             keys,
             r#"layers: [(name: "x", keys: {"A": "1"})]"#,
-            "thumb@L:up&index@A:up thumb@L:down index@A:1 t:320ms"
+            "thumb L up & index A up; thumb L down; index A 1; wait 320"
         ),
-        "down 1 | up   1"
+        "dn:1 up:1"
     );
 }

@@ -1,6 +1,6 @@
 //! Joysticks.
 
-use super::rig::simulate;
+use super::simulate;
 
 const STICK: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30, dead_zone: 0,
     axes: ("LeftX", "LeftY"))]"#;
@@ -13,10 +13,10 @@ const POINTER: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm:
 
 /// Every way in which a finger that is at 20 mm to the right can go.
 const ENDS: [&str; 5] = [
-    "index@Stick+20:up",
-    "lost:index",
-    "doubt:index",
-    "index@Stick+90:down",
+    "index Stick 20 0 up",
+    "hide index",
+    "doubt index",
+    "index Stick 90 0 down",
     "release",
 ];
 
@@ -25,9 +25,9 @@ fn a_stick_stands_where_it_is_pushed_from_where_it_was_pressed() {
     assert_eq!(
         simulate(
             STICK,
-            "index@Stick+5:up index@Stick+5:down index@Stick+15:down index@Stick+5,-40:down"
+            "index Stick 5 0 up; index Stick 5 0 down; index Stick 15 0 down; index Stick 5 -40 down"
         ),
-        "axis LeftX +0.500 | axis LeftX +0.000 | axis LeftY -1.000",
+        "axis:LeftX=+0.500 axis:LeftX=+0.000 axis:LeftY=-1.000",
         "at most to its end"
     );
 }
@@ -38,9 +38,9 @@ fn a_stick_springs_back_to_0_however_it_is_let_go_of() {
         assert_eq!(
             simulate(
                 STICK,
-                &format!("index@Stick:up index@Stick:down index@Stick+20:down {end} t:50ms")
+                &format!("index Stick up; index Stick down; index Stick 20 0 down; {end}; wait 50")
             ),
-            "axis LeftX +1.000 | axis LeftX +0.000",
+            "axis:LeftX=+1.000 axis:LeftX=+0.000",
             "{end}"
         );
     }
@@ -52,10 +52,9 @@ fn within_the_dead_zone_a_stick_stands_in_the_middle() {
     assert_eq!(
         simulate(
             &stick,
-            "index@Stick:up index@Stick:down index@Stick+9:down index@Stick+15:down \
-             index@Stick-3:down"
+            "index Stick up; index Stick down; index Stick 9 0 down; index Stick 15 0 down; index Stick -3 0 down"
         ),
-        "axis LeftX +0.250 | axis LeftX +0.000"
+        "axis:LeftX=+0.250 axis:LeftX=+0.000"
     );
 }
 
@@ -64,10 +63,10 @@ fn a_second_finger_on_a_stick_is_ignored() {
     assert_eq!(
         simulate(
             STICK,
-            "index@Stick:up&middle@Stick+5:up index@Stick:down&middle@Stick+5:down \
-             middle@Stick+20:down middle@Stick+20:up index@Stick+10:down"
+            "index Stick up & middle Stick 5 0 up; index Stick down & middle Stick 5 0 down; middle \
+             Stick 20 0 down; middle Stick 20 0 up; index Stick 10 0 down"
         ),
-        "axis LeftX +0.500"
+        "axis:LeftX=+0.500"
     );
 }
 
@@ -76,17 +75,17 @@ fn a_side_presses_at_half_the_throw_and_ends_a_little_nearer() {
     assert_eq!(
         simulate(
             KEYS,
-            "index@Stick:up index@Stick:down index@Stick+9:down index@Stick+11:down \
-             index@Stick+9:down index@Stick+11:down index@Stick+7:down"
+            "index Stick up; index Stick down; index Stick 9 0 down; index Stick 11 0 down; index \
+             Stick 9 0 down; index Stick 11 0 down; index Stick 7 0 down"
         ),
-        "down D | up   D"
+        "dn:D up:D"
     );
     assert_eq!(
         simulate(
             KEYS,
-            "index@Stick:up index@Stick:down index@Stick+14,14:down index@Stick-14,14:down"
+            "index Stick up; index Stick down; index Stick 14 14 down; index Stick -14 14 down"
         ),
-        "down W | down D | up   D | down A",
+        "dn:W dn:D up:D dn:A",
         "two sides on a diagonal, and releases first"
     );
 }
@@ -97,9 +96,9 @@ fn what_a_side_presses_comes_up_however_the_stick_is_let_go_of() {
         assert_eq!(
             simulate(
                 KEYS,
-                &format!("index@Stick:up index@Stick:down index@Stick+20:down {end} t:50ms")
+                &format!("index Stick up; index Stick down; index Stick 20 0 down; {end}; wait 50")
             ),
-            "down D | up   D",
+            "dn:D up:D",
             "{end}"
         );
     }
@@ -110,10 +109,10 @@ fn a_deep_push_presses() {
     assert_eq!(
         simulate(
             PUSHED,
-            "index@Stick:up index@Stick:10 index@Stick:15 index@Stick:12 index@Stick:15 index@Stick:10 \
-             index@Stick:20 index@Stick:up"
+            "index Stick up; index Stick 10; index Stick 15; index Stick 12; index Stick 15; index \
+             Stick 10; index Stick 20; index Stick up"
         ),
-        "down PadL3 | up   PadL3 | down PadL3 | up   PadL3"
+        "dn:PadL3 up:PadL3 dn:PadL3 up:PadL3"
     );
 }
 
@@ -122,9 +121,9 @@ fn a_stick_moves_the_pointer_as_long_as_it_is_held() {
     assert_eq!(
         simulate(
             POINTER,
-            "index@Stick:up index@Stick:down index@Stick+20:down t:20ms index@Stick+0,20:down \
-             index@Stick:up t:50ms"
+            "index Stick up; index Stick down; index Stick 20 0 down; wait 20; index Stick 0 20 down; \
+             index Stick up; wait 50"
         ),
-        "move +10 +0 | move +10 +0 | move +10 +0 | move +0 -10"
+        "move=+10,+0 move=+10,+0 move=+10,+0 move=+0,-10"
     );
 }

@@ -1,6 +1,6 @@
 //! Levers.
 
-use super::rig::simulate;
+use super::simulate;
 
 const LIFT: &str = r#"levers: [(name: "Lift", at_mm: (0, 0), length_mm: 80, springs: true,
     drives: Axis("MoveZ"))]"#;
@@ -11,18 +11,18 @@ const GEAR: &str = r#"levers: [(name: "Gear", at_mm: (0, 0), length_mm: 80, notc
 #[test]
 fn a_spring_brings_the_lever_back_however_it_is_let_go_of() {
     for end in [
-        "index@Lift+40:up",
-        "lost:index",
-        "doubt:index",
-        "index@Lift+200:down",
+        "index Lift 40 0 up",
+        "hide index",
+        "doubt index",
+        "index Lift 200 0 down",
         "release",
     ] {
         assert_eq!(
             simulate(
                 LIFT,
-                &format!("index@Lift:up index@Lift:down index@Lift+40:down {end} t:50ms")
+                &format!("index Lift up; index Lift down; index Lift 40 0 down; {end}; wait 50")
             ),
-            "value Lift 1.000 | axis MoveZ +1.000 | axis MoveZ +0.000 | value Lift 0.500",
+            "value:Lift=1.000 axis:MoveZ=+1.000 axis:MoveZ=+0.000 value:Lift=0.500",
             "{end}"
         );
     }
@@ -33,9 +33,9 @@ fn a_lever_that_is_pushed_past_its_end_stands_there() {
     assert_eq!(
         simulate(
             &LIFT.replace("springs", "throw_deg: 120, springs"),
-            "index@Lift:up index@Lift:down index@Lift-60:down index@Lift+60:down"
+            "index Lift up; index Lift down; index Lift -60 0 down; index Lift 60 0 down"
         ),
-        "value Lift 0.000 | axis MoveZ -1.000 | value Lift 1.000 | axis MoveZ +1.000"
+        "value:Lift=0.000 axis:MoveZ=-1.000 value:Lift=1.000 axis:MoveZ=+1.000"
     );
 }
 
@@ -48,9 +48,9 @@ fn the_value_is_the_angle_and_not_the_way() {
                 "springs: true,\n    drives: Axis(\"MoveZ\")",
                 "throw_deg: 120"
             ),
-            "index@Lift:up index@Lift:down index@Lift+23.1:down"
+            "index Lift up; index Lift down; index Lift 23.1 0 down"
         ),
-        "value Lift 0.750"
+        "value:Lift=0.750"
     );
 }
 
@@ -59,10 +59,10 @@ fn a_spring_is_a_ratchet_for_what_counts() {
     assert_eq!(
         simulate(
             RATCHET,
-            "index@Jack:up index@Jack:down index@Jack+40:down index@Jack+40:up \
-             index@Jack:up index@Jack:down index@Jack+40:down"
+            "index Jack up; index Jack down; index Jack 40 0 down; index Jack 40 0 up; index Jack up; \
+             index Jack down; index Jack 40 0 down"
         ),
-        "value Jack 1.000 | scroll +0 +600 | value Jack 0.500 | value Jack 1.000 | scroll +0 +600"
+        "value:Jack=1.000 scroll=+0,+600 value:Jack=0.500 value:Jack=1.000 scroll=+0,+600"
     );
 }
 
@@ -71,9 +71,10 @@ fn a_lever_catches_in_its_notches_and_stays() {
     assert_eq!(
         simulate(
             GEAR,
-            "index@Gear-20:up index@Gear-20:down index@Gear+18:down index@Gear+20:down \
-             index@Gear+20:up release index@Gear-20:up index@Gear-20:down index@Gear+16:down"
+            "index Gear -20 0 up; index Gear -20 0 down; index Gear 18 0 down; index Gear 20 0 down; \
+             index Gear 20 0 up; release; index Gear -20 0 up; index Gear -20 0 down; index Gear 16 0 \
+             down"
         ),
-        "value Gear 0.500 | value Gear 1.000"
+        "value:Gear=0.500 value:Gear=1.000"
     );
 }

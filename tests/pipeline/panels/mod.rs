@@ -14,7 +14,6 @@ mod pointer_clicks;
 mod pointer_modes;
 mod pointer_steps;
 mod radios;
-mod rig;
 mod shipped;
 mod shipped_handles;
 mod sliders;
@@ -26,3 +25,16 @@ mod triggers;
 mod valves;
 mod wrong_dials;
 mod wrong_pointers;
+
+use crate::rig::Rig;
+
+/// Returns the events of a script on one flat board with these fields, such as `toggles: [(…)]`.
+fn simulate(controls: &str, script: &str) -> String {
+    Rig::on_board(controls).run(script).events()
+}
+
+/// Returns the events of a script on one flat board; `fields` are further fields of the layout, such as
+/// `triggers: [(…)]`.
+fn simulate_layout(controls: &str, fields: &str, script: &str) -> String {
+    Rig::with_fields(controls, fields).run(script).events()
+}

@@ -1,7 +1,7 @@
 //! How a pointer moves the cursor.
 
 use super::pointer_modes::pointer;
-use super::rig::Rig;
+use crate::rig::Rig;
 
 /// 5 pixels for a millimetre, from a middle of (0, 0, 0).
 const BOX: &str = "mode: Direct(place: (anchor: world), size_mm: (200, 100, 100))";
@@ -15,44 +15,44 @@ fn a_relative_pointer_goes_by_differences_and_keeps_what_is_left_of_a_pixel() {
     assert_eq!(
         play(
             "moves: By",
-            "tip:index=30,0,0 tip:index=40,0,0 tip:index=40,10,0"
+            "tip index 30 0 0; tip index 40 0 0; tip index 40 10 0"
         ),
-        "move +50 +0 | move +0 -50"
+        "move=+50,+0 move=+0,-50"
     );
     let crept = play(
         "moves: By",
-        "tip:index=0,0,0 tip:index=0.05,0,0 tip:index=0.1,0,0 tip:index=0.15,0,0 \
-         tip:index=0.2,0,0 tip:index=0.25,0,0 tip:index=0.3,0,0 tip:index=0.4,0,0",
+        "tip index 0 0 0; tip index 0.05 0 0; tip index 0.1 0 0; tip index 0.15 0 0; tip index \
+             0.2 0 0; tip index 0.25 0 0; tip index 0.3 0 0; tip index 0.4 0 0",
     );
-    assert_eq!(crept, "move +1 +0 | move +1 +0");
+    assert_eq!(crept, "move=+1,+0 move=+1,+0");
 }
 
 #[test]
 fn no_step_is_longer_than_it_may_be_and_nothing_is_left_out() {
     let stepped = play(
         "moves: By, max_step_px: 101",
-        "tip:index=0,0,0 tip:index=50,0,0 t:50ms",
+        "tip index 0 0 0; tip index 50 0 0; wait 50",
     );
-    assert_eq!(stepped, "move +100 +0 | move +100 +0 | move +50 +0");
+    assert_eq!(stepped, "move=+100,+0 move=+100,+0 move=+50,+0");
     let placed = play(
         "max_step_px: 101",
-        "tip:index=0,0,0 tip:index=50,0,0 t:50ms",
+        "tip index 0 0 0; tip index 50 0 0; wait 50",
     );
     assert_eq!(
         placed,
-        "place 0.5000 0.5000 | place 0.6000 0.5000 | place 0.7000 0.5000 | place 0.7500 0.5000"
+        "place=0.5000,0.5000 place=0.6000,0.5000 place=0.7000,0.5000 place=0.7500,0.5000"
     );
 }
 
 #[test]
 fn a_hand_that_is_seen_again_elsewhere_moves_no_mouse_and_is_followed_in_steps() {
-    let script = "tip:index=0,0,0 lost:index tip:index=20,0,0 t:50ms";
+    let script = "tip index 0 0 0; hide index; tip index 20 0 0; wait 50";
     assert_eq!(play("moves: By", script), "");
     assert_eq!(
         play("max_step_px: 51", script),
-        "place 0.5000 0.5000 | place 0.5500 0.5000 | place 0.6000 0.5000"
+        "place=0.5000,0.5000 place=0.5500,0.5000 place=0.6000,0.5000"
     );
-    let jump = "tip:index=0,0,0 jump&tip:index=20,0,0 t:50ms";
+    let jump = "tip index 0 0 0; reacquire & tip index 20 0 0; wait 50";
     assert_eq!(play("moves: By", jump), "");
 }
 
@@ -62,16 +62,16 @@ fn a_clutch_moves_the_cursor_only_while_it_is_held() {
     assert_eq!(
         play(
             clutched,
-            "angle:ring-pip-flexion=0&tip:index=0,0,0 tip:index=10,0,0 \
-             angle:ring-pip-flexion=60 tip:index=20,0,0 angle:ring-pip-flexion=55 tip:index=30,0,0 \
-             angle:ring-pip-flexion=49 tip:index=0,0,0"
+            "set ring-pip-flexion 0 & tip index 0 0 0; tip index 10 0 0; set ring-pip-flexion 60; tip \
+             index 20 0 0; set ring-pip-flexion 55; tip index 30 0 0; set ring-pip-flexion 49; tip \
+             index 0 0 0"
         ),
-        "move +50 +0 | move +50 +0"
+        "move=+50,+0 move=+50,+0"
     );
     assert_eq!(
         play(
             clutched,
-            "angle:ring-pip-flexion=60&tip:index=0,0,0 tip:index=10,0,0"
+            "set ring-pip-flexion 60 & tip index 0 0 0; tip index 10 0 0"
         ),
         "",
         "one that is held at first has to be let go of"
@@ -84,10 +84,10 @@ fn a_place_that_was_left_by_a_clutch_is_found_again_bit_by_bit() {
     assert_eq!(
         play(
             clutched,
-            "angle:ring-pip-flexion=0&tip:index=0,0,0 tip:index=20,0,0 angle:ring-pip-flexion=60 \
-             tip:index=40,0,0 tip:index=20,0,0"
+            "set ring-pip-flexion 0 & tip index 0 0 0; tip index 20 0 0; set ring-pip-flexion 60; tip \
+             index 40 0 0; tip index 20 0 0"
         ),
-        "place 0.5000 0.5000 | place 0.6200 0.5000 | place 0.5400 0.5000",
+        "place=0.5000,0.5000 place=0.6200,0.5000 place=0.5400,0.5000",
         "a fifth of the way makes up for the 100 pixels"
     );
 }
@@ -100,11 +100,11 @@ fn a_control_holds_the_pointer_still_or_makes_it_slow() {
              keys: [(does: {does}, name: \"Hold\", at_mm: (0, 0))])], \
              pointer: Pointer(smoothing: Off, screen_px: (1001, 501), moves: By, {BOX}))"
         );
-        let script = "tip:index=0,0,0 thumb@Hold:up thumb@Hold:down tip:index=20,0,0 thumb@Hold:up tip:index=40,0,0";
+        let script = "tip index 0 0 0; thumb Hold up; thumb Hold down; tip index 20 0 0; thumb Hold up; tip index 40 0 0";
         Rig::new(&layout).run(script).events()
     };
-    assert_eq!(on_board("Clutch"), "move +100 +0");
-    assert_eq!(on_board("Precision"), "move +25 +0 | move +100 +0");
+    assert_eq!(on_board("Clutch"), "move=+100,+0");
+    assert_eq!(on_board("Precision"), "move=+25,+0 move=+100,+0");
 }
 
 #[test]
@@ -113,10 +113,10 @@ fn a_gesture_makes_the_pointer_slow() {
     assert_eq!(
         play(
             slow,
-            "angle:ring-pip-flexion=0&tip:index=0,0,0 tip:index=20,0,0 \
-             angle:ring-pip-flexion=60 tip:index=40,0,0"
+            "set ring-pip-flexion 0 & tip index 0 0 0; tip index 20 0 0; set ring-pip-flexion 60; tip \
+             index 40 0 0"
         ),
-        "move +100 +0 | move +10 +0"
+        "move=+100,+0 move=+10,+0"
     );
 }
 
@@ -126,9 +126,9 @@ fn a_fast_hand_goes_further_with_an_acceleration() {
     assert_eq!(
         play(
             accelerated,
-            "tip:index=0,0,0 tip:index=2,0,0 tip:index=6,0,0 tip:index=26,0,0"
+            "tip index 0 0 0; tip index 2 0 0; tip index 6 0 0; tip index 26 0 0"
         ),
-        "move +5 +0 | move +20 +0 | move +200 +0",
+        "move=+5,+0 move=+20,+0 move=+200,+0",
         "1000, 2000 and 10000 px/s"
     );
 }
@@ -139,23 +139,23 @@ fn a_tremble_within_the_dead_zone_moves_nothing() {
     assert_eq!(
         play(
             still,
-            "tip:index=0,0,0 tip:index=1.9,0,0 tip:index=-1.9,0,0 tip:index=0,1.9,0"
+            "tip index 0 0 0; tip index 1.9 0 0; tip index -1.9 0 0; tip index 0 1.9 0"
         ),
-        "place 0.5000 0.5000"
+        "place=0.5000,0.5000"
     );
     assert_eq!(
-        play(still, "tip:index=0,0,0 tip:index=22,0,0"),
-        "place 0.5000 0.5000 | place 0.6000 0.5000"
+        play(still, "tip index 0 0 0; tip index 22 0 0"),
+        "place=0.5000,0.5000 place=0.6000,0.5000"
     );
 }
 
 #[test]
 fn the_first_hand_points_until_everything_is_let_go_of_or_the_one_that_is_named() {
-    let script = "right tip:index=0,0,0 left tip:index=20,0,0 t:50ms";
-    assert_eq!(play("max_step_px: 1000", script), "place 0.5000 0.5000");
+    let script = "right; tip index 0 0 0; left; tip index 20 0 0; wait 50";
+    assert_eq!(play("max_step_px: 1000", script), "place=0.5000,0.5000");
     assert_eq!(
-        play("max_step_px: 1000", &format!("{script} release t:20ms")),
-        "place 0.5000 0.5000 | place 0.6000 0.5000"
+        play("max_step_px: 1000", &format!("{script}; release; wait 20")),
+        "place=0.5000,0.5000 place=0.6000,0.5000"
     );
-    assert_eq!(play("hand: \"left\"", script), "place 0.6000 0.5000");
+    assert_eq!(play("hand: \"left\"", script), "place=0.6000,0.5000");
 }

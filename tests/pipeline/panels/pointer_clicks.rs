@@ -12,8 +12,8 @@ const PINCHES: &str = r#"clicks: [
     (by: Pinch("middle"), does: Key("MouseRight")),
 ]"#;
 /// Fingers apart, wrist straight.
-const OPEN: &str = "tip:thumb=0,0,0&tip:index=80,0,0&tip:middle=0,80,0&\
-                    angle:wrist-deviation=0&angle:wrist-flexion=0";
+const OPEN: &str = "tip thumb 0 0 0 & tip index 80 0 0 & tip middle 0 80 0 & \
+                    set wrist-deviation 0 & set wrist-flexion 0";
 
 fn play(fields: &str, script: &str) -> String {
     let script = script.replace("open", OPEN);
@@ -25,13 +25,13 @@ fn a_pinch_is_a_button_with_hysteresis() {
     assert_eq!(
         play(
             PINCHES,
-            "open tip:index=26,0,0 tip:index=24,0,0 tip:index=29,0,0 tip:index=31,0,0"
+            "open; tip index 26 0 0; tip index 24 0 0; tip index 29 0 0; tip index 31 0 0"
         ),
-        "down MouseLeft | up   MouseLeft"
+        "dn:MouseLeft up:MouseLeft"
     );
     assert_eq!(
-        play(PINCHES, "open tip:middle=20,0,0 open"),
-        "down MouseRight | up   MouseRight"
+        play(PINCHES, "open; tip middle 20 0 0; open"),
+        "dn:MouseRight up:MouseRight"
     );
 }
 
@@ -40,16 +40,16 @@ fn of_two_fingers_at_the_thumb_only_the_nearest_pinches() {
     assert_eq!(
         play(
             PINCHES,
-            "open tip:index=15,0,0&tip:middle=0,20,0 tip:middle=0,10,0 t:100ms open"
+            "open; tip index 15 0 0 & tip middle 0 20 0; tip middle 0 10 0; wait 100; open"
         ),
-        "down MouseLeft | up   MouseLeft"
+        "dn:MouseLeft up:MouseLeft"
     );
     assert_eq!(
         play(
             PINCHES,
-            "open tip:index=15,0,0&tip:middle=0,20,0 tip:index=80,0,0 t:100ms"
+            "open; tip index 15 0 0 & tip middle 0 20 0; tip index 80 0 0; wait 100"
         ),
-        "down MouseLeft | up   MouseLeft",
+        "dn:MouseLeft up:MouseLeft",
         "the other one counts for nothing until it was apart"
     );
 }
@@ -59,11 +59,11 @@ fn a_click_does_not_move_the_pointer_from_its_first_sign_to_its_end() {
     assert_eq!(
         play(
             PINCHES,
-            "open angle:wrist-deviation=1 tip:index=40,0,0 angle:wrist-deviation=2 \
-             tip:index=20,0,0 angle:wrist-deviation=2.2 tip:index=40,0,0 angle:wrist-deviation=3 \
-             tip:index=80,0,0 angle:wrist-deviation=4"
+            "open; set wrist-deviation 1; tip index 40 0 0; set wrist-deviation 2; tip index 20 0 0; \
+             set wrist-deviation 2.2; tip index 40 0 0; set wrist-deviation 3; tip index 80 0 0; set \
+             wrist-deviation 4"
         ),
-        "move +50 +0 | down MouseLeft | up   MouseLeft | move +50 +0"
+        "move=+50,+0 dn:MouseLeft up:MouseLeft move=+50,+0"
     );
 }
 
@@ -72,9 +72,9 @@ fn a_hand_whose_fingers_rest_close_together_still_moves_the_pointer() {
     assert_eq!(
         play(
             PINCHES,
-            "open tip:index=40,0,0 t:400ms angle:wrist-deviation=1"
+            "open; tip index 40 0 0; wait 400; set wrist-deviation 1"
         ),
-        "move +50 +0"
+        "move=+50,+0"
     );
 }
 
@@ -83,29 +83,29 @@ fn what_is_held_down_is_dragged_once_the_hand_has_gone_far_enough() {
     assert_eq!(
         play(
             PINCHES,
-            "open tip:index=20,0,0 angle:wrist-deviation=0.4 angle:wrist-deviation=0 \
-             angle:wrist-deviation=0.7 angle:wrist-deviation=1.7 tip:index=80,0,0"
+            "open; tip index 20 0 0; set wrist-deviation 0.4; set wrist-deviation 0; set \
+             wrist-deviation 0.7; set wrist-deviation 1.7; tip index 80 0 0"
         ),
-        "down MouseLeft | move +50 +0 | up   MouseLeft"
+        "dn:MouseLeft move=+50,+0 up:MouseLeft"
     );
 }
 
 #[test]
 fn what_is_held_comes_up_when_a_finger_or_the_hand_is_lost() {
     for lost in [
-        "lost:index",
-        "doubt:index",
-        "lost:thumb",
-        "jump",
-        "nan:wrist-flexion",
+        "hide index",
+        "doubt index",
+        "hide thumb",
+        "reacquire",
+        "set wrist-flexion NaN",
         "release",
     ] {
         assert_eq!(
             play(
                 PINCHES,
-                &format!("open tip:index=20,0,0 {lost} trust:index&tip:index=20,0,0 t:50ms")
+                &format!("open; tip index 20 0 0; {lost}; trust index & tip index 20 0 0; wait 50")
             ),
-            "down MouseLeft | up   MouseLeft",
+            "dn:MouseLeft up:MouseLeft",
             "{lost}, and it has to open before it presses again"
         );
     }
@@ -117,11 +117,11 @@ fn a_bent_joint_clicks() {
     let bend = |degrees: &str| {
         let frames = degrees
             .split(' ')
-            .map(|it| format!("angle:index-pip-flexion={it}"));
-        let script = frames.collect::<Vec<_>>().join(" ");
-        play(bent, &format!("open {script}"))
+            .map(|it| format!("set index-pip-flexion {it}"));
+        let script = frames.collect::<Vec<_>>().join("; ");
+        play(bent, &format!("open; {script}"))
     };
-    assert_eq!(bend("0 59 60 51 49"), "down MouseLeft | up   MouseLeft");
+    assert_eq!(bend("0 59 60 51 49"), "dn:MouseLeft up:MouseLeft");
     assert_eq!(bend("70 80"), "");
 }
 
@@ -131,15 +131,15 @@ fn a_push_forward_clicks_and_half_the_way_back_ends_it() {
     assert_eq!(
         play(
             push,
-            "open tip:index=80,0,-10 tip:index=80,0,-25 t:200ms tip:index=80,0,-13 tip:index=80,0,0"
+            "open; tip index 80 0 -10; tip index 80 0 -25; wait 200; tip index 80 0 -13; tip index 80 0 0"
         ),
-        "down MouseLeft | up   MouseLeft"
+        "dn:MouseLeft up:MouseLeft"
     );
     let slowly: Vec<String> = (0..40)
-        .map(|step| format!("tip:index=80,0,-{step}"))
+        .map(|step| format!("tip index 80 0 -{step}"))
         .collect();
     assert_eq!(
-        play(push, &format!("open {}", slowly.join(" "))),
+        play(push, &format!("open; {}", slowly.join("; "))),
         "",
         "100 mm/s"
     );
@@ -149,17 +149,17 @@ fn a_push_forward_clicks_and_half_the_way_back_ends_it() {
 fn a_fingertip_on_its_way_to_another_place_is_no_push_and_a_reach_ends_one() {
     let push = "clicks: [(by: Push(20), does: Key(\"MouseLeft\"))]";
     let way = |x: i32, z: i32| {
-        let step = |step: i32| format!("tip:index={},0,{}", 80 + x * step / 8, z * step / 8);
-        (0..=8).map(step).collect::<Vec<_>>().join(" ")
+        let step = |step: i32| format!("tip index {} 0 {}", 80 + x * step / 8, z * step / 8);
+        (0..=8).map(step).collect::<Vec<_>>().join("; ")
     };
     assert_eq!(
-        play(push, &format!("open {} t:2000ms", way(40, -60))),
+        play(push, &format!("open; {}; wait 2000", way(40, -60))),
         "",
         "aside"
     );
     assert_eq!(
-        play(push, &format!("open {} t:2000ms", way(0, -90))),
-        "down MouseLeft | up   MouseLeft",
+        play(push, &format!("open; {}; wait 2000", way(0, -90))),
+        "dn:MouseLeft up:MouseLeft",
         "too far"
     );
 }
@@ -167,21 +167,25 @@ fn a_fingertip_on_its_way_to_another_place_is_no_push_and_a_reach_ends_one() {
 #[test]
 fn a_cursor_that_rests_clicks_once_where_it_was_brought_to() {
     let dwell = "dwell: (ms: 300, radius_px: 10, does: Key(\"MouseLeft\"))";
-    assert_eq!(play(dwell, "open t:1000ms"), "", "nobody brought it there");
+    assert_eq!(
+        play(dwell, "open; wait 1000"),
+        "",
+        "nobody brought it there"
+    );
     assert_eq!(
         play(
             dwell,
-            "open angle:wrist-deviation=1 t:200ms angle:wrist-deviation=1.1 t:2000ms"
+            "open; set wrist-deviation 1; wait 200; set wrist-deviation 1.1; wait 2000"
         ),
-        "move +50 +0 | move +5 +0 | down MouseLeft | up   MouseLeft",
+        "move=+50,+0 move=+5,+0 dn:MouseLeft up:MouseLeft",
         "once"
     );
     assert_eq!(
         play(
             dwell,
-            "open angle:wrist-deviation=1 t:200ms angle:wrist-deviation=2 t:200ms"
+            "open; set wrist-deviation 1; wait 200; set wrist-deviation 2; wait 200"
         ),
-        "move +50 +0 | move +50 +0",
+        "move=+50,+0 move=+50,+0",
         "it rested nowhere"
     );
 }
@@ -192,10 +196,10 @@ fn while_a_gesture_is_held_motion_turns_the_wheel_and_nothing_of_it_is_lost() {
     assert_eq!(
         play(
             scroll,
-            "open angle:little-mcp-flexion=0 angle:little-mcp-flexion=60 angle:wrist-flexion=-1 \
-             angle:wrist-deviation=0.005 angle:wrist-deviation=0.01 angle:little-mcp-flexion=0 \
-             angle:wrist-deviation=1.01"
+            "open; set little-mcp-flexion 0; set little-mcp-flexion 60; set wrist-flexion -1; set \
+             wrist-deviation 0.005; set wrist-deviation 0.01; set little-mcp-flexion 0; set \
+             wrist-deviation 1.01"
         ),
-        "scroll +0 +60 | scroll +1 +0 | move +50 +0"
+        "scroll=+0,+60 scroll=+1,+0 move=+50,+0"
     );
 }

@@ -1,6 +1,6 @@
 //! A pointer in the hands of chance: its steps stay within bounds and nothing stays down.
 
-use super::rig::Rig;
+use crate::rig::Rig;
 
 /// The most that each frame moves the cursor, in pixels.
 const MOST: f64 = 50.0;
@@ -24,89 +24,94 @@ const WAYS: [&str; 4] = [
     "moves: By, clutch: Pinch(\"ring\")",
 ];
 
-/// Knuth's MMIX generator; its high bits are the good ones.
-struct Chance(u64);
+/// Orders of a hand that moves at random.
+struct RandomHand(fastrand::Rng);
 
-impl Chance {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005);
-        self.0 = self.0.wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % end
+impl RandomHand {
+    fn one_of<'a>(&mut self, words: &[&'a str]) -> &'a str {
+        words[self.0.usize(..words.len())]
     }
 
-    fn of<'a>(&mut self, list: &[&'a str]) -> &'a str {
-        list[self.below(list.len())]
-    }
-
-    fn number(&mut self, reach: i64) -> String {
-        match self.below(40) {
+    fn number(&mut self, limit: i32) -> String {
+        match self.0.u8(..40) {
             0 => "NaN".into(),
             1 => "inf".into(),
             2 => "-1e38".into(),
             3 => "1e-42".into(),
-            _ => (self.below(2 * reach as usize) as i64 - reach).to_string(),
+            _ => self.0.i32(-limit..limit).to_string(),
         }
     }
 
     fn order(&mut self) -> String {
         let finger = ["thumb", "index", "middle", "ring"];
         let dof = ["wrist-deviation", "wrist-flexion", "ring-pip-flexion"];
-        match self.below(30) {
-            0 => format!("lost:{}", self.of(&finger)),
-            1 => format!("doubt:{}", self.of(&finger)),
-            2..5 => "trust:index".into(),
-            5 => "jump".into(),
+        match self.0.u8(..30) {
+            0 => format!("hide {}", self.one_of(&finger)),
+            1 => format!("doubt {}", self.one_of(&finger)),
+            2..5 => "trust index".into(),
+            5 => "reacquire".into(),
             6 => "release".into(),
-            7..12 => format!("angle:{}={}", self.of(&dof), self.number(40)),
-            12..14 => format!("palm={},0,0", self.number(90)),
-            14..17 => format!("knuckle={},0,90", self.number(40)),
+            7..12 => format!("set {} {}", self.one_of(&dof), self.number(40)),
+            12..14 => format!("palm {} 0 0", self.number(90)),
+            14..17 => format!("knuckle {} 0 90", self.number(40)),
             _ => {
-                let place = [(); 3].map(|()| self.number(60)).join(",");
-                format!("tip:{}={place}", self.of(&finger))
+                let position = [(); 3].map(|()| self.number(60)).join(" ");
+                format!("tip {} {position}", self.one_of(&finger))
             }
         }
     }
 }
 
-/// Checks one line of a transcript; returns whether it moved the cursor.
-fn check(event: &str, told: &mut Option<[f64; 2]>, down: &mut Vec<String>) -> bool {
-    let words: Vec<&str> = event.split_whitespace().collect();
-    let number = |place: usize| words[place].parse::<f64>().expect("a number");
-    match words[0] {
-        "place" => {
-            let shares = [number(1), number(2)];
-            assert!(shares.iter().all(|it| (0.0..=1.0).contains(it)), "{event}");
-            let place = [shares[0] * LAST[0], shares[1] * LAST[1]];
-            if let Some(before) = told.replace(place) {
-                let step = (place[0] - before[0]).hypot(place[1] - before[1]);
+/// The cursor and the buttons, as far as the transcript tells.
+#[derive(Default)]
+struct Screen {
+    cursor_px: Option<[f64; 2]>,
+    pressed: Vec<String>,
+    motions: usize,
+    presses: usize,
+}
+
+impl Screen {
+    /// Checks one word of a transcript.
+    fn check(&mut self, word: &str) {
+        if let Some(position) = word.strip_prefix("place=") {
+            self.motions += 1;
+            let fractions = pair(position);
+            let is_on_screen = fractions.iter().all(|it| (0.0..=1.0).contains(it));
+            assert!(is_on_screen, "{word}");
+            let cursor = [fractions[0] * LAST[0], fractions[1] * LAST[1]];
+            if let Some(before) = self.cursor_px.replace(cursor) {
+                let step = (cursor[0] - before[0]).hypot(cursor[1] - before[1]);
                 // The transcript has four decimals.
-                assert!(step <= MOST + 0.2, "{event} is {step} px");
+                assert!(step <= MOST + 0.2, "{word} is {step} px");
             }
-            true
+        } else if let Some(motion) = word.strip_prefix("move=") {
+            self.motions += 1;
+            let [x, y] = pair(motion);
+            assert!(x.hypot(y) <= MOST, "{word}");
+        } else if let Some(button) = word.strip_prefix("dn:") {
+            self.presses += 1;
+            assert!(!self.pressed.iter().any(|it| it == button), "{word}");
+            self.pressed.push(button.into());
+        } else if let Some(button) = word.strip_prefix("up:") {
+            let index = self.pressed.iter().position(|it| it == button);
+            self.pressed
+                .remove(index.expect("only a pressed button is released"));
+        } else {
+            assert!(word.starts_with("scroll="), "{word}");
         }
-        "move" => {
-            assert!(number(1).hypot(number(2)) <= MOST, "{event}");
-            true
-        }
-        "down" => {
-            assert!(!down.contains(&words[1].into()), "{event}");
-            down.push(words[1].into());
-            false
-        }
-        "up" => {
-            let place = down.iter().position(|it| it == words[1]);
-            down.remove(place.expect("what comes up was down"));
-            false
-        }
-        "scroll" => false,
-        _ => panic!("{event}"),
     }
+}
+
+fn pair(text: &str) -> [f64; 2] {
+    let (x, y) = text.split_once(',').expect("two numbers");
+    [x, y].map(|number| number.parse().expect("a number"))
 }
 
 #[test]
 fn whatever_the_hand_does_steps_are_bounded_places_on_the_screen_and_nothing_stays_down() {
-    let mut chance = Chance(3);
-    let (mut moved, mut pressed) = (0, 0);
+    let mut hand = RandomHand(fastrand::Rng::with_seed(3));
+    let (mut motions, mut presses) = (0, 0);
     for mode in MODES {
         for way in WAYS {
             let smoothing = if way.contains("smoothing") {
@@ -122,20 +127,23 @@ fn whatever_the_hand_does_steps_are_bounded_places_on_the_screen_and_nothing_sta
             );
             let layout = format!("Layout(name: \"test\", pointer: Pointer({fields}))");
             let mut rig = Rig::new(&layout);
-            let orders: Vec<String> = (0..4_000)
-                .map(|_| format!("{}&{}", chance.order(), chance.order()))
+            let steps: Vec<String> = (0..4_000)
+                .map(|_| format!("{} & {}", hand.order(), hand.order()))
                 .collect();
-            rig.run(&orders.join(" ")).run("release");
-            let (mut told, mut down) = (None, Vec::new());
-            for line in rig.transcript().lines() {
-                moved += usize::from(check(&line[13..], &mut told, &mut down));
-                pressed += usize::from(line.contains(" down "));
-            }
-            assert!(down.is_empty(), "{down:?} stay down: {fields}");
+            rig.run(&steps.join("; ")).run("release");
+            let mut screen = Screen::default();
+            let events = rig.events();
+            events
+                .split_whitespace()
+                .for_each(|word| screen.check(word));
+            motions += screen.motions;
+            presses += screen.presses;
+            let pressed = screen.pressed;
+            assert!(pressed.is_empty(), "{pressed:?} stay down: {fields}");
         }
     }
     assert!(
-        moved > 5_000 && pressed > 500,
-        "{moved} motions, {pressed} presses"
+        motions > 5_000 && presses > 500,
+        "{motions} motions, {presses} presses"
     );
 }

@@ -6,7 +6,7 @@ use ademan::kinematics::ArmModel;
 use ademan::layout::{Document, Layout};
 use ademan::time::Timestamp;
 
-use super::rig::Rig;
+use crate::rig::Rig;
 
 fn rig(name: &str) -> Rig {
     let document = Document::shipped(name).expect("a shipped layout");
@@ -16,22 +16,21 @@ fn rig(name: &str) -> Rig {
 #[test]
 fn the_touch_pad_moves_clicks_scrolls_and_has_two_buttons() {
     let mut rig = rig("touch-pad");
-    rig.run("index@Pad+0:up index@Pad+0:1 index@Pad+0:up");
-    rig.run("index@Pad+20:up t:400ms index@Pad+20:1 index@Pad+30:1 index@Pad+30:up t:400ms");
-    rig.run("index@Pad+0:up&middle@Pad+15:up index@Pad+0:1&middle@Pad+15:1 index@Pad+0,12:1&middle@Pad+15,12:1");
-    rig.run("index@Pad+0:up&middle@Pad+15:up thumb@MouseRight:tap thumb@MouseLeft:tap");
+    rig.run("index Pad 0 0 up; index Pad 0 0 1; index Pad 0 0 up");
+    rig.run("index Pad 20 0 up; wait 400; index Pad 20 0 1; index Pad 30 0 1; index Pad 30 0 up; wait 400");
+    rig.run(
+        "index Pad 0 0 up & middle Pad 15 0 up; index Pad 0 0 1 & middle Pad 15 0 1; index Pad 0 \
+             12 1 & middle Pad 15 12 1",
+    );
+    rig.run("index Pad 0 0 up & middle Pad 15 0 up; thumb MouseRight tap; thumb MouseLeft tap");
     let events = rig.events();
-    let kinds: Vec<&str> = events.split(" | ").map(|event| &event[..4]).collect();
+    let kinds: Vec<&str> = events.split(' ').map(|event| &event[..2]).collect();
     assert_eq!(
         kinds,
-        [
-            "down", "up  ", "move", "scro", "down", "up  ", "down", "up  "
-        ],
+        ["dn", "up", "mo", "sc", "dn", "up", "dn", "up"],
         "{events}"
     );
-    assert!(
-        events.ends_with("down MouseRight | up   MouseRight | down MouseLeft | up   MouseLeft")
-    );
+    assert!(events.ends_with("dn:MouseRight up:MouseRight dn:MouseLeft up:MouseLeft"));
 }
 
 const KEYS: [(&str, Finger); 5] = [
@@ -71,9 +70,13 @@ fn fingertips(pressing: &str) -> String {
     let wrist = pose.position(Joint::Wrist).expect("a wrist");
     let order = |&finger: &Finger| {
         let tip = (pose.fingertip(finger).expect("a fingertip") - wrist) * 1e3;
-        format!("tip:{finger}={},{},{}", tip.x, tip.y, tip.z)
+        format!("tip {finger} {} {} {}", tip.x, tip.y, tip.z)
     };
-    Finger::ALL.iter().map(order).collect::<Vec<_>>().join("&")
+    Finger::ALL
+        .iter()
+        .map(order)
+        .collect::<Vec<_>>()
+        .join(" & ")
 }
 
 #[test]
@@ -95,13 +98,13 @@ fn the_fingers_of_the_default_hand_are_over_their_chord_keys_and_press_each_lett
     for (keys, action) in own.chain(together) {
         let mut rig = rig("chords-five");
         rig.run(&format!(
-            "{open} {} t:100ms {open} t:100ms",
+            "{open}; {}; wait 100; {open}; wait 100",
             fingertips(&keys)
         ));
         let events = rig.events();
         match action {
             ademan::device::KeyAction::Key(code) => {
-                assert_eq!(events, format!("down {code} | up   {code}"), "{keys}");
+                assert_eq!(events, format!("dn:{code} up:{code}"), "{keys}");
                 sent.push(code.name());
             }
             _ => assert_eq!((events.as_str(), keys.as_str()), ("", "TIMRL")),
@@ -120,11 +123,8 @@ fn all_five_fingers_are_a_capital() {
     let (open, all) = (fingertips(""), fingertips("TIMRL"));
     let mut rig = rig("chords-five");
     rig.run(&format!(
-        "{open} {all} t:100ms {open} {} t:100ms {open}",
+        "{open}; {all}; wait 100; {open}; {}; wait 100; {open}",
         fingertips("I")
     ));
-    assert_eq!(
-        rig.events(),
-        "down ShiftLeft | down E | up   E | up   ShiftLeft"
-    );
+    assert_eq!(rig.events(), "dn:ShiftLeft dn:E up:E up:ShiftLeft");
 }

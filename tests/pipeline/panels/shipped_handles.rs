@@ -3,7 +3,7 @@
 use ademan::layout::Layout;
 use ademan::setup::Setup;
 
-use super::rig::Rig;
+use crate::rig::Rig;
 
 #[test]
 fn the_default_hand_reaches_everything_on_every_shipped_layout() {
@@ -56,12 +56,12 @@ fn the_media_panel_turns_the_volume_up_and_seeks() {
     assert_eq!(
         Rig::new(&media)
             .run(
-                "index@Volume+15:up index@Volume+15:down index@Volume+14,-6:down \
-                 index@Volume+14,-6:up index@Seek:up index@Seek:down index@Seek-6:down"
+                "index Volume 15 0 up; index Volume 15 0 down; index Volume 14 -6 down; index Volume 14 \
+             -6 up; index Seek up; index Seek down; index Seek -6 0 down"
             )
             .events(),
-        "value Volume 0.600 | down AudioVolumeUp | up   AudioVolumeUp | \
-         down AudioVolumeUp | up   AudioVolumeUp | value Seek 0.445 | down ArrowLeft | up   ArrowLeft"
+        "value:Volume=0.600 dn:AudioVolumeUp up:AudioVolumeUp dn:AudioVolumeUp up:AudioVolumeUp \
+             value:Seek=0.445 dn:ArrowLeft up:ArrowLeft"
     );
 }
 

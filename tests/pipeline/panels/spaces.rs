@@ -1,6 +1,6 @@
 //! Targets in space.
 
-use super::rig::Rig;
+use crate::rig::Rig;
 
 const SCENE: &str = r#"spaces: [(place: (anchor: elbow), targets: [
     (name: "Sun", at_mm: (0, 0, -300), form: Ball(100)),
@@ -19,22 +19,23 @@ fn a_target_is_selected_while_the_fingertip_is_in_it() {
     assert_eq!(
         play(
             SCENE,
-            "tip:index=-100,0,-300 tip:index=-25,0,-300 tip:index=0,0,-300 tip:index=0,0,-200"
+            "tip index -100 0 -300; tip index -25 0 -300; tip index 0 0 -300; tip index 0 0 -200"
         ),
-        "select Sun | depth Sun 0.500 | depth Sun 1.000 | depth Sun 0.000 | unselect Sun"
+        "select:Sun depth:Sun=0.500 depth:Sun=1.000 depth:Sun=0.000 unselect:Sun"
     );
 }
 
 #[test]
 fn it_stays_selected_up_to_a_tremble_outside() {
-    let edge = |x: &str| format!("tip:index=-100,0,-300 tip:index=-49,0,-300 tip:index={x},0,-300");
+    let edge =
+        |x: &str| format!("tip index -100 0 -300; tip index -49 0 -300; tip index {x} 0 -300");
     assert_eq!(
         play(SCENE, &edge("-51")),
-        "select Sun | depth Sun 0.020 | depth Sun 0.000"
+        "select:Sun depth:Sun=0.020 depth:Sun=0.000"
     );
     assert_eq!(
         play(SCENE, &edge("-53")),
-        "select Sun | depth Sun 0.020 | depth Sun 0.000 | unselect Sun"
+        "select:Sun depth:Sun=0.020 depth:Sun=0.000 unselect:Sun"
     );
 }
 
@@ -43,42 +44,31 @@ fn where_targets_overlap_the_nearest_middle_wins() {
     assert_eq!(
         play(
             SCENE,
-            "tip:index=-100,0,-300 tip:index=35,0,-300 tip:index=40.5,0,-300 tip:index=45,0,-300"
+            "tip index -100 0 -300; tip index 35 0 -300; tip index 40.5 0 -300; tip index 45 0 -300"
         ),
-        "select Sun | depth Sun 0.300 | depth Sun 0.190 | depth Sun 0.000 | unselect Sun | \
-         select Moon | depth Moon 0.300"
+        "select:Sun depth:Sun=0.300 depth:Sun=0.190 depth:Sun=0.000 unselect:Sun select:Moon depth:Moon=0.300"
     );
 }
 
 #[test]
 fn a_fast_fingertip_does_not_tunnel_and_its_times_lie_on_the_way() {
     let mut rig = Rig::new(&format!("Layout(name: \"test\", {SCENE})"));
-    rig.run("tip:index=250,0,-300 tip:index=350,0,-300");
-    let lines: Vec<String> = rig
-        .transcript()
-        .lines()
-        .map(|line| line.trim_start().to_owned())
-        .collect();
+    rig.run("tip index 250 0 -300; tip index 350 0 -300");
     assert_eq!(
-        lines,
-        [
-            "14.000 select Door",
-            "14.000 down A",
-            "16.200 up   A",
-            "16.200 unselect Door"
-        ]
+        rig.transcript(),
+        "t:14ms select:Door dn:A t:2.2ms up:A unselect:Door"
     );
 }
 
 #[test]
 fn what_a_target_does_is_pressed_while_it_is_selected_and_comes_up_when_the_finger_is_lost() {
-    for lost in ["lost:index", "doubt:index", "jump", "release"] {
+    for lost in ["hide index", "doubt index", "reacquire", "release"] {
         assert_eq!(
             play(
                 SCENE,
-                &format!("tip:index=250,0,-300 tip:index=300,0,-300 {lost} t:50ms")
+                &format!("tip index 250 0 -300; tip index 300 0 -300; {lost}; wait 50")
             ),
-            "select Door | down A | depth Door 1.000 | up   A | depth Door 0.000 | unselect Door",
+            "select:Door dn:A depth:Door=1.000 up:A depth:Door=0.000 unselect:Door",
             "{lost}"
         );
     }
@@ -86,13 +76,13 @@ fn what_a_target_does_is_pressed_while_it_is_selected_and_comes_up_when_the_fing
 
 #[test]
 fn a_fingertip_that_appears_in_a_target_has_to_leave_all_of_them_first() {
-    assert_eq!(play(SCENE, "tip:index=0,0,-300 tip:index=80,0,-300"), "");
+    assert_eq!(play(SCENE, "tip index 0 0 -300; tip index 80 0 -300"), "");
     assert_eq!(
         play(
             SCENE,
-            "tip:index=0,0,-300 tip:index=0,200,-300 tip:index=0,0,-300"
+            "tip index 0 0 -300; tip index 0 200 -300; tip index 0 0 -300"
         ),
-        "select Sun | depth Sun 1.000"
+        "select:Sun depth:Sun=1.000"
     );
 }
 
@@ -108,8 +98,8 @@ fn the_cursor_of_three_angles_selects_in_its_own_space() {
     assert_eq!(
         play(
             joint,
-            "angle:wrist-deviation=0&angle:wrist-flexion=0&angle:elbow-flexion=45 angle:elbow-flexion=90"
+            "set wrist-deviation 0 & set wrist-flexion 0 & set elbow-flexion 45; set elbow-flexion 90"
         ),
-        "select Near | depth Near 1.000"
+        "select:Near depth:Near=1.000"
     );
 }

@@ -1,6 +1,7 @@
 //! Keys that write a text.
 
-use super::rig::{Rig, simulate};
+use super::simulate;
+use crate::rig::Rig;
 
 fn writes(text: &str, script: &str) -> String {
     let key = format!("keys: [(does: Write(\"{text}\"), name: \"T\", at_mm: (0, 0))]");
@@ -9,20 +10,23 @@ fn writes(text: &str, script: &str) -> String {
 
 #[test]
 fn a_text_is_written_once_for_each_press() {
-    assert_eq!(writes("ñ", "index@T:up index@T:down t:2000ms"), "write 'ñ'");
     assert_eq!(
-        writes("né", "index@T:tap index@T:tap"),
-        "write 'n' | write 'é' | write 'n' | write 'é'"
+        writes("ñ", "index T up; index T down; wait 2000"),
+        "write:ñ"
     );
-    assert_eq!(writes("ñ", "index@T:up index@T:1 index@T:up"), "");
+    assert_eq!(
+        writes("né", "index T tap; index T tap"),
+        "write:n write:é write:n write:é"
+    );
+    assert_eq!(writes("ñ", "index T up; index T 1; index T up"), "");
 }
 
 #[test]
 fn any_character_of_unicode_can_be_written() {
     for character in ['ß', 'Ω', 'я', '字', '€', '🙂', '–'] {
         assert_eq!(
-            writes(&character.to_string(), "index@T:tap"),
-            format!("write {character:?}")
+            writes(&character.to_string(), "index T tap"),
+            format!("write:{character}")
         );
     }
 }
@@ -33,9 +37,9 @@ fn a_text_of_32_characters_goes_out_whole_and_in_order() {
     assert_eq!(text.chars().count(), 32);
     let written: Vec<String> = text
         .chars()
-        .map(|character| format!("write {character:?}"))
+        .map(|character| format!("write:{character}"))
         .collect();
-    assert_eq!(writes(text, "index@T:tap"), written.join(" | "));
+    assert_eq!(writes(text, "index T tap"), written.join(" "));
 }
 
 #[test]
@@ -51,11 +55,11 @@ fn texts_that_find_no_room_are_left_out_whole() {
     let mut rig = Rig::on_board(&format!("keys: [{}]", keys.join(", ")));
     let fingers = ["thumb", "index", "middle", "ring", "little"];
     let all = |place: &str| {
-        let each = |(number, finger): (usize, &&str)| format!("{finger}@K{number}:{place}");
+        let each = |(number, finger): (usize, &&str)| format!("{finger} K{number} {place}");
         let orders: Vec<String> = fingers.iter().enumerate().map(each).collect();
-        orders.join("&")
+        orders.join(" & ")
     };
-    rig.run(&format!("{} {}", all("up"), all("down")));
+    rig.run(&format!("{}; {}", all("up"), all("down")));
     let written = rig.events().matches("write").count();
     assert_eq!(written % 32, 0, "{written}");
     assert_eq!(written, 5 * 32, "five texts have room in a frame");
@@ -67,12 +71,12 @@ fn a_layer_takes_the_place_of_a_text() {
                     (layer: \"x\", name: \"L\", at_mm: (30, 0))]";
     let layers = "layers: [(name: \"x\", keys: {\"T\": \"A\"})]";
     assert_eq!(
-        super::rig::simulate_layout(
+        super::simulate_layout(
             controls,
             layers,
-            "thumb@L:up index@T:tap thumb@L:down index@T:tap thumb@L:up index@T:tap"
+            "thumb L up; index T tap; thumb L down; index T tap; thumb L up; index T tap"
         ),
-        "write 'é' | down A | up   A | write 'é'"
+        "write:é dn:A up:A write:é"
     );
 }
 
@@ -80,7 +84,7 @@ fn a_layer_takes_the_place_of_a_text() {
 fn a_text_can_wait_for_its_release() {
     let key = "keys: [(does: Write(\"é\"), name: \"T\", fires: Release, at_mm: (0, 0)), \
                (code: \"A\", at_mm: (40, 0))]";
-    assert_eq!(simulate(key, "index@T:up index@T:down t:50ms"), "");
-    assert_eq!(simulate(key, "index@T:tap"), "write 'é'");
-    assert_eq!(simulate(key, "index@T:up index@T:down index@A:down"), "");
+    assert_eq!(simulate(key, "index T up; index T down; wait 50"), "");
+    assert_eq!(simulate(key, "index T tap"), "write:é");
+    assert_eq!(simulate(key, "index T up; index T down; index A down"), "");
 }

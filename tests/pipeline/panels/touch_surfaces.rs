@@ -1,6 +1,7 @@
 //! Touch screens and touch pads.
 
-use super::rig::{Rig, simulate};
+use super::simulate;
+use crate::rig::Rig;
 
 const SCREEN: &str =
     r#"touch_surfaces: [(name: "S", at_mm: (0, 0), size_mm: Box(160, 100), mode: Screen)]"#;
@@ -12,16 +13,16 @@ fn a_finger_on_a_screen_is_the_pointer_and_pressing_is_the_button() {
     assert_eq!(
         simulate(
             SCREEN,
-            "index@S+40,25:up index@S+40,25:1 index@S+40,25:down index@S+40,25:up"
+            "index S 40 25 up; index S 40 25 1; index S 40 25 down; index S 40 25 up"
         ),
-        "place 0.7500 0.2500 | down MouseLeft | up   MouseLeft"
+        "place=0.7500,0.2500 dn:MouseLeft up:MouseLeft"
     );
     assert_eq!(
         simulate(
             SCREEN,
-            "index@S-72,-45:up index@S-72,-45:1 index@S-81,-45:1"
+            "index S -72 -45 up; index S -72 -45 1; index S -81 -45 1"
         ),
-        "place 0.0500 0.9500 | place 0.0000 0.9500",
+        "place=0.0500,0.9500 place=0.0000,0.9500",
         "the edge is the end"
     );
 }
@@ -31,10 +32,10 @@ fn the_pointer_is_there_before_the_button_goes_down() {
     assert_eq!(
         simulate(
             SCREEN,
-            "index@S+0,0:up index@S+16,0:down index@S+32,0:down index@S+32,0:up"
+            "index S 0 0 up; index S 16 0 down; index S 32 0 down; index S 32 0 up"
         ),
-        "place 0.5600 0.5000 | place 0.5800 0.5000 | down MouseLeft | place 0.6000 0.5000 | \
-         place 0.7000 0.5000 | up   MouseLeft"
+        "place=0.5600,0.5000 place=0.5800,0.5000 dn:MouseLeft place=0.6000,0.5000 \
+             place=0.7000,0.5000 up:MouseLeft"
     );
 }
 
@@ -43,21 +44,21 @@ fn the_first_finger_on_a_screen_counts() {
     assert_eq!(
         simulate(
             SCREEN,
-            "index@S+0:up&ring@S+40:up index@S+0:1 ring@S+40:down ring@S+40:up index@S+0:up"
+            "index S 0 0 up & ring S 40 0 up; index S 0 0 1; ring S 40 0 down; ring S 40 0 up; index S 0 0 up"
         ),
-        "place 0.5000 0.5000"
+        "place=0.5000,0.5000"
     );
 }
 
 #[test]
 fn sliding_off_a_screen_or_losing_the_finger_ends_the_drag() {
-    for end in ["index@S+90:down", "lost:index", "doubt:index", "release"] {
+    for end in ["index S 90 0 down", "hide index", "doubt index", "release"] {
         assert_eq!(
             simulate(
                 SCREEN,
-                &format!("index@S+72:up index@S+72:down {end} t:100ms")
+                &format!("index S 72 0 up; index S 72 0 down; {end}; wait 100")
             ),
-            "place 0.9500 0.5000 | down MouseLeft | up   MouseLeft",
+            "place=0.9500,0.5000 dn:MouseLeft up:MouseLeft",
             "{end}"
         );
     }
@@ -66,28 +67,31 @@ fn sliding_off_a_screen_or_losing_the_finger_ends_the_drag() {
 /// A way over the pad in steps of so many millimetres, with the finger down.
 fn way(finger: &str, from: i32, to: i32, step: i32) -> String {
     let places = (0..=(to - from) / step).map(|number| from + number * step);
-    let orders: Vec<String> = places.map(|x| format!("{finger}@P{x:+},0:1")).collect();
-    orders.join(" ")
+    let orders: Vec<String> = places.map(|x| format!("{finger} P {x} 0 1")).collect();
+    orders.join("; ")
 }
 
 #[test]
 fn a_finger_on_a_pad_moves_the_pointer_by_its_way_without_the_dead_zone() {
-    let script = format!("index@P+0:up {} index@P+20:up", way("index", 0, 20, 1));
+    let script = format!(
+        "index P 0 0 up; {}; index P 20 0 up",
+        way("index", 0, 20, 1)
+    );
     let (x, y) = total(&simulate(PAD, &script), "move");
     assert!((17 * 4 - 1..=17 * 4).contains(&x) && y == 0, "{x} {y}");
     let events = simulate(
         PAD,
-        "index@P+0:up index@P+0:1 index@P+0,-10.1:1 index@P+0,-10.1:up",
+        "index P 0 0 up; index P 0 0 1; index P 0 -10.1 1; index P 0 -10.1 up",
     );
-    assert_eq!(events, "move +0 +28", "towards the wearer is down");
+    assert_eq!(events, "move=+0,+28", "towards the wearer is down");
 }
 
 #[test]
 fn slow_motion_is_not_lost() {
     let steps: Vec<String> = (0..=300)
-        .map(|tenth| format!("index@P{:+},0:1", f64::from(tenth) * 0.1))
+        .map(|tenth| format!("index P {} 0 1", f64::from(tenth) * 0.1))
         .collect();
-    let script = format!("index@P+0:up {} index@P+30:up", steps.join(" "));
+    let script = format!("index P 0 0 up; {}; index P 30 0 up", steps.join("; "));
     let (x, _) = total(&simulate(PAD, &script), "move");
     assert!((27 * 4 - 1..=27 * 4).contains(&x), "{x}");
 }
@@ -96,7 +100,7 @@ fn slow_motion_is_not_lost() {
 fn a_quick_finger_moves_the_pointer_further() {
     let quick = PAD.replace("acceleration: 0", "acceleration: 2");
     let far = |step| {
-        let script = format!("index@P+0:up {}", way("index", 0, 60, step));
+        let script = format!("index P 0 0 up; {}", way("index", 0, 60, step));
         total(&simulate(&quick, &script), "move").0
     };
     let first = 2.0 * 4.0 * (1.0 + 2.0 * 200.0 / 250.0);
@@ -111,17 +115,26 @@ fn a_quick_finger_moves_the_pointer_further() {
 #[test]
 fn a_short_touch_clicks_and_does_not_move() {
     assert_eq!(
-        simulate(PAD, "index@P+0:up index@P+0:1 index@P+2:1 index@P+2:up"),
-        "down MouseLeft | up   MouseLeft"
+        simulate(
+            PAD,
+            "index P 0 0 up; index P 0 0 1; index P 2 0 1; index P 2 0 up"
+        ),
+        "dn:MouseLeft up:MouseLeft"
     );
     assert_eq!(
-        simulate(PAD, "index@P+0:up index@P+0:1 t:250ms index@P+0:up"),
+        simulate(
+            PAD,
+            "index P 0 0 up; index P 0 0 1; wait 250; index P 0 0 up"
+        ),
         "",
         "too long"
     );
     assert_eq!(
-        simulate(PAD, "index@P+0:up index@P+0:1 index@P+4.1:1 index@P+4.1:up"),
-        "move +4 +0",
+        simulate(
+            PAD,
+            "index P 0 0 up; index P 0 0 1; index P 4.1 0 1; index P 4.1 0 up"
+        ),
+        "move=+4,+0",
         "moved"
     );
 }
@@ -131,9 +144,10 @@ fn two_fingers_click_the_right_button() {
     assert_eq!(
         simulate(
             PAD,
-            "index@P+0:up&middle@P+30:up index@P+0:1&middle@P+30:1 t:50ms index@P+0:up middle@P+30:up"
+            "index P 0 0 up & middle P 30 0 up; index P 0 0 1 & middle P 30 0 1; wait 50; index P 0 0 \
+             up; middle P 30 0 up"
         ),
-        "down MouseRight | up   MouseRight"
+        "dn:MouseRight up:MouseRight"
     );
 }
 
@@ -142,36 +156,39 @@ fn a_touch_right_after_a_click_drags() {
     assert_eq!(
         simulate(
             PAD,
-            "index@P+0:tap index@P+0:1 index@P+13.1:1 t:100ms index@P+13.1:up t:100ms \
-             index@P+0:up index@P+0:1 index@P+13.1:1"
+            "index P 0 0 tap; index P 0 0 1; index P 13.1 0 1; wait 100; index P 13.1 0 up; wait 100; \
+             index P 0 0 up; index P 0 0 1; index P 13.1 0 1"
         ),
-        "down MouseLeft | up   MouseLeft | down MouseLeft | move +40 +0 | up   MouseLeft | move +40 +0",
+        "dn:MouseLeft up:MouseLeft dn:MouseLeft move=+40,+0 up:MouseLeft move=+40,+0",
         "and the next one does not"
     );
     assert_eq!(
-        simulate(PAD, "index@P+0:tap index@P+0:tap"),
-        "down MouseLeft | up   MouseLeft | down MouseLeft | up   MouseLeft",
+        simulate(PAD, "index P 0 0 tap; index P 0 0 tap"),
+        "dn:MouseLeft up:MouseLeft dn:MouseLeft up:MouseLeft",
         "a double click"
     );
     assert_eq!(
-        simulate(PAD, "index@P+0:tap t:400ms index@P+0:1 index@P+13.1:1"),
-        "down MouseLeft | up   MouseLeft | move +40 +0",
+        simulate(
+            PAD,
+            "index P 0 0 tap; wait 400; index P 0 0 1; index P 13.1 0 1"
+        ),
+        "dn:MouseLeft up:MouseLeft move=+40,+0",
         "too late"
     );
 }
 
 #[test]
 fn two_fingers_scroll() {
-    let both = |x: i32, y: i32| format!("index@P{x:+},{y:+}:1&middle@P{:+},{y:+}:1", x + 30);
+    let both = |x: i32, y: i32| format!("index P {x} {y} 1 & middle P {} {y} 1", x + 30);
     let script = format!(
-        "index@P+0:up&middle@P+30:up {} {} {} index@P+0:up middle@P+0:up",
+        "index P 0 0 up & middle P 30 0 up; {}; {}; {}; index P 0 0 up; middle P 0 0 up",
         both(0, 0),
         both(0, 11),
         both(0, 19)
     );
-    assert_eq!(simulate(PAD, &script), "scroll +0 +120 | scroll +0 +120");
+    assert_eq!(simulate(PAD, &script), "scroll=+0,+120 scroll=+0,+120");
     let natural = PAD.replace("acceleration: 0", "natural: true, scroll_mm: 16");
-    assert_eq!(simulate(&natural, &script), "scroll +0 -60 | scroll +0 -60");
+    assert_eq!(simulate(&natural, &script), "scroll=+0,-60 scroll=+0,-60");
 }
 
 #[test]
@@ -179,7 +196,8 @@ fn what_stays_of_two_fingers_moves_no_pointer() {
     assert_eq!(
         simulate(
             PAD,
-            "index@P+0:up&middle@P+30:up index@P+0:1&middle@P+30:1 index@P+0:up middle@P+60:1 middle@P+60:up"
+            "index P 0 0 up & middle P 30 0 up; index P 0 0 1 & middle P 30 0 1; index P 0 0 up; \
+             middle P 60 0 1; middle P 60 0 up"
         ),
         ""
     );
@@ -187,21 +205,27 @@ fn what_stays_of_two_fingers_moves_no_pointer() {
 
 #[test]
 fn sliding_off_a_pad_or_losing_a_finger_never_clicks() {
-    for end in ["index@P+110:1", "lost:index", "doubt:index", "release"] {
-        let events = simulate(PAD, &format!("index@P+98:up index@P+98:1 {end} t:300ms"));
+    for end in ["index P 110 0 1", "hide index", "doubt index", "release"] {
+        let events = simulate(
+            PAD,
+            &format!("index P 98 0 up; index P 98 0 1; {end}; wait 300"),
+        );
         assert_eq!(events, "", "{end}");
     }
     assert_eq!(
         simulate(
             PAD,
-            "index@P+0:up&middle@P+30:up index@P+0:1&middle@P+30:1 lost:index middle@P+30:up"
+            "index P 0 0 up & middle P 30 0 up; index P 0 0 1 & middle P 30 0 1; hide index; middle P 30 0 up"
         ),
         "",
         "nor does the finger that stays"
     );
     assert_eq!(
-        simulate(PAD, "index@P+0:tap index@P+0:1 index@P+13.1:1 lost:index"),
-        "down MouseLeft | up   MouseLeft | down MouseLeft | move +40 +0 | up   MouseLeft",
+        simulate(
+            PAD,
+            "index P 0 0 tap; index P 0 0 1; index P 13.1 0 1; hide index"
+        ),
+        "dn:MouseLeft up:MouseLeft dn:MouseLeft move=+40,+0 up:MouseLeft",
         "a drag ends"
     );
 }
@@ -209,36 +233,39 @@ fn sliding_off_a_pad_or_losing_a_finger_never_clicks() {
 #[test]
 fn fingers_from_before_everything_was_let_go_of_do_not_count() {
     assert_eq!(
-        simulate(PAD, "index@P+0:up index@P+0:1 release middle@P+30:tap"),
-        "down MouseLeft | up   MouseLeft",
+        simulate(
+            PAD,
+            "index P 0 0 up; index P 0 0 1; release; middle P 30 0 tap"
+        ),
+        "dn:MouseLeft up:MouseLeft",
         "one finger, not two"
     );
     assert_eq!(
         simulate(
             SCREEN,
-            "index@S+0:up index@S+0:1 release ring@S+40:up ring@S+40:1"
+            "index S 0 0 up; index S 0 0 1; release; ring S 40 0 up; ring S 40 0 1"
         ),
-        "place 0.5000 0.5000 | place 0.7500 0.5000"
+        "place=0.5000,0.5000 place=0.7500,0.5000"
     );
 }
 
 #[test]
 fn everything_let_go_of_ends_a_drag() {
     let mut rig = Rig::on_board(PAD);
-    rig.run("index@P+0:tap index@P+0:1 index@P+13.1:1 release index@P+30:1 index@P+30:up");
+    rig.run("index P 0 0 tap; index P 0 0 1; index P 13.1 0 1; release; index P 30 0 1; index P 30 0 up");
     assert_eq!(
         rig.events(),
-        "down MouseLeft | up   MouseLeft | down MouseLeft | move +40 +0 | up   MouseLeft"
+        "dn:MouseLeft up:MouseLeft dn:MouseLeft move=+40,+0 up:MouseLeft"
     );
 }
 
 /// The sum of all motions of a kind.
 fn total(events: &str, kind: &str) -> (i32, i32) {
     let motions = events
-        .split(" | ")
-        .filter_map(|event| event.strip_prefix(kind));
+        .split(' ')
+        .filter_map(|event| event.strip_prefix(kind)?.strip_prefix('='));
     motions.fold((0, 0), |sum, motion| {
-        let (x, y) = motion.trim().split_once(' ').unwrap();
+        let (x, y) = motion.split_once(',').unwrap();
         (
             sum.0 + x.parse::<i32>().unwrap(),
             sum.1 + y.parse::<i32>().unwrap(),

@@ -1,28 +1,28 @@
 //! Valves.
 
-use super::rig::simulate;
+use super::simulate;
 
 const WATER: &str = r#"valves: [(name: "Water", at_mm: (0, 0), diameter_mm: 60, turns: 3)]"#;
-const TURN: &str = "index@Water+0,-20:down index@Water-20:down index@Water+0,20:down \
-                    index@Water+20:down";
+const TURN: &str =
+    "index Water 0 -20 down; index Water -20 0 down; index Water 0 20 down; index Water 20 0 down";
 
 #[test]
 fn a_valve_adds_turn_to_turn_until_its_end() {
     let turns = |count| {
-        let turns = vec![TURN; count].join(" ");
+        let turns = vec![TURN; count].join("; ");
         let told = simulate(
             WATER,
-            &format!("index@Water+20:up index@Water+20:down {turns} index@Water+0,20:down"),
+            &format!("index Water 20 0 up; index Water 20 0 down; {turns}; index Water 0 20 down"),
         );
-        let values: Vec<String> = told.split(" | ").map(str::to_owned).collect();
-        values[values.len() - 2..].join(" | ")
+        let values: Vec<String> = told.split(' ').map(str::to_owned).collect();
+        values[values.len() - 2..].join(" ")
     };
-    assert_eq!(turns(1), "value Water 0.333 | value Water 0.250");
-    assert_eq!(turns(2), "value Water 0.667 | value Water 0.583");
-    assert_eq!(turns(3), "value Water 1.000 | value Water 0.917");
+    assert_eq!(turns(1), "value:Water=0.333 value:Water=0.250");
+    assert_eq!(turns(2), "value:Water=0.667 value:Water=0.583");
+    assert_eq!(turns(3), "value:Water=1.000 value:Water=0.917");
     assert_eq!(
         turns(4),
-        "value Water 1.000 | value Water 0.917",
+        "value:Water=1.000 value:Water=0.917",
         "it stands at its end"
     );
 }
@@ -32,10 +32,10 @@ fn a_valve_goes_on_where_it_was_let_go_of() {
     assert_eq!(
         simulate(
             WATER,
-            "index@Water+20:up index@Water+20:down index@Water+0,-20:down index@Water+0,-20:up \
-             index@Water+20:up index@Water+20:down index@Water+0,-20:down"
+            "index Water 20 0 up; index Water 20 0 down; index Water 0 -20 down; index Water 0 -20 \
+             up; index Water 20 0 up; index Water 20 0 down; index Water 0 -20 down"
         ),
-        "value Water 0.083 | value Water 0.167"
+        "value:Water=0.083 value:Water=0.167"
     );
 }
 
@@ -44,8 +44,8 @@ fn a_valve_is_turned_by_a_pinch_too() {
     assert_eq!(
         simulate(
             WATER,
-            "tip:thumb=-30,20,0&tip:index=30,20,0 tip:thumb=-10,20,0&tip:index=10,20,0 palm=0,-54,0"
+            "tip thumb -30 20 0 & tip index 30 20 0; tip thumb -10 20 0 & tip index 10 20 0; palm 0 -54 0"
         ),
-        "value Water 0.050"
+        "value:Water=0.050"
     );
 }

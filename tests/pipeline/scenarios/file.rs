@@ -4,6 +4,8 @@ use std::collections::HashSet;
 use std::fmt;
 use std::path::Path;
 
+use crate::rig::script::steps;
+
 /// How long the lines are that a transcript is broken into.
 const WIDTH: usize = 110;
 
@@ -17,7 +19,7 @@ pub struct ScenarioFile {
 /// What happens, and what goes out.
 pub struct Scenario {
     pub name: String,
-    /// Where it is played: what follows `on:`.
+    /// Where it is played: what follows `setup:`.
     pub setup: String,
     pub lines: Vec<ScriptLine>,
 }
@@ -31,8 +33,7 @@ pub struct ScriptLine {
 impl ScriptLine {
     /// The pieces of it, apart by `;`.
     pub fn pieces(&self) -> impl Iterator<Item = &str> {
-        let pieces = self.text.split(';').map(str::trim);
-        pieces.filter(|piece| !piece.is_empty())
+        steps(&self.text).into_iter().map(|step| step.text)
     }
 }
 
@@ -59,7 +60,7 @@ impl ScenarioFile {
                 page.head.push('\n');
                 continue;
             };
-            if let Some(setup) = line.strip_prefix("on: ") {
+            if let Some(setup) = line.strip_prefix("setup: ") {
                 scenario.setup = setup.to_owned();
             } else if !line.is_empty() && !line.starts_with(' ') {
                 scenario.lines.push(ScriptLine {
@@ -70,7 +71,10 @@ impl ScenarioFile {
         }
         for scenario in &page.scenarios {
             let (path, name) = (path.display(), &scenario.name);
-            assert!(!scenario.setup.is_empty(), "{path}: `{name}` has no `on:`");
+            assert!(
+                !scenario.setup.is_empty(),
+                "{path}: `{name}` has no `setup:`"
+            );
             assert!(!scenario.lines.is_empty(), "{path}: nothing in `{name}`");
         }
         page
@@ -84,7 +88,7 @@ impl fmt::Display for ScenarioFile {
             if place > 0 {
                 writeln!(f)?;
             }
-            writeln!(f, "## {}\non: {}", scenario.name, scenario.setup)?;
+            writeln!(f, "## {}\nsetup: {}", scenario.name, scenario.setup)?;
             for line in &scenario.lines {
                 writeln!(f, "{}", line.text)?;
                 write_words(f, &line.words)?;

@@ -1,15 +1,15 @@
 //! Scenarios: what a hand does and what happens to the run meanwhile, and what has to go out.
 //!
-//! Each file of this folder that ends in `.txt` has some. A scenario begins with `## ` and its name; `on:`
+//! Each file of this folder that ends in `.txt` has some. A scenario begins with `## ` and its name; `setup:`
 //! says on which layout it is played. Lines at the margin are what happens, indented ones what goes out
 //! before the next of them:
 //!
 //! ```text
 //! ## a stall lets go at its limit
-//! on: qwerty-flat
+//! setup: qwerty-flat
 //! press H; wait 100
 //!     =paused t:303ms =running t:418ms dn:H
-//! stall 300
+//! silent 300
 //!     t:358ms up:H =stalled
 //! lift; wait 400
 //!     =running t:1105ms =stopped
@@ -26,7 +26,6 @@
 mod directive;
 mod file;
 mod rig;
-mod transcript;
 
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};

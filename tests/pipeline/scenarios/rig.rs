@@ -18,7 +18,7 @@ use parry3d::math::Vec3;
 use super::directive::Directive;
 use super::file::Scenario;
 use super::folder;
-use super::transcript::TranscriptWriter;
+use crate::rig::transcript::{Detail, Transcript};
 use crate::support::checked::Judged;
 
 /// When a scenario begins on the clock of its source: far enough from 0 that it can be set back.
@@ -46,7 +46,7 @@ pub fn play(scenario: &mut Scenario) {
         if place + 1 == count {
             rig.finish();
         }
-        line.words = rig.words.take();
+        line.words = rig.transcript.take();
     }
 }
 
@@ -100,7 +100,7 @@ struct Rig<'a> {
     engine: Judged,
     lines: Vec<SimulatedGlove>,
     settings: StreamOptions,
-    words: TranscriptWriter,
+    transcript: Transcript,
     /// What targets are called, and of which layout that is.
     names: TargetNames,
     profile: usize,
@@ -146,7 +146,7 @@ impl<'a> Rig<'a> {
                 .map(line)
                 .collect(),
             settings,
-            words: TranscriptWriter::starting_at(Timestamp(START)),
+            transcript: Transcript::new(Detail::Summary, Timestamp(START)),
             names: assembly.layout.target_names(),
             profile: 0,
             is_renamed: false,
@@ -210,7 +210,7 @@ impl<'a> Rig<'a> {
             }
         }
         if !account.is_empty() {
-            self.words.remark(format!("({})", account.join(", ")));
+            self.transcript.note(format!("({})", account.join(", ")));
         }
     }
 
@@ -220,7 +220,7 @@ impl<'a> Rig<'a> {
                 let end = self.now + milliseconds * 1_000;
                 while self.now < end && self.play_frame() {}
             }
-            Directive::Still(milliseconds) => {
+            Directive::Hold(milliseconds) => {
                 if self.lines[0].shown.is_empty() {
                     self.move_on();
                 }
@@ -229,30 +229,33 @@ impl<'a> Rig<'a> {
                     self.send_packets();
                 }
             }
-            Directive::Stall(milliseconds) => self.be_silent(milliseconds * 1_000),
-            Directive::Miss(milliseconds) => {
+            Directive::Silent(milliseconds) => self.be_silent(milliseconds * 1_000),
+            Directive::Drop(milliseconds) => {
                 let end = self.now + milliseconds * 1_000;
                 while self.now < end && self.move_on() {
                     self.be_silent(self.period());
                 }
                 self.abandon();
             }
-            Directive::Lose(milliseconds) => {
+            Directive::Unplug(milliseconds) => {
                 self.abandon();
                 self.ask(Judged::stall);
                 self.be_silent(milliseconds * 1_000);
             }
-            Directive::Junk(bytes) => {
+            Directive::Noise(bytes) => {
                 let junk: Vec<u8> = (0..bytes).map(|_| self.random.u8(..)).collect();
                 self.hear_elsewhere(&junk);
             }
             Directive::Text(text) => self.hear_elsewhere(format!("\r\n{text}\r\n").as_bytes()),
-            Directive::Flip(_) | Directive::Cut(_) | Directive::Drop(_) | Directive::Twice => {
+            Directive::Flip(_)
+            | Directive::Truncate(_)
+            | Directive::Skip(_)
+            | Directive::Duplicate => {
                 self.next = Some(fault);
             }
-            Directive::Jump(counts) => self.jump = counts,
+            Directive::Offset(counts) => self.jump = counts,
             Directive::Rail(finger, count) => self.rail = Some((finger, count)),
-            Directive::Mend => (self.rail, self.jump) = (None, 0),
+            Directive::Repair => (self.rail, self.jump) = (None, 0),
             Directive::Clock(seconds) => self.clock_offset += seconds * 1_000_000,
             Directive::Swap => self.is_swapped = !self.is_swapped,
             Directive::Pause => self.ask(Judged::pause),
@@ -265,7 +268,7 @@ impl<'a> Rig<'a> {
             Directive::Tilt(by) => {
                 self.shift(|engine, events| engine.tilt(by.to_radians(), events).is_ok())
             }
-            Directive::Recentre => self.shift(|engine, events| engine.recentre(events).is_ok()),
+            Directive::Recenter => self.shift(|engine, events| engine.recentre(events).is_ok()),
         }
     }
 
@@ -280,7 +283,7 @@ impl<'a> Rig<'a> {
                 self.is_renamed = true;
                 self.ask(|engine, events| engine.replace(0, &mut controls, &layout, events));
             }
-            Err(_) => self.words.remark("(refused)".into()),
+            Err(_) => self.transcript.note("(refused)".into()),
         }
     }
 
@@ -288,7 +291,7 @@ impl<'a> Rig<'a> {
         let mut is_done = true;
         self.ask(|engine, events| is_done = shift(engine, events));
         if !is_done {
-            self.words.remark("(refused)".into());
+            self.transcript.note("(refused)".into());
         }
     }
 
@@ -331,9 +334,9 @@ impl<'a> Rig<'a> {
             let mut packet = encode(self.settings.framing, &self.body(place)).to_vec();
             match fault {
                 Some(Directive::Flip(byte)) => packet[byte] ^= 0x80,
-                Some(Directive::Cut(bytes)) => packet.truncate(PACKET_BYTES - bytes),
-                Some(Directive::Drop(bytes)) => drop(packet.drain(..bytes)),
-                Some(Directive::Twice) => packet.extend_from_within(..),
+                Some(Directive::Truncate(bytes)) => packet.truncate(PACKET_BYTES - bytes),
+                Some(Directive::Skip(bytes)) => drop(packet.drain(..bytes)),
+                Some(Directive::Duplicate) => packet.extend_from_within(..),
                 _ => {}
             }
             self.hear(place, &packet);
@@ -417,7 +420,7 @@ impl<'a> Rig<'a> {
         }
         // What went out is of the layout that was in force before.
         for event in events {
-            self.words.event(event, &self.names);
+            self.transcript.push(event, &self.names);
         }
         if self.profile != self.engine.active_profile() || self.is_renamed {
             self.profile = self.engine.active_profile();
@@ -431,6 +434,6 @@ impl<'a> Rig<'a> {
 
     fn tell_state(&mut self, state: PipelineState, time: Timestamp) {
         self.state = state;
-        self.words.once(time, format!("={state}"));
+        self.transcript.word(time, format!("={state}"));
     }
 }
