@@ -14,13 +14,13 @@ use super::{Axis, EventKind, KeyCode, KeyKind};
 pub struct Capabilities {
     /// Keys and buttons, including modifiers.
     pub keys: BTreeSet<KeyCode>,
-    /// Whether it contains [`EventKind::Character`].
+    /// True if it contains [`EventKind::Character`].
     pub text: bool,
-    /// Whether it contains [`EventKind::MoveBy`].
+    /// True if it contains [`EventKind::MoveBy`].
     pub relative_motion: bool,
-    /// Whether it contains [`EventKind::MoveTo`].
+    /// True if it contains [`EventKind::MoveTo`].
     pub absolute_motion: bool,
-    /// Whether it contains [`EventKind::Scroll`].
+    /// True if it contains [`EventKind::Scroll`].
     pub scroll: bool,
     /// Gamepad and 6-DoF axes.
     pub axes: BTreeSet<Axis>,
@@ -76,13 +76,13 @@ impl fmt::Display for Capability {
 }
 
 impl Capabilities {
-    /// Whether the set contains keys, not only buttons, or characters.
+    /// Returns whether the set contains keys, not only buttons, or characters.
     pub fn include_typing(&self) -> bool {
         let is_key = |code: &KeyCode| code.kind() == KeyKind::Keyboard;
         self.text || self.keys.iter().any(is_key)
     }
 
-    /// Whether the set contains a capability.
+    /// Returns whether the set contains a capability.
     pub fn contains(&self, capability: Capability) -> bool {
         match capability {
             Capability::Key(code) => self.keys.contains(&code),

@@ -18,7 +18,7 @@ pub(super) struct Grip<T> {
     pub(super) finger: Finger,
     /// The index of the control.
     pub(super) control: usize,
-    /// What the device stores until the grip ends.
+    /// Data of the device that lasts until the grip ends.
     pub(super) state: T,
 }
 

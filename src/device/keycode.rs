@@ -1,4 +1,4 @@
-//! Keys as positions, and the buttons of mice and gamepads: Linux event codes with names.
+//! Key codes: Linux event codes of keys, mouse buttons and gamepad buttons, with names.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,17 +7,17 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::names::UnknownName;
 
-/// The position of a key, or a button of a mouse or gamepad: whatever can be down, as its Linux event
-/// code (`KEY_*` and `BTN_*` of `input-event-codes.h`).
+/// The Linux event code of a key, mouse button or gamepad button (`KEY_*` and `BTN_*` of
+/// `input-event-codes.h`).
 ///
-/// A position is not a character: what the receiver writes for it is up to the receiver's keymap.
-/// Names are the `code` values of the W3C UI Events specification; letters and digits go without
-/// their prefix (`Q`, `1`), which is accepted when read (`KeyQ`, `Digit1`). Buttons begin with `Mouse`
-/// or `Pad`; those of a gamepad are named by their place on it.
+/// A code is a position, not a character: the keymap of the receiver decides which character it types. The
+/// names are the `code` values of the W3C UI Events specification, for letters and digits without prefix
+/// (`Q`, `1`); the prefix is accepted when parsing (`KeyQ`, `Digit1`). Button names begin with `Mouse` or
+/// `Pad`; those of a gamepad describe their position on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct KeyCode(u16);
 
-/// What kind of device has a code.
+/// The kind of device that has a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KeyKind {
     /// A keyboard.
@@ -28,7 +28,7 @@ pub enum KeyKind {
     Gamepad,
 }
 
-struct Key {
+struct KeyEntry {
     code: u16,
     name: &'static str,
     label: &'static str,
@@ -42,8 +42,8 @@ const fn key(
     label: &'static str,
     plain: Option<char>,
     shifted: Option<char>,
-) -> Key {
-    Key {
+) -> KeyEntry {
+    KeyEntry {
         code,
         name,
         label,
@@ -52,9 +52,9 @@ const fn key(
     }
 }
 
-/// In order of code. The characters are those of a US keymap with Num Lock on.
+/// All keys, in order of code. The characters are those of a US keymap with Num Lock on.
 #[rustfmt::skip]
-const KEYS: &[Key] = &[
+const KEYS: &[KeyEntry] = &[
     key(1, "Escape", "Esc", None, None),
     key(2, "1", "1", Some('1'), Some('!')),
     key(3, "2", "2", Some('2'), Some('@')),
@@ -203,39 +203,39 @@ impl KeyCode {
     /// The right mouse button.
     pub const MOUSE_RIGHT: Self = Self(273);
 
-    /// The key with this Linux event code, if it has a name here.
+    /// Returns the key with a Linux event code, if the table contains it.
     pub fn from_event_code(code: u16) -> Option<Self> {
         find(code).map(|key| Self(key.code))
     }
 
-    /// The Linux event code.
+    /// Returns the Linux event code.
     pub const fn event_code(self) -> u16 {
         self.0
     }
 
-    /// The X11 key code of a key: the event code + 8.
+    /// Returns the X11 key code of a key: the event code + 8.
     pub const fn x11_code(self) -> u16 {
         self.0 + 8
     }
 
-    /// The name as written in files and output.
+    /// Returns the name used in files and output.
     pub fn name(self) -> &'static str {
         self.entry().name
     }
 
-    /// A short label to draw on the key.
+    /// Returns a short label to draw on the key.
     pub fn label(self) -> &'static str {
         self.entry().label
     }
 
-    /// The character that a receiver with a US keymap and Num Lock on writes, with or without Shift.
+    /// Returns the character that it types on a US keymap with Num Lock on, with or without Shift.
     pub fn us_character(self, shifted: bool) -> Option<char> {
         let entry = self.entry();
         if shifted { entry.shifted } else { entry.plain }
     }
 
-    /// The keys that write `character` on a US keymap with Num Lock on, and whether Shift goes with
-    /// each: those without Shift first, each in order of code.
+    /// Returns the keys that type `character` on a US keymap with Num Lock on, each with `true` if it needs
+    /// Shift: those without Shift first, each in order of code.
     pub fn for_us_character(character: char) -> impl Iterator<Item = (Self, bool)> {
         [false, true].into_iter().flat_map(move |shifted| {
             Self::all()
@@ -244,7 +244,7 @@ impl KeyCode {
         })
     }
 
-    /// What kind of device has it.
+    /// Returns the kind of device that has it.
     pub const fn kind(self) -> KeyKind {
         match self.0 {
             0..0x110 => KeyKind::Keyboard,
@@ -253,36 +253,36 @@ impl KeyCode {
         }
     }
 
-    /// Whether this is a modifier key.
+    /// Returns whether this is a modifier key.
     pub fn is_modifier(self) -> bool {
         matches!(self.0, 29 | 42 | 54 | 56 | 97 | 100 | 125 | 126)
     }
 
-    /// Whether this key alone acts on the system rather than on the program that has the focus: it opens the
-    /// menu of a desktop (Meta), or gives orders to the kernel (PrintScreen, which is SysRq too).
+    /// Returns whether this key on its own acts on the system instead of the focused program: it opens the
+    /// desktop menu (Meta), or sends commands to the kernel (PrintScreen, which is also SysRq).
     pub const fn is_system_key(self) -> bool {
         matches!(self.0, 99 | 125 | 126)
     }
 
-    /// Whether it does so together with Control and Alt: other consoles (F1 to F12), a restart (Delete), the end
-    /// of an X server (Backspace).
+    /// Returns whether this key acts on the system together with Control and Alt: F1 to F12 switch the
+    /// console, Delete restarts the machine, Backspace ends an X server.
     pub const fn is_system_key_with_ctrl_alt(self) -> bool {
         matches!(self.0, 14 | 59..=68 | 83 | 87 | 88 | 111)
     }
 
-    /// All keys, in order of code.
+    /// Returns all keys, in order of code.
     pub fn all() -> impl Iterator<Item = Self> {
         KEYS.iter().map(|key| Self(key.code))
     }
 
-    fn entry(self) -> &'static Key {
-        find(self.0).expect("a key code is only made from the table")
+    fn entry(self) -> &'static KeyEntry {
+        find(self.0).expect("every key code comes from the table")
     }
 }
 
-fn find(code: u16) -> Option<&'static Key> {
-    let place = KEYS.binary_search_by_key(&code, |key| key.code).ok()?;
-    Some(&KEYS[place])
+fn find(code: u16) -> Option<&'static KeyEntry> {
+    let index = KEYS.binary_search_by_key(&code, |key| key.code).ok()?;
+    Some(&KEYS[index])
 }
 
 impl fmt::Display for KeyCode {
@@ -326,7 +326,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_is_in_order_and_every_name_is_read_back() {
+    fn the_table_is_sorted_and_every_name_parses_back() {
         assert!(KEYS.windows(2).all(|pair| pair[0].code < pair[1].code));
         for key in KeyCode::all() {
             assert_eq!(key.name().parse::<KeyCode>(), Ok(key));
@@ -335,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn every_code_belongs_to_the_kind_of_device_that_its_name_says() {
+    fn the_kind_of_every_key_matches_its_name() {
         for key in KeyCode::all() {
             let by_name = match key.name() {
                 name if name.starts_with("Mouse") => KeyKind::Mouse,
@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn w3c_names_with_their_prefix_are_read_too() {
+    fn w3c_names_with_their_prefix_parse_as_well() {
         assert_eq!("KeyQ".parse::<KeyCode>().unwrap().event_code(), 16);
         assert_eq!("Digit1".parse::<KeyCode>().unwrap().event_code(), 2);
         let error = "Entre".parse::<KeyCode>().unwrap_err();
@@ -358,7 +358,7 @@ mod tests {
     }
 
     #[test]
-    fn a_character_finds_its_keys_and_their_shift() {
+    fn a_character_maps_to_its_keys_with_and_without_shift() {
         let text = |character| -> Vec<String> {
             let keys = KeyCode::for_us_character(character);
             keys.map(|(key, shifted)| format!("{}{key}", if shifted { "Shift+" } else { "" }))

@@ -44,8 +44,8 @@ pub struct OutputEvent {
 
 /// The kind of an event and its data.
 ///
-/// When tracking is lost, the layout changes or the session ends, each key that is down is released and each
-/// axis is set to 0.
+/// Each key that is down is released and each axis is set to 0 when tracking is lost, the layout changes or
+/// the session ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum EventKind {
@@ -127,12 +127,12 @@ named_enum! {
 }
 
 impl Axis {
-    /// Whether it belongs to a gamepad, otherwise to a 6-DoF device.
+    /// Returns whether it belongs to a gamepad, otherwise to a 6-DoF device.
     pub const fn is_gamepad(self) -> bool {
         self.index() < Self::MoveX.index()
     }
 
-    /// Whether its range is 0..=1 instead of −1..=1.
+    /// Returns whether its range is 0..=1 instead of −1..=1.
     pub const fn is_trigger(self) -> bool {
         matches!(self, Self::LeftTrigger | Self::RightTrigger)
     }

@@ -20,8 +20,8 @@ pub struct Radio {
 pub struct RadioOption {
     /// The target that is pressed.
     pub target: TargetId,
-    /// What it emits in addition to its value. A [`ToggleOutput::Tap`] is tapped only when the option
-    /// switches on.
+    /// The events in addition to its value. A [`ToggleOutput::Tap`] is tapped only when the option switches
+    /// on.
     pub output: ToggleOutput,
 }
 

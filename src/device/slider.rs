@@ -24,9 +24,9 @@ pub struct Slider {
     pub steps: Option<u16>,
     /// The value at the start, 0..=1.
     pub initial: f32,
-    /// Whether it returns to `initial` when it is released. Its axis must be 0 there.
+    /// True if it returns to `initial` when it is released. Its axis must be 0 there.
     pub springs_back: bool,
-    /// What its value emits.
+    /// The events for its value.
     pub output: ValueOutput,
 }
 

@@ -13,11 +13,11 @@ use crate::time::Timestamp;
 pub struct Toggle {
     /// The target that is pressed.
     pub target: TargetId,
-    /// What it emits in addition to its value.
+    /// The events in addition to its value.
     pub output: ToggleOutput,
 }
 
-/// What a switch emits in addition to [`EventKind::Value`], 1 for on and 0 for off.
+/// The events of a switch in addition to [`EventKind::Value`], 1 for on and 0 for off.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ToggleOutput {
     /// Nothing else.

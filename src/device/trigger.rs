@@ -24,22 +24,22 @@ pub struct Trigger {
     pub target: TargetId,
     /// The hand; `None` for both hands, each on its own.
     pub side: Option<Side>,
-    /// What it measures.
+    /// The measurement.
     pub measure: Measure,
-    /// Where it switches on, in radians or metres.
+    /// The measurement at which it switches on, in radians or metres.
     pub on: f32,
-    /// Where it switches off, in radians or metres; not equal to `on`.
+    /// The measurement at which it switches off, in radians or metres; not equal to `on`.
     pub off: f32,
     /// The measurements for the values 0 and 1, in radians or metres. The value is
     /// `clamp((measurement − first) / (second − first), 0, 1)`. `None`: the value is 1 while it is on, else 0.
     pub range: Option<(f32, f32)>,
     /// The action that is held while it is on.
     pub action: Option<KeyAction>,
-    /// What its value emits.
+    /// The events for its value.
     pub output: ValueOutput,
 }
 
-/// What a trigger measures.
+/// The measurement of a trigger.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// A joint angle, in radians.

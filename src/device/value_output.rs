@@ -1,4 +1,4 @@
-//! What the value of a slider, knob, lever or trigger emits.
+//! The events for the value of a slider, knob, lever or trigger.
 
 use super::{Axis, Capabilities, Capability, DeviceOutput, EventKind, KeyAction, PressSource};
 use crate::contact::TargetId;
@@ -7,7 +7,7 @@ use crate::time::Timestamp;
 /// One detent of the wheel, in the units of [`EventKind::Scroll`].
 const DETENT: f32 = 120.0;
 
-/// What a value of 0..=1 emits in addition to [`EventKind::Value`].
+/// The events for a value of 0..=1 in addition to [`EventKind::Value`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ValueOutput {
     /// Nothing else.
@@ -86,7 +86,7 @@ impl ValueEmitter {
         Self { rest, ..self }
     }
 
-    /// Whether it returns to a rest value on release.
+    /// Returns whether it returns to a rest value on release.
     pub(super) fn springs_back(&self) -> bool {
         self.rest.is_some()
     }

@@ -32,7 +32,7 @@ impl KeyAction {
         }
     }
 
-    /// Whether it presses a key, not only a button, or types a text.
+    /// Returns whether it presses a key, not only a button, or types a text.
     pub const fn is_typing(self) -> bool {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => matches!(code.kind(), KeyKind::Keyboard),
@@ -46,7 +46,7 @@ impl KeyAction {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TextId(pub u16);
 
-/// How long a modifier or layer stays active.
+/// The duration for which a modifier or layer stays active.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Latch {
     /// While its key is pressed.

@@ -102,7 +102,7 @@ impl KeyArbiter {
         pressed.or(latched).unwrap_or(0)
     }
 
-    /// Whether an action is pressed.
+    /// Returns whether an action is pressed.
     pub fn is_pressed(&self, action: KeyAction) -> bool {
         self.presses.iter().any(|press| press.action == action)
     }
@@ -118,7 +118,7 @@ impl KeyArbiter {
         std::mem::take(&mut self.dropped_presses)
     }
 
-    /// Whether a source presses anything.
+    /// Returns whether a source presses anything.
     pub fn has_press_from(&self, source: PressSource) -> bool {
         self.presses.iter().any(|press| press.source == source)
     }
@@ -128,8 +128,8 @@ impl KeyArbiter {
         self.time
     }
 
-    /// Whether a press fits: after it and its modifiers there must be room to release everything that is
-    /// down. This is why a press may be dropped and a release never is.
+    /// Returns whether a press fits: after it and its modifiers there must be room to release everything
+    /// that is down. This is why a press may be dropped and a release never is.
     pub fn has_room(&self, events: &Events) -> bool {
         let max_pressed = self.pressed_keys.len() + 1 + MODIFIER_COUNT;
         !self.presses.is_full() && events.remaining_capacity() >= 1 + MODIFIER_COUNT + max_pressed

@@ -13,16 +13,16 @@ pub struct KeyBinding {
     /// The action in each layer, base layer first. In a layer that is `None` or beyond the end of the list,
     /// the action of the base layer applies.
     pub actions: Vec<Option<KeyAction>>,
-    /// Whether the depth of the press is emitted as well.
+    /// True if the depth of the press is emitted as well.
     pub reports_depth: bool,
-    /// When the action fires.
+    /// The moment at which the action fires.
     pub activation: Activation,
     /// Time after a release during which presses are ignored, by the times of the touches. Zero accepts
     /// every press.
     pub debounce: Duration,
 }
 
-/// When a key fires its action.
+/// The moment at which a key fires its action.
 ///
 /// [`OnRelease`](Self::OnRelease) and [`TapHold`](Self::TapHold) apply to [`KeyAction::Key`], texts and
 /// commands; other actions are active from the press on. The action is chosen at the press, and emits
@@ -35,8 +35,8 @@ pub enum Activation {
     OnRelease,
     /// At the release as a tap, or after a time as a hold.
     TapHold(TapHold),
-    /// When a fingertip has touched the key for this time, at any depth, once per contact: the action of the
-    /// layer active at that moment is tapped. Presses have no effect.
+    /// After a fingertip has touched the key for this time, at any depth, once per contact: taps the action of
+    /// the layer active at that moment. Presses have no effect.
     Dwell(Duration),
 }
 

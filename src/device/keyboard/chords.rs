@@ -113,7 +113,7 @@ impl Chords {
         });
     }
 
-    /// Whether the press of a touch is gathered, or would be if it began now.
+    /// Returns whether the press of a touch is gathered, or would be if it began now.
     pub(super) fn is_or_would_be_gathered(&self, touch: &Touch, source: PressSource) -> bool {
         let is_pressed = self.pressed.iter().any(|chord| chord.has_finger(source));
         self.chord_keys.get(touch.target).is_some() && !is_pressed
@@ -138,7 +138,7 @@ impl Chords {
         Some(self.gathered.first()?.touch.time + self.window)
     }
 
-    /// Whether a chord exists that contains all gathered keys and more.
+    /// Returns whether a chord exists that contains all gathered keys and more.
     fn may_grow(&self) -> bool {
         let gathered = self.gathered_keys();
         let is_larger = |set: KeySet| set & gathered == gathered && set != gathered;

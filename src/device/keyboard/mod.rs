@@ -46,7 +46,7 @@ pub struct Keyboard {
 /// The touches of a step, in the order in which they are handled; the index keeps the order of ties.
 type SortedTouches<'a> = ArrayVec<(Turn, Timestamp, usize, &'a Touch), MAX_TOUCHES>;
 
-/// When in a step a touch is handled.
+/// The position of a touch in the order of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Turn {
     ReleaseOfEarlierStep,

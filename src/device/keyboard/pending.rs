@@ -43,7 +43,7 @@ impl PendingPress {
     }
 }
 
-/// Whether an action only has an effect while it is pressed, so that it cannot be pending.
+/// Returns whether an action only has an effect while it is pressed, so that it cannot be pending.
 fn is_active_while_pressed(action: KeyAction) -> bool {
     !matches!(
         action,
@@ -61,12 +61,12 @@ fn momentary(action: KeyAction) -> KeyAction {
 }
 
 impl Keyboard {
-    /// Whether a press from this source is pending.
+    /// Returns whether a press from this source is pending.
     pub(super) fn is_pending(&self, source: PressSource) -> bool {
         self.pending.iter().any(|press| press.source == source)
     }
 
-    /// Whether the press of a touch is pending, or would be if it began now.
+    /// Returns whether the press of a touch is pending, or would be if it began now.
     pub(super) fn is_or_would_be_pending(&self, touch: &Touch, out: &DeviceOutput) -> bool {
         let source = PressSource::from_touch(touch);
         let binding = self.binding(touch.target);

@@ -34,7 +34,7 @@ pub struct Knob {
     pub steps: Option<u16>,
     /// The value at the start; 0..=1 for a limited range.
     pub initial: f32,
-    /// What its value emits.
+    /// The events for its value.
     pub output: ValueOutput,
 }
 

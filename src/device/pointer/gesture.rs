@@ -118,7 +118,7 @@ impl GestureDetector {
         self.0 == State::On
     }
 
-    /// Whether the gesture may be about to begin, or has just ended.
+    /// Returns whether the gesture may be about to begin, or has just ended.
     pub(super) fn is_near(&self) -> bool {
         matches!(self.0, State::Near(_))
     }

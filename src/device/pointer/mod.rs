@@ -94,7 +94,7 @@ impl Pointer {
         }
     }
 
-    /// Whether this hand is the one that points.
+    /// Returns whether this hand is the one that points.
     fn is_pointing_hand(&mut self, side: Side) -> bool {
         let configured = self.screen.as_ref().and_then(|it| it.settings.side);
         side == configured.unwrap_or(*self.side.get_or_insert(side))
@@ -163,7 +163,7 @@ impl ScreenPointer {
         self.cursor.emit(time, out);
     }
 
-    /// Whether the cursor stays, however the hand moves.
+    /// Returns whether the cursor stays, however the hand moves.
     fn is_held(&mut self, delta: Vec3, out: &DeviceOutput) -> bool {
         let is_pressing = self.gestures.is_pressing();
         if !is_pressing {

@@ -66,7 +66,7 @@ pub(super) struct Selector {
     /// The last position of the cursor in each space.
     before: Vec<Option<Vec3>>,
     time: Timestamp,
-    /// Whether the cursor has been outside all targets.
+    /// True if the cursor has been outside all targets.
     is_armed: bool,
     selected: Option<Selected>,
     /// A target whose unselect event is not emitted yet.
@@ -143,7 +143,7 @@ impl Selector {
         }
     }
 
-    /// Whether the cursor is outside all targets.
+    /// Returns whether the cursor is outside all targets.
     fn is_clear(&self, cursor: CursorPoint, pose: &HandPose) -> bool {
         self.spaces.iter().all(|space| {
             let point = cursor.in_space(space, pose);

@@ -70,7 +70,7 @@ pub enum CursorOutput {
     None,
 }
 
-/// How a click is made.
+/// The way in which a click is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClickMethod {
     /// A gesture; the action is held while it is on.

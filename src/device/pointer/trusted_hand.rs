@@ -19,7 +19,7 @@ impl<'a> TrustedHand<'a> {
         Self { input, untrusted }
     }
 
-    /// Whether the hand was re-acquired: its path since the last step is unknown.
+    /// Returns whether the hand was re-acquired: its path since the last step is unknown.
     pub(super) fn jumped(&self) -> bool {
         self.input.pose.jumped
     }

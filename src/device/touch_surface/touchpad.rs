@@ -37,7 +37,7 @@ pub struct TouchpadSettings {
     pub acceleration: f32,
     /// Scroll distance of two fingers, in detents per metre.
     pub detents_per_m: f32,
-    /// Whether the content moves with the fingers (natural scrolling), instead of the view.
+    /// True if the content moves with the fingers (natural scrolling), instead of the view.
     pub natural_scrolling: bool,
 }
 
@@ -52,9 +52,9 @@ pub(super) struct Touchpad {
     began: Timestamp,
     max_fingers: usize,
     has_moved: bool,
-    /// Whether a finger slid off or was lost: the rest of the gesture has no effect.
+    /// True if a finger slid off or was lost: the rest of the gesture has no effect.
     is_cancelled: bool,
-    /// Whether the gesture began soon after a click.
+    /// True if the gesture began soon after a click.
     may_drag: bool,
     is_dragging: bool,
     last_click: Option<Timestamp>,
