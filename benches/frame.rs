@@ -323,6 +323,7 @@ fn f_keyboard(bencher: Bencher) {
         let mut out = DeviceOutput {
             arbiter: &mut switchboard,
             events: &mut events,
+            commands: &mut ademan::device::TimedCommands::new(),
         };
         keyboard.update(&seen, &mut out);
         black_box(&events);

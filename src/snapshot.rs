@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::capture::{Reading, SourceStats};
 use crate::contact::{TargetNames, Touches};
-use crate::device::Events;
+use crate::device::{Events, TimedCommands};
 use crate::estimate::{JointAngles, Rejection};
 use crate::kinematics::HandPose;
 use crate::names::named_enum;
@@ -47,6 +47,8 @@ pub struct Snapshot {
     pub touches: Touches,
     /// What went out.
     pub events: Events,
+    /// The commands of the devices.
+    pub commands: TimedCommands,
     /// The account so far.
     pub stats: Stats,
 }

@@ -56,8 +56,7 @@ impl Capability {
             EventKind::Depth(..)
             | EventKind::Value(..)
             | EventKind::Select(_)
-            | EventKind::Unselect(_)
-            | EventKind::Ask(_) => return None,
+            | EventKind::Unselect(_) => return None,
         })
     }
 }

@@ -1,9 +1,10 @@
-//! 5 · [`HandPose`] + [`Touches`](crate::contact::Touches) → [`OutputEvent`], [`Request`].
+//! 5 · [`HandPose`] + [`Touches`](crate::contact::Touches) → [`OutputEvent`], [`TimedCommand`].
 //!
 //! One file or folder per kind of control. All devices of a layout share one [`KeyArbiter`].
 
 use arrayvec::ArrayVec;
 
+use crate::command::Command;
 use crate::contact::surface::Scene;
 use crate::contact::{TargetId, Touch};
 use crate::estimate::JointAngles;
@@ -72,28 +73,22 @@ pub enum EventKind {
     Select(TargetId),
     /// End of the selection of a target.
     Unselect(TargetId),
-    /// A request to the session.
-    Ask(Request),
 }
 
-/// A request of a control to the session.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Request {
-    /// Toggles the pause.
-    Pause,
-    /// Activates another layout of the setup, by its index.
-    Profile(u8),
-    /// Activates the next layout of the setup, and the first one after the last.
-    NextProfile,
-    /// Moves the boards to the hand.
-    Recenter,
-    /// Moves the boards to the right, up and towards the wearer, in micrometres.
-    Nudge([i32; 3]),
-    /// Raises the far edges of the boards, in thousandths of a degree.
-    Tilt(i32),
-    /// Scales the boards, in thousandths. The session builds the new boards outside the pipeline.
-    Scale(u16),
+/// A command that a device issues.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimedCommand {
+    /// The time of the press or gesture that issues it.
+    pub time: Timestamp,
+    /// The command itself.
+    pub command: Command,
 }
+
+/// The commands of one step, in order.
+///
+/// Each command needs a press or a gesture of its own, and a hand has five fingertips; further commands of
+/// the same step are dropped.
+pub type TimedCommands = ArrayVec<TimedCommand, 8>;
 
 named_enum! {
     /// An axis of a gamepad or of a 6-DoF device. X points to the right; Y points up on a stick and away
@@ -165,15 +160,29 @@ pub struct DeviceOutput<'a> {
     pub arbiter: &'a mut KeyArbiter,
     /// The events of this step.
     pub events: &'a mut Events,
+    /// The commands of this step.
+    pub commands: &'a mut TimedCommands,
 }
 
 impl DeviceOutput<'_> {
     /// Starts a press and emits its events, see [`KeyArbiter::press`]. Returns `false`, and has no effect, if
-    /// there is no room.
+    /// there is no room. A [`KeyAction::Command`] is issued even if the event list is full, so that a full
+    /// list cannot suppress a pause.
     pub fn press(&mut self, source: PressSource, action: KeyAction, time: Timestamp) -> bool {
+        let is_issued = match action {
+            KeyAction::Command(command) => self.issue(time, command),
+            _ => false,
+        };
         let is_pressed = self.arbiter.press(source, action, time, self.events);
         self.arbiter.emit_changes(time, self.events);
-        is_pressed
+        is_issued || is_pressed
+    }
+
+    /// Issues a command. Returns `false` if there is no room.
+    pub fn issue(&mut self, time: Timestamp, command: Command) -> bool {
+        self.commands
+            .try_push(TimedCommand { time, command })
+            .is_ok()
     }
 
     /// Ends the press of a source.

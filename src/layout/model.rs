@@ -11,6 +11,7 @@ use super::controls::{self, Control};
 use super::outline::Outline;
 use super::placement::BoardShape;
 use super::{builder, ranged};
+use crate::command::Command;
 use crate::contact::TargetId;
 use crate::contact::TargetNames;
 use crate::contact::board_pose::AutoRecenter;
@@ -18,7 +19,7 @@ use crate::contact::surface::Scene;
 use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold};
 use crate::device::pointer::PointerSettings;
 use crate::device::trigger::Trigger;
-use crate::device::{Capabilities, KeyAction, Request, TextId, VirtualDevice};
+use crate::device::{Capabilities, KeyAction, TextId, VirtualDevice};
 use crate::document::DocumentError;
 use crate::document::{self, Document};
 use crate::hand::Side;
@@ -54,7 +55,7 @@ pub struct Layout {
     /// Names of the layers, [`BASE_LAYER`] first.
     pub layers: Vec<String>,
     /// The names of other layouts of the setup that keys put in force, in the order of
-    /// [`Request::Profile`]'s places.
+    /// Named by [`Command::Profile`].
     pub profiles: Vec<String>,
     /// The texts that keys write, in the order of their [`TextId`]s.
     pub texts: Vec<String>,
@@ -328,12 +329,7 @@ pub(super) fn label<'a>(action: KeyAction, layers: &'a [String], texts: &'a [Str
         KeyAction::Key(code) | KeyAction::Modifier(code, _) => code.label(),
         KeyAction::Layer(layer, _) => of(layers, layer),
         KeyAction::Text(TextId(text)) => of(texts, text.into()),
-        KeyAction::Ask(Request::Pause) => "Pause",
-        KeyAction::Ask(Request::Profile(_) | Request::NextProfile) => "Profile",
-        KeyAction::Ask(Request::Recenter) => "Centre",
-        KeyAction::Ask(Request::Nudge(_)) => "Move",
-        KeyAction::Ask(Request::Tilt(_)) => "Tilt",
-        KeyAction::Ask(Request::Scale(_)) => "Size",
+        KeyAction::Command(command) => command_label(command),
         KeyAction::Clutch => "Clutch",
         KeyAction::Precision => "Slow",
     }
@@ -347,4 +343,21 @@ pub(super) fn metres(millimetres: f64) -> f32 {
 /// A place of a file in metres.
 pub(super) fn metres2((x, y): (ranged::Distance, ranged::Distance)) -> Vec2 {
     Vec2::new(metres(x.get()), metres(y.get()))
+}
+
+/// Returns the label of a key that issues a command.
+const fn command_label(command: Command) -> &'static str {
+    match command {
+        Command::Pause | Command::TogglePause => "Pause",
+        Command::Resume => "Resume",
+        Command::Profile { .. } | Command::NextProfile => "Profile",
+        Command::Recenter => "Center",
+        Command::Nudge { .. } => "Move",
+        Command::Tilt { .. } => "Tilt",
+        Command::Scale { .. } => "Size",
+        Command::Save => "Save",
+        Command::Reload => "Reload",
+        Command::State => "State",
+        Command::Stop => "Stop",
+    }
 }

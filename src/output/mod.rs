@@ -6,7 +6,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use crate::contact::TargetNames;
-use crate::device::{Capabilities, OutputEvent};
+use crate::device::{Capabilities, OutputEvent, TimedCommand};
 use crate::names::UnknownName;
 use watchdog::WatchdogSettings;
 
@@ -69,6 +69,11 @@ pub trait Sink: Send {
     /// down of a key and an up of what is not down.
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError>;
 
+    /// Logs the commands of a step, before its events are sent. Only outputs that keep a log use it.
+    fn log_commands(&mut self, _: &[TimedCommand]) -> Result<(), OutputError> {
+        Ok(())
+    }
+
     /// What it can carry; the rest is not sent to it where there is another output.
     fn kind(&self) -> OutputKind {
         OutputKind::All
@@ -96,6 +101,10 @@ pub trait Sink: Send {
 impl Sink for Box<dyn Sink> {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
         (**self).send(events)
+    }
+
+    fn log_commands(&mut self, commands: &[TimedCommand]) -> Result<(), OutputError> {
+        (**self).log_commands(commands)
     }
 
     fn kind(&self) -> OutputKind {

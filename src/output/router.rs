@@ -3,7 +3,7 @@
 use super::reach::{OutputKind, route};
 use super::{OutputError, Sink};
 use crate::contact::TargetNames;
-use crate::device::{Capability, EventKind, Events, OutputEvent};
+use crate::device::{Capability, EventKind, Events, OutputEvent, TimedCommand};
 
 /// Sends each kind of action to the first of its outputs that can carry it.
 ///
@@ -58,6 +58,10 @@ impl Sink for Router {
             outcome = outcome.and(sink.send(&self.part));
         }
         outcome
+    }
+
+    fn log_commands(&mut self, commands: &[TimedCommand]) -> Result<(), OutputError> {
+        self.each(|sink| sink.log_commands(commands))
     }
 
     fn set_target_names(&mut self, names: &TargetNames) {

@@ -18,7 +18,7 @@ use super::axis_state::AxisState;
 use super::pressed_keys::PressedKeys;
 use super::{OutputError, OutputKind, Sink};
 use crate::contact::TargetNames;
-use crate::device::{EventKind, OutputEvent, Request};
+use crate::device::{EventKind, OutputEvent, TimedCommand, TimedCommands};
 use crate::time::Timestamp;
 
 /// An output that writes one line per event and is flushed after each frame.
@@ -32,6 +32,8 @@ pub struct Transcript<W: Write + Send> {
     held: PressedKeys,
     deflected: AxisState,
     last: Timestamp,
+    /// The commands logged since the last call of `send`.
+    commands: TimedCommands,
     failed: bool,
 }
 
@@ -45,8 +47,17 @@ impl<W: Write + Send> Transcript<W> {
             held: PressedKeys::default(),
             deflected: AxisState::default(),
             last: Timestamp::default(),
+            commands: TimedCommands::new(),
             failed: false,
         }
+    }
+
+    fn write_commands(&mut self) -> io::Result<()> {
+        for command in std::mem::take(&mut self.commands) {
+            self.last = self.last.max(command.time);
+            writeln!(self.writer, "{}", CommandLine(&command))?;
+        }
+        Ok(())
     }
 
     fn write(&mut self, event: &OutputEvent) -> io::Result<()> {
@@ -99,13 +110,20 @@ impl<W: Write + Send> Transcript<W> {
 
 impl<W: Write + Send> Sink for Transcript<W> {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
-        let mut outcome = Ok(());
+        let mut outcome = self.write_commands();
         for event in events {
             outcome = outcome.and_then(|()| self.write(event));
         }
         outcome
             .and_then(|()| self.writer.flush())
             .map_err(|error| self.failure(&error))
+    }
+
+    fn log_commands(&mut self, commands: &[TimedCommand]) -> Result<(), OutputError> {
+        // Written by `send`: the releases of the other outputs must not wait for the writer.
+        let room = self.commands.remaining_capacity();
+        self.commands.extend(commands.iter().take(room).copied());
+        Ok(())
     }
 
     fn kind(&self) -> OutputKind {
@@ -137,9 +155,8 @@ pub struct EventLine<'a>(pub &'a OutputEvent, pub &'a TargetNames);
 
 impl fmt::Display for EventLine<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Timestamp(micros) = self.0.time;
         let name = |target| self.1.get(target);
-        write!(f, "{:>8}.{:03} ", micros / 1_000, micros % 1_000)?;
+        write_time(f, self.0.time)?;
         match self.0.kind {
             EventKind::KeyDown(key) => write!(f, "down {key}"),
             EventKind::KeyUp(key) => write!(f, "up   {key}"),
@@ -152,17 +169,24 @@ impl fmt::Display for EventLine<'_> {
             EventKind::Value(target, value) => write!(f, "value {} {value:.3}", name(target)),
             EventKind::Select(target) => write!(f, "select {}", name(target)),
             EventKind::Unselect(target) => write!(f, "unselect {}", name(target)),
-            EventKind::Ask(Request::Pause) => f.write_str("pause"),
-            EventKind::Ask(Request::Profile(place)) => write!(f, "profile {place}"),
-            EventKind::Ask(Request::NextProfile) => f.write_str("next profile"),
-            EventKind::Ask(Request::Recenter) => f.write_str("recentre"),
-            EventKind::Ask(Request::Nudge([x, y, z])) => write!(f, "nudge {x:+} {y:+} {z:+} µm"),
-            EventKind::Ask(Request::Scale(factor)) => {
-                write!(f, "scale {:.3}", f64::from(factor) / 1e3)
-            }
-            EventKind::Ask(Request::Tilt(by)) => write!(f, "tilt {:+.1}°", f64::from(by) / 1e3),
         }
     }
+}
+
+/// A command as a line of a transcript, without the line end.
+#[derive(Clone, Copy, Debug)]
+pub struct CommandLine<'a>(pub &'a TimedCommand);
+
+impl fmt::Display for CommandLine<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_time(f, self.0.time)?;
+        write!(f, "{}", self.0.command)
+    }
+}
+
+/// Writes a time in milliseconds, as the first column of a line.
+fn write_time(f: &mut fmt::Formatter<'_>, Timestamp(micros): Timestamp) -> fmt::Result {
+    write!(f, "{:>8}.{:03} ", micros / 1_000, micros % 1_000)
 }
 
 #[cfg(test)]

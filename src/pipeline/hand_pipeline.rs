@@ -2,6 +2,7 @@
 
 use super::StepOutput;
 use crate::contact::Touches;
+use crate::device::TimedCommands;
 use crate::estimate::{Estimate, Estimator, JointAngles};
 use crate::hand::Side;
 use crate::kinematics::ArmModel;
@@ -33,6 +34,7 @@ impl Hand {
                 estimate,
                 pose: arm.forward(&estimate),
                 touches: Touches::new(),
+                commands: TimedCommands::new(),
             },
             estimator,
             arm,

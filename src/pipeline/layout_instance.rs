@@ -2,11 +2,13 @@
 
 use super::StepOutput;
 use super::auto_recenter::Drifting;
+use crate::command::ProfileName;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
 use crate::contact::{ContactTracker, TargetNames, Touches};
 use crate::device::{
-    DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, OutputEvent, VirtualDevice,
+    DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, OutputEvent, TimedCommands,
+    VirtualDevice,
 };
 use crate::hand::Side;
 use crate::kinematics::HandPose;
@@ -46,8 +48,8 @@ pub struct LayoutInstance {
     trackers: [ContactTracker; Side::COUNT],
     switchboard: KeyArbiter,
     devices: Vec<Box<dyn VirtualDevice>>,
-    /// Which layout of the setup each place of a [`Request::Profile`](crate::device::Request) means.
-    profiles: Vec<usize>,
+    /// The layouts of the setup that its keys activate, by name and index.
+    profiles: Vec<(ProfileName, usize)>,
     pub(super) drifting: Drifting,
 }
 
@@ -77,10 +79,10 @@ impl LayoutInstance {
         }
     }
 
-    /// The same with the layouts of the setup that its keys put in force: place `i` of a
-    /// [`Request::Profile`](crate::device::Request) means layout `profiles[i]`.
+    /// Sets the layouts of the setup that its keys activate: the name in
+    /// [`Command::Profile`](crate::command::Command::Profile) and the index in the setup.
     #[must_use]
-    pub fn with_profiles(self, profiles: Vec<usize>) -> Self {
+    pub fn with_profiles(self, profiles: Vec<(ProfileName, usize)>) -> Self {
         Self { profiles, ..self }
     }
 
@@ -101,9 +103,10 @@ impl LayoutInstance {
         &self.names
     }
 
-    /// The layout of the setup that the place in a request means.
-    pub(super) fn profile(&self, place: u8) -> Option<usize> {
-        self.profiles.get(usize::from(place)).copied()
+    /// Returns the index of the layout of the setup with a name.
+    pub(super) fn profile(&self, name: &str) -> Option<usize> {
+        let mut profiles = self.profiles.iter();
+        profiles.find_map(|(other, index)| (other.as_str() == name).then_some(*index))
     }
 
     /// Follows the fingertips of one hand.
@@ -127,7 +130,7 @@ impl LayoutInstance {
     /// dropped; how many that were.
     pub(super) fn update(
         &mut self,
-        frame: &StepOutput,
+        frame: &mut StepOutput,
         only_point: [bool; Side::COUNT],
         events: &mut Events,
     ) -> u64 {
@@ -141,6 +144,7 @@ impl LayoutInstance {
         let mut out = DeviceOutput {
             arbiter: &mut self.switchboard,
             events,
+            commands: &mut frame.commands,
         };
         let first = out.events.len();
         for device in &mut self.devices {
@@ -162,6 +166,7 @@ impl LayoutInstance {
         let mut out = DeviceOutput {
             arbiter: &mut self.switchboard,
             events,
+            commands: &mut TimedCommands::new(),
         };
         for device in &mut self.devices {
             device.release_all(time, &mut out);

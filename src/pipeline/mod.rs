@@ -20,9 +20,10 @@ use self::board_move::Move;
 use self::hand_pipeline::Hand;
 use self::output_gate::Gate;
 use crate::capture::Reading;
+use crate::command::Command;
 use crate::contact::board_pose::BoardPose;
 use crate::contact::{TargetNames, Touches};
-use crate::device::{EventKind, Events, OutputEvent, Request};
+use crate::device::{Events, TimedCommands};
 use crate::estimate::{Estimate, Estimator, Rejection};
 use crate::hand::Side;
 use crate::kinematics::{ArmModel, HandPose};
@@ -67,6 +68,8 @@ pub struct StepOutput {
     pub pose: HandPose,
     /// What the fingertips did.
     pub touches: Touches,
+    /// The commands of the devices, whether the pipeline executed them or left them to the session.
+    pub commands: TimedCommands,
 }
 
 /// The way from a reading to events.
@@ -163,7 +166,9 @@ impl Pipeline {
             estimate,
             pose,
             touches,
+            commands,
         } = &mut hand.frame;
+        commands.clear();
         *estimate = applied;
         *pose = hand.arm.forward(estimate);
         controls.touch(pose, touches);
@@ -175,13 +180,13 @@ impl Pipeline {
             let first = events.len();
             let only_point = self.only_point();
             let controls = &mut self.profiles[self.profile];
-            let dropped = controls.update(&self.hands[place].frame, only_point, events);
+            let dropped = controls.update(&mut self.hands[place].frame, only_point, events);
             self.gate.count_keys(dropped);
             controls.drift(&self.hands[place].frame.pose);
             if !self.gate.pass(place, first, events) {
                 self.pause(events);
             }
-            self.take_requests(events);
+            self.execute_commands(place, events);
         } else if self.is_paused {
             self.listen_for_the_end_of_the_pause(place);
         }
@@ -464,47 +469,51 @@ impl Pipeline {
         }
     }
 
-    /// Does what controls asked for in this frame.
-    fn take_requests(&mut self, events: &mut Events) {
-        for place in 0..events.len() {
-            let EventKind::Ask(request) = events[place].kind else {
-                continue;
-            };
-            match request {
-                Request::Profile(named) => {
-                    if let Some(profile) = self.profiles[self.profile].profile(named) {
+    /// Executes the commands of a step that concern the pipeline; the session executes the others.
+    fn execute_commands(&mut self, place: usize, events: &mut Events) {
+        for issued in self.hands[place].frame.commands.clone() {
+            match issued.command {
+                Command::Profile { name } => {
+                    if let Some(profile) = self.profiles[self.profile].profile(&name) {
                         self.switch_profile(profile, events);
                     }
                 }
-                Request::NextProfile => {
+                Command::NextProfile => {
                     self.switch_profile((self.profile + 1) % self.profiles.len(), events);
                 }
-                Request::Pause => self.pause(events),
-                // Where it cannot be done the boards stay: nobody waits for an answer.
-                Request::Recenter => {
+                // A step that executes commands is running, so the toggle pauses.
+                Command::Pause | Command::TogglePause => self.pause(events),
+                // A command that cannot be executed has no effect: nobody waits for a reply.
+                Command::Recenter => {
                     let _ = self.recenter(events);
                 }
-                Request::Nudge(micrometres) => {
-                    let by = micrometres.map(|length| length as f32 * 1e-6);
-                    let _ = self.nudge(Vec3::from_array(by), events);
+                Command::Nudge { x_mm, y_mm, z_mm } => {
+                    let _ = self.nudge(Vec3::new(x_mm, y_mm, z_mm) * 1e-3, events);
                 }
-                // The engine has no other boards: whoever looks after the layout builds them.
-                Request::Scale(_) => {}
-                Request::Tilt(millidegrees) => {
-                    let _ = self.tilt((millidegrees as f32 * 1e-3).to_radians(), events);
+                Command::Tilt { deg } => {
+                    let _ = self.tilt(deg.to_radians(), events);
                 }
+                Command::Resume
+                | Command::State
+                | Command::Scale { .. }
+                | Command::Save
+                | Command::Reload
+                | Command::Stop => {}
             }
         }
     }
 
-    /// In a pause the controls are played as ever, for nothing: only the one that ends it counts.
+    /// Updates the devices in a pause without emitting their events: only the command that ends the pause is
+    /// executed.
     fn listen_for_the_end_of_the_pause(&mut self, place: usize) {
         let mut unheard = Events::new();
         let only_point = self.only_point();
         let controls = &mut self.profiles[self.profile];
-        controls.update(&self.hands[place].frame, only_point, &mut unheard);
-        let is_end = |event: &OutputEvent| event.kind == EventKind::Ask(Request::Pause);
-        if unheard.iter().any(is_end) {
+        let frame = &mut self.hands[place].frame;
+        controls.update(frame, only_point, &mut unheard);
+        let mut commands = std::mem::take(&mut frame.commands).into_iter();
+        let is_end = |command| matches!(command, Command::TogglePause | Command::Resume);
+        if commands.any(|issued| is_end(issued.command)) {
             self.resume();
         }
     }

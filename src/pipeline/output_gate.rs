@@ -203,7 +203,7 @@ impl Gate {
 mod tests {
     use super::*;
     use crate::contact::TargetId;
-    use crate::device::{Axis, Request};
+    use crate::device::Axis;
 
     fn event(milliseconds: u64, line: &str) -> OutputEvent {
         let (what, name) = line.split_once(' ').unwrap();
@@ -366,7 +366,6 @@ mod tests {
             EventKind::Value(target, 1.0),
             EventKind::Select(target),
             EventKind::Unselect(target),
-            EventKind::Ask(Request::Pause),
         ];
         for role in SourceRole::ALL {
             let nothing = Suppressed::default();

@@ -16,7 +16,7 @@ use crate::capture::{
     CaptureError, CaptureEvent, CaptureThread, Reading, Source, SourceStats, spawn,
 };
 use crate::contact::{TargetNames, Touches};
-use crate::device::Events;
+use crate::device::{Events, TimedCommands};
 use crate::output::{OutputError, Sink};
 use crate::pipeline::{LayoutInstance, Pipeline, StepOutput};
 use crate::snapshot::{Snapshot, Stats};
@@ -272,6 +272,11 @@ impl SessionLoop<'_> {
         if frame.is_some() {
             self.fed_at = Some(arrived);
         }
+        if let Some(frame) = &frame
+            && !frame.commands.is_empty()
+        {
+            self.sink.0.log_commands(&frame.commands)?;
+        }
         self.deliver()?;
         if !self.events.is_empty() {
             self.latency_ns
@@ -425,9 +430,14 @@ impl SessionLoop<'_> {
 
     /// Shows what happened, and takes note when another layout is in force from now on.
     fn show(&mut self, reading: Option<Reading>, frame: Option<StepOutput>) {
-        let (angles, pose, touches) = match frame {
-            Some(frame) => (Some(frame.estimate.angles), Some(frame.pose), frame.touches),
-            None => (None, None, Touches::new()),
+        let (angles, pose, touches, commands) = match frame {
+            Some(frame) => (
+                Some(frame.estimate.angles),
+                Some(frame.pose),
+                frame.touches,
+                frame.commands,
+            ),
+            None => (None, None, Touches::new(), TimedCommands::new()),
         };
         let snapshot = Snapshot {
             state: self.pipeline.state(),
@@ -439,6 +449,7 @@ impl SessionLoop<'_> {
             pose,
             touches,
             events: self.events.clone(),
+            commands,
             stats: self.tally(),
         };
         (self.observe)(&snapshot);

@@ -5,6 +5,7 @@ use ron::ser::PrettyConfig;
 use super::{ArmSetup, OtherHand, Setup, SetupError};
 use crate::capture::recording::{RecordedSetup, Replay};
 use crate::capture::{self, MergedSource, Source, SourceUri, StreamOptions};
+use crate::command::ProfileName;
 use crate::device::Capabilities;
 use crate::document::{Document, DocumentError};
 use crate::estimate::{Estimator, EstimatorSettings};
@@ -181,7 +182,9 @@ impl LoadedSetup {
     pub fn controls(&self, layout: &Layout) -> Result<LayoutInstance, SetupError> {
         let profiles = self.places_of_profiles(layout)?;
         self.refuse_system_keys(layout)?;
-        Ok(controls(layout).with_profiles(profiles))
+        let named = layout.profiles.iter().zip(profiles);
+        let named = named.filter_map(|(name, index)| Some((ProfileName::from(name).ok()?, index)));
+        Ok(controls(layout).with_profiles(named.collect()))
     }
 
     /// A layout may ask for keys that act on the system; that they are pressed is up to the setup.

@@ -17,7 +17,7 @@ use serde::{Serialize, Serializer};
 
 use crate::capture::recording;
 use crate::contact::{Phase, TargetName, TargetNames, Touch};
-use crate::device::{Axis, EventKind, KeyCode, OutputEvent, Request};
+use crate::device::{Axis, EventKind, KeyCode, OutputEvent};
 use crate::estimate::JointAngles;
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
@@ -224,13 +224,6 @@ enum ActionForm<'a> {
     Value { target: TargetName<'a>, value: f32 },
     Select { target: TargetName<'a> },
     Unselect { target: TargetName<'a> },
-    Pause,
-    Profile { profile: u8 },
-    NextProfile,
-    Recentre,
-    Nudge { by_mm: [f64; 3] },
-    Tilt { deg: f64 },
-    Scale { factor: f64 },
 }
 
 impl<'a> ActionForm<'a> {
@@ -257,19 +250,6 @@ impl<'a> ActionForm<'a> {
             EventKind::Unselect(target) => Self::Unselect {
                 target: names.get(target),
             },
-            EventKind::Ask(Request::Pause) => Self::Pause,
-            EventKind::Ask(Request::Profile(profile)) => Self::Profile { profile },
-            EventKind::Ask(Request::NextProfile) => Self::NextProfile,
-            EventKind::Ask(Request::Recenter) => Self::Recentre,
-            EventKind::Ask(Request::Nudge(by)) => Self::Nudge {
-                by_mm: by.map(|length| f64::from(length) / 1e3),
-            },
-            EventKind::Ask(Request::Scale(factor)) => Self::Scale {
-                factor: f64::from(factor) / 1e3,
-            },
-            EventKind::Ask(Request::Tilt(by)) => Self::Tilt {
-                deg: f64::from(by) / 1e3,
-            },
         }
     }
 }
@@ -288,7 +268,7 @@ mod tests {
     use super::*;
     use crate::capture::{Channels, Reading, Sample};
     use crate::contact::{TargetId, Touches};
-    use crate::device::Events;
+    use crate::device::{Events, TimedCommands};
     use crate::hand::{Dof, Joint};
     use crate::snapshot::{PipelineState, Stats};
     use parry3d::math::{Pose, Vec2, Vec3};
@@ -346,12 +326,8 @@ mod tests {
                 event(EventKind::Axis(Axis::LeftX, -0.5)),
                 event(EventKind::Value(TargetId(7), 0.25)),
                 event(EventKind::Select(TargetId(8))),
-                event(EventKind::Ask(Request::Profile(1))),
-                event(EventKind::Ask(Request::Pause)),
-                event(EventKind::Ask(Request::Nudge([0, -1_500, 2_000]))),
-                event(EventKind::Ask(Request::Tilt(-5_000))),
-                event(EventKind::Ask(Request::Scale(1_100))),
             ]),
+            commands: TimedCommands::new(),
             stats: Stats::default(),
         }
     }
@@ -397,11 +373,6 @@ mod tests {
                 r#"{"time_us":12400,"event":"axis","axis":"LeftX","value":-0.5}"#,
                 r#"{"time_us":12400,"event":"value","target":"key 7","value":0.25}"#,
                 r#"{"time_us":12400,"event":"select","target":8}"#,
-                r#"{"time_us":12400,"event":"profile","profile":1}"#,
-                r#"{"time_us":12400,"event":"pause"}"#,
-                r#"{"time_us":12400,"event":"nudge","by_mm":[0.0,-1.5,2.0]}"#,
-                r#"{"time_us":12400,"event":"tilt","deg":-5.0}"#,
-                r#"{"time_us":12400,"event":"scale","factor":1.1}"#,
             ],
         ];
         for (stage, expected) in Stage::ALL.iter().zip(expected) {
@@ -417,6 +388,7 @@ mod tests {
             pose: None,
             touches: Touches::new(),
             events: Events::new(),
+            commands: TimedCommands::new(),
             ..snapshot()
         };
         for stage in Stage::ALL {

@@ -63,6 +63,7 @@ fn snapshot(number: u64) -> Snapshot {
         pose: Some(pose),
         touches: Touches::from_iter([touch]),
         events: Events::from_iter([event]),
+        commands: Default::default(),
         stats: Stats::default(),
     }
 }

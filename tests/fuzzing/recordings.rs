@@ -88,6 +88,7 @@ fn snapshot(reading: &Reading) -> Snapshot {
         pose: None,
         touches: Touches::new(),
         events: Events::new(),
+        commands: Default::default(),
         stats: Stats::default(),
     }
 }

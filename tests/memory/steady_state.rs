@@ -271,6 +271,7 @@ fn update(
         &mut DeviceOutput {
             arbiter: switchboard,
             events,
+            commands: &mut ademan::device::TimedCommands::new(),
         },
     );
 }
@@ -287,6 +288,7 @@ fn release_all(
         &mut DeviceOutput {
             arbiter: switchboard,
             events,
+            commands: &mut ademan::device::TimedCommands::new(),
         },
     );
 }
@@ -402,6 +404,7 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
         let mut out = DeviceOutput {
             arbiter: &mut switchboard,
             events: &mut events,
+            commands: &mut ademan::device::TimedCommands::new(),
         };
         for device in &mut devices {
             device.update(&seen, &mut out);
@@ -568,6 +571,7 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
         let mut out = DeviceOutput {
             arbiter: &mut switchboard,
             events: &mut events,
+            commands: &mut ademan::device::TimedCommands::new(),
         };
         let seen = DeviceInput {
             scene: &layout.scene,
@@ -661,6 +665,7 @@ fn a_pointer_and_targets_in_space_allocate_nothing() {
         let mut out = DeviceOutput {
             arbiter: &mut switchboard,
             events: &mut events,
+            commands: &mut ademan::device::TimedCommands::new(),
         };
         for device in &mut devices {
             match frame % 1000 {

@@ -87,7 +87,12 @@ fn played(layout: &str, script: &Path) -> String {
     let (mut lines, mut ways, mut events) = (Vec::new(), Ways::default(), Events::new());
     while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         events.clear();
-        let _ = pipeline.step(&reading, &mut events);
+        let step = pipeline.step(&reading, &mut events);
+        let commands = step.map(|step| step.commands.clone()).unwrap_or_default();
+        for issued in &commands {
+            lines.extend(ways.finish());
+            lines.push(issued.command.to_string());
+        }
         for event in &events {
             if !ways.take(event.kind, pipeline.target_names()) {
                 lines.extend(ways.finish());

@@ -116,7 +116,11 @@ impl Wearer {
                 sample: Sample::Channels(self.shown.clone()),
             };
             let mut events = Events::new();
-            let _ = self.pipeline.step(&reading, &mut events);
+            if let Ok(step) = self.pipeline.step(&reading, &mut events) {
+                let commands = step.commands.iter();
+                let commands = commands.map(|issued| issued.command.to_string());
+                self.transcript.extend(commands);
+            }
             self.write(&events);
         }
     }
@@ -147,7 +151,6 @@ impl Wearer {
             self.transcript.push(match event.kind {
                 EventKind::KeyDown(key) => format!("+{key}"),
                 EventKind::KeyUp(key) => format!("-{key}"),
-                EventKind::Ask(request) => format!("{request:?}"),
                 other => panic!("{other:?} comes of no key"),
             });
         }
@@ -307,7 +310,7 @@ fn a_key_brings_its_board_to_the_finger_that_presses_it() {
     wearer.stay(500);
     assert_eq!(
         wearer.said(),
-        "Recentre",
+        "recenter",
         "and not C, in which the finger is"
     );
     wearer.tap("here");
@@ -511,5 +514,5 @@ fn keys_move_and_tilt_the_boards_too() {
     assert!((wearer.place().tilt - (before.tilt - 2_f32.to_radians())).abs() < 1e-6);
     wearer.tap("down");
     assert!((wearer.place().height - (before.height - 0.005)).abs() < 1e-6);
-    assert_eq!(wearer.said(), "Tilt(-2000) Nudge([0, -5000, 0])");
+    assert_eq!(wearer.said(), "tilt -2 nudge 0 -5 0");
 }

@@ -180,6 +180,7 @@ impl Judged {
             profile,
             output: self.frame.as_ref().map(Into::into),
             events: &events[first..],
+            commands: self.frame.as_ref().map_or(&[], |frame| &frame.commands),
         });
         if let Err(violation) = judgement {
             panic!("{violation}, after {cause:?}: {:?}", &events[first..]);

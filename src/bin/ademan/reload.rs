@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use ademan::command::Command;
 use ademan::device::Capabilities;
-use ademan::device::{EventKind, Request};
 use ademan::layout::Layout;
 use ademan::output;
 use ademan::session::Replacement;
@@ -84,12 +84,12 @@ impl Growth {
 
     /// Takes a frame; does not wait.
     pub fn take(&self, frame: &Snapshot) {
-        for event in &frame.events {
-            let EventKind::Ask(Request::Scale(thousandths)) = event.kind else {
+        for issued in &frame.commands {
+            let Command::Scale { factor } = issued.command else {
                 continue;
             };
             if let Some(file) = self.files.iter().find(|file| file.profile == frame.profile) {
-                let order = FileOrder::Scale(f32::from(thousandths) / 1e3);
+                let order = FileOrder::Scale(factor);
                 let answer = self.answer.clone();
                 // With so many waiting the boards grow later or not at all.
                 let _ = file.calls.try_send(FileCall { order, answer });

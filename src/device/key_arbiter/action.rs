@@ -1,6 +1,6 @@
 //! The actions of key presses.
 
-use crate::device::Request;
+use crate::command::Command;
 use crate::device::{Capability, KeyCode, KeyKind};
 
 /// The action of a key, or of any other control that can be pressed or on.
@@ -15,7 +15,7 @@ pub enum KeyAction {
     /// Types a text, once.
     Text(TextId),
     /// Sends a command to the session, once.
-    Ask(Request),
+    Command(Command),
     /// Holds the pointer still, so that the hand can move back.
     Clutch,
     /// Slows the pointer down.
@@ -28,7 +28,7 @@ impl KeyAction {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => Some(Capability::Key(code)),
             Self::Text(_) => Some(Capability::Text),
-            Self::Layer(..) | Self::Ask(_) | Self::Clutch | Self::Precision => None,
+            Self::Layer(..) | Self::Command(_) | Self::Clutch | Self::Precision => None,
         }
     }
 
@@ -37,7 +37,7 @@ impl KeyAction {
         match self {
             Self::Key(code) | Self::Modifier(code, _) => matches!(code.kind(), KeyKind::Keyboard),
             Self::Text(_) => true,
-            Self::Layer(..) | Self::Ask(_) | Self::Clutch | Self::Precision => false,
+            Self::Layer(..) | Self::Command(_) | Self::Clutch | Self::Precision => false,
         }
     }
 }

@@ -10,7 +10,7 @@ use arrayvec::ArrayVec;
 
 use self::locks::Locks;
 use self::one_shots::OneShots;
-use super::{EventKind, Events, KeyCode, OutputEvent, Request};
+use super::{EventKind, Events, KeyCode, OutputEvent};
 use crate::contact::{TargetId, Touch};
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
@@ -137,6 +137,8 @@ impl KeyArbiter {
 
     /// Starts a press. Returns `false`, and has no effect, if there is no room. The keys that it holds are
     /// emitted by the next [`emit_changes`](Self::emit_changes).
+    ///
+    /// [`KeyAction::Command`] only counts as pressed here; [`DeviceOutput`](super::DeviceOutput) issues it.
     pub fn press(
         &mut self,
         source: PressSource,
@@ -151,16 +153,12 @@ impl KeyArbiter {
             return true;
         }
         if !self.has_room(events) {
-            const PAUSE: Request = Request::Pause;
-            return action == KeyAction::Ask(PAUSE)
-                && self.emit(time, EventKind::Ask(PAUSE), events);
+            return false;
         }
-        match action {
-            KeyAction::Text(text) if !self.write(text, time, events) => return false,
-            KeyAction::Ask(request) => {
-                self.push_event(time, EventKind::Ask(request), events);
-            }
-            _ => {}
+        if let KeyAction::Text(text) = action
+            && !self.write(text, time, events)
+        {
+            return false;
         }
         let was_one_shot = self.one_shots.deactivate(action);
         let was_locked = self.locks.deactivate(action);

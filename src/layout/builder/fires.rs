@@ -102,7 +102,7 @@ impl<'a> Checked<'a> {
                 | KeyAction::Layer(_, Latch::OneShot | Latch::Lock),
                 Activation::Dwell(_),
             ) => return Ok(()),
-            (KeyAction::Key(_) | KeyAction::Text(_) | KeyAction::Ask(_), _)
+            (KeyAction::Key(_) | KeyAction::Text(_) | KeyAction::Command(_), _)
             | (_, Activation::OnPress) => return Ok(()),
             (_, Activation::OnRelease) => "fire on release",
             (_, Activation::TapHold(_)) => "be what a tap of a key with a `hold` does",

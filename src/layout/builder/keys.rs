@@ -3,9 +3,10 @@
 use parry3d::math::{Vec2, Vec3};
 
 use super::{Checked, Spot, milliseconds};
+use crate::command::{Command, ProfileName};
 use crate::contact::surface::TREMOR_MARGIN;
 use crate::device::keyboard::Activation;
-use crate::device::{KeyAction, KeyCode, Latch, Request, TextId};
+use crate::device::{KeyAction, KeyCode, Latch, TextId};
 use crate::document::DocumentError;
 use crate::layout::model::{Key, label, metres, metres2};
 use crate::layout::placement::Stance;
@@ -115,15 +116,24 @@ impl<'a> Checked<'a> {
             Does::Key(code) => return self.code_action(code, latch),
             Does::Layer(layer) => return self.layer_action(layer, latch),
             Does::Write(text) => KeyAction::Text(self.text(text)?),
-            Does::Profile(name) => KeyAction::Ask(Request::Profile(self.profile(name)?)),
-            Does::NextProfile => KeyAction::Ask(Request::NextProfile),
-            Does::Pause => KeyAction::Ask(Request::Pause),
-            Does::Recentre => KeyAction::Ask(Request::Recenter),
-            Does::Nudge(x, y, z) => KeyAction::Ask(Request::Nudge(
-                [x, y, z].map(|length| thousandths(length.get())),
-            )),
-            Does::Scale(factor) => KeyAction::Ask(Request::Scale(thousandths(factor.get()) as u16)),
-            Does::Tilt(tilt) => KeyAction::Ask(Request::Tilt(thousandths(tilt.get()))),
+            Does::Profile(name) => {
+                let name = self.profile(name)?;
+                KeyAction::Command(Command::Profile { name })
+            }
+            Does::NextProfile => KeyAction::Command(Command::NextProfile),
+            Does::Pause => KeyAction::Command(Command::TogglePause),
+            Does::Recentre => KeyAction::Command(Command::Recenter),
+            Does::Nudge(x, y, z) => KeyAction::Command(Command::Nudge {
+                x_mm: x.get() as f32,
+                y_mm: y.get() as f32,
+                z_mm: z.get() as f32,
+            }),
+            Does::Scale(factor) => KeyAction::Command(Command::Scale {
+                factor: factor.get() as f32,
+            }),
+            Does::Tilt(tilt) => KeyAction::Command(Command::Tilt {
+                deg: tilt.get() as f32,
+            }),
             Does::Clutch => KeyAction::Clutch,
             Does::Precision => KeyAction::Precision,
             Does::Nothing => {
@@ -152,10 +162,10 @@ impl<'a> Checked<'a> {
         Ok(TextId(place))
     }
 
-    fn profile(&mut self, word: Spanned<'a>) -> Result<u8, DocumentError> {
-        let place = place_in(&mut self.profiles, word.0);
-        place.try_into().map_err(|_| {
-            let message = "a layout names at most 256 profiles";
+    fn profile(&mut self, word: Spanned<'a>) -> Result<ProfileName, DocumentError> {
+        place_in(&mut self.profiles, word.0);
+        ProfileName::from(word.0).map_err(|_| {
+            let message = "the name of a profile has at most 64 bytes";
             self.document.error_at(word.0, message)
         })
     }
@@ -231,10 +241,6 @@ impl<'a> Checked<'a> {
         let label = action.map_or(name, |action| label(action, &self.layers, &self.texts));
         label.to_owned()
     }
-}
-
-fn thousandths(value: f64) -> i32 {
-    (value * 1e3).round() as i32
 }
 
 /// The place of `text` in a list, at whose end it is put if it is new.

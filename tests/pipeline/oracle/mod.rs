@@ -2,8 +2,11 @@
 
 mod states;
 
+use ademan::command::Command;
 use ademan::contact::{Phase, TargetId, Touch};
-use ademan::device::{Axis, Capabilities, Capability, EventKind, KeyCode, OutputEvent, Request};
+use ademan::device::{
+    Axis, Capabilities, Capability, EventKind, KeyCode, OutputEvent, TimedCommand,
+};
 use ademan::estimate::JointAngles;
 use ademan::hand::{Dof, Finger, Joint, Side};
 use ademan::kinematics::HandPose;
@@ -24,6 +27,7 @@ struct FakePipeline {
     is_paused: bool,
     angles: JointAngles,
     touches: Vec<Touch>,
+    commands: Vec<TimedCommand>,
     pose: HandPose,
 }
 
@@ -66,6 +70,7 @@ impl FakePipeline {
             is_paused: false,
             angles: JointAngles::default(),
             touches: Vec::new(),
+            commands: Vec::new(),
             pose: HandPose::new(time, Side::Right, 0.005),
         }
     }
@@ -99,6 +104,7 @@ impl FakePipeline {
             profile: 0,
             output: step.then_some(observed),
             events: &events,
+            commands: &self.commands,
         })
     }
 
@@ -205,6 +211,7 @@ impl FakePipeline {
         Self {
             oracle: self.oracle.clone(),
             touches: self.touches.clone(),
+            commands: self.commands.clone(),
             ..*self
         }
     }
@@ -256,7 +263,6 @@ fn i3_without_an_accepted_reading_only_releases_are_permitted() {
         EventKind::Scroll(1, 0),
         EventKind::Depth(TargetId(0), 0.5),
         EventKind::Select(TargetId(0)),
-        EventKind::Ask(Request::Pause),
     ];
     for kind in presses {
         let result = Err(Violation::WithoutReading(kind));
@@ -320,11 +326,14 @@ fn i4_releases_precede_presses() {
     let late = pipeline.fork().step(&[press("B"), release("A")]);
     assert_eq!(late, Err(Violation::LateRelease(key("A"))));
     pipeline.step(&[press("B"), release("B")]).unwrap();
-    let pause = EventKind::Ask(Request::Pause);
+    pipeline.commands = vec![TimedCommand {
+        time: Timestamp(pipeline.time),
+        command: Command::TogglePause,
+    }];
     (pipeline.state, pipeline.is_paused) = (PipelineState::Paused, true);
     pipeline
-        .step(&[press("B"), pause, release("B"), release("A")])
-        .expect("a pause lets go of what was pressed before it too");
+        .step(&[press("B"), release("B"), release("A")])
+        .expect("a pause releases what was pressed before it");
 }
 
 #[test]

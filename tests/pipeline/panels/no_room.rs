@@ -51,6 +51,7 @@ fn stands(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
         let mut out = DeviceOutput {
             arbiter: &mut switchboard,
             events: &mut events,
+            commands: &mut ademan::device::TimedCommands::new(),
         };
         for device in &mut devices {
             device.update(&seen, &mut out);

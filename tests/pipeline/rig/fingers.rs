@@ -2,7 +2,7 @@
 
 use ademan::contact::surface::Scene;
 use ademan::contact::{ContactTracker, TargetId, TargetName, TargetNames, Touch, Touches};
-use ademan::device::{DeviceInput, DeviceOutput, Events, KeyArbiter, VirtualDevice};
+use ademan::device::{DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice};
 use ademan::estimate::JointAngles;
 use ademan::hand::{Finger, FingerSet, Joint, Side};
 use ademan::kinematics::HandPose;
@@ -30,6 +30,8 @@ pub struct Rig {
     names: TargetNames,
     devices: Vec<Box<dyn VirtualDevice>>,
     arbiter: KeyArbiter,
+    /// The commands of the current step.
+    commands: TimedCommands,
     hands: [Hand; Side::COUNT],
     side: Side,
     time: Timestamp,
@@ -107,6 +109,7 @@ impl Rig {
             names,
             devices,
             arbiter,
+            commands: TimedCommands::new(),
             side: Side::Right,
             time: Timestamp(0),
             transcript: Transcript::new(Detail::Every, Timestamp(0)),
@@ -184,6 +187,7 @@ impl Rig {
         let mut output = DeviceOutput {
             arbiter: &mut self.arbiter,
             events,
+            commands: &mut self.commands,
         };
         for device in &mut self.devices {
             device.update(&input, &mut output);
@@ -196,6 +200,7 @@ impl Rig {
         let mut output = DeviceOutput {
             arbiter: &mut self.arbiter,
             events,
+            commands: &mut self.commands,
         };
         for device in &mut self.devices {
             device.release_all(time, &mut output);
@@ -324,6 +329,9 @@ impl Rig {
     fn write(&mut self, events: &Events, is_release: bool) {
         let judgement = self.oracle.check_devices(events, is_release);
         judgement.unwrap_or_else(|violation| panic!("{violation}: {events:?}"));
+        for command in std::mem::take(&mut self.commands) {
+            self.transcript.push_command(&command);
+        }
         for event in events {
             self.transcript.push(event, &self.names);
         }

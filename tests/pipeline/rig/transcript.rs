@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use ademan::contact::TargetNames;
-use ademan::device::{EventKind, OutputEvent, Request};
+use ademan::device::{EventKind, OutputEvent, TimedCommand};
 use ademan::time::Timestamp;
 
 /// How much of the events a transcript contains.
@@ -25,7 +25,7 @@ pub enum Detail {
 /// | `place=X,Y` | absolute position of the pointer, 0..=1 of the screen |
 /// | `axis:NAME=V`, `depth:NAME=V`, `value:NAME=V` | a gamepad axis, the depth of a key, the value of a control |
 /// | `select:NAME`, `unselect:NAME` | a target in space |
-/// | `ask:COMMAND` | a command to the session |
+/// | `command:NAME,FIELD,…` | a command to the session |
 /// | `t:MSms` | time since the word before |
 #[derive(Debug)]
 pub struct Transcript {
@@ -90,15 +90,14 @@ impl Transcript {
             }
             EventKind::Select(target) => self.word(time, format!("select:{}", name(target))),
             EventKind::Unselect(target) => self.word(time, format!("unselect:{}", name(target))),
-            EventKind::Ask(Request::Profile(profile)) => {
-                self.word(time, format!("ask:profile-{profile}"));
-            }
-            EventKind::Ask(request) => {
-                let name = format!("{request:?}").to_lowercase().replace(' ', "");
-                self.word(time, format!("ask:{name}"));
-            }
             other => panic!("no word for {other:?}"),
         }
+    }
+
+    /// Adds a command of a device.
+    pub fn push_command(&mut self, issued: &TimedCommand) {
+        let command = issued.command.to_string().replace(' ', ",");
+        self.word(issued.time, format!("command:{command}"));
     }
 
     /// Adds a word that happens at a moment.

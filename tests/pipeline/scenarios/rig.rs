@@ -5,7 +5,7 @@ use std::time::Duration;
 use ademan::capture::hc11::{self, BODY_BYTES, Hc11Decoder, PACKET_BYTES, encode};
 use ademan::capture::{Reading, Sample, StreamOptions};
 use ademan::contact::TargetNames;
-use ademan::device::Events;
+use ademan::device::{Events, TimedCommand};
 use ademan::estimate::Rejection;
 use ademan::hand::{Dof, Finger, Side};
 use ademan::layout::{Glove, Layout};
@@ -399,26 +399,31 @@ impl<'a> Rig<'a> {
                 sample: Sample::Channels(hc11::channels(body)),
             };
             let mut events = Events::new();
-            if self.engine.step(&reading, &mut events).is_ok() {
+            let step = self.engine.step(&reading, &mut events);
+            let commands = step.map(|step| step.commands.clone());
+            if commands.is_ok() {
                 self.fed_at = self.now;
             }
-            self.write(&events, reading.time);
+            self.write(&events, &commands.unwrap_or_default(), reading.time);
         }
     }
 
     fn ask(&mut self, ask: impl FnOnce(&mut Judged, &mut Events)) {
         let mut events = Events::new();
         ask(&mut self.engine, &mut events);
-        self.write(&events, self.time(self.now));
+        self.write(&events, &[], self.time(self.now));
     }
 
-    fn write(&mut self, events: &Events, time: Timestamp) {
+    fn write(&mut self, events: &Events, commands: &[TimedCommand], time: Timestamp) {
         let state = self.engine.state();
         let has_armed = state == PipelineState::Running && self.state != state;
         if has_armed {
             self.tell_state(state, time);
         }
         // What went out is of the layout that was in force before.
+        for command in commands {
+            self.transcript.push_command(command);
+        }
         for event in events {
             self.transcript.push(event, &self.names);
         }

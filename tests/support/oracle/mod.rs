@@ -17,9 +17,10 @@ mod state_check;
 mod touch_check;
 mod violation;
 
+use ademan::command::Command;
 use ademan::contact::Touch;
 use ademan::device::pointer::{CursorOutput, PointerSettings};
-use ademan::device::{Capabilities, EventKind, OutputEvent, Request};
+use ademan::device::{Capabilities, OutputEvent, TimedCommand};
 use ademan::estimate::{JointAngles, JointLimits};
 use ademan::hand::Side;
 use ademan::kinematics::HandPose;
@@ -111,6 +112,8 @@ pub struct Observation<'a> {
     pub output: Option<ObservedStep<'a>>,
     /// Events of the call.
     pub events: &'a [OutputEvent],
+    /// Commands of the devices in that call.
+    pub commands: &'a [TimedCommand],
 }
 
 /// The call of the pipeline that led to an observation.
@@ -160,6 +163,7 @@ impl<'a> From<&'a Snapshot> for Observation<'a> {
                 touches: &snapshot.touches,
             }),
             events: &snapshot.events,
+            commands: &snapshot.commands,
         }
     }
 }
@@ -219,13 +223,15 @@ impl Oracle {
         let rules = self.rules.get(observation.profile);
         let rules = rules.ok_or(Violation::NoSuchProfile(observation.profile))?;
         let has_step = observation.output.is_some();
+        // A command may release what the same step pressed before it.
+        let is_sorted = observation.commands.is_empty();
         self.output
-            .check(observation.events, rules, has_step, true)?;
+            .check(observation.events, rules, has_step, is_sorted)?;
         let is_released = observation.cause == Cause::ReleaseAll;
         if observation.state != PipelineState::Running || is_released {
             self.output.check_all_released(observation.state)?;
         }
-        if is_released || observation.events.iter().any(changes_profile) {
+        if is_released || observation.commands.iter().any(changes_profile) {
             self.output.reset_pointer();
         }
         Ok(())
@@ -297,9 +303,9 @@ fn check_silence(observation: &Observation, before: PipelineState) -> Result<(),
     }
 }
 
-fn changes_profile(event: &OutputEvent) -> bool {
+fn changes_profile(issued: &TimedCommand) -> bool {
     matches!(
-        event.kind,
-        EventKind::Ask(Request::Profile(_) | Request::NextProfile)
+        issued.command,
+        Command::Profile { .. } | Command::NextProfile
     )
 }

@@ -102,18 +102,13 @@ impl OutputCheck {
                 self.pressed
                     .remove(index.ok_or(Violation::ReleasedWithoutPress(code))?);
                 let is_late = !totals.pressed.is_empty() && !totals.pressed.contains(&code);
-                match is_sorted && is_late && !totals.has_command {
+                match is_sorted && is_late {
                     true => Err(Violation::LateRelease(code)),
                     false => Ok(()),
                 }
             }
             EventKind::Axis(axis, value) => {
                 self.axes[axis.index()] = value;
-                Ok(())
-            }
-            EventKind::Ask(_) => {
-                // A command may release what the same step pressed before it.
-                totals.has_command = true;
                 Ok(())
             }
             _ => Ok(()),
@@ -153,7 +148,6 @@ impl OutputCheck {
 struct StepTotals {
     pressed: ArrayVec<KeyCode, MAX_PRESSED>,
     motion: Vec2,
-    has_command: bool,
 }
 
 /// Returns whether an event is permitted without an accepted reading.
