@@ -1,50 +1,61 @@
-//! Lists of what is proved, and where: that the tests they name are there and run.
+//! Evidence: the tests that a table names, checked to exist and to run.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What proves something: a file of this package, and a test in it or a line that the scenario in the virtual machine says.
-pub type Witness = (&'static str, &'static str);
+/// A file of this package, and a test in it. In `tests/outputs/vm/` it is a line that the scenario prints.
+pub type Evidence = (&'static str, &'static str);
 
 fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Why the witness proves nothing, if so.
-pub fn doubt((file, name): Witness) -> Option<String> {
+/// Returns the reason why a piece of evidence proves nothing, if there is one.
+pub fn objection((file, name): Evidence) -> Option<String> {
     let Ok(text) = fs::read_to_string(root().join(file)) else {
-        return Some(format!("there is no file {file}"));
+        return Some(format!("there is no file {file} for `{name}`"));
     };
     if !is_compiled(Path::new(file)) {
-        return Some(format!("{file} is in no test program"));
+        return Some(format!("{file} is part of no program"));
     }
-    let is_there = match file.starts_with("tests/outputs/vm/") {
-        true => text.contains(&format!("scene.tell(\"{name}\")")),
+    let exists = match file.starts_with("tests/outputs/vm/") {
+        true => text.contains(&format!("scene.report(\"{name}\")")),
         false => is_test(&text, name),
     };
-    (!is_there).then(|| format!("{file} has no test `{name}` that runs"))
+    (!exists).then(|| format!("{file} has no test `{name}` that runs"))
 }
 
-/// Whether `text` has a function of this name that is a test and is not left out.
+/// Returns `true` if `text` has a test function of this name that is not ignored.
 pub fn is_test(text: &str, name: &str) -> bool {
     let start = format!("fn {name}()");
     let lines: Vec<&str> = text.lines().map(str::trim_start).collect();
-    let Some(place) = lines.iter().position(|line| line.starts_with(&start)) else {
+    let Some(index) = lines.iter().position(|line| line.starts_with(&start)) else {
         return false;
     };
-    let before = lines[..place].iter().rev();
+    let before = lines[..index].iter().rev();
     let attributes: Vec<_> = before.take_while(|line| line.starts_with("#[")).collect();
     let has = |attribute: &str| attributes.iter().any(|line| line.starts_with(attribute));
     has("#[test]") && !has("#[ignore")
 }
 
-/// Whether the file is one that some program is made of.
+/// Returns `true` if a program declares the file as a module.
 pub fn is_compiled(file: &Path) -> bool {
     let folder = file.parent().expect("a file is in a folder");
-    let module = file.file_stem().expect("it has a name").to_string_lossy();
-    if folder == Path::new("tests") || module == "main" || module == "mod" || module == "lib" {
+    let stem = file.file_stem().expect("a file has a name");
+    let module = stem.to_string_lossy();
+    if folder == Path::new("tests") || module == "main" || module == "lib" {
         return true;
     }
+    let (folder, module) = match module.as_ref() {
+        "mod" => (
+            folder.parent().expect("a module is in a folder"),
+            folder
+                .file_name()
+                .expect("a folder has a name")
+                .to_string_lossy(),
+        ),
+        _ => (folder, module),
+    };
     let parents = [
         folder.join("mod.rs"),
         folder.join("main.rs"),

@@ -1,30 +1,30 @@
-//! The sixty faults that are tried on this program, and the tests that prove what comes of each.
+//! Sixty faults, and the tests that show the consequences of each.
 //!
-//! The tests themselves are where the parts are that they are about. This one prints the list and sees to it that a
-//! fault that was covered stays so: that every test that the list names is there and runs.
+//! The tests are beside the parts that they are about. This module prints the table and checks that a fault that was
+//! covered stays covered: every test that the table names exists and runs.
 
 use std::path::Path;
 
-use crate::evidence::{doubt, is_compiled, is_test};
+use crate::evidence::{is_compiled, is_test, objection};
 use crate::fault_table::{COVERED, Coverage, FAULTS, Fault};
 
 fn is_covered(fault: &Fault) -> bool {
-    matches!(fault.proof, Coverage::By(_))
+    matches!(fault.coverage, Coverage::Tests(_))
 }
 
 #[test]
-fn every_fault_that_was_covered_still_is() {
-    let mut doubts = Vec::new();
+fn every_covered_fault_stays_covered() {
+    let mut objections = Vec::new();
     for fault in FAULTS {
         println!("{:2} {}", fault.number, fault.name);
-        match fault.proof {
-            Coverage::By(witnesses) => {
-                for (file, name) in witnesses {
+        match fault.coverage {
+            Coverage::Tests(tests) => {
+                for (file, name) in tests {
                     println!("     {file}: {name}");
                 }
-                doubts.extend(witnesses.iter().filter_map(|&witness| doubt(witness)));
+                objections.extend(tests.iter().filter_map(|&test| objection(test)));
             }
-            Coverage::NotYet(reason) => println!("     NOT YET: {reason}"),
+            Coverage::Missing(reason) => println!("     NOT YET: {reason}"),
         }
     }
     let covered: Vec<u8> = FAULTS
@@ -33,33 +33,35 @@ fn every_fault_that_was_covered_still_is() {
         .map(|fault| fault.number)
         .collect();
     println!("covered {} of {}", covered.len(), FAULTS.len());
-    assert!(doubts.is_empty(), "{doubts:#?}");
-    assert_eq!(covered, COVERED, "what is covered, against what was");
+    assert!(objections.is_empty(), "{objections:#?}");
+    assert_eq!(covered, COVERED, "covered now, and before");
 }
 
 #[test]
-fn the_list_is_whole() {
+fn the_table_is_complete() {
     let numbers: Vec<u8> = FAULTS.iter().map(|fault| fault.number).collect();
     assert_eq!(numbers, (1..=60).collect::<Vec<u8>>());
     for fault in FAULTS {
-        let says = match fault.proof {
-            Coverage::By(witnesses) => !witnesses.is_empty(),
-            Coverage::NotYet(reason) => !reason.is_empty(),
+        let is_filled = match fault.coverage {
+            Coverage::Tests(tests) => !tests.is_empty(),
+            Coverage::Missing(reason) => !reason.is_empty(),
         };
-        assert!(says, "{} says nothing", fault.number);
+        assert!(is_filled, "fault {} is empty", fault.number);
     }
 }
 
 #[test]
-fn a_test_that_is_gone_left_out_or_none_is_no_proof() {
+fn a_test_that_is_removed_ignored_or_no_test_is_no_evidence() {
     let text = "#[test]\nfn runs() {\n}\n#[test]\n#[ignore]\nfn waits() {}\nfn helps() {}\n#[test] // fn talks() {}\n";
     assert!(is_test(text, "runs"));
     for name in ["waits", "helps", "talks", "run", "uns"] {
         assert!(!is_test(text, name), "{name}");
     }
-    assert!(doubt(("tests/architecture/faults.rs", "the_list_is_whole")).is_none());
-    assert!(doubt(("tests/architecture/faults.rs", "the_list")).is_some());
-    assert!(doubt(("tests/gone.rs", "the_list_is_whole")).is_some());
-    assert!(doubt(("tests/outputs/vm/typing.rs", "pigs fly")).is_some());
-    assert!(!is_compiled(Path::new("tests/architecture/nobody.rs")));
+    let here = "tests/architecture/faults.rs";
+    assert!(objection((here, "the_table_is_complete")).is_none());
+    assert!(objection((here, "the_table")).is_some());
+    assert!(objection(("tests/gone.rs", "the_table_is_complete")).is_some());
+    assert!(objection(("tests/outputs/vm/typing.rs", "pigs fly")).is_some());
+    assert!(!is_compiled(Path::new("tests/architecture/absent.rs")));
+    assert!(is_compiled(Path::new("tests/outputs/vm/mod.rs")));
 }

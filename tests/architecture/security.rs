@@ -1,31 +1,34 @@
-//! What is required for the security of whoever types with this program, and the tests that prove it.
+//! Security requirements for a program that types, and the tests that show that each is met.
 //!
-//! The list is printed, and a requirement that was met stays so: every test that it names is there and runs.
+//! This module prints the table and checks that a requirement that was met stays met: every test that the table names
+//! exists and runs.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::evidence::doubt;
-use crate::security_table::{REQUIREMENTS, State};
+use crate::evidence::objection;
+use crate::security_table::{REQUIREMENTS, Status};
 
+/// The folder of the package.
 pub fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
+/// The text of a file of the package.
 pub fn read(path: &str) -> String {
     let path = root().join(path);
     fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The files of a folder that end like this, with what is in them.
-pub fn files(folder: &Path, end: &str) -> Vec<(PathBuf, String)> {
+/// The files below a folder whose names have this ending, with their texts.
+pub fn files(folder: &Path, ending: &str) -> Vec<(PathBuf, String)> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).expect("a folder").flatten() {
         let path = entry.path();
         if path.is_dir() {
-            found.extend(files(&path, end));
-        } else if path.to_string_lossy().ends_with(end) {
-            let text = fs::read_to_string(&path).expect("a text");
+            found.extend(files(&path, ending));
+        } else if path.to_string_lossy().ends_with(ending) {
+            let text = fs::read_to_string(&path).expect("a text file");
             found.push((path, text));
         }
     }
@@ -33,42 +36,38 @@ pub fn files(folder: &Path, end: &str) -> Vec<(PathBuf, String)> {
 }
 
 #[test]
-fn every_requirement_is_met_by_tests_that_are_there_or_it_is_said_why_not() {
-    let mut doubts = Vec::new();
-    for (place, requirement) in REQUIREMENTS.iter().enumerate() {
-        assert_eq!(requirement.number, place + 1, "they are in order");
+fn every_requirement_is_met_by_existing_tests_or_has_a_reason_why_not() {
+    let mut objections = Vec::new();
+    for (index, requirement) in REQUIREMENTS.iter().enumerate() {
+        assert_eq!(requirement.number, index + 1, "the table is in order");
         println!("S{:<2} {}", requirement.number, requirement.name);
-        let (witnesses, rest) = match requirement.state {
-            State::Met(witnesses) => (witnesses, ""),
-            State::Partly(witnesses, rest) => (witnesses, rest),
-            State::NotApplicable(reason) => {
+        let (tests, exception) = match requirement.status {
+            Status::Met(tests) => (tests, ""),
+            Status::Partly(tests, exception) => (tests, exception),
+            Status::NotApplicable(reason) => {
                 println!("     not applicable yet: {reason}");
                 assert!(!reason.is_empty());
                 continue;
             }
         };
-        assert!(
-            !witnesses.is_empty(),
-            "S{} names no test",
-            requirement.number
-        );
-        for (file, name) in witnesses {
+        assert!(!tests.is_empty(), "S{} names no test", requirement.number);
+        for (file, name) in tests {
             println!("     {file}: {name}");
         }
-        if !rest.is_empty() {
-            println!("     not so far: {rest}");
+        if !exception.is_empty() {
+            println!("     not so far: {exception}");
         }
-        doubts.extend(witnesses.iter().filter_map(|&witness| doubt(witness)));
+        objections.extend(tests.iter().filter_map(|&test| objection(test)));
     }
     assert_eq!(REQUIREMENTS.len(), 22);
-    assert!(doubts.is_empty(), "{doubts:#?}");
+    assert!(objections.is_empty(), "{objections:#?}");
 }
 
 #[test]
-fn the_promises_of_the_security_policy_name_every_requirement() {
+fn the_security_policy_lists_every_requirement() {
     let policy = read("SECURITY.md");
     for requirement in REQUIREMENTS {
         let row = format!("| S{} |", requirement.number);
-        assert!(policy.contains(&row), "SECURITY.md says nothing of {row}");
+        assert!(policy.contains(&row), "SECURITY.md lacks the row {row}");
     }
 }

@@ -1,40 +1,40 @@
-//! The list.
+//! The table of security requirements.
 
-use crate::evidence::Witness;
+use crate::evidence::Evidence;
 
-/// How far a requirement is met.
-pub enum State {
-    /// By what these tests prove.
-    Met(&'static [Witness]),
-    /// The same, but for this.
-    Partly(&'static [Witness], &'static str),
-    /// What it is about does not exist.
+/// The degree to which a requirement is met.
+pub enum Status {
+    /// As these tests show.
+    Met(&'static [Evidence]),
+    /// As these tests show, with this exception.
+    Partly(&'static [Evidence], &'static str),
+    /// The requirement is about a feature that does not exist.
     NotApplicable(&'static str),
 }
 
-/// Something that is required.
+/// A security requirement.
 pub struct Requirement {
     pub number: usize,
     pub name: &'static str,
-    pub state: State,
+    pub status: Status,
 }
 
-const fn requirement(number: usize, name: &'static str, state: State) -> Requirement {
+const fn requirement(number: usize, name: &'static str, status: Status) -> Requirement {
     Requirement {
         number,
         name,
-        state,
+        status,
     }
 }
 
 const NO_NETWORK_INPUT: &str =
-    "nothing is received from a network but from a converter box that the user names";
+    "no input is received from a network, except from the address that the user names";
 
 pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         1,
         "nothing listens beyond this machine",
-        State::Met(&[
+        Status::Met(&[
             (
                 "tests/cli/security/sockets.rs",
                 "a_run_with_all_that_it_offers_has_no_socket_of_a_network",
@@ -47,41 +47,41 @@ pub const REQUIREMENTS: &[Requirement] = &[
     ),
     requirement(
         2,
-        "who sends input shows a secret",
-        State::NotApplicable(NO_NETWORK_INPUT),
+        "senders of input authenticate themselves",
+        Status::NotApplicable(NO_NETWORK_INPUT),
     ),
     requirement(
         3,
-        "datagrams are signed and counted",
-        State::NotApplicable(NO_NETWORK_INPUT),
+        "datagrams are signed and numbered",
+        Status::NotApplicable(NO_NETWORK_INPUT),
     ),
     requirement(
         4,
         "what leaves the machine is encrypted",
-        State::NotApplicable(
-            "nothing leaves it; a converter box (`tcp:`) sends in clear, as it knows nothing else",
+        Status::NotApplicable(
+            "nothing leaves it; a serial converter (`tcp:`) sends in clear text, its only mode",
         ),
     ),
     requirement(
         5,
         "no web page reaches a port",
-        State::NotApplicable("there are no ports; sockets are files, which browsers do not reach"),
+        Status::NotApplicable("there are no ports; sockets are files, which browsers cannot reach"),
     ),
     requirement(
         6,
-        "a server of joint angles only tells",
-        State::NotApplicable("there is none"),
+        "a joint-angle server is read-only",
+        Status::NotApplicable("there is none"),
     ),
     requirement(
         7,
         "sources have roles",
-        State::Met(&[
+        Status::Met(&[
             (
-                "src/pipeline/gate.rs",
+                "src/pipeline/output_gate.rs",
                 "a_pointer_presses_no_keys_and_what_is_for_keys_does_not_point",
             ),
             (
-                "src/pipeline/gate.rs",
+                "src/pipeline/output_gate.rs",
                 "each_source_has_a_role_of_its_own_and_releases_have_none",
             ),
             (
@@ -108,26 +108,26 @@ pub const REQUIREMENTS: &[Requirement] = &[
     ),
     requirement(
         8,
-        "only keys of the layout, and none of the system",
-        State::Met(&[
+        "only keys of the layout, and no system keys",
+        Status::Met(&[
             (
                 "tests/pipeline/limits.rs",
                 "a_layout_with_keys_of_the_system_is_used_only_by_a_setup_that_allows_them",
             ),
             (
-                "src/pipeline/gate.rs",
+                "src/pipeline/output_gate.rs",
                 "keys_that_act_on_the_system_do_not_go_out_unless_they_may",
             ),
             (
-                "src/output/uinput/declared.rs",
+                "src/output/uinput/spec.rs",
                 "a_device_is_made_when_it_is_needed_and_has_what_is_needed",
             ),
         ]),
     ),
     requirement(
         9,
-        "presses have a limit, and too many pause",
-        State::Met(&[
+        "presses are rate-limited, and too many pause the session",
+        Status::Met(&[
             (
                 "tests/pipeline/limits.rs",
                 "after_more_presses_than_may_be_everything_is_let_go_of_and_the_run_pauses",
@@ -137,7 +137,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "a_source_at_this_machine_may_press_as_fast_as_anybody_types_and_one_on_the_network_may_not",
             ),
             (
-                "src/pipeline/gate.rs",
+                "src/pipeline/output_gate.rs",
                 "half_a_second_of_presses_may_come_at_once_and_then_they_drip",
             ),
         ]),
@@ -145,12 +145,14 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         10,
         "guessing a secret is slow",
-        State::NotApplicable("there is no secret; the control socket knows its user by the kernel"),
+        Status::NotApplicable(
+            "there is no secret; the kernel identifies the user of the control socket",
+        ),
     ),
     requirement(
         11,
-        "five ways to stop at once",
-        State::Partly(
+        "five ways to stop immediately",
+        Status::Partly(
             &[
                 (
                     "tests/outputs/vm/typing.rs",
@@ -181,13 +183,13 @@ pub const REQUIREMENTS: &[Requirement] = &[
                     "nothing_is_down_after_the_glove_fell_silent",
                 ),
             ],
-            "200 times at full load: `cargo bench --bench release` for the signal and the socket, the engine alone for the gesture; which gesture is up to the layout",
+            "200 times at full load: `cargo bench --bench release` for the signal and the socket, the pipeline alone for the gesture; the layout defines the gesture",
         ),
     ),
     requirement(
         12,
-        "it starts paused, and says when it arms",
-        State::Met(&[
+        "a session starts unarmed, and reports when it is armed",
+        Status::Met(&[
             (
                 "tests/pipeline/arming.rs",
                 "it_starts_paused_and_arms_when_the_hand_was_off_all_keys_for_300_ms",
@@ -200,22 +202,22 @@ pub const REQUIREMENTS: &[Requirement] = &[
     ),
     requirement(
         13,
-        "no root, and a group of its own",
-        State::Met(&[
+        "no root, and a dedicated group",
+        Status::Met(&[
             (
                 "tests/cli/doctor.rs",
                 "root_does_not_type_unless_he_insists_and_may_do_all_the_rest",
             ),
             (
                 "tests/architecture/security_sources.rs",
-                "the_rules_give_uinput_to_a_group_of_its_own_or_to_the_seat_and_never_to_input",
+                "the_udev_rules_give_uinput_to_its_own_group_or_the_seat_and_never_to_input",
             ),
         ]),
     ),
     requirement(
         14,
-        "the control socket is its user's alone",
-        State::Met(&[
+        "only its user can use the control socket",
+        Status::Met(&[
             (
                 "tests/cli/control.rs",
                 "the_socket_is_its_owners_alone_from_the_first_instant_on",
@@ -234,37 +236,37 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         15,
         "a D-Bus interface fails closed",
-        State::NotApplicable("there is none"),
+        Status::NotApplicable("there is none"),
     ),
     requirement(
         16,
-        "the unit is a sandbox",
-        State::Partly(
+        "the systemd unit is a sandbox",
+        Status::Partly(
             &[(
                 "tests/cli/doctor.rs",
                 "a_unit_and_a_launcher_are_what_their_own_tools_take",
             )],
-            "DevicePolicy= and IPAddressDeny= are not for units of a user",
+            "DevicePolicy= and IPAddressDeny= do not apply to user units",
         ),
     ),
     requirement(
         17,
-        "files run nothing and lead nowhere",
-        State::Met(&[
+        "files start no program and follow no path",
+        Status::Met(&[
             (
                 "tests/architecture/security_sources.rs",
-                "nothing_but_the_guardian_is_ever_started",
+                "only_the_watchdog_is_ever_started",
             ),
             (
                 "tests/architecture/security_sources.rs",
-                "no_file_that_people_write_reads_the_environment",
+                "no_file_of_a_user_reads_the_environment",
             ),
         ]),
     ),
     requirement(
         18,
-        "what is typed is in no message, and recordings are private",
-        State::Met(&[
+        "typed text is in no message, and recordings are private",
+        Status::Met(&[
             ("tests/cli/files.rs", "what_is_typed_is_in_no_message"),
             (
                 "tests/cli/files.rs",
@@ -283,33 +285,33 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         19,
         "files with secrets are private",
-        State::NotApplicable("there are no secrets"),
+        Status::NotApplicable("there are no secrets"),
     ),
     requirement(
         20,
-        "a replay types only when it is told to",
-        State::Met(&[(
+        "a replay types only on request",
+        Status::Met(&[(
             "tests/cli/security/replays.rs",
             "a_recording_that_is_replayed_presses_nothing_unless_the_desktop_is_named",
         )]),
     ),
     requirement(
         21,
-        "what it is built of is known",
-        State::Partly(
+        "all dependencies are known",
+        Status::Partly(
             &[(
                 "tests/architecture/security_sources.rs",
-                "what_is_built_is_what_the_lock_file_says",
+                "all_dependencies_come_from_the_registry_with_a_checksum",
             )],
-            "advisories are not looked up by the tests, which have no network",
+            "the tests have no network and check no advisories",
         ),
     ),
     requirement(
         22,
         "memory is safe",
-        State::Met(&[(
+        Status::Met(&[(
             "tests/architecture/security_sources.rs",
-            "there_is_no_unsafe_code_in_the_program",
+            "the_program_contains_no_unsafe_code",
         )]),
     ),
 ];

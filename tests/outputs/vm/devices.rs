@@ -29,14 +29,14 @@ pub fn all(scene: &mut Scene) {
     assert_eq!(keyboard.keys(&mut scene.machine), [(35, true), (35, false)]);
     moves_and_scrolls(scene, &mouse);
     points(scene, &pointer);
-    scene.tell("libinput takes the pointer for one, and a touch moves it before it presses");
+    scene.report("libinput takes the pointer for one, and a touch moves it before it presses");
     steers(scene, &gamepad);
     scene.end_program();
 
     let [pointer, gamepad] = play(scene, FEW, ON_FEW, ["pointer", "gamepad"]);
     points(scene, &pointer);
     is_joystick(scene, &gamepad);
-    scene.tell("a pointer alone and a gamepad of one button are taken for what they are");
+    scene.report("a pointer alone and a gamepad of one button are taken for what they are");
     scene.end_program();
 }
 
@@ -88,7 +88,7 @@ fn moves_and_scrolls(scene: &mut Scene, mouse: &Evtest) {
             .libinput
             .wait_for(&mut scene.machine, &[&mouse.node, said]);
     }
-    scene.tell("libinput takes the mouse for one, with motion, wheel and buttons");
+    scene.report("libinput takes the mouse for one, with motion, wheel and buttons");
 }
 
 /// The button goes down where the finger came down, which is near a corner on the near side.
@@ -151,7 +151,7 @@ fn steers(scene: &mut Scene, gamepad: &Evtest) {
         [(SOUTH, true), (SOUTH, false)]
     );
     is_joystick(scene, gamepad);
-    scene.tell("udev takes the gamepad for a joystick, its stick comes back to the middle");
+    scene.report("udev takes the gamepad for a joystick, its stick comes back to the middle");
 }
 
 /// For udev, which games ask; `libinput` leaves those alone.

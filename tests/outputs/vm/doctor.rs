@@ -20,7 +20,7 @@ const COMMANDS: &str = "sed '1,/^$/d; /^#/d; /^$/d' /tmp/said >/tmp/commands";
 pub fn all(scene: &mut Scene) {
     let (is_well, _) = ask(scene, "");
     assert!(is_well, "on a machine with everything");
-    scene.tell("the doctor finds nothing missing");
+    scene.report("the doctor finds nothing missing");
     take_everything_away(scene);
 
     let first = follow(scene);
@@ -45,7 +45,9 @@ pub fn all(scene: &mut Scene) {
     assert!(!is_well && said.contains(part), "{said}");
     let (is_well, said) = ask(scene, LOGGED_IN);
     assert!(is_well, "{said}");
-    scene.tell("an ordinary user who does what the doctor says can make devices and open the port");
+    scene.report(
+        "an ordinary user who does what the doctor says can make devices and open the port",
+    );
 }
 
 /// There is an ordinary user; the module is out, and is where `modprobe` looks for it.

@@ -91,7 +91,7 @@ impl Scene {
         self.wait_until_said("armed", times);
     }
 
-    fn tell(&self, what: &str) {
+    fn report(&self, what: &str) {
         println!(
             "VM ok: {what} ({:.1} s)",
             self.start.elapsed().as_secs_f64()
@@ -106,7 +106,7 @@ fn a_kernel_and_libinput_hear_the_hand() {
         return;
     };
     let mut scene = Scene::of(Path::new(&folder));
-    scene.tell("the kernel runs");
+    scene.report("the kernel runs");
     typing::all(&mut scene);
     devices::all(&mut scene);
     doctor::all(&mut scene);

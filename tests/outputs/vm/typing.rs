@@ -17,18 +17,18 @@ pub fn all(scene: &mut Scene) {
     let added = format!("{} DEVICE_ADDED {KEYBOARD}", evtest.node);
     let line = scene.libinput.wait_for(&mut scene.machine, &[&added]);
     assert!(line.ends_with("cap:k"), "{line}");
-    scene.tell("libinput takes the keyboard for one");
+    scene.report("libinput takes the keyboard for one");
 
     scene.arm(&text, 1);
     types(scene, &evtest, &text);
-    scene.tell("what is typed through a USB serial adapter comes out of the kernel, key by key");
+    scene.report("what is typed through a USB serial adapter comes out of the kernel, key by key");
 
     hold(scene, &evtest, &press);
     scene.machine.press(&["ctrl"]);
     scene.machine.press(&["ctrl", "ctrl_r"]);
     released(scene, &evtest);
     scene.wait_until_said("paused: everything is released", 1);
-    scene.tell("two keys of the machine's own keyboard let go of what the hand holds, and pause");
+    scene.report("two keys of the machine's own keyboard let go of what the hand holds, and pause");
     scene.machine.run("ademan ctl resume --socket /tmp/control");
     scene.arm(&text, 2);
 
@@ -36,13 +36,13 @@ pub fn all(scene: &mut Scene) {
     scene.glove.fall_silent();
     scene.machine.unplug("glove");
     released(scene, &evtest);
-    scene.tell("a cable that is pulled while a key is held lets go of it");
+    scene.report("a cable that is pulled while a key is held lets go of it");
 
     scene.machine.plug_in("glove");
     scene.wait_until_said("is back as", 1);
     scene.arm(&text, 3);
     types(scene, &evtest, &text);
-    scene.tell("plugged in again, it types on");
+    scene.report("plugged in again, it types on");
 
     hold(scene, &evtest, &press);
     scene.glove.fall_silent();
@@ -59,16 +59,16 @@ pub fn all(scene: &mut Scene) {
     scene.wait_until_said("is back as .*/dev/ttyUSB1", 1);
     scene.arm(&text, 4);
     types(scene, &evtest, &text);
-    scene.tell("plugged in again with another adapter in its place, it is found under another name and types on");
+    scene.report("plugged in again with another adapter in its place, it is found under another name and types on");
 
     hold(scene, &evtest, &press);
     scene.machine.run("kill -STOP $(cat /tmp/ademan.pid)");
     released(scene, &evtest);
     scene.wait_until_said("no sign of life; letting go of its keys (1)", 1);
     scene.machine.run("kill -CONT $(cat /tmp/ademan.pid)");
-    scene.tell("a guardian lets go of what a stopped program holds");
+    scene.report("a guardian lets go of what a stopped program holds");
     types(scene, &evtest, &text);
-    scene.tell("and when that goes on, it types on");
+    scene.report("and when that goes on, it types on");
 
     hold(scene, &evtest, &press);
     scene.machine.run("kill -KILL $(cat /tmp/ademan.pid)");
@@ -76,7 +76,7 @@ pub fn all(scene: &mut Scene) {
     scene
         .libinput
         .wait_for(&mut scene.machine, &[&evtest.node, "DEVICE_REMOVED"]);
-    scene.tell("what a killed program held is let go of, and its device goes away");
+    scene.report("what a killed program held is let go of, and its device goes away");
     scene.glove.fall_silent();
     scene.machine.unplug("other");
     scene.machine.unplug("glove");
