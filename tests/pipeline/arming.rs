@@ -1,4 +1,5 @@
-//! When the engine lets events out, and that it lets go of everything in time.
+//! Arming, stalls, pauses and layout changes of the pipeline: events are emitted only while it is running, and
+//! everything is released in time.
 
 use crate::support::checked::Judged;
 use ademan::capture::{Channels, Reading, Sample, Source, SourceEvent, StreamOptions};
@@ -11,64 +12,65 @@ use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
-/// A wearer whose hand is over the H key or pushes it in, 100 readings a second.
+/// A hand above the H key that presses it on request, with 100 readings per second.
 struct Wearer {
     pipeline: Judged,
     time_ms: u64,
-    over: Channels,
-    down: Channels,
+    hover: Channels,
+    pressed: Channels,
     transcript: Vec<String>,
 }
 
-/// The counts of the glove over the H key, and with the key pushed in.
+/// Returns the counts of the glove above the H key, and with the key fully pressed.
 fn postures(setup: &Setup) -> (Channels, Channels) {
-    let assembly = setup.clone().load_files().expect("the default setup");
-    let hand = assembly.typist("h", &StreamOptions::default(), 0.0, 0);
+    let loaded = setup.clone().load_files().expect("the default setup");
+    let hand = loaded.typist("h", &StreamOptions::default(), 0.0, 0);
     let mut hand = hand.expect("h can be typed");
-    let mut pipeline = assembly.pipeline();
-    let (mut over, mut down) = (None, None);
+    let mut pipeline = loaded.pipeline();
+    let (mut hover, mut pressed) = (None, None);
     let mut events = Events::new();
     while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         let Sample::Channels(channels) = reading.sample.clone() else {
             panic!("a glove has channels");
         };
-        over.get_or_insert(channels.clone());
-        let frame = pipeline.step(&reading, &mut events).expect("an able hand");
-        let deepest = frame
+        hover.get_or_insert(channels.clone());
+        let step = pipeline.step(&reading, &mut events);
+        let is_deepest = step
+            .expect("a plausible reading")
             .touches
             .iter()
             .any(|touch| touch.phase == Phase::Moved && touch.depth == 1.0);
-        if deepest && down.is_none() {
-            down = Some(channels);
+        if is_deepest && pressed.is_none() {
+            pressed = Some(channels);
         }
     }
     (
-        over.expect("a first posture"),
-        down.expect("the key goes down"),
+        hover.expect("a first reading"),
+        pressed.expect("a pressed key"),
     )
 }
 
 impl Wearer {
     fn new(setup: &Setup) -> Self {
-        let (over, down) = postures(setup);
-        let assembly = setup.clone().load_files().expect("the default setup");
+        let (hover, pressed) = postures(setup);
+        let loaded = setup.clone().load_files().expect("the default setup");
         Self {
-            pipeline: Judged::of(&assembly),
+            pipeline: Judged::of(&loaded),
             time_ms: 0,
-            over,
-            down,
+            hover,
+            pressed,
             transcript: Vec::new(),
         }
     }
 
     fn armed() -> Self {
         let mut wearer = Self::new(&Setup::default());
-        wearer.stay_over(400);
+        wearer.hover_for(400);
         assert_eq!(wearer.pipeline.state(), PipelineState::Running);
         wearer
     }
 
-    fn feed(&mut self, channels: &Channels) -> Option<Rejection> {
+    fn send(&mut self, channels: &Channels) -> Option<Rejection> {
         let reading = Reading {
             time: Timestamp(self.time_ms * 1_000),
             side: None,
@@ -91,27 +93,27 @@ impl Wearer {
         }
     }
 
-    fn stay(&mut self, channels: &Channels, milliseconds: u64) {
+    fn hold(&mut self, channels: &Channels, milliseconds: u64) {
         for _ in 0..milliseconds / 10 {
             self.time_ms += 10;
-            self.feed(channels);
+            self.send(channels);
         }
     }
 
-    fn stay_over(&mut self, milliseconds: u64) {
-        self.stay(&self.over.clone(), milliseconds);
+    fn hover_for(&mut self, milliseconds: u64) {
+        self.hold(&self.hover.clone(), milliseconds);
     }
 
-    fn push_down(&mut self, milliseconds: u64) {
-        self.stay(&self.down.clone(), milliseconds);
+    fn press_for(&mut self, milliseconds: u64) {
+        self.hold(&self.pressed.clone(), milliseconds);
     }
 
-    fn wait(&mut self, milliseconds: u64) {
+    fn skip(&mut self, milliseconds: u64) {
         self.time_ms += milliseconds;
     }
 
-    /// Puts another layout in force: where it was H it is D.
-    fn switch_to_dvorak(&mut self) {
+    /// Replaces the active layout: the H key becomes D.
+    fn replace_with_dvorak(&mut self) {
         let layout = Layout::load("dvorak-flat").expect("the shipped layout");
         let mut events = Events::new();
         self.pipeline
@@ -119,141 +121,141 @@ impl Wearer {
         self.write(&events);
     }
 
-    fn said(&mut self) -> String {
+    fn take_transcript(&mut self) -> String {
         std::mem::take(&mut self.transcript).join(", ")
     }
 }
 
 #[test]
-fn it_starts_paused_and_arms_when_the_hand_was_off_all_keys_for_300_ms() {
+fn output_is_armed_after_the_hand_has_been_clear_of_every_key_for_300_ms() {
     let mut wearer = Wearer::new(&Setup::default());
     assert_eq!(wearer.pipeline.state(), PipelineState::Starting);
-    wearer.stay_over(300);
+    wearer.hover_for(300);
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
-    wearer.stay_over(10);
+    wearer.hover_for(10);
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
-    wearer.push_down(300);
-    wearer.stay_over(300);
-    assert!(wearer.said().starts_with("down H, up H"));
+    wearer.press_for(300);
+    wearer.hover_for(300);
+    assert!(wearer.take_transcript().starts_with("down H, up H"));
 }
 
 #[test]
-fn a_press_before_it_is_armed_is_never_typed() {
+fn a_press_before_arming_is_never_typed() {
     let mut wearer = Wearer::new(&Setup::default());
-    wearer.stay_over(200);
-    wearer.push_down(500);
+    wearer.hover_for(200);
+    wearer.press_for(500);
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
-    wearer.stay_over(250);
-    wearer.push_down(500);
-    wearer.stay_over(100);
-    assert_eq!(wearer.said(), "");
+    wearer.hover_for(250);
+    wearer.press_for(500);
+    wearer.hover_for(100);
+    assert_eq!(wearer.take_transcript(), "");
 }
 
 #[test]
-fn a_hand_that_lies_on_a_key_at_the_start_presses_nothing() {
+fn a_hand_on_a_key_at_the_start_presses_nothing() {
     let mut wearer = Wearer::new(&Setup::default());
-    wearer.push_down(2_000);
+    wearer.press_for(2_000);
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
-    assert_eq!(wearer.said(), "");
+    assert_eq!(wearer.take_transcript(), "");
 }
 
 #[test]
-fn armed_by_flag_it_types_from_the_first_reading_on() {
+fn with_start_armed_the_first_press_is_typed() {
     let setup = Setup {
         start_armed: true,
         ..Setup::default()
     };
     let mut wearer = Wearer::new(&setup);
-    wearer.stay_over(20);
-    wearer.push_down(300);
-    assert_eq!(wearer.said(), "down H");
+    wearer.hover_for(20);
+    wearer.press_for(300);
+    assert_eq!(wearer.take_transcript(), "down H");
 }
 
 #[test]
-fn even_then_a_finger_that_was_on_the_key_has_to_leave_first() {
+fn with_start_armed_a_finger_on_a_key_must_leave_it_first() {
     let setup = Setup {
         start_armed: true,
         ..Setup::default()
     };
     let mut wearer = Wearer::new(&setup);
-    wearer.push_down(500);
-    assert_eq!(wearer.said(), "");
-    wearer.stay_over(300);
-    wearer.push_down(300);
-    assert_eq!(wearer.said(), "down H");
+    wearer.press_for(500);
+    assert_eq!(wearer.take_transcript(), "");
+    wearer.hover_for(300);
+    wearer.press_for(300);
+    assert_eq!(wearer.take_transcript(), "down H");
 }
 
 #[test]
-fn readings_that_stay_away_release_everything_at_the_limit() {
+fn a_gap_longer_than_the_stall_timeout_releases_everything() {
     let mut wearer = Wearer::armed();
-    wearer.push_down(300);
-    wearer.wait(190);
-    wearer.push_down(10);
-    assert_eq!(wearer.said(), "down H", "200 ms are not too long");
+    wearer.press_for(300);
+    wearer.skip(190);
+    wearer.press_for(10);
+    assert_eq!(wearer.take_transcript(), "down H", "a gap of 200 ms");
     let last = wearer.time_ms;
-    wearer.wait(191);
-    wearer.push_down(10);
-    assert_eq!(wearer.said(), format!("up H at {}", last + 200));
+    wearer.skip(191);
+    wearer.press_for(10);
+    assert_eq!(wearer.take_transcript(), format!("up H at {}", last + 200));
     assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
     assert_eq!(wearer.pipeline.stalls(), 1);
 }
 
 #[test]
-fn after_a_stall_the_hand_has_to_be_seen_off_all_keys() {
+fn after_a_stall_the_hand_must_be_clear_of_every_key() {
     let mut wearer = Wearer::armed();
-    wearer.push_down(300);
-    wearer.wait(1_000);
-    wearer.push_down(1_000);
-    wearer.said();
+    wearer.press_for(300);
+    wearer.skip(1_000);
+    wearer.press_for(1_000);
+    wearer.take_transcript();
     assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
-    wearer.stay_over(200);
-    wearer.push_down(300);
-    assert_eq!(wearer.said(), "", "200 ms are too short");
-    wearer.stay_over(500);
-    wearer.push_down(300);
-    assert_eq!(wearer.said(), "down H");
+    wearer.hover_for(200);
+    wearer.press_for(300);
+    assert_eq!(wearer.take_transcript(), "", "clear for 200 ms only");
+    wearer.hover_for(500);
+    wearer.press_for(300);
+    assert_eq!(wearer.take_transcript(), "down H");
 }
 
 #[test]
-fn time_in_which_nothing_was_seen_does_not_arm() {
+fn a_gap_does_not_count_towards_arming() {
     let mut wearer = Wearer::new(&Setup::default());
-    wearer.stay_over(200);
-    wearer.wait(1_000);
-    wearer.stay_over(20);
+    wearer.hover_for(200);
+    wearer.skip(1_000);
+    wearer.hover_for(20);
     assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
 }
 
 #[test]
 fn a_stall_ends_every_contact() {
     let mut wearer = Wearer::armed();
-    wearer.push_down(300);
-    wearer.wait(1_000);
+    wearer.press_for(300);
+    wearer.skip(1_000);
     let reading = Reading {
         time: Timestamp(wearer.time_ms * 1_000),
         side: None,
-        sample: Sample::Channels(wearer.over.clone()),
+        sample: Sample::Channels(wearer.hover.clone()),
     };
-    let frame = wearer.pipeline.step(&reading, &mut Events::new());
-    let touches = &frame.expect("an able hand").touches;
+    let step = wearer.pipeline.step(&reading, &mut Events::new());
+    let touches = &step.expect("a plausible reading").touches;
     assert!(touches.is_empty(), "{touches:?}");
 }
 
 #[test]
-fn the_watchdog_and_the_times_of_the_readings_tell_the_same_stall() {
-    let mut by_watchdog = Wearer::armed();
-    by_watchdog.push_down(300);
+fn a_stall_by_clock_and_by_time_stamps_gives_the_same_events() {
+    let mut by_clock = Wearer::armed();
+    by_clock.press_for(300);
     let mut events = Events::new();
-    by_watchdog.pipeline.stall(&mut events);
-    by_watchdog.write(&events);
-    let mut by_times = Wearer::armed();
-    by_times.push_down(300);
-    by_times.wait(5_000);
-    by_times.stay_over(10);
-    assert_eq!(by_watchdog.said(), by_times.said());
+    by_clock.pipeline.stall(&mut events);
+    by_clock.write(&events);
+    let mut by_time_stamps = Wearer::armed();
+    by_time_stamps.press_for(300);
+    by_time_stamps.skip(5_000);
+    by_time_stamps.hover_for(10);
+    assert_eq!(by_clock.take_transcript(), by_time_stamps.take_transcript());
 }
 
 #[test]
-fn a_second_stall_without_a_reading_in_between_is_no_stall() {
+fn a_second_stall_without_a_reading_is_not_counted() {
     let mut wearer = Wearer::armed();
     let mut events = Events::new();
     wearer.pipeline.stall(&mut events);
@@ -262,14 +264,14 @@ fn a_second_stall_without_a_reading_in_between_is_no_stall() {
 }
 
 #[test]
-fn readings_that_cannot_be_used_are_no_readings() {
+fn rejected_readings_do_not_prevent_a_stall() {
     let mut wearer = Wearer::armed();
-    wearer.push_down(300);
-    let mut broken = wearer.down.clone();
-    // An elbow at 1 count is bent 17 degrees the wrong way.
+    wearer.press_for(300);
+    let mut broken = wearer.pressed.clone();
+    // At 1 count the elbow is overextended by 17 degrees.
     broken.counts[17] = 1;
-    wearer.stay(&broken, 250);
-    assert!(wearer.said().contains("up H"));
+    wearer.hold(&broken, 250);
+    assert!(wearer.take_transcript().contains("up H"));
     assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
     assert_eq!(
         wearer.pipeline.rejected()[Rejection::OutsideLimits.index()],
@@ -278,19 +280,19 @@ fn readings_that_cannot_be_used_are_no_readings() {
 }
 
 #[test]
-fn a_hand_that_is_suddenly_elsewhere_lets_go() {
+fn a_jump_of_the_hand_releases_everything() {
     let mut wearer = Wearer::armed();
-    wearer.push_down(300);
-    let mut elsewhere = wearer.down.clone();
-    elsewhere.counts[17] += 100;
-    wearer.stay(&elsewhere, 30);
-    assert!(wearer.said().contains("down H, up H"));
+    wearer.press_for(300);
+    let mut jumped = wearer.pressed.clone();
+    jumped.counts[17] += 100;
+    wearer.hold(&jumped, 30);
+    assert!(wearer.take_transcript().contains("down H, up H"));
 }
 
 #[test]
-fn the_end_lets_go_of_everything() {
+fn stop_releases_everything() {
     let mut wearer = Wearer::armed();
-    wearer.push_down(300);
+    wearer.press_for(300);
     let mut events = Events::new();
     wearer.pipeline.stop(&mut events);
     assert_eq!(wearer.pipeline.state(), PipelineState::Stopped);
@@ -299,80 +301,80 @@ fn the_end_lets_go_of_everything() {
         events.iter().map(|event| event.kind).collect::<Vec<_>>(),
         [up]
     );
-    wearer.stay_over(1_000);
-    wearer.push_down(300);
+    wearer.hover_for(1_000);
+    wearer.press_for(300);
     assert_eq!(wearer.pipeline.state(), PipelineState::Stopped);
-    assert_eq!(wearer.said(), "down H");
+    assert_eq!(wearer.take_transcript(), "down H");
 }
 
 #[test]
-fn readings_that_stay_away_after_the_end_begin_nothing_anew() {
+fn a_gap_after_stop_does_not_restart_the_pipeline() {
     let mut wearer = Wearer::armed();
     wearer.pipeline.stop(&mut Events::new());
-    wearer.wait(1_000);
-    wearer.stay_over(1_000);
-    wearer.push_down(300);
+    wearer.skip(1_000);
+    wearer.hover_for(1_000);
+    wearer.press_for(300);
     wearer.pipeline.stall(&mut Events::new());
     assert_eq!(wearer.pipeline.state(), PipelineState::Stopped);
-    assert_eq!(wearer.said(), "");
+    assert_eq!(wearer.take_transcript(), "");
 }
 
 #[test]
-fn a_new_layout_lets_go_first_and_a_finger_in_a_key_of_it_has_to_leave() {
+fn a_new_layout_releases_everything_and_a_finger_in_a_key_must_leave_it() {
     let mut wearer = Wearer::armed();
-    wearer.push_down(300);
+    wearer.press_for(300);
     let last = wearer.time_ms;
-    wearer.switch_to_dvorak();
-    assert_eq!(wearer.said(), format!("down H, up H at {last}"));
+    wearer.replace_with_dvorak();
+    assert_eq!(wearer.take_transcript(), format!("down H, up H at {last}"));
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
-    wearer.push_down(1_000);
-    assert_eq!(wearer.said(), "", "the finger has not left the key");
-    wearer.stay_over(300);
-    wearer.push_down(300);
-    assert_eq!(wearer.said(), "down D");
+    wearer.press_for(1_000);
+    assert_eq!(wearer.take_transcript(), "", "the finger is still in the key");
+    wearer.hover_for(300);
+    wearer.press_for(300);
+    assert_eq!(wearer.take_transcript(), "down D");
 }
 
 #[test]
-fn a_new_layout_while_no_key_is_down_is_typed_on_at_once() {
+fn a_new_layout_is_usable_at_once_if_no_key_is_pressed() {
     let mut wearer = Wearer::armed();
-    wearer.switch_to_dvorak();
-    assert_eq!(wearer.said(), "");
-    wearer.stay_over(10);
-    wearer.push_down(300);
-    assert_eq!(wearer.said(), "down D");
+    wearer.replace_with_dvorak();
+    assert_eq!(wearer.take_transcript(), "");
+    wearer.hover_for(10);
+    wearer.press_for(300);
+    assert_eq!(wearer.take_transcript(), "down D");
 }
 
 #[test]
-fn a_paused_hand_has_to_be_seen_off_all_keys_of_a_new_layout() {
+fn arming_restarts_with_a_new_layout() {
     let mut wearer = Wearer::new(&Setup::default());
-    wearer.stay_over(250);
-    wearer.switch_to_dvorak();
-    wearer.stay_over(300);
+    wearer.hover_for(250);
+    wearer.replace_with_dvorak();
+    wearer.hover_for(300);
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
-    wearer.stay_over(10);
+    wearer.hover_for(10);
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
 }
 
 #[test]
-fn a_hundred_new_layouts_while_a_key_is_held_let_go_of_it_once() {
+fn a_hundred_new_layouts_release_a_pressed_key_once() {
     let mut wearer = Wearer::armed();
-    wearer.push_down(300);
+    wearer.press_for(300);
     for _ in 0..100 {
-        wearer.push_down(10);
-        wearer.switch_to_dvorak();
+        wearer.press_for(10);
+        wearer.replace_with_dvorak();
     }
-    assert_eq!(wearer.said().matches(", up H").count(), 1);
+    assert_eq!(wearer.take_transcript().matches(", up H").count(), 1);
 }
 
 #[test]
-fn every_reading_is_accounted_for() {
+fn every_reading_is_accepted_or_rejected() {
     let mut wearer = Wearer::armed();
     let mut rejected = 0;
     for number in 0..500_u64 {
         wearer.time_ms += 10;
-        let mut channels = wearer.over.clone();
+        let mut channels = wearer.hover.clone();
         channels.counts[17] = (number * 37 % 256) as u16;
-        rejected += u64::from(wearer.feed(&channels).is_some());
+        rejected += u64::from(wearer.send(&channels).is_some());
     }
     let accepted = wearer.pipeline.accepted();
     assert_eq!(
@@ -390,66 +392,66 @@ impl Wearer {
         self.write(&events);
     }
 
-    /// Lifts the finger and pushes the key down again.
-    fn type_once(&mut self) {
-        self.stay_over(400);
-        self.push_down(100);
+    /// Raises the finger and presses the key again.
+    fn tap(&mut self) {
+        self.hover_for(400);
+        self.press_for(100);
     }
 }
 
 #[test]
-fn a_pause_lets_go_and_nothing_goes_out_until_it_is_ended_and_the_hand_was_off() {
+fn a_pause_releases_everything_until_resume_and_arming() {
     let mut wearer = Wearer::armed();
-    wearer.push_down(100);
+    wearer.press_for(100);
     wearer.pause();
-    assert_eq!(wearer.said(), "down H, up H at 500");
+    assert_eq!(wearer.take_transcript(), "down H, up H at 500");
     wearer.pause();
-    wearer.type_once();
+    wearer.tap();
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
 
     wearer.pipeline.resume();
-    wearer.push_down(400);
+    wearer.press_for(400);
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
-    wearer.stay_over(290);
-    wearer.push_down(100);
-    assert_eq!(wearer.said(), "", "not off all keys for long enough");
-    wearer.type_once();
-    assert_eq!(wearer.said(), "down H");
+    wearer.hover_for(290);
+    wearer.press_for(100);
+    assert_eq!(wearer.take_transcript(), "", "clear for 290 ms only");
+    wearer.tap();
+    assert_eq!(wearer.take_transcript(), "down H");
 }
 
 #[test]
-fn a_stall_while_paused_stays_paused_and_a_pause_while_stalled_is_one_too() {
+fn pauses_and_stalls_can_overlap() {
     let mut wearer = Wearer::armed();
     wearer.pause();
-    wearer.wait(1_000);
+    wearer.skip(1_000);
     wearer.pipeline.stall(&mut Events::new());
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     assert_eq!(wearer.pipeline.stalls(), 1);
-    wearer.type_once();
-    assert_eq!(wearer.said(), "");
+    wearer.tap();
+    assert_eq!(wearer.take_transcript(), "");
 
     wearer.pipeline.stall(&mut Events::new());
     wearer.pipeline.resume();
     assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
     wearer.pause();
-    wearer.type_once();
+    wearer.tap();
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
-    assert_eq!(wearer.said(), "");
+    assert_eq!(wearer.take_transcript(), "");
     wearer.pipeline.resume();
-    wearer.type_once();
-    assert_eq!(wearer.said(), "down H");
+    wearer.tap();
+    assert_eq!(wearer.take_transcript(), "down H");
 }
 
 #[test]
-fn a_pause_outlasts_a_new_layout_and_ends_with_the_run() {
+fn a_pause_outlasts_a_new_layout_and_ends_with_stop() {
     let mut wearer = Wearer::armed();
     wearer.pause();
-    wearer.switch_to_dvorak();
-    wearer.type_once();
-    assert_eq!(wearer.said(), "");
+    wearer.replace_with_dvorak();
+    wearer.tap();
+    assert_eq!(wearer.take_transcript(), "");
     wearer.pipeline.resume();
-    wearer.type_once();
-    assert_eq!(wearer.said(), "down D");
+    wearer.tap();
+    assert_eq!(wearer.take_transcript(), "down D");
 
     wearer.pause();
     wearer.pipeline.stop(&mut Events::new());
@@ -459,49 +461,49 @@ fn a_pause_outlasts_a_new_layout_and_ends_with_the_run() {
 }
 
 #[test]
-fn a_pause_before_the_first_reading_holds_though_that_would_arm() {
+fn a_pause_before_the_first_reading_overrides_start_armed() {
     let setup = Setup {
         start_armed: true,
         ..Setup::default()
     };
     let mut wearer = Wearer::new(&setup);
     wearer.pause();
-    wearer.type_once();
+    wearer.tap();
     wearer.pipeline.resume();
-    wearer.push_down(100);
-    assert_eq!(wearer.said(), "");
-    wearer.type_once();
-    assert_eq!(wearer.said(), "down H");
+    wearer.press_for(100);
+    assert_eq!(wearer.take_transcript(), "");
+    wearer.tap();
+    assert_eq!(wearer.take_transcript(), "down H");
 }
 
 #[test]
-fn ending_no_pause_does_not_let_go() {
+fn resume_without_a_pause_releases_nothing() {
     let mut wearer = Wearer::armed();
-    wearer.push_down(100);
+    wearer.press_for(100);
     wearer.pipeline.resume();
-    wearer.push_down(100);
-    assert_eq!(wearer.said(), "down H");
+    wearer.press_for(100);
+    assert_eq!(wearer.take_transcript(), "down H");
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
 }
 
 #[test]
-fn what_is_played_for_nothing_in_a_pause_never_comes_up() {
-    let ends: [fn(&mut Wearer, &mut Events); 4] = [
+fn presses_during_a_pause_are_never_released() {
+    let actions: [fn(&mut Wearer, &mut Events); 4] = [
         |wearer, events| wearer.pipeline.stall(events),
         |wearer, events| wearer.pipeline.stop(events),
         |wearer, events| {
             let moved = wearer.pipeline.nudge(Vec3::X * 0.01, events);
-            moved.expect("a board can go so far");
+            moved.expect("a valid position");
         },
-        |wearer, _| wearer.switch_to_dvorak(),
+        |wearer, _| wearer.replace_with_dvorak(),
     ];
-    for end in ends {
+    for action in actions {
         let mut wearer = Wearer::armed();
         wearer.pause();
-        wearer.type_once();
+        wearer.tap();
         let mut events = Events::new();
-        end(&mut wearer, &mut events);
+        action(&mut wearer, &mut events);
         wearer.write(&events);
-        assert_eq!(wearer.said(), "");
+        assert_eq!(wearer.take_transcript(), "");
     }
 }

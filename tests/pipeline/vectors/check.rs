@@ -1,8 +1,8 @@
-//! Values of a file of reference vectors.
+//! Access to the values of a reference vector file.
 
 use serde_json::Value;
 
-/// Checks a file and says how many cases it had; panics at the first wrong number.
+/// A check of one file: returns the number of cases, and panics at the first wrong number.
 pub type Check = fn(&Value) -> usize;
 
 pub fn list(value: &Value) -> &Vec<Value> {
@@ -18,14 +18,14 @@ pub fn numbers(value: &Value) -> Vec<f64> {
 }
 
 pub fn text(value: &Value) -> &str {
-    value.as_str().expect("a text")
+    value.as_str().expect("a string")
 }
 
 pub fn bytes(hex: &Value) -> Vec<u8> {
     let hex = text(hex);
     (0..hex.len())
         .step_by(2)
-        .map(|place| u8::from_str_radix(&hex[place..place + 2], 16).expect("hex"))
+        .map(|index| u8::from_str_radix(&hex[index..index + 2], 16).expect("hex"))
         .collect()
 }
 
@@ -34,6 +34,6 @@ pub fn assert_close(ours: f64, theirs: f64, tolerance: f64, what: &str) {
     let difference = (ours - theirs).abs();
     assert!(
         difference <= tolerance,
-        "{what}: {ours} instead of {theirs}, {difference:e} apart"
+        "{what}: {ours} instead of {theirs}, difference {difference:e}"
     );
 }

@@ -13,14 +13,14 @@ use serde_json::Value;
 
 use super::check::{assert_close, bytes, list, number, numbers, text};
 
-/// Positions in `f32`: a micrometre per metre of arm, in centimetres for the 57 cm of this one.
+/// The rounding error of `f32` kinematics in centimetres: 1 µm per metre, for an arm of 57 cm.
 const F32_CM: f64 = 0.57e-4;
 
 fn glove() -> Glove {
     Glove::load("unam-hc11").expect("the shipped glove loads")
 }
 
-/// The shipped arm in its own frame instead of the world's.
+/// Returns the shipped arm in its own frame instead of the world's.
 fn arm() -> ArmModel {
     let shipped = ArmModel::load("unam").expect("the shipped arm loads");
     let links: Vec<Link> = shipped.links().to_vec();
@@ -45,7 +45,7 @@ fn reading(number: u64, body: &[u8]) -> Reading {
     }
 }
 
-fn thesis(map: ChannelMap) -> Estimator {
+fn estimator(map: ChannelMap) -> Estimator {
     let settings = EstimatorSettings::unchecked(Smoothing::RecursiveAverage);
     Estimator::new(settings).with_channels(&map)
 }
@@ -54,13 +54,13 @@ fn centimetres(position: Vec3) -> [f64; 3] {
     position.to_array().map(|metres| f64::from(metres) * 100.0)
 }
 
-fn assert_place(ours: Vec3, theirs: &Value, tolerance: f64, what: &str) {
+fn assert_position(ours: Vec3, theirs: &Value, tolerance: f64, what: &str) {
     for (ours, theirs) in centimetres(ours).iter().zip(numbers(theirs)) {
         assert_close(*ours, theirs, tolerance, what);
     }
 }
 
-/// The wire order, our glove file and our arm file against the tables.
+/// Checks the wire order, the glove file and the arm file against the tables.
 pub fn channels(file: &Value) -> usize {
     let tolerance = number(&file["tolerance"]["absolute"]);
     for row in list(&file["wire"]) {
@@ -102,9 +102,9 @@ pub fn channels(file: &Value) -> usize {
 
 fn assert_link(arm: &ArmModel, ours: &Link, theirs: &Value) {
     assert_eq!(ours.name, text(&theirs["id"]));
-    let parent = ours.parent.map(|place| arm.links()[place].name.as_str());
+    let parent = ours.parent.map(|index| arm.links()[index].name.as_str());
     assert_eq!(parent, theirs["parent"].as_str(), "{}", ours.name);
-    assert_place(ours.offset, &theirs["offset"], F32_CM, &ours.name);
+    assert_position(ours.offset, &theirs["offset"], F32_CM, &ours.name);
     let axis = match text(&theirs["axis"]) {
         "x" => Vec3::X,
         "y" => Vec3::Y,
@@ -115,16 +115,17 @@ fn assert_link(arm: &ArmModel, ours: &Link, theirs: &Value) {
     assert_close(length, number(&theirs["length"]), F32_CM, &ours.name);
 }
 
-/// A row of the Maya script: value = count × 360 / 255, attribute = value × scale + offset.
+/// Evaluates a row of the Maya script: value = count × 360 / 255, attribute = value × scale + offset.
 fn maya_value(row: &Value, value: f64) -> f64 {
-    let line = AffineMap {
+    let map = AffineMap {
         gain: number(&row["scale"]) * 360.0 / 255.0,
         offset: number(&row["offset"]),
     };
-    line.apply(value)
+    map.apply(value)
 }
 
-/// Calibration and filters, frame by frame; the forms of the glove's own programs are written out here, for comparison.
+/// Checks calibration and filters packet by packet. The algorithms of the glove's original programs are implemented here
+/// for comparison.
 pub fn pipeline(file: &Value) -> usize {
     let mut cases = 0;
     for case in list(&file["cases"]) {
@@ -135,21 +136,21 @@ pub fn pipeline(file: &Value) -> usize {
     cases + linear(file) + fit(file) + divider(file)
 }
 
-/// Each row has an estimator of its own, so that rows that share an angle can be told apart.
+/// Checks the corrected filters. Each row has its own estimator, because several rows share an angle.
 fn corrected(case: &Value, tolerance: f64) {
     let name = text(&case["name"]);
-    for (place, row) in glove().full_map.rows().iter().enumerate() {
-        let mut estimator = thesis(ChannelMap::new(vec![row.clone()], 255));
+    for (index, row) in glove().full_map.rows().iter().enumerate() {
+        let mut estimator = estimator(ChannelMap::new(vec![row.clone()], 255));
         for (frame, wanted) in list(&case["frames"]).iter().enumerate() {
             let reading = reading(frame as u64, &bytes(&wanted["body"]));
             let estimate = estimator.update(&reading).expect("nothing is rejected");
-            let wanted = number(&wanted["corrected_angles"][place]);
+            let wanted = number(&wanted["corrected_angles"][index]);
             assert_close(estimate.angles.get(row.dof), wanted, tolerance, name);
         }
     }
 }
 
-/// The servers of the glove's own programs: signed-byte slip, integer mean, feedback shared by all rows of a channel.
+/// Checks the algorithms of the original servers: signed-byte slip, integer mean, feedback shared by all rows of a channel.
 fn as_coded(case: &Value, tolerance: &Value) {
     let name = text(&case["name"]);
     let rows = glove().full_map.rows().to_vec();
@@ -202,11 +203,11 @@ fn as_coded(case: &Value, tolerance: &Value) {
     }
 }
 
-/// The rows of the Maya script stand in the file of the channels.
+/// Returns the rows of the Maya script, which are in the file of the channels.
 fn maya_rows() -> Vec<Value> {
     let path = super::folder().join("glove_channels.json");
-    let text = std::fs::read_to_string(path).expect("glove_channels.json is beside this file");
-    let file: Value = serde_json::from_str(&text).expect("it is JSON");
+    let text = std::fs::read_to_string(path).expect("glove_channels.json is in the same folder");
+    let file: Value = serde_json::from_str(&text).expect("valid JSON");
     list(&file["maya"]).clone()
 }
 
@@ -214,17 +215,17 @@ fn linear(file: &Value) -> usize {
     let tolerance = number(&file["tolerance"]["linear"]);
     let cases = list(&file["linear"]);
     for case in cases {
-        let of = |name: &str| number(&case[name]);
-        let line =
-            AffineMap::from_counts(of("offset_counts"), of("factor"), of("initial_rotation"));
+        let value = |name: &str| number(&case[name]);
+        let map =
+            AffineMap::from_counts(value("offset_counts"), value("factor"), value("initial_rotation"));
         assert_close(
-            line.apply(of("reading")),
-            of("angle_counts_form"),
+            map.apply(value("reading")),
+            value("angle_counts_form"),
             tolerance,
             "linear",
         );
-        assert_close(line.gain, of("text_form_factor"), tolerance, "linear");
-        assert_close(line.offset, of("text_form_offset"), tolerance, "linear");
+        assert_close(map.gain, value("text_form_factor"), tolerance, "linear");
+        assert_close(map.offset, value("text_form_offset"), tolerance, "linear");
     }
     cases.len()
 }
@@ -240,12 +241,12 @@ fn fit(file: &Value) -> usize {
             .collect();
         let fitted = AffineMap::fit(&poses);
         if case["factor"].is_null() {
-            assert!(fitted.is_err(), "no line goes through these");
+            assert!(fitted.is_err(), "poses without a solution");
             continue;
         }
-        let line = fitted.expect("a line goes through these");
-        assert_close(line.gain, number(&case["factor"]), tolerance, "fit");
-        assert_close(line.offset, number(&case["offset"]), tolerance, "fit");
+        let map = fitted.expect("poses with a solution");
+        assert_close(map.gain, number(&case["factor"]), tolerance, "fit");
+        assert_close(map.offset, number(&case["offset"]), tolerance, "fit");
     }
     cases.len()
 }
@@ -254,9 +255,9 @@ fn divider(file: &Value) -> usize {
     let tolerance = number(&file["tolerance"]["divider"]);
     let cases = list(&file["divider"]);
     for case in cases {
-        let of = |name: &str| number(&case[name]);
-        let ours = divider_resistance(of("r1_kohm"), of("supply_volt"), of("vx_volt"));
-        assert_close(ours, of("r2_kohm"), tolerance.max(1e-9 * ours), "divider");
+        let value = |name: &str| number(&case[name]);
+        let ours = divider_resistance(value("r1_kohm"), value("supply_volt"), value("vx_volt"));
+        assert_close(ours, value("r2_kohm"), tolerance.max(1e-9 * ours), "divider");
     }
     cases.len()
 }
@@ -272,15 +273,15 @@ pub fn forward_kinematics(file: &Value) -> usize {
             angles.set(dof_of(&arm, link), number(angle));
         }
         let poses = arm.link_poses(&angles);
-        let place = |name: &str| {
+        let index = |name: &str| {
             arm.links()
                 .iter()
                 .position(|link| link.name == name)
                 .expect("a link")
         };
         for (link, wanted) in case["pivot"].as_object().expect("pivots") {
-            assert_place(
-                poses[place(link)].translation,
+            assert_position(
+                poses[index(link)].translation,
                 wanted,
                 tolerance,
                 &format!("{name} {link}"),
@@ -291,26 +292,26 @@ pub fn forward_kinematics(file: &Value) -> usize {
             let tip = hand
                 .fingertip(finger.parse().expect("a finger"))
                 .expect("a tip");
-            assert_place(tip, wanted, tolerance, &format!("{name} {finger} tip"));
+            assert_position(tip, wanted, tolerance, &format!("{name} {finger} tip"));
         }
-        assert_rotation(&poses[place("wrist_z")], &case["hand_rotation"], name);
+        assert_rotation(&poses[index("wrist_z")], &case["hand_rotation"], name);
         let index_tip = hand.get(Joint::tip(Finger::Index)).expect("a tip");
         assert_rotation(index_tip, &case["index_tip_rotation"], name);
     }
     cases.len()
 }
 
-/// A rotation turns every point of the hand, 0.57 m from the shoulder at most: 1e-6 is 0.6 µm there.
+/// Checks a rotation matrix. An error of 1e-6 moves the hand, at most 0.57 m from the shoulder, by 0.6 µm.
 fn assert_rotation(pose: &Pose, rows: &Value, name: &str) {
     let matrix = parry3d::math::Mat3::from_quat(pose.rotation);
-    for (place, row) in list(rows).iter().enumerate() {
-        for (ours, theirs) in matrix.row(place).to_array().iter().zip(numbers(row)) {
+    for (index, row) in list(rows).iter().enumerate() {
+        for (ours, theirs) in matrix.row(index).to_array().iter().zip(numbers(row)) {
             assert_close(f64::from(*ours), theirs, 2e-6, name);
         }
     }
 }
 
-/// All 26 rows of the table drive the arm, also those that our glove file turns off.
+/// Checks fingertips from bytes. All 26 rows of the table drive the arm, also those that the glove file disables.
 pub fn end_to_end(file: &Value) -> usize {
     let tolerance = number(&file["tolerance"]["absolute"]) + F32_CM;
     let arm = arm();
@@ -323,19 +324,19 @@ pub fn end_to_end(file: &Value) -> usize {
         decoder.finish(&mut |body| bodies.push(*body));
         let frames = list(&case["frames"]);
         assert_eq!(bodies.len(), frames.len(), "{name}");
-        let mut estimator = thesis(glove().full_map);
+        let mut estimator = estimator(glove().full_map);
         for (number, (body, wanted)) in bodies.iter().zip(frames).enumerate() {
             let estimate = estimator
                 .update(&reading(number as u64, body))
-                .expect("nothing is refused");
+                .expect("nothing is rejected");
             let hand = arm.forward(&estimate);
             let wrist = hand.position(Joint::Wrist).expect("a wrist");
-            assert_place(wrist, &wanted["wrist_z"], tolerance, name);
+            assert_position(wrist, &wanted["wrist_z"], tolerance, name);
             for (finger, tip) in wanted["tip"].as_object().expect("tips") {
                 let ours = hand
                     .fingertip(finger.parse().expect("a finger"))
                     .expect("a tip");
-                assert_place(ours, tip, tolerance, &format!("{name} {finger}"));
+                assert_position(ours, tip, tolerance, &format!("{name} {finger}"));
             }
         }
     }

@@ -10,7 +10,7 @@ use serde_json::Value;
 
 use super::check::{assert_close, list, number, numbers, text};
 
-/// Contact is computed in `f32`: a micrometre per metre, here in scene units of at most 10.
+/// The rounding error of `f32` contact tests, for coordinates of at most 10 units.
 const F32: f64 = 1e-5;
 
 pub fn press(file: &Value) -> usize {
@@ -20,12 +20,12 @@ pub fn press(file: &Value) -> usize {
         let height = number(&case["height"]);
         let buttons: Vec<Target> = list(&case["buttons_xz"])
             .iter()
-            .map(|place| button(&numbers(place), number(&case["half_extent"]), height))
+            .map(|center| button(&numbers(center), number(&case["half_extent"]), height))
             .collect();
         for sample in list(&case["samples"]) {
             let tips: Vec<Vec3> = list(&sample["tips"])
                 .iter()
-                .map(|tip| place(&numbers(tip)))
+                .map(|tip| position(&numbers(tip)))
                 .collect();
             let clamped = sample.get("clamped").unwrap_or(&sample["as_coded"]);
             for (button, wanted) in buttons.iter().zip(list(clamped)) {
@@ -44,14 +44,14 @@ pub fn press(file: &Value) -> usize {
     cases
 }
 
-/// Millimetres of a layout for a unit of the vectors, so that every pad is a board that can be.
+/// The scale of the layout in millimetres per unit of the vectors, so that every pad is a valid board.
 const MILLIMETRES: f64 = 10.0;
 
-/// Nearer to an edge than this, in units, a fingertip may be on either side of it: the board lies in the
-/// world, so that places are turned in `f32`.
+/// The distance from an edge, in units, below which a fingertip may be on either side: the board is rotated into the
+/// world in `f32`.
 const EDGE: f64 = 1e-5;
 
-/// The same pads written as layout files.
+/// Checks the same pads as layout files.
 pub fn press_through_layouts(file: &Value) -> usize {
     let tolerance = number(&file["tolerance"]["absolute"]) + F32;
     let mut cases = 0;
@@ -88,11 +88,11 @@ pub fn press_through_layouts(file: &Value) -> usize {
 }
 
 fn is_at_an_edge(tip: &[f64], button: &[f64], half: f64, height: f64) -> bool {
-    let beside = |at: f64, middle: f64| ((at - middle).abs() - half).abs() < EDGE;
-    beside(tip[0], button[0]) || beside(tip[2], button[1]) || (tip[1] - height).abs() < EDGE
+    let is_at_edge = |x: f64, center: f64| ((x - center).abs() - half).abs() < EDGE;
+    is_at_edge(tip[0], button[0]) || is_at_edge(tip[2], button[1]) || (tip[1] - height).abs() < EDGE
 }
 
-/// A board for each button, as those of one must not overlap.
+/// Builds a layout with one board for each button, because the buttons of one board must not overlap.
 fn layout(buttons: &[Vec<f64>], half: f64, height: f64) -> Layout {
     let boards = buttons.iter().enumerate().map(|(number, xz)| {
         format!(
@@ -111,22 +111,22 @@ fn layout(buttons: &[Vec<f64>], half: f64, height: f64) -> Layout {
     Layout::parse(&text, "pad.ron").unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A target, and the fingertips as its surface sees them, in metres.
+/// Returns a target, and the fingertips in the frame of its surface, in units.
 fn on_board(scene: &Scene, number: u32, tips: &[Vec<f64>]) -> (Target, Vec<Vec3>) {
     let (surface, target) = scene.target(TargetId(number)).expect("a button");
     let pose = HandPose::new(Timestamp(0), Side::Right, 0.0);
     let world_from_surface = surface
         .world_from_surface(&pose)
-        .expect("it is in the world");
+        .expect("a board in the world");
     let metres = MILLIMETRES as f32 * 1e-3;
-    let seen = |tip: &Vec<f64>| {
+    let in_surface = |tip: &Vec<f64>| {
         let tip = Vec3::new(tip[0] as f32, tip[1] as f32, tip[2] as f32) * metres;
         world_from_surface.inverse_transform_point(tip) / metres
     };
-    (*target, tips.iter().map(seen).collect())
+    (*target, tips.iter().map(in_surface).collect())
 }
 
-/// The target in the units of the vectors.
+/// Converts a target to the units of the vectors.
 fn in_units(target: Target) -> Target {
     let units = 1e3 / MILLIMETRES as f32;
     let Shape::Box(half) = target.shape else {
@@ -140,16 +140,16 @@ fn in_units(target: Target) -> Target {
     }
 }
 
-/// The pad's Y is up; ours is Z, so that its X and −Z lie on the board.
-fn place(xyz: &[f64]) -> Vec3 {
+/// Converts coordinates: +Y of the vectors is +Z of the board, and −Z is +Y.
+fn position(xyz: &[f64]) -> Vec3 {
     Vec3::new(xyz[0] as f32, -xyz[2] as f32, xyz[1] as f32)
 }
 
 fn button(xz: &[f64], half: f64, height: f64) -> Target {
-    let middle = place(&[xz[0], height, xz[1]]);
+    let center = position(&[xz[0], height, xz[1]]);
     Target {
         shape: Shape::Box(Vec2::splat(half as f32)),
-        surface_from_target: Pose::from_translation(middle),
+        surface_from_target: Pose::from_translation(center),
         travel: height as f32,
         press_at: 0.5,
         release_at: 0.25,

@@ -1,7 +1,7 @@
-//! Our arithmetic against numbers from an independent reference.
+//! Reference vectors: results of an independent implementation.
 //!
-//! Reads every file in the folder that `ADEMAN_VECTORS` names (default: `tests/vectors`) and prints how
-//! many cases of each it checked. A covered file that is missing or yields no case fails.
+//! Reads the files in the folder `ADEMAN_VECTORS` (default: `tests/vectors`) and prints the number of
+//! cases of each. A missing file and a file without cases are failures.
 
 mod check;
 mod glove;
@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 use self::check::Check;
 
-/// The files that are covered, by the first word, and what checks each.
+/// The covered files, by the first word, with the check of each.
 const COVERED: &[(&str, Check)] = &[
     ("glove_channels", glove::channels),
     ("glove_packets", packets::packets),
@@ -36,7 +36,7 @@ fn folder() -> PathBuf {
 }
 
 #[test]
-fn our_numbers_are_those_of_the_reference() {
+fn results_agree_with_the_reference_vectors() {
     let folder = folder();
     let mut failed = Vec::new();
     for (name, check) in COVERED {
@@ -48,7 +48,7 @@ fn our_numbers_are_those_of_the_reference() {
         let result = std::panic::catch_unwind(|| check(&file));
         match result {
             Ok(cases) if cases > 0 => println!("{name}: {cases} cases"),
-            Ok(_) => failed.push(format!("{name}: no case")),
+            Ok(_) => failed.push(format!("{name}: no cases")),
             Err(_) => failed.push(format!("{name}: see above")),
         }
     }
@@ -61,7 +61,7 @@ fn file_of(name: &str) -> &str {
 }
 
 fn list_uncovered(folder: &std::path::Path) {
-    let entries = std::fs::read_dir(folder).expect("the folder of the vectors can be listed");
+    let entries = std::fs::read_dir(folder).expect("a folder of vectors");
     let mut names: Vec<String> = entries
         .flatten()
         .filter_map(|entry| Some(entry.path().file_stem()?.to_str()?.to_owned()))

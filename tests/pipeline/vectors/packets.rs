@@ -7,26 +7,26 @@ pub fn packets(file: &Value) -> usize {
     let cases = list(&file["cases"]);
     for case in cases {
         let name = text(&case["name"]);
-        let framing: Framing = text(&case["framing"]).parse().expect("a framing");
+        let framing: Framing = text(&case["framing"]).parse().expect("a valid framing");
         let rule = match framing {
             Framing::Double06 => "confirmed",
             Framing::Hash => "rescan",
         };
         let stream = bytes(&case["hex"]);
         let wanted: Vec<Vec<u8>> = list(&case["expected"][rule]).iter().map(bytes).collect();
-        let early = case["expected"]["confirmed_before_end_of_stream"].as_u64();
+        let before_end = case["expected"]["confirmed_before_end_of_stream"].as_u64();
         for cut in cuts(case, stream.len()) {
-            let (frames, before_end) = decode(framing, &stream, &cut);
-            assert_eq!(frames, wanted, "{name}, cut into {cut:?}");
-            if let Some(early) = early {
-                assert_eq!(before_end as u64, early, "{name}: out before the end");
+            let (packets, decoded_early) = decode(framing, &stream, &cut);
+            assert_eq!(packets, wanted, "{name}, cut into {cut:?}");
+            if let Some(before_end) = before_end {
+                assert_eq!(decoded_early as u64, before_end, "{name}: before the end");
             }
         }
     }
     cases.len()
 }
 
-/// The stream whole, byte by byte, and as the case cuts it.
+/// Returns the chunk sizes to test: the whole stream, single bytes, and those of the case.
 fn cuts(case: &Value, length: usize) -> Vec<Vec<usize>> {
     let mut cuts = vec![vec![length], vec![1; length]];
     if let Some(chunks) = case["chunks"].as_array() {
@@ -40,18 +40,18 @@ fn cuts(case: &Value, length: usize) -> Vec<Vec<usize>> {
     cuts
 }
 
-/// The frames of a stream that comes in pieces of these sizes, and how many were out before its end.
-fn decode(framing: Framing, stream: &[u8], pieces: &[usize]) -> (Vec<Vec<u8>>, usize) {
+/// Decodes a stream in chunks of these sizes. Returns the packets and the number decoded before the end of the stream.
+fn decode(framing: Framing, stream: &[u8], sizes: &[usize]) -> (Vec<Vec<u8>>, usize) {
     let mut decoder = Hc11Decoder::new(framing);
-    let mut frames = Vec::new();
+    let mut packets = Vec::new();
     let mut rest = stream;
-    for &size in pieces {
-        let (piece, after) = rest.split_at(size.min(rest.len()));
-        decoder.push(piece, &mut |frame| frames.push(frame.to_vec()));
+    for &size in sizes {
+        let (chunk, after) = rest.split_at(size.min(rest.len()));
+        decoder.push(chunk, &mut |packet| packets.push(packet.to_vec()));
         rest = after;
     }
-    decoder.push(rest, &mut |frame| frames.push(frame.to_vec()));
-    let before_end = frames.len();
-    decoder.finish(&mut |frame| frames.push(frame.to_vec()));
-    (frames, before_end)
+    decoder.push(rest, &mut |packet| packets.push(packet.to_vec()));
+    let before_end = packets.len();
+    decoder.finish(&mut |packet| packets.push(packet.to_vec()));
+    (packets, before_end)
 }
