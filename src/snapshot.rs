@@ -7,24 +7,7 @@ use crate::contact::{TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
 use crate::estimate::{JointAngles, Rejection};
 use crate::kinematics::HandPose;
-use crate::names::named_enum;
-
-named_enum! {
-    /// What the engine is doing.
-    pub enum PipelineState ("state") {
-        /// No reading has come in yet.
-        Starting = "starting",
-        /// Nothing goes out: until the hand is seen off all controls, or until a pause that somebody
-        /// asked for is ended.
-        Paused = "paused",
-        /// Touches become events.
-        Running = "running",
-        /// Readings stopped; everything is released.
-        Stalled = "stalled",
-        /// Over.
-        Stopped = "stopped",
-    }
-}
+pub use crate::pipeline::{PipelineState, Suppressed};
 
 /// One frame, as each stage saw it.
 #[derive(Clone, Debug)]
@@ -51,26 +34,6 @@ pub struct Snapshot {
     pub commands: TimedCommands,
     /// The account so far.
     pub stats: Stats,
-}
-
-/// What was not let out, by reason.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Suppressed {
-    /// Presses beyond the limit in a second.
-    pub rate_limited: u64,
-    /// Keys that act on the system, alone or with those that were down.
-    pub system_keys: u64,
-    /// Keys and characters of a source that is only a pointer.
-    pub keys_by_role: u64,
-    /// Motions and buttons of a source that is only for keys.
-    pub pointing_by_role: u64,
-}
-
-impl Suppressed {
-    /// All of them.
-    pub const fn total(&self) -> u64 {
-        self.rate_limited + self.system_keys + self.keys_by_role + self.pointing_by_role
-    }
 }
 
 /// The account of all readings: received = accepted + rejected + superseded.

@@ -1,4 +1,4 @@
-//! One hand on its way from readings to poses.
+//! The stages of one hand from readings to poses.
 
 use super::StepOutput;
 use crate::contact::Touches;
@@ -8,29 +8,28 @@ use crate::hand::Side;
 use crate::kinematics::ArmModel;
 use crate::time::Timestamp;
 
-/// A hand with what its readings go through.
-pub(super) struct Hand {
+/// The number of consecutive rejected readings after which everything is released. A single one can be a flipped bit;
+/// the estimator accepts a jump of the hand at the third reading.
+const MAX_CONSECUTIVE_REJECTIONS: u8 = 3;
+
+/// The estimator, arm model and latest output of one hand.
+pub(super) struct HandPipeline {
     pub(super) estimator: Estimator,
     pub(super) arm: ArmModel,
-    /// The latest, in place: it is too large to be passed around for nothing.
-    pub(super) frame: StepOutput,
-    /// When the last reading came that became a pose; `None` when none is expected.
+    /// The latest output, updated in place because it is too large to move for every reading.
+    pub(super) output: StepOutput,
+    /// The time of the last accepted reading; `None` if none is expected.
     pub(super) last_accepted: Option<Timestamp>,
-    /// Whether the latest pose was off all controls.
+    /// Whether the latest pose was clear of every control.
     pub(super) is_clear: bool,
-    /// How many of its latest readings in a row gave no angles.
-    refused: u8,
+    consecutive_rejections: u8,
 }
 
-/// So many readings in a row without angles let go of everything: one can be a flipped bit, and whoever is
-/// elsewhere all of a sudden is believed at the third.
-const REFUSALS: u8 = 3;
-
-impl Hand {
+impl HandPipeline {
     pub(super) fn new(estimator: Estimator, arm: ArmModel) -> Self {
         let estimate = Estimate::new(Timestamp::default(), JointAngles::default());
         Self {
-            frame: StepOutput {
+            output: StepOutput {
                 estimate,
                 pose: arm.forward(&estimate),
                 touches: Touches::new(),
@@ -40,17 +39,17 @@ impl Hand {
             arm,
             last_accepted: None,
             is_clear: false,
-            refused: 0,
+            consecutive_rejections: 0,
         }
     }
 
-    /// Takes note of what became of a reading; whether it was one too many that gave no angles.
-    pub(super) fn was_refused(&mut self, is_refused: bool) -> bool {
-        self.refused = match is_refused {
-            true => self.refused.saturating_add(1),
+    /// Counts consecutive rejected readings. Returns `true` when the number reaches the limit.
+    pub(super) fn count_rejection(&mut self, is_rejected: bool) -> bool {
+        self.consecutive_rejections = match is_rejected {
+            true => self.consecutive_rejections.saturating_add(1),
             false => 0,
         };
-        self.refused == REFUSALS
+        self.consecutive_rejections == MAX_CONSECUTIVE_REJECTIONS
     }
 
     pub(super) fn side(&self) -> Side {

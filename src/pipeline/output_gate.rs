@@ -1,336 +1,287 @@
-//! The last look at what goes out: what is down, what its source may do, how many presses there are in a second,
-//! and keys that act on the system.
+//! The output gate: the last check of events before they leave the pipeline.
+//!
+//! It suppresses releases of keys that are not pressed, events that the role of the source does not permit, presses
+//! beyond the rate limit, and keys that act on the system. It never suppresses the release of a pressed key.
 
-use std::time::Duration;
-
-use super::permissions::{Part, SourcePermissions, SourceRole};
-use crate::device::{EventKind, Events, KeyCode, OutputEvent};
+use super::permissions::{EventClass, SourcePermissions, SourceRole};
+use super::rate_limit::TokenBucket;
+use super::Suppressed;
+use crate::device::{EventKind, Events, KeyCode};
 use crate::output::pressed_keys::PressedKeys;
-use crate::snapshot::Suppressed;
 use crate::time::Timestamp;
 
-/// What one press costs.
-const PRESS: u64 = 1_000_000;
-
-/// How many presses may come in a second.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PressRateLimit {
-    /// For as long as one likes; half as many may come at once.
-    pub per_second: u32,
-}
-
-impl PressRateLimit {
-    /// For sources at this machine: 720 words a minute, more than anybody types.
-    pub const LOCAL: Self = Self { per_second: 60 };
-
-    /// For sources on the network: an intruder is slower than a good typist.
-    pub const NETWORK: Self = Self { per_second: 20 };
-
-    /// What can be saved up, in the unit of [`PRESS`].
-    fn most(self) -> u64 {
-        u64::from(self.per_second / 2).max(1) * PRESS
-    }
-}
-
-/// Presses that a source may still make: a bucket into which they drip, and which holds half a second of them.
+/// The permissions of a source and its remaining presses.
 #[derive(Clone, Copy, Debug)]
-struct Allowance {
-    limit: PressRateLimit,
-    level: u64,
-    since: Timestamp,
-}
-
-impl Allowance {
-    fn new(limit: PressRateLimit) -> Self {
-        Self {
-            limit,
-            level: limit.most(),
-            since: Timestamp::default(),
-        }
-    }
-
-    /// Whether there may be one more at this time.
-    fn take(&mut self, time: Timestamp) -> bool {
-        let passed: Duration = time.since(self.since);
-        self.since = self.since.max(time);
-        let gained = (passed.as_micros() as u64).saturating_mul(self.limit.per_second.into());
-        self.level = self.level.saturating_add(gained).min(self.limit.most());
-        let may = self.level >= PRESS;
-        self.level -= if may { PRESS } else { 0 };
-        may
-    }
-}
-
-/// What is known of a source.
-#[derive(Clone, Copy, Debug)]
-struct Origin {
+struct SourceState {
     role: SourceRole,
-    allowance: Allowance,
+    bucket: TokenBucket,
 }
 
-impl Origin {
-    fn new(rights: SourcePermissions) -> Self {
+impl SourceState {
+    fn new(permissions: SourcePermissions) -> Self {
         Self {
-            role: rights.role,
-            allowance: Allowance::new(rights.rate_limit),
+            role: permissions.role,
+            bucket: TokenBucket::new(permissions.rate_limit),
         }
     }
 }
 
-/// Lets events out, or not: releases always.
+/// The gate that every event passes.
 #[derive(Clone, Debug)]
-pub(super) struct Gate {
-    /// At least one.
-    sources: Vec<Origin>,
-    lets_system_keys: bool,
-    down: PressedKeys,
-    withheld: Suppressed,
+pub(super) struct OutputGate {
+    /// One or two. If both hands share a source, the last entry stands for both.
+    sources: Vec<SourceState>,
+    allow_system_keys: bool,
+    pressed: PressedKeys,
+    suppressed: Suppressed,
 }
 
-impl Gate {
-    /// For one source; system keys are those of [`KeyCode::is_of_system`] and what some keys become with
-    /// Control and Alt.
-    pub(super) fn new(rights: SourcePermissions, lets_system_keys: bool) -> Self {
+impl OutputGate {
+    /// Creates a gate for one source. System keys are those of [`KeyCode::is_system_key`], and keys that act on the
+    /// system together with Control and Alt.
+    pub(super) fn new(permissions: SourcePermissions, allow_system_keys: bool) -> Self {
         Self {
-            sources: vec![Origin::new(rights)],
-            lets_system_keys,
-            down: PressedKeys::default(),
-            withheld: Suppressed::default(),
+            sources: vec![SourceState::new(permissions)],
+            allow_system_keys,
+            pressed: PressedKeys::default(),
+            suppressed: Suppressed::default(),
         }
     }
 
-    /// The same with another source; the place of it is the number of those before it.
-    pub(super) fn add_source(&mut self, rights: SourcePermissions) {
-        self.sources.push(Origin::new(rights));
+    /// Adds a source; its index is the number of sources before it.
+    pub(super) fn add_source(&mut self, permissions: SourcePermissions) {
+        self.sources.push(SourceState::new(permissions));
     }
 
-    /// Takes out of the events from number `first` on what must not go out. `false` when presses came too
-    /// fast; everything has to be let go of then.
-    pub(super) fn pass(&mut self, source: usize, first: usize, events: &mut Events) -> bool {
-        let mut is_within = true;
+    /// Removes forbidden events from `events`, starting at index `first`. Returns `false` if the rate limit was
+    /// exceeded; the caller must then release everything.
+    pub(super) fn filter(&mut self, source: usize, first: usize, events: &mut Events) -> bool {
+        let source = source.min(self.sources.len() - 1);
+        let mut is_within_limit = true;
         let mut kept = first;
-        let mut written = None;
-        for place in first..events.len() {
-            let event = events[place];
-            let may = match event.kind {
-                EventKind::KeyUp(key) => self.down.release(key),
-                action if !self.is_of_role(source, action) => false,
-                EventKind::KeyDown(key) if self.acts_on_system(key) => {
-                    self.withheld.system_keys += 1;
+        let mut last_character = None;
+        for index in first..events.len() {
+            let event = events[index];
+            let is_allowed = match event.kind {
+                EventKind::KeyUp(key) => self.pressed.release(key),
+                kind if !self.check_role(source, kind) => false,
+                EventKind::KeyDown(key) if self.is_forbidden_system_key(key) => {
+                    self.suppressed.system_keys += 1;
                     false
                 }
-                // The text of one key is one press.
-                EventKind::Character(_) if is_within && written == Some(event.time) => true,
+                // The characters of one key have one time stamp and count as one press.
+                EventKind::Character(_)
+                    if is_within_limit && last_character == Some(event.time) =>
+                {
+                    true
+                }
                 EventKind::KeyDown(_) | EventKind::Character(_) => {
-                    let may = is_within && self.has_room(source, &event);
-                    self.withheld.rate_limited += u64::from(!may);
-                    is_within &= may;
-                    may
+                    let is_allowed = is_within_limit && self.take_press(source, event.time);
+                    self.suppressed.rate_limited += u64::from(!is_allowed);
+                    is_within_limit &= is_allowed;
+                    is_allowed
                 }
                 _ => true,
             };
             match event.kind {
-                EventKind::KeyDown(key) if may => _ = self.down.press(key),
-                EventKind::Character(_) => written = Some(event.time),
+                EventKind::KeyDown(key) if is_allowed => _ = self.pressed.press(key),
+                EventKind::Character(_) => last_character = Some(event.time),
                 _ => {}
             }
-            if may {
+            if is_allowed {
                 events[kept] = event;
                 kept += 1;
             }
         }
         events.truncate(kept);
-        is_within
+        is_within_limit
     }
 
-    /// Whether keys may come of a source.
-    pub(super) fn types(&self, source: usize) -> bool {
+    /// Returns whether a source may cause keys.
+    pub(super) fn allows_keys(&self, source: usize) -> bool {
         let last = self.sources.len() - 1;
         self.sources[source.min(last)].role.allows_keys()
     }
 
-    /// Adds keys that were withheld by the role of a source before they came here.
-    pub(super) fn count_keys(&mut self, dropped: u64) {
-        self.withheld.keys_by_role += dropped;
+    /// Counts key presses that a device dropped because of the role of a source.
+    pub(super) fn add_suppressed_keys(&mut self, count: u64) {
+        self.suppressed.keys_by_role += count;
     }
 
-    /// The account of what was not let out.
-    pub(super) fn withheld(&self) -> Suppressed {
-        self.withheld
+    /// Returns the numbers of suppressed events.
+    pub(super) fn suppressed(&self) -> Suppressed {
+        self.suppressed
     }
 
-    /// What is known of a source; where both hands come from one it has both numbers.
-    fn source(&mut self, number: usize) -> &mut Origin {
-        let last = self.sources.len() - 1;
-        &mut self.sources[number.min(last)]
-    }
-
-    /// Whether the role of the source allows this; counted where not.
-    fn is_of_role(&mut self, source: usize, action: EventKind) -> bool {
-        let Some(part) = Part::of(action) else {
+    /// Returns whether the role of the source permits an event, and counts it if not.
+    fn check_role(&mut self, source: usize, kind: EventKind) -> bool {
+        let Some(class) = EventClass::of(kind) else {
             return true;
         };
-        let may = self.source(source).role.has(part);
-        let count = match part {
-            Part::Keys => &mut self.withheld.keys_by_role,
-            Part::Pointing => &mut self.withheld.pointing_by_role,
+        let is_allowed = self.sources[source].role.allows(class);
+        let count = match class {
+            EventClass::Keys => &mut self.suppressed.keys_by_role,
+            EventClass::Pointing => &mut self.suppressed.pointing_by_role,
         };
-        *count += u64::from(!may);
-        may
+        *count += u64::from(!is_allowed);
+        is_allowed
     }
 
-    fn has_room(&mut self, source: usize, event: &OutputEvent) -> bool {
-        self.source(source).allowance.take(event.time)
+    fn take_press(&mut self, source: usize, time: Timestamp) -> bool {
+        self.sources[source].bucket.try_take(time)
     }
 
-    /// Whether this key would do something to the system, together with what is down.
-    fn acts_on_system(&self, key: KeyCode) -> bool {
-        if self.lets_system_keys {
+    /// Returns whether a key acts on the system, together with the pressed modifiers, and may not.
+    fn is_forbidden_system_key(&self, key: KeyCode) -> bool {
+        if self.allow_system_keys {
             return false;
         }
-        let is_down = |names: [&str; 2]| {
-            let mut held = self.down.release_order();
-            held.any(|held| names.contains(&held.name()))
+        let is_pressed = |names: [&str; 2]| {
+            let mut pressed = self.pressed.release_order();
+            pressed.any(|key| names.contains(&key.name()))
         };
         key.is_system_key()
             || (key.is_system_key_with_ctrl_alt()
-                && is_down(["ControlLeft", "ControlRight"])
-                && is_down(["AltLeft", "AltRight"]))
+                && is_pressed(["ControlLeft", "ControlRight"])
+                && is_pressed(["AltLeft", "AltRight"]))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::PressRateLimit;
     use super::*;
     use crate::contact::TargetId;
-    use crate::device::Axis;
+    use crate::device::{Axis, OutputEvent};
 
+    /// Parses an event: `down KEY`, `up KEY` or `write CHARACTER`.
     fn event(milliseconds: u64, line: &str) -> OutputEvent {
-        let (what, name) = line.split_once(' ').unwrap();
-        let action = match what {
+        let (verb, name) = line.split_once(' ').unwrap();
+        let kind = match verb {
             "down" => EventKind::KeyDown(name.parse().unwrap()),
             "up" => EventKind::KeyUp(name.parse().unwrap()),
             "write" => EventKind::Character(name.chars().next().unwrap()),
-            _ => panic!("{what}"),
+            _ => panic!("{verb}"),
         };
         OutputEvent {
             time: Timestamp(milliseconds * 1_000),
-            kind: action,
+            kind,
         }
     }
 
-    fn pass(gate: &mut Gate, milliseconds: u64, lines: &[&str]) -> (bool, Vec<String>) {
+    fn filter(gate: &mut OutputGate, milliseconds: u64, lines: &[&str]) -> (bool, Vec<String>) {
         let mut events: Events = lines.iter().map(|line| event(milliseconds, line)).collect();
-        let is_within = gate.pass(0, 0, &mut events);
-        let written = events.iter().map(|event| match event.kind {
+        let is_within_limit = gate.filter(0, 0, &mut events);
+        let lines = events.iter().map(|event| match event.kind {
             EventKind::KeyDown(key) => format!("down {key}"),
             EventKind::KeyUp(key) => format!("up {key}"),
             EventKind::Character(character) => format!("write {character}"),
             _ => panic!("{event:?}"),
         });
-        (is_within, written.collect())
+        (is_within_limit, lines.collect())
     }
 
-    fn rights(per_second: u32) -> SourcePermissions {
+    fn permissions(role: SourceRole, per_second: u32) -> SourcePermissions {
         SourcePermissions {
-            role: SourceRole::Both,
+            role,
             rate_limit: PressRateLimit { per_second },
         }
     }
 
-    fn gate(per_second: u32) -> Gate {
-        Gate::new(rights(per_second), false)
+    fn gate(per_second: u32) -> OutputGate {
+        OutputGate::new(permissions(SourceRole::Both, per_second), false)
     }
 
     #[test]
-    fn half_a_second_of_presses_may_come_at_once_and_then_they_drip() {
+    fn a_burst_of_half_a_second_passes_and_then_the_sustained_rate() {
         let mut gate = gate(20);
-        let taps = |gate: &mut Gate, milliseconds, count: usize| {
+        let taps = |gate: &mut OutputGate, milliseconds, count: usize| {
             (0..count)
-                .map(|_| pass(gate, milliseconds, &["down A", "up A"]))
-                .filter(|(is_within, _)| *is_within)
+                .map(|_| filter(gate, milliseconds, &["down A", "up A"]))
+                .filter(|(is_within_limit, _)| *is_within_limit)
                 .count()
         };
         assert_eq!(taps(&mut gate, 1_000, 12), 10);
         assert_eq!(taps(&mut gate, 1_049, 1), 0);
         assert_eq!(taps(&mut gate, 1_050, 2), 1);
         assert_eq!(taps(&mut gate, 60_000, 12), 10);
-        assert_eq!(gate.withheld().rate_limited, 2 + 1 + 1 + 2);
+        assert_eq!(gate.suppressed().rate_limited, 2 + 1 + 1 + 2);
     }
 
     #[test]
-    fn the_release_of_a_press_that_was_withheld_is_too_and_no_other() {
+    fn the_release_of_a_suppressed_press_is_suppressed_and_no_other() {
         let mut gate = gate(2);
-        let (is_within, out) = pass(&mut gate, 1, &["down A", "down B", "down C"]);
-        assert_eq!((is_within, out), (false, vec!["down A".to_owned()]));
-        let (is_within, out) = pass(&mut gate, 1, &["up C", "up B", "up A", "up A"]);
-        assert_eq!((is_within, out), (true, vec!["up A".to_owned()]));
+        let (is_within_limit, passed) = filter(&mut gate, 1, &["down A", "down B", "down C"]);
+        assert_eq!((is_within_limit, passed), (false, vec!["down A".to_owned()]));
+        let (is_within_limit, passed) = filter(&mut gate, 1, &["up C", "up B", "up A", "up A"]);
+        assert_eq!((is_within_limit, passed), (true, vec!["up A".to_owned()]));
     }
 
     #[test]
-    fn the_text_of_one_key_is_one_press() {
+    fn the_text_of_one_key_counts_as_one_press() {
         let mut gate = gate(4);
         let hello: Vec<_> = "hello".chars().map(|c| format!("write {c}")).collect();
         let hello: Vec<_> = hello.iter().map(String::as_str).collect();
-        assert_eq!(pass(&mut gate, 1, &hello).1.len(), 5);
-        assert_eq!(pass(&mut gate, 2, &hello).1.len(), 5);
-        let (is_within, out) = pass(&mut gate, 3, &hello);
-        assert_eq!((is_within, out.len()), (false, 0));
+        assert_eq!(filter(&mut gate, 1, &hello).1.len(), 5);
+        assert_eq!(filter(&mut gate, 2, &hello).1.len(), 5);
+        let (is_within_limit, passed) = filter(&mut gate, 3, &hello);
+        assert_eq!((is_within_limit, passed.len()), (false, 0));
     }
 
     #[test]
-    fn keys_that_act_on_the_system_do_not_go_out_unless_they_may() {
+    fn system_keys_are_suppressed_unless_they_are_allowed() {
         let mut gate = gate(60);
-        assert_eq!(pass(&mut gate, 1, &["down MetaLeft"]).1.len(), 0);
-        assert_eq!(pass(&mut gate, 1, &["up MetaLeft"]).1.len(), 0);
+        assert_eq!(filter(&mut gate, 1, &["down MetaLeft"]).1.len(), 0);
+        assert_eq!(filter(&mut gate, 1, &["up MetaLeft"]).1.len(), 0);
         let chord = ["down ControlRight", "down F2", "up F2", "down AltLeft"];
-        assert_eq!(pass(&mut gate, 1, &chord).1, chord);
+        assert_eq!(filter(&mut gate, 1, &chord).1, chord);
         for key in ["F2", "Delete", "Backspace"] {
-            let down = format!("down {key}");
-            assert_eq!(pass(&mut gate, 1, &[&down]).1.len(), 0, "{key}");
+            let press = format!("down {key}");
+            assert_eq!(filter(&mut gate, 1, &[&press]).1.len(), 0, "{key}");
         }
-        assert_eq!(pass(&mut gate, 1, &["down A"]).1, ["down A"]);
-        assert_eq!(gate.withheld().system_keys, 4);
-        let mut gate = Gate::new(SourcePermissions::LOCAL, true);
-        assert_eq!(pass(&mut gate, 1, &["down MetaLeft"]).1, ["down MetaLeft"]);
+        assert_eq!(filter(&mut gate, 1, &["down A"]).1, ["down A"]);
+        assert_eq!(gate.suppressed().system_keys, 4);
+        let mut gate = OutputGate::new(SourcePermissions::LOCAL, true);
+        assert_eq!(filter(&mut gate, 1, &["down MetaLeft"]).1, ["down MetaLeft"]);
     }
 
     #[test]
-    fn each_source_has_presses_of_its_own() {
+    fn each_source_has_its_own_rate_limit() {
         let mut gate = gate(2);
-        gate.add_source(rights(4));
-        let mut presses = |source| {
+        gate.add_source(permissions(SourceRole::Both, 4));
+        let mut tap = |source| {
             let mut events: Events = ["down A", "up A"]
                 .map(|line| event(1, line))
                 .into_iter()
                 .collect();
-            gate.pass(source, 0, &mut events)
+            gate.filter(source, 0, &mut events)
         };
-        let outcomes = [0, 0, 1, 1, 1].map(&mut presses);
+        let outcomes = [0, 0, 1, 1, 1].map(&mut tap);
         assert_eq!(outcomes, [true, false, true, true, false]);
     }
 
-    /// What goes out of this, at once, by each role.
-    fn let_out(role: SourceRole, actions: &[EventKind]) -> (Vec<EventKind>, Suppressed) {
-        let rights = SourcePermissions {
+    /// Returns the events that pass for a source with this role, and the suppressed ones.
+    fn filter_for(role: SourceRole, kinds: &[EventKind]) -> (Vec<EventKind>, Suppressed) {
+        let permissions = SourcePermissions {
             role,
             ..SourcePermissions::LOCAL
         };
-        let mut gate = Gate::new(rights, false);
-        let event = |&action| OutputEvent {
+        let mut gate = OutputGate::new(permissions, false);
+        let event = |&kind| OutputEvent {
             time: Timestamp(1),
-            kind: action,
+            kind,
         };
-        let mut events: Events = actions.iter().map(event).collect();
-        assert!(gate.pass(0, 0, &mut events), "a role is no haste");
-        let out = events.iter().map(|event| event.kind).collect();
-        (out, gate.withheld())
+        let mut events: Events = kinds.iter().map(event).collect();
+        let is_within_limit = gate.filter(0, 0, &mut events);
+        assert!(is_within_limit, "the role does not affect the rate limit");
+        let passed = events.iter().map(|event| event.kind).collect();
+        (passed, gate.suppressed())
     }
 
     #[test]
-    fn a_pointer_presses_no_keys_and_what_is_for_keys_does_not_point() {
+    fn a_pointer_source_presses_no_keys_and_a_key_source_does_not_point() {
         let code = |name: &str| name.parse().unwrap();
-        let typing = [
+        let keys = [
             EventKind::KeyDown(code("A")),
             EventKind::KeyDown(code("ShiftLeft")),
             EventKind::Character('ñ'),
@@ -343,23 +294,23 @@ mod tests {
             EventKind::Scroll(0, 120),
             EventKind::Axis(Axis::LeftX, 0.4),
         ];
-        let all = [&typing[..], &pointing].concat();
-        let withheld = |keys_by_role, pointing_by_role| Suppressed {
+        let all = [&keys[..], &pointing].concat();
+        let suppressed = |keys_by_role, pointing_by_role| Suppressed {
             keys_by_role,
             pointing_by_role,
             ..Suppressed::default()
         };
-        let (out, count) = let_out(SourceRole::Pointer, &all);
-        assert_eq!((&out[..], count), (&pointing[..], withheld(3, 0)));
-        let (out, count) = let_out(SourceRole::Keys, &all);
-        assert_eq!((&out[..], count), (&typing[..], withheld(0, 6)));
-        assert_eq!(let_out(SourceRole::Both, &all), (all, withheld(0, 0)));
+        let (passed, count) = filter_for(SourceRole::Pointer, &all);
+        assert_eq!((&passed[..], count), (&pointing[..], suppressed(3, 0)));
+        let (passed, count) = filter_for(SourceRole::Keys, &all);
+        assert_eq!((&passed[..], count), (&keys[..], suppressed(0, 6)));
+        assert_eq!(filter_for(SourceRole::Both, &all), (all, suppressed(0, 0)));
     }
 
     #[test]
-    fn what_any_source_may_do_is_up_to_no_role() {
+    fn reports_and_returns_to_zero_pass_for_every_role() {
         let target = TargetId(0);
-        let actions = [
+        let kinds = [
             EventKind::Axis(Axis::MoveZ, 0.0),
             EventKind::Axis(Axis::MoveZ, -0.0),
             EventKind::Depth(target, 1.0),
@@ -368,58 +319,48 @@ mod tests {
             EventKind::Unselect(target),
         ];
         for role in SourceRole::ALL {
-            let nothing = Suppressed::default();
-            assert_eq!(let_out(role, &actions), (actions.to_vec(), nothing));
+            let none = Suppressed::default();
+            assert_eq!(filter_for(role, &kinds), (kinds.to_vec(), none));
         }
     }
 
     #[test]
-    fn each_source_has_a_role_of_its_own_and_releases_have_none() {
-        let with = |role| SourcePermissions {
-            role,
-            ..SourcePermissions::LOCAL
-        };
-        let mut gate = Gate::new(with(SourceRole::Keys), false);
-        gate.add_source(with(SourceRole::Pointer));
-        let mut pass = |source, lines: &[&str]| {
+    fn each_source_has_its_own_role_and_releases_need_none() {
+        let mut gate = OutputGate::new(permissions(SourceRole::Keys, 60), false);
+        gate.add_source(permissions(SourceRole::Pointer, 60));
+        let mut passed = |source, lines: &[&str]| {
             let mut events: Events = lines.iter().map(|line| event(1, line)).collect();
-            gate.pass(source, 0, &mut events);
+            gate.filter(source, 0, &mut events);
             events.len()
         };
-        assert_eq!(pass(0, &["down A", "down MouseLeft"]), 1);
-        assert_eq!(pass(1, &["down B", "down MouseLeft"]), 1);
-        assert_eq!(pass(0, &["up MouseLeft"]), 1);
-        assert_eq!(pass(1, &["up B", "up A"]), 1);
-        assert_eq!(gate.withheld().keys_by_role, 1);
-        assert_eq!(gate.withheld().pointing_by_role, 1);
+        assert_eq!(passed(0, &["down A", "down MouseLeft"]), 1);
+        assert_eq!(passed(1, &["down B", "down MouseLeft"]), 1);
+        assert_eq!(passed(0, &["up MouseLeft"]), 1);
+        assert_eq!(passed(1, &["up B", "up A"]), 1);
+        assert_eq!(gate.suppressed().keys_by_role, 1);
+        assert_eq!(gate.suppressed().pointing_by_role, 1);
     }
 
     #[test]
-    fn what_a_role_withholds_costs_no_press() {
-        let mut gate = Gate::new(
-            SourcePermissions {
-                role: SourceRole::Pointer,
-                ..rights(2)
-            },
-            false,
-        );
+    fn events_suppressed_by_role_do_not_count_as_presses() {
+        let mut gate = OutputGate::new(permissions(SourceRole::Pointer, 2), false);
         let keys = ["down A", "write b", "down C"];
-        assert_eq!(pass(&mut gate, 1, &keys), (true, vec![]));
+        assert_eq!(filter(&mut gate, 1, &keys), (true, vec![]));
         assert_eq!(
-            pass(&mut gate, 1, &["down MouseLeft"]),
+            filter(&mut gate, 1, &["down MouseLeft"]),
             (true, vec!["down MouseLeft".to_owned()])
         );
-        assert_eq!(gate.withheld().rate_limited, 0);
+        assert_eq!(gate.suppressed().rate_limited, 0);
     }
 
     #[test]
-    fn what_came_before_is_left_alone() {
+    fn events_before_the_first_index_are_not_filtered() {
         let mut gate = gate(60);
         let mut events: Events = ["up Q", "up Q"]
             .map(|line| event(1, line))
             .into_iter()
             .collect();
-        gate.pass(0, 1, &mut events);
+        gate.filter(0, 1, &mut events);
         assert_eq!(events.len(), 1);
     }
 }

@@ -1,42 +1,42 @@
-//! What a source may do: its role, and how many presses come of it.
+//! The permissions of a source: the kinds of events that it may cause, and its rate limit for presses.
 
 use serde::{Deserialize, Serialize};
 
 use super::PressRateLimit;
 use crate::device::{EventKind, KeyKind};
 
-/// What may come of a source.
+/// The kinds of events that a source may cause.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SourceRole {
     /// Motion, wheel and axes, and the buttons of mice and gamepads.
     Pointer,
     /// Keys and characters.
     Keys,
-    /// All of these.
+    /// All events.
     Both,
 }
 
-/// The part of an output that is up to a role.
+/// A class of events that a role permits or not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
-    /// A key or a character.
+pub(super) enum EventClass {
+    /// Keys and characters.
     Keys,
-    /// Something of a mouse, a gamepad or a 6-DoF device.
+    /// Motion, buttons and axes of a mouse, a gamepad or a 6-DoF device.
     Pointing,
 }
 
-impl Part {
-    /// The part that an action is of. `None` for what any source may do: let go, bring an axis back to its rest,
-    /// and tell of controls without an effect on the receiver's keys and pointer.
-    pub(super) fn of(action: EventKind) -> Option<Self> {
-        match action {
+impl EventClass {
+    /// Returns the class of an event, or `None` for events that every source may cause: releases, the return of an axis
+    /// to 0, and reports that have no effect on the keys and the pointer of the receiver.
+    pub(super) fn of(kind: EventKind) -> Option<Self> {
+        match kind {
             EventKind::Character(_) => Some(Self::Keys),
             EventKind::KeyDown(key) if key.kind() == KeyKind::Keyboard => Some(Self::Keys),
             EventKind::KeyDown(_)
             | EventKind::MoveBy(..)
             | EventKind::MoveTo(..)
             | EventKind::Scroll(..) => Some(Self::Pointing),
-            EventKind::Axis(_, place) if place != 0.0 => Some(Self::Pointing),
+            EventKind::Axis(_, value) if value != 0.0 => Some(Self::Pointing),
             _ => None,
         }
     }
@@ -46,7 +46,7 @@ impl SourceRole {
     /// All roles.
     pub const ALL: [Self; 3] = [Self::Pointer, Self::Keys, Self::Both];
 
-    /// The word for it in a setup.
+    /// Returns the name used in messages.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Pointer => "pointer",
@@ -55,37 +55,37 @@ impl SourceRole {
         }
     }
 
-    /// Whether keys and characters may come of it.
+    /// Returns whether the source may cause keys and characters.
     pub const fn allows_keys(self) -> bool {
         !matches!(self, Self::Pointer)
     }
 
-    /// Whether this part may come of it.
-    pub(super) const fn has(self, part: Part) -> bool {
-        match part {
-            Part::Keys => self.allows_keys(),
-            Part::Pointing => !matches!(self, Self::Keys),
+    /// Returns whether the source may cause events of this class.
+    pub(super) const fn allows(self, class: EventClass) -> bool {
+        match class {
+            EventClass::Keys => self.allows_keys(),
+            EventClass::Pointing => !matches!(self, Self::Keys),
         }
     }
 }
 
-/// What a source may do.
+/// The permissions of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SourcePermissions {
-    /// What may come of it.
+    /// The kinds of events that it may cause.
     pub role: SourceRole,
-    /// How many presses of it may come in a second.
+    /// The rate limit for presses of keys and buttons.
     pub rate_limit: PressRateLimit,
 }
 
 impl SourcePermissions {
-    /// For sources at this machine.
+    /// The default for sources on this machine: all events.
     pub const LOCAL: Self = Self {
         role: SourceRole::Both,
         rate_limit: PressRateLimit::LOCAL,
     };
 
-    /// For sources on the network: whoever gets in there shall not type.
+    /// The default for network sources: no keys, so that an intruder cannot type.
     pub const NETWORK: Self = Self {
         role: SourceRole::Pointer,
         rate_limit: PressRateLimit::NETWORK,

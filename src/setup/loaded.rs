@@ -12,10 +12,9 @@ use crate::estimate::{Estimator, EstimatorSettings};
 use crate::kinematics::ArmModel;
 use crate::layout::{Glove, Layout};
 use crate::names::UnknownName;
-use crate::pipeline::{LayoutInstance, Pipeline, PipelineSettings, SourcePermissions};
+use crate::pipeline::{LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings, SourcePermissions};
 
 /// What the layout that is in force at first is called.
-const MAIN: &str = "main";
 
 /// A setup with all that it names, checked.
 #[derive(Clone, Debug)]
@@ -127,7 +126,11 @@ impl LoadedSetup {
         let mut profiles: Vec<Profile> = Vec::new();
         for named in &setup.profiles {
             let is_taken = profiles.iter().any(|other| other.name == named.name);
-            if named.name == MAIN || is_taken {
+            if ProfileName::from(&named.name).is_err() {
+                let message = format!("the profile name `{}` is longer than 64 bytes", named.name);
+                return Err(SetupError::Value(message));
+            }
+            if named.name == MAIN_PROFILE || is_taken {
                 let message = format!("there is a profile `{}` already", named.name);
                 return Err(SetupError::Value(message));
             }
@@ -151,7 +154,7 @@ impl LoadedSetup {
             setup,
         };
         for layout in assembly.layouts() {
-            assembly.places_of_profiles(layout)?;
+            assembly.check_profiles(layout)?;
             assembly.refuse_system_keys(layout)?;
         }
         Ok(assembly)
@@ -166,7 +169,7 @@ impl LoadedSetup {
     /// What the layouts are called, in the same order.
     pub fn profile_names(&self) -> impl Iterator<Item = &str> {
         let further = self.profiles.iter().map(|profile| profile.name.as_str());
-        std::iter::once(MAIN).chain(further)
+        std::iter::once(MAIN_PROFILE).chain(further)
     }
 
     /// Everything that the layouts can ever send.
@@ -180,11 +183,9 @@ impl LoadedSetup {
 
     /// The controls of a layout that is or takes the place of one of this setup's.
     pub fn controls(&self, layout: &Layout) -> Result<LayoutInstance, SetupError> {
-        let profiles = self.places_of_profiles(layout)?;
+        self.check_profiles(layout)?;
         self.refuse_system_keys(layout)?;
-        let named = layout.profiles.iter().zip(profiles);
-        let named = named.filter_map(|(name, index)| Some((ProfileName::from(name).ok()?, index)));
-        Ok(controls(layout).with_profiles(named.collect()))
+        Ok(controls(layout))
     }
 
     /// A layout may ask for keys that act on the system; that they are pressed is up to the setup.
@@ -200,19 +201,17 @@ impl LoadedSetup {
         }
     }
 
-    /// Which layouts of the setup a layout names.
-    fn places_of_profiles(&self, layout: &Layout) -> Result<Vec<usize>, SetupError> {
-        let place = |name: &String| {
-            let found = self.profile_names().position(|other| other == name);
-            found.ok_or_else(|| {
-                let error = UnknownName::new("profile", name, self.profile_names());
-                SetupError::Value(format!(
-                    "{}: {error}; list it under `profiles` of the setup",
-                    layout.file
-                ))
-            })
+    /// Checks that the setup has every profile that a layout names.
+    fn check_profiles(&self, layout: &Layout) -> Result<(), SetupError> {
+        let is_unknown = |name: &&String| self.profile_names().all(|other| other != *name);
+        let Some(name) = layout.profiles.iter().find(is_unknown) else {
+            return Ok(());
         };
-        layout.profiles.iter().map(place).collect()
+        let error = UnknownName::new("profile", name, self.profile_names());
+        Err(SetupError::Value(format!(
+            "{}: {error}; list it under `profiles` of the setup",
+            layout.file
+        )))
     }
 
     /// A pipeline that has seen nothing yet.
@@ -228,10 +227,11 @@ impl LoadedSetup {
             controls(&self.layout),
             self.arming,
         );
-        let further = self
-            .profiles
-            .iter()
-            .map(|profile| controls(&profile.layout));
+        let further = self.profiles.iter().map(|profile| {
+            let name = ProfileName::from(&profile.name);
+            let name = name.expect("the length is checked when the setup is loaded");
+            (name, controls(&profile.layout))
+        });
         let pipeline = pipeline.with_profiles(further);
         let pipeline = match &self.other_hand {
             Some(other) => pipeline.with_second_hand(estimator(&other.glove), other.arm.clone()),

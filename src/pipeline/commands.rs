@@ -1,0 +1,142 @@
+//! The commands that the pipeline executes.
+
+use parry3d::math::Vec3;
+
+use super::Pipeline;
+use super::board_move::BoardMove;
+use crate::command::{Command, ProfileName};
+use crate::device::Events;
+use crate::hand::Side;
+
+/// A command that the pipeline cannot execute. Nothing has changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CommandError {
+    /// No profile has the name.
+    #[error("no profile is named `{0}`; list it under `profiles` in the setup file")]
+    UnknownProfile(ProfileName),
+    /// No hand is tracked: readings stopped or have not started.
+    #[error("no hand is tracked; hold it where the boards are to be and try again")]
+    NoHand,
+    /// The index fingertip of the tracked hand is not known.
+    #[error("the index fingertip of the {0} hand is not known; check the sensors of the finger")]
+    NoFingertip(Side),
+    /// All boards belong to the other hand, or their anchor is not known.
+    #[error("no board belongs to the {0} hand, which was tracked last")]
+    NoBoard(Side),
+    /// A position is outside the range of a layout file.
+    #[error("board {0} would be more than 2000 mm from its anchor; no board was moved")]
+    TooFar(usize),
+    /// A tilt is outside the range of a layout file.
+    #[error("the tilt of board {0} would be outside -90 to 90 degrees; no board was moved")]
+    TooSteep(usize),
+}
+
+impl Pipeline {
+    /// Returns whether the pipeline executes a command. The session executes the others.
+    pub const fn handles(command: &Command) -> bool {
+        match command {
+            Command::Pause
+            | Command::Resume
+            | Command::TogglePause
+            | Command::Profile { .. }
+            | Command::NextProfile
+            | Command::Recenter
+            | Command::Nudge { .. }
+            | Command::Tilt { .. } => true,
+            Command::State
+            | Command::Scale { .. }
+            | Command::Save
+            | Command::Reload
+            | Command::Stop => false,
+        }
+    }
+
+    /// Executes a command and appends the resulting events to `events`. A command that the pipeline does not
+    /// [handle](Self::handles) has no effect. Does not allocate.
+    pub fn execute(&mut self, command: &Command, events: &mut Events) -> Result<(), CommandError> {
+        match *command {
+            Command::Pause => self.pause(events),
+            Command::Resume => self.resume(),
+            Command::TogglePause if self.is_paused() => self.resume(),
+            Command::TogglePause => self.pause(events),
+            Command::Profile { name } => {
+                let index = self.profile_index(&name);
+                self.switch_profile(index.ok_or(CommandError::UnknownProfile(name))?, events);
+            }
+            Command::NextProfile => {
+                let next = (self.active_profile + 1) % self.profiles.len();
+                self.switch_profile(next, events);
+            }
+            Command::Recenter => self.recenter(events)?,
+            Command::Nudge { x_mm, y_mm, z_mm } => {
+                self.nudge(Vec3::new(x_mm, y_mm, z_mm) * 1e-3, events)?;
+            }
+            Command::Tilt { deg } => self.tilt(deg.to_radians(), events)?,
+            Command::State
+            | Command::Scale { .. }
+            | Command::Save
+            | Command::Reload
+            | Command::Stop => {}
+        }
+        Ok(())
+    }
+
+    fn profile_index(&self, name: &str) -> Option<usize> {
+        let mut profiles = self.profiles.iter();
+        profiles.position(|profile| profile.name.as_str() == name)
+    }
+
+    /// Releases everything and activates another profile; does nothing if there is no such profile.
+    pub fn switch_profile(&mut self, profile: usize, events: &mut Events) {
+        if profile == self.active_profile || profile >= self.profiles.len() {
+            return;
+        }
+        self.release_all(self.time, events);
+        self.active_profile = profile;
+        // Its devices and trackers still have the state of the time when it was last active.
+        self.release_all(self.time, events);
+    }
+
+    /// Releases everything and moves the boards of the active layout by a vector in metres along the axes of the world.
+    /// A fingertip inside a target must leave it before it can touch.
+    ///
+    /// If a layout file could not represent a new position, no board moves and nothing is released.
+    pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), CommandError> {
+        self.active_layout().check_move(BoardMove::Nudge(by))?;
+        self.release_all(self.time, events);
+        self.active_layout().apply_move(BoardMove::Nudge(by));
+        Ok(())
+    }
+
+    /// Releases everything and tilts each board of the active layout about its own X axis, by an angle in radians that
+    /// raises the far side. Fails like [`nudge`](Self::nudge).
+    pub fn tilt(&mut self, by: f32, events: &mut Events) -> Result<(), CommandError> {
+        self.active_layout().check_move(BoardMove::Tilt(by))?;
+        self.release_all(self.time, events);
+        self.active_layout().apply_move(BoardMove::Tilt(by));
+        Ok(())
+    }
+
+    /// Releases everything and moves the boards of the hand that was tracked last, all by the same vector, so that
+    /// the center of the nearest one is below the index fingertip. That board moves in its own plane, so the height of
+    /// the fingertip above its keys does not change. Needs a hand that has not stalled; fails like
+    /// [`nudge`](Self::nudge).
+    pub fn recenter(&mut self, events: &mut Events) -> Result<(), CommandError> {
+        let last_tracked = |&index: &usize| {
+            let last = self.hands[index].last_accepted?;
+            (self.time.since(last) <= self.settings.stall_timeout).then_some(last)
+        };
+        let tracked = (0..self.hands.len()).filter(|index| last_tracked(index).is_some());
+        let index = tracked.max_by_key(last_tracked);
+        let index = index.ok_or(CommandError::NoHand)?;
+        let layout = &self.profiles[self.active_profile].layout;
+        let pose = &self.hands[index].output.pose;
+        let offset = layout.recenter_offset(pose)?;
+        layout.check_move(BoardMove::Recenter(offset, pose))?;
+        self.release_all(self.time, events);
+        let pose = &self.hands[index].output.pose;
+        let layout = &mut self.profiles[self.active_profile].layout;
+        layout.apply_move(BoardMove::Recenter(offset, pose));
+        Ok(())
+    }
+}

@@ -1,0 +1,34 @@
+//! Settings of the pipeline.
+
+use std::time::Duration;
+
+use super::SourcePermissions;
+
+/// Settings of a [`Pipeline`](super::Pipeline): arming, stall detection and permissions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PipelineSettings {
+    /// Whether output is armed at the first reading, without waiting for a hand that is clear of every control.
+    pub arm_immediately: bool,
+    /// The time for which the hand must be clear of every control before output is armed.
+    pub arm_delay: Duration,
+    /// The longest gap between two readings; after a longer one everything is released.
+    pub stall_timeout: Duration,
+    /// The permissions of the source, or of the first one if each hand has its own. If the rate limit is exceeded,
+    /// everything is released and the pipeline pauses.
+    pub permissions: SourcePermissions,
+    /// Whether keys that act on the system are allowed; see [`KeyCode::is_system_key`](crate::device::KeyCode::is_system_key).
+    pub allow_system_keys: bool,
+}
+
+impl Default for PipelineSettings {
+    /// Armed after 300 ms clear of every control; stalled after 200 ms; a local source; no system keys.
+    fn default() -> Self {
+        Self {
+            arm_immediately: false,
+            arm_delay: Duration::from_millis(300),
+            stall_timeout: Duration::from_millis(200),
+            permissions: SourcePermissions::LOCAL,
+            allow_system_keys: false,
+        }
+    }
+}
