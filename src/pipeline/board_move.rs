@@ -61,8 +61,8 @@ impl LayoutInstance {
     /// index fingertip. The nearest board moves in its own plane, so the height of the fingertip above its keys does not
     /// change.
     pub(super) fn recenter_offset(&self, pose: &HandPose) -> Result<Vec3, CommandError> {
-        let fingertip = trusted_fingertip(pose, RECENTER_FINGER)
-            .ok_or(CommandError::NoFingertip(pose.side))?;
+        let fingertip =
+            trusted_fingertip(pose, RECENTER_FINGER).ok_or(CommandError::NoFingertip(pose.side))?;
         let offsets = self.scene.surfaces().iter().filter_map(|surface| {
             let world_from_board = surface.world_from_surface(pose)?;
             let center = world_from_board.transform_point(surface.center());

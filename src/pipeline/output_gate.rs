@@ -3,9 +3,9 @@
 //! It suppresses releases of keys that are not pressed, events that the role of the source does not permit, presses
 //! beyond the rate limit, and keys that act on the system. It never suppresses the release of a pressed key.
 
+use super::Suppressed;
 use super::permissions::{EventClass, SourcePermissions, SourceRole};
 use super::rate_limit::TokenBucket;
-use super::Suppressed;
 use crate::device::{EventKind, Events, KeyCode};
 use crate::output::pressed_keys::PressedKeys;
 use crate::time::Timestamp;
@@ -212,7 +212,10 @@ mod tests {
     fn the_release_of_a_suppressed_press_is_suppressed_and_no_other() {
         let mut gate = gate(2);
         let (is_within_limit, passed) = filter(&mut gate, 1, &["down A", "down B", "down C"]);
-        assert_eq!((is_within_limit, passed), (false, vec!["down A".to_owned()]));
+        assert_eq!(
+            (is_within_limit, passed),
+            (false, vec!["down A".to_owned()])
+        );
         let (is_within_limit, passed) = filter(&mut gate, 1, &["up C", "up B", "up A", "up A"]);
         assert_eq!((is_within_limit, passed), (true, vec!["up A".to_owned()]));
     }
@@ -242,7 +245,10 @@ mod tests {
         assert_eq!(filter(&mut gate, 1, &["down A"]).1, ["down A"]);
         assert_eq!(gate.suppressed().system_keys, 4);
         let mut gate = OutputGate::new(SourcePermissions::LOCAL, true);
-        assert_eq!(filter(&mut gate, 1, &["down MetaLeft"]).1, ["down MetaLeft"]);
+        assert_eq!(
+            filter(&mut gate, 1, &["down MetaLeft"]).1,
+            ["down MetaLeft"]
+        );
     }
 
     #[test]

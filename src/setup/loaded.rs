@@ -12,7 +12,9 @@ use crate::estimate::{Estimator, EstimatorSettings};
 use crate::kinematics::ArmModel;
 use crate::layout::{Glove, Layout};
 use crate::names::UnknownName;
-use crate::pipeline::{LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings, SourcePermissions};
+use crate::pipeline::{
+    LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings, SourcePermissions,
+};
 
 /// What the layout that is in force at first is called.
 

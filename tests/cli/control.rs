@@ -291,7 +291,7 @@ fn what_cannot_be_moved_says_why_and_lets_go_of_nothing() {
     assert_eq!(run.typed(), "up H");
     let (code, _, err) = ctl(&run, &["tilt", "-80"]);
     let expected =
-        "error: board 1 would lean over: a tilt is -90 to 90 degrees, so no board was moved\n";
+        "error: the tilt of board 1 would be outside -90 to 90 degrees; no board was moved\n";
     assert_eq!((code, err.as_str()), (1, expected));
     let (code, _, err) = ctl(&run, &["profile", "mian"]);
     let expected = "error: unknown profile `mian`, did you mean `main`?\n";

@@ -328,7 +328,11 @@ fn a_new_layout_releases_everything_and_a_finger_in_a_key_must_leave_it() {
     assert_eq!(wearer.take_transcript(), format!("down H, up H at {last}"));
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer.press_for(1_000);
-    assert_eq!(wearer.take_transcript(), "", "the finger is still in the key");
+    assert_eq!(
+        wearer.take_transcript(),
+        "",
+        "the finger is still in the key"
+    );
     wearer.hover_for(300);
     wearer.press_for(300);
     assert_eq!(wearer.take_transcript(), "down D");

@@ -216,8 +216,11 @@ fn linear(file: &Value) -> usize {
     let cases = list(&file["linear"]);
     for case in cases {
         let value = |name: &str| number(&case[name]);
-        let map =
-            AffineMap::from_counts(value("offset_counts"), value("factor"), value("initial_rotation"));
+        let map = AffineMap::from_counts(
+            value("offset_counts"),
+            value("factor"),
+            value("initial_rotation"),
+        );
         assert_close(
             map.apply(value("reading")),
             value("angle_counts_form"),
@@ -257,7 +260,12 @@ fn divider(file: &Value) -> usize {
     for case in cases {
         let value = |name: &str| number(&case[name]);
         let ours = divider_resistance(value("r1_kohm"), value("supply_volt"), value("vx_volt"));
-        assert_close(ours, value("r2_kohm"), tolerance.max(1e-9 * ours), "divider");
+        assert_close(
+            ours,
+            value("r2_kohm"),
+            tolerance.max(1e-9 * ours),
+            "divider",
+        );
     }
     cases.len()
 }
