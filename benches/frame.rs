@@ -308,7 +308,7 @@ fn e_contact(bencher: Bencher, board: Board) {
 #[divan::bench]
 fn f_keyboard(bencher: Bencher) {
     let mut keyboard = Board::Flat(100).keyboard();
-    let mut switchboard = KeyArbiter::default();
+    let mut arbiter = KeyArbiter::default();
     let scene = Scene::new();
     let mut events = Events::new();
     let pose = typing().poses[0];
@@ -321,7 +321,7 @@ fn f_keyboard(bencher: Bencher) {
             touches,
         };
         let mut out = DeviceOutput {
-            arbiter: &mut switchboard,
+            arbiter: &mut arbiter,
             events: &mut events,
             commands: &mut ademan::device::TimedCommands::new(),
         };

@@ -1,7 +1,7 @@
-//! A control of one's own: here a drum pad that tells how hard it was hit.
+//! A custom control: a drum pad that reports the strength of each hit.
 //!
-//! Whatever makes events out of touches (a slider, a knob, a lever) is a [`VirtualDevice`]. A simulated
-//! hand taps three keys, and the pad answers each hit with one value from 0 to 1:
+//! Every control that turns touches into events (slider, knob, lever) is a [`VirtualDevice`]. A simulated hand
+//! taps three keys, and the drum pad emits one depth event per hit, 0 to 1:
 //! `cargo run --example custom_control`
 
 use std::collections::BTreeMap;
@@ -15,21 +15,21 @@ use ademan::session::run_pipeline;
 use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
-/// The hit that counts as 1: so many travels of a key in a second.
-const HARDEST: f32 = 100.0;
+/// The speed of the strongest hit, in key travels per second.
+const MAX_SPEED: f32 = 100.0;
 
-/// When each key that is touched was reached.
+/// The time at which each touched key was reached.
 #[derive(Default)]
 struct DrumPad {
     touched: BTreeMap<TargetId, Timestamp>,
 }
 
 impl VirtualDevice for DrumPad {
-    /// What all outputs are told needs no output that can carry it.
+    /// Depth events need no capability: every output accepts them.
     fn add_capabilities(&self, _: &mut Capabilities) {}
 
-    fn update(&mut self, seen: &DeviceInput, out: &mut DeviceOutput) {
-        for touch in seen.touches {
+    fn update(&mut self, input: &DeviceInput, out: &mut DeviceOutput) {
+        for touch in input.touches {
             match touch.phase {
                 Phase::Touched => {
                     self.touched.insert(touch.target, touch.time);
@@ -39,15 +39,15 @@ impl VirtualDevice for DrumPad {
                         continue;
                     };
                     let seconds = touch.time.since(touched).as_secs_f32();
-                    let hardness = (touch.depth / seconds / HARDEST).min(1.0);
-                    out.emit(touch.time, EventKind::Depth(touch.target, hardness));
+                    let strength = (touch.depth / seconds / MAX_SPEED).min(1.0);
+                    out.emit(touch.time, EventKind::Depth(touch.target, strength));
                 }
                 _ => {}
             }
         }
     }
 
-    /// A pad holds nothing down.
+    /// A drum pad holds no keys.
     fn release_all(&mut self, _: Timestamp, _: &mut DeviceOutput) {
         self.touched.clear();
     }

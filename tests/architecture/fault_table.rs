@@ -203,7 +203,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(42, "duplicate names, overlapping keys, sizes of zero or NaN", Tests(&[
         ("tests/files/layout_errors.rs", "what_is_wrong_on_a_board_is_told_at_its_place"),
-        ("tests/pipeline/panels/wrong_dials.rs", "controls_that_overlap_or_share_a_name_are_refused"),
+        ("tests/pipeline/panels/handle_errors.rs", "controls_that_overlap_or_share_a_name_are_refused"),
         ("src/layout/outline.rs", "touching_edges_do_not_overlap_and_a_tenth_of_a_millimetre_does"),
     ])),
     fault(43, "an unknown key, or a forbidden one", Tests(&[

@@ -255,7 +255,7 @@ fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
 
 fn update(
     keyboard: &mut Keyboard,
-    switchboard: &mut KeyArbiter,
+    arbiter: &mut KeyArbiter,
     pose: &HandPose,
     touches: &[Touch],
     events: &mut Events,
@@ -269,7 +269,7 @@ fn update(
     keyboard.update(
         &seen,
         &mut DeviceOutput {
-            arbiter: switchboard,
+            arbiter: arbiter,
             events,
             commands: &mut ademan::device::TimedCommands::new(),
         },
@@ -278,15 +278,15 @@ fn update(
 
 fn release_all(
     keyboard: &mut Keyboard,
-    switchboard: &mut KeyArbiter,
+    arbiter: &mut KeyArbiter,
     time: Timestamp,
     events: &mut Events,
 ) {
-    switchboard.release_all(time, events);
+    arbiter.release_all(time, events);
     keyboard.release_all(
         time,
         &mut DeviceOutput {
-            arbiter: switchboard,
+            arbiter: arbiter,
             events,
             commands: &mut ademan::device::TimedCommands::new(),
         },
@@ -304,7 +304,7 @@ fn every_option_of_a_key_allocates_nothing() {
     ])], layers: [(name: "l", keys: {"A": "1"})])"#;
     let keys = Keys::parse(text, "t.ron").expect("a layout");
     let mut keyboard = Keyboard::new(keys.key_bindings());
-    let mut switchboard = KeyArbiter::default();
+    let mut arbiter = KeyArbiter::default();
     let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
     let (mut random, mut sent) = (1_u64, 0);
 
@@ -327,15 +327,9 @@ fn every_option_of_a_key_allocates_nothing() {
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
         let mut events = Events::new();
-        update(
-            &mut keyboard,
-            &mut switchboard,
-            &pose,
-            &touches,
-            &mut events,
-        );
+        update(&mut keyboard, &mut arbiter, &pose, &touches, &mut events);
         if frame % 100 == 99 {
-            release_all(&mut keyboard, &mut switchboard, pose.time, &mut events);
+            release_all(&mut keyboard, &mut arbiter, pose.time, &mut events);
         }
         sent += events.len();
     }
@@ -365,7 +359,7 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
     let layout = Keys::parse(text, "t.ron").expect("a layout");
     let targets = layout.scene.len() as u64;
     let mut devices = layout.devices();
-    let mut switchboard = KeyArbiter::new(layout.texts.clone());
+    let mut arbiter = KeyArbiter::new(layout.texts.clone());
     let mut angles = JointAngles::default();
     let mut random = 1_u64;
     let mut next = |below: u64| {
@@ -402,7 +396,7 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
         };
         let mut events = Events::new();
         let mut out = DeviceOutput {
-            arbiter: &mut switchboard,
+            arbiter: &mut arbiter,
             events: &mut events,
             commands: &mut ademan::device::TimedCommands::new(),
         };
@@ -445,7 +439,7 @@ fn a_new_layout_costs_the_loop_no_allocation_and_nothing_is_freed_in_it() {
 fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
     let arrows = Keys::load("arrows").expect("the shipped layout");
     let mut keyboard = Keyboard::new(arrows.key_bindings());
-    let mut switchboard = KeyArbiter::default();
+    let mut arbiter = KeyArbiter::default();
     let pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
     let mut depths = 0;
 
@@ -462,17 +456,11 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
         let mut events = Events::new();
-        update(
-            &mut keyboard,
-            &mut switchboard,
-            &pose,
-            &touches,
-            &mut events,
-        );
+        update(&mut keyboard, &mut arbiter, &pose, &touches, &mut events);
         if frame % 10 == 9 {
             release_all(
                 &mut keyboard,
-                &mut switchboard,
+                &mut arbiter,
                 Timestamp(frame * 5_729),
                 &mut events,
             );
@@ -525,7 +513,7 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
             press: Key("E"), moves_px_per_s: 500)])])"#;
     let layout = Keys::parse(text, "t.ron").expect("a layout");
     let mut devices = layout.devices();
-    let mut switchboard = KeyArbiter::default();
+    let mut arbiter = KeyArbiter::default();
     let mut state = 1_u64;
     let mut random = move || {
         state = state
@@ -569,7 +557,7 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
             events.extend(std::iter::repeat_n(filler, events.capacity() - 2));
         }
         let mut out = DeviceOutput {
-            arbiter: &mut switchboard,
+            arbiter: &mut arbiter,
             events: &mut events,
             commands: &mut ademan::device::TimedCommands::new(),
         };
@@ -636,7 +624,7 @@ fn a_pointer_and_targets_in_space_allocate_nothing() {
     );
     let layout = Keys::parse(&text, "t.ron").expect("a layout");
     let mut devices = layout.devices();
-    let mut switchboard = KeyArbiter::default();
+    let mut arbiter = KeyArbiter::default();
     let mut state = 1_u64;
     let mut random = move || {
         state = state
@@ -663,7 +651,7 @@ fn a_pointer_and_targets_in_space_allocate_nothing() {
         };
         let mut events = Events::new();
         let mut out = DeviceOutput {
-            arbiter: &mut switchboard,
+            arbiter: &mut arbiter,
             events: &mut events,
             commands: &mut ademan::device::TimedCommands::new(),
         };

@@ -49,7 +49,7 @@ pub enum KnobRange {
 
 impl Knob {
     /// Returns the value after a counter-clockwise rotation by `angle`, in radians.
-    fn turned(&self, value: f32, angle: f32) -> f32 {
+    fn value_after_rotation(&self, value: f32, angle: f32) -> f32 {
         match self.range {
             KnobRange::Limited(range) => (value - angle / range).clamp(0.0, 1.0),
             KnobRange::Endless => value - angle / TAU,
@@ -222,7 +222,7 @@ fn turn(
     if !angle.is_finite() || angle == 0.0 {
         return;
     }
-    *value = knob.turned(*value, angle);
+    *value = knob.value_after_rotation(*value, angle);
     emitter.set(snap(*value, knob.steps, emitter.value()), time, out);
 }
 

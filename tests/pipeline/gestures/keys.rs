@@ -1,4 +1,4 @@
-//! What keys do: modifiers, layers, one-shots, depth, letting go.
+//! Keys: modifiers, layers, one-shots, depth and release.
 
 use ademan::contact::{Phase, TargetId, Touch};
 use ademan::device::{EventKind, Events};
@@ -26,7 +26,7 @@ fn a_held_shift_is_down_while_it_is_pressed() {
 }
 
 #[test]
-fn a_one_shot_shift_is_for_the_next_key_only() {
+fn a_one_shot_shift_applies_to_the_next_key_only() {
     assert_eq!(
         keys("thumb S tap; wait 50"),
         "",
@@ -49,7 +49,7 @@ fn a_one_shot_shift_ends_when_another_key_is_pressed() {
 }
 
 #[test]
-fn a_one_shot_shift_that_stays_pressed_is_held() {
+fn a_one_shot_shift_that_stays_pressed_is_momentary() {
     assert_eq!(
         keys("thumb S up; thumb S down; index q tap; index w tap; thumb S up; index e tap"),
         "dn:ShiftLeft dn:Q up:Q dn:W up:W up:ShiftLeft dn:E up:E"
@@ -57,7 +57,7 @@ fn a_one_shot_shift_that_stays_pressed_is_held() {
 }
 
 #[test]
-fn a_second_tap_takes_a_one_shot_back() {
+fn a_second_tap_cancels_a_one_shot() {
     assert_eq!(keys("thumb S tap; thumb S tap; index q tap"), "dn:Q up:Q");
     assert_eq!(
         keys("thumb S tap; thumb S tap; thumb S tap; index q tap"),
@@ -74,7 +74,7 @@ fn several_one_shots_add_up() {
     assert_eq!(
         keys("thumb S tap; thumb C tap; thumb S tap; index q tap"),
         "dn:ControlLeft dn:Q up:Q up:ControlLeft",
-        "taking one back leaves the other"
+        "cancelling one leaves the other armed"
     );
 }
 
@@ -90,7 +90,7 @@ fn two_capitals_in_rollover_keep_shift_down_between_them() {
 }
 
 #[test]
-fn a_one_shot_from_which_the_finger_slid_off_does_not_fire() {
+fn a_one_shot_does_not_arm_when_the_finger_slides_off() {
     assert_eq!(
         keys("thumb S up; thumb S down; thumb ctrl down; index q tap"),
         "dn:Q up:Q"
@@ -98,18 +98,18 @@ fn a_one_shot_from_which_the_finger_slid_off_does_not_fire() {
 }
 
 #[test]
-fn a_layer_changes_what_keys_do_while_it_is_held() {
+fn a_layer_changes_the_actions_of_keys_while_it_is_held() {
     assert_eq!(
         keys(
             "thumb layer1 up; thumb layer1 down; index q tap; index e tap; thumb layer1 up; index q tap"
         ),
         "dn:1 up:1 dn:E up:E dn:Q up:Q",
-        "a key without an action in the layer does what the base layer says"
+        "a key without an action in the layer has that of the base layer"
     );
 }
 
 #[test]
-fn of_two_held_layers_the_last_pressed_counts() {
+fn the_layer_pressed_last_is_active() {
     let script = "thumb layer1 up & index layer2 up & ring q up; thumb layer1 down; index layer2 down; \
              ring q tap; index layer2 up; ring q tap; thumb layer1 up; ring q tap";
     assert_eq!(
@@ -119,7 +119,7 @@ fn of_two_held_layers_the_last_pressed_counts() {
 }
 
 #[test]
-fn a_key_comes_up_as_what_it_went_down() {
+fn a_key_releases_the_action_it_has_pressed() {
     assert_eq!(
         keys(
             "thumb layer1 up & index q up; thumb layer1 down; index q down; thumb layer1 up; index q up"
@@ -147,12 +147,12 @@ fn a_one_shot_layer_ends_with_the_next_key() {
     assert_eq!(
         keys("thumb L up; thumb L down; index q tap; index w tap; thumb L up; index q tap"),
         "dn:1 up:1 dn:2 up:2 dn:Q up:Q",
-        "held it stays"
+        "a held one-shot layer is momentary"
     );
 }
 
 #[test]
-fn everything_comes_up_in_reverse_order_and_modifiers_last() {
+fn keys_are_released_in_reverse_order_and_modifiers_last() {
     let press = "thumb ctrl up & index q up & middle e up; thumb S tap; index q down; thumb ctrl up; \
              thumb ctrl down; middle e down";
     let down = "dn:ShiftLeft dn:Q dn:ControlLeft up:ShiftLeft dn:E";
@@ -162,12 +162,12 @@ fn everything_comes_up_in_reverse_order_and_modifiers_last() {
             "{press}; release-devices; index q up & middle e up & thumb ctrl up"
         )),
         format!("{down} up:E up:Q up:ControlLeft"),
-        "what the fingers do after that ends nothing a second time"
+        "the fingers release nothing a second time"
     );
 }
 
 #[test]
-fn letting_go_forgets_one_shots_and_layers() {
+fn release_all_forgets_one_shots_and_layers() {
     assert_eq!(
         keys("thumb S tap; thumb L tap; release-devices; index q tap"),
         "dn:Q up:Q"
@@ -175,7 +175,7 @@ fn letting_go_forgets_one_shots_and_layers() {
 }
 
 #[test]
-fn the_depth_of_an_analogue_key_goes_out_when_it_changes() {
+fn the_depth_of_an_analog_key_is_emitted_when_it_changes() {
     assert_eq!(
         simulate(
             "~q w",
@@ -191,7 +191,7 @@ fn the_depth_of_an_analogue_key_goes_out_when_it_changes() {
 }
 
 #[test]
-fn after_letting_go_the_depth_of_an_old_press_goes_out_no_more() {
+fn the_depth_of_an_old_press_is_not_emitted_after_release_all() {
     assert_eq!(
         simulate_keys(
             "~q",
@@ -202,7 +202,7 @@ fn after_letting_go_the_depth_of_an_old_press_goes_out_no_more() {
 }
 
 #[test]
-fn of_two_fingers_on_an_analogue_key_the_deeper_counts() {
+fn the_deepest_finger_on_an_analog_key_counts() {
     assert_eq!(
         simulate_keys(
             "~q",
@@ -234,31 +234,31 @@ fn touch(time: u64, finger: Finger, target: u32, phase: Phase) -> Touch {
 #[test]
 fn a_release_counts_only_from_the_finger_and_target_that_pressed() {
     let mut rig = Rig::with_keys("q w");
-    let mut hear = |touches: &[Touch]| {
+    let mut update = |touches: &[Touch]| {
         let mut events = Events::new();
         rig.update(&rig.pose(), touches, &mut events);
         events.iter().map(|event| event.kind).collect::<Vec<_>>()
     };
     let q = "Q".parse().unwrap();
     assert_eq!(
-        hear(&[touch(1, Finger::Index, 0, Phase::Pressed)]),
+        update(&[touch(1, Finger::Index, 0, Phase::Pressed)]),
         [EventKind::KeyDown(q)]
     );
-    for stranger in [
+    for unrelated in [
         touch(2, Finger::Middle, 0, Phase::Released),
         touch(3, Finger::Index, 1, Phase::Cancelled),
         touch(4, Finger::Index, 77, Phase::Left),
     ] {
-        assert_eq!(hear(&[stranger]), []);
+        assert_eq!(update(&[unrelated]), []);
     }
     assert_eq!(
-        hear(&[touch(5, Finger::Index, 0, Phase::Left)]),
+        update(&[touch(5, Finger::Index, 0, Phase::Left)]),
         [EventKind::KeyUp(q)]
     );
 }
 
 #[test]
-fn a_finger_that_presses_a_second_key_has_let_go_of_the_first() {
+fn a_finger_that_presses_a_second_key_releases_the_first() {
     let mut rig = Rig::with_keys("q w");
     let mut events = Events::new();
     for target in [0, 1] {
@@ -278,13 +278,13 @@ fn a_finger_that_presses_a_second_key_has_let_go_of_the_first() {
 }
 
 #[test]
-fn when_there_is_no_room_presses_are_dropped_and_releases_are_not() {
+fn a_full_event_list_drops_presses_but_not_releases() {
     let mut rig = Rig::with_keys("q w");
     let filler = ademan::device::OutputEvent {
         time: Timestamp(0),
         kind: EventKind::Depth(TargetId(9), 0.0),
     };
-    let mut crowded = |touches: &[Touch], room: usize| {
+    let mut events_with_room = |touches: &[Touch], room: usize| {
         let mut events = Events::new();
         (room..events.capacity()).for_each(|_| events.push(filler));
         rig.update(&rig.pose(), touches, &mut events);
@@ -295,24 +295,24 @@ fn when_there_is_no_room_presses_are_dropped_and_releases_are_not() {
     };
     let (q, w) = (0, 1);
     assert_eq!(
-        crowded(&[touch(1, Finger::Index, q, Phase::Pressed)], 64),
+        events_with_room(&[touch(1, Finger::Index, q, Phase::Pressed)], 64),
         "KeyDown(KeyCode(16))"
     );
     assert_eq!(
-        crowded(&[touch(2, Finger::Middle, w, Phase::Pressed)], 1),
+        events_with_room(&[touch(2, Finger::Middle, w, Phase::Pressed)], 1),
         ""
     );
     assert_eq!(
-        crowded(&[touch(3, Finger::Index, q, Phase::Released)], 0),
+        events_with_room(&[touch(3, Finger::Index, q, Phase::Released)], 0),
         ""
     );
     assert_eq!(
-        crowded(&[], 1),
+        events_with_room(&[], 1),
         "KeyUp(KeyCode(16))",
-        "it comes as soon as there is room"
+        "the release follows as soon as there is room"
     );
     assert_eq!(
-        crowded(&[touch(4, Finger::Middle, w, Phase::Released)], 64),
+        events_with_room(&[touch(4, Finger::Middle, w, Phase::Released)], 64),
         ""
     );
 }

@@ -1,10 +1,10 @@
-//! Gestures over a board, script in, transcript out: contact stage and keyboard together.
+//! Fingertips over a keyboard: script in, transcript out. Covers the contact stage and the keyboard.
 
 mod keys;
 mod options;
-mod scenes;
-mod taps;
-mod walks;
+mod contact;
+mod fast_taps;
+mod random_fingers;
 
 use crate::rig::Rig;
 
@@ -26,11 +26,11 @@ fn between(random: &mut fastrand::Rng, low: f64, high: f64) -> f64 {
 const BOARD: &str = "q w e r / a s d f";
 
 #[test]
-fn a_tap_is_one_key_down_and_up() {
+fn a_tap_is_one_press_and_one_release() {
     assert_eq!(
         simulate(BOARD, "index w tap"),
         "t:18ms dn:W t:5ms up:W",
-        "2 mm deep after 8 ms of the way in, 1 mm deep after 3 ms of the way out"
+        "2 mm deep 8 ms into the step down, 1 mm deep 3 ms into the step up"
     );
 }
 
@@ -68,7 +68,7 @@ fn a_release_and_a_new_press_without_leaving_the_key_is_a_second_press() {
 }
 
 #[test]
-fn sliding_off_lets_go_and_does_not_fire_the_neighbour() {
+fn a_finger_that_slides_off_releases_its_key_and_does_not_press_the_neighbor() {
     let slide = "index w up; index w down; index e down; wait 50";
     assert_eq!(simulate_keys(BOARD, slide), "dn:W up:W");
     let and_back = format!("{slide}; index w down; index q 3; index w up");
@@ -78,9 +78,9 @@ fn sliding_off_lets_go_and_does_not_fire_the_neighbour() {
 }
 
 #[test]
-fn a_tremble_at_the_edge_does_not_cancel() {
-    let tremble = "index w 9.5 0 down; index w 7.5 0 down; ".repeat(10);
-    let script = format!("index w 7.5 0 up; index w 7.5 0 down; {tremble}");
+fn tremor_at_the_edge_does_not_cancel_a_press() {
+    let tremor = "index w 9.5 0 down; index w 7.5 0 down; ".repeat(10);
+    let script = format!("index w 7.5 0 up; index w 7.5 0 down; {tremor}");
     assert_eq!(simulate_keys(BOARD, &script), "dn:W");
     assert_eq!(
         simulate_keys(BOARD, &format!("{script}; index w 10.5 0 down")),
@@ -89,21 +89,21 @@ fn a_tremble_at_the_edge_does_not_cancel() {
 }
 
 #[test]
-fn a_press_and_slide_within_one_frame_comes_up_again() {
+fn a_press_and_slide_within_one_step_is_released() {
     assert_eq!(
         simulate(BOARD, "index w up; index e 20"),
         "t:13.077ms dn:W t:2.186ms up:W",
-        "2 mm deep at 8/26 of the way, 10 mm aside at 10/19"
+        "2 mm deep at 8/26 of the step, 10 mm aside at 10/19"
     );
     assert_eq!(
         simulate_keys(BOARD, "index w up; index r 4"),
         "",
-        "it is off the key before it is deep enough"
+        "it leaves the key before it is deep enough"
     );
 }
 
 #[test]
-fn poking_through_keeps_the_key_down() {
+fn a_fingertip_far_below_the_board_keeps_the_key_down() {
     assert_eq!(
         simulate_keys(
             BOARD,
@@ -114,7 +114,7 @@ fn poking_through_keeps_the_key_down() {
 }
 
 #[test]
-fn nothing_is_pressed_from_behind_or_from_the_side() {
+fn a_key_cannot_be_pressed_from_behind_or_from_the_side() {
     assert_eq!(
         simulate_keys(BOARD, "index w 10; index w up; index w 10"),
         "dn:W"
@@ -130,7 +130,7 @@ fn nothing_is_pressed_from_behind_or_from_the_side() {
 }
 
 #[test]
-fn a_finger_that_rests_inside_at_the_start_must_leave_first() {
+fn a_finger_that_starts_inside_a_key_has_to_leave_first() {
     assert_eq!(
         simulate_keys(
             BOARD,
@@ -145,7 +145,7 @@ fn a_finger_that_rests_inside_at_the_start_must_leave_first() {
 }
 
 #[test]
-fn a_reset_cancels_and_the_finger_must_leave_first() {
+fn a_reset_cancels_presses_and_the_finger_has_to_leave_first() {
     assert_eq!(
         simulate_keys(
             BOARD,
@@ -156,7 +156,7 @@ fn a_reset_cancels_and_the_finger_must_leave_first() {
 }
 
 #[test]
-fn a_reset_forgets_where_the_finger_came_from() {
+fn a_reset_forgets_the_previous_position() {
     assert_eq!(
         simulate_keys(BOARD, "index w up; reset & index w 3; index w 4"),
         ""
@@ -164,7 +164,7 @@ fn a_reset_forgets_where_the_finger_came_from() {
 }
 
 #[test]
-fn a_jump_cancels_and_presses_nothing_on_its_way() {
+fn a_reacquired_hand_cancels_presses_and_presses_nothing() {
     assert_eq!(
         simulate_keys(BOARD, "index w up; reacquire & index e 3; index e 4"),
         ""
@@ -179,7 +179,7 @@ fn a_jump_cancels_and_presses_nothing_on_its_way() {
 }
 
 #[test]
-fn a_finger_that_is_doubted_or_lost_lets_go() {
+fn an_untrusted_or_lost_finger_releases_its_key() {
     for (word, back) in [("doubt", "trust index"), ("hide", "index w 3")] {
         assert_eq!(
             simulate(
@@ -187,7 +187,7 @@ fn a_finger_that_is_doubted_or_lost_lets_go() {
                 &format!("index w up; index w 3; wait 50; {word} index; wait 50")
             ),
             "t:18.889ms dn:W t:61.111ms up:W",
-            "in the frame in which it is {word}"
+            "released in the step of `{word}`"
         );
         let script = format!("index w up; index w 3; {word} index; {back}; index w 4; index w up");
         assert_eq!(simulate_keys(BOARD, &script), "dn:W up:W");
@@ -204,7 +204,7 @@ fn a_finger_that_is_doubted_or_lost_lets_go() {
 }
 
 #[test]
-fn numbers_that_are_not_finite_let_go() {
+fn a_position_that_is_not_finite_releases_the_key() {
     assert_eq!(
         simulate_keys(
             BOARD,
@@ -219,7 +219,7 @@ fn numbers_that_are_not_finite_let_go() {
 }
 
 #[test]
-fn two_fingers_on_one_key_hold_it_until_the_last_leaves() {
+fn a_key_under_two_fingers_is_released_with_the_last() {
     assert_eq!(
         simulate(
             BOARD,
@@ -247,7 +247,7 @@ fn rollover_keeps_the_order_of_the_fingers() {
 }
 
 #[test]
-fn in_one_frame_releases_go_before_presses() {
+fn releases_precede_presses_within_a_step() {
     assert_eq!(
         simulate(
             BOARD,
@@ -261,12 +261,12 @@ fn in_one_frame_releases_go_before_presses() {
             "index q up & middle w up; index q 20; index q -1 & middle w 20"
         ),
         "t:13.077ms dn:Q t:15.971ms up:Q dn:W",
-        "the press is dated forward to the release"
+        "the press gets the time of the release"
     );
 }
 
 #[test]
-fn a_hand_is_clear_when_no_finger_is_in_or_on_a_key() {
+fn a_hand_is_clear_if_no_finger_is_in_or_on_a_key() {
     let is_clear = |script: &str| {
         let mut rig = Rig::with_keys(BOARD);
         rig.run(script);

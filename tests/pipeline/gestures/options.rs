@@ -1,4 +1,4 @@
-//! Options of keys: locks, firing on release, re-press delay, tap or hold.
+//! Options of keys: locks, activation on release, debounce, tap-hold.
 
 use ademan::contact::{Phase, TargetId, Touch};
 use ademan::device::Events;
@@ -25,7 +25,7 @@ fn a_locked_modifier_is_down_from_one_tap_to_the_next() {
 }
 
 #[test]
-fn a_lock_that_is_pressed_while_another_key_is_is_held() {
+fn a_lock_is_momentary_if_another_key_is_pressed_meanwhile() {
     assert_eq!(
         locks("thumb S up; thumb S down; index q tap; thumb S up; index e tap"),
         "dn:ShiftLeft dn:Q up:Q up:ShiftLeft dn:E up:E"
@@ -33,7 +33,7 @@ fn a_lock_that_is_pressed_while_another_key_is_is_held() {
 }
 
 #[test]
-fn sliding_off_a_lock_never_leaves_it_locked() {
+fn a_finger_that_slides_off_a_lock_does_not_lock_it() {
     let slide = "thumb S up; thumb S down; thumb C down; thumb C up";
     assert_eq!(locks(slide), "dn:ShiftLeft up:ShiftLeft");
     assert_eq!(
@@ -43,7 +43,7 @@ fn sliding_off_a_lock_never_leaves_it_locked() {
 }
 
 #[test]
-fn a_one_shot_leaves_a_lock_as_it_is() {
+fn a_one_shot_does_not_change_a_lock() {
     assert_eq!(
         locks("thumb S tap; thumb C tap; index q tap; index w tap"),
         "dn:ShiftLeft dn:ControlLeft dn:Q up:Q up:ControlLeft dn:W up:W"
@@ -51,7 +51,7 @@ fn a_one_shot_leaves_a_lock_as_it_is() {
 }
 
 #[test]
-fn a_held_modifier_does_not_end_a_lock_of_the_same_code() {
+fn a_momentary_modifier_does_not_end_a_lock_of_the_same_key() {
     assert_eq!(
         locks("thumb S tap; middle shift tap; index q tap"),
         "dn:ShiftLeft dn:Q up:Q"
@@ -67,12 +67,12 @@ fn a_locked_layer_stays_until_its_key_is_tapped_again() {
     assert_eq!(
         locks("thumb L tap; thumb B tap; index q tap"),
         "dn:Q up:Q",
-        "the layer that was locked last counts"
+        "the layer locked last is active"
     );
 }
 
 #[test]
-fn a_one_shot_layer_goes_before_a_locked_one_and_gives_it_back() {
+fn a_one_shot_layer_precedes_a_locked_one() {
     assert_eq!(
         simulate_keys(
             "q|1|2 !layer1#L *layer2#M",
@@ -83,7 +83,7 @@ fn a_one_shot_layer_goes_before_a_locked_one_and_gives_it_back() {
 }
 
 #[test]
-fn letting_go_of_everything_unlocks() {
+fn release_all_unlocks() {
     assert_eq!(
         locks("thumb S tap; thumb L tap; release-devices; index q tap"),
         "dn:ShiftLeft up:ShiftLeft dn:Q up:Q"
@@ -91,7 +91,7 @@ fn letting_go_of_everything_unlocks() {
     assert_eq!(
         locks("thumb S tap; release-devices; thumb S tap"),
         "dn:ShiftLeft up:ShiftLeft dn:ShiftLeft",
-        "the next tap locks again"
+        "the next tap locks it again"
     );
 }
 
@@ -102,22 +102,22 @@ fn release(script: &str) -> String {
 }
 
 #[test]
-fn a_key_that_fires_on_release_goes_down_and_up_when_it_is_let_go_of() {
+fn a_key_that_fires_on_release_is_tapped_at_the_release() {
     assert_eq!(
         simulate(RELEASE, "index q up; index q down; wait 80; index q up"),
         "t:103ms dn:Q up:Q",
-        "1 mm deep after 3 ms of the way out"
+        "1 mm deep 3 ms into the step up"
     );
     assert_eq!(release("index q up; index q down; wait 500"), "");
     assert_eq!(
         release("index q up; index q 3; index q 0.5; index q 3; index q 0.5"),
         "dn:Q up:Q dn:Q up:Q",
-        "it need not leave the key"
+        "the finger does not have to leave the key"
     );
 }
 
 #[test]
-fn a_key_that_fires_on_release_does_nothing_when_it_is_cancelled() {
+fn a_cancelled_press_does_not_fire_on_release() {
     let press = "index q up; index q down";
     for end in [
         "index w down; index w up",
@@ -133,7 +133,7 @@ fn a_key_that_fires_on_release_does_nothing_when_it_is_cancelled() {
 }
 
 #[test]
-fn what_a_release_fires_is_settled_when_it_is_pressed() {
+fn the_action_fired_on_release_is_chosen_at_the_press() {
     assert_eq!(
         release(
             "thumb layer1 up & index q up; thumb layer1 down; index q down; thumb layer1 up; index q up"
@@ -143,7 +143,7 @@ fn what_a_release_fires_is_settled_when_it_is_pressed() {
 }
 
 #[test]
-fn a_one_shot_is_for_the_key_that_fires_first() {
+fn a_one_shot_applies_to_the_key_that_fires_first() {
     let rollover = "index q up & middle w up; index q down; middle w down; middle w up; index q up";
     assert_eq!(
         release(&format!("thumb S tap; {rollover}")),
@@ -156,12 +156,12 @@ fn a_one_shot_is_for_the_key_that_fires_first() {
     assert_eq!(
         release("thumb S tap; index q up; index q down; index w down; index w up; index w tap"),
         "dn:ShiftLeft dn:W up:W up:ShiftLeft",
-        "a press that was cancelled takes nothing away"
+        "a cancelled press does not use up the one-shot"
     );
 }
 
 #[test]
-fn in_one_frame_what_was_down_comes_up_before_a_release_fires() {
+fn earlier_presses_are_released_before_a_key_fires_on_release() {
     assert_eq!(
         release("index q up & middle w up; index q down; middle w down; index q up & middle w up"),
         "dn:W up:W dn:Q up:Q"
@@ -177,7 +177,7 @@ fn in_one_frame_what_was_down_comes_up_before_a_release_fires() {
 const BOUNCE: &str = "q%50 w";
 
 #[test]
-fn a_key_that_bounces_within_its_delay_is_pressed_once() {
+fn a_bounce_within_the_debounce_time_is_ignored() {
     let bounce = "index q up; index q 3; index q 0.5; index q 3; index q 0.5; index q 3";
     assert_eq!(simulate_keys(BOUNCE, bounce), "dn:Q up:Q");
     assert_eq!(
@@ -187,13 +187,13 @@ fn a_key_that_bounces_within_its_delay_is_pressed_once() {
     assert_eq!(
         simulate_keys(BOUNCE, &format!("{bounce}; wait 50; index q up; index q 3")),
         "dn:Q up:Q dn:Q",
-        "a bounce does not begin the delay again"
+        "a bounce does not restart the debounce time"
     );
 }
 
 #[test]
-fn the_delay_is_from_the_key_coming_up_to_its_next_press() {
-    // It comes up at 28 ms and is pressed at 8 ms into the last frame.
+fn the_debounce_time_runs_from_the_release_to_the_next_press() {
+    // It is released at 28 ms and pressed 8 ms into the last step.
     for (pause, expected) in [(30, "dn:Q up:Q"), (40, "dn:Q up:Q dn:Q")] {
         let script = format!("index q up; index q down; index q up; wait {pause}; index q down");
         assert_eq!(simulate_keys(BOUNCE, &script), expected, "{pause} ms");
@@ -201,7 +201,7 @@ fn the_delay_is_from_the_key_coming_up_to_its_next_press() {
 }
 
 #[test]
-fn the_delay_is_of_one_key_and_for_every_finger() {
+fn the_debounce_time_is_per_key_and_for_every_finger() {
     assert_eq!(
         simulate_keys(BOUNCE, "middle q 3 0 up; index q tap; middle q 3 0 down"),
         "dn:Q up:Q"
@@ -213,7 +213,7 @@ fn the_delay_is_of_one_key_and_for_every_finger() {
     assert_eq!(
         simulate_keys(BOUNCE, "index q tap; release-devices; index q tap"),
         "dn:Q up:Q dn:Q up:Q",
-        "letting go of everything forgets it"
+        "release_all resets it"
     );
 }
 
@@ -224,17 +224,17 @@ fn hold(script: &str) -> String {
 }
 
 #[test]
-fn let_go_of_early_a_key_with_a_hold_is_tapped() {
+fn an_early_release_of_a_tap_hold_key_taps() {
     assert_eq!(
         simulate(HOLD, "index q up; index q down; wait 180; index q up"),
         "t:203ms dn:Q up:Q",
-        "pressed at 18 ms, let go of 185 ms later"
+        "pressed at 18 ms, released 185 ms later"
     );
     assert_eq!(hold("index q tap; index q tap"), "dn:Q up:Q dn:Q up:Q");
 }
 
 #[test]
-fn pressed_for_long_a_key_with_a_hold_is_held_until_it_is_let_go_of() {
+fn a_long_press_of_a_tap_hold_key_holds_until_the_release() {
     assert_eq!(
         simulate(HOLD, "index q up; index q down; wait 300; index q up"),
         "t:218ms dn:ShiftLeft t:105ms up:ShiftLeft",
@@ -244,13 +244,13 @@ fn pressed_for_long_a_key_with_a_hold_is_held_until_it_is_let_go_of() {
     assert_eq!(
         simulate_keys("q>*shift", "index q up; index q down; wait 300; index q up"),
         "dn:ShiftLeft up:ShiftLeft",
-        "whatever its latch"
+        "regardless of its latch"
     );
 }
 
 #[test]
-fn between_two_frames_the_times_of_the_touches_tell_a_tap_from_a_hold() {
-    // Pressed 8.081 ms into its frame; 1 mm deep 8.056 or 8.169 ms into the twentieth after it.
+fn the_touch_times_decide_between_tap_and_hold_within_a_step() {
+    // Pressed 8.081 ms into its step; 1 mm deep 8.056 or 8.169 ms into the twentieth step after it.
     for (depth, expected) in [
         ("0.3", "t:218.056ms dn:Q up:Q"),
         ("0.35", "t:218.081ms dn:ShiftLeft t:0.088ms up:ShiftLeft"),
@@ -261,7 +261,7 @@ fn between_two_frames_the_times_of_the_touches_tell_a_tap_from_a_hold() {
 }
 
 #[test]
-fn another_key_makes_it_a_hold_at_once() {
+fn another_key_turns_a_tap_hold_key_into_a_hold() {
     let around = |key: &str| {
         format!(
             "thumb {key} up & index w up; thumb {key} down; index w tap; thumb {key} up; index w tap"
@@ -276,7 +276,7 @@ fn another_key_makes_it_a_hold_at_once() {
 }
 
 #[test]
-fn two_holds_add_up_and_the_second_can_still_be_a_tap() {
+fn two_holds_add_up_and_the_second_can_be_a_tap() {
     assert_eq!(
         hold(
             "thumb q up & ring u up; thumb q down; ring u down; index w tap; ring u up; thumb q up"
@@ -290,7 +290,7 @@ fn two_holds_add_up_and_the_second_can_still_be_a_tap() {
 }
 
 #[test]
-fn cancelled_before_it_is_decided_a_key_with_a_hold_does_nothing() {
+fn a_tap_hold_key_cancelled_while_pending_has_no_effect() {
     let press = "index q up; index q down";
     for end in [
         "index w down; index w up",
@@ -304,7 +304,7 @@ fn cancelled_before_it_is_decided_a_key_with_a_hold_does_nothing() {
 }
 
 #[test]
-fn a_hold_comes_up_however_it_ends() {
+fn a_hold_is_released_however_it_ends() {
     let press = "index q up; index q down; wait 300";
     for end in ["index w down", "hide index", "reset", "release-devices"] {
         assert_eq!(
@@ -316,7 +316,7 @@ fn a_hold_comes_up_however_it_ends() {
 }
 
 #[test]
-fn a_one_shot_waits_for_the_tap() {
+fn a_one_shot_applies_to_the_tap_of_a_tap_hold_key() {
     assert_eq!(
         hold("thumb S tap; index q tap; index w tap"),
         "dn:ShiftLeft dn:Q up:Q up:ShiftLeft dn:W up:W"
@@ -324,12 +324,12 @@ fn a_one_shot_waits_for_the_tap() {
     assert_eq!(
         hold("thumb S tap; index u up; index u down; wait 300; middle w tap"),
         "dn:ControlLeft dn:ShiftLeft dn:W up:W up:ShiftLeft",
-        "a hold that is a modifier leaves it to the next key"
+        "a hold that is a modifier does not use up the one-shot"
     );
 }
 
 #[test]
-fn without_room_nothing_fires_and_nothing_stays_down() {
+fn a_full_event_list_fires_nothing_and_leaves_no_key_down() {
     let mut rig = Rig::with_keys("q>shift ^w");
     let touch = |time: u64, finger: Finger, target: u32, phase: Phase| Touch {
         time: Timestamp(time),
@@ -340,7 +340,7 @@ fn without_room_nothing_fires_and_nothing_stays_down() {
         depth: 0.5,
         position: Vec2::ZERO,
     };
-    let mut crowded = |now: u64, touches: &[Touch], room: usize| {
+    let mut events_with_room = |now: u64, touches: &[Touch], room: usize| {
         let filler = ademan::device::OutputEvent {
             time: Timestamp(0),
             kind: ademan::device::EventKind::Depth(TargetId(9), 0.0),
@@ -357,14 +357,31 @@ fn without_room_nothing_fires_and_nothing_stays_down() {
         touch(1, index, 0, Phase::Pressed),
         touch(2, middle, 1, Phase::Pressed),
     ];
-    assert_eq!(crowded(2, &presses, 64), 1, "one makes the other a hold");
-    assert_eq!(crowded(3, &[touch(3, index, 0, Phase::Left)], 64), 1);
-    assert_eq!(crowded(4, &[touch(4, index, 0, Phase::Pressed)], 64), 0);
-    assert_eq!(crowded(5, &[touch(5, middle, 1, Phase::Released)], 8), 0);
-    assert_eq!(crowded(300_000, &[], 8), 0, "a hold waits for room");
-    assert_eq!(crowded(300_001, &[], 64), 1);
     assert_eq!(
-        crowded(300_002, &[touch(300_002, index, 0, Phase::Left)], 64),
+        events_with_room(2, &presses, 64),
+        1,
+        "the second press turns the first into a hold"
+    );
+    assert_eq!(
+        events_with_room(3, &[touch(3, index, 0, Phase::Left)], 64),
+        1
+    );
+    assert_eq!(
+        events_with_room(4, &[touch(4, index, 0, Phase::Pressed)], 64),
+        0
+    );
+    assert_eq!(
+        events_with_room(5, &[touch(5, middle, 1, Phase::Released)], 8),
+        0
+    );
+    assert_eq!(
+        events_with_room(300_000, &[], 8),
+        0,
+        "a hold waits until there is room"
+    );
+    assert_eq!(events_with_room(300_001, &[], 64), 1);
+    assert_eq!(
+        events_with_room(300_002, &[touch(300_002, index, 0, Phase::Left)], 64),
         1
     );
 }

@@ -1,4 +1,4 @@
-//! Keys that do something else when they are pressed together.
+//! Chords: keys with another action when they are pressed together.
 
 use super::simulate_layout;
 use crate::rig::Rig;
@@ -10,7 +10,7 @@ const CHORDS: &str = r#"chords: [
     (keys: "K L", does: Key("Enter")), (keys: "N J", does: Write("ñ")),
     (keys: "N K", does: Key("ShiftLeft"), latch: OneShot), (keys: "F L", does: Key("Home")),
 ]"#;
-/// Over the keys, each finger over its own.
+/// Each finger above its own key.
 const OVER: &str = "index J up & middle K up & ring L up & little A up & thumb N up";
 
 fn chords(script: &str) -> String {
@@ -18,7 +18,7 @@ fn chords(script: &str) -> String {
 }
 
 #[test]
-fn keys_pressed_together_do_what_their_chord_does() {
+fn keys_pressed_together_fire_their_chord() {
     assert_eq!(
         chords("index J down & middle K down; wait 60; index J up & middle K up"),
         "dn:Escape up:Escape"
@@ -30,31 +30,31 @@ fn keys_pressed_together_do_what_their_chord_does() {
 }
 
 #[test]
-fn a_key_of_chords_acts_on_its_own_after_its_time() {
+fn a_chord_key_acts_on_its_own_after_the_chord_time() {
     let mut rig = Rig::with_fields(KEYS, CHORDS);
     rig.run(&format!("{OVER}; index J down; wait 100; index J up"));
     assert_eq!(rig.transcript(), "t:68ms dn:J t:55ms up:J");
     assert_eq!(
         chords("index J down; wait 60; middle K down; wait 60; middle K up; index J up"),
         "dn:J dn:K up:K up:J",
-        "too late for a chord"
+        "after the chord time"
     );
 }
 
 #[test]
-fn a_short_tap_of_one_key_is_that_key() {
+fn a_short_tap_of_a_chord_key_taps_that_key() {
     assert_eq!(chords("index J tap"), "dn:J up:J");
 }
 
 #[test]
-fn the_largest_chord_wins_and_needs_no_more_time() {
+fn the_largest_chord_fires_without_waiting() {
     let mut rig = Rig::with_fields(KEYS, CHORDS);
     rig.run(&format!("{OVER}; index J down; middle K down; ring L down"));
     assert_eq!(rig.transcript(), "t:38ms dn:Tab");
 }
 
 #[test]
-fn what_is_in_no_chord_acts_on_its_own() {
+fn keys_outside_the_chord_act_on_their_own() {
     assert_eq!(
         chords(
             "index J down & thumb N down & ring L down; wait 60; index J up & ring L up & thumb N up"
@@ -65,7 +65,7 @@ fn what_is_in_no_chord_acts_on_its_own() {
 }
 
 #[test]
-fn a_chord_is_held_until_the_first_of_its_keys_is_let_go_of() {
+fn a_chord_is_held_until_its_first_key_is_released() {
     assert_eq!(
         chords("index J down & middle K down; wait 500; middle K up; wait 500; index J up"),
         "dn:Escape up:Escape"
@@ -75,12 +75,12 @@ fn a_chord_is_held_until_the_first_of_its_keys_is_let_go_of() {
             "index J down & middle K down; wait 100; middle K up; wait 100; middle K down; wait 60; middle K up"
         ),
         "dn:Escape up:Escape dn:K up:K",
-        "the other key stays out of it"
+        "the key that stays pressed does not act on its own"
     );
 }
 
 #[test]
-fn another_key_ends_the_wait() {
+fn another_key_ends_the_chord_time() {
     assert_eq!(
         chords(
             "index J down; little A down; middle K down; wait 60; index J up & little A up & middle K up"
@@ -90,7 +90,7 @@ fn another_key_ends_the_wait() {
 }
 
 #[test]
-fn a_finger_that_is_lost_takes_all_that_waits_back() {
+fn a_lost_finger_cancels_all_gathered_keys() {
     assert_eq!(
         chords("index J down & middle K down & ring L 1; hide middle; wait 200; index J up"),
         ""
@@ -98,12 +98,12 @@ fn a_finger_that_is_lost_takes_all_that_waits_back() {
     assert_eq!(
         chords("index J down & middle K down; index A down; wait 200"),
         "",
-        "nor does one that slides off leave the rest"
+        "a finger that slides off cancels them as well"
     );
 }
 
 #[test]
-fn losing_a_finger_or_letting_go_of_everything_ends_a_chord() {
+fn a_lost_finger_or_release_all_releases_a_chord() {
     for end in ["hide index", "doubt middle", "release", "index A down"] {
         assert_eq!(
             chords(&format!(
@@ -117,7 +117,7 @@ fn losing_a_finger_or_letting_go_of_everything_ends_a_chord() {
 }
 
 #[test]
-fn a_second_finger_on_a_key_is_no_second_key() {
+fn a_second_finger_on_a_chord_key_is_ignored() {
     assert_eq!(
         chords(
             "index J down & thumb J up; thumb J down; wait 60; index J up; little A tap; thumb J up"
@@ -135,7 +135,7 @@ fn a_chord_can_be_a_one_shot() {
 }
 
 #[test]
-fn a_key_of_chords_can_be_tapped_and_held_too() {
+fn a_chord_key_can_be_a_tap_hold_key() {
     assert_eq!(
         chords("index F up; index F down; wait 400; little A tap; index F up"),
         "dn:ShiftLeft dn:A up:A up:ShiftLeft"

@@ -11,7 +11,7 @@ const PUSHED: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 
 const POINTER: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30,
     moves_px_per_s: 1000)]"#;
 
-/// Every way in which a finger that is at 20 mm to the right can go.
+/// All ways in which the press of a finger can end.
 const ENDS: [&str; 5] = [
     "index Stick 20 0 up",
     "hide index",
@@ -21,19 +21,19 @@ const ENDS: [&str; 5] = [
 ];
 
 #[test]
-fn a_stick_stands_where_it_is_pushed_from_where_it_was_pressed() {
+fn a_stick_is_deflected_by_the_distance_from_the_press() {
     assert_eq!(
         simulate(
             STICK,
             "index Stick 5 0 up; index Stick 5 0 down; index Stick 15 0 down; index Stick 5 -40 down"
         ),
         "axis:LeftX=+0.500 axis:LeftX=+0.000 axis:LeftY=-1.000",
-        "at most to its end"
+        "limited to full deflection"
     );
 }
 
 #[test]
-fn a_stick_springs_back_to_0_however_it_is_let_go_of() {
+fn a_stick_returns_to_0_however_its_press_ends() {
     for end in ENDS {
         assert_eq!(
             simulate(
@@ -47,7 +47,7 @@ fn a_stick_springs_back_to_0_however_it_is_let_go_of() {
 }
 
 #[test]
-fn within_the_dead_zone_a_stick_stands_in_the_middle() {
+fn a_stick_is_centered_within_its_dead_zone() {
     let stick = STICK.replace("dead_zone: 0,", "dead_zone: 0.5, curve: 2,");
     assert_eq!(
         simulate(
@@ -71,7 +71,7 @@ fn a_second_finger_on_a_stick_is_ignored() {
 }
 
 #[test]
-fn a_side_presses_at_half_the_throw_and_ends_a_little_nearer() {
+fn a_direction_key_has_hysteresis() {
     assert_eq!(
         simulate(
             KEYS,
@@ -86,12 +86,12 @@ fn a_side_presses_at_half_the_throw_and_ends_a_little_nearer() {
             "index Stick up; index Stick down; index Stick 14 14 down; index Stick -14 14 down"
         ),
         "dn:W dn:D up:D dn:A",
-        "two sides on a diagonal, and releases first"
+        "a diagonal presses two directions, and releases precede presses"
     );
 }
 
 #[test]
-fn what_a_side_presses_comes_up_however_the_stick_is_let_go_of() {
+fn a_direction_key_is_released_however_the_press_ends() {
     for end in ENDS {
         assert_eq!(
             simulate(
@@ -105,7 +105,7 @@ fn what_a_side_presses_comes_up_however_the_stick_is_let_go_of() {
 }
 
 #[test]
-fn a_deep_push_presses() {
+fn a_deep_push_presses_its_action() {
     assert_eq!(
         simulate(
             PUSHED,
@@ -117,7 +117,7 @@ fn a_deep_push_presses() {
 }
 
 #[test]
-fn a_stick_moves_the_pointer_as_long_as_it_is_held() {
+fn a_stick_moves_the_pointer_while_it_is_held() {
     assert_eq!(
         simulate(
             POINTER,

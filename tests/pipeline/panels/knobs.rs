@@ -1,4 +1,4 @@
-//! Knobs, along the rim and pinched.
+//! Knobs, turned at the rim and by a pinch.
 
 use super::simulate;
 
@@ -14,7 +14,7 @@ const OPEN: &str = "tip thumb -30 20 0 & tip index 30 20 0";
 const CLOSED: &str = "tip thumb -10 20 0 & tip index 10 20 0";
 
 #[test]
-fn a_finger_that_goes_round_the_rim_turns_the_knob() {
+fn a_finger_that_moves_around_the_rim_turns_the_knob() {
     assert_eq!(
         simulate(
             VOLUME,
@@ -27,7 +27,7 @@ fn a_finger_that_goes_round_the_rim_turns_the_knob() {
 }
 
 #[test]
-fn a_press_and_the_way_over_the_middle_turn_nothing() {
+fn a_press_and_motion_across_the_center_do_not_turn_a_knob() {
     assert_eq!(
         simulate(
             VOLUME,
@@ -35,12 +35,12 @@ fn a_press_and_the_way_over_the_middle_turn_nothing() {
              down; index Volume 0 -15 down; index Volume -15 0 down"
         ),
         "value:Volume=0.833",
-        "only the quarter on the far side counts"
+        "only the quarter turn on the far side counts"
     );
 }
 
 #[test]
-fn beyond_its_end_a_knob_stands_and_comes_back_with_the_finger() {
+fn a_knob_stops_at_its_end_and_turns_back_with_the_finger() {
     assert_eq!(
         simulate(
             VOLUME,
@@ -52,7 +52,7 @@ fn beyond_its_end_a_knob_stands_and_comes_back_with_the_finger() {
 }
 
 #[test]
-fn a_finger_beside_the_rim_keeps_hold_and_one_that_is_lost_leaves_the_knob_as_it_is() {
+fn a_finger_beside_the_rim_keeps_its_grip_and_a_lost_one_leaves_the_value() {
     assert_eq!(
         simulate(
             VOLUME,
@@ -76,7 +76,7 @@ fn a_second_finger_on_the_rim_is_ignored() {
 }
 
 #[test]
-fn a_pinched_knob_turns_as_the_hand_does() {
+fn a_pinched_knob_follows_the_rotation_of_the_hand() {
     assert_eq!(
         simulate(
             VOLUME,
@@ -87,7 +87,7 @@ fn a_pinched_knob_turns_as_the_hand_does() {
 }
 
 #[test]
-fn only_the_turn_about_the_knobs_normal_counts() {
+fn only_rotation_about_the_normal_turns_a_knob() {
     assert_eq!(
         simulate(
             VOLUME,
@@ -98,14 +98,14 @@ fn only_the_turn_about_the_knobs_normal_counts() {
 }
 
 #[test]
-fn a_pinch_ends_further_apart_than_it_begins() {
+fn a_pinch_on_a_knob_has_hysteresis() {
     assert_eq!(
         simulate(
             VOLUME,
             &format!("{OPEN}; tip thumb -14 20 0 & tip index 14 20 0; palm 0 -27 0")
         ),
         "",
-        "28 mm apart is not closed yet"
+        "28 mm apart is not closed"
     );
     assert_eq!(
         simulate(
@@ -113,31 +113,34 @@ fn a_pinch_ends_further_apart_than_it_begins() {
             &format!("{OPEN}; {CLOSED}; tip thumb -14 20 0 & tip index 14 20 0; palm 0 -27 0")
         ),
         "value:Volume=0.600",
-        "nor open again"
+        "28 mm apart is not open"
     );
 }
 
 #[test]
-fn fingers_that_close_beside_a_knob_or_too_far_from_it_do_not_take_it() {
-    for place in [
+fn fingers_that_close_beside_a_knob_or_far_above_it_do_not_grip_it() {
+    for position in [
         "tip thumb 30 20 0 & tip index 45 20 0",
         "tip thumb -10 50 0 & tip index 10 50 0",
     ] {
         assert_eq!(
-            simulate(VOLUME, &format!("{OPEN}; {place}; {CLOSED}; palm 0 -27 0")),
+            simulate(
+                VOLUME,
+                &format!("{OPEN}; {position}; {CLOSED}; palm 0 -27 0")
+            ),
             "",
-            "{place}"
+            "{position}"
         );
     }
 }
 
 #[test]
-fn fingers_that_were_never_seen_open_do_not_take_a_knob() {
+fn fingers_that_were_never_open_do_not_grip_a_knob() {
     assert_eq!(simulate(VOLUME, &format!("{CLOSED}; palm 0 -27 0")), "");
 }
 
 #[test]
-fn a_pinch_that_was_lost_has_to_be_made_again() {
+fn a_lost_pinch_has_to_open_before_it_grips_again() {
     for end in [
         "doubt index; trust index",
         "hide thumb; tip thumb -10 20 0",
@@ -160,7 +163,7 @@ fn a_pinch_that_was_lost_has_to_be_made_again() {
 }
 
 #[test]
-fn a_pinch_takes_the_knob_from_its_own_finger_on_the_rim() {
+fn a_pinch_takes_over_from_its_own_finger_on_the_rim() {
     assert_eq!(
         simulate(
             VOLUME,
@@ -168,12 +171,12 @@ fn a_pinch_takes_the_knob_from_its_own_finger_on_the_rim() {
              Volume 0 -8 down; palm 0 -27 0"
         ),
         "value:Volume=0.600",
-        "the finger goes round a quarter, and the hand turns by 27°"
+        "the finger moves by a quarter turn, and the hand rotates by 27°"
     );
 }
 
 #[test]
-fn a_pinch_does_not_take_a_knob_from_another_finger() {
+fn a_pinch_does_not_take_over_from_another_finger() {
     let turn = format!("right; {OPEN}; {CLOSED}; palm 0 -27 0");
     assert_eq!(
         simulate(
@@ -185,7 +188,7 @@ fn a_pinch_does_not_take_a_knob_from_another_finger() {
 }
 
 #[test]
-fn a_knob_with_steps_stands_on_one_of_them() {
+fn a_knob_with_steps_snaps_to_them() {
     assert_eq!(
         simulate(
             STEPS,
@@ -196,21 +199,21 @@ fn a_knob_with_steps_stands_on_one_of_them() {
 }
 
 #[test]
-fn an_endless_knob_counts_its_turns() {
+fn the_value_of_an_endless_knob_is_its_number_of_turns() {
     let turn = "index Volume 0 -15 down; index Volume -15 0 down; index Volume 0 15 down; index Volume 15 0 down";
-    let told = simulate(
+    let events = simulate(
         ENDLESS,
         &format!("index Volume 15 0 up; index Volume 15 0 down; {turn}; {turn}"),
     );
     assert!(
-        told.ends_with("value:Volume=2.000 scroll=+0,+360"),
-        "{told}"
+        events.ends_with("value:Volume=2.000 scroll=+0,+360"),
+        "{events}"
     );
-    assert_eq!(told.matches("scroll=+0,+360").count(), 8, "{told}");
+    assert_eq!(events.matches("scroll=+0,+360").count(), 8, "{events}");
 }
 
 #[test]
-fn the_axis_of_a_knob_rests_until_it_is_held_again() {
+fn the_axis_of_a_knob_is_0_until_the_knob_is_held_again() {
     assert_eq!(
         simulate(
             AXIS,

@@ -9,7 +9,7 @@ const RATCHET: &str = r#"levers: [(name: "Jack", at_mm: (0, 0), length_mm: 80, s
 const GEAR: &str = r#"levers: [(name: "Gear", at_mm: (0, 0), length_mm: 80, notches: 2, rest: 0)]"#;
 
 #[test]
-fn a_spring_brings_the_lever_back_however_it_is_let_go_of() {
+fn a_lever_springs_back_however_its_press_ends() {
     for end in [
         "index Lift 40 0 up",
         "hide index",
@@ -29,7 +29,7 @@ fn a_spring_brings_the_lever_back_however_it_is_let_go_of() {
 }
 
 #[test]
-fn a_lever_that_is_pushed_past_its_end_stands_there() {
+fn a_lever_stops_at_its_ends() {
     assert_eq!(
         simulate(
             &LIFT.replace("springs", "throw_deg: 120, springs"),
@@ -40,8 +40,8 @@ fn a_lever_that_is_pushed_past_its_end_stands_there() {
 }
 
 #[test]
-fn the_value_is_the_angle_and_not_the_way() {
-    // Half the angle of 30° to one side is a little more than half the way.
+fn the_value_of_a_lever_is_its_angle_not_its_position() {
+    // Half the angle to one side, 30°, is a little more than half the track.
     assert_eq!(
         simulate(
             &LIFT.replace(
@@ -55,7 +55,7 @@ fn the_value_is_the_angle_and_not_the_way() {
 }
 
 #[test]
-fn a_spring_is_a_ratchet_for_what_counts() {
+fn a_lever_that_springs_back_scrolls_like_a_ratchet() {
     assert_eq!(
         simulate(
             RATCHET,
@@ -67,7 +67,7 @@ fn a_spring_is_a_ratchet_for_what_counts() {
 }
 
 #[test]
-fn a_lever_catches_in_its_notches_and_stays() {
+fn a_lever_with_notches_snaps_and_stays() {
     assert_eq!(
         simulate(
             GEAR,

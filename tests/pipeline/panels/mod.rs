@@ -1,30 +1,30 @@
-//! Controls other than keys over a board: script in, transcript out; layout file, contact stage and
-//! devices together.
+//! Controls other than keys: script in, transcript out. Covers the layout file, the contact stage and the
+//! devices.
 
-mod bad_input;
+mod invalid_values;
 mod chords;
-mod dwells;
-mod errors;
+mod dwell;
+mod control_errors;
 mod joysticks;
 mod knobs;
 mod levers;
-mod no_room;
+mod full_event_list;
 mod pointer;
 mod pointer_clicks;
 mod pointer_modes;
-mod pointer_steps;
+mod random_pointer;
 mod radios;
 mod shipped;
-mod shipped_handles;
+mod reach;
 mod sliders;
-mod spaces;
+mod selection;
 mod texts;
 mod toggles;
 mod touch_surfaces;
 mod triggers;
 mod valves;
-mod wrong_dials;
-mod wrong_pointers;
+mod handle_errors;
+mod pointer_errors;
 
 use crate::rig::Rig;
 

@@ -1,9 +1,9 @@
-//! How a pointer moves the cursor.
+//! Cursor motion of a pointer.
 
 use super::pointer_modes::pointer;
 use crate::rig::Rig;
 
-/// 5 pixels for a millimetre, from a middle of (0, 0, 0).
+/// 5 pixels per millimetre; the center is at (0, 0, 0).
 const BOX: &str = "mode: Direct(place: (anchor: world), size_mm: (200, 100, 100))";
 
 fn play(fields: &str, script: &str) -> String {
@@ -11,7 +11,7 @@ fn play(fields: &str, script: &str) -> String {
 }
 
 #[test]
-fn a_relative_pointer_goes_by_differences_and_keeps_what_is_left_of_a_pixel() {
+fn a_relative_pointer_keeps_fractions_of_a_pixel() {
     assert_eq!(
         play(
             "moves: By",
@@ -28,7 +28,7 @@ fn a_relative_pointer_goes_by_differences_and_keeps_what_is_left_of_a_pixel() {
 }
 
 #[test]
-fn no_step_is_longer_than_it_may_be_and_nothing_is_left_out() {
+fn long_motion_is_split_into_steps_of_limited_length() {
     let stepped = play(
         "moves: By, max_step_px: 101",
         "tip index 0 0 0; tip index 50 0 0; wait 50",
@@ -45,7 +45,7 @@ fn no_step_is_longer_than_it_may_be_and_nothing_is_left_out() {
 }
 
 #[test]
-fn a_hand_that_is_seen_again_elsewhere_moves_no_mouse_and_is_followed_in_steps() {
+fn a_reacquired_hand_does_not_move_the_mouse_and_is_followed_in_steps() {
     let script = "tip index 0 0 0; hide index; tip index 20 0 0; wait 50";
     assert_eq!(play("moves: By", script), "");
     assert_eq!(
@@ -57,7 +57,7 @@ fn a_hand_that_is_seen_again_elsewhere_moves_no_mouse_and_is_followed_in_steps()
 }
 
 #[test]
-fn a_clutch_moves_the_cursor_only_while_it_is_held() {
+fn the_cursor_moves_only_while_the_clutch_is_on() {
     let clutched = "moves: By, clutch: Flexion(\"ring-pip-flexion\", 60)";
     assert_eq!(
         play(
@@ -74,12 +74,12 @@ fn a_clutch_moves_the_cursor_only_while_it_is_held() {
             "set ring-pip-flexion 60 & tip index 0 0 0; tip index 10 0 0"
         ),
         "",
-        "one that is held at first has to be let go of"
+        "a clutch that is on at first has to be seen off"
     );
 }
 
 #[test]
-fn a_place_that_was_left_by_a_clutch_is_found_again_bit_by_bit() {
+fn the_offset_of_a_clutch_is_recovered_gradually() {
     let clutched = "clutch: Flexion(\"ring-pip-flexion\", 60)";
     assert_eq!(
         play(
@@ -88,12 +88,12 @@ fn a_place_that_was_left_by_a_clutch_is_found_again_bit_by_bit() {
              index 40 0 0; tip index 20 0 0"
         ),
         "place=0.5000,0.5000 place=0.6200,0.5000 place=0.5400,0.5000",
-        "a fifth of the way makes up for the 100 pixels"
+        "a fifth of the motion recovers the offset of 100 pixels"
     );
 }
 
 #[test]
-fn a_control_holds_the_pointer_still_or_makes_it_slow() {
+fn a_key_can_be_the_clutch_or_precision() {
     let on_board = |does: &str| {
         let layout = format!(
             "Layout(name: \"test\", boards: [(place: (anchor: world, height_mm: -200), \
@@ -108,7 +108,7 @@ fn a_control_holds_the_pointer_still_or_makes_it_slow() {
 }
 
 #[test]
-fn a_gesture_makes_the_pointer_slow() {
+fn a_gesture_turns_precision_on() {
     let slow = "moves: By, precision: Flexion(\"ring-pip-flexion\", 60), precision_factor: 0.1";
     assert_eq!(
         play(
@@ -121,7 +121,7 @@ fn a_gesture_makes_the_pointer_slow() {
 }
 
 #[test]
-fn a_fast_hand_goes_further_with_an_acceleration() {
+fn acceleration_depends_on_the_speed_of_the_hand() {
     let accelerated = "moves: By, acceleration: [(1000, 0.5), (2000, 1), (10000, 2)]";
     assert_eq!(
         play(
@@ -134,7 +134,7 @@ fn a_fast_hand_goes_further_with_an_acceleration() {
 }
 
 #[test]
-fn a_tremble_within_the_dead_zone_moves_nothing() {
+fn tremor_within_the_dead_zone_does_not_move_the_pointer() {
     let still = "dead_zone_px: 10";
     assert_eq!(
         play(
@@ -150,7 +150,7 @@ fn a_tremble_within_the_dead_zone_moves_nothing() {
 }
 
 #[test]
-fn the_first_hand_points_until_everything_is_let_go_of_or_the_one_that_is_named() {
+fn the_first_or_the_configured_hand_points() {
     let script = "right; tip index 0 0 0; left; tip index 20 0 0; wait 50";
     assert_eq!(play("max_step_px: 1000", script), "place=0.5000,0.5000");
     assert_eq!(

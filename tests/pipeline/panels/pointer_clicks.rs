@@ -1,8 +1,8 @@
-//! How a pointer clicks, drags and scrolls.
+//! Clicks, drags and scrolling of a pointer.
 
 use super::pointer_modes::pointer;
 
-/// The wrist moves the cursor: 50 px a degree.
+/// The wrist moves the cursor by 50 px per degree.
 const WRIST: &str = r#"mode: Joint(
     x: (dof: "wrist-deviation", from_deg: -10, to_deg: 10),
     y: (dof: "wrist-flexion", from_deg: 10, to_deg: -10),
@@ -36,7 +36,7 @@ fn a_pinch_is_a_button_with_hysteresis() {
 }
 
 #[test]
-fn of_two_fingers_at_the_thumb_only_the_nearest_pinches() {
+fn only_the_finger_nearest_to_the_thumb_pinches() {
     assert_eq!(
         play(
             PINCHES,
@@ -50,12 +50,12 @@ fn of_two_fingers_at_the_thumb_only_the_nearest_pinches() {
             "open; tip index 15 0 0 & tip middle 0 20 0; tip index 80 0 0; wait 100"
         ),
         "dn:MouseLeft up:MouseLeft",
-        "the other one counts for nothing until it was apart"
+        "the other finger has to open before it counts"
     );
 }
 
 #[test]
-fn a_click_does_not_move_the_pointer_from_its_first_sign_to_its_end() {
+fn the_pointer_is_held_while_a_click_is_near_or_on() {
     assert_eq!(
         play(
             PINCHES,
@@ -68,7 +68,7 @@ fn a_click_does_not_move_the_pointer_from_its_first_sign_to_its_end() {
 }
 
 #[test]
-fn a_hand_whose_fingers_rest_close_together_still_moves_the_pointer() {
+fn resting_fingers_close_together_hold_the_pointer_only_briefly() {
     assert_eq!(
         play(
             PINCHES,
@@ -79,7 +79,7 @@ fn a_hand_whose_fingers_rest_close_together_still_moves_the_pointer() {
 }
 
 #[test]
-fn what_is_held_down_is_dragged_once_the_hand_has_gone_far_enough() {
+fn a_drag_starts_beyond_the_drag_threshold() {
     assert_eq!(
         play(
             PINCHES,
@@ -91,7 +91,7 @@ fn what_is_held_down_is_dragged_once_the_hand_has_gone_far_enough() {
 }
 
 #[test]
-fn what_is_held_comes_up_when_a_finger_or_the_hand_is_lost() {
+fn a_click_is_released_when_a_finger_or_the_hand_is_lost() {
     for lost in [
         "hide index",
         "doubt index",
@@ -112,13 +112,13 @@ fn what_is_held_comes_up_when_a_finger_or_the_hand_is_lost() {
 }
 
 #[test]
-fn a_bent_joint_clicks() {
+fn a_flexion_clicks() {
     let bent = "clicks: [(by: Flexion(\"index-pip-flexion\", 60), does: Key(\"MouseLeft\"))]";
     let bend = |degrees: &str| {
-        let frames = degrees
+        let orders = degrees
             .split(' ')
             .map(|it| format!("set index-pip-flexion {it}"));
-        let script = frames.collect::<Vec<_>>().join("; ");
+        let script = orders.collect::<Vec<_>>().join("; ");
         play(bent, &format!("open; {script}"))
     };
     assert_eq!(bend("0 59 60 51 49"), "dn:MouseLeft up:MouseLeft");
@@ -126,7 +126,7 @@ fn a_bent_joint_clicks() {
 }
 
 #[test]
-fn a_push_forward_clicks_and_half_the_way_back_ends_it() {
+fn a_push_forward_clicks_and_half_its_depth_ends_it() {
     let push = "clicks: [(by: Push(20), does: Key(\"MouseLeft\"))]";
     assert_eq!(
         play(
@@ -146,7 +146,7 @@ fn a_push_forward_clicks_and_half_the_way_back_ends_it() {
 }
 
 #[test]
-fn a_fingertip_on_its_way_to_another_place_is_no_push_and_a_reach_ends_one() {
+fn sideways_motion_does_not_push_and_reaching_ends_a_push() {
     let push = "clicks: [(by: Push(20), does: Key(\"MouseLeft\"))]";
     let way = |x: i32, z: i32| {
         let step = |step: i32| format!("tip index {} 0 {}", 80 + x * step / 8, z * step / 8);
@@ -165,12 +165,12 @@ fn a_fingertip_on_its_way_to_another_place_is_no_push_and_a_reach_ends_one() {
 }
 
 #[test]
-fn a_cursor_that_rests_clicks_once_where_it_was_brought_to() {
+fn a_cursor_that_was_moved_and_rests_clicks_once() {
     let dwell = "dwell: (ms: 300, radius_px: 10, does: Key(\"MouseLeft\"))";
     assert_eq!(
         play(dwell, "open; wait 1000"),
         "",
-        "nobody brought it there"
+        "the wearer has not moved it there"
     );
     assert_eq!(
         play(
@@ -186,12 +186,12 @@ fn a_cursor_that_rests_clicks_once_where_it_was_brought_to() {
             "open; set wrist-deviation 1; wait 200; set wrist-deviation 2; wait 200"
         ),
         "move=+50,+0 move=+50,+0",
-        "it rested nowhere"
+        "it did not rest for long enough"
     );
 }
 
 #[test]
-fn while_a_gesture_is_held_motion_turns_the_wheel_and_nothing_of_it_is_lost() {
+fn motion_scrolls_while_the_scroll_gesture_is_on() {
     let scroll = "scroll: (by: Flexion(\"little-mcp-flexion\", 60), px_per_click: 50)";
     assert_eq!(
         play(

@@ -1,8 +1,8 @@
-//! What the modes of a pointer make of a hand.
+//! The pointing modes.
 
 use crate::rig::Rig;
 
-/// The fields of a pointer without smoothing, on a screen of 1001 × 501 pixels.
+/// Returns a rig with a pointer with these fields, without smoothing, on a screen of 1001 × 501 pixels.
 pub fn pointer(fields: &str) -> Rig {
     Rig::new(&format!(
         "Layout(name: \"test\", pointer: Pointer(smoothing: Off, screen_px: (1001, 501), {fields}))"
@@ -27,21 +27,21 @@ fn play(fields: &str, script: &str) -> String {
 }
 
 #[test]
-fn angles_are_places_along_a_line_and_stay_within_the_screen() {
+fn joint_angles_map_linearly_to_the_screen_and_are_clamped() {
     assert_eq!(
         play(
             JOINT,
             "set wrist-deviation 0; set wrist-flexion 0; set wrist-deviation 5; set wrist-flexion -15"
         ),
         "place=0.5000,0.5000 place=0.7500,0.5000 place=0.7500,0.2500",
-        "nothing before both are known"
+        "no position before both angles are known"
     );
     let far = "set wrist-deviation 90 & set wrist-flexion 90; wait 50";
     assert_eq!(play(JOINT, far), "place=1.0000,1.0000");
 }
 
 #[test]
-fn a_curve_makes_the_middle_finer_and_leaves_the_ends() {
+fn a_curve_above_1_is_finer_in_the_middle() {
     let curved = JOINT.replace("to_deg: 10", "to_deg: 10, curve: 2");
     let at = |degrees: &str| {
         play(
@@ -55,7 +55,7 @@ fn a_curve_makes_the_middle_finer_and_leaves_the_ends() {
 }
 
 #[test]
-fn the_fingertip_in_the_box_is_the_place_on_the_screen() {
+fn the_fingertip_in_the_box_is_the_position_on_the_screen() {
     assert_eq!(
         play(DIRECT, "tip index 0 0 -300; tip index 50 25 -300"),
         "place=0.5000,0.5000 place=0.7500,0.2500"
@@ -64,7 +64,7 @@ fn the_fingertip_in_the_box_is_the_place_on_the_screen() {
 }
 
 #[test]
-fn a_box_that_bears_to_the_right_is_seen_from_its_front() {
+fn a_box_with_a_bearing_is_seen_from_its_front() {
     let right = DIRECT.replace("forward_mm", "bearing_deg: 90, forward_mm");
     assert_eq!(
         play(&right, "tip index 300 0 0; tip index 300 0 50"),
@@ -73,7 +73,7 @@ fn a_box_that_bears_to_the_right_is_seen_from_its_front() {
 }
 
 #[test]
-fn depth_drives_what_it_is_told_to() {
+fn the_third_axis_drives_its_output() {
     let driven = format!("{DIRECT}, moves: Nothing, z_drives: Axis(\"MoveZ\")");
     assert_eq!(
         play(
@@ -85,12 +85,12 @@ fn depth_drives_what_it_is_told_to() {
 }
 
 #[test]
-fn a_ray_meets_the_plane_where_the_hand_points() {
+fn a_ray_intersects_the_plane_where_the_hand_points() {
     let knuckle = "knuckle 0 0 0 & tip index 0 0 -100";
     assert_eq!(
         play(RAY, &format!("{knuckle}; tip index 10 0 -100")),
         "place=0.5000,0.5000 place=0.7500,0.5000",
-        "10 mm in 100 are 50 in 500"
+        "10 mm at a distance of 100 mm are 50 mm at 500 mm"
     );
     assert_eq!(
         play(
@@ -98,14 +98,14 @@ fn a_ray_meets_the_plane_where_the_hand_points() {
             &format!("{knuckle}; tip index 0 0 100; tip index 100 0 0")
         ),
         "place=0.5000,0.5000",
-        "away from the plane, and along it, it points nowhere"
+        "a hand that points away from the plane or along it points nowhere"
     );
 }
 
 #[test]
-fn displacement_is_speed_beyond_the_dead_zone() {
+fn rate_control_maps_displacement_to_speed() {
     assert_eq!(play(RATE, "tip index 19 0 0; wait 100"), "");
-    // (0.6 − 0.2) / 0.8 of 1000 px/s, 10 ms a frame.
+    // (0.6 − 0.2) / 0.8 of 1000 px/s, 10 ms per step.
     assert_eq!(
         play(RATE, "tip index 0 0 0; tip index 60 0 0; tip index 0 -60 0"),
         "move=+5,+0 move=+0,+5"
@@ -117,8 +117,8 @@ fn displacement_is_speed_beyond_the_dead_zone() {
 }
 
 #[test]
-fn a_slow_rate_adds_up() {
-    // 0.05 / 0.8 of 1000 px/s: 62.5 px in a second.
+fn fractions_of_a_pixel_add_up_at_a_slow_rate() {
+    // 0.05 / 0.8 of 1000 px/s: 62.5 px per second.
     let crept = play(RATE, "tip index 25 0 0; wait 1000");
     let moves = crept.split(' ').collect::<Vec<_>>();
     assert_eq!(moves.len(), 62);
@@ -126,7 +126,7 @@ fn a_slow_rate_adds_up() {
 }
 
 #[test]
-fn a_finger_in_doubt_moves_nothing() {
+fn an_untrusted_finger_does_not_move_the_pointer() {
     for fields in [DIRECT, RATE] {
         assert_eq!(
             play(fields, "doubt index & tip index 60 0 -300; wait 50"),

@@ -1,4 +1,4 @@
-//! The shipped panels and boards, played.
+//! Scripts on the shipped panels and boards.
 
 use ademan::estimate::{Estimate, JointAngles};
 use ademan::hand::{Dof, Finger, Joint};
@@ -14,7 +14,7 @@ fn rig(name: &str) -> Rig {
 }
 
 #[test]
-fn the_touch_pad_moves_clicks_scrolls_and_has_two_buttons() {
+fn the_shipped_touchpad_moves_clicks_scrolls_and_has_two_buttons() {
     let mut rig = rig("touch-pad");
     rig.run("index Pad 0 0 up; index Pad 0 0 1; index Pad 0 0 up");
     rig.run("index Pad 20 0 up; wait 400; index Pad 20 0 1; index Pad 30 0 1; index Pad 30 0 up; wait 400");
@@ -41,8 +41,8 @@ const KEYS: [(&str, Finger); 5] = [
     ("L", Finger::Little),
 ];
 
-/// Where the fingertips of the default hand are, seen from its wrist, as orders of a script: those of
-/// `pressing` are bent by 5° more than half at each joint, the others by 5° less.
+/// Returns orders that place the fingertips of the default hand, relative to its wrist: the fingers of
+/// `pressing` are bent at each joint by 5° more than the half-bent posture, the others by 5° less.
 fn fingertips(pressing: &str) -> String {
     let document = Document::shipped("unam").expect("the default arm");
     let arm = ArmModel::parse(&document).expect("the default arm");
@@ -80,7 +80,7 @@ fn fingertips(pressing: &str) -> String {
 }
 
 #[test]
-fn the_fingers_of_the_default_hand_are_over_their_chord_keys_and_press_each_letter() {
+fn the_default_hand_types_every_letter_on_the_five_chord_keys() {
     let layout = Layout::load("chords-five").expect("the shipped board");
     let name = |target| {
         let front = layout.face(target).expect("a key");
@@ -119,7 +119,7 @@ fn the_fingers_of_the_default_hand_are_over_their_chord_keys_and_press_each_lett
 }
 
 #[test]
-fn all_five_fingers_are_a_capital() {
+fn all_five_chord_keys_are_a_one_shot_shift() {
     let (open, all) = (fingertips(""), fingertips("TIMRL"));
     let mut rig = rig("chords-five");
     rig.run(&format!(

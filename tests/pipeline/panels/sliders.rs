@@ -13,7 +13,7 @@ const TAPS: &str = r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100, s
     drives: Taps(more: Key("AudioVolumeUp"), less: Key("AudioVolumeDown"), steps: 10))]"#;
 
 #[test]
-fn the_handle_comes_to_the_finger_and_goes_with_it() {
+fn the_handle_jumps_to_the_finger_and_follows_it() {
     assert_eq!(
         simulate(
             FADER,
@@ -24,7 +24,7 @@ fn the_handle_comes_to_the_finger_and_goes_with_it() {
 }
 
 #[test]
-fn a_finger_that_only_touches_moves_nothing() {
+fn a_touch_without_a_press_does_not_move_the_handle() {
     assert_eq!(
         simulate(FADER, "index Fader up; index Fader 1; index Fader 20 0 1"),
         ""
@@ -32,7 +32,7 @@ fn a_finger_that_only_touches_moves_nothing() {
 }
 
 #[test]
-fn lifting_the_finger_off_moves_nothing() {
+fn a_lifted_finger_does_not_move_the_handle() {
     assert_eq!(
         simulate(
             FADER,
@@ -43,8 +43,8 @@ fn lifting_the_finger_off_moves_nothing() {
 }
 
 #[test]
-fn a_turned_slider_is_moved_away_from_the_wearer() {
-    // Along the target's own X, wherever that points.
+fn a_rotated_slider_moves_along_its_own_axis() {
+    // Along the target's own X axis.
     assert_eq!(
         simulate(
             TURNED,
@@ -58,12 +58,12 @@ fn a_turned_slider_is_moved_away_from_the_wearer() {
             "tip index 0 11 0; tip index 0 1 0; tip index 0 1 -25; tip index 40 1 -25"
         ),
         "value:Fader=0.500 value:Fader=0.750",
-        "what is forward in the world is up"
+        "away from the wearer in the world increases the value"
     );
 }
 
 #[test]
-fn a_handle_that_is_grabbed_where_it_is_does_not_jump() {
+fn a_relative_grab_does_not_move_the_handle() {
     assert_eq!(
         simulate(
             RELATIVE,
@@ -74,7 +74,7 @@ fn a_handle_that_is_grabbed_where_it_is_does_not_jump() {
 }
 
 #[test]
-fn between_two_steps_a_tremble_does_not_flutter() {
+fn tremor_between_two_steps_does_not_change_the_value() {
     assert_eq!(
         simulate(
             STEPS,
@@ -87,7 +87,7 @@ fn between_two_steps_a_tremble_does_not_flutter() {
 }
 
 #[test]
-fn a_finger_that_strays_sideways_keeps_hold() {
+fn a_finger_that_strays_sideways_keeps_its_grip() {
     assert_eq!(
         simulate(
             FADER,
@@ -101,7 +101,7 @@ fn a_finger_that_strays_sideways_keeps_hold() {
             "index Fader up; index Fader down; index Fader 10 45 down; index Fader 20 0 down"
         ),
         "value:Fader=0.500",
-        "further than 30 mm beside it has let go"
+        "a finger further than 30 mm beside the track loses its grip"
     );
 }
 
@@ -135,7 +135,7 @@ fn the_value_stays_when_the_hand_is_lost() {
 }
 
 #[test]
-fn an_axis_goes_to_0_when_everything_is_let_go_of_and_comes_back_at_the_next_touch() {
+fn release_all_returns_an_axis_to_0_until_the_next_grip() {
     assert_eq!(
         simulate(
             TRIGGER,
@@ -147,7 +147,7 @@ fn an_axis_goes_to_0_when_everything_is_let_go_of_and_comes_back_at_the_next_tou
 }
 
 #[test]
-fn each_step_of_the_way_taps() {
+fn each_step_of_the_value_taps() {
     assert_eq!(
         simulate(
             TAPS,

@@ -3,47 +3,47 @@
 use super::simulate;
 use crate::rig::Rig;
 
-fn writes(text: &str, script: &str) -> String {
+fn type_text(text: &str, script: &str) -> String {
     let key = format!("keys: [(does: Write(\"{text}\"), name: \"T\", at_mm: (0, 0))]");
     simulate(&key, script)
 }
 
 #[test]
-fn a_text_is_written_once_for_each_press() {
+fn a_text_is_typed_once_per_press() {
     assert_eq!(
-        writes("ñ", "index T up; index T down; wait 2000"),
+        type_text("ñ", "index T up; index T down; wait 2000"),
         "write:ñ"
     );
     assert_eq!(
-        writes("né", "index T tap; index T tap"),
+        type_text("né", "index T tap; index T tap"),
         "write:n write:é write:n write:é"
     );
-    assert_eq!(writes("ñ", "index T up; index T 1; index T up"), "");
+    assert_eq!(type_text("ñ", "index T up; index T 1; index T up"), "");
 }
 
 #[test]
-fn any_character_of_unicode_can_be_written() {
+fn every_unicode_character_can_be_typed() {
     for character in ['ß', 'Ω', 'я', '字', '€', '🙂', '–'] {
         assert_eq!(
-            writes(&character.to_string(), "index T tap"),
+            type_text(&character.to_string(), "index T tap"),
             format!("write:{character}")
         );
     }
 }
 
 #[test]
-fn a_text_of_32_characters_goes_out_whole_and_in_order() {
+fn a_text_of_32_characters_is_typed_completely_and_in_order() {
     let text = "abcdefghijklmnopqrstuvwxyzäöüßñ.";
     assert_eq!(text.chars().count(), 32);
     let written: Vec<String> = text
         .chars()
         .map(|character| format!("write:{character}"))
         .collect();
-    assert_eq!(writes(text, "index T tap"), written.join(" "));
+    assert_eq!(type_text(text, "index T tap"), written.join(" "));
 }
 
 #[test]
-fn texts_that_find_no_room_are_left_out_whole() {
+fn a_text_that_does_not_fit_is_dropped_as_a_whole() {
     let key = |number: i32| {
         let text: String = (0..32).map(|_| char::from(b'a' + number as u8)).collect();
         format!(
@@ -54,19 +54,19 @@ fn texts_that_find_no_room_are_left_out_whole() {
     let keys: Vec<String> = (0..10).map(key).collect();
     let mut rig = Rig::on_board(&format!("keys: [{}]", keys.join(", ")));
     let fingers = ["thumb", "index", "middle", "ring", "little"];
-    let all = |place: &str| {
-        let each = |(number, finger): (usize, &&str)| format!("{finger} K{number} {place}");
+    let all = |position: &str| {
+        let each = |(number, finger): (usize, &&str)| format!("{finger} K{number} {position}");
         let orders: Vec<String> = fingers.iter().enumerate().map(each).collect();
         orders.join(" & ")
     };
     rig.run(&format!("{}; {}", all("up"), all("down")));
     let written = rig.events().matches("write").count();
     assert_eq!(written % 32, 0, "{written}");
-    assert_eq!(written, 5 * 32, "five texts have room in a frame");
+    assert_eq!(written, 5 * 32, "five texts fit into a step");
 }
 
 #[test]
-fn a_layer_takes_the_place_of_a_text() {
+fn a_layer_can_replace_a_text() {
     let controls = "keys: [(does: Write(\"é\"), name: \"T\", at_mm: (0, 0)), \
                     (layer: \"x\", name: \"L\", at_mm: (30, 0))]";
     let layers = "layers: [(name: \"x\", keys: {\"T\": \"A\"})]";
@@ -81,7 +81,7 @@ fn a_layer_takes_the_place_of_a_text() {
 }
 
 #[test]
-fn a_text_can_wait_for_its_release() {
+fn a_text_can_fire_on_release() {
     let key = "keys: [(does: Write(\"é\"), name: \"T\", fires: Release, at_mm: (0, 0)), \
                (code: \"A\", at_mm: (40, 0))]";
     assert_eq!(simulate(key, "index T up; index T down; wait 50"), "");

@@ -2,71 +2,71 @@
 
 use super::simulate;
 
-const TOLD: &str = r#"toggles: [(name: "Light", at_mm: (0, 0))]"#;
-const HOLDS: &str = r#"toggles: [(name: "Shift", at_mm: (0, 0), holds: Key("ShiftLeft"))],
+const VALUE_ONLY: &str = r#"toggles: [(name: "Light", at_mm: (0, 0))]"#;
+const HOLD: &str = r#"toggles: [(name: "Shift", at_mm: (0, 0), holds: Key("ShiftLeft"))],
     keys: [(code: "A", at_mm: (40, 0))]"#;
-const TAPS: &str = r#"toggles: [(name: "Play", at_mm: (0, 0), taps: Key("MediaPlayPause"))]"#;
+const TAP: &str = r#"toggles: [(name: "Play", at_mm: (0, 0), taps: Key("MediaPlayPause"))]"#;
 
 #[test]
-fn one_poke_is_one_change_and_withdrawing_changes_nothing() {
-    assert_eq!(simulate(TOLD, "index Light tap"), "value:Light=1.000");
+fn a_switch_changes_once_per_press() {
+    assert_eq!(simulate(VALUE_ONLY, "index Light tap"), "value:Light=1.000");
     assert_eq!(
-        simulate(TOLD, "index Light tap; wait 50; index Light tap"),
+        simulate(VALUE_ONLY, "index Light tap; wait 50; index Light tap"),
         "value:Light=1.000 value:Light=0.000"
     );
     assert_eq!(
         simulate(
-            TOLD,
+            VALUE_ONLY,
             "index Light up; index Light 10; wait 2000; index Light up"
         ),
         "value:Light=1.000",
-        "however long and deep"
+        "regardless of time and depth"
     );
     assert_eq!(
         simulate(
-            TOLD,
+            VALUE_ONLY,
             "index Light up; index Light down; index Light 40 0 down"
         ),
         "value:Light=1.000",
-        "sliding off is no second poke"
+        "sliding off is not a second press"
     );
     assert_eq!(
-        simulate(TOLD, "index Light up; index Light 1; index Light up"),
+        simulate(VALUE_ONLY, "index Light up; index Light 1; index Light up"),
         "",
         "not deep enough"
     );
 }
 
 #[test]
-fn what_a_switch_holds_is_down_as_long_as_it_is_on() {
+fn a_switch_holds_its_action_while_it_is_on() {
     assert_eq!(
-        simulate(HOLDS, "index Shift tap; index A tap; index Shift tap"),
+        simulate(HOLD, "index Shift tap; index A tap; index Shift tap"),
         "dn:ShiftLeft value:Shift=1.000 dn:A up:A up:ShiftLeft value:Shift=0.000"
     );
 }
 
 #[test]
-fn a_switch_that_holds_is_off_when_everything_is_let_go_of() {
+fn release_all_switches_a_holding_switch_off() {
     assert_eq!(
-        simulate(HOLDS, "index Shift tap; release; index Shift tap"),
+        simulate(HOLD, "index Shift tap; release; index Shift tap"),
         "dn:ShiftLeft value:Shift=1.000 up:ShiftLeft value:Shift=0.000 dn:ShiftLeft value:Shift=1.000"
     );
 }
 
 #[test]
-fn a_switch_that_taps_stays_as_it_is_when_everything_is_let_go_of() {
+fn release_all_leaves_a_tapping_switch_unchanged() {
     assert_eq!(
-        simulate(TAPS, "index Play tap; release; index Play tap"),
+        simulate(TAP, "index Play tap; release; index Play tap"),
         "dn:MediaPlayPause up:MediaPlayPause value:Play=1.000 dn:MediaPlayPause up:MediaPlayPause \
              value:Play=0.000"
     );
 }
 
 #[test]
-fn a_finger_that_is_lost_on_a_switch_changes_nothing_more() {
+fn a_lost_finger_does_not_change_a_switch() {
     assert_eq!(
         simulate(
-            TOLD,
+            VALUE_ONLY,
             "index Light up; index Light down; hide index; index Light down"
         ),
         "value:Light=1.000"

@@ -1,4 +1,4 @@
-//! Touch screens and touch pads.
+//! Touchscreens and touchpads.
 
 use super::simulate;
 use crate::rig::Rig;
@@ -9,7 +9,7 @@ const PAD: &str = r#"touch_surfaces: [(name: "P", at_mm: (0, 0), size_mm: Box(20
     acceleration: 0)]"#;
 
 #[test]
-fn a_finger_on_a_screen_is_the_pointer_and_pressing_is_the_button() {
+fn a_finger_on_a_touchscreen_moves_the_pointer_and_presses_the_button() {
     assert_eq!(
         simulate(
             SCREEN,
@@ -23,12 +23,12 @@ fn a_finger_on_a_screen_is_the_pointer_and_pressing_is_the_button() {
             "index S -72 -45 up; index S -72 -45 1; index S -81 -45 1"
         ),
         "place=0.0500,0.9500 place=0.0000,0.9500",
-        "the edge is the end"
+        "the position is clamped at the edge"
     );
 }
 
 #[test]
-fn the_pointer_is_there_before_the_button_goes_down() {
+fn the_pointer_moves_before_the_button_is_pressed() {
     assert_eq!(
         simulate(
             SCREEN,
@@ -40,7 +40,7 @@ fn the_pointer_is_there_before_the_button_goes_down() {
 }
 
 #[test]
-fn the_first_finger_on_a_screen_counts() {
+fn only_the_first_finger_on_a_touchscreen_counts() {
     assert_eq!(
         simulate(
             SCREEN,
@@ -51,7 +51,7 @@ fn the_first_finger_on_a_screen_counts() {
 }
 
 #[test]
-fn sliding_off_a_screen_or_losing_the_finger_ends_the_drag() {
+fn a_drag_on_a_touchscreen_ends_when_the_finger_slides_off_or_is_lost() {
     for end in ["index S 90 0 down", "hide index", "doubt index", "release"] {
         assert_eq!(
             simulate(
@@ -64,18 +64,18 @@ fn sliding_off_a_screen_or_losing_the_finger_ends_the_drag() {
     }
 }
 
-/// A way over the pad in steps of so many millimetres, with the finger down.
-fn way(finger: &str, from: i32, to: i32, step: i32) -> String {
+/// Returns a script that moves a finger over the touchpad in steps of `step` millimetres.
+fn stroke(finger: &str, from: i32, to: i32, step: i32) -> String {
     let places = (0..=(to - from) / step).map(|number| from + number * step);
     let orders: Vec<String> = places.map(|x| format!("{finger} P {x} 0 1")).collect();
     orders.join("; ")
 }
 
 #[test]
-fn a_finger_on_a_pad_moves_the_pointer_by_its_way_without_the_dead_zone() {
+fn a_finger_on_a_touchpad_moves_the_pointer_beyond_the_dead_zone() {
     let script = format!(
         "index P 0 0 up; {}; index P 20 0 up",
-        way("index", 0, 20, 1)
+        stroke("index", 0, 20, 1)
     );
     let (x, y) = total(&simulate(PAD, &script), "move");
     assert!((17 * 4 - 1..=17 * 4).contains(&x) && y == 0, "{x} {y}");
@@ -87,7 +87,7 @@ fn a_finger_on_a_pad_moves_the_pointer_by_its_way_without_the_dead_zone() {
 }
 
 #[test]
-fn slow_motion_is_not_lost() {
+fn slow_motion_on_a_touchpad_adds_up() {
     let steps: Vec<String> = (0..=300)
         .map(|tenth| format!("index P {} 0 1", f64::from(tenth) * 0.1))
         .collect();
@@ -97,23 +97,23 @@ fn slow_motion_is_not_lost() {
 }
 
 #[test]
-fn a_quick_finger_moves_the_pointer_further() {
+fn a_fast_finger_moves_the_pointer_further() {
     let quick = PAD.replace("acceleration: 0", "acceleration: 2");
     let far = |step| {
-        let script = format!("index P 0 0 up; {}", way("index", 0, 60, step));
+        let script = format!("index P 0 0 up; {}", stroke("index", 0, 60, step));
         total(&simulate(&quick, &script), "move").0
     };
     let first = 2.0 * 4.0 * (1.0 + 2.0 * 200.0 / 250.0);
     assert_eq!(
         far(5),
         first as i32 + 55 * 4 * 3,
-        "from 250 mm/s on 1 + 2 times as far"
+        "1 + 2 times as far from 250 mm/s on"
     );
     assert!(far(1) < 57 * 4 * 2, "100 mm/s: {}", far(1));
 }
 
 #[test]
-fn a_short_touch_clicks_and_does_not_move() {
+fn a_short_touch_clicks_without_moving_the_pointer() {
     assert_eq!(
         simulate(
             PAD,
@@ -152,7 +152,7 @@ fn two_fingers_click_the_right_button() {
 }
 
 #[test]
-fn a_touch_right_after_a_click_drags() {
+fn a_touch_soon_after_a_click_drags() {
     assert_eq!(
         simulate(
             PAD,
@@ -160,7 +160,7 @@ fn a_touch_right_after_a_click_drags() {
              index P 0 0 up; index P 0 0 1; index P 13.1 0 1"
         ),
         "dn:MouseLeft up:MouseLeft dn:MouseLeft move=+40,+0 up:MouseLeft move=+40,+0",
-        "and the next one does not"
+        "the next touch does not drag"
     );
     assert_eq!(
         simulate(PAD, "index P 0 0 tap; index P 0 0 tap"),
@@ -192,7 +192,7 @@ fn two_fingers_scroll() {
 }
 
 #[test]
-fn what_stays_of_two_fingers_moves_no_pointer() {
+fn the_last_of_two_fingers_does_not_move_the_pointer() {
     assert_eq!(
         simulate(
             PAD,
@@ -204,7 +204,7 @@ fn what_stays_of_two_fingers_moves_no_pointer() {
 }
 
 #[test]
-fn sliding_off_a_pad_or_losing_a_finger_never_clicks() {
+fn a_finger_that_slides_off_or_is_lost_does_not_click() {
     for end in ["index P 110 0 1", "hide index", "doubt index", "release"] {
         let events = simulate(
             PAD,
@@ -218,7 +218,7 @@ fn sliding_off_a_pad_or_losing_a_finger_never_clicks() {
             "index P 0 0 up & middle P 30 0 up; index P 0 0 1 & middle P 30 0 1; hide index; middle P 30 0 up"
         ),
         "",
-        "nor does the finger that stays"
+        "the remaining finger does not click either"
     );
     assert_eq!(
         simulate(
@@ -231,7 +231,7 @@ fn sliding_off_a_pad_or_losing_a_finger_never_clicks() {
 }
 
 #[test]
-fn fingers_from_before_everything_was_let_go_of_do_not_count() {
+fn fingers_from_before_release_all_do_not_count() {
     assert_eq!(
         simulate(
             PAD,
@@ -250,7 +250,7 @@ fn fingers_from_before_everything_was_let_go_of_do_not_count() {
 }
 
 #[test]
-fn everything_let_go_of_ends_a_drag() {
+fn release_all_ends_a_drag() {
     let mut rig = Rig::on_board(PAD);
     rig.run("index P 0 0 tap; index P 0 0 1; index P 13.1 0 1; release; index P 30 0 1; index P 30 0 up");
     assert_eq!(
@@ -259,7 +259,7 @@ fn everything_let_go_of_ends_a_drag() {
     );
 }
 
-/// The sum of all motions of a kind.
+/// Returns the sum of all motion of a kind.
 fn total(events: &str, kind: &str) -> (i32, i32) {
     let motions = events
         .split(' ')

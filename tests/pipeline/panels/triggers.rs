@@ -1,4 +1,4 @@
-//! Angles and pinches as controls.
+//! Triggers: angles and pinches as controls.
 
 use super::simulate_layout;
 use crate::rig::Rig;
@@ -11,7 +11,7 @@ const BLADE: &str = r#"triggers: [(name: "Blade", drives: Axis("RightTrigger"),
 const PINCH: &str =
     r#"triggers: [(name: "Pinch", does: Key("MouseLeft"), when: Pinch(of: "index"))]"#;
 
-/// The index knuckle at these angles, frame by frame.
+/// Returns a script that bends the index knuckle to these angles, one per step.
 fn bend(degrees: &[i32]) -> String {
     let orders: Vec<String> = degrees
         .iter()
@@ -20,7 +20,7 @@ fn bend(degrees: &[i32]) -> String {
     orders.join("; ")
 }
 
-/// The tips of thumb and index so many millimetres apart, frame by frame.
+/// Returns a script that holds the fingertips of thumb and index this far apart, one distance per step.
 fn pinch(millimetres: &[i32]) -> String {
     let orders: Vec<String> = millimetres
         .iter()
@@ -34,7 +34,7 @@ fn claw(script: &str) -> String {
 }
 
 #[test]
-fn an_angle_goes_on_past_one_limit_and_off_past_the_other() {
+fn a_trigger_has_hysteresis() {
     assert_eq!(
         claw(&bend(&[0, 59, 61, 55, 51, 59, 50, 55, 60])),
         "dn:X value:Claw=1.000 up:X value:Claw=0.000 dn:X value:Claw=1.000"
@@ -42,7 +42,7 @@ fn an_angle_goes_on_past_one_limit_and_off_past_the_other() {
 }
 
 #[test]
-fn where_off_is_more_than_on_less_is_on() {
+fn a_trigger_can_switch_on_below_its_threshold() {
     let back = CLAW.replace("on_deg: 60, off_deg: 50", "on_deg: -20, off_deg: -10");
     assert_eq!(
         simulate_layout(BOARD, &back, &bend(&[0, -15, -20, -15, -10])),
@@ -51,8 +51,8 @@ fn where_off_is_more_than_on_less_is_on() {
 }
 
 #[test]
-fn a_trigger_has_to_be_seen_off_before_it_goes_on() {
-    assert_eq!(claw(&bend(&[70, 80, 55])), "", "it was never off");
+fn a_trigger_has_to_be_seen_off_before_it_switches_on() {
+    assert_eq!(claw(&bend(&[70, 80, 55])), "", "it was never seen off");
     assert_eq!(claw(&bend(&[70, 40, 70])), "dn:X value:Claw=1.000");
     assert_eq!(
         claw(&format!(
@@ -65,12 +65,12 @@ fn a_trigger_has_to_be_seen_off_before_it_goes_on() {
 }
 
 #[test]
-fn an_angle_that_is_not_measured_is_off() {
+fn a_trigger_without_measurement_is_off() {
     assert_eq!(claw("set middle-mcp-flexion 80; wait 100"), "");
 }
 
 #[test]
-fn a_finger_that_is_not_believed_lets_go() {
+fn an_untrusted_finger_switches_a_trigger_off() {
     assert_eq!(
         claw(&format!(
             "{}; doubt index; trust index; {}",
@@ -82,12 +82,12 @@ fn a_finger_that_is_not_believed_lets_go() {
     assert_eq!(
         claw(&format!("{}; doubt middle", bend(&[0, 70]))),
         "dn:X value:Claw=1.000",
-        "another finger does not matter"
+        "other fingers have no effect"
     );
 }
 
 #[test]
-fn a_jump_of_the_hand_lets_go() {
+fn a_reacquired_hand_switches_a_trigger_off() {
     assert_eq!(
         claw(&format!(
             "{}; reacquire; {}",
@@ -99,7 +99,7 @@ fn a_jump_of_the_hand_lets_go() {
 }
 
 #[test]
-fn the_value_goes_along_with_the_angle() {
+fn the_value_of_a_trigger_follows_the_angle() {
     assert_eq!(
         simulate_layout(BOARD, BLADE, &bend(&[0, 20, 45, 70, 90, 45])),
         "value:Blade=0.500 axis:RightTrigger=+0.500 value:Blade=1.000 axis:RightTrigger=+1.000 \
@@ -108,7 +108,7 @@ fn the_value_goes_along_with_the_angle() {
 }
 
 #[test]
-fn an_axis_springs_back_when_the_finger_is_lost() {
+fn the_axis_of_a_trigger_returns_to_0_when_the_finger_is_lost() {
     assert_eq!(
         simulate_layout(BOARD, BLADE, &format!("{}; doubt index", bend(&[0, 45]))),
         "value:Blade=0.500 axis:RightTrigger=+0.500 value:Blade=0.000 axis:RightTrigger=+0.000"
@@ -117,12 +117,12 @@ fn an_axis_springs_back_when_the_finger_is_lost() {
         simulate_layout(BOARD, BLADE, &format!("{}; release", bend(&[0, 45]))),
         "value:Blade=0.500 axis:RightTrigger=+0.500 value:Blade=0.000 axis:RightTrigger=+0.000 \
              value:Blade=0.500 axis:RightTrigger=+0.500",
-        "and goes on from where the hand is seen then"
+        "and follows the hand when it is seen again"
     );
 }
 
 #[test]
-fn what_a_trigger_stood_at_before_it_was_seen_turns_no_wheel() {
+fn a_trigger_does_not_scroll_for_changes_while_it_was_unknown() {
     let wheel = BLADE.replace(r#"Axis("RightTrigger")"#, "ScrollY(10)");
     assert_eq!(
         simulate_layout(
@@ -139,7 +139,7 @@ fn what_a_trigger_stood_at_before_it_was_seen_turns_no_wheel() {
 }
 
 #[test]
-fn a_pinch_is_on_from_25_mm_to_30_mm() {
+fn a_pinch_switches_on_at_25_mm_and_off_above_30_mm() {
     assert_eq!(
         simulate_layout(BOARD, PINCH, &pinch(&[60, 26, 25, 29, 31, 26, 24])),
         "dn:MouseLeft value:Pinch=1.000 up:MouseLeft value:Pinch=0.000 dn:MouseLeft value:Pinch=1.000"
@@ -147,7 +147,7 @@ fn a_pinch_is_on_from_25_mm_to_30_mm() {
 }
 
 #[test]
-fn a_pinch_ends_when_one_of_its_fingers_is_lost() {
+fn a_pinch_trigger_ends_when_one_of_its_fingers_is_lost() {
     for end in ["hide thumb", "hide index", "doubt thumb", "doubt index"] {
         assert_eq!(
             simulate_layout(BOARD, PINCH, &format!("{}; {end}", pinch(&[60, 20]))),
@@ -158,7 +158,7 @@ fn a_pinch_ends_when_one_of_its_fingers_is_lost() {
 }
 
 #[test]
-fn a_trigger_is_of_the_hand_that_it_names_or_of_either() {
+fn a_trigger_follows_its_hand_or_each_hand() {
     let left = CLAW.replace("does:", r#"hand: "left", does:"#);
     let bent = bend(&[0, 70]);
     assert_eq!(simulate_layout(BOARD, &left, &format!("right; {bent}")), "");

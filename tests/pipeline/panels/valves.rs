@@ -7,14 +7,14 @@ const TURN: &str =
     "index Water 0 -20 down; index Water -20 0 down; index Water 0 20 down; index Water 20 0 down";
 
 #[test]
-fn a_valve_adds_turn_to_turn_until_its_end() {
+fn a_valve_turns_several_times_up_to_its_end() {
     let turns = |count| {
         let turns = vec![TURN; count].join("; ");
-        let told = simulate(
+        let events = simulate(
             WATER,
             &format!("index Water 20 0 up; index Water 20 0 down; {turns}; index Water 0 20 down"),
         );
-        let values: Vec<String> = told.split(' ').map(str::to_owned).collect();
+        let values: Vec<String> = events.split(' ').map(str::to_owned).collect();
         values[values.len() - 2..].join(" ")
     };
     assert_eq!(turns(1), "value:Water=0.333 value:Water=0.250");
@@ -23,12 +23,12 @@ fn a_valve_adds_turn_to_turn_until_its_end() {
     assert_eq!(
         turns(4),
         "value:Water=1.000 value:Water=0.917",
-        "it stands at its end"
+        "it stops at its end"
     );
 }
 
 #[test]
-fn a_valve_goes_on_where_it_was_let_go_of() {
+fn a_valve_continues_from_its_last_value() {
     assert_eq!(
         simulate(
             WATER,
@@ -40,7 +40,7 @@ fn a_valve_goes_on_where_it_was_let_go_of() {
 }
 
 #[test]
-fn a_valve_is_turned_by_a_pinch_too() {
+fn a_valve_can_be_turned_by_a_pinch() {
     assert_eq!(
         simulate(
             WATER,

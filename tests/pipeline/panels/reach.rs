@@ -1,4 +1,4 @@
-//! The shipped panels.
+//! Reach and capabilities of the shipped panels.
 
 use ademan::layout::Layout;
 use ademan::setup::Setup;
@@ -19,7 +19,7 @@ fn the_default_hand_reaches_everything_on_every_shipped_layout() {
 }
 
 #[test]
-fn the_ends_of_a_track_have_to_be_in_reach_too() {
+fn both_ends_of_a_track_have_to_be_within_reach() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("long.ron");
     let workshop = Layout::load("workshop").unwrap().text;
@@ -37,7 +37,7 @@ fn the_ends_of_a_track_have_to_be_in_reach_too() {
 }
 
 #[test]
-fn an_output_is_told_the_codes_of_all_controls() {
+fn the_capabilities_of_a_layout_include_those_of_all_controls() {
     let codes = |name| Layout::load(name).unwrap().required_capabilities().keys;
     for code in [
         "AudioVolumeUp",
@@ -51,7 +51,7 @@ fn an_output_is_told_the_codes_of_all_controls() {
 }
 
 #[test]
-fn the_media_panel_turns_the_volume_up_and_seeks() {
+fn the_shipped_media_panel_changes_the_volume_and_seeks() {
     let media = Layout::load("media").unwrap().text;
     assert_eq!(
         Rig::new(&media)
@@ -66,7 +66,7 @@ fn the_media_panel_turns_the_volume_up_and_seeks() {
 }
 
 #[test]
-fn a_target_in_space_that_no_fingertip_gets_to_is_out_of_reach() {
+fn a_target_in_space_beyond_every_fingertip_is_out_of_reach() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("far.ron");
     let space = Layout::load("space").unwrap().text;

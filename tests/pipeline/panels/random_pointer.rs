@@ -1,9 +1,9 @@
-//! A pointer in the hands of chance: its steps stay within bounds and nothing stays down.
+//! A pointer under random motion: its steps are bounded, and no button stays pressed.
 
 use crate::rig::Rig;
 
-/// The most that each frame moves the cursor, in pixels.
-const MOST: f64 = 50.0;
+/// Maximum motion of the cursor per step, in pixels.
+const MAX_STEP: f64 = 50.0;
 /// The last pixel of the screen.
 const LAST: [f64; 2] = [1000.0, 500.0];
 
@@ -17,14 +17,14 @@ const MODES: [&str; 5] = [
     "Ray(from: Hand, place: (anchor: elbow, bearing_deg: 20, forward_mm: 100), size_mm: (100, 50))",
     "Rate(of: Tip(place: (anchor: world), full_mm: 50), dead_share: 0, top_px_s: 100000, curve: 0.2)",
 ];
-const WAYS: [&str; 4] = [
+const SETTINGS: [&str; 4] = [
     "moves: To, smoothing: Default",
     "moves: To, dead_zone_px: 3, precision: Flexion(\"ring-pip-flexion\", 20)",
     "moves: By, acceleration: [(10, 0.1), (1000, 20)], scroll: (by: Pinch(\"ring\"), px_per_click: -7)",
     "moves: By, clutch: Pinch(\"ring\")",
 ];
 
-/// Orders of a hand that moves at random.
+/// A generator of script orders for a hand that moves at random.
 struct RandomHand(fastrand::Rng);
 
 impl RandomHand {
@@ -62,7 +62,7 @@ impl RandomHand {
     }
 }
 
-/// The cursor and the buttons, as far as the transcript tells.
+/// The state of cursor and buttons according to the transcript.
 #[derive(Default)]
 struct Screen {
     cursor_px: Option<[f64; 2]>,
@@ -83,12 +83,12 @@ impl Screen {
             if let Some(before) = self.cursor_px.replace(cursor) {
                 let step = (cursor[0] - before[0]).hypot(cursor[1] - before[1]);
                 // The transcript has four decimals.
-                assert!(step <= MOST + 0.2, "{word} is {step} px");
+                assert!(step <= MAX_STEP + 0.2, "{word} is {step} px");
             }
         } else if let Some(motion) = word.strip_prefix("move=") {
             self.motions += 1;
             let [x, y] = pair(motion);
-            assert!(x.hypot(y) <= MOST, "{word}");
+            assert!(x.hypot(y) <= MAX_STEP, "{word}");
         } else if let Some(button) = word.strip_prefix("dn:") {
             self.presses += 1;
             assert!(!self.pressed.iter().any(|it| it == button), "{word}");
@@ -109,18 +109,18 @@ fn pair(text: &str) -> [f64; 2] {
 }
 
 #[test]
-fn whatever_the_hand_does_steps_are_bounded_places_on_the_screen_and_nothing_stays_down() {
+fn random_hands_move_the_pointer_in_bounded_steps_and_leave_no_key_down() {
     let mut hand = RandomHand(fastrand::Rng::with_seed(3));
     let (mut motions, mut presses) = (0, 0);
     for mode in MODES {
-        for way in WAYS {
-            let smoothing = if way.contains("smoothing") {
+        for settings in SETTINGS {
+            let smoothing = if settings.contains("smoothing") {
                 ""
             } else {
                 "smoothing: Off, "
             };
             let fields = format!(
-                "mode: {mode}, {smoothing}{way}, max_step_px: {MOST}, screen_px: (1001, 501), \
+                "mode: {mode}, {smoothing}{settings}, max_step_px: {MAX_STEP}, screen_px: (1001, 501), \
                  clicks: [(by: Pinch(\"index\"), does: Key(\"MouseLeft\")), \
                  (by: Push(10), does: Key(\"MouseRight\"))], \
                  dwell: (ms: 50, radius_px: 5, does: Key(\"MouseMiddle\"))"

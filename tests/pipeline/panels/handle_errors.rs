@@ -1,8 +1,8 @@
-//! Sliders, knobs, levers, valves and joysticks that are written wrong: what is said, and where.
+//! Errors in sliders, knobs, levers, valves and joysticks, with their positions.
 
 use ademan::layout::Layout;
 
-/// `LINE:COLUMN: message` for a board with these fields in line 2.
+/// Returns `LINE:COLUMN: message` of the error in a board with these fields in line 2.
 fn refusal(fields: &str) -> String {
     let text = format!("Layout(name: \"t\", boards: [(place: (anchor: world),\n{fields})])");
     let error = Layout::parse(&text, "t.ron").expect_err(fields);
@@ -11,7 +11,7 @@ fn refusal(fields: &str) -> String {
 }
 
 #[test]
-fn what_is_wrong_on_a_control_is_told_at_its_place() {
+fn errors_of_controls_are_reported_with_their_position() {
     let slider =
         |fields: &str| format!("sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 50, {fields})]");
     let knob =
@@ -118,11 +118,11 @@ fn what_is_wrong_on_a_control_is_told_at_its_place() {
         ),
         (stick("keys: (up: Key(\"W\"))"), "`down`"),
     ];
-    for (fields, message) in cases {
-        let told = refusal(&fields);
+    for (fields, expected) in cases {
+        let message = refusal(&fields);
         assert!(
-            told.starts_with("2:") && told.contains(message),
-            "{fields}\n{told}"
+            message.starts_with("2:") && message.contains(expected),
+            "{fields}\n{message}"
         );
     }
 }
@@ -144,7 +144,7 @@ fn controls_that_overlap_or_share_a_name_are_refused() {
 }
 
 #[test]
-fn a_turned_slider_overlaps_where_it_lies() {
+fn the_overlap_of_a_slider_depends_on_its_rotation() {
     let board = |turn: u32| {
         format!(
             "Layout(name: \"t\", boards: [(place: (anchor: world), keys: [(code: \"A\", at_mm: (25, 0))],

@@ -9,12 +9,12 @@ const KEYS: &str = r#"keys: [
 ]"#;
 
 #[test]
-fn a_key_fires_once_a_fingertip_has_rested_on_it() {
+fn a_dwell_key_fires_once_per_contact() {
     assert_eq!(simulate(KEYS, "index A up; index A 1; wait 280"), "");
     assert_eq!(
         simulate(KEYS, "index A up; index A 1; wait 2000; index A up"),
         "dn:A up:A",
-        "once for each contact"
+        "once per contact"
     );
     assert_eq!(
         simulate(
@@ -26,14 +26,14 @@ fn a_key_fires_once_a_fingertip_has_rested_on_it() {
 }
 
 #[test]
-fn it_fires_at_its_time_between_two_frames() {
+fn a_dwell_fires_at_its_due_time_between_two_steps() {
     let mut rig = Rig::on_board(KEYS);
     rig.run("index A up; index A 4; wait 400");
     assert_eq!(rig.transcript(), "t:316ms dn:A up:A");
 }
 
 #[test]
-fn a_fingertip_that_leaves_right_after_its_time_has_fired_the_key() {
+fn a_fingertip_that_leaves_after_the_dwell_time_fires_the_key() {
     assert_eq!(
         simulate(KEYS, "index A up; index A 4; wait 290; index A -1"),
         "dn:A up:A"
@@ -41,12 +41,12 @@ fn a_fingertip_that_leaves_right_after_its_time_has_fired_the_key() {
     assert_eq!(
         simulate(KEYS, "index A up; index A 4; wait 290; index A -16"),
         "",
-        "it left before"
+        "it left before the dwell time"
     );
 }
 
 #[test]
-fn pressing_it_deep_is_no_second_time() {
+fn a_press_of_a_dwell_key_does_not_fire_it_again() {
     assert_eq!(
         simulate(
             KEYS,
@@ -64,7 +64,7 @@ fn pressing_it_deep_is_no_second_time() {
 }
 
 #[test]
-fn leaving_sliding_off_and_losing_the_finger_fire_nothing() {
+fn a_dwell_that_ends_early_does_not_fire() {
     for end in [
         "index A up",
         "index B 1",
@@ -78,7 +78,7 @@ fn leaving_sliding_off_and_losing_the_finger_fire_nothing() {
 }
 
 #[test]
-fn two_fingers_each_have_their_time() {
+fn each_finger_has_its_own_dwell_time() {
     assert_eq!(
         simulate(
             KEYS,
@@ -89,7 +89,7 @@ fn two_fingers_each_have_their_time() {
 }
 
 #[test]
-fn a_one_shot_that_is_dwelled_on_is_for_the_next_key() {
+fn a_one_shot_fired_by_a_dwell_applies_to_the_next_key() {
     assert_eq!(
         simulate(
             KEYS,
@@ -100,7 +100,7 @@ fn a_one_shot_that_is_dwelled_on_is_for_the_next_key() {
 }
 
 #[test]
-fn it_does_what_the_layer_says() {
+fn a_dwell_fires_the_action_of_the_active_layer() {
     let keys = r#"keys: [(code: "A", dwell_ms: 300, at_mm: (0, 0)), (layer: "x", name: "L", at_mm: (30, 0))]"#;
     assert_eq!(
         simulate_layout(

@@ -1,7 +1,9 @@
-//! What springs back in a frame that has no room for it does so in the next.
+//! Returns to rest that do not fit into the event list happen in the next step.
 
 use ademan::contact::{Phase, TargetId, Touch};
-use ademan::device::{Axis, DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, OutputEvent};
+use ademan::device::{
+    Axis, DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, OutputEvent, TimedCommands,
+};
 use ademan::estimate::JointAngles;
 use ademan::hand::{Finger, Side};
 use ademan::kinematics::HandPose;
@@ -14,23 +16,23 @@ const LEVER: &str = r#"levers: [(name: "Lift", at_mm: (0, 0), length_mm: 80, spr
 const STICK: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30,
     axes: ("MoveZ", "LeftY"))]"#;
 
-/// What happens in a frame: a phase and the place in mm to the right, or nothing.
+/// The touch of a step, if any: its phase and its position in mm to the right.
 type Step = Option<(Phase, f32)>;
 
-/// Where the axis stands after each frame, to a thousandth; of the frames, those that are `full` have no room.
-fn stands(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
+/// Returns the axis after each step, rounded to a thousandth. The steps in `full` start with a full event list.
+fn axis_values(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
     let text = format!("Layout(name: \"t\", boards: [(place: (anchor: world), {controls})])");
     let layout = Layout::parse(&text, "t.ron").unwrap();
-    let (mut devices, mut switchboard) = (layout.devices(), KeyArbiter::default());
+    let (mut devices, mut arbiter) = (layout.devices(), KeyArbiter::default());
     let mut axis = 0.0;
-    let of_frame = |(frame, step): (usize, &Step)| {
-        let time = Timestamp(frame as u64 * 10_000);
+    let axis_after = |(index, step): (usize, &Step)| {
+        let time = Timestamp(index as u64 * 10_000);
         let filler = OutputEvent {
             time,
             kind: EventKind::Scroll(0, 0),
         };
         let mut events = Events::new();
-        if full.contains(&frame) {
+        if full.contains(&index) {
             events.extend(std::iter::repeat_n(filler, events.capacity()));
         }
         let touches = step.map(|(phase, x)| Touch {
@@ -42,32 +44,32 @@ fn stands(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
             depth: 1.0,
             position: Vec2::new(x * 1e-3, 0.0),
         });
-        let seen = DeviceInput {
+        let input = DeviceInput {
             scene: &layout.scene,
             angles: &JointAngles::default(),
             pose: &HandPose::new(time, Side::Right, 0.005),
             touches: touches.as_slice(),
         };
         let mut out = DeviceOutput {
-            arbiter: &mut switchboard,
+            arbiter: &mut arbiter,
             events: &mut events,
-            commands: &mut ademan::device::TimedCommands::new(),
+            commands: &mut TimedCommands::new(),
         };
         for device in &mut devices {
-            device.update(&seen, &mut out);
+            device.update(&input, &mut out);
         }
         for event in &events {
-            if let EventKind::Axis(Axis::MoveZ, place) = event.kind {
-                axis = place;
+            if let EventKind::Axis(Axis::MoveZ, value) = event.kind {
+                axis = value;
             }
         }
         (axis * 1e3).round() / 1e3
     };
-    steps.iter().enumerate().map(of_frame).collect()
+    steps.iter().enumerate().map(axis_after).collect()
 }
 
 #[test]
-fn an_axis_that_finds_no_room_goes_back_to_0_in_the_next_frame() {
+fn an_axis_returns_to_0_in_the_next_step_with_room() {
     for end in [Phase::Released, Phase::Cancelled] {
         let steps = [
             Some((Phase::Pressed, 0.0)),
@@ -76,14 +78,14 @@ fn an_axis_that_finds_no_room_goes_back_to_0_in_the_next_frame() {
             None,
         ];
         for controls in [LEVER, STICK] {
-            let found = stands(controls, &steps, &[2]);
+            let found = axis_values(controls, &steps, &[2]);
             assert_eq!(found, [0.0, 1.0, 1.0, 0.0], "{end}, {controls}");
         }
     }
 }
 
 #[test]
-fn what_is_held_again_before_there_was_room_stays_held() {
+fn a_control_held_again_before_its_return_stays_held() {
     let steps = [
         Some((Phase::Pressed, 0.0)),
         Some((Phase::Moved, 40.0)),
@@ -93,9 +95,9 @@ fn what_is_held_again_before_there_was_room_stays_held() {
         Some((Phase::Moved, 0.0)),
         Some((Phase::Released, 0.0)),
     ];
-    // The handle is grabbed where it still is, the stick begins in the middle.
-    let lever = stands(LEVER, &steps, &[2, 3]);
+    // The lever is grabbed at its position, the stick starts at its center.
+    let lever = axis_values(LEVER, &steps, &[2, 3]);
     assert_eq!(lever[3..], [1.0, 1.0, 0.0, 0.0]);
-    let stick = stands(STICK, &steps, &[2, 3]);
+    let stick = axis_values(STICK, &steps, &[2, 3]);
     assert_eq!(stick[3..], [1.0, 0.0, -1.0, 0.0]);
 }

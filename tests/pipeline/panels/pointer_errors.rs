@@ -1,8 +1,8 @@
-//! What is wrong with pointers and targets in space, told at its place.
+//! Errors in pointers and targets in space, with their positions.
 
 use ademan::layout::Layout;
 
-/// `LINE:COLUMN: message` of what is wrong with a layout that has this beside its name, from line 2.
+/// Returns `LINE:COLUMN: message` of the error in a layout with these fields, from line 2.
 fn refusal(fields: &str) -> String {
     let text = format!("Layout(name: \"t\",\n{fields}\n)");
     let error = Layout::parse(&text, "t.ron").expect_err(&text).to_string();
@@ -29,7 +29,7 @@ fn check(cases: &[(&str, &str)], refusal: impl Fn(&str) -> String) {
 }
 
 #[test]
-fn numbers_out_of_range_are_refused_where_they_stand() {
+fn numbers_out_of_range_are_refused_with_their_position() {
     check(
         &[
             (
@@ -58,7 +58,7 @@ fn numbers_out_of_range_are_refused_where_they_stand() {
 }
 
 #[test]
-fn wrong_names_are_answered_with_the_nearest_right_one() {
+fn unknown_names_are_refused_with_the_nearest_known_one() {
     check(
         &[
             (
@@ -87,7 +87,7 @@ fn wrong_names_are_answered_with_the_nearest_right_one() {
 }
 
 #[test]
-fn what_does_not_go_together_is_refused_at_the_pointer() {
+fn inconsistent_settings_of_a_pointer_are_refused() {
     check(
         &[
             (
@@ -135,7 +135,7 @@ fn what_does_not_go_together_is_refused_at_the_pointer() {
 }
 
 #[test]
-fn targets_in_space_have_names_of_their_own_and_a_size() {
+fn targets_in_space_have_unique_names_and_a_size() {
     let ball = "(name: \"A\", at_mm: (0, 0, 0), form: Ball(9)),";
     check(
         &[
@@ -164,7 +164,7 @@ fn targets_in_space_have_names_of_their_own_and_a_size() {
 }
 
 #[test]
-fn a_layout_with_nothing_in_it_is_refused_and_one_with_spaces_only_is_right() {
+fn an_empty_layout_or_space_is_refused() {
     assert_eq!(
         Layout::parse("Layout(name: \"t\")", "t.ron")
             .unwrap_err()

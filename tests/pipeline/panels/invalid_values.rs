@@ -1,26 +1,26 @@
-//! What people get wrong in a file, one test for each: a message with the place, and nothing else.
+//! Common mistakes in layout files, one test each: the message and its position.
 
 use ademan::layout::Layout;
 
 use crate::rig::Rig;
 
-/// Line, column and message of what is wrong with a board of these fields.
+/// Returns line, column and message of the error in a board with these fields.
 fn refusal(fields: &str) -> (usize, usize, String) {
     let text = format!("Layout(name: \"t\", boards: [(\nplace: (anchor: world),\n{fields})])");
     let error = Layout::parse(&text, "t.ron").expect_err("the board is wrong");
-    let place = (
+    let position = (
         error.line().expect("a line"),
         error.column().expect("a column"),
     );
     let text = error.to_string();
     let message = text.lines().next().expect("a line");
-    let message = message.splitn(4, ':').nth(3).expect("after the place");
-    (place.0, place.1, message.trim().to_owned())
+    let message = message.splitn(4, ':').nth(3).expect("after the position");
+    (position.0, position.1, message.trim().to_owned())
 }
 
 #[test]
-fn a_size_that_is_no_number_or_as_large_as_the_world_is_refused() {
-    for (size, told) in [
+fn sizes_that_are_not_finite_or_out_of_range_are_refused() {
+    for (size, value) in [
         ("NaN", "NaN"),
         ("inf", "inf"),
         ("1e308", "1e308"),
@@ -44,7 +44,7 @@ fn a_size_that_is_no_number_or_as_large_as_the_world_is_refused() {
             let (line, _, message) = refusal(&field);
             assert_eq!(
                 message,
-                format!("{told} is out of range: {what}"),
+                format!("{value} is out of range: {what}"),
                 "{field}"
             );
             assert_eq!(line, 3);
@@ -53,14 +53,14 @@ fn a_size_that_is_no_number_or_as_large_as_the_world_is_refused() {
 }
 
 #[test]
-fn a_travel_of_nothing_is_refused() {
+fn a_travel_of_zero_is_refused() {
     let (line, column, message) = refusal("travel_mm: 0");
     assert_eq!((line, column), (3, 12));
     assert_eq!(message, "0 is out of range: a travel is 0.2 to 50 mm");
 }
 
 #[test]
-fn a_range_that_is_inverted_is_refused() {
+fn an_inverted_range_is_refused() {
     let (line, _, message) =
         refusal("press_share: 0.2, release_share: 0.6, keys: [(code: \"A\", at_mm: (0, 0))]");
     assert_eq!(line, 3);
@@ -71,7 +71,7 @@ fn a_range_that_is_inverted_is_refused() {
 }
 
 #[test]
-fn an_unknown_name_is_answered_with_the_nearest_one() {
+fn an_unknown_name_is_refused_with_the_nearest_known_one() {
     for (fields, expected) in [
         (
             "keys: [(code: \"Spcae\", at_mm: (0, 0))]",
@@ -87,14 +87,14 @@ fn an_unknown_name_is_answered_with_the_nearest_one() {
 }
 
 #[test]
-fn a_layer_that_does_not_exist_is_refused() {
+fn an_unknown_layer_is_refused() {
     let (line, column, message) = refusal("keys: [(layer: \"digits\", at_mm: (0, 0))]");
     assert_eq!((line, column), (3, 17));
     assert_eq!(message, "unknown layer `digits`");
 }
 
 #[test]
-fn layers_that_lead_to_each_other_are_left_as_they_were_entered() {
+fn locked_layers_are_unlocked_in_the_reverse_order() {
     let text = r#"Layout(name: "t", boards: [(place: (anchor: world), keys: [
         (code: "A", at_mm: (0, 0)),
         (layer: "one", latch: Lock, at_mm: (30, 0)),

@@ -15,7 +15,7 @@ fn play(fields: &str, script: &str) -> String {
 }
 
 #[test]
-fn a_target_is_selected_while_the_fingertip_is_in_it() {
+fn a_target_is_selected_while_the_fingertip_is_inside() {
     assert_eq!(
         play(
             SCENE,
@@ -26,7 +26,7 @@ fn a_target_is_selected_while_the_fingertip_is_in_it() {
 }
 
 #[test]
-fn it_stays_selected_up_to_a_tremble_outside() {
+fn a_target_stays_selected_within_the_tremor_margin() {
     let edge =
         |x: &str| format!("tip index -100 0 -300; tip index -49 0 -300; tip index {x} 0 -300");
     assert_eq!(
@@ -40,7 +40,7 @@ fn it_stays_selected_up_to_a_tremble_outside() {
 }
 
 #[test]
-fn where_targets_overlap_the_nearest_middle_wins() {
+fn the_nearest_center_of_overlapping_targets_is_selected() {
     assert_eq!(
         play(
             SCENE,
@@ -51,7 +51,7 @@ fn where_targets_overlap_the_nearest_middle_wins() {
 }
 
 #[test]
-fn a_fast_fingertip_does_not_tunnel_and_its_times_lie_on_the_way() {
+fn a_fast_fingertip_does_not_tunnel_and_event_times_are_interpolated() {
     let mut rig = Rig::new(&format!("Layout(name: \"test\", {SCENE})"));
     rig.run("tip index 250 0 -300; tip index 350 0 -300");
     assert_eq!(
@@ -61,7 +61,7 @@ fn a_fast_fingertip_does_not_tunnel_and_its_times_lie_on_the_way() {
 }
 
 #[test]
-fn what_a_target_does_is_pressed_while_it_is_selected_and_comes_up_when_the_finger_is_lost() {
+fn the_action_of_a_target_is_released_when_the_finger_is_lost() {
     for lost in ["hide index", "doubt index", "reacquire", "release"] {
         assert_eq!(
             play(
@@ -75,7 +75,7 @@ fn what_a_target_does_is_pressed_while_it_is_selected_and_comes_up_when_the_fing
 }
 
 #[test]
-fn a_fingertip_that_appears_in_a_target_has_to_leave_all_of_them_first() {
+fn a_fingertip_that_appears_inside_a_target_has_to_leave_all_targets_first() {
     assert_eq!(play(SCENE, "tip index 0 0 -300; tip index 80 0 -300"), "");
     assert_eq!(
         play(
@@ -87,7 +87,7 @@ fn a_fingertip_that_appears_in_a_target_has_to_leave_all_of_them_first() {
 }
 
 #[test]
-fn the_cursor_of_three_angles_selects_in_its_own_space() {
+fn joint_pointing_selects_in_every_space() {
     let joint = r#"pointer: Pointer(smoothing: Off, moves: Nothing, mode: Joint(
         x: (dof: "wrist-deviation", from_deg: -10, to_deg: 10, range_mm: 400),
         y: (dof: "wrist-flexion", from_deg: 10, to_deg: -10, range_mm: 400),

@@ -1,8 +1,8 @@
-//! What is wrong with controls, told at its place.
+//! Errors in keys, chords, radio groups, touch surfaces and triggers, with their positions.
 
 use ademan::layout::Layout;
 
-/// `LINE:COLUMN: message` of what is wrong with a layout with these fields on its board (from line 2) and
+/// Returns `LINE:COLUMN: message` of the error in a layout with these fields on its board (from line 2) and
 /// beside it (from the line after `],`).
 fn refusal(board: &str, fields: &str) -> String {
     let text =
@@ -19,7 +19,7 @@ fn check(cases: &[(&str, &str)], refusal: impl Fn(&str) -> String) {
 }
 
 #[test]
-fn texts_have_at_most_32_characters() {
+fn a_text_has_at_most_32_characters() {
     let long = "é".repeat(33);
     let key = format!("keys: [(does: Write(\"{long}\"), name: \"T\", at_mm: (0, 0))]");
     assert_eq!(
@@ -36,7 +36,7 @@ fn texts_have_at_most_32_characters() {
 }
 
 #[test]
-fn a_key_cannot_dwell_and_do_something_else_too() {
+fn a_dwell_key_has_no_other_activation() {
     check(
         &[
             (
@@ -65,7 +65,7 @@ fn a_key_cannot_dwell_and_do_something_else_too() {
 }
 
 #[test]
-fn chords_are_of_keys_that_are_there_and_can_be_pressed_together() {
+fn chords_consist_of_known_keys_that_can_be_pressed_together() {
     let keys = r#"rows: [(at_mm: (0, 0), keys: "A B")], keys: [(code: "C", dwell_ms: 300, at_mm: (60, 0))]"#;
     check(
         &[
@@ -111,7 +111,7 @@ fn chords_are_of_keys_that_are_there_and_can_be_pressed_together() {
 }
 
 #[test]
-fn a_key_that_does_nothing_takes_part_in_a_chord() {
+fn a_key_without_an_action_must_be_in_a_chord() {
     let idle = r#"keys: [(name: "N", does: Nothing, at_mm: (0, 0))]"#;
     assert_eq!(
         refusal(idle, ""),
@@ -125,7 +125,7 @@ fn a_key_that_does_nothing_takes_part_in_a_chord() {
 }
 
 #[test]
-fn sixty_four_keys_take_part_in_chords_and_one_more_does_not() {
+fn at_most_64_keys_take_part_in_chords() {
     let keys: Vec<String> = (0..66)
         .map(|number| {
             format!(
@@ -152,7 +152,7 @@ fn sixty_four_keys_take_part_in_chords_and_one_more_does_not() {
 }
 
 #[test]
-fn a_radio_group_has_options_to_switch_between() {
+fn a_radio_group_has_at_least_two_distinct_options() {
     check(
         &[
             (
@@ -185,7 +185,7 @@ fn a_radio_group_has_options_to_switch_between() {
 }
 
 #[test]
-fn a_touch_surface_is_a_box_of_a_known_mode() {
+fn a_touch_surface_is_a_box_with_a_known_mode() {
     check(
         &[
             (
@@ -221,7 +221,7 @@ fn a_touch_surface_is_a_box_of_a_known_mode() {
 }
 
 #[test]
-fn a_trigger_measures_something_with_limits_apart() {
+fn a_trigger_has_a_known_measurement_and_distinct_thresholds() {
     let keys = r#"rows: [(at_mm: (0, 0), keys: "A B")]"#;
     check(
         &[
@@ -275,7 +275,7 @@ fn a_trigger_measures_something_with_limits_apart() {
 }
 
 #[test]
-fn sixty_four_triggers_are_a_layout_and_one_more_is_not() {
+fn a_layout_has_at_most_64_triggers() {
     let keys = r#"rows: [(at_mm: (0, 0), keys: "A B")]"#;
     let triggers = |count: i32| {
         let trigger = |number| format!("(name: \"t{number}\", when: Pinch(of: \"index\"))");

@@ -1,4 +1,4 @@
-//! Other boards: discs, turned targets, several surfaces, surfaces that move.
+//! Contact with discs, rotated targets, several surfaces and moving surfaces.
 
 use ademan::contact::surface::{Anchor, Scene, Shape};
 use ademan::contact::{ContactTracker, Phase, Touches};
@@ -12,14 +12,14 @@ use crate::rig::fingers::TIP_RADIUS;
 
 const KEY: Shape = Shape::Box(Vec2::splat(HALF));
 
-/// An index finger over a scene; each step is a frame of 10 ms.
-struct Index {
+/// An index finger over a scene; each step is 10 ms.
+struct IndexFinger {
     scene: Scene,
     tracker: ContactTracker,
     time: u64,
 }
 
-impl Index {
+impl IndexFinger {
     fn over(scene: Scene) -> Self {
         Self {
             tracker: ContactTracker::new(&scene),
@@ -28,7 +28,7 @@ impl Index {
         }
     }
 
-    /// Moves the fingertip's centre, and the wrist where it is known; both in millimetres.
+    /// Moves the center of the fingertip, and the wrist if it is known, in millimetres. Returns the touches.
     fn step(&mut self, tip: [f32; 3], wrist: Option<[f32; 3]>) -> String {
         self.time += 10_000;
         let mut pose = HandPose::new(Timestamp(self.time), Side::Right, TIP_RADIUS);
@@ -58,35 +58,35 @@ fn scene_of(targets: Vec<(Shape, Pose)>, anchor: Anchor) -> Scene {
 #[test]
 fn a_disc_has_no_corners() {
     let disc = || scene_of(vec![(Shape::Disc(HALF), Pose::IDENTITY)], Anchor::World);
-    let mut index = Index::over(disc());
+    let mut index = IndexFinger::over(disc());
     assert_eq!(index.step([5.5, 5.5, 15.0], None), "");
     assert_eq!(
         index.step([5.5, 5.5, 2.0], None),
-        "touched:0=0.00 pressed:0=0.50 held:0=0.75"
+        "touched:0=0.00 pressed:0=0.50 moved:0=0.75"
     );
     assert_eq!(
         index.step([6.9, 6.9, 2.0], None),
-        "held:0=0.75",
+        "moved:0=0.75",
         "within the margin"
     );
     assert_eq!(index.step([7.2, 7.2, 2.0], None), "cancelled:0=0.00");
-    let mut index = Index::over(disc());
+    let mut index = IndexFinger::over(disc());
     assert_eq!(index.step([5.8, 5.8, 15.0], None), "");
     assert_eq!(index.step([5.8, 5.8, 2.0], None), "");
 }
 
 #[test]
-fn a_turned_target_is_pushed_from_the_side_that_it_faces() {
+fn a_rotated_target_is_pressed_from_its_front() {
     // Faces +X.
-    let turned = Pose::from_parts(
+    let rotated = Pose::from_parts(
         Vec3::ZERO,
         Rotation::from_rotation_y(std::f32::consts::FRAC_PI_2),
     );
-    let mut index = Index::over(scene_of(vec![(KEY, turned)], Anchor::World));
+    let mut index = IndexFinger::over(scene_of(vec![(KEY, rotated)], Anchor::World));
     assert_eq!(index.step([15.0, 0.0, 0.0], None), "");
     assert_eq!(
         index.step([2.0, 0.0, 0.0], None),
-        "touched:0=0.00 pressed:0=0.50 held:0=0.75"
+        "touched:0=0.00 pressed:0=0.50 moved:0=0.75"
     );
     assert_eq!(
         index.step([15.0, 0.0, 0.0], None),
@@ -97,7 +97,7 @@ fn a_turned_target_is_pushed_from_the_side_that_it_faces() {
 }
 
 #[test]
-fn one_frame_can_leave_one_target_and_press_another() {
+fn a_step_can_leave_one_target_and_press_another() {
     // A valley: the left slope faces right and up, the right one left and up.
     let slope = |x: f32, angle: f32| {
         Pose::from_parts(
@@ -106,20 +106,20 @@ fn one_frame_can_leave_one_target_and_press_another() {
         )
     };
     let valley = vec![(KEY, slope(-20.0, 80.0)), (KEY, slope(20.0, -80.0))];
-    let mut index = Index::over(scene_of(valley, Anchor::World));
+    let mut index = IndexFinger::over(scene_of(valley, Anchor::World));
     assert_eq!(index.step([0.0, 0.0, 0.0], None), "");
     assert_eq!(
         index.step([-18.0, 0.0, 0.0], None),
-        "touched:0=0.00 pressed:0=0.50 held:0=0.76"
+        "touched:0=0.00 pressed:0=0.50 moved:0=0.76"
     );
     assert_eq!(
         index.step([19.0, 0.0, 0.0], None),
-        "released:0=0.25 left:0=0.00 touched:1=0.00 pressed:1=0.50 held:1=1.00"
+        "released:0=0.25 left:0=0.00 touched:1=0.00 pressed:1=0.50 moved:1=1.00"
     );
 }
 
 #[test]
-fn a_front_that_was_crossed_before_the_finger_came_free_does_not_count() {
+fn a_front_crossed_before_the_finger_is_free_does_not_count() {
     let facing = |x: f32, angle: f32| {
         Pose::from_parts(
             Vec3::new(x * 1e-3, 0.0, 0.0),
@@ -128,7 +128,7 @@ fn a_front_that_was_crossed_before_the_finger_came_free_does_not_count() {
     };
     // Two fronts back to back; the finger comes out through the left one, inside the right one.
     let backs = vec![(KEY, facing(-20.0, 90.0)), (KEY, facing(-22.0, -90.0))];
-    let mut index = Index::over(scene_of(backs, Anchor::World));
+    let mut index = IndexFinger::over(scene_of(backs, Anchor::World));
     index.step([-10.0, 0.0, 0.0], None);
     index.step([-29.0, 0.0, 0.0], None);
     assert_eq!(
@@ -138,7 +138,7 @@ fn a_front_that_was_crossed_before_the_finger_came_free_does_not_count() {
 }
 
 #[test]
-fn a_finger_that_slid_off_does_not_press_a_lower_neighbour() {
+fn a_finger_that_slid_off_does_not_press_a_lower_neighbor() {
     let at = |x: f32, z: f32| Pose::from_translation(Vec3::new(x, 0.0, z) * 1e-3);
     let stairs = vec![
         (KEY, at(0.0, 0.0)),
@@ -146,7 +146,7 @@ fn a_finger_that_slid_off_does_not_press_a_lower_neighbour() {
         (KEY, at(76.0, -6.0)),
     ];
     let slid_off = || {
-        let mut index = Index::over(scene_of(stairs.clone(), Anchor::World));
+        let mut index = IndexFinger::over(scene_of(stairs.clone(), Anchor::World));
         index.step([0.0, 0.0, 10.0], None);
         index.step([0.0, 0.0, 2.0], None);
         assert_eq!(index.step([19.0, 0.0, 2.0], None), "cancelled:0=0.00");
@@ -156,7 +156,7 @@ fn a_finger_that_slid_off_does_not_press_a_lower_neighbour() {
     assert_eq!(
         index.step([19.0, 0.0, -6.0], None),
         "",
-        "through its front, but from where it slid"
+        "through its front, but from the position to which it slid"
     );
     assert_eq!(index.step([19.0, 0.0, 6.0], None), "");
     assert!(
@@ -169,26 +169,26 @@ fn a_finger_that_slid_off_does_not_press_a_lower_neighbour() {
     assert_eq!(index.step([76.0, 0.0, 2.0], None), "");
     assert!(
         index.step([76.0, 0.0, -6.0], None).starts_with("touched:2"),
-        "far from where it slid it counts again"
+        "it counts again far from the position to which it slid"
     );
 }
 
 #[test]
 fn a_finger_is_on_one_of_two_overlapping_targets() {
     let at = |x: f32| Pose::from_translation(Vec3::new(x * 1e-3, 0.0, 0.0));
-    let mut index = Index::over(scene_of(
+    let mut index = IndexFinger::over(scene_of(
         vec![(KEY, at(0.0)), (KEY, at(6.0))],
         Anchor::World,
     ));
     index.step([4.0, 0.0, 10.0], None);
     assert_eq!(
         index.step([4.0, 0.0, 2.0], None),
-        "touched:1=0.00 pressed:1=0.50 held:1=0.75"
+        "touched:1=0.00 pressed:1=0.50 moved:1=0.75"
     );
     assert_eq!(
         index.step([2.0, 0.0, 2.0], None),
-        "held:1=0.75",
-        "it stays on the one that it came in through"
+        "moved:1=0.75",
+        "it stays on the target that it entered"
     );
     assert_eq!(
         index.step([2.0, 0.0, 10.0], None),
@@ -196,7 +196,7 @@ fn a_finger_is_on_one_of_two_overlapping_targets() {
     );
     assert_eq!(
         index.step([2.0, 0.0, 2.0], None),
-        "touched:0=0.00 pressed:0=0.50 held:0=0.75"
+        "touched:0=0.00 pressed:0=0.50 moved:0=0.75"
     );
 }
 
@@ -205,11 +205,11 @@ fn the_first_of_two_surfaces_wins() {
     let mut scene = scene_of(vec![(KEY, Pose::IDENTITY)], Anchor::World);
     let higher = Pose::from_translation(Vec3::new(0.0, 0.0, 0.002));
     scene.add_surface(Anchor::World, higher, vec![key_target(KEY, Pose::IDENTITY)]);
-    let mut index = Index::over(scene);
+    let mut index = IndexFinger::over(scene);
     index.step([0.0, 0.0, 15.0], None);
     assert_eq!(
         index.step([0.0, 0.0, 2.0], None),
-        "touched:1=0.00 pressed:1=0.50 held:1=1.00"
+        "touched:1=0.00 pressed:1=0.50 moved:1=1.00"
     );
     assert_eq!(
         index.step([0.0, 0.0, 15.0], None),
@@ -218,8 +218,8 @@ fn the_first_of_two_surfaces_wins() {
 }
 
 #[test]
-fn a_surface_that_goes_along_with_the_wrist_is_met_as_the_wrist_sees_it() {
-    let mut index = Index::over(scene_of(
+fn contact_with_an_anchored_surface_is_relative_to_its_anchor() {
+    let mut index = IndexFinger::over(scene_of(
         vec![(KEY, Pose::IDENTITY)],
         Anchor::Joint(Joint::Wrist),
     ));
@@ -227,34 +227,34 @@ fn a_surface_that_goes_along_with_the_wrist_is_met_as_the_wrist_sees_it() {
     assert_eq!(
         index.step([300.0, 50.0, -190.0], Some([300.0, 50.0, -200.0])),
         "",
-        "finger and board go the same way"
+        "finger and board move together"
     );
     assert_eq!(
         index.step([300.0, 50.0, -190.0], Some([300.0, 50.0, -192.0])),
-        "touched:0=0.00 pressed:0=0.50 held:0=0.75",
-        "the board comes up to the finger"
+        "touched:0=0.00 pressed:0=0.50 moved:0=0.75",
+        "the board moves to the finger"
     );
     assert_eq!(
         index.step([0.0, 0.0, 0.0], Some([0.0, 0.0, 0.0])),
-        "held:0=1.00"
+        "moved:0=1.00"
     );
     assert_eq!(
         index.step([0.0, 0.0, 2.0], None),
         "cancelled:0=0.00",
-        "the wrist is not known"
+        "the wrist is unknown"
     );
     assert_eq!(index.step([0.0, 0.0, 1.0], Some([0.0, 0.0, 0.0])), "");
 }
 
 #[test]
-fn a_surface_whose_anchor_is_not_finite_is_let_go_of_at_the_end_of_the_frame() {
+fn touches_of_a_surface_without_a_finite_anchor_are_cancelled() {
     let mut scene = Scene::new();
     let key = vec![key_target(KEY, Pose::IDENTITY)];
     scene.add_surface(Anchor::Joint(Joint::Wrist), Pose::IDENTITY, key);
     let mut tracker = ContactTracker::new(&scene);
     let mut touches = Touches::new();
-    let frames = [(10.0, 0.0), (2.0, 0.0), (2.0, f32::NAN)];
-    for (number, (tip, wrist)) in (1..).zip(frames) {
+    let steps = [(10.0, 0.0), (2.0, 0.0), (2.0, f32::NAN)];
+    for (number, (tip, wrist)) in (1..).zip(steps) {
         let mut pose = HandPose::new(Timestamp(number * 1_000), Side::Right, TIP_RADIUS);
         let at = |height: f32| Pose::from_translation(Vec3::Z * height * 1e-3);
         pose.set(Joint::tip(Finger::Index), at(tip));

@@ -1,4 +1,4 @@
-//! Fast taps at slow frame rates: nothing is missed, and times lie between the frames.
+//! Fast taps at a low rate of readings: none is missed, and times are interpolated.
 
 use ademan::contact::{Phase, Touches};
 use ademan::device::{EventKind, Events};
@@ -12,56 +12,56 @@ use crate::rig::Rig;
 use crate::rig::board::{PITCH, TRAVEL, world_from_board};
 use crate::rig::fingers::TIP_RADIUS;
 
-/// Frame rate of the glove at 9600 baud (66 bytes a packet).
-const FRAMES_PER_SECOND: f64 = 14.5;
+/// Readings per second of the glove at 9600 baud and 66 bytes per packet.
+const READINGS_PER_SECOND: f64 = 14.5;
 
-/// Shows the rig one frame with the index pad at a point of the board (metres).
+/// Gives the rig one step with the index pad at a point of the board, in metres.
 fn show(rig: &mut Rig, seconds: f64, pad: Vec3, touches: &mut Touches, events: &mut Events) {
     let mut pose = rig.pose();
     pose.time = Timestamp::from_seconds(seconds);
-    let centre = world_from_board().transform_point(pad + Vec3::Z * TIP_RADIUS);
-    pose.set(Joint::tip(Finger::Index), Pose::from_translation(centre));
+    let center = world_from_board().transform_point(pad + Vec3::Z * TIP_RADIUS);
+    pose.set(Joint::tip(Finger::Index), Pose::from_translation(center));
     touches.clear();
     rig.track(&pose, touches);
     events.clear();
     rig.update(&pose, touches, events);
 }
 
-/// Height of the pad over the board: down at `speed`, at once up again, lowest at time 0.
+/// Returns the height of the pad above the board: down and up at `speed`, lowest at time 0.
 fn tap_height(seconds: f64, speed: f64, lowest: f64) -> f64 {
     (lowest + speed * seconds.abs()).min(0.06)
 }
 
 #[test]
-fn every_tap_at_1_metre_a_second_and_14_frames_a_second_is_one_press() {
+fn every_tap_at_1_metre_per_second_and_14_readings_per_second_is_one_press() {
     let mut random = Rng::with_seed(1);
     let mut rig = Rig::with_keys("q w e r / a s d f / z x c v");
     let (mut touches, mut events) = (Touches::new(), Events::new());
     let codes = ["Q", "W", "E", "R", "A", "S", "D", "F", "Z", "X", "C", "V"];
-    let mut frames = 0;
+    let mut readings = 0;
     for tap in 0..600 {
         let key = random.usize(..codes.len());
-        let middle = Vec3::new((key % 4) as f32 * PITCH, -((key / 4) as f32) * PITCH, 0.0);
+        let center = Vec3::new((key % 4) as f32 * PITCH, -((key / 4) as f32) * PITCH, 0.0);
         let mut aside = || between(&mut random, -0.006, 0.006) as f32;
-        let place = middle + Vec3::new(aside(), aside(), 0.0);
+        let position = center + Vec3::new(aside(), aside(), 0.0);
         let drift = between(&mut random, -0.015, 0.015) as f32;
-        // It stays deep enough for a frame at least: what is never seen cannot be told.
+        // It stays deep enough for at least one reading; a tap between two readings is invisible.
         let speed = between(&mut random, 0.8, 1.0);
-        let lowest = -0.0021 - between(&mut random, 0.5, 0.7) * speed / FRAMES_PER_SECOND;
+        let lowest = -0.0021 - between(&mut random, 0.5, 0.7) * speed / READINGS_PER_SECOND;
         let phase = between(&mut random, 0.0, 1.0);
-        let mut heard = Vec::new();
-        for frame in 0..8 {
-            let seconds = (f64::from(frame) - 4.0 + phase) / FRAMES_PER_SECOND;
+        let mut emitted = Vec::new();
+        for reading in 0..8 {
+            let seconds = (f64::from(reading) - 4.0 + phase) / READINGS_PER_SECOND;
             let height = tap_height(seconds, speed, lowest) as f32;
-            let pad = place + Vec3::new(drift * seconds as f32, 0.0, height);
-            frames += 1;
-            let now = f64::from(frames) / FRAMES_PER_SECOND;
+            let pad = position + Vec3::new(drift * seconds as f32, 0.0, height);
+            readings += 1;
+            let now = f64::from(readings) / READINGS_PER_SECOND;
             show(&mut rig, now, pad, &mut touches, &mut events);
-            heard.extend(events.iter().map(|event| event.kind));
+            emitted.extend(events.iter().map(|event| event.kind));
         }
         let code = codes[key].parse().unwrap();
         assert_eq!(
-            heard,
+            emitted,
             [EventKind::KeyDown(code), EventKind::KeyUp(code)],
             "tap {tap}"
         );
@@ -69,20 +69,20 @@ fn every_tap_at_1_metre_a_second_and_14_frames_a_second_is_one_press() {
 }
 
 #[test]
-fn times_are_right_within_a_microsecond_at_constant_speed() {
+fn press_times_are_exact_to_a_microsecond_at_constant_speed() {
     let mut random = Rng::with_seed(2);
     for _ in 0..200 {
         let mut rig = Rig::with_keys("q");
         let (mut touches, mut events) = (Touches::new(), Events::new());
-        let frame = 1.0 / between(&mut random, 10.0, 200.0);
+        let period = 1.0 / between(&mut random, 10.0, 200.0);
         let speed = between(&mut random, 0.05, 1.0);
         let start = between(&mut random, 0.001, 0.05);
         let mut found = Vec::new();
         for number in 0..2000 {
-            let seconds = frame * f64::from(number);
-            // The time that the tracker is told is a whole number of microseconds.
-            let told = Timestamp::from_seconds(seconds).seconds();
-            let pad = Vec3::new(0.0, 0.0, (start - speed * told) as f32);
+            let seconds = period * f64::from(number);
+            // The time stamps of readings are whole microseconds.
+            let rounded = Timestamp::from_seconds(seconds).seconds();
+            let pad = Vec3::new(0.0, 0.0, (start - speed * rounded) as f32);
             show(&mut rig, seconds, pad, &mut touches, &mut events);
             found.extend(touches.iter().copied());
             if found.iter().any(|touch| touch.phase == Phase::Pressed) {
