@@ -5,7 +5,7 @@
 use std::fmt::Write;
 use std::hint::black_box;
 
-use ademan::capture::{Reading, Source, SourceEvent, StreamOptions};
+use ademan::capture::{Hc11Format, Reading, Source, SourceEvent};
 use ademan::device::Events;
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::sim::SimulatedTypist;
@@ -119,7 +119,7 @@ fn assembly(controls: usize) -> LoadedSetup {
 
 /// What both hands show while they type, in pairs.
 fn readings(assembly: &LoadedSetup) -> Vec<[Reading; 2]> {
-    let typist = assembly.typist(TYPED, &StreamOptions::default(), 0.0, 0);
+    let typist = assembly.typist(TYPED, &Hc11Format::default(), 0.0, 0);
     let mut typist: SimulatedTypist = typist.expect("the text is on the board");
     let mut next = || match typist.next() {
         Ok(SourceEvent::Reading(reading)) => Some(reading),

@@ -10,7 +10,8 @@ use std::sync::LazyLock;
 use std::time::Duration;
 
 use ademan::capture::hc11::{self, BODY_BYTES, Framing, Hc11Decoder, PACKET_BYTES};
-use ademan::capture::{Reading, Sample, StreamOptions};
+use ademan::capture::protocol::Decoder;
+use ademan::capture::{Hc11Format, Reading, Sample};
 use ademan::contact::surface::{Anchor, Scene, Target};
 use ademan::contact::{ContactTracker, Phase, TargetId, TargetNames, Touch, Touches};
 use ademan::device::keyboard::{Activation, KeyBinding, Keyboard};
@@ -167,7 +168,7 @@ impl Typing {
     fn record() -> Self {
         let assembly = Setup::default().load_files().expect("the default setup");
         let mut typist = assembly
-            .typist(TEXT, &StreamOptions::default(), 0.5, 1)
+            .typist(TEXT, &Hc11Format::default(), 0.5, 1)
             .expect("the text is on the board");
         let mut typing = Self {
             assembly,
@@ -264,8 +265,8 @@ fn a_nothing(bencher: Bencher) {
 fn b_decode(bencher: Bencher) {
     let mut decoder = Hc11Decoder::new(Framing::Double06);
     run(bencher, &typing().packets, |packet| {
-        decoder.push(packet, &mut |body| {
-            black_box(hc11::channels(body));
+        decoder.push(packet, &mut |packet| {
+            black_box(packet);
         });
     });
 }
@@ -349,9 +350,9 @@ fn h_bytes_to_events(bencher: Bencher, board: Board) {
     let mut events = Events::new();
     let mut time = Timestamp(0);
     run(bencher, &typing().packets, |packet| {
-        decoder.push(packet, &mut |body| {
+        decoder.push(packet, &mut |packet| {
             time.0 += 5_729;
-            let sample = Sample::Channels(hc11::channels(body));
+            let sample = packet.sample;
             events.clear();
             let _ = black_box(&pipeline.step(
                 &Reading {

@@ -10,7 +10,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
-use ademan::capture::{StreamOptions, open_loopback};
+use ademan::capture::{Hc11Format, open_loopback};
 use ademan::setup::Setup;
 use ademan::sim::SimulatedTypist;
 
@@ -53,7 +53,7 @@ fn row(what: &str, times: usize, goal: &str, mut measure: impl FnMut() -> Durati
 
 fn packets() -> Vec<[u8; 66]> {
     let assembly = Setup::default().load_files().expect("the default setup");
-    let typist = assembly.typist("hello world", &StreamOptions::default(), 0.5, 1);
+    let typist = assembly.typist("hello world", &Hc11Format::default(), 0.5, 1);
     let mut typist: SimulatedTypist = typist.expect("the text is on the board");
     std::iter::from_fn(|| typist.next_counts())
         .map(|counts| {
@@ -93,7 +93,7 @@ fn memory(feed: Duration) {
         println!("resident memory of `run`: SKIPPED: no /proc here");
         return;
     }
-    let mut wire = open_loopback(StreamOptions::default()).expect("a line");
+    let mut wire = open_loopback(Hc11Format::default()).expect("a line");
     let mut child = start(&[
         "run",
         "--allow-root",

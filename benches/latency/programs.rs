@@ -6,7 +6,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
-use ademan::capture::{Loopback, SourceUri, StreamOptions, open, open_loopback};
+use ademan::capture::{Hc11Format, Loopback, open, open_loopback};
 use ademan::device::OutputEvent;
 use ademan::output::{OutputError, Sink};
 use ademan::session::{Commands, run_pipeline};
@@ -57,7 +57,7 @@ pub fn main() {
         "byte-complete to event", "a frame", "", "p50", "p99"
     );
     let millisecond = Duration::from_millis(1);
-    for pace in [millisecond, StreamOptions::default().packet_period()] {
+    for pace in [millisecond, Hc11Format::default().packet_period()] {
         measure(to_pipe(), pace, frames, warm_up);
         match desktop::output() {
             Some(output) => measure(output, pace, frames, warm_up),
@@ -143,7 +143,7 @@ fn percentile(times: &mut [Duration], percent: usize) -> f64 {
 /// What somebody sends who types; each comes with the marks of the next frame.
 fn bodies() -> Vec<[u8; FRAME_BYTES]> {
     let assembly = Setup::default().load_files().expect("the default setup");
-    let typist = assembly.typist("hello world", &StreamOptions::default(), 0.5, 1);
+    let typist = assembly.typist("hello world", &Hc11Format::default(), 0.5, 1);
     let mut typist: SimulatedTypist = typist.expect("the text is on the board");
     std::iter::from_fn(|| typist.next_counts())
         .map(|counts| {
@@ -185,12 +185,10 @@ impl Writer for ToPipe {
 
 /// Starts a program that knows nothing of gloves.
 fn start(program: fn(File, Box<dyn Writer>), writer: Box<dyn Writer>) -> Loopback {
-    let wire = open_loopback(StreamOptions::default()).expect("a line");
-    let SourceUri::Serial { port, line } = &wire.uri else {
-        unreachable!("it is a serial port");
-    };
+    let wire = open_loopback(Hc11Format::default()).expect("a line");
+    let port = wire.uri.serial_port().expect("a serial port");
     let settings = TTYPort::open(
-        &serialport::new(port, line.baud.get())
+        &serialport::new(port, Hc11Format::default().baud.get())
             .data_bits(DataBits::Eight)
             .parity(Parity::None)
             .stop_bits(StopBits::One)
@@ -198,7 +196,10 @@ fn start(program: fn(File, Box<dyn Writer>), writer: Box<dyn Writer>) -> Loopbac
             .exclusive(false),
     );
     let settings = settings.expect("the port opens");
-    assert_eq!(settings.baud_rate().ok(), Some(line.baud.get()));
+    assert_eq!(
+        settings.baud_rate().ok(),
+        Some(Hc11Format::default().baud.get())
+    );
     let file = File::open(port).expect("the port opens");
     thread::spawn(move || {
         program(file, writer);
@@ -227,7 +228,7 @@ fn null_with_a_hop(mut line: File, mut writer: Box<dyn Writer>) {
 
 /// Starts the library, perhaps with others who ask for things.
 fn start_ours(writer: Box<dyn Writer>, load: Option<Load>) -> Loopback {
-    let mut wire = open_loopback(StreamOptions::default()).expect("a line");
+    let mut wire = open_loopback(Hc11Format::default()).expect("a line");
     let source = open(&wire.uri).expect("the line opens");
     let assembly = Setup::default().load_files().expect("the default setup");
     thread::spawn(move || {

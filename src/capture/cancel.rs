@@ -1,28 +1,28 @@
-//! How a source that waits is told that nobody listens any more.
+//! Cancellation of a blocking source.
 
 use std::io::{self, PipeReader, PipeWriter, pipe};
 use std::sync::Arc;
 
 use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
 
-/// Held by whoever runs a source. Dropping it rings, once and for good.
+/// Owner's end of a cancellation. Dropping it cancels, once and permanently.
 #[derive(Debug)]
 pub struct CancelHandle {
     _channel: Sender<()>,
     _pipe: PipeWriter,
 }
 
-/// What a source that may wait for long looks at: it is told both ways, to be waited for together with a channel
-/// or with a file.
+/// Source's end of a cancellation, as a channel and as a pipe: a source can wait on it together with a channel or
+/// with a file descriptor.
 #[derive(Clone, Debug)]
 pub struct CancelToken {
     channel: Receiver<()>,
     pipe: Arc<PipeReader>,
 }
 
-/// A bell, and those who hear it. Fails where the system has no more file numbers.
+/// Creates both ends of a cancellation. Fails if the process is out of file descriptors.
 pub fn cancel_token() -> io::Result<(CancelHandle, CancelToken)> {
-    // Room for one, although nothing is sent: such a channel is looked at without a lock.
+    // Capacity 1 although nothing is sent: reading such a channel takes no lock.
     let (sender, channel) = bounded(1);
     let (reader, writer) = pipe()?;
     let handle = CancelHandle {
@@ -37,17 +37,17 @@ pub fn cancel_token() -> io::Result<(CancelHandle, CancelToken)> {
 }
 
 impl CancelToken {
-    /// Whether it has rung.
+    /// Returns `true` after cancellation.
     pub fn is_cancelled(&self) -> bool {
         self.channel.try_recv() == Err(TryRecvError::Disconnected)
     }
 
-    /// A channel on which nothing comes, and that is closed when the bell rings.
+    /// Returns a channel without messages, which is disconnected on cancellation.
     pub fn channel(&self) -> &Receiver<()> {
         &self.channel
     }
 
-    /// A pipe on which nothing comes, and that is at its end when the bell rings.
+    /// Returns a pipe without bytes, which is at its end on cancellation.
     pub fn pipe(&self) -> &PipeReader {
         &self.pipe
     }
@@ -55,17 +55,18 @@ impl CancelToken {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use std::io::Read;
 
+    use super::*;
+
     #[test]
-    fn a_bell_that_is_dropped_is_heard_both_ways() {
-        let (bell, interrupt) = cancel_token().unwrap();
-        let heard = interrupt.clone();
-        assert!(!heard.is_cancelled());
-        drop(bell);
-        assert!(heard.is_cancelled());
-        assert!(heard.channel().recv().is_err());
-        assert_eq!(heard.pipe().read(&mut [0]).unwrap(), 0);
+    fn dropping_the_handle_cancels_channel_and_pipe() {
+        let (handle, token) = cancel_token().unwrap();
+        let copy = token.clone();
+        assert!(!copy.is_cancelled());
+        drop(handle);
+        assert!(copy.is_cancelled());
+        assert!(copy.channel().recv().is_err());
+        assert_eq!(copy.pipe().read(&mut [0]).unwrap(), 0);
     }
 }

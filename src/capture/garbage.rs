@@ -1,26 +1,27 @@
-//! Tells a line that carries something else, or at another baud, from one that is only quiet.
+//! Detection of a stream with the wrong protocol or bit rate.
 
 use std::time::{Duration, Instant};
 
-/// Notices bytes that never become a frame.
+/// Detector of bytes that form no packets.
 #[derive(Default)]
 pub(super) struct GarbageDetector {
+    /// Time of the first bytes since the last packet.
     since: Option<Instant>,
     has_warned: bool,
 }
 
 impl GarbageDetector {
-    /// Bytes without a frame for so long are garbage.
-    pub const LIMIT: Duration = Duration::from_secs(2);
+    /// Time of bytes without a packet after which a warning is due.
+    pub const TIMEOUT: Duration = Duration::from_secs(2);
 
-    /// Tells once that it is time to warn; again only after frames came in between.
-    pub fn is_due(&mut self, now: Instant, no_frame: bool) -> bool {
-        if !no_frame {
+    /// Handles bytes that arrived at `now`. Returns `true` if a warning is due: once until packets arrive again.
+    pub fn update(&mut self, now: Instant, has_packet: bool) -> bool {
+        if has_packet {
             *self = Self::default();
             return false;
         }
         let since = *self.since.get_or_insert(now);
-        let is_due = !self.has_warned && now.saturating_duration_since(since) >= Self::LIMIT;
+        let is_due = !self.has_warned && now.saturating_duration_since(since) >= Self::TIMEOUT;
         self.has_warned |= is_due;
         is_due
     }
@@ -31,22 +32,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn garbage_is_told_once_until_frames_come_in_between() {
+    fn garbage_is_reported_once_until_packets_arrive() {
         let start = Instant::now();
-        let mut watch = GarbageDetector::default();
+        let mut detector = GarbageDetector::default();
         let table = [
-            (0, true, false),
-            (1_900, true, false),
-            (2_000, true, true),
-            (5_000, true, false),
-            (5_100, false, false),
-            (5_200, true, false),
-            (7_100, true, false),
-            (7_200, true, true),
+            (0, false, false),
+            (1_900, false, false),
+            (2_000, false, true),
+            (5_000, false, false),
+            (5_100, true, false),
+            (5_200, false, false),
+            (7_100, false, false),
+            (7_200, false, true),
         ];
-        for (millis, no_frame, is_due) in table {
+        for (millis, has_packet, is_due) in table {
             let now = start + Duration::from_millis(millis);
-            assert_eq!(watch.is_due(now, no_frame), is_due, "{millis}");
+            assert_eq!(detector.update(now, has_packet), is_due, "{millis}");
         }
     }
 }

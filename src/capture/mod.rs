@@ -1,39 +1,49 @@
 //! 1 · A sensor → [`Reading`].
 //!
-//! A [`SourceName`] says where readings come from, [`open`] makes a [`Source`] of it, [`on_thread`] lets that run
-//! by itself:
+//! A [`SourceUri`] names a source, [`open`] opens it as a [`Source`], and [`spawn`] runs that on its own thread:
 //!
 //! ```no_run
-//! use ademan::capture::{Arrival, SourceName, on_thread, open};
+//! use ademan::capture::{CaptureEvent, SourceUri, open, spawn};
 //!
-//! let name: SourceName = "serial:/dev/ttyUSB0?protocol=hc11&baud=9600".parse()?;
-//! let captured = on_thread(open(&name)?)?;
-//! for arrival in captured.arrivals() {
-//!     match arrival {
-//!         Arrival::Reading { reading, .. } => println!("{reading:?}"),
-//!         Arrival::Lost(error) | Arrival::Failed(error) => eprintln!("{error}"),
-//!         Arrival::Noise(counts) | Arrival::End(counts) => println!("{counts:?}"),
+//! let uri: SourceUri = "serial:/dev/ttyUSB0?protocol=hc11&baud=9600".parse()?;
+//! let capture = spawn(open(&uri)?)?;
+//! for event in capture.events() {
+//!     match event {
+//!         CaptureEvent::Reading { reading, .. } => println!("{reading:?}"),
+//!         CaptureEvent::Lost(error) | CaptureEvent::Failed(error) => eprintln!("{error}"),
+//!         CaptureEvent::Noise(stats) | CaptureEvent::End(stats) => println!("{stats:?}"),
 //!     }
 //! }
 //! # Ok::<(), ademan::capture::CaptureError>(())
 //! ```
+//!
+//! A byte stream consists of a [transport], which carries the bytes, and a [protocol], which decodes them. Any other
+//! sensor implements [`Source`].
 
-pub mod uri;
-pub mod protocol;
-pub mod transport;
 pub mod cancel;
-mod poll;
-mod packet_clock;
-mod garbage;
-mod reconnect;
-mod stream;
-pub mod recording;
+pub mod protocol;
 pub mod pace;
-mod suspend;
 pub mod thread;
 mod merge;
-#[cfg(test)]
-mod test_random;
+
+// Everything below needs an operating system with devices, files and sockets.
+#[cfg(not(target_family = "wasm"))]
+mod garbage;
+#[cfg(not(target_family = "wasm"))]
+mod packet_clock;
+#[cfg(not(target_family = "wasm"))]
+mod poll;
+#[cfg(not(target_family = "wasm"))]
+mod reconnect;
+#[cfg(not(target_family = "wasm"))]
+pub mod recording;
+#[cfg(not(target_family = "wasm"))]
+mod stream;
+#[cfg(not(target_family = "wasm"))]
+pub mod transport;
+#[cfg(not(target_family = "wasm"))]
+pub mod uri;
+mod suspend;
 
 use std::time::Duration;
 
@@ -46,62 +56,49 @@ use crate::time::Timestamp;
 pub use cancel::CancelToken;
 pub use merge::MergedSource;
 pub use pace::PacedSource;
-pub use protocol::hc11;
-pub use reconnect::BackOff;
+pub use protocol::StreamFormat;
+pub use protocol::hc11::{self, Hc11Format};
 pub use thread::{CaptureEvent, CaptureThread, spawn};
-pub use transport::loopback::{self, Loopback, open_loopback};
-pub use uri::{Protocol, SourceUri, StreamOptions};
+#[cfg(not(target_family = "wasm"))]
+pub use {
+    reconnect::BackOff,
+    transport::loopback::{self, Loopback, open_loopback},
+    uri::{SourceUri, StreamUri},
+};
 
-use stream::StreamSource;
-use transport::file::FileConnector;
-use transport::serial::SerialConnector;
-use transport::tcp::TcpConnector;
-
-/// Opens a source whose bytes come over a line: `serial:`, `tcp:` or `file:`.
+/// Opens the source of a byte stream.
 ///
-/// Recordings and the simulated hand are made by modules of their own; their names are refused.
-pub fn open(name: &SourceUri) -> Result<Box<dyn Source>, CaptureError> {
-    let text = name.to_string();
-    match name {
-        SourceUri::Serial { port, line } => {
-            let connector = SerialConnector::new(port, line.baud.get());
-            Ok(Box::new(StreamSource::open(text, *line, connector)?))
-        }
-        SourceUri::Tcp { address, line } => {
-            let connector = TcpConnector::new(address);
-            Ok(Box::new(StreamSource::open(text, *line, connector)?))
-        }
-        SourceUri::File { path, line } => {
-            let connector = FileConnector::new(path);
-            Ok(Box::new(StreamSource::open(text, *line, connector)?))
-        }
+/// Recordings and simulated hands are opened by their own modules; their URIs are an error here.
+#[cfg(not(target_family = "wasm"))]
+pub fn open(uri: &SourceUri) -> Result<Box<dyn Source>, CaptureError> {
+    match uri {
+        SourceUri::Stream(stream) => (stream.transport.open)(stream),
         SourceUri::Recording { .. } | SourceUri::Typist { .. } | SourceUri::Script { .. } => {
+            let schemes = transport::TRANSPORTS.iter();
+            let schemes: Vec<String> = schemes
+                .map(|transport| format!("`{}:`", transport.scheme.name))
+                .collect();
             Err(CaptureError::InvalidUri {
-                text,
-                reason: "it is not a line of bytes; use a `serial:`, `tcp:` or `file:` source"
-                    .to_owned(),
+                text: uri.to_string(),
+                reason: format!("it is not a byte stream; use one of {}", schemes.join(", ")),
             })
         }
     }
 }
 
-/// Whether asking for the serial ports is safe: on Linux, `serialport` panics where the kernel's list is not mounted.
-fn lists_serial_ports() -> bool {
-    !cfg!(target_os = "linux") || std::path::Path::new("/sys/class/tty").is_dir()
-}
-
-/// The most channels that one reading carries: the eight converters of the HC11 glove, eight inputs each.
+/// Largest number of channels in a reading: the eight converters of the HC11 glove have eight inputs each.
 pub const MAX_CHANNELS: usize = 64;
 
-/// What a sensor saw at one moment.
+/// Sensor values at one moment.
 ///
-/// Written as `{"time_us":12500,"full_scale":255,"channels":[3,141,…]}`.
+/// As JSON: `{"time_us":12500,"full_scale":255,"channels":[3,141,…]}` or
+/// `{"time_us":12500,"angles_rad":{"elbow-flexion":0.5,…}}`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
-    /// When it was complete.
+    /// Time at which the values were complete, on the clock of the source.
     #[serde(rename = "time_us")]
     pub time: Timestamp,
-    /// Of which hand it is, where a source has both; else of the only one.
+    /// Hand that was measured. `None` if the source measures only one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub side: Option<Side>,
     /// The values.
@@ -109,72 +106,100 @@ pub struct Reading {
     pub sample: Sample,
 }
 
-/// The values of a reading, by kind of sensor.
+/// Sensor values by kind of sensor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 #[non_exhaustive]
 pub enum Sample {
-    /// One count per sensor channel.
+    /// Counts of a glove, which its glove file maps to joint angles.
     Channels(Channels),
     /// Joint angles.
     Angles {
-        /// The angles that the source provides, in radians.
+        /// Angles in radians. Those that the sensor does not measure are unknown.
         #[serde(rename = "angles_rad")]
         angles: JointAngles,
     },
 }
 
+/// Kind of a [`Sample`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum SampleKind {
+    /// [`Sample::Channels`].
+    Channels,
+    /// [`Sample::Angles`].
+    Angles,
+}
+
+impl SampleKind {
+    /// Returns `true` if a glove file has to map the values to joint angles.
+    pub const fn needs_glove(self) -> bool {
+        matches!(self, Self::Channels)
+    }
+}
+
+impl Sample {
+    /// Returns the kind of the sample.
+    pub const fn kind(&self) -> SampleKind {
+        match self {
+            Self::Channels(_) => SampleKind::Channels,
+            Self::Angles { .. } => SampleKind::Angles,
+        }
+    }
+}
+
 /// Counts of an analogue-to-digital converter, in wire order.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Channels {
-    /// The largest count that the converter can give (255 for 8 bits).
+    /// Largest count of the converter (255 for 8 bits).
     pub full_scale: u16,
     /// One count per channel, 0..=`full_scale`.
     #[serde(rename = "channels")]
     pub counts: ArrayVec<u16, MAX_CHANNELS>,
 }
 
-/// What a source has to say when it is asked for the next reading.
+/// Result of a call to [`Source::next`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum SourceEvent {
     /// A reading.
     Reading(Reading),
-    /// Nothing for the moment; ask again.
+    /// Nothing new. Call again.
     Idle,
-    /// The stream is over; there will be no more.
+    /// End of the readings.
     End,
 }
 
 /// A sensor, a stream or a recording.
 pub trait Source: Send {
-    /// The next reading.
+    /// Returns the next reading.
     ///
-    /// May block, but answers within [`PATIENCE`], with [`Capture::Quiet`] when there is nothing, so that
-    /// its thread can be stopped; one that [heeds](Self::heed) an interrupt answers at the latest when it rings.
-    /// After a [recoverable](CaptureError::is_recoverable) error it may be
-    /// asked again: a source that was lost looks for its device at each call.
+    /// Blocks for at most [`MAX_BLOCK`], so that its thread can be stopped. A source with a
+    /// [cancel token](Self::set_cancel_token) may block until cancellation.
+    ///
+    /// May be called again after a [recoverable](CaptureError::is_recoverable) error. A source whose device was lost
+    /// then reconnects.
     fn next(&mut self) -> Result<SourceEvent, CaptureError>;
 
-    /// Takes what rings when the thread of the source is to stop: from then on the source may wait for as long as
-    /// there is nothing, so that a sensor at rest costs nothing. By default it is not heeded.
+    /// Registers the token that cancels a blocking [`next`](Self::next), so that an idle source wakes no thread. The
+    /// default ignores it.
     fn set_cancel_token(&mut self, cancel: &CancelToken) {
         let _ = cancel;
     }
 
-    /// The source as its user named it.
+    /// Returns the name for messages: the URI, if the source has one.
     fn name(&self) -> &str;
 
-    /// The time between two readings, where the source knows it.
+    /// Returns the shortest time between two readings, if the source knows it.
     fn packet_period(&self) -> Option<Duration> {
         None
     }
 
-    /// Whether readings come at their own pace and are lost when nobody takes them.
+    /// Returns `true` if readings arrive at their own pace and are dropped when the consumer is slow.
     fn is_live(&self) -> bool {
         true
     }
 
-    /// What has come in so far.
+    /// Returns the statistics since the source was opened.
     fn stats(&self) -> SourceStats {
         SourceStats::default()
     }
@@ -206,75 +231,75 @@ impl Source for Box<dyn Source> {
     }
 }
 
-/// The longest time that [`Source::next`] blocks, unless the source heeds an interrupt.
+/// Longest time that [`Source::next`] blocks without a cancel token.
 pub const MAX_BLOCK: Duration = Duration::from_millis(100);
 
-/// What came in at a source: every byte and every reading is in exactly one place.
+/// Statistics of a source. Every byte and every reading is counted once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct SourceStats {
     /// Bytes received.
     pub bytes: u64,
-    /// Bytes that belong to no frame: noise, cut frames, resynchronisation.
+    /// Bytes that belong to no packet: noise and incomplete packets.
     pub skipped_bytes: u64,
-    /// Times that decoding had to look for the next frame.
+    /// Number of times that the decoder had to search for the next packet.
     pub resyncs: u64,
-    /// Readings that came out.
+    /// Readings returned.
     pub readings: u64,
-    /// Readings that were replaced by a newer one before anybody took them, or still waited at the end.
+    /// Readings that were dropped for a newer one, or were still queued at the end.
     pub dropped: u64,
-    /// Times that the device was lost.
+    /// Number of times that the device was lost.
     pub losses: u64,
 }
 
-/// Why a source gives no reading. Each text says what was tried, what happened and what to do.
+/// Error of a source. Each message states what failed, why, and what to do.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CaptureError {
-    /// The text does not name a source.
+    /// The text is not a source URI.
     #[error("cannot read `{text}` as a source: {reason}")]
     InvalidUri {
-        /// The text as given.
+        /// The text as written.
         text: String,
-        /// What is wrong with it.
+        /// Error in the text.
         reason: String,
     },
     /// The device or file cannot be opened.
     #[error("cannot open {source_name}: {reason}")]
     Open {
-        /// The source as named.
+        /// Name of the source.
         source_name: String,
-        /// What happened and what to do.
+        /// Cause and remedy.
         reason: String,
     },
-    /// The device was there and is gone; the source keeps looking for it.
-    #[error("lost {source_name}: {reason}; looking for it")]
+    /// The device was lost. The source reconnects.
+    #[error("lost {source_name}: {reason}; reconnecting")]
     Lost {
-        /// The source as named.
+        /// Name of the source.
         source_name: String,
-        /// What happened.
+        /// Cause.
         reason: String,
     },
-    /// What came before and what comes now may have nothing to do with each other.
+    /// The readings before and after the interruption may be unrelated.
     #[error("{source_name} was interrupted: {reason}; hold the hand off all keys for a moment")]
     Interrupted {
-        /// The source as named.
+        /// Name of the source.
         source_name: String,
-        /// What happened.
+        /// Cause.
         reason: String,
     },
-    /// What came in cannot be used.
+    /// The data of the source cannot be used.
     #[error("cannot use {source_name}: {reason}")]
     Malformed {
-        /// The source as named.
+        /// Name of the source.
         source_name: String,
-        /// Where and why.
+        /// Position and cause.
         reason: String,
     },
 }
 
 impl CaptureError {
-    /// Whether the source goes on trying, so that it may be asked again.
-    pub fn is_recoverable(&self) -> bool {
+    /// Returns `true` if the source continues, so that [`Source::next`] may be called again.
+    pub const fn is_recoverable(&self) -> bool {
         matches!(self, Self::Lost { .. } | Self::Interrupted { .. })
     }
 }

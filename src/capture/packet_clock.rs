@@ -1,20 +1,20 @@
-//! When a frame was complete.
+//! Time stamps of packets.
 
 use std::time::Instant;
 
-use super::hc11::PACKET_BYTES;
-use super::uri::StreamOptions;
+use super::protocol::StreamFormat;
 use crate::time::Timestamp;
 
-/// The clock of a source.
+/// Clock that stamps the packets of a stream.
 pub(super) enum PacketClock {
-    /// By the monotonic clock, from the moment the source was opened.
+    /// Monotonic time since the source was opened.
     Live { opened: Instant, last: Timestamp },
-    /// By the number of frames, at the pace of the baud.
-    Nominal { frames: u64, last: Timestamp },
+    /// Number of packets times the nominal packet period.
+    Nominal { packets: u64, last: Timestamp },
 }
 
 impl PacketClock {
+    /// Creates a clock that starts now.
     pub fn new(is_live: bool) -> Self {
         let last = Timestamp::default();
         match is_live {
@@ -22,22 +22,21 @@ impl PacketClock {
                 opened: Instant::now(),
                 last,
             },
-            false => Self::Nominal { frames: 0, last },
+            false => Self::Nominal { packets: 0, last },
         }
     }
 
-    /// The time of a frame after which `bytes_after` more came in until `now`; always later than the one before.
-    pub fn stamp(&mut self, now: Instant, bytes_after: usize, line: &StreamOptions) -> Timestamp {
+    /// Returns the time at which the last byte of a packet arrived, if `bytes_after` more bytes had arrived by `now`.
+    /// Always later than the previous result.
+    pub fn stamp(&mut self, now: Instant, bytes_after: usize, format: &StreamFormat) -> Timestamp {
         let (time, last) = match self {
             Self::Live { opened, last } => {
                 let arrived = Timestamp::default() + now.saturating_duration_since(*opened);
-                (arrived - line.transmission_time(bytes_after), last)
+                (arrived - format.transmission_time(bytes_after), last)
             }
-            Self::Nominal { frames, last } => {
-                *frames += 1;
-                let microseconds = *frames as u128 * PACKET_BYTES as u128 * 10_000_000
-                    / u128::from(line.baud.get());
-                (Timestamp(microseconds as u64), last)
+            Self::Nominal { packets, last } => {
+                *packets += 1;
+                (format.nominal_time(*packets), last)
             }
         };
         *last = time.max(Timestamp(last.0 + 1));
@@ -51,19 +50,20 @@ mod tests {
     use std::time::Duration;
 
     use super::*;
+    use crate::capture::hc11::Hc11Format;
 
     #[test]
-    fn frames_of_one_read_are_dated_back_by_what_came_after_them() {
-        let line = StreamOptions {
+    fn packets_of_one_read_are_dated_back_by_the_bytes_after_them() {
+        let format = StreamFormat::from(Hc11Format {
             baud: NonZeroU32::new(9600).unwrap(),
-            ..StreamOptions::default()
-        };
+            ..Hc11Format::default()
+        });
         let mut clock = PacketClock::new(true);
         let PacketClock::Live { opened, .. } = clock else {
             panic!("not live");
         };
         let now = opened + Duration::from_secs(1);
-        let mut stamp = |now, bytes| clock.stamp(now, bytes, &line).0;
+        let mut stamp = |now, bytes| clock.stamp(now, bytes, &format).0;
         assert_eq!(stamp(now, 96), 900_000);
         assert_eq!(stamp(now, 30), 968_750);
         assert_eq!(stamp(now, 96), 968_751);

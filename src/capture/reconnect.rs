@@ -1,4 +1,4 @@
-//! Looks for a lost device on a thread of its own, less and less often.
+//! Reconnection to a lost device, with back-off.
 
 use std::time::Duration;
 
@@ -7,17 +7,17 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, after, bounded, neve
 use super::cancel::CancelToken;
 use super::transport::{ConnectError, Connection, Connector, READ_TIMEOUT};
 
-/// The intervals between attempts: 0.1 s, doubling to 2 s.
+/// Intervals between attempts: 0.1 s, doubling to 2 s.
 #[derive(Clone, Debug)]
 pub struct BackOff(Duration);
 
 impl BackOff {
-    const LONGEST: Duration = Duration::from_secs(2);
+    const MAX: Duration = Duration::from_secs(2);
 
-    /// The time to wait before the next attempt.
+    /// Returns the time to wait before the next attempt.
     pub fn next_interval(&mut self) -> Duration {
         let interval = self.0;
-        self.0 = (interval * 2).min(Self::LONGEST);
+        self.0 = (interval * 2).min(Self::MAX);
         interval
     }
 }
@@ -28,80 +28,80 @@ impl Default for BackOff {
     }
 }
 
-/// A search that is under way. Dropping it ends it.
+/// A reconnection in progress on its own thread. Dropping it stops the attempts.
 pub(super) struct Reconnect {
-    findings: Receiver<ReconnectEvent>,
-    /// Its end tells the thread to stop.
+    events: Receiver<ReconnectEvent>,
+    /// Stops the thread when it is dropped.
     _stop: Sender<()>,
 }
 
-/// What came of a search.
+/// Progress of a reconnection.
 pub(super) enum ReconnectEvent {
-    /// The device is back.
+    /// The connection is open.
     Connected(Connection),
-    /// A device is there that cannot be used, for this reason. Told once per reason.
-    Refused(String),
-    /// No news.
+    /// The device is present but unusable, for this reason. Each reason is reported once in a row.
+    Unusable(String),
+    /// No change.
     Idle,
-    /// The search has stopped without a result.
+    /// The thread has ended without a connection.
     Stopped,
 }
 
 impl Reconnect {
-    /// Starts to look, at intervals of `back_off`.
+    /// Starts attempts at the intervals of `back_off`.
     pub fn start(connector: impl Connector, back_off: BackOff) -> Self {
-        let (sender, findings) = bounded(1);
+        let (sender, events) = bounded(1);
         let (stop, stopped) = bounded(0);
         let thread = std::thread::Builder::new()
-            .name("searching".to_owned())
-            .spawn(move || search(connector, back_off, &stopped, &sender));
+            .name("reconnect".to_owned())
+            .spawn(move || reconnect(connector, back_off, &stopped, &sender));
         if let Err(error) = thread {
-            tracing::warn!("no thread to look for the device, trying again: {error}");
+            tracing::warn!("cannot start a thread to reconnect: {error}; trying again");
         }
         Self {
-            findings,
+            events,
             _stop: stop,
         }
     }
 
-    /// Waits for news until `interrupt` rings; without one for [`READ_TIMEOUT`] at most.
-    pub fn wait(&self, interrupt: Option<&CancelToken>) -> ReconnectEvent {
-        let (rung, timeout) = match interrupt {
-            Some(interrupt) => (interrupt.channel().clone(), never()),
+    /// Waits for an event until cancellation; without a token for [`READ_TIMEOUT`] at most.
+    pub fn wait(&self, cancel: Option<&CancelToken>) -> ReconnectEvent {
+        let (cancelled, timeout) = match cancel {
+            Some(cancel) => (cancel.channel().clone(), never()),
             None => (never(), after(READ_TIMEOUT)),
         };
         select! {
-            recv(self.findings) -> finding => finding.unwrap_or_else(|_| {
-                // The thread died or never was: without a pause its owner would start one after the other.
+            recv(self.events) -> event => event.unwrap_or_else(|_| {
+                // Without a pause a thread that cannot start would be started again at once.
                 std::thread::sleep(READ_TIMEOUT);
                 ReconnectEvent::Stopped
             }),
-            recv(rung) -> _ => ReconnectEvent::Idle,
+            recv(cancelled) -> _ => ReconnectEvent::Idle,
             recv(timeout) -> _ => ReconnectEvent::Idle,
         }
     }
 }
 
-fn search(
+fn reconnect(
     mut connector: impl Connector,
     mut back_off: BackOff,
     stopped: &Receiver<()>,
-    findings: &Sender<ReconnectEvent>,
+    events: &Sender<ReconnectEvent>,
 ) {
-    let mut told = None;
+    let mut last_reason = None;
     while stopped.recv_timeout(back_off.next_interval()) == Err(RecvTimeoutError::Timeout) {
-        let finding = match connector.connect() {
-            Ok(connection) => ReconnectEvent::Connected(connection),
-            Err(ConnectError::Unusable(reason)) if told.as_ref() != Some(&reason) => {
-                told = Some(reason.clone());
-                ReconnectEvent::Refused(reason)
+        match connector.connect() {
+            Ok(connection) => {
+                let _ = events.send(ReconnectEvent::Connected(connection));
+                return;
             }
-            Err(_) => ReconnectEvent::Idle,
-        };
-        let is_over = matches!(finding, ReconnectEvent::Connected(_));
-        let is_news = !matches!(finding, ReconnectEvent::Idle);
-        if is_news && findings.send(finding).is_err() || is_over {
-            return;
+            Err(ConnectError::Unusable(reason)) if last_reason.as_ref() != Some(&reason) => {
+                last_reason = Some(reason.clone());
+                if events.send(ReconnectEvent::Unusable(reason)).is_err() {
+                    return;
+                }
+            }
+            Err(_) => {}
         }
     }
 }
@@ -115,21 +115,22 @@ mod tests {
 
     use super::*;
 
-    const LIMIT: Duration = Duration::from_secs(20);
+    const TIMEOUT: Duration = Duration::from_secs(20);
 
-    /// Refuses the first attempts, then opens.
+    /// Connector that fails with each of these reasons in turn, then opens.
     #[derive(Clone)]
-    struct Reluctant {
+    struct FailingConnector {
         attempts: Arc<AtomicUsize>,
-        refusals: &'static [&'static str],
+        reasons: &'static [&'static str],
     }
 
-    impl Connector for Reluctant {
+    impl Connector for FailingConnector {
         const IS_LIVE: bool = true;
+        const RECONNECTS: bool = true;
 
         fn connect(&mut self) -> Result<Connection, ConnectError> {
             let attempt = self.attempts.fetch_add(1, Ordering::SeqCst);
-            match self.refusals.get(attempt) {
+            match self.reasons.get(attempt) {
                 Some(&"absent") => Err(ConnectError::Absent("not plugged in".to_owned())),
                 Some(&reason) => Err(ConnectError::Unusable(reason.to_owned())),
                 None => Ok(Connection {
@@ -141,44 +142,44 @@ mod tests {
         }
     }
 
-    fn reluctant(refusals: &'static [&'static str]) -> Reluctant {
-        Reluctant {
+    fn failing(reasons: &'static [&'static str]) -> FailingConnector {
+        FailingConnector {
             attempts: Arc::default(),
-            refusals,
+            reasons,
         }
     }
 
     #[test]
-    fn each_reason_is_told_once_and_the_device_is_found_in_the_end() {
-        let connector = reluctant(&["stranger", "stranger", "absent", "stranger", "busy"]);
-        let search = Reconnect::start(connector, BackOff(Duration::from_millis(1)));
-        let mut told = Vec::new();
+    fn each_reason_is_reported_once_in_a_row_until_the_connection_opens() {
+        let connector = failing(&["other", "other", "absent", "other", "busy"]);
+        let reconnect = Reconnect::start(connector, BackOff(Duration::from_millis(1)));
+        let mut events = Vec::new();
         let start = Instant::now();
-        while start.elapsed() < LIMIT {
-            match search.wait(None) {
-                ReconnectEvent::Refused(reason) => told.push(reason),
+        while start.elapsed() < TIMEOUT {
+            match reconnect.wait(None) {
+                ReconnectEvent::Unusable(reason) => events.push(reason),
                 ReconnectEvent::Connected(connection) => {
-                    told.push(connection.endpoint);
+                    events.push(connection.endpoint);
                     break;
                 }
                 ReconnectEvent::Idle | ReconnectEvent::Stopped => {}
             }
         }
-        assert_eq!(told, ["stranger", "busy", "port 5"]);
+        assert_eq!(events, ["other", "busy", "port 5"]);
     }
 
     #[test]
-    fn a_search_that_is_dropped_asks_no_more() {
-        let connector = reluctant(&["absent"; 1000]);
+    fn a_dropped_reconnection_makes_no_more_attempts() {
+        let connector = failing(&["absent"; 1000]);
         let attempts = connector.attempts.clone();
-        let search = Reconnect::start(connector, BackOff(Duration::from_millis(1)));
+        let reconnect = Reconnect::start(connector, BackOff(Duration::from_millis(1)));
         while attempts.load(Ordering::SeqCst) == 0 {
             std::thread::yield_now();
         }
-        let stopping = search.findings.clone();
-        drop(search);
+        let events = reconnect.events.clone();
+        drop(reconnect);
         assert_eq!(
-            stopping.recv_timeout(LIMIT).err(),
+            events.recv_timeout(TIMEOUT).err(),
             Some(RecvTimeoutError::Disconnected)
         );
         let attempts_at_the_end = attempts.load(Ordering::SeqCst);

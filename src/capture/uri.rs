@@ -1,167 +1,138 @@
-//! The text that names a source: `serial:/dev/ttyUSB0?protocol=hc11&baud=115200`.
+//! Source URIs: `serial:/dev/ttyUSB0?protocol=hc11&baud=115200`.
 
 use std::fmt;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
 use super::CaptureError;
-use super::hc11::{Framing, PACKET_BYTES};
-use crate::names::{UnknownName, named_enum, nearest};
+use super::protocol::{PROTOCOLS, Protocol, StreamFormat};
+use super::transport::{TRANSPORTS, Transport};
+use crate::names::{UnknownName, nearest};
 
-/// Where readings come from.
+/// Origin of readings.
 ///
-/// | text | source |
+/// | URI | source |
 /// |---|---|
-/// | `serial:PORT[?OPTIONS]` | a serial port: `/dev/ttyUSB0`, `COM3`, `/dev/serial/by-id/…` |
-/// | `tcp:HOST:PORT[?OPTIONS]` | an RS232-to-TCP converter; it types only with `role: Both` or `role: Keys` in the setup |
-/// | `file:PATH[?OPTIONS]` | the raw bytes of a line, in a file |
-/// | `recording:PATH` | a recording made by this program |
-/// | `typist:TEXT` | a simulated hand that types the text |
-/// | `script:FILE` | a simulated hand that plays a script, in a file or as it stands |
+/// | `serial:PORT[?OPTIONS]` | serial port: `/dev/ttyUSB0`, `COM3`, `/dev/serial/by-id/…` |
+/// | `tcp:HOST:PORT[?OPTIONS]` | TCP server, such as an RS232-to-TCP converter |
+/// | `udp:ADDRESS:PORT[?OPTIONS]` | datagrams that arrive at a local address: `udp:0.0.0.0:9000` |
+/// | `file:PATH[?OPTIONS]` | bytes of a stream in a file |
+/// | `stdin:[?OPTIONS]` | bytes of a stream on the standard input |
+/// | `recording:PATH` | recording made by `ademan record` |
+/// | `typist:TEXT` | simulated hand that types the text |
+/// | `script:FILE` | simulated hand that plays a script file or the script itself |
 ///
-/// Options are `key=value` pairs joined by `&`: `protocol` (`hc11`, the default), `framing` (`double06`, the
-/// default, or `hash`) and `baud` (bits per second, from 1; 115200 unless said otherwise).
+/// Sources on the network (`tcp:`, `udp:`) press keys only with `role: Both` or `role: Keys` in the setup.
 ///
-/// They start at the last `?` after which everything reads as such pairs; any other `?` belongs to the path. A file whose
-/// name ends like options is named by adding an option: `file:what?a=b?protocol=hc11`. What follows `recording:`,
-/// `typist:` and `script:` is taken as it stands.
+/// Options are `key=value` pairs joined by `&`: `protocol` (see [`PROTOCOLS`]), `baud` (bits per second of the serial
+/// line, 1 or more) and the options of the protocol.
+///
+/// Options start at the last `?` after which the text consists of such pairs; any other `?` belongs to the path. A
+/// file whose name ends like options is written with an added option: `file:what?a=b?protocol=hc11`. The text after
+/// `recording:`, `typist:` and `script:` has no options.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum SourceUri {
-    /// A serial port.
-    Serial {
-        /// The port as the operating system names it.
-        port: String,
-        /// What is spoken on it.
-        line: StreamOptions,
-    },
-    /// A TCP server that passes on the bytes of a serial line.
-    Tcp {
-        /// Host and port: `192.168.1.7:4001`, `glove.local:4001`, `[::1]:4001`.
-        address: String,
-        /// What is spoken on it.
-        line: StreamOptions,
-    },
-    /// A file with the bytes of a serial line.
-    File {
-        /// The file.
-        path: PathBuf,
-        /// What was spoken on the line.
-        line: StreamOptions,
-    },
+    /// A byte stream or datagrams.
+    Stream(StreamUri),
     /// A recording of readings.
     Recording {
         /// The file.
         path: PathBuf,
     },
-    /// A simulated hand.
+    /// A simulated hand that types a text.
     Typist {
-        /// What it types.
+        /// The text.
         text: String,
     },
     /// A simulated hand that plays a script.
     Script {
-        /// The file with the script, or the script itself.
+        /// The script file, or the script itself.
         script: String,
     },
 }
 
-/// What is spoken on a line of bytes.
+/// A transport, its address and the format of its bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StreamUri {
+    /// Carrier of the bytes.
+    pub transport: &'static Transport,
+    /// Port, host and port, or path; empty for transports without an address.
+    pub address: String,
+    /// Format of the bytes.
+    pub format: StreamFormat,
+}
+
+/// One form of source URI, for help texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StreamOptions {
-    /// Which device sends.
-    pub protocol: Protocol,
-    /// How it marks its frames.
-    pub framing: Framing,
-    /// Bits per second; ten of them carry a byte (8 data bits, no parity, 1 stop bit).
-    pub baud: NonZeroU32,
+pub struct Scheme {
+    /// Text before the colon.
+    pub name: &'static str,
+    /// The URI with its parts in capitals.
+    pub syntax: &'static str,
+    /// One line, in lower case and without a full stop.
+    pub summary: &'static str,
+    /// A valid URI.
+    pub example: &'static str,
 }
 
-named_enum! {
-    /// A device that can be on a line.
-    #[derive(Default)]
-    pub enum Protocol ("protocol") {
-        /// The glove with the 68HC11 microcontroller.
-        #[default]
-        Hc11 = "hc11",
-    }
-}
+const RECORDING: Scheme = Scheme {
+    name: "recording",
+    syntax: "recording:PATH",
+    summary: "recording made by `ademan record`",
+    example: "recording:session.mcap",
+};
 
-const SCHEMES: [&str; 6] = ["serial", "tcp", "file", "recording", "typist", "script"];
+const TYPIST: Scheme = Scheme {
+    name: "typist",
+    syntax: "typist:TEXT",
+    summary: "simulated hand that types the text",
+    example: "typist:hello",
+};
 
-named_enum! {
-    enum OptionKey ("option") {
-        Protocol = "protocol",
-        Framing = "framing",
-        Baud = "baud",
-    }
-}
+const SCRIPT: Scheme = Scheme {
+    name: "script",
+    syntax: "script:FILE",
+    summary: "simulated hand that plays a script file or the script itself",
+    example: "script:tap A; wait 100",
+};
 
-const DEFAULT_BAUD: NonZeroU32 = NonZeroU32::new(115_200).unwrap();
-const BITS_PER_BYTE: u64 = 10;
-
-impl Default for StreamOptions {
-    fn default() -> Self {
-        Self {
-            protocol: Protocol::default(),
-            framing: Framing::default(),
-            baud: DEFAULT_BAUD,
-        }
-    }
-}
-
-impl StreamOptions {
-    /// The time that `bytes` take on the wire, rounded down to nanoseconds.
-    pub fn transmission_time(&self, bytes: usize) -> Duration {
-        let nanoseconds = bytes as u64 * BITS_PER_BYTE * 1_000_000_000 / u64::from(self.baud.get());
-        Duration::from_nanos(nanoseconds)
-    }
-
-    /// The time that one frame takes on the wire: the shortest time between two readings.
-    pub fn packet_period(&self) -> Duration {
-        self.transmission_time(PACKET_BYTES)
-    }
-
-    fn parse(options: &str) -> Result<Self, String> {
-        let mut settings = Self::default();
-        let mut seen = [false; OptionKey::COUNT];
-        for pair in options.split('&').filter(|pair| !pair.is_empty()) {
-            let (key, value) = pair.split_once('=').unwrap_or((pair, ""));
-            let key: OptionKey = key.parse().map_err(|error| format!("{error}"))?;
-            if std::mem::replace(&mut seen[key.index()], true) {
-                return Err(format!("option `{key}` is given twice"));
-            }
-            settings.set(key, value)?;
-        }
-        Ok(settings)
-    }
-
-    fn set(&mut self, key: OptionKey, value: &str) -> Result<(), String> {
-        match key {
-            OptionKey::Protocol => self.protocol = named(value)?,
-            OptionKey::Framing => self.framing = named(value)?,
-            OptionKey::Baud => {
-                self.baud = value.parse().map_err(|_| {
-                    format!("`{value}` is no baud, write bits per second such as `baud=115200`")
-                })?;
-            }
-        }
-        Ok(())
-    }
-}
-
-fn named<T: FromStr<Err = UnknownName>>(value: &str) -> Result<T, String> {
-    value.parse().map_err(|error: T::Err| error.to_string())
+/// Returns all forms of source URI.
+pub fn schemes() -> impl Iterator<Item = Scheme> {
+    let transports = TRANSPORTS.iter().map(|transport| transport.scheme);
+    transports.chain([RECORDING, TYPIST, SCRIPT])
 }
 
 impl SourceUri {
-    /// Whether readings come over a network, where others may send some too.
-    pub const fn is_remote(&self) -> bool {
-        matches!(self, Self::Tcp { .. })
+    /// Returns `true` if readings come over a network, where other programs may send some too.
+    pub fn is_remote(&self) -> bool {
+        matches!(self, Self::Stream(stream) if stream.transport.is_remote)
+    }
+
+    /// Returns `true` if the source is a device or server that may appear later.
+    pub fn is_device(&self) -> bool {
+        matches!(self, Self::Stream(stream) if stream.transport.is_device)
+    }
+
+    /// Returns `false` if the source measures joint angles, which need no glove file.
+    pub fn needs_glove(&self) -> bool {
+        match self {
+            Self::Stream(stream) => stream.format.protocol.sample.needs_glove(),
+            _ => true,
+        }
+    }
+
+    /// Returns the serial port as the operating system names it.
+    pub fn serial_port(&self) -> Option<&str> {
+        match self {
+            Self::Stream(stream) if stream.transport.scheme.name == "serial" => {
+                Some(&stream.address)
+            }
+            _ => None,
+        }
     }
 }
 
@@ -178,67 +149,86 @@ impl FromStr for SourceUri {
 
 fn parse(text: &str) -> Result<SourceUri, String> {
     let Some((scheme, rest)) = text.split_once(':') else {
-        return Err(no_scheme(text));
+        return Err(missing_scheme(text));
+    };
+    let transport = TRANSPORTS.iter().find(|known| known.scheme.name == scheme);
+    if let Some(transport) = transport {
+        return parse_stream(transport, rest).map(SourceUri::Stream);
+    }
+    let uri = match scheme {
+        "recording" => SourceUri::Recording { path: rest.into() },
+        "typist" => SourceUri::Typist { text: rest.into() },
+        "script" => SourceUri::Script {
+            script: rest.into(),
+        },
+        unknown => {
+            let names: Vec<&str> = schemes().map(|scheme| scheme.name).collect();
+            return Err(unknown_name("kind of source", unknown, &names));
+        }
     };
     if rest.is_empty() {
-        return Err(format!("nothing follows `{scheme}:`"));
+        return Err(format!("`{scheme}:` is followed by nothing"));
     }
-    match scheme {
-        "serial" => {
-            let (port, line) = split_plain(rest)?;
-            Ok(SourceUri::Serial { port, line })
-        }
-        "tcp" => {
-            let (address, line) = split_plain(rest)?;
-            check_address(&address)?;
-            Ok(SourceUri::Tcp { address, line })
-        }
-        "file" => {
-            let (path, line) = split_options(rest)?;
-            let path = PathBuf::from(path);
-            Ok(SourceUri::File { path, line })
-        }
-        "recording" => Ok(SourceUri::Recording { path: rest.into() }),
-        "typist" => Ok(SourceUri::Typist { text: rest.into() }),
-        "script" => Ok(SourceUri::Script {
-            script: rest.into(),
-        }),
-        unknown => Err(UnknownName::new("kind of source", unknown, SCHEMES).to_string()),
-    }
+    Ok(uri)
 }
 
-fn no_scheme(text: &str) -> String {
+fn missing_scheme(text: &str) -> String {
     if text.starts_with("/dev/") || text.starts_with("COM") {
         return format!("write `serial:{text}`");
     }
-    match nearest(text, SCHEMES) {
-        Some(scheme) => format!("it names no kind of source, did you mean `{scheme}:…`?"),
+    match nearest(text, schemes().map(|scheme| scheme.name)) {
+        Some(scheme) => format!("it has no kind of source, did you mean `{scheme}:…`?"),
         None => {
-            let schemes = SCHEMES.map(|scheme| format!("`{scheme}:`"));
+            let schemes: Vec<String> = schemes()
+                .map(|scheme| format!("`{}:`", scheme.name))
+                .collect();
             format!("a source starts with one of {}", schemes.join(", "))
         }
     }
 }
 
-/// Splits what may contain a `?` of its own.
-fn split_options(rest: &str) -> Result<(&str, StreamOptions), String> {
-    let (place, options) = match rest.rsplit_once('?') {
-        Some((place, options)) if are_pairs(options) => (place, options),
+fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, String> {
+    let (address, options) = match rest.rsplit_once('?') {
+        Some((address, options)) if are_pairs(options) => (address, options),
         _ => (rest, ""),
     };
-    if place.is_empty() {
-        return Err("nothing stands before the options".to_owned());
+    let scheme = transport.scheme.name;
+    if address.is_empty() && transport.has_address {
+        return Err(match rest {
+            "" => format!("`{scheme}:` is followed by nothing"),
+            _ => "the options are preceded by nothing".to_owned(),
+        });
     }
-    Ok((place, StreamOptions::parse(options)?))
+    (transport.check_address)(address)?;
+    Ok(StreamUri {
+        transport,
+        address: address.to_owned(),
+        format: parse_format(options, transport.default_baud)?,
+    })
 }
 
-/// Splits a port or an address, which has no `?`.
-fn split_plain(rest: &str) -> Result<(String, StreamOptions), String> {
-    let (place, line) = split_options(rest)?;
-    if place.contains('?') {
-        return Err("after `?` options are wanted, such as `baud=115200`".to_owned());
+/// Checks an address that cannot contain a `?`.
+pub(super) fn check_no_question_mark(address: &str) -> Result<(), String> {
+    if address.contains('?') {
+        return Err("the text after `?` is not a list of options such as `baud=115200`".to_owned());
     }
-    Ok((place.to_owned(), line))
+    Ok(())
+}
+
+/// Checks an address of the form `HOST:PORT`.
+pub(super) fn check_socket_address(scheme: Scheme, address: &str) -> Result<(), String> {
+    check_no_question_mark(address)?;
+    let port = address
+        .rsplit_once(':')
+        .filter(|(host, _)| !host.is_empty())
+        .and_then(|(_, port)| port.parse::<u16>().ok());
+    match port {
+        Some(1..) => Ok(()),
+        _ => Err(format!(
+            "write `{}` with a port from 1 to 65535",
+            scheme.syntax
+        )),
+    }
 }
 
 fn are_pairs(options: &str) -> bool {
@@ -253,24 +243,69 @@ fn are_pairs(options: &str) -> bool {
     })
 }
 
-fn check_address(address: &str) -> Result<(), String> {
-    let port = address
-        .rsplit_once(':')
-        .filter(|(host, _)| !host.is_empty())
-        .and_then(|(_, port)| port.parse::<u16>().ok())
-        .filter(|&port| port != 0);
-    match port {
-        Some(_) => Ok(()),
-        None => Err("write `tcp:HOST:PORT` with a port from 1 to 65535".to_owned()),
+fn parse_format(options: &str, default_baud: Option<NonZeroU32>) -> Result<StreamFormat, String> {
+    let pairs = options.split('&').filter(|pair| !pair.is_empty());
+    let pairs: Vec<(&str, &str)> = pairs
+        .map(|pair| pair.split_once('=').unwrap_or((pair, "")))
+        .collect();
+    for (index, (key, _)) in pairs.iter().enumerate() {
+        if pairs[..index].iter().any(|(other, _)| other == key) {
+            return Err(format!("option `{key}` is given twice"));
+        }
+    }
+    let protocol = match pairs.iter().find(|(key, _)| *key == "protocol") {
+        Some((_, name)) => find_protocol(name)?,
+        None => PROTOCOLS[0],
+    };
+    let mut format = StreamFormat::new(protocol);
+    format.baud = format.baud.or(default_baud);
+    for (key, value) in pairs {
+        match key {
+            "protocol" => {}
+            "baud" => format.baud = Some(parse_baud(value)?),
+            _ => set_option(&mut format, key, value)?,
+        }
+    }
+    Ok(format)
+}
+
+fn find_protocol(name: &str) -> Result<&'static Protocol, String> {
+    let mut protocols = PROTOCOLS.iter().copied();
+    let names: Vec<&str> = PROTOCOLS.iter().map(|protocol| protocol.name).collect();
+    protocols
+        .find(|protocol| protocol.name == name)
+        .ok_or_else(|| unknown_name("protocol", name, &names))
+}
+
+fn unknown_name(kind: &'static str, text: &str, available: &[&str]) -> String {
+    let error = UnknownName::new(kind, text, available.iter().copied());
+    format!("{error} (available: {})", available.join(", "))
+}
+
+fn parse_baud(value: &str) -> Result<NonZeroU32, String> {
+    value
+        .parse()
+        .map_err(|_| format!("`{value}` is not a bit rate, write bits per second: `baud=115200`"))
+}
+
+fn set_option(format: &mut StreamFormat, key: &str, value: &str) -> Result<(), String> {
+    let options = format.protocol.options;
+    match options.iter().find(|option| option.name == key) {
+        Some(option) => format.options.set(option, value),
+        None => {
+            let names = ["protocol", "baud"].into_iter();
+            let names: Vec<&str> = names
+                .chain(options.iter().map(|option| option.name))
+                .collect();
+            Err(unknown_name("option", key, &names))
+        }
     }
 }
 
 impl fmt::Display for SourceUri {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Serial { port, line } => write!(f, "serial:{port}{line}"),
-            Self::Tcp { address, line } => write!(f, "tcp:{address}{line}"),
-            Self::File { path, line } => write!(f, "file:{}{line}", path.display()),
+            Self::Stream(stream) => stream.fmt(f),
             Self::Recording { path } => write!(f, "recording:{}", path.display()),
             Self::Typist { text } => write!(f, "typist:{text}"),
             Self::Script { script } => write!(f, "script:{script}"),
@@ -278,14 +313,10 @@ impl fmt::Display for SourceUri {
     }
 }
 
-impl fmt::Display for StreamOptions {
-    /// The options that give these settings, with the `?` before them.
+impl fmt::Display for StreamUri {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "?protocol={}", self.protocol)?;
-        if self.framing != Framing::default() {
-            write!(f, "&framing={}", self.framing)?;
-        }
-        write!(f, "&baud={}", self.baud)
+        let scheme = self.transport.scheme.name;
+        write!(f, "{scheme}:{}{}", self.address, self.format)
     }
 }
 
@@ -298,59 +329,90 @@ impl TryFrom<String> for SourceUri {
 }
 
 impl From<SourceUri> for String {
-    fn from(name: SourceUri) -> Self {
-        name.to_string()
+    fn from(uri: SourceUri) -> Self {
+        uri.to_string()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::hc11::{Framing, Hc11Format};
 
-    fn line(framing: Framing, baud: u32) -> StreamOptions {
-        StreamOptions {
+    fn stream(scheme: &str, address: &str, format: impl Into<StreamFormat>) -> SourceUri {
+        let mut transports = TRANSPORTS.iter();
+        SourceUri::Stream(StreamUri {
+            transport: transports
+                .find(|transport| transport.scheme.name == scheme)
+                .unwrap(),
+            address: address.to_owned(),
+            format: format.into(),
+        })
+    }
+
+    fn hc11(framing: Framing, baud: u32) -> Hc11Format {
+        Hc11Format {
             framing,
             baud: NonZeroU32::new(baud).unwrap(),
-            ..StreamOptions::default()
         }
     }
 
     #[test]
-    fn every_kind_of_source_has_its_text() {
-        let serial = |port: &str, line| SourceUri::Serial {
-            port: port.to_owned(),
-            line,
+    fn every_kind_of_source_has_a_uri() {
+        let default = Hc11Format::default();
+        let slow = hc11(Framing::Double06, 9600);
+        let text_line = StreamFormat::new(&crate::capture::protocol::text_line::PROTOCOL);
+        let text_line_at = |baud| StreamFormat {
+            baud: NonZeroU32::new(baud),
+            ..text_line.clone()
         };
-        let file = |path: &str, line| SourceUri::File {
-            path: path.into(),
-            line,
-        };
-        let tcp = |address: &str, line| SourceUri::Tcp {
-            address: address.to_owned(),
-            line,
-        };
-        let usual = StreamOptions::default();
         let table = [
-            ("serial:/dev/ttyUSB0", serial("/dev/ttyUSB0", usual)),
+            (
+                "serial:/dev/ttyUSB0",
+                stream("serial", "/dev/ttyUSB0", default),
+            ),
             (
                 "serial:/dev/ttyUSB0?protocol=hc11&baud=9600",
-                serial("/dev/ttyUSB0", line(Framing::Double06, 9600)),
+                stream("serial", "/dev/ttyUSB0", slow),
             ),
             (
                 "serial:COM3?framing=hash",
-                serial("COM3", line(Framing::Hash, 115_200)),
+                stream("serial", "COM3", hc11(Framing::Hash, 115_200)),
+            ),
+            (
+                "serial:COM3?protocol=text-line",
+                stream("serial", "COM3", text_line_at(115_200)),
             ),
             (
                 "file:a b.raw?baud=1",
-                file("a b.raw", line(Framing::Double06, 1)),
+                stream("file", "a b.raw", hc11(Framing::Double06, 1)),
             ),
-            ("file:what?", file("what?", usual)),
-            ("file:what?now.raw", file("what?now.raw", usual)),
-            ("file:what?a=b?protocol=hc11", file("what?a=b", usual)),
-            ("tcp:glove.local:4001", tcp("glove.local:4001", usual)),
+            ("file:what?", stream("file", "what?", default)),
+            ("file:what?now.raw", stream("file", "what?now.raw", default)),
+            (
+                "file:what?a=b?protocol=hc11",
+                stream("file", "what?a=b", default),
+            ),
+            (
+                "tcp:glove.local:4001",
+                stream("tcp", "glove.local:4001", default),
+            ),
             (
                 "tcp:[::1]:4001?baud=9600",
-                tcp("[::1]:4001", line(Framing::Double06, 9600)),
+                stream("tcp", "[::1]:4001", slow),
+            ),
+            (
+                "tcp:angles.local:10002?protocol=text-line",
+                stream("tcp", "angles.local:10002", text_line.clone()),
+            ),
+            (
+                "udp:0.0.0.0:9000?protocol=text-line",
+                stream("udp", "0.0.0.0:9000", text_line.clone()),
+            ),
+            ("stdin:", stream("stdin", "", default)),
+            (
+                "stdin:?protocol=text-line",
+                stream("stdin", "", text_line.clone()),
             ),
             (
                 "recording:x?baud=2.mcap",
@@ -372,18 +434,37 @@ mod tests {
             ),
         ];
         for (text, expected) in table {
-            let name: SourceUri = text.parse().unwrap();
-            assert_eq!(name, expected, "{text}");
-            assert_eq!(
-                name.to_string().parse::<SourceUri>().unwrap(),
-                name,
-                "{text}"
-            );
+            let uri: SourceUri = text.parse().unwrap();
+            assert_eq!(uri, expected, "{text}");
+            assert_eq!(uri.to_string().parse::<SourceUri>().unwrap(), uri, "{text}");
         }
     }
 
     #[test]
-    fn a_wrong_name_says_what_was_meant() {
+    fn every_example_is_a_valid_uri_of_its_scheme() {
+        for scheme in schemes() {
+            let uri: SourceUri = scheme.example.parse().unwrap();
+            let start = format!("{}:", scheme.name);
+            assert!(uri.to_string().starts_with(&start), "{}", scheme.example);
+            assert!(scheme.syntax.starts_with(&start), "{}", scheme.syntax);
+        }
+    }
+
+    #[test]
+    fn only_sources_of_joint_angles_need_no_glove() {
+        let table = [
+            ("serial:COM3", true),
+            ("udp:0.0.0.0:9000?protocol=text-line", false),
+            ("typist:hello", true),
+        ];
+        for (text, needs_glove) in table {
+            let uri: SourceUri = text.parse().unwrap();
+            assert_eq!(uri.needs_glove(), needs_glove, "{text}");
+        }
+    }
+
+    #[test]
+    fn an_invalid_uri_names_the_nearest_valid_one() {
         let table = [
             (
                 "seriel:/dev/ttyUSB0",
@@ -392,15 +473,16 @@ mod tests {
             ("/dev/ttyUSB0", "write `serial:/dev/ttyUSB0`"),
             ("COM3", "write `serial:COM3`"),
             ("typst", "did you mean `typist:…`?"),
-            ("serial:", "nothing follows `serial:`"),
-            ("serial:?baud=9600", "nothing stands before the options"),
+            ("serial:", "`serial:` is followed by nothing"),
+            ("typist:", "`typist:` is followed by nothing"),
+            ("serial:?baud=9600", "the options are preceded by nothing"),
             (
                 "serial:COM3?bauds=9600",
                 "unknown option `bauds`, did you mean `baud`?",
             ),
-            ("serial:COM3?baud", "after `?` options are wanted"),
-            ("serial:COM3?baud=0", "`0` is no baud"),
-            ("serial:COM3?baud=fast", "`fast` is no baud"),
+            ("serial:COM3?baud", "not a list of options"),
+            ("serial:COM3?baud=0", "`0` is not a bit rate"),
+            ("serial:COM3?baud=fast", "`fast` is not a bit rate"),
             ("serial:COM3?baud=1&baud=2", "option `baud` is given twice"),
             (
                 "serial:COM3?protocol=hc12",
@@ -410,10 +492,20 @@ mod tests {
                 "serial:COM3?framing=double6",
                 "unknown framing `double6`, did you mean `double06`?",
             ),
+            (
+                "serial:COM3?protocol=text-line&framing=hash",
+                "unknown option `framing`",
+            ),
+            (
+                "file:a.txt?protocol=text-line&rate_hz=0",
+                "`0` is not a rate from 0.1 to 10000",
+            ),
             ("tcp:glove", "write `tcp:HOST:PORT`"),
             ("tcp:glove:99999", "write `tcp:HOST:PORT`"),
             ("tcp:glove:0", "a port from 1 to 65535"),
             ("tcp::4001", "write `tcp:HOST:PORT`"),
+            ("udp:9000", "write `udp:ADDRESS:PORT`"),
+            ("stdin:now", "`stdin:` has no address"),
         ];
         for (text, part) in table {
             let error = text.parse::<SourceUri>().unwrap_err();
@@ -422,17 +514,5 @@ mod tests {
             assert!(message.contains(part), "{text}: {message}");
             assert!(message.contains(text), "{text}: {message}");
         }
-    }
-
-    #[test]
-    fn a_frame_takes_660_bit_times() {
-        assert_eq!(
-            line(Framing::Hash, 9600).packet_period(),
-            Duration::from_micros(68_750)
-        );
-        assert_eq!(
-            line(Framing::Hash, 660).packet_period(),
-            Duration::from_secs(1)
-        );
     }
 }

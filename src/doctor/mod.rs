@@ -42,10 +42,7 @@ impl Requirements {
             setup.source.as_ref(),
             other.and_then(|hand| hand.source.as_ref()),
         ];
-        let port = |source: &SourceUri| match source {
-            SourceUri::Serial { port, .. } => Some(port.clone()),
-            _ => None,
-        };
+        let port = |source: &SourceUri| source.serial_port().map(str::to_owned);
         let names = |wanted: &str| setup.output.split(',').any(|name| name.trim() == wanted);
         Self {
             ports: sources.into_iter().flatten().filter_map(port).collect(),

@@ -4,7 +4,7 @@ use ron::ser::PrettyConfig;
 
 use super::{ArmSetup, OtherHand, Setup, SetupError};
 use crate::capture::recording::{RecordedSetup, Replay};
-use crate::capture::{self, MergedSource, Source, SourceUri, StreamOptions};
+use crate::capture::{self, Hc11Format, MergedSource, Source, SourceUri};
 use crate::command::ProfileName;
 use crate::device::Capabilities;
 use crate::document::{Document, DocumentError};
@@ -274,13 +274,13 @@ impl LoadedSetup {
             SourceUri::Recording { path } => Ok(Box::new(Replay::open(path)?)),
             SourceUri::Typist { text } => Ok(Box::new(self.typist(
                 text,
-                &StreamOptions::default(),
+                &Hc11Format::default(),
                 0.0,
                 0,
             )?)),
             SourceUri::Script { script } => Ok(Box::new(self.scripted(
                 script,
-                &StreamOptions::default(),
+                &Hc11Format::default(),
                 0.0,
                 0,
             )?)),

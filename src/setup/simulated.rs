@@ -3,7 +3,7 @@
 use parry3d::math::Vec2;
 
 use super::{LoadedSetup, SetupError};
-use crate::capture::StreamOptions;
+use crate::capture::Hc11Format;
 use crate::contact::TargetId;
 use crate::hand::Side;
 use crate::layout::{ControlKind, SpaceTargets};
@@ -17,7 +17,7 @@ impl LoadedSetup {
     pub fn typist(
         &self,
         text: &str,
-        line: &StreamOptions,
+        line: &Hc11Format,
         noise_counts: f64,
         seed: u64,
     ) -> Result<SimulatedTypist, SetupError> {
@@ -44,7 +44,7 @@ impl LoadedSetup {
     pub fn scripted(
         &self,
         path_or_text: &str,
-        line: &StreamOptions,
+        line: &Hc11Format,
         noise_counts: f64,
         seed: u64,
     ) -> Result<SimulatedTypist, SetupError> {

@@ -6,7 +6,7 @@ use std::time::Instant;
 use crossbeam_channel::{Receiver, at, select};
 
 use super::{GloveCounts, SimulatedTypist};
-use crate::capture::StreamOptions;
+use crate::capture::Hc11Format;
 use crate::capture::hc11::{BODY_BYTES, encode};
 
 /// What was played.
@@ -28,7 +28,7 @@ pub type PacketWriters = Vec<Box<dyn Write + Send>>;
 pub fn play(
     mut typist: SimulatedTypist,
     writers: &mut PacketWriters,
-    line: StreamOptions,
+    line: Hc11Format,
     stop: &Receiver<()>,
 ) -> Result<PlaybackStats> {
     let start = Instant::now();

@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::capture::{CaptureError, Source, SourceEvent, SourceStats, StreamOptions};
+use ademan::capture::{CaptureError, Hc11Format, Source, SourceEvent, SourceStats};
 use ademan::output;
 use ademan::session::{Answer, Call, Calls, CommandError, Commands, Order, calls, run_pipeline};
 use ademan::setup::Setup;
@@ -47,7 +47,7 @@ impl Source for FallsSilent {
 /// Runs until `observe` says that it is over, with somebody at the other end of the calls.
 fn run(asker: impl FnOnce(Calls) + Send + 'static, mut observe: impl FnMut(&Snapshot) -> bool) {
     let assembly = Setup::default().load_files().expect("the default setup");
-    let hand = assembly.typist("asked", &StreamOptions::default(), 0.0, 0);
+    let hand = assembly.typist("asked", &Hc11Format::default(), 0.0, 0);
     let source = FallsSilent {
         hand: hand.expect("it can be typed"),
         readings: 0,

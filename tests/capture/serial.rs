@@ -1,9 +1,6 @@
 //! A real serial device: a pseudo terminal that is paced, cut, filled with noise, unplugged and plugged in again.
 #![cfg(unix)]
 
-#[path = "../../src/capture/test_random.rs"]
-mod random;
-
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock};
@@ -12,10 +9,10 @@ use std::time::{Duration, Instant};
 use crate::support::source::next_within;
 use ademan::capture::hc11::{BODY_BYTES, Framing, PACKET_BYTES, encode};
 use ademan::capture::{
-    CaptureError, CaptureEvent, Sample, Source, SourceEvent, SourceUri, StreamOptions, open,
+    CaptureError, CaptureEvent, Hc11Format, Sample, Source, SourceEvent, SourceUri, open,
     open_loopback, spawn,
 };
-use random::Random;
+use fastrand::Rng;
 use serialport::{SerialPort, TTYPort};
 
 /// Longer than anything here takes on a busy machine.
@@ -74,8 +71,8 @@ fn name(path: &Path, baud: u32) -> SourceUri {
     text.parse().expect("the name of a source")
 }
 
-fn bodies(random: &mut Random, count: usize) -> Vec<[u8; BODY_BYTES]> {
-    let body = |_| [(); BODY_BYTES].map(|()| random.byte());
+fn bodies(random: &mut Rng, count: usize) -> Vec<[u8; BODY_BYTES]> {
+    let body = |_| [(); BODY_BYTES].map(|()| random.u8(..));
     (0..count).map(body).collect()
 }
 
@@ -141,8 +138,8 @@ fn logged(port: &Port, part: &str) -> usize {
 
 /// Sends noise and then `frames` frames at the pace of the line, in pieces of random size.
 fn every_frame_arrives_at_the_pace_of(baud: u32, frames: usize) {
-    let mut random = Random::new(u64::from(baud));
-    let noise: Vec<u8> = (0..100).map(|_| random.byte()).collect();
+    let mut random = Rng::with_seed(u64::from(baud));
+    let noise: Vec<u8> = (0..100).map(|_| random.u8(..)).collect();
     let sent = bodies(&mut random, frames);
     let mut bytes = noise.clone();
     bytes.extend(stream(&sent));
@@ -156,7 +153,7 @@ fn every_frame_arrives_at_the_pace_of(baud: u32, frames: usize) {
         let start = Instant::now();
         let mut at = 0;
         while at < bytes.len() {
-            let piece = &bytes[at..bytes.len().min(at + 1 + random.below(90))];
+            let piece = &bytes[at..bytes.len().min(at + 1 + random.usize(..90))];
             at += piece.len();
             std::thread::sleep(wire_time(at).saturating_sub(start.elapsed()));
             port.send(piece);
@@ -202,7 +199,7 @@ fn every_frame_arrives_at_115200_baud() {
 #[test]
 fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_device() {
     log();
-    let mut random = Random::new(4);
+    let mut random = Rng::with_seed(4);
     let sent = bodies(&mut random, 4);
     let bytes = stream(&sent);
     let mut port = Port::plugged_in();
@@ -232,7 +229,7 @@ fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_device() {
 
     port.plug_in();
     let start = Instant::now();
-    while logged(&port, "is back as") == 0 && start.elapsed() < LIMIT {
+    while logged(&port, "reconnected to") == 0 && start.elapsed() < LIMIT {
         assert_eq!(source.next().unwrap(), SourceEvent::Idle);
     }
     // The rest of the frame that was cut, and whole frames.
@@ -241,7 +238,7 @@ fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_device() {
     assert_eq!(next_body(&mut *source), sent[2]);
     assert_eq!(next_body(&mut *source), sent[3]);
     assert_eq!(source.stats().losses, 1);
-    assert_eq!(logged(&port, "is back as"), 1);
+    assert_eq!(logged(&port, "reconnected to"), 1);
 }
 
 #[test]
@@ -302,16 +299,16 @@ fn what_is_no_serial_port_is_refused() {
 #[test]
 fn garbage_for_two_seconds_is_warned_of_once() {
     log();
-    let mut random = Random::new(5);
+    let mut random = Rng::with_seed(5);
     let mut port = Port::plugged_in();
     let mut source = open(&port.name(9600)).unwrap();
     let start = Instant::now();
     while start.elapsed() < Duration::from_secs(3) {
-        port.send(&[random.byte(), 0]);
+        port.send(&[random.u8(..), 0]);
         assert_eq!(source.next().unwrap(), SourceEvent::Idle);
         std::thread::sleep(Duration::from_millis(5));
         if start.elapsed() < Duration::from_millis(1900) {
-            assert_eq!(logged(&port, "no valid frame"), 0);
+            assert_eq!(logged(&port, "no valid packet"), 0);
         }
     }
     assert_eq!(logged(&port, "check baud and protocol"), 1);
@@ -320,8 +317,8 @@ fn garbage_for_two_seconds_is_warned_of_once() {
 #[test]
 fn a_megabyte_of_noise_gives_no_frame_and_the_next_frames_do() {
     const NOISE: usize = 1 << 20;
-    let mut random = Random::new(6);
-    let noise: Vec<u8> = (0..NOISE).map(|_| random.byte()).collect();
+    let mut random = Rng::with_seed(6);
+    let noise: Vec<u8> = (0..NOISE).map(|_| random.u8(..)).collect();
     let sent = bodies(&mut random, 2);
     let mut port = Port::plugged_in();
     let mut source = open(&port.name(115_200)).unwrap();
@@ -344,7 +341,7 @@ fn a_megabyte_of_noise_gives_no_frame_and_the_next_frames_do() {
 
 #[test]
 fn a_wire_that_nobody_reads_takes_bytes_all_the_same() {
-    let mut wire = open_loopback(StreamOptions::default()).unwrap();
+    let mut wire = open_loopback(Hc11Format::default()).unwrap();
     // More than the terminal holds, 70 kB on Linux.
     wire.writer.write_all(&[0; 90_000]).unwrap();
 }
@@ -354,7 +351,7 @@ fn a_wire_that_nobody_reads_takes_bytes_all_the_same() {
 fn a_terminal_that_got_the_number_of_a_lost_one_is_left_alone() {
     let mut port = Port::plugged_in();
     let mut source = open(&port.name(115_200)).expect("the port opens");
-    let bodies = bodies(&mut Random::new(7), 4);
+    let bodies = bodies(&mut Rng::with_seed(7), 4);
     port.send(&stream(&bodies));
     assert_eq!(next_body(&mut *source), bodies[0]);
     let number = std::fs::read_link(port.path()).expect("a link");
@@ -386,9 +383,8 @@ fn a_terminal_that_got_the_number_of_a_lost_one_is_left_alone() {
 
 #[test]
 fn a_wire_is_a_serial_port_whose_cable_is_its_writer() {
-    let sent = bodies(&mut Random::new(8), 3);
-    let mut wire = open_loopback(StreamOptions::default()).unwrap();
-    assert!(matches!(wire.uri, SourceUri::Serial { .. }));
+    let sent = bodies(&mut Rng::with_seed(8), 3);
+    let mut wire = open_loopback(Hc11Format::default()).unwrap();
     let mut source = open(&wire.uri).unwrap();
     wire.writer.write_all(&stream(&sent)).unwrap();
     assert_eq!(next_body(&mut *source), sent[0]);
@@ -396,8 +392,6 @@ fn a_wire_is_a_serial_port_whose_cable_is_its_writer() {
     drop(wire.writer);
     let error = next(&mut *source).unwrap_err();
     assert!(matches!(error, CaptureError::Lost { .. }), "{error}");
-    let SourceUri::Serial { port, .. } = &wire.uri else {
-        panic!("not serial");
-    };
+    let port = wire.uri.serial_port().expect("a serial port");
     assert!(!Path::new(port).is_symlink(), "the port keeps its name");
 }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use ademan::capture::{
-    CaptureError, PacedSource, Reading, Source, SourceEvent, SourceStats, StreamOptions,
+    CaptureError, Hc11Format, PacedSource, Reading, Source, SourceEvent, SourceStats,
 };
 use ademan::device::{EventKind, OutputEvent};
 use ademan::output;
@@ -52,7 +52,7 @@ impl Source for Trembling {
 }
 
 fn trembling(assembly: &LoadedSetup, is_live: bool) -> Trembling {
-    let hand = assembly.typist("accounts", &StreamOptions::default(), 0.0, 0);
+    let hand = assembly.typist("accounts", &Hc11Format::default(), 0.0, 0);
     Trembling {
         hand: hand.expect("it can be typed"),
         number: 0,
@@ -110,7 +110,7 @@ fn a_live_source_that_is_too_fast_has_its_oldest_readings_superseded() {
 fn readings_from_before_the_program_stood_still_press_nothing_and_are_accounted_for() {
     let assembly = Setup::default().load_files().expect("the default setup");
     let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
-    let typist = assembly.typist("accounts", &StreamOptions::default(), 0.0, 0);
+    let typist = assembly.typist("accounts", &Hc11Format::default(), 0.0, 0);
     let source = PacedSource::new(typist.expect("it can be typed"), 1.0);
     let mut has_stood_still = false;
     let mut events_after = Vec::new();

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use crate::support::source::next_within;
 use ademan::capture::hc11::{BODY_BYTES, Framing, PACKET_BYTES, encode};
 use ademan::capture::loopback::open_tcp_loopback;
-use ademan::capture::{CaptureError, Sample, Source, SourceEvent, SourceUri, StreamOptions, open};
+use ademan::capture::{CaptureError, Hc11Format, Sample, Source, SourceEvent, SourceUri, open};
 
 /// Longer than anything here takes on a busy machine.
 const LIMIT: Duration = Duration::from_secs(60);
@@ -82,7 +82,7 @@ fn a_peer_that_falls_silent_is_given_up_after_five_seconds() {
     let start = Instant::now();
     let error = next(&mut *source).unwrap_err();
     assert!(
-        error.to_string().contains("nothing came for 5 s"),
+        error.to_string().contains("nothing was received for 5 s"),
         "{error}"
     );
     assert!(
@@ -100,14 +100,14 @@ fn a_refused_connection_cannot_be_opened() {
     let error = open(&name).err().expect("nobody listens");
     assert!(matches!(error, CaptureError::Open { .. }), "{error}");
     assert!(
-        error.to_string().contains("check that the converter is on"),
+        error.to_string().contains("check that the server is on"),
         "{error}"
     );
 }
 
 #[test]
 fn a_source_may_leave_a_wire_and_come_again() {
-    let mut wire = open_tcp_loopback(StreamOptions::default()).unwrap();
+    let mut wire = open_tcp_loopback(Hc11Format::default()).unwrap();
     wire.writer.write_all(b"nobody listens").unwrap();
     for first in [10, 20] {
         let mut source = open(&wire.uri).unwrap();

@@ -107,7 +107,7 @@ fn a_port_of_others_is_told_with_who_may_open_it_and_members_of_that_group_may()
     let program = folder.path().join("ademan");
     fs::copy(env!("CARGO_BIN_EXE_ademan"), &program).unwrap();
     fs::set_permissions(folder.path(), PermissionsExt::from_mode(0o755)).unwrap();
-    let wire = ademan::capture::open_loopback(Default::default()).unwrap();
+    let wire = ademan::capture::open_loopback(ademan::capture::Hc11Format::default()).unwrap();
     let source = wire.uri.to_string();
     let port = source
         .trim_start_matches("serial:")

@@ -15,7 +15,7 @@ use crate::support::process::{Process, no_program_starts};
 use crate::support::run::{PATIENCE, lines, postures, shipped};
 use crate::support::x11::XServer;
 use ademan::capture::hc11::{Framing, encode};
-use ademan::capture::{Loopback, StreamOptions, open_loopback};
+use ademan::capture::{Hc11Format, Loopback, open_loopback};
 use tempfile::TempDir;
 
 /// How long nothing happens.
@@ -42,7 +42,7 @@ impl Idle {
         .expect("a file");
         let mut wire = {
             let _alone = no_program_starts();
-            open_loopback(StreamOptions::default()).expect("a line")
+            open_loopback(Hc11Format::default()).expect("a line")
         };
         let source = wire.uri.to_string();
         let arguments = ["run", "setup.ron", "--source", &source, "--output", output];

@@ -67,7 +67,10 @@ fn every_wrong_source_is_refused_with_what_to_do() {
         ("trace readings", &["no source is given"]),
         ("run --source foo", &["starts with one of", "`serial:`"]),
         ("run --source serail:x", &["did you mean `serial`?"]),
-        ("run --source serial:", &["nothing follows `serial:`"]),
+        (
+            "run --source serial:",
+            &["`serial:` is followed by nothing"],
+        ),
         (
             "run --source /dev/ttyUSB0",
             &["write `serial:/dev/ttyUSB0`"],
@@ -91,7 +94,7 @@ fn every_wrong_source_is_refused_with_what_to_do() {
         ("run --source file:/", &["not a regular file"]),
         (
             "run --source tcp:127.0.0.1:1",
-            &["check that the converter is on"],
+            &["check that the server is on"],
         ),
         ("run --source tcp:here", &["write `tcp:HOST:PORT`"]),
         (

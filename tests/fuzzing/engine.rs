@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use ademan::capture::{Channels, Reading, Sample, Source, SourceEvent, StreamOptions};
+use ademan::capture::{Channels, Hc11Format, Reading, Sample, Source, SourceEvent};
 use ademan::device::{EventKind, Events};
 use ademan::hand::Side;
 use ademan::layout::Layout;
@@ -136,7 +136,7 @@ impl World {
             ..Setup::default()
         };
         let assembly = setup.load_files().expect("shipped files");
-        let hand = assembly.scripted(plan.script, &StreamOptions::default(), 0.0, 0);
+        let hand = assembly.scripted(plan.script, &Hc11Format::default(), 0.0, 0);
         let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
         let mut movements = Vec::new();
         let mut last = None;

@@ -1,6 +1,7 @@
 //! The glove's packets: every byte is counted once, however the stream is cut.
 
-use ademan::capture::hc11::{BODY_BYTES, Framing, Hc11Decoder, PACKET_BYTES, encode};
+use ademan::capture::hc11::{BODY_BYTES, Framing, Hc11Decoder, PACKET_BYTES, body, encode};
+use ademan::capture::protocol::Decoder;
 
 /// The first byte says how long the pieces are that the rest comes in. Whether there was a frame.
 pub fn packets(data: &[u8]) -> bool {
@@ -21,11 +22,13 @@ fn frames(framing: Framing, stream: &[u8], length: usize) -> Vec<[u8; BODY_BYTES
     let mut decoder = Hc11Decoder::new(framing);
     let mut frames = Vec::new();
     for piece in stream.chunks(length) {
-        decoder.push(piece, &mut |body| frames.push(*body));
+        decoder.push(piece, &mut |packet| {
+            frames.push(body(&packet.sample).expect("channels"))
+        });
         assert!(decoder.pending_bytes() < PACKET_BYTES + 2);
         check_counts(&decoder, frames.len());
     }
-    decoder.finish(&mut |body| frames.push(*body));
+    decoder.finish(&mut |packet| frames.push(body(&packet.sample).expect("channels")));
     check_counts(&decoder, frames.len());
     let counts = decoder.stats();
     assert_eq!(

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use ademan::capture::recording::{RecordedSetup, Replay};
-use ademan::capture::{Reading, Source, SourceEvent, StreamOptions};
+use ademan::capture::{Hc11Format, Reading, Source, SourceEvent};
 use ademan::contact::Touches;
 use ademan::device::Events;
 use ademan::recorder::Recorder;
@@ -104,7 +104,7 @@ static ASSEMBLY: LazyLock<LoadedSetup> = LazyLock::new(|| {
 /// Recordings of a hand that presses an arrow key: with its setup and without, each with its checksum and
 /// without, so that damage is looked at too.
 pub fn seeds() -> Vec<Vec<u8>> {
-    let hand = ASSEMBLY.scripted("tap ArrowUp", &StreamOptions::default(), 0.0, 0);
+    let hand = ASSEMBLY.scripted("tap ArrowUp", &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.expect("a hand");
     let mut readings = Vec::new();
     while let Ok(SourceEvent::Reading(reading)) = hand.next() {

@@ -8,7 +8,8 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use ademan::capture::hc11::{self, Framing, Hc11Decoder, encode};
-use ademan::capture::{Reading, Sample, StreamOptions};
+use ademan::capture::protocol::Decoder;
+use ademan::capture::{Hc11Format, Reading, Sample};
 use ademan::contact::{Phase, TargetId, Touch, Touches};
 use ademan::device::keyboard::Keyboard;
 use ademan::device::{
@@ -90,7 +91,7 @@ fn boards_that_move_or_drift_allocate_nothing() {
     let mut assembly = Setup::default()
         .load_files()
         .expect("the default setup is there");
-    let typist = assembly.typist("h", &StreamOptions::default(), 0.0, 0);
+    let typist = assembly.typist("h", &Hc11Format::default(), 0.0, 0);
     let counts = typist.expect("h can be typed").next_counts();
     let counts = counts.expect("it begins over the key");
     let body: [u8; 64] = std::array::from_fn(|channel| counts[channel] as u8);
@@ -133,7 +134,7 @@ fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
         .load_files()
         .expect("the default setup is there");
     let text = "Steady State!";
-    let typist = assembly.typist(text, &StreamOptions::default(), 0.5, 7);
+    let typist = assembly.typist(text, &Hc11Format::default(), 0.5, 7);
     let bytes = stream(typist.expect("the text can be typed"));
     let mut pipeline = assembly.pipeline();
     let mut decoder = Hc11Decoder::new(Framing::Double06);
@@ -142,12 +143,12 @@ fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
 
     let before = allocations();
     for piece in bytes.chunks(29) {
-        decoder.push(piece, &mut |body| {
+        decoder.push(piece, &mut |packet| {
             frames += 1;
             let reading = Reading {
                 time: Timestamp(5_729 * frames),
                 side: None,
-                sample: Sample::Channels(hc11::channels(body)),
+                sample: packet.sample,
             };
             events.clear();
             let _ = std::hint::black_box(pipeline.step(&reading, &mut events));
@@ -167,7 +168,7 @@ fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
 
 /// The readings of a hand that types `text`, 5.7 ms apart.
 fn readings(assembly: &LoadedSetup, text: &str) -> Vec<Reading> {
-    let typist = assembly.typist(text, &StreamOptions::default(), 0.5, 7);
+    let typist = assembly.typist(text, &Hc11Format::default(), 0.5, 7);
     let mut typist = typist.expect("the text can be typed");
     let mut readings = Vec::new();
     while let Some(counts) = typist.next_counts() {
@@ -477,7 +478,7 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
 #[test]
 fn the_loop_around_a_frame_allocates_nothing() {
     let assembly = Setup::default().load_files().expect("the default setup");
-    let typist = assembly.typist("loops", &StreamOptions::default(), 0.0, 0);
+    let typist = assembly.typist("loops", &Hc11Format::default(), 0.0, 0);
     let mut nowhere =
         ademan::output::open("none", &assembly.required_capabilities()).expect("nowhere");
     let mut pipeline = assembly.pipeline();

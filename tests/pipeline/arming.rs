@@ -2,7 +2,7 @@
 //! everything is released in time.
 
 use crate::support::checked::Judged;
-use ademan::capture::{Channels, Reading, Sample, Source, SourceEvent, StreamOptions};
+use ademan::capture::{Channels, Hc11Format, Reading, Sample, Source, SourceEvent};
 use ademan::contact::Phase;
 use ademan::device::{EventKind, Events, KeyCode};
 use ademan::estimate::Rejection;
@@ -24,7 +24,7 @@ struct Wearer {
 /// Returns the counts of the glove above the H key, and with the key fully pressed.
 fn postures(setup: &Setup) -> (Channels, Channels) {
     let loaded = setup.clone().load_files().expect("the default setup");
-    let hand = loaded.typist("h", &StreamOptions::default(), 0.0, 0);
+    let hand = loaded.typist("h", &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.expect("h can be typed");
     let mut pipeline = loaded.pipeline();
     let (mut hover, mut pressed) = (None, None);

@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::support::checked::Judged;
-use ademan::capture::{Source, SourceEvent, StreamOptions};
+use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::contact::TargetNames;
 use ademan::device::{EventKind, Events};
 use ademan::output::transcript::EventLine;
@@ -81,7 +81,7 @@ fn played(layout: &str, script: &Path) -> String {
     };
     let assembly = setup.load_files().expect("a shipped layout");
     let path = script.to_str().expect("a path of letters");
-    let hand = assembly.scripted(path, &StreamOptions::default(), 0.0, 0);
+    let hand = assembly.scripted(path, &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
     let mut pipeline = Judged::of(&assembly);
     let (mut lines, mut ways, mut events) = (Vec::new(), Ways::default(), Events::new());

@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use ademan::capture::{Source, SourceEvent, StreamOptions};
+use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::device::{EventKind, Events};
 use ademan::layout::{Document, Layout};
 use ademan::pipeline::{Pipeline, SourceRole};
@@ -16,7 +16,7 @@ fn assemble(setup: Setup) -> LoadedSetup {
 
 /// Lets a hand type a text; what goes out, a word an event.
 fn type_with(assembly: &LoadedSetup, pipeline: &mut Pipeline, text: &str) -> Vec<String> {
-    let hand = assembly.typist(text, &StreamOptions::default(), 0.0, 0);
+    let hand = assembly.typist(text, &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.expect("it can be typed");
     let mut written = Vec::new();
     while let Ok(SourceEvent::Reading(reading)) = hand.next() {

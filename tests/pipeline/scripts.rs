@@ -1,7 +1,7 @@
 //! A script in, a transcript out: the simulated hand plays every kind of movement, through the pipeline.
 
 use crate::support::checked::Judged;
-use ademan::capture::{Source, SourceEvent, StreamOptions};
+use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::device::Events;
 use ademan::hand::Finger;
 use ademan::kinematics::HandPose;
@@ -19,7 +19,7 @@ fn assembly(layout: &str) -> LoadedSetup {
 }
 
 fn hand(assembly: &LoadedSetup, script: &str) -> Result<SimulatedTypist, String> {
-    let hand = assembly.scripted(script, &StreamOptions::default(), 0.0, 0);
+    let hand = assembly.scripted(script, &Hc11Format::default(), 0.0, 0);
     hand.map_err(|error| error.to_string())
 }
 
@@ -315,7 +315,7 @@ fn a_script_plays_the_same_every_time() {
     let assembly = assembly("numpad");
     let counts = || {
         let mut hand = assembly
-            .scripted(script, &StreamOptions::default(), 1.5, 3)
+            .scripted(script, &Hc11Format::default(), 1.5, 3)
             .unwrap();
         std::iter::from_fn(move || hand.next_counts()).collect::<Vec<_>>()
     };

@@ -2,7 +2,7 @@
 
 use std::num::NonZeroU32;
 
-use ademan::capture::{Source, SourceEvent, StreamOptions};
+use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::contact::{Phase, TargetId};
 use ademan::device::Events;
 use ademan::hand::Side;
@@ -13,10 +13,10 @@ use ademan::sim::{HandAction, SimulatedTypist, TypistSettings, UsTextField};
 const ALL_OF_ASCII: &str = "The quick brown fox, jumps over\nthe lazy dog! 0123456789\n\
     @#$%^&*()-_=+[]{}\\|;:'\"/?.,<>`~\tend";
 
-fn line(baud: u32) -> StreamOptions {
-    StreamOptions {
+fn line(baud: u32) -> Hc11Format {
+    Hc11Format {
         baud: NonZeroU32::new(baud).expect("a baud"),
-        ..StreamOptions::default()
+        ..Hc11Format::default()
     }
 }
 

@@ -7,7 +7,7 @@ use std::thread::{self, JoinHandle};
 use std::time::Instant;
 
 use ademan::capture::hc11::{Framing, encode};
-use ademan::capture::{SourceUri, open_loopback};
+use ademan::capture::open_loopback;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
 use super::press::{Posture, line};
@@ -35,9 +35,7 @@ impl Glove {
             let _alone = no_program_starts();
             open_loopback(line()).expect("a pseudo terminal")
         };
-        let SourceUri::Serial { port, .. } = &wire.uri else {
-            panic!("{} is no serial port", wire.uri);
-        };
+        let port = wire.uri.serial_port().expect("a serial port");
         symlink(port, link).expect("a link to it");
         let (orders, received) = unbounded();
         let player = thread::spawn(move || play(wire.writer, &received, posture));

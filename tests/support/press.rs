@@ -1,7 +1,7 @@
 //! One key that a simulated hand presses, as the postures of the glove.
 
 use ademan::capture::hc11::BODY_BYTES;
-use ademan::capture::{Channels, Reading, Sample, StreamOptions};
+use ademan::capture::{Channels, Hc11Format, Reading, Sample};
 use ademan::device::{EventKind, Events, KeyCode};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
@@ -11,8 +11,8 @@ use ademan::time::Timestamp;
 pub type Posture = [u8; BODY_BYTES];
 
 /// The pace at which postures follow each other.
-pub fn line() -> StreamOptions {
-    StreamOptions::default()
+pub fn line() -> Hc11Format {
+    Hc11Format::default()
 }
 
 /// A simulated hand that types a text, cut where its last key is at the bottom.

@@ -9,7 +9,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
-use ademan::capture::{Reading, Sample, StreamOptions, hc11};
+use ademan::capture::{Hc11Format, Reading, Sample, hc11};
 use ademan::contact::Phase;
 use ademan::device::Events;
 use ademan::layout::Layout;
@@ -32,7 +32,7 @@ type Posture = [u8; BODY_BYTES];
 /// The glove with the index finger over the H key, and with the key pushed in.
 pub fn postures() -> (Posture, Posture) {
     let assembly = Setup::default().load_files().expect("the default setup");
-    let typist = assembly.typist("h", &StreamOptions::default(), 0.0, 0);
+    let typist = assembly.typist("h", &Hc11Format::default(), 0.0, 0);
     let mut typist = typist.expect("h can be typed");
     let mut pipeline = assembly.pipeline();
     let mut over = None;
@@ -156,7 +156,7 @@ fn wear(listener: &TcpListener, posture: &Mutex<Posture>) {
         if line.write_all(&packet).is_err() {
             return;
         }
-        thread::sleep(StreamOptions::default().packet_period());
+        thread::sleep(Hc11Format::default().packet_period());
     }
 }
 

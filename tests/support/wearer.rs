@@ -1,6 +1,7 @@
 //! A glove whose bytes go straight through the engine: what is typed does not depend on how busy the machine is.
 
-use ademan::capture::hc11::{Framing, Hc11Decoder, PACKET_BYTES, channels, encode};
+use ademan::capture::hc11::{Framing, Hc11Decoder, PACKET_BYTES, body, channels, encode};
+use ademan::capture::protocol::{Decoder, Packet};
 use ademan::capture::{Reading, Sample};
 use ademan::device::{EventKind, Events};
 use ademan::estimate::{Estimator, EstimatorSettings, Rejection};
@@ -64,7 +65,9 @@ impl GloveWearer {
         for byte in bytes {
             self.bytes += 1;
             let time = self.silence + line().transmission_time(self.bytes).as_micros() as u64;
-            let push = &mut |body: &Posture| bodies.push((time, *body));
+            let push = &mut |packet: Packet| {
+                bodies.push((time, body(&packet.sample).expect("channels")));
+            };
             self.decoder.push(&[*byte], push);
         }
         for (time, body) in bodies {

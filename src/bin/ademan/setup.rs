@@ -94,5 +94,5 @@ pub fn wait_for(
 
 /// Whether it is something that can be plugged in later.
 fn is_device(name: &SourceUri) -> bool {
-    matches!(name, SourceUri::Serial { .. } | SourceUri::Tcp { .. })
+    name.is_device()
 }

@@ -1,4 +1,4 @@
-//! Waiting for bytes on a file descriptor, cancellable and with an optional timeout.
+//! Cancellable waits for bytes, and the identity of the files that are waited on.
 
 #[cfg(target_os = "linux")]
 mod linux;
@@ -6,6 +6,6 @@ mod linux;
 mod unsupported;
 
 #[cfg(target_os = "linux")]
-pub(in crate::capture) use linux::{Readiness, TerminalName, open_to_read};
+pub(super) use linux::{Readiness, TerminalIdentity, open_stdin, open_to_read};
 #[cfg(not(target_os = "linux"))]
-pub(in crate::capture) use unsupported::{Readiness, TerminalName, open_to_read};
+pub(super) use unsupported::{Readiness, TerminalIdentity, open_stdin, open_to_read};

@@ -1,38 +1,44 @@
-//! Where nothing can be waited for that somebody may interrupt: each read waits for as long as it may.
+//! Stand-in for systems without a cancellable wait: each read blocks for its own timeout.
 
 use std::convert::Infallible;
 use std::fs::File;
-use std::io::Result;
+use std::io::{Read, Result};
 use std::time::Duration;
 
 use crate::capture::cancel::CancelToken;
 
-/// There is none.
+/// Never created.
 pub(in crate::capture) struct Readiness(Infallible);
 
 impl Readiness {
-    /// None.
-    pub fn of<L>(_line: &L) -> Option<Self> {
+    /// Returns `None`.
+    pub fn new<T>(_descriptor: &T) -> Option<Self> {
         None
     }
 
-    /// Never asked.
-    pub fn wait(&self, _: Option<&CancelToken>, _: Option<Duration>) -> Result<bool> {
+    /// Never called.
+    pub fn poll(&self, _: Option<&CancelToken>, _: Option<Duration>) -> Result<bool> {
         match self.0 {}
     }
 }
 
-/// None.
-pub(in crate::capture) fn open_to_read(_place: &str) -> Option<File> {
+/// Returns `None`: a port is read through its own handle.
+pub(in crate::capture) fn open_to_read(_port: &str) -> Option<File> {
     None
 }
 
-/// The name of a pseudo-terminal; nothing is known of them here.
-#[derive(Clone, Debug, PartialEq)]
-pub(in crate::capture) enum TerminalName {}
+/// Opens the standard input, whose reads block.
+pub(in crate::capture) fn open_stdin() -> Result<(Box<dyn Read + Send>, Option<Readiness>)> {
+    Ok((Box::new(std::io::stdin()), None))
+}
 
-impl TerminalName {
-    pub fn of(_: &str) -> Option<Self> {
+/// Identity of a pseudo-terminal. It is never known here.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::capture) enum TerminalIdentity {}
+
+impl TerminalIdentity {
+    /// Returns `None`.
+    pub fn read(_: &str) -> Option<Self> {
         None
     }
 }

@@ -1,23 +1,60 @@
-//! The packets of the HC11 glove: 64 counts between marks, found in a stream that may be cut anywhere.
+//! HC11 glove packets: 64 sensor counts between marks.
 
-use super::restart_text::TextDetector;
-use crate::capture::{Channels, SourceStats};
+use std::num::NonZeroU32;
+use std::time::Duration;
+
+use super::restart_text::RestartTextDetector;
+use super::{
+    Decoder, Packet, Protocol, ProtocolOption, ProtocolOptions, StreamFormat, transmission_time,
+};
+use crate::capture::{Channels, Sample, SampleKind, SourceStats};
 use crate::names::named_enum;
 
-/// Bytes between the marks of a frame: one per sensor channel, in wire order.
+/// The HC11 protocol.
+pub const PROTOCOL: Protocol = Protocol {
+    name: "hc11",
+    summary: "flex-sensor glove with the 68HC11 converter: 64 counts of 8 bits per packet",
+    sample: SampleKind::Channels,
+    min_packet_bytes: PACKET_BYTES,
+    default_baud: Some(DEFAULT_BAUD),
+    options: &[&FRAMING],
+    nominal_rate_hz: |_| None,
+    decoder: |options| Box::new(Hc11Decoder::new(framing(options))),
+};
+
+const FRAMING: ProtocolOption = ProtocolOption {
+    name: "framing",
+    default: Framing::Double06.name(),
+    summary: "marks around a packet: `double06` (two bytes 06 before it) or `hash` (`#` before and after it)",
+    check: |value| match value.parse::<Framing>() {
+        Ok(_) => Ok(()),
+        Err(error) => Err(error.to_string()),
+    },
+};
+
+fn framing(options: &ProtocolOptions) -> Framing {
+    let value = options.get(&FRAMING);
+    value
+        .parse()
+        .expect("options are checked when they are set")
+}
+
+const DEFAULT_BAUD: NonZeroU32 = NonZeroU32::new(115_200).unwrap();
+
+/// Bytes between the marks of a packet: one per sensor channel, in wire order.
 pub const BODY_BYTES: usize = 64;
-/// Bytes of a whole frame on the wire, marks included, in both framings.
+/// Bytes of a whole packet, marks included, in both framings.
 pub const PACKET_BYTES: usize = 66;
 
 named_enum! {
-    /// How a frame is marked. Neither framing escapes its data: a body may contain its own mark.
+    /// Marks around a packet. Neither framing escapes its data: a body may contain its own mark.
     #[derive(Default)]
     pub enum Framing ("framing") {
-        /// Two bytes 06 before the body, as the glove's firmware sends them. A frame is let out when the
-        /// two marks of the next one are in, or when the stream ends.
+        /// Two bytes 06 before the body, as the glove's firmware sends them. A packet is emitted when the
+        /// two marks of the next one are received, or when the stream ends.
         #[default]
         Double06 = "double06",
-        /// A `#` before the body and one after it. A frame is let out with its end mark.
+        /// A `#` before the body and one after it. A packet is emitted with its end mark.
         Hash = "hash",
     }
 }
@@ -30,7 +67,7 @@ impl Framing {
         }
     }
 
-    /// Where marks must stand, counted from the first byte of a frame. Those at 66 and 67 are the next frame's.
+    /// Returns the offsets of the marks from the first byte of a packet. Offsets 66 and 67 are in the next packet.
     const fn mark_offsets(self) -> &'static [usize] {
         match self {
             Self::Double06 => &[0, 1, 66, 67],
@@ -45,47 +82,92 @@ impl Framing {
         }
     }
 
-    /// Bytes from the first mark of a frame that decide about it while the stream goes on.
-    const fn bytes_to_decide(self) -> usize {
+    /// Returns the number of bytes, from the first mark, that confirm a packet while the stream goes on.
+    const fn bytes_to_confirm(self) -> usize {
         match self {
             Self::Double06 => PACKET_BYTES + 2,
             Self::Hash => PACKET_BYTES,
         }
     }
 
-    /// Judges whether a frame starts with `window`, as early as its bytes allow.
-    fn judge(self, window: &[u8], bytes_to_decide: usize) -> Verdict<'_> {
-        let is_wrong = |&place: &usize| window.get(place).is_some_and(|&byte| byte != self.mark());
+    /// Checks whether a packet starts at the start of `window`, as early as its bytes allow.
+    fn check_start(self, window: &[u8], bytes_to_confirm: usize) -> StartCheck<'_> {
+        let is_wrong =
+            |&offset: &usize| window.get(offset).is_some_and(|&byte| byte != self.mark());
         if self.mark_offsets().iter().any(is_wrong) {
-            return Verdict::NotHere;
+            return StartCheck::NoPacket;
         }
-        if window.len() < bytes_to_decide {
-            return Verdict::Undecided;
+        if window.len() < bytes_to_confirm {
+            return StartCheck::Undecided;
         }
         match window
             .get(self.body_start()..)
             .and_then(<[u8]>::first_chunk)
         {
-            Some(body) => Verdict::Frame(body),
-            None => Verdict::Undecided,
+            Some(body) => StartCheck::Packet(body),
+            None => StartCheck::Undecided,
         }
     }
 }
 
-enum Verdict<'a> {
-    Frame(&'a [u8; BODY_BYTES]),
-    NotHere,
+enum StartCheck<'a> {
+    Packet(&'a [u8; BODY_BYTES]),
+    NoPacket,
     Undecided,
 }
 
-/// Writes `body` as the glove does: with the marks of `framing`.
-pub fn encode(framing: Framing, body: &[u8; BODY_BYTES]) -> [u8; PACKET_BYTES] {
-    let mut frame = [framing.mark(); PACKET_BYTES];
-    frame[framing.body_start()..][..BODY_BYTES].copy_from_slice(body);
-    frame
+/// Framing and bit rate of an HC11 glove.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hc11Format {
+    /// Marks around a packet.
+    pub framing: Framing,
+    /// Bits per second; ten of them carry a byte.
+    pub baud: NonZeroU32,
 }
 
-/// The counts that a frame's body carries: one byte for each channel, in wire order.
+impl Default for Hc11Format {
+    fn default() -> Self {
+        Self {
+            framing: Framing::default(),
+            baud: DEFAULT_BAUD,
+        }
+    }
+}
+
+impl Hc11Format {
+    /// Returns the time that the line needs for `bytes`, rounded down to nanoseconds.
+    pub fn transmission_time(&self, bytes: usize) -> Duration {
+        transmission_time(self.baud, bytes)
+    }
+
+    /// Returns the time that the line needs for a packet: the shortest time between two readings.
+    pub fn packet_period(&self) -> Duration {
+        self.transmission_time(PACKET_BYTES)
+    }
+}
+
+impl From<Hc11Format> for StreamFormat {
+    fn from(format: Hc11Format) -> Self {
+        let mut options = ProtocolOptions::default();
+        options
+            .set(&FRAMING, format.framing.name())
+            .expect("it is the name of a framing");
+        Self {
+            protocol: &PROTOCOL,
+            options,
+            baud: Some(format.baud),
+        }
+    }
+}
+
+/// Encodes `body` as the glove does, with the marks of `framing`.
+pub fn encode(framing: Framing, body: &[u8; BODY_BYTES]) -> [u8; PACKET_BYTES] {
+    let mut packet = [framing.mark(); PACKET_BYTES];
+    packet[framing.body_start()..][..BODY_BYTES].copy_from_slice(body);
+    packet
+}
+
+/// Returns the counts in the body of a packet: one byte per channel, in wire order.
 pub fn channels(body: &[u8; BODY_BYTES]) -> Channels {
     Channels {
         full_scale: u16::from(u8::MAX),
@@ -93,13 +175,27 @@ pub fn channels(body: &[u8; BODY_BYTES]) -> Channels {
     }
 }
 
-/// Finds frames in a stream of bytes. The frames do not depend on how the stream is cut.
+/// Returns the packet body of a sample. `None` unless it has 64 counts of 8 bits.
+pub fn body(sample: &Sample) -> Option<[u8; BODY_BYTES]> {
+    let Sample::Channels(channels) = sample else {
+        return None;
+    };
+    let mut body = [0; BODY_BYTES];
+    if channels.counts.len() != BODY_BYTES {
+        return None;
+    }
+    for (byte, &count) in body.iter_mut().zip(&channels.counts) {
+        *byte = u8::try_from(count).ok()?;
+    }
+    Some(body)
+}
+
+/// Decoder of HC11 packets.
 ///
-/// Follows the rules `confirmed` (for [`Framing::Double06`]) and `rescan` (for [`Framing::Hash`]) of the
-/// glove's specification: the earliest start whose marks all fit wins; a start that does not fit moves on by
-/// one byte. Holds a fixed number of bytes, whatever comes in.
+/// Follows the rules `confirmed` (for [`Framing::Double06`]) and `rescan` (for [`Framing::Hash`]) of the glove's
+/// specification: the earliest start whose marks all fit is a packet; a start that does not fit is one skipped byte.
 ///
-/// Every byte is counted once: `bytes = 66 · readings + skipped_bytes + waiting`.
+/// A line of printable text between packets is the start message of a board that was reset.
 #[derive(Clone, Debug)]
 pub struct Hc11Decoder {
     framing: Framing,
@@ -108,14 +204,14 @@ pub struct Hc11Decoder {
     end: usize,
     stats: SourceStats,
     is_searching: bool,
-    text: TextDetector,
+    restart_text: RestartTextDetector,
 }
 
 /// Room for the 67 bytes that may be undecided, and for enough new ones that moving them to the front is rare.
 const CAPACITY: usize = 512;
 
 impl Hc11Decoder {
-    /// A decoder at the start of a stream.
+    /// Creates a decoder at the start of a stream.
     pub fn new(framing: Framing) -> Self {
         Self {
             framing,
@@ -124,72 +220,31 @@ impl Hc11Decoder {
             end: 0,
             stats: SourceStats::default(),
             is_searching: false,
-            text: TextDetector::default(),
+            restart_text: RestartTextDetector::default(),
         }
     }
 
-    /// Takes the next bytes of the stream and hands each frame that is now certain to `emit`.
-    pub fn push(&mut self, mut bytes: &[u8], emit: &mut impl FnMut(&[u8; BODY_BYTES])) {
-        self.stats.bytes += bytes.len() as u64;
-        while !bytes.is_empty() {
-            self.move_to_front_when_full();
-            let (piece, rest) = bytes.split_at(bytes.len().min(CAPACITY - self.end));
-            self.buffer[self.end..][..piece.len()].copy_from_slice(piece);
-            self.end += piece.len();
-            self.settle(self.framing.bytes_to_decide(), emit);
-            bytes = rest;
-        }
-    }
-
-    /// Ends the stream: a whole frame that waited for the next one comes out, what is left is skipped.
-    pub fn finish(&mut self, emit: &mut impl FnMut(&[u8; BODY_BYTES])) {
-        self.settle(PACKET_BYTES, emit);
-        self.reset();
-    }
-
-    /// Skips what waits, for a stream that broke off: what comes next has nothing to do with it.
-    pub fn reset(&mut self) {
-        self.stats.skipped_bytes += self.pending_bytes() as u64;
-        (self.start, self.end) = (0, 0);
-        self.is_searching = false;
-    }
-
-    /// Bytes that may still become part of a frame, 0..=67.
-    pub fn pending_bytes(&self) -> usize {
-        self.end - self.start
-    }
-
-    /// Whether a line of text has come in since the last call, after a frame: what a board says that starts
-    /// anew.
-    pub fn take_text(&mut self) -> bool {
-        self.text.take()
-    }
-
-    /// What came in. `readings` are frames; `resyncs` are the runs of skipped bytes that were searched for a
-    /// frame (the cut frame at the end of a stream is skipped without a search).
-    pub fn stats(&self) -> SourceStats {
-        self.stats
-    }
-
-    fn settle(&mut self, bytes_to_decide: usize, emit: &mut impl FnMut(&[u8; BODY_BYTES])) {
+    fn decode_buffer(&mut self, bytes_to_confirm: usize, emit: &mut dyn FnMut(Packet)) {
         loop {
             let window = &self.buffer[self.start..self.end];
-            match self.framing.judge(window, bytes_to_decide) {
-                Verdict::Frame(body) => {
-                    emit(body);
+            match self.framing.check_start(window, bytes_to_confirm) {
+                StartCheck::Packet(body) => {
+                    let sample = Sample::Channels(channels(body));
                     self.start += PACKET_BYTES;
                     self.stats.readings += 1;
                     self.is_searching = false;
-                    self.text.see_frame();
+                    self.restart_text.push_packet();
+                    let end = self.stats.readings * PACKET_BYTES as u64 + self.stats.skipped_bytes;
+                    emit(Packet { sample, end });
                 }
-                Verdict::NotHere => self.skip_byte(),
-                Verdict::Undecided => return,
+                StartCheck::NoPacket => self.skip_byte(),
+                StartCheck::Undecided => return,
             }
         }
     }
 
     fn skip_byte(&mut self) {
-        self.text.see_byte(self.buffer[self.start]);
+        self.restart_text.push_byte(self.buffer[self.start]);
         self.start += 1;
         self.stats.skipped_bytes += 1;
         self.stats.resyncs += u64::from(!self.is_searching);
@@ -205,10 +260,47 @@ impl Hc11Decoder {
     }
 }
 
+impl Decoder for Hc11Decoder {
+    fn push(&mut self, mut bytes: &[u8], emit: &mut dyn FnMut(Packet)) {
+        self.stats.bytes += bytes.len() as u64;
+        while !bytes.is_empty() {
+            self.move_to_front_when_full();
+            let (piece, rest) = bytes.split_at(bytes.len().min(CAPACITY - self.end));
+            self.buffer[self.end..][..piece.len()].copy_from_slice(piece);
+            self.end += piece.len();
+            self.decode_buffer(self.framing.bytes_to_confirm(), emit);
+            bytes = rest;
+        }
+    }
+
+    fn finish(&mut self, emit: &mut dyn FnMut(Packet)) {
+        self.decode_buffer(PACKET_BYTES, emit);
+        self.reset();
+    }
+
+    fn reset(&mut self) {
+        self.stats.skipped_bytes += self.pending_bytes() as u64;
+        (self.start, self.end) = (0, 0);
+        self.is_searching = false;
+    }
+
+    /// Returns the number of undecided bytes, 0..=67.
+    fn pending_bytes(&self) -> usize {
+        self.end - self.start
+    }
+
+    fn stats(&self) -> SourceStats {
+        self.stats
+    }
+
+    fn take_restart(&mut self) -> bool {
+        self.restart_text.take()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::test_random::Random;
 
     const VECTORS: &str = concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -220,11 +312,11 @@ mod tests {
         framing: Framing,
         stream: Vec<u8>,
         chunks: Vec<usize>,
-        frames: Vec<Vec<u8>>,
+        bodies: Vec<Vec<u8>>,
         before_end: Option<usize>,
     }
 
-    fn unhex(text: &str) -> Vec<u8> {
+    fn from_hex(text: &str) -> Vec<u8> {
         let digits: Vec<u8> = text
             .chars()
             .map(|digit| digit.to_digit(16).expect("a hex digit") as u8)
@@ -249,15 +341,15 @@ mod tests {
             Framing::Hash => "rescan",
         };
         let expected = &case["expected"];
-        let frames = expected[rule].as_array().expect("frames of the rule");
+        let bodies = expected[rule].as_array().expect("bodies of the rule");
         Case {
             name: case["name"].as_str().unwrap().to_owned(),
             framing,
-            stream: unhex(case["hex"].as_str().unwrap()),
+            stream: from_hex(case["hex"].as_str().unwrap()),
             chunks: serde_json::from_value(case["chunks"].clone()).unwrap(),
-            frames: frames
+            bodies: bodies
                 .iter()
-                .map(|frame| unhex(frame.as_str().unwrap()))
+                .map(|body| from_hex(body.as_str().unwrap()))
                 .collect(),
             before_end: expected["confirmed_before_end_of_stream"]
                 .as_u64()
@@ -265,14 +357,28 @@ mod tests {
         }
     }
 
-    /// Decodes in pieces of the sizes given; the rest of the stream is the last piece.
+    fn packet_body(packet: &Packet) -> Vec<u8> {
+        body(&packet.sample).expect("64 counts of 8 bits").to_vec()
+    }
+
+    /// Decodes in pieces of the given sizes; the rest of the stream is the last piece.
     fn decode(
         case: &Case,
         sizes: impl IntoIterator<Item = usize>,
     ) -> (Vec<Vec<u8>>, usize, SourceStats) {
         let mut decoder = Hc11Decoder::new(case.framing);
-        let mut frames = Vec::new();
-        let mut emit = |body: &[u8; BODY_BYTES]| frames.push(body.to_vec());
+        let mut bodies = Vec::new();
+        let mut emit = |packet: Packet| {
+            let end = packet.end as usize;
+            let whole = &case.stream[end - PACKET_BYTES..end];
+            assert_eq!(
+                whole[case.framing.body_start()..][..BODY_BYTES],
+                packet_body(&packet),
+                "{} at {end}",
+                case.name
+            );
+            bodies.push(packet_body(&packet));
+        };
         let mut rest = case.stream.as_slice();
         for size in sizes {
             let (piece, later) = rest.split_at(size.min(rest.len()));
@@ -292,26 +398,26 @@ mod tests {
             case.name
         );
         decoder.finish(&mut emit);
-        let counts = decoder.stats();
+        let stats = decoder.stats();
         assert_eq!(
-            (counts.bytes, decoder.pending_bytes()),
-            (66 * counts.readings + counts.skipped_bytes, 0)
+            (stats.bytes, decoder.pending_bytes()),
+            (66 * stats.readings + stats.skipped_bytes, 0)
         );
-        (frames, before_end.readings as usize, counts)
+        (bodies, before_end.readings as usize, stats)
     }
 
     #[test]
-    fn the_vectors_decode_alike_however_they_are_cut() {
+    fn the_vectors_decode_alike_in_pieces_of_any_size() {
         let cases = cases();
         assert!(cases.len() > 30, "only {} cases", cases.len());
-        let mut random = Random::new(1);
+        let mut random = fastrand::Rng::with_seed(1);
         for case in &cases {
-            let (frames, before_end, counts) = decode(case, []);
-            assert_eq!(frames, case.frames, "{}", case.name);
+            let (bodies, before_end, stats) = decode(case, []);
+            assert_eq!(bodies, case.bodies, "{}", case.name);
             if let Some(expected) = case.before_end {
                 assert_eq!(before_end, expected, "{}", case.name);
             }
-            let whole = (frames, before_end, counts);
+            let whole = (bodies, before_end, stats);
             assert_eq!(
                 decode(case, std::iter::repeat(1)),
                 whole,
@@ -326,7 +432,7 @@ mod tests {
             );
             for _ in 0..20 {
                 let sizes: Vec<usize> = (0..case.stream.len() + 1)
-                    .map(|_| random.below(130))
+                    .map(|_| random.usize(..130))
                     .collect();
                 assert_eq!(
                     decode(case, sizes.iter().copied()),
@@ -339,75 +445,92 @@ mod tests {
     }
 
     #[test]
-    fn what_is_encoded_comes_back_in_both_framings() {
-        let mut random = Random::new(7);
+    fn encoded_bodies_are_decoded_in_both_framings() {
+        let mut random = fastrand::Rng::with_seed(7);
         for &framing in Framing::ALL {
-            let bodies: Vec<[u8; BODY_BYTES]> = (0..50)
-                .map(|_| [(); BODY_BYTES].map(|()| random.byte()))
+            let sent: Vec<[u8; BODY_BYTES]> = (0..50)
+                .map(|_| [(); BODY_BYTES].map(|()| random.u8(..)))
                 .collect();
             let mut decoder = Hc11Decoder::new(framing);
-            let mut frames = Vec::new();
-            for body in &bodies {
-                decoder.push(&encode(framing, body), &mut |body| frames.push(*body));
+            let mut received = Vec::new();
+            let mut emit = |packet: Packet| received.push(packet_body(&packet));
+            for body in &sent {
+                decoder.push(&encode(framing, body), &mut emit);
             }
-            decoder.finish(&mut |body| frames.push(*body));
-            assert_eq!(frames, bodies, "{framing}");
+            decoder.finish(&mut emit);
+            assert_eq!(received, sent, "{framing}");
             assert_eq!(decoder.stats().skipped_bytes, 0, "{framing}");
         }
     }
 
     #[test]
-    fn a_megabyte_of_noise_gives_no_frame_and_nothing_piles_up() {
-        let mut random = Random::new(3);
+    fn a_megabyte_of_noise_gives_no_packet_and_a_bounded_buffer() {
+        let mut random = fastrand::Rng::with_seed(3);
         let mut decoder = Hc11Decoder::new(Framing::Double06);
         for _ in 0..1024 {
-            let noise = [(); 1024].map(|()| random.byte());
-            decoder.push(&noise, &mut |_| panic!("a frame in noise"));
+            let noise = [(); 1024].map(|()| random.u8(..));
+            decoder.push(&noise, &mut |_| panic!("a packet in noise"));
             assert!(decoder.pending_bytes() < 68);
         }
-        let counts = decoder.stats();
-        assert_eq!(counts.bytes, 1 << 20);
-        assert_eq!(counts.resyncs, 1);
+        let stats = decoder.stats();
+        assert_eq!(stats.bytes, 1 << 20);
+        assert_eq!(stats.resyncs, 1);
         assert_eq!(
-            counts.skipped_bytes + decoder.pending_bytes() as u64,
-            counts.bytes
+            stats.skipped_bytes + decoder.pending_bytes() as u64,
+            stats.bytes
         );
         assert!(size_of::<Hc11Decoder>() < 1024);
     }
 
     #[test]
-    fn a_wrong_mark_is_rejected_as_soon_as_it_is_seen() {
+    fn a_wrong_mark_rejects_a_packet_immediately() {
         let mut decoder = Hc11Decoder::new(Framing::Double06);
-        let mut stream = encode(Framing::Double06, &[9; BODY_BYTES]).to_vec();
-        decoder.push(&stream, &mut |_| panic!("not confirmed yet"));
+        let packet = encode(Framing::Double06, &[9; BODY_BYTES]);
+        decoder.push(&packet, &mut |_| panic!("not confirmed yet"));
         assert_eq!(decoder.pending_bytes(), PACKET_BYTES);
-        stream.clear();
         decoder.push(&[7], &mut |_| panic!("not confirmed"));
         assert_eq!(decoder.pending_bytes(), 0);
         assert_eq!(decoder.stats().resyncs, 1);
     }
 
     #[test]
-    fn a_frame_waits_for_the_next_marks_and_no_longer() {
+    fn a_packet_is_emitted_with_the_marks_of_the_next_one() {
         let mut decoder = Hc11Decoder::new(Framing::Double06);
-        let mut frames = 0;
-        let mut emit = |_: &[u8; BODY_BYTES]| frames += 1;
+        let mut packets = 0;
+        let mut emit = |_| packets += 1;
         decoder.push(&encode(Framing::Double06, &[9; BODY_BYTES]), &mut emit);
         decoder.push(&[6], &mut emit);
         assert_eq!(decoder.stats().readings, 0);
         decoder.push(&[6], &mut emit);
         assert_eq!(decoder.stats().readings, 1);
-        assert_eq!(frames, 1);
+        assert_eq!(packets, 1);
     }
 
     #[test]
-    fn what_waited_before_a_break_is_not_joined_with_what_comes_after() {
-        let frame = encode(Framing::Double06, &[9; BODY_BYTES]);
+    fn bytes_before_a_reset_are_not_joined_with_bytes_after_it() {
+        let packet = encode(Framing::Double06, &[9; BODY_BYTES]);
         let mut decoder = Hc11Decoder::new(Framing::Double06);
-        decoder.push(&frame[..30], &mut |_| panic!("half a frame"));
+        decoder.push(&packet[..30], &mut |_| panic!("half a packet"));
         decoder.reset();
         assert_eq!(decoder.stats().skipped_bytes, 30);
-        decoder.push(&frame[30..], &mut |_| panic!("the other half"));
+        decoder.push(&packet[30..], &mut |_| panic!("the other half"));
         decoder.push(&[6, 6], &mut |_| panic!("confirmed the other half"));
+    }
+
+    #[test]
+    fn a_packet_takes_660_bit_times() {
+        for (baud, expected) in [
+            (9600, Duration::from_micros(68_750)),
+            (660, Duration::from_secs(1)),
+        ] {
+            let format = Hc11Format {
+                framing: Framing::Hash,
+                baud: NonZeroU32::new(baud).unwrap(),
+            };
+            assert_eq!(format.packet_period(), expected);
+            let format = StreamFormat::from(format);
+            assert_eq!(format.packet_period(), Some(expected));
+            assert_eq!(format.nominal_time(3).0, 3 * expected.as_micros() as u64);
+        }
     }
 }

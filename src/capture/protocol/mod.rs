@@ -1,4 +1,212 @@
-//! Wire formats: one decoder per file.
+//! Byte protocols: one file per wire format, each with a [`Decoder`].
+//!
+//! To add a protocol, write its file with a [`Protocol`] constant and list the constant in [`PROTOCOLS`].
 
 pub mod hc11;
 mod restart_text;
+pub mod text_line;
+
+use std::fmt;
+use std::num::NonZeroU32;
+use std::time::Duration;
+
+use super::{Sample, SampleKind, SourceStats};
+use crate::time::Timestamp;
+
+/// All protocols. The first one is the default.
+pub const PROTOCOLS: &[&Protocol] = &[&hc11::PROTOCOL, &text_line::PROTOCOL];
+
+/// A wire format: its name, its options and its decoder.
+#[derive(Debug)]
+pub struct Protocol {
+    /// Name in source URIs.
+    pub name: &'static str,
+    /// One line for help texts, in lower case and without a full stop.
+    pub summary: &'static str,
+    /// Kind of sample that the decoder gives.
+    pub sample: SampleKind,
+    /// Length of the shortest packet, in bytes.
+    pub min_packet_bytes: usize,
+    /// Bit rate of the serial line that usually carries the protocol. `None` if no serial line limits the rate.
+    pub default_baud: Option<NonZeroU32>,
+    /// Options beside `protocol` and `baud`.
+    pub options: &'static [&'static ProtocolOption],
+    /// Returns the packets per second of a file, which has no time stamps. `None` derives the rate from the bit rate.
+    pub nominal_rate_hz: fn(&ProtocolOptions) -> Option<f64>,
+    /// Creates a decoder at the start of a stream.
+    pub decoder: fn(&ProtocolOptions) -> Box<dyn Decoder>,
+}
+
+impl PartialEq for Protocol {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for Protocol {}
+
+/// An option of a protocol in source URIs.
+#[derive(Debug)]
+pub struct ProtocolOption {
+    /// Name in source URIs.
+    pub name: &'static str,
+    /// Value if the option is not given.
+    pub default: &'static str,
+    /// One line for help texts, in lower case and without a full stop.
+    pub summary: &'static str,
+    /// Checks a value; an error states what is wrong with it.
+    pub check: fn(&str) -> Result<(), String>,
+}
+
+/// Checked options of a protocol. Only those that differ from their defaults are stored.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ProtocolOptions(Vec<(&'static str, String)>);
+
+impl ProtocolOptions {
+    /// Returns the value of `option`.
+    pub fn get<'a>(&'a self, option: &ProtocolOption) -> &'a str {
+        let stored = self.0.iter().find(|(name, _)| *name == option.name);
+        stored.map_or(option.default, |(_, value)| value.as_str())
+    }
+
+    /// Checks and stores a value.
+    pub fn set(&mut self, option: &ProtocolOption, value: &str) -> Result<(), String> {
+        (option.check)(value)?;
+        self.0.retain(|(name, _)| *name != option.name);
+        if value != option.default {
+            self.0.push((option.name, value.to_owned()));
+            self.0.sort_unstable();
+        }
+        Ok(())
+    }
+}
+
+/// A protocol with its options and the bit rate of the line that carries it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StreamFormat {
+    /// The wire format.
+    pub protocol: &'static Protocol,
+    /// Options of the protocol.
+    pub options: ProtocolOptions,
+    /// Bits per second; ten of them carry a byte (8 data bits, no parity, 1 stop bit). `None` if the bytes are not
+    /// paced by a serial line.
+    pub baud: Option<NonZeroU32>,
+}
+
+/// Bits on the line for each byte: 8 data bits, a start bit and a stop bit.
+const BITS_PER_BYTE: u64 = 10;
+
+impl StreamFormat {
+    /// Creates the format of `protocol` with its default options.
+    pub fn new(protocol: &'static Protocol) -> Self {
+        Self {
+            protocol,
+            options: ProtocolOptions::default(),
+            baud: protocol.default_baud,
+        }
+    }
+
+    /// Creates a decoder at the start of a stream.
+    pub fn decoder(&self) -> Box<dyn Decoder> {
+        (self.protocol.decoder)(&self.options)
+    }
+
+    /// Returns the time that a serial line needs for `bytes`, rounded down to nanoseconds; zero without a bit rate.
+    pub fn transmission_time(&self, bytes: usize) -> Duration {
+        self.baud
+            .map_or(Duration::ZERO, |baud| transmission_time(baud, bytes))
+    }
+
+    /// Returns the shortest time between two packets. `None` if no bit rate limits it.
+    pub fn packet_period(&self) -> Option<Duration> {
+        self.baud?;
+        Some(self.transmission_time(self.protocol.min_packet_bytes))
+    }
+
+    /// Returns the time at which packet number `packets` (from 1) of a file is complete at the nominal rate.
+    pub(super) fn nominal_time(&self, packets: u64) -> Timestamp {
+        if let Some(rate_hz) = (self.protocol.nominal_rate_hz)(&self.options) {
+            return Timestamp::from_seconds(packets as f64 / rate_hz);
+        }
+        let Some(baud) = self.baud else {
+            return Timestamp(packets);
+        };
+        let bits = u128::from(packets)
+            * self.protocol.min_packet_bytes as u128
+            * u128::from(BITS_PER_BYTE);
+        Timestamp((bits * 1_000_000 / u128::from(baud.get())) as u64)
+    }
+}
+
+impl fmt::Display for StreamFormat {
+    /// Writes the options of a source URI that give this format, with the leading `?`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "?protocol={}", self.protocol.name)?;
+        for (name, value) in &self.options.0 {
+            write!(f, "&{name}={value}")?;
+        }
+        match self.baud {
+            Some(baud) => write!(f, "&baud={baud}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// Returns the time that a serial line at `baud` bits per second needs for `bytes`, rounded down to nanoseconds.
+pub(super) fn transmission_time(baud: NonZeroU32, bytes: usize) -> Duration {
+    let nanoseconds = bytes as u64 * BITS_PER_BYTE * 1_000_000_000 / u64::from(baud.get());
+    Duration::from_nanos(nanoseconds)
+}
+
+/// A packet that a decoder found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Packet {
+    /// Sensor values of the packet.
+    pub sample: Sample,
+    /// Offset of the first byte after the packet, counted from the start of the stream.
+    pub end: u64,
+}
+
+/// Decoder of one byte stream.
+///
+/// The packets do not depend on how the stream is cut into pieces. A decoder stores a bounded number of bytes.
+/// Every byte is counted once: `bytes` of the statistics are the bytes of packets, `skipped_bytes` and
+/// [`pending_bytes`](Self::pending_bytes).
+pub trait Decoder: Send {
+    /// Decodes the next bytes of the stream and passes each packet that is complete to `emit`.
+    fn push(&mut self, bytes: &[u8], emit: &mut dyn FnMut(Packet));
+
+    /// Ends the stream or datagram: emits a packet that only waited for confirmation and skips the rest.
+    fn finish(&mut self, emit: &mut dyn FnMut(Packet));
+
+    /// Skips the pending bytes, after a stream broke off: the bytes that follow are unrelated.
+    fn reset(&mut self);
+
+    /// Returns the number of bytes that may still become part of a packet.
+    fn pending_bytes(&self) -> usize;
+
+    /// Returns the statistics. `readings` counts packets; `resyncs` counts runs of skipped bytes.
+    fn stats(&self) -> SourceStats;
+
+    /// Returns `true` once after the stream showed that the sender has restarted.
+    fn take_restart(&mut self) -> bool {
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn protocol_names_are_unique_and_defaults_are_valid() {
+        for (index, protocol) in PROTOCOLS.iter().enumerate() {
+            assert!(!PROTOCOLS[..index].contains(protocol), "{}", protocol.name);
+            assert!(protocol.min_packet_bytes > 0, "{}", protocol.name);
+            for option in protocol.options {
+                assert_eq!((option.check)(option.default), Ok(()), "{}", option.name);
+                assert!(!["protocol", "baud"].contains(&option.name));
+            }
+        }
+    }
+}

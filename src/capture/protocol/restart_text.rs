@@ -1,39 +1,39 @@
-//! Tells a board that has started anew from a line that is disturbed: the board says something in words.
+//! Detection of a restarted board by the text that it prints.
 
-/// So many printable characters and the end of a line are text. Shorter ones are missed; more are seldom among
-/// the bytes of a broken frame.
-const SHORTEST_LINE: u8 = 8;
+/// Shortest line of text, in printable characters before a line end. Broken packets seldom contain a longer run.
+const MIN_LINE_LENGTH: u8 = 8;
 
-/// Looks for a line of text among the bytes that belong to no frame.
+/// Detector of a line of text among the bytes that belong to no packet.
 #[derive(Clone, Debug, Default)]
-pub(in crate::capture) struct TextDetector {
-    /// Printable characters in a row, up to now.
+pub(super) struct RestartTextDetector {
+    /// Length of the current run of printable characters.
     printable: u8,
-    has_seen_frame: bool,
+    /// `true` after a packet: text before the first packet is a normal start.
+    has_packet: bool,
     has_text: bool,
 }
 
-impl TextDetector {
-    /// Takes a byte that belongs to no frame.
-    pub fn see_byte(&mut self, byte: u8) {
+impl RestartTextDetector {
+    /// Handles a byte that belongs to no packet.
+    pub fn push_byte(&mut self, byte: u8) {
         match byte {
             b' '..=b'~' => self.printable = self.printable.saturating_add(1),
-            b'\r' | b'\n' if self.printable >= SHORTEST_LINE && self.has_seen_frame => {
+            b'\r' | b'\n' if self.printable >= MIN_LINE_LENGTH && self.has_packet => {
                 self.has_text = true;
-                // Noise that goes on is no second start.
-                self.has_seen_frame = false;
+                // Further lines belong to the same restart.
+                self.has_packet = false;
             }
             _ => self.printable = 0,
         }
     }
 
-    /// Takes note of a frame.
-    pub fn see_frame(&mut self) {
+    /// Handles a packet.
+    pub fn push_packet(&mut self) {
         self.printable = 0;
-        self.has_seen_frame = true;
+        self.has_packet = true;
     }
 
-    /// Whether there was text since the last call.
+    /// Returns `true` once after each line of text that followed a packet.
     pub fn take(&mut self) -> bool {
         std::mem::take(&mut self.has_text)
     }
@@ -44,7 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_of_text_after_a_frame_is_one_start() {
+    fn lines_of_text_after_a_packet_are_one_restart() {
         let table: [(&[u8], bool); 6] = [
             (b"BUFFALO 3.4 (ext)\r\n", true),
             (b"Ready...\n", true),
@@ -54,18 +54,15 @@ mod tests {
             (b"noise\xff\x00Glove v2\r", true),
         ];
         for (bytes, is_text) in table {
-            let mut watch = TextDetector::default();
-            bytes.iter().for_each(|&byte| watch.see_byte(byte));
-            assert!(
-                !watch.take(),
-                "before the first frame it is the first start"
-            );
-            watch.see_frame();
+            let mut detector = RestartTextDetector::default();
+            bytes.iter().for_each(|&byte| detector.push_byte(byte));
+            assert!(!detector.take(), "text before the first packet is a start");
+            detector.push_packet();
             for _ in 0..2 {
-                bytes.iter().for_each(|&byte| watch.see_byte(byte));
+                bytes.iter().for_each(|&byte| detector.push_byte(byte));
             }
-            assert_eq!(watch.take(), is_text, "{bytes:?}");
-            assert!(!watch.take());
+            assert_eq!(detector.take(), is_text, "{bytes:?}");
+            assert!(!detector.take());
         }
     }
 }

@@ -38,7 +38,7 @@ pub const SETUP_RECORD: &str = "ademan.setup";
 pub const MAX_RECORD_BYTES: usize = 4 << 20;
 
 /// The kind of the setup text that is the time between two readings, in microseconds.
-const PACKET_PERIOD: &str = "frame-period";
+const PACKET_PERIOD: &str = "packet-period";
 
 /// The texts that describe how a recording was made: the glove, the arm, the layout, the settings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,58 +1,52 @@
-//! Whether the machine has slept: readings of before then are of a hand that nobody knows any more.
+//! Comparison of the clocks with and without suspend time.
 
 use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// What the two clocks may differ by without a sleep; they are read one after the other.
+/// Difference of the clocks that is not a suspend: they are read one after the other.
 const TOLERANCE: Duration = Duration::from_millis(100);
 
-/// Notices that the machine has slept.
+/// Detector of system suspends.
 ///
-/// The clock that [`Instant`](std::time::Instant) goes by stands still in a sleep; the one since the start of
-/// the machine does not.
+/// `CLOCK_MONOTONIC`, the clock of [`Instant`](std::time::Instant), stands still during a suspend;
+/// `CLOCK_BOOTTIME` does not.
 pub(in crate::capture) struct SuspendDetector {
-    /// How long the machine has slept since its start.
-    asleep: fn() -> Duration,
-    /// What that was when it was last asked.
+    /// Returns the total suspend time since boot.
+    suspended: fn() -> Duration,
     last: Duration,
 }
 
 impl SuspendDetector {
-    /// One that goes by a clock of its own: no test can send the machine to sleep.
-    #[cfg(test)]
-    pub fn with(asleep: fn() -> Duration) -> Self {
-        Self::by(asleep)
-    }
-
-    fn by(asleep: fn() -> Duration) -> Self {
+    /// Creates a detector with a clock of its own, because a test cannot suspend the system.
+    pub fn with_clock(suspended: fn() -> Duration) -> Self {
         Self {
-            last: asleep(),
-            asleep,
+            last: suspended(),
+            suspended,
         }
     }
 
-    /// Whether the machine has slept since this was last asked.
+    /// Returns `true` if the system was suspended since the last call.
     pub fn was_suspended(&mut self) -> bool {
-        let asleep = (self.asleep)();
-        let more = asleep.saturating_sub(self.last);
-        if more > TOLERANCE {
-            self.last = asleep;
+        let suspended = (self.suspended)();
+        let was_suspended = suspended.saturating_sub(self.last) > TOLERANCE;
+        if was_suspended {
+            self.last = suspended;
         }
-        more > TOLERANCE
+        was_suspended
     }
 }
 
 impl Default for SuspendDetector {
     fn default() -> Self {
-        Self::by(asleep)
+        Self::with_clock(suspended_since_boot)
     }
 }
 
-fn asleep() -> Duration {
+fn suspended_since_boot() -> Duration {
     let read = |clock| Duration::try_from(clock_gettime(clock)).unwrap_or_default();
-    let awake = read(ClockId::Monotonic);
-    read(ClockId::Boottime).saturating_sub(awake)
+    let monotonic = read(ClockId::Monotonic);
+    read(ClockId::Boottime).saturating_sub(monotonic)
 }
 
 #[cfg(test)]
@@ -62,17 +56,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_sleep_is_noticed_once() {
-        static ASLEEP_MS: AtomicU64 = AtomicU64::new(5_000);
+    fn a_suspend_is_reported_once() {
+        static SUSPENDED_MS: AtomicU64 = AtomicU64::new(5_000);
         assert!(
             !SuspendDetector::default().was_suspended(),
             "the real clocks run alike"
         );
-        let mut awake =
-            SuspendDetector::with(|| Duration::from_millis(ASLEEP_MS.load(Ordering::SeqCst)));
-        assert!(!awake.was_suspended());
-        ASLEEP_MS.store(8_000, Ordering::SeqCst);
-        assert!(awake.was_suspended());
-        assert!(!awake.was_suspended());
+        let mut detector = SuspendDetector::with_clock(|| {
+            Duration::from_millis(SUSPENDED_MS.load(Ordering::SeqCst))
+        });
+        assert!(!detector.was_suspended());
+        SUSPENDED_MS.store(8_000, Ordering::SeqCst);
+        assert!(detector.was_suspended());
+        assert!(!detector.was_suspended());
     }
 }

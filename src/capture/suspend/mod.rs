@@ -6,6 +6,6 @@ mod linux;
 mod unsupported;
 
 #[cfg(target_os = "linux")]
-pub(in crate::capture) use linux::SuspendDetector;
+pub(super) use linux::SuspendDetector;
 #[cfg(not(target_os = "linux"))]
-pub(in crate::capture) use unsupported::SuspendDetector;
+pub(super) use unsupported::SuspendDetector;

@@ -1,12 +1,12 @@
-//! A stand-in where nobody has looked yet how the clocks behave in a sleep: on systems other than Linux.
+//! Stand-in for systems whose clocks during a suspend have not been examined.
 
-/// Notices nothing.
+/// Detector that never detects a suspend.
 #[derive(Default)]
-pub(in crate::capture) struct Awake;
+pub(in crate::capture) struct SuspendDetector;
 
-impl Awake {
-    /// Never, as far as is known here.
-    pub fn has_slept(&mut self) -> bool {
+impl SuspendDetector {
+    /// Returns `false`.
+    pub fn was_suspended(&mut self) -> bool {
         false
     }
 }

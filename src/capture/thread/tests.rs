@@ -183,7 +183,7 @@ fn a_machine_that_slept_loses_its_live_sources_before_the_next_reading() {
             }
         });
         let mut awake =
-            SuspendDetector::with(|| Duration::from_secs(ASLEEP.load(Ordering::SeqCst)));
+            SuspendDetector::with_clock(|| Duration::from_secs(ASLEEP.load(Ordering::SeqCst)));
         let (sender, waiting) = bounded(WAITING_ARRIVALS);
         let (_bell, interrupt) = cancel_token().unwrap();
         let mut outlet = Outlet {

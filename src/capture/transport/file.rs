@@ -1,37 +1,52 @@
-//! Raw bytes of a line that were kept in a file.
+//! File with the raw bytes of a stream.
 
 use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use super::{ConnectError, Connection, Connector};
+use super::{ConnectError, Connection, Connector, Transport, open_stream};
+use crate::capture::uri::Scheme;
 
-/// Opens a file of bytes.
+/// The `file` transport.
+pub const TRANSPORT: Transport = Transport {
+    scheme: SCHEME,
+    is_remote: false,
+    is_device: false,
+    has_address: true,
+    default_baud: None,
+    check_address: |_| Ok(()),
+    open: |uri| {
+        let path = PathBuf::from(&uri.address);
+        open_stream(uri, FileConnector { path })
+    },
+};
+
+const SCHEME: Scheme = Scheme {
+    name: "file",
+    syntax: "file:PATH",
+    summary: "bytes of a stream in a file, at the nominal rate",
+    example: "file:glove.raw?baud=9600",
+};
+
+/// Opener of a regular file.
 #[derive(Clone)]
-pub(in crate::capture) struct FileConnector {
+struct FileConnector {
     path: PathBuf,
-}
-
-impl FileConnector {
-    pub fn new(path: &Path) -> Self {
-        Self {
-            path: path.to_owned(),
-        }
-    }
 }
 
 impl Connector for FileConnector {
     const IS_LIVE: bool = false;
+    const RECONNECTS: bool = false;
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {
-        let refuse = |error: std::io::Error| ConnectError::Absent(error.to_string());
-        let kind = std::fs::metadata(&self.path).map_err(refuse)?;
-        if !kind.is_file() {
+        let absent = |error: std::io::Error| ConnectError::Absent(error.to_string());
+        let metadata = std::fs::metadata(&self.path).map_err(absent)?;
+        if !metadata.is_file() {
             // Pipes and devices block, and a source that blocks cannot be stopped.
             return Err(ConnectError::Unusable(
                 "it is not a regular file".to_owned(),
             ));
         }
-        let file = File::open(&self.path).map_err(refuse)?;
+        let file = File::open(&self.path).map_err(absent)?;
         Ok(Connection {
             bytes: Box::new(file),
             readiness: None,
@@ -42,49 +57,66 @@ impl Connector for FileConnector {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use crate::capture::hc11::{Framing, encode};
-    use crate::capture::{SourceEvent, SourceUri, StreamOptions, open};
+    use std::path::Path;
 
-    fn name(path: &Path) -> SourceUri {
-        SourceUri::File {
-            path: path.to_owned(),
-            line: StreamOptions {
-                baud: 9600.try_into().unwrap(),
-                ..StreamOptions::default()
-            },
-        }
+    use crate::capture::hc11::{Framing, encode};
+    use crate::capture::{SourceEvent, SourceUri, open};
+
+    fn uri(path: &Path, options: &str) -> SourceUri {
+        let text = format!("file:{}?{options}", path.display());
+        text.parse().unwrap()
     }
 
     #[test]
-    fn a_file_plays_at_the_nominal_baud_to_its_last_frame() {
+    fn a_file_plays_at_the_nominal_bit_rate_to_its_last_packet() {
         let file = tempfile::NamedTempFile::new().unwrap();
         let mut bytes = b"noise".to_vec();
         for number in 1..=30 {
             bytes.extend(encode(Framing::Double06, &[number; 64]));
         }
         std::fs::write(file.path(), bytes).unwrap();
-        let mut source = open(&name(file.path())).unwrap();
+        let mut source = open(&uri(file.path(), "baud=9600")).unwrap();
         assert!(!source.is_live());
         for number in 1..=30 {
             let SourceEvent::Reading(reading) = source.next().unwrap() else {
-                panic!("no frame {number}");
+                panic!("no packet {number}");
             };
             assert_eq!(reading.time.0, number * 68_750);
         }
         assert_eq!(source.next().unwrap(), SourceEvent::End);
         assert_eq!(source.next().unwrap(), SourceEvent::End);
-        let counts = source.stats();
+        let stats = source.stats();
         assert_eq!(
-            (counts.readings, counts.skipped_bytes, counts.losses),
+            (stats.readings, stats.skipped_bytes, stats.losses),
             (30, 5, 0)
         );
     }
 
     #[test]
-    fn what_is_no_file_is_refused() {
+    fn a_file_of_text_lines_plays_at_its_rate_and_needs_no_last_line_end() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let line = "1.5 ".repeat(64);
+        std::fs::write(file.path(), format!("{line}\nnonsense\n{line}")).unwrap();
+        let mut source = open(&uri(file.path(), "protocol=text-line&rate_hz=50")).unwrap();
+        let mut times = Vec::new();
+        loop {
+            match source.next().unwrap() {
+                SourceEvent::Reading(reading) => times.push(reading.time.0),
+                SourceEvent::Idle => {}
+                SourceEvent::End => break,
+            }
+        }
+        assert_eq!(times, [20_000, 40_000]);
+        assert_eq!(
+            (source.stats().readings, source.stats().skipped_bytes),
+            (2, 9)
+        );
+    }
+
+    #[test]
+    fn folders_and_missing_files_are_rejected() {
         let folder = tempfile::tempdir().unwrap();
-        let message = |path: &Path| open(&name(path)).err().unwrap().to_string();
+        let message = |path: &Path| open(&uri(path, "baud=9600")).err().unwrap().to_string();
         assert!(message(folder.path()).contains("it is not a regular file"));
         assert!(message(&folder.path().join("absent")).contains("cannot open file:"));
     }

@@ -1,30 +1,30 @@
-//! A line with a free end, for simulated gloves: what is written there arrives at a source.
+//! Loopback connections for simulated gloves: bytes written to one end arrive at a source.
 
 use std::io::{ErrorKind, Result, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 
 use crate::capture::SourceUri;
-use crate::capture::uri::StreamOptions;
+use crate::capture::protocol::StreamFormat;
+use crate::capture::uri::StreamUri;
 
 #[cfg(not(unix))]
 pub use self::open_tcp_loopback as open_loopback;
 #[cfg(unix)]
 pub use super::pty::open_loopback;
 
-/// A line whose writing end is in this program.
+/// A connection whose writing end is in this program.
 ///
-/// Open the source before anything is written: like a real line, it forgets what nobody listened to.
-/// It carries bytes as fast as they are written; the pace of the baud is up to the writer.
+/// Open the source before writing: bytes that are written without a reader are lost, as on a cable. The connection
+/// is not paced; the writer has to keep to the bit rate.
 pub struct Loopback {
-    /// Where the glove writes. Dropping it looks like an unplugged cable to the source, which may lose what it
-    /// has not read by then.
+    /// Writing end. Dropping it looks like an unplugged cable to the source, which may lose unread bytes.
     pub writer: Box<dyn Write + Send>,
-    /// The other end.
+    /// Source at the other end.
     pub uri: SourceUri,
 }
 
-/// Opens a wire over TCP on the loopback address; the source may come, go and come again.
-pub fn open_tcp_loopback(line: StreamOptions) -> Result<Loopback> {
+/// Opens a TCP connection on the loopback address. The source may disconnect and connect again.
+pub fn open_tcp_loopback(format: impl Into<StreamFormat>) -> Result<Loopback> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, 0))?;
     listener.set_nonblocking(true)?;
     let address = listener.local_addr()?.to_string();
@@ -34,7 +34,11 @@ pub fn open_tcp_loopback(line: StreamOptions) -> Result<Loopback> {
     };
     Ok(Loopback {
         writer: Box::new(writer),
-        uri: SourceUri::Tcp { address, line },
+        uri: SourceUri::Stream(StreamUri {
+            transport: &super::tcp::TRANSPORT,
+            address,
+            format: format.into(),
+        }),
     })
 }
 
@@ -48,7 +52,7 @@ impl TcpWriter {
         if self.peer.is_none() {
             match self.listener.accept() {
                 Ok((stream, _)) => {
-                    // Some systems hand the listener's mode on to the connection.
+                    // On some systems the connection inherits the non-blocking mode of the listener.
                     stream.set_nonblocking(false)?;
                     stream.set_nodelay(true)?;
                     self.peer = Some(stream);
@@ -68,7 +72,7 @@ impl Write for TcpWriter {
         };
         match peer.write(bytes) {
             Err(error) if error.kind() != ErrorKind::Interrupted => {
-                // The source has gone and may come again; these bytes are lost as on a real line.
+                // The source has disconnected and may connect again; these bytes are lost.
                 self.peer = None;
                 Ok(bytes.len())
             }

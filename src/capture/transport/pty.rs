@@ -1,4 +1,4 @@
-//! A wire over a pseudo terminal: to the source it is a serial port.
+//! Loopback over a pseudo-terminal, which is a serial port to the source.
 
 use std::io::{Error, ErrorKind, Result, Write};
 use std::path::{Path, PathBuf};
@@ -9,22 +9,23 @@ use serialport::{SerialPort, TTYPort};
 
 use super::loopback::Loopback;
 use crate::capture::SourceUri;
-use crate::capture::uri::StreamOptions;
+use crate::capture::protocol::StreamFormat;
+use crate::capture::uri::StreamUri;
 
-/// Opens a wire over a pair of pseudo terminals.
+/// Opens a loopback over a pair of pseudo-terminals.
 ///
-/// The port has a name of its own, a link in the folder for temporary files. The system's name of the terminal
-/// goes to the next one that is opened, and a source that looks for this port must not find that one.
-pub fn open_loopback(line: StreamOptions) -> Result<Loopback> {
+/// The port name is a link in the folder for temporary files, because the system gives the terminal's own name to
+/// the next terminal that is opened, which a reconnecting source must not open.
+pub fn open_loopback(format: impl Into<StreamFormat>) -> Result<Loopback> {
     let (master, slave) = TTYPort::pair()?;
-    // The copies are closed in programs that this one starts, which would keep the line alive.
+    // The clones are closed in child processes, which would otherwise keep the connection open.
     let (mut master, slave) = (master.try_clone_native()?, slave.try_clone_native()?);
-    master.set_timeout(ROOM_TIMEOUT)?;
+    master.set_timeout(WRITE_TIMEOUT)?;
     let terminal = slave
         .name()
-        .ok_or_else(|| Error::other("the pseudo terminal has no name"))?;
+        .ok_or_else(|| Error::other("the pseudo-terminal has no name"))?;
     let link = Link::new(Path::new(&terminal))?;
-    let port = link.0.to_string_lossy().into_owned();
+    let address = link.0.to_string_lossy().into_owned();
     let writer = PtyWriter {
         _link: link,
         master,
@@ -32,42 +33,46 @@ pub fn open_loopback(line: StreamOptions) -> Result<Loopback> {
     };
     Ok(Loopback {
         writer: Box::new(writer),
-        uri: SourceUri::Serial { port, line },
+        uri: SourceUri::Stream(StreamUri {
+            transport: &super::serial::TRANSPORT,
+            address,
+            format: format.into(),
+        }),
     })
 }
 
-/// A terminal that says it has room takes so many bytes (Linux: its buffers come in pieces of 256); a longer write
-/// would block for good when nobody reads.
-const LONGEST_WRITE: usize = 128;
+/// Bytes that fit into a terminal that is ready for writing (Linux allocates its buffers in pieces of 256). A longer
+/// write could block indefinitely without a reader.
+const MAX_WRITE: usize = 128;
 
-/// How long a write waits for room. The terminal holds seconds of a line, so only a reader that is gone fills it.
-const ROOM_TIMEOUT: Duration = Duration::from_millis(10);
+/// Longest wait for room. The buffer holds seconds of a serial line, so it is full only without a reader.
+const WRITE_TIMEOUT: Duration = Duration::from_millis(10);
 
-/// The fields are dropped in order: a port that is unplugged loses its name first.
+/// Writing end. The fields are dropped in order: a port that is unplugged loses its name first.
 struct PtyWriter {
     _link: Link,
     master: TTYPort,
-    /// Keeps the terminal in its mode while no source has it open.
+    /// Keeps the terminal's settings while no source has it open.
     _slave: TTYPort,
 }
 
 impl Write for PtyWriter {
     fn write(&mut self, bytes: &[u8]) -> Result<usize> {
-        let piece = &bytes[..bytes.len().min(LONGEST_WRITE)];
+        let piece = &bytes[..bytes.len().min(MAX_WRITE)];
         match self.master.write(piece) {
-            // Nobody reads and the terminal is full: these bytes are lost as on a real line.
+            // The buffer is full and has no reader: these bytes are lost.
             Err(error) if error.kind() == ErrorKind::TimedOut => Ok(piece.len()),
             result => result,
         }
     }
 
-    /// Nothing to do: what is written is with the terminal at once.
+    /// Does nothing: written bytes are in the terminal's buffer at once.
     fn flush(&mut self) -> Result<()> {
         Ok(())
     }
 }
 
-/// A symbolic link that is removed when it is dropped.
+/// Symbolic link that is removed when it is dropped.
 struct Link(PathBuf);
 
 impl Link {
@@ -75,7 +80,7 @@ impl Link {
         static NUMBER: AtomicUsize = AtomicUsize::new(0);
         loop {
             let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-            let name = format!("ademan-wire-{}-{number}", std::process::id());
+            let name = format!("ademan-loopback-{}-{number}", std::process::id());
             let path = std::env::temp_dir().join(name);
             match std::os::unix::fs::symlink(target, &path) {
                 Ok(()) => return Ok(Self(path)),
@@ -90,7 +95,7 @@ impl Link {
 impl Drop for Link {
     fn drop(&mut self) {
         if let Err(error) = std::fs::remove_file(&self.0) {
-            tracing::debug!("{} is left behind: {error}", self.0.display());
+            tracing::debug!("cannot remove {}: {error}", self.0.display());
         }
     }
 }

@@ -1,30 +1,52 @@
-//! Serial ports: 8 data bits, no parity, 1 stop bit, opened for this program alone.
+//! Serial ports with 8 data bits, no parity and 1 stop bit, opened exclusively.
 
 use std::fs::File;
 use std::io::Read;
+use std::num::NonZeroU32;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
 
 use super::usb_port::{KnownDevice, Port, PortChoice, choose_port};
-use super::{ConnectError, Connection, Connector, READ_TIMEOUT};
+use super::{ConnectError, Connection, Connector, READ_TIMEOUT, Transport, open_stream};
 use crate::advice::{self, AccessDenied};
-use crate::capture::lists_serial_ports;
-use crate::capture::poll::{self, Readiness, TerminalName};
+use crate::capture::poll::{self, Readiness, TerminalIdentity};
+use crate::capture::uri::{Scheme, check_no_question_mark};
 
-/// Opens a serial port, and finds its device again under another name.
+/// The `serial` transport.
+pub const TRANSPORT: Transport = Transport {
+    scheme: Scheme {
+        name: "serial",
+        syntax: "serial:PORT",
+        summary: "serial port",
+        example: "serial:/dev/ttyUSB0?baud=9600",
+    },
+    is_remote: false,
+    is_device: true,
+    has_address: true,
+    default_baud: Some(DEFAULT_BAUD),
+    check_address: check_no_question_mark,
+    open: |uri| {
+        let baud = uri.format.baud.unwrap_or(DEFAULT_BAUD);
+        open_stream(uri, SerialConnector::new(&uri.address, baud.get()))
+    },
+};
+
+const DEFAULT_BAUD: NonZeroU32 = NonZeroU32::new(115_200).unwrap();
+
+/// Connector to a serial port, which follows a USB device to another port name.
 #[derive(Clone)]
-pub(in crate::capture) struct SerialConnector {
+struct SerialConnector {
     port: String,
     baud: u32,
     known: Option<KnownDevice>,
-    /// The pseudo-terminal that was opened last, if it was one; the search for it opens the next.
-    terminal: Arc<Mutex<Option<TerminalName>>>,
+    /// Identity of the pseudo-terminal that was opened last. Shared with the clone that reconnects.
+    terminal: Arc<Mutex<Option<TerminalIdentity>>>,
 }
 
 impl SerialConnector {
-    pub fn new(port: &str, baud: u32) -> Self {
+    fn new(port: &str, baud: u32) -> Self {
         Self {
             port: port.to_owned(),
             baud,
@@ -36,74 +58,81 @@ impl SerialConnector {
 
 impl Connector for SerialConnector {
     const IS_LIVE: bool = true;
+    const RECONNECTS: bool = true;
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {
         let present = present_ports();
         let wanted = resolve(&self.port);
-        let place = match choose_port(&wanted, self.known.as_ref(), &present) {
+        let port_name = match choose_port(&wanted, self.known.as_ref(), &present) {
             PortChoice::Open(name) if name == wanted => self.port.clone(),
             PortChoice::Open(name) => name,
-            refused => return Err(refuse(refused, self)),
+            choice => return Err(choice_error(choice, self)),
         };
-        let name = TerminalName::of(&place);
+        let identity = TerminalIdentity::read(&port_name);
         let mut terminal = self.terminal.lock().unwrap_or_else(PoisonError::into_inner);
-        if name.is_some() && *terminal == name {
-            // Whoever has that number now is somebody else, such as a shell: what is typed there is not for us.
+        if identity.is_some() && *terminal == identity {
+            // The number now belongs to another terminal, such as a shell, whose input is not a glove's.
             return Err(ConnectError::Absent(
                 "that pseudo-terminal has ended; give its successor a link of the same name".into(),
             ));
         }
-        let file = poll::open_to_read(&place);
-        let port = open(&place, self.baud).map_err(|error| explain(&error, &place, &present))?;
-        *terminal = name;
+        let file = poll::open_to_read(&port_name);
+        let port = open(&port_name, self.baud)
+            .map_err(|error| open_error(&error, &port_name, &present))?;
+        *terminal = identity;
         if self.known.is_none() {
-            self.known = KnownDevice::on(&wanted, &present);
+            self.known = KnownDevice::find(&wanted, &present);
         }
-        Ok(connection(port, file, place))
+        Ok(connection(port, file, port_name))
     }
 }
 
-/// The port, read through `file` where that says when there is something.
-fn connection(port: Box<dyn SerialPort>, file: Option<File>, place: String) -> Connection {
-    let readiness = file.as_ref().and_then(Readiness::of);
+/// Returns a connection that reads through `file` if that reports when bytes can be read, else through `port`.
+fn connection(port: Box<dyn SerialPort>, file: Option<File>, endpoint: String) -> Connection {
+    let readiness = file.as_ref().and_then(Readiness::new);
     let bytes: Box<dyn Read + Send> = match file {
-        Some(file) if readiness.is_some() => Box::new(ReadApart { file, _port: port }),
+        Some(file) if readiness.is_some() => Box::new(SeparateReader { file, _port: port }),
         _ => Box::new(port),
     };
     Connection {
         bytes,
         readiness,
-        endpoint: place,
+        endpoint,
     }
 }
 
-/// A port that is read through a file of its own.
-struct ReadApart {
+/// Reader of a port through a file of its own.
+struct SeparateReader {
     file: File,
-    /// Keeps the port this program's alone.
+    /// Keeps the port locked for other programs.
     _port: Box<dyn SerialPort>,
 }
 
-impl Read for ReadApart {
+impl Read for SeparateReader {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         self.file.read(buffer)
     }
 }
 
 fn present_ports() -> Vec<Port> {
-    if !lists_serial_ports() {
+    if !can_list_ports() {
         return Vec::new();
     }
     match serialport::available_ports() {
         Ok(ports) => ports.into_iter().map(Port::from).collect(),
         Err(error) => {
-            tracing::debug!("the serial ports cannot be listed: {error}");
+            tracing::debug!("cannot list the serial ports: {error}");
             Vec::new()
         }
     }
 }
 
-/// The device behind a link such as those in `/dev/serial/by-id`.
+/// Returns `false` where `serialport` would panic: on Linux without a mounted `/sys`.
+fn can_list_ports() -> bool {
+    !cfg!(target_os = "linux") || Path::new("/sys/class/tty").is_dir()
+}
+
+/// Returns the device behind a link such as those in `/dev/serial/by-id`.
 fn resolve(port: &str) -> String {
     let is_link = std::fs::read_link(port).is_ok();
     match std::fs::canonicalize(port) {
@@ -112,31 +141,32 @@ fn resolve(port: &str) -> String {
     }
 }
 
-fn open(place: &str, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
-    let mut port = serialport::new(place, baud)
+fn open(port_name: &str, baud: u32) -> serialport::Result<Box<dyn SerialPort>> {
+    let mut port = serialport::new(port_name, baud)
         .data_bits(DataBits::Eight)
         .parity(Parity::None)
         .stop_bits(StopBits::One)
         .flow_control(FlowControl::None)
         .timeout(READ_TIMEOUT)
         .open()?;
-    // Some gloves are fed by these two lines; pseudo terminals and some adapters do not have them.
+    // Some gloves are powered by these two lines; pseudo-terminals and some adapters do not have them.
     for (line, result) in [
         ("DTR", port.write_data_terminal_ready(true)),
         ("RTS", port.write_request_to_send(true)),
     ] {
         if let Err(error) = result {
-            tracing::debug!("{place} does not set {line}: {error}");
+            tracing::debug!("{port_name} does not set {line}: {error}");
         }
     }
-    // What waited from before would be taken for a hand that moves now.
+    // Bytes received before now would be read as movement of the hand now.
     if let Err(error) = port.clear(ClearBuffer::Input) {
-        tracing::debug!("{place} keeps what came before it was opened: {error}");
+        tracing::debug!("cannot discard the old input of {port_name}: {error}");
     }
     Ok(port)
 }
 
-fn refuse(choice: PortChoice, connector: &SerialConnector) -> ConnectError {
+/// Returns the reason why no port is opened.
+fn choice_error(choice: PortChoice, connector: &SerialConnector) -> ConnectError {
     let wanted = match &connector.known {
         Some(device) => device.identity.to_string(),
         None => "the device".to_owned(),
@@ -159,16 +189,16 @@ fn refuse(choice: PortChoice, connector: &SerialConnector) -> ConnectError {
     }
 }
 
-/// Says what happened at opening and what to do.
-fn explain(error: &serialport::Error, place: &str, present: &[Port]) -> ConnectError {
-    let path = Path::new(place);
-    let exists = path.exists() || present.iter().any(|port| port.name == place);
+/// Returns the reason why `port_name` does not open, and the remedy.
+fn open_error(error: &serialport::Error, port_name: &str, present: &[Port]) -> ConnectError {
+    let path = Path::new(port_name);
+    let exists = path.exists() || present.iter().any(|port| port.name == port_name);
     match error.kind {
         ErrorKind::NoDevice if exists => ConnectError::Unusable(
             "it is in use by another program, close that one first".to_owned(),
         ),
         ErrorKind::Io(std::io::ErrorKind::PermissionDenied) => ConnectError::Unusable(
-            advice::serial_port_denied(place, &AccessDenied::Unknown).to_string(),
+            advice::serial_port_denied(port_name, &AccessDenied::Unknown).to_string(),
         ),
         ErrorKind::NoDevice | ErrorKind::Io(std::io::ErrorKind::NotFound) => {
             ConnectError::Absent(format!("there is no such port; {}", list(present)))
@@ -177,7 +207,7 @@ fn explain(error: &serialport::Error, place: &str, present: &[Port]) -> ConnectE
             ConnectError::Unusable("it is a folder, not a serial port".to_owned())
         }
         _ if path.is_file() => ConnectError::Unusable(format!(
-            "it is a file, not a serial port; to read bytes from a file write `file:{place}`"
+            "it is a file, not a serial port; to read bytes from a file write `file:{port_name}`"
         )),
         _ if exists => ConnectError::Unusable(format!(
             "it does not work as a serial port ({}); {}",
@@ -219,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn each_way_of_not_opening_says_what_to_do() {
+    fn each_reason_for_a_failed_open_has_a_remedy() {
         let io = |kind| ErrorKind::Io(kind);
         let present = [usb_port("/dev/ttyUSB7")];
         let folder = env!("CARGO_MANIFEST_DIR");
@@ -254,36 +284,36 @@ mod tests {
             (folder, ErrorKind::Unknown, "it is a folder"),
             (file, ErrorKind::Unknown, "write `file:"),
         ];
-        for (place, kind, part) in table {
+        for (port_name, kind, part) in table {
             let error = serialport::Error::new(kind, "why");
             let (ConnectError::Absent(reason) | ConnectError::Unusable(reason)) =
-                explain(&error, place, &present);
-            assert!(reason.contains(part), "{place} {kind:?}: {reason}");
+                open_error(&error, port_name, &present);
+            assert!(reason.contains(part), "{port_name} {kind:?}: {reason}");
             assert!(!reason.contains("as root"), "{reason}");
         }
     }
 
     #[test]
-    fn a_stranger_and_twins_are_refused_by_name() {
+    fn another_device_and_ambiguous_devices_are_rejected_by_name() {
         let mut connector = SerialConnector::new("/dev/ttyUSB0", 9600);
-        connector.known = KnownDevice::on("/dev/ttyUSB0", &[usb_port("/dev/ttyUSB0")]);
-        let stranger = refuse(PortChoice::OtherDevice(None), &connector);
-        let ConnectError::Unusable(reason) = stranger else {
-            panic!("{stranger:?}");
+        connector.known = KnownDevice::find("/dev/ttyUSB0", &[usb_port("/dev/ttyUSB0")]);
+        let other = choice_error(PortChoice::OtherDevice(None), &connector);
+        let ConnectError::Unusable(reason) = other else {
+            panic!("{other:?}");
         };
         assert_eq!(
             reason,
             "/dev/ttyUSB0 is now another device, plug in USB 0403:6001 serial number A1 or start again with the new one"
         );
-        let twins = refuse(
+        let ambiguous = choice_error(
             PortChoice::Ambiguous(vec!["a".to_owned(), "b".to_owned()]),
             &connector,
         );
         assert!(
-            matches!(twins, ConnectError::Unusable(reason) if reason.starts_with("a and b are all USB"))
+            matches!(ambiguous, ConnectError::Unusable(reason) if reason.starts_with("a and b are all USB"))
         );
         assert!(matches!(
-            refuse(PortChoice::Absent, &connector),
+            choice_error(PortChoice::Absent, &connector),
             ConnectError::Absent(_)
         ));
     }

@@ -1,42 +1,57 @@
-//! RS232-to-TCP converters: the bytes of a serial line from a TCP server.
+//! TCP client, for RS232-to-TCP converters and programs that serve readings.
 
 use std::io::Error;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-use super::{ConnectError, Connection, Connector, READ_TIMEOUT};
+use super::{ConnectError, Connection, Connector, READ_TIMEOUT, Transport, open_stream};
 use crate::capture::poll::Readiness;
+use crate::capture::uri::{Scheme, check_socket_address};
+
+/// The `tcp` transport.
+pub const TRANSPORT: Transport = Transport {
+    scheme: SCHEME,
+    is_remote: true,
+    is_device: true,
+    has_address: true,
+    default_baud: None,
+    check_address: |address| check_socket_address(SCHEME, address),
+    open: |uri| {
+        let address = uri.address.clone();
+        open_stream(uri, TcpConnector { address })
+    },
+};
+
+const SCHEME: Scheme = Scheme {
+    name: "tcp",
+    syntax: "tcp:HOST:PORT",
+    summary: "TCP server, such as an RS232-to-TCP converter",
+    example: "tcp:192.168.1.7:4001",
+};
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// Connects to a converter.
+/// Connector to a TCP server.
 #[derive(Clone)]
-pub(in crate::capture) struct TcpConnector {
+struct TcpConnector {
     address: String,
-}
-
-impl TcpConnector {
-    pub fn new(address: &str) -> Self {
-        Self {
-            address: address.to_owned(),
-        }
-    }
 }
 
 impl Connector for TcpConnector {
     const IS_LIVE: bool = true;
+    const RECONNECTS: bool = true;
 
-    /// A peer whose power was cut never closes its end; a glove that runs is never silent for so long.
+    /// A peer whose power was cut never closes its end; a running glove is never silent for 5 s.
     const IDLE_TIMEOUT: Option<Duration> = Some(Duration::from_secs(5));
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {
         let stream = connect(&self.address).map_err(|error| {
             ConnectError::Absent(format!(
-                "{error}; check that the converter is on and that address and port are right"
+                "{error}; check that the server is on and that address and port are right"
             ))
         })?;
         Ok(Connection {
-            readiness: Readiness::of(&stream),
+            readiness: Readiness::new(&stream),
             bytes: Box::new(stream),
             endpoint: self.address.clone(),
         })
@@ -44,7 +59,7 @@ impl Connector for TcpConnector {
 }
 
 fn connect(address: &str) -> Result<TcpStream, Error> {
-    let mut failure = Error::other("the name has no address");
+    let mut last_error = Error::other("the name has no address");
     for address in address.to_socket_addrs()? {
         match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
             Ok(stream) => {
@@ -52,8 +67,8 @@ fn connect(address: &str) -> Result<TcpStream, Error> {
                 stream.set_read_timeout(Some(READ_TIMEOUT))?;
                 return Ok(stream);
             }
-            Err(error) => failure = error,
+            Err(error) => last_error = error,
         }
     }
-    Err(failure)
+    Err(last_error)
 }

@@ -1,10 +1,8 @@
-//! Which serial port is the device that was lost.
+//! Choice of the serial port on which a lost USB device returns.
 
 use serialport::{SerialPortInfo, SerialPortType};
 
-/// What tells one USB adapter from another.
-///
-/// Adapters of one make without a serial number look alike.
+/// Identity of a USB adapter. Adapters of one model without a serial number have the same identity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::capture) struct UsbIdentity {
     pub vendor: u16,
@@ -22,7 +20,7 @@ impl std::fmt::Display for UsbIdentity {
     }
 }
 
-/// A serial port that is present.
+/// A present serial port.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::capture) struct Port {
     pub name: String,
@@ -46,17 +44,17 @@ impl From<SerialPortInfo> for Port {
     }
 }
 
-/// The device that was on a port when it was opened for the first time.
+/// Device that was on a port when the port was opened for the first time.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::capture) struct KnownDevice {
     pub identity: UsbIdentity,
-    /// Another port had the same identity then: only the name tells them apart.
+    /// Another port had the same identity then, so the device is identified by its port name.
     pub has_twin: bool,
 }
 
 impl KnownDevice {
-    /// Remembers the device on the port `name`; `None` when it is not a USB device.
-    pub fn on(name: &str, present: &[Port]) -> Option<Self> {
+    /// Finds the device on the port `name`. Returns `None` if it is not a USB device.
+    pub fn find(name: &str, present: &[Port]) -> Option<Self> {
         let port = present.iter().find(|port| port.name == name)?;
         let identity = port.usb.clone()?;
         let same = present
@@ -67,23 +65,22 @@ impl KnownDevice {
     }
 }
 
-/// Which port to open.
+/// Port to open.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::capture) enum PortChoice {
     /// The port of this name.
     Open(String),
-    /// The device is on no port.
+    /// No port has the identity of the device.
     Absent,
-    /// The device is on no port, and another one has its name.
+    /// No port has the identity of the device, and the port of its name has this one, if any.
     OtherDevice(Option<UsbIdentity>),
-    /// More than one port may be the device.
+    /// Several ports have the identity of the device.
     Ambiguous(Vec<String>),
 }
 
 /// Chooses the port of a device that was on the port `name`, among the ports that are present.
 ///
-/// A device whose identity is not known is wherever its name is. One that is known is followed to another
-/// name, unless it has a twin.
+/// A device of unknown identity is chosen by name. A known device is followed to another name, unless it has a twin.
 pub(in crate::capture) fn choose_port(
     name: &str,
     known: Option<&KnownDevice>,
@@ -100,7 +97,7 @@ pub(in crate::capture) fn choose_port(
     match matching.as_slice() {
         [port] => PortChoice::Open(port.name.clone()),
         [] => match present.iter().find(|port| port.name == name) {
-            Some(stranger) => PortChoice::OtherDevice(stranger.usb.clone()),
+            Some(other) => PortChoice::OtherDevice(other.usb.clone()),
             None => PortChoice::Absent,
         },
         several => PortChoice::Ambiguous(several.iter().map(|port| port.name.clone()).collect()),
@@ -127,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lost_device_is_chosen_by_identity_and_never_guessed() {
+    fn a_lost_device_is_chosen_by_identity() {
         let glove = || Some(identity(0x6001, Some("A1")));
         let other = || Some(identity(0x6001, Some("B2")));
         let nameless = || Some(identity(0x6015, None));
@@ -185,7 +182,7 @@ mod tests {
                 PortChoice::OtherDevice(None),
             ),
             (
-                "two alike",
+                "two of one identity",
                 Some(&known_nameless),
                 vec![port(usb0, nameless()), port(usb1, nameless())],
                 PortChoice::Ambiguous(vec![usb0.to_owned(), usb1.to_owned()]),
@@ -203,19 +200,19 @@ mod tests {
                 PortChoice::Absent,
             ),
             (
-                "twin, stranger on its name",
+                "twin, other device on its name",
                 Some(&twin),
                 vec![port(usb0, glove()), port(usb1, nameless())],
                 PortChoice::OtherDevice(glove()),
             ),
         ];
-        for (what, known, present, expected) in table {
-            assert_eq!(choose_port(usb0, known, &present), expected, "{what}");
+        for (case, known, present, expected) in table {
+            assert_eq!(choose_port(usb0, known, &present), expected, "{case}");
         }
     }
 
     #[test]
-    fn a_device_is_remembered_with_its_twins() {
+    fn a_known_device_records_that_it_has_a_twin() {
         let alike = || Some(identity(0x6015, None));
         let present = [
             port("a", alike()),
@@ -223,9 +220,9 @@ mod tests {
             port("c", None),
             port("d", Some(identity(1, None))),
         ];
-        assert!(KnownDevice::on("a", &present).unwrap().has_twin);
-        assert!(!KnownDevice::on("d", &present).unwrap().has_twin);
-        assert_eq!(KnownDevice::on("c", &present), None);
-        assert_eq!(KnownDevice::on("absent", &present), None);
+        assert!(KnownDevice::find("a", &present).unwrap().has_twin);
+        assert!(!KnownDevice::find("d", &present).unwrap().has_twin);
+        assert_eq!(KnownDevice::find("c", &present), None);
+        assert_eq!(KnownDevice::find("absent", &present), None);
     }
 }

@@ -100,7 +100,7 @@ fn a_minute_of_noise_at_the_wrong_baud_types_nothing_says_so_and_takes_no_memory
     let before = memory.expect("there was enough of it");
     let growth = run.memory().saturating_sub(before);
     assert!(growth < 2_048, "{growth} KiB more than before");
-    run.wait_until_told("no valid frame");
+    run.wait_until_told("no valid packet");
     assert_eq!(run.end(), Some(0));
     let account = run.wait_until_told("readings:");
     assert!(account.starts_with("0 readings: 0 accepted"), "{account}");

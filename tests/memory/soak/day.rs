@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use ademan::capture::hc11::{self, Hc11Decoder, PACKET_BYTES, encode};
+use ademan::capture::protocol::Decoder;
 use ademan::capture::{Reading, Sample};
 use ademan::device::{EventKind, Events};
 use ademan::hand::Side;
@@ -252,7 +253,9 @@ impl<'a> SoakRun<'a> {
             kept.extend_from_slice(bytes);
         }
         let mut bodies = arrayvec::ArrayVec::<Body, 2>::new();
-        self.decoder.push(bytes, &mut |body| bodies.push(*body));
+        self.decoder.push(bytes, &mut |packet| {
+            bodies.push(hc11::body(&packet.sample).expect("channels"));
+        });
         let waiting = self.decoder.pending_bytes();
         for (index, body) in bodies.iter().enumerate() {
             let after = (bodies.len() - 1 - index) * PACKET_BYTES + waiting;

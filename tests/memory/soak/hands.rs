@@ -1,6 +1,6 @@
 //! Somebody who plays every layout of a setup: movements that are played over and over.
 
-use ademan::capture::StreamOptions;
+use ademan::capture::Hc11Format;
 use ademan::capture::hc11::BODY_BYTES;
 use ademan::layout::Layout;
 use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
@@ -44,7 +44,7 @@ const PLAYS: [(&str, &[&str]); 4] = [
 const OTHERS: [&str; 3] = ["qwerty-two-flat", "qwerty-two-arc", "qwerty-flat"];
 
 pub struct SoakSetup {
-    pub line: StreamOptions,
+    pub line: Hc11Format,
     pub assembly: LoadedSetup,
     /// Of each layout of the setup.
     pub movements: Vec<Vec<Vec<Body>>>,
@@ -52,7 +52,7 @@ pub struct SoakSetup {
 }
 
 impl SoakSetup {
-    pub fn new(line: StreamOptions) -> Self {
+    pub fn new(line: Hc11Format) -> Self {
         let named = |(name, _): &(&str, _)| ProfileSetup {
             name: (*name).into(),
             layout: (*name).into(),
@@ -83,7 +83,7 @@ impl SoakSetup {
 }
 
 /// What the first glove sends while its hand plays.
-fn of_script(assembly: &LoadedSetup, line: &StreamOptions, script: &str) -> Vec<Body> {
+fn of_script(assembly: &LoadedSetup, line: &Hc11Format, script: &str) -> Vec<Body> {
     let typist = assembly.scripted(script, line, 0.0, 0);
     let mut typist = typist.unwrap_or_else(|error| panic!("{script}: {error}"));
     let counts = std::iter::from_fn(|| typist.next_counts());

@@ -16,7 +16,7 @@ use std::num::NonZeroU32;
 use std::sync::{Mutex, PoisonError};
 
 use crate::support::oracle::{Oracle, OutputRules};
-use ademan::capture::{SourceUri, StreamOptions, open};
+use ademan::capture::{Hc11Format, SourceUri, StreamFormat, open};
 use ademan::output;
 use ademan::pipeline::PipelineSettings;
 use ademan::session::run_pipeline;
@@ -39,10 +39,10 @@ fn number<T: std::str::FromStr>(name: &str, default: T) -> T {
     })
 }
 
-fn line() -> StreamOptions {
-    StreamOptions {
+fn line() -> Hc11Format {
+    Hc11Format {
         baud: NonZeroU32::new(number("ADEMAN_SOAK_BAUD", 9600)).expect("a baud"),
-        ..StreamOptions::default()
+        ..Hc11Format::default()
     }
 }
 
@@ -74,10 +74,10 @@ fn what_a_damaged_line_brings_goes_through_the_loop_of_a_run_and_is_accounted_fo
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("glove.bin");
     std::fs::write(&path, &bytes).expect("the bytes can be written");
-    let source = SourceUri::File {
-        path,
-        line: hands.line,
-    };
+    let format = StreamFormat::from(hands.line);
+    let source: SourceUri = format!("file:{}{format}", path.display())
+        .parse()
+        .expect("a file");
     let assembly = &hands.assembly;
     let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
     let mut oracle = Oracle::new(

@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Instant;
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, channels, encode};
-use ademan::capture::{Reading, Sample, StreamOptions};
+use ademan::capture::{Hc11Format, Reading, Sample};
 use ademan::device::{EventKind, Events};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
@@ -26,14 +26,14 @@ impl Deed {
     /// Types a text on a layout.
     pub fn typing(layout: &str, text: &str) -> Self {
         let assembly = on(layout);
-        let typist = assembly.typist(text, &StreamOptions::default(), 0.0, 0);
+        let typist = assembly.typist(text, &Hc11Format::default(), 0.0, 0);
         Self::of(&assembly, typist.expect("the hand can type it"))
     }
 
     /// Plays a script on a layout.
     pub fn playing(layout: &str, script: &str) -> Self {
         let assembly = on(layout);
-        let typist = assembly.scripted(script, &StreamOptions::default(), 0.0, 0);
+        let typist = assembly.scripted(script, &Hc11Format::default(), 0.0, 0);
         let typist = typist.unwrap_or_else(|error| panic!("{error}"));
         Self::of(&assembly, typist)
     }
@@ -44,7 +44,7 @@ impl Deed {
         let mut actions = Vec::new();
         for (place, posture) in postures.iter().enumerate() {
             let reading = Reading {
-                time: Timestamp(0) + StreamOptions::default().packet_period() * place as u32,
+                time: Timestamp(0) + Hc11Format::default().packet_period() * place as u32,
                 side: None,
                 sample: Sample::Channels(channels(posture)),
             };
@@ -131,7 +131,7 @@ impl Glove {
 }
 
 fn play(mut line: UnixStream, orders: &Receiver<Vec<Posture>>) {
-    let period = StreamOptions::default().packet_period();
+    let period = Hc11Format::default().packet_period();
     let mut playing = Vec::new();
     let mut place = 0;
     let mut due = Instant::now();

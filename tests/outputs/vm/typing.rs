@@ -39,7 +39,7 @@ pub fn all(scene: &mut Scene) {
     scene.report("a cable that is pulled while a key is held lets go of it");
 
     scene.machine.plug_in("glove");
-    scene.wait_until_said("is back as", 1);
+    scene.wait_until_said("reconnected to", 1);
     scene.arm(&text, 3);
     types(scene, &evtest, &text);
     scene.report("plugged in again, it types on");
@@ -56,7 +56,7 @@ pub fn all(scene: &mut Scene) {
             .then_some(())
     });
     scene.machine.plug_in("glove");
-    scene.wait_until_said("is back as .*/dev/ttyUSB1", 1);
+    scene.wait_until_said("reconnected to .* at .*/dev/ttyUSB1", 1);
     scene.arm(&text, 4);
     types(scene, &evtest, &text);
     scene.report("plugged in again with another adapter in its place, it is found under another name and types on");

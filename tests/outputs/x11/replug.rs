@@ -30,7 +30,7 @@ fn a_finger_that_is_still_on_the_key_presses_nothing_until_the_hand_was_off_all_
     glove.unplug();
     released_after(&server, start, "unplugged");
     let glove = Glove::plug_in(&port, press.held());
-    program.wait_until_it_says("is back as", 1);
+    program.wait_until_it_says("reconnected to", 1);
     let start = Instant::now();
     while start.elapsed() < Duration::from_secs(1) {
         assert_eq!(server.keys_down(), [0; 0]);

@@ -3,7 +3,8 @@
 use std::time::Duration;
 
 use ademan::capture::hc11::{self, BODY_BYTES, Hc11Decoder, PACKET_BYTES, encode};
-use ademan::capture::{Reading, Sample, StreamOptions};
+use ademan::capture::protocol::Decoder;
+use ademan::capture::{Hc11Format, Reading, Sample};
 use ademan::contact::TargetNames;
 use ademan::device::{Events, TimedCommand};
 use ademan::estimate::Rejection;
@@ -99,7 +100,7 @@ struct Rig<'a> {
     typist: SimulatedTypist,
     engine: Judged,
     lines: Vec<SimulatedGlove>,
-    settings: StreamOptions,
+    settings: Hc11Format,
     transcript: Transcript,
     /// What targets are called, and of which layout that is.
     names: TargetNames,
@@ -121,7 +122,7 @@ struct Rig<'a> {
 
 impl<'a> Rig<'a> {
     fn new(assembly: &'a LoadedSetup, scenario: &Scenario) -> Self {
-        let settings = StreamOptions::default();
+        let settings = Hc11Format::default();
         let orders = scenario.lines.iter().flat_map(|line| line.pieces());
         let orders = orders.filter(|piece| Directive::parse(piece).is_none());
         // Somebody has to be there, even when the scenario is over before the hand is seen.
@@ -381,7 +382,9 @@ impl<'a> Rig<'a> {
     fn hear(&mut self, place: usize, bytes: &[u8]) {
         let mut bodies = Vec::new();
         let line = &mut self.lines[place];
-        line.decoder.push(bytes, &mut |body| bodies.push(*body));
+        line.decoder.push(bytes, &mut |packet| {
+            bodies.push(hc11::body(&packet.sample).expect("channels"));
+        });
         let waiting = line.decoder.pending_bytes();
         let side = match self.is_swapped {
             true => line.side.opposite(),

@@ -1,4 +1,5 @@
-use ademan::capture::hc11::{Framing, Hc11Decoder};
+use ademan::capture::hc11::{Framing, Hc11Decoder, body};
+use ademan::capture::protocol::Decoder;
 use ademan::capture::{Channels, Reading, Sample};
 use ademan::estimate::{
     AffineMap, ChannelMap, Estimate, Estimator, EstimatorSettings, JointAngles, Smoothing,
@@ -328,8 +329,10 @@ pub fn end_to_end(file: &Value) -> usize {
         let name = text(&case["name"]);
         let mut bodies = Vec::new();
         let mut decoder = Hc11Decoder::new(Framing::Double06);
-        decoder.push(&bytes(&case["hex"]), &mut |body| bodies.push(*body));
-        decoder.finish(&mut |body| bodies.push(*body));
+        decoder.push(&bytes(&case["hex"]), &mut |packet| {
+            bodies.push(body(&packet.sample).expect("channels"))
+        });
+        decoder.finish(&mut |packet| bodies.push(body(&packet.sample).expect("channels")));
         let frames = list(&case["frames"]);
         assert_eq!(bodies.len(), frames.len(), "{name}");
         let mut estimator = estimator(glove().full_map);

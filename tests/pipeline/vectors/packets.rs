@@ -1,4 +1,5 @@
-use ademan::capture::hc11::{Framing, Hc11Decoder};
+use ademan::capture::hc11::{Framing, Hc11Decoder, body};
+use ademan::capture::protocol::Decoder;
 use serde_json::Value;
 
 use super::check::{bytes, list, text};
@@ -47,11 +48,15 @@ fn decode(framing: Framing, stream: &[u8], sizes: &[usize]) -> (Vec<Vec<u8>>, us
     let mut rest = stream;
     for &size in sizes {
         let (chunk, after) = rest.split_at(size.min(rest.len()));
-        decoder.push(chunk, &mut |packet| packets.push(packet.to_vec()));
+        decoder.push(chunk, &mut |packet| {
+            packets.push(body(&packet.sample).expect("channels").to_vec())
+        });
         rest = after;
     }
-    decoder.push(rest, &mut |packet| packets.push(packet.to_vec()));
+    decoder.push(rest, &mut |packet| {
+        packets.push(body(&packet.sample).expect("channels").to_vec())
+    });
     let before_end = packets.len();
-    decoder.finish(&mut |packet| packets.push(packet.to_vec()));
+    decoder.finish(&mut |packet| packets.push(body(&packet.sample).expect("channels").to_vec()));
     (packets, before_end)
 }

@@ -9,7 +9,7 @@ mod text;
 use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroU32;
 
-use ademan::capture::{Source, StreamOptions, open_loopback};
+use ademan::capture::{Hc11Format, Source, open_loopback};
 use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::output;
@@ -39,10 +39,10 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
         ..Setup::default()
     };
     let mut assembly = setup.load_files()?;
-    let line = StreamOptions {
+    let line = Hc11Format {
         baud: NonZeroU32::new(args.baud)
             .ok_or_else(|| Failure::wrong_use("a baud is more than 0"))?,
-        ..StreamOptions::default()
+        ..Hc11Format::default()
     };
     let (mut task, hand) = match &args.script {
         Some(script) => (
@@ -102,7 +102,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
 /// A line for each hand: the ends that gloves write to, and the source that reads from them.
 fn wires(
     assembly: &mut LoadedSetup,
-    line: StreamOptions,
+    line: Hc11Format,
     hands: usize,
 ) -> Result<(PacketWriters, Box<dyn Source>), Failure> {
     let (mut lines, mut names) = (Vec::new(), Vec::new());
@@ -122,7 +122,7 @@ fn wires(
 fn report(
     played: &PlaybackStats,
     summary: &Summary,
-    line: &StreamOptions,
+    line: &Hc11Format,
     hands: u64,
 ) -> io::Result<()> {
     let source = &summary.stats.source;

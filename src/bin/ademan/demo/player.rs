@@ -2,7 +2,7 @@
 
 use std::thread::JoinHandle;
 
-use ademan::capture::StreamOptions;
+use ademan::capture::Hc11Format;
 use ademan::sim::{PacketWriters, PlaybackStats, SimulatedTypist, play};
 use crossbeam_channel::{Receiver, Sender};
 
@@ -18,7 +18,7 @@ impl Player {
     pub fn start(
         typist: SimulatedTypist,
         mut lines: PacketWriters,
-        line: StreamOptions,
+        line: Hc11Format,
         asked: Receiver<()>,
         over: Sender<()>,
     ) -> Self {

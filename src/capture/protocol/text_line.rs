@@ -1,0 +1,354 @@
+//! Text lines of joint angles: 64 numbers in degrees per line, by the wire index of the HC11 glove.
+//!
+//! The sender is a program that reads the glove and filters its angles. Numbers are separated by blanks or tabs and
+//! may have an exponent: `12.5 -0.0 1.0E-5 …`. A line ends with LF or CR LF. A line that does not have exactly
+//! [`VALUES`] finite numbers is skipped. In a datagram the line end may be missing.
+
+use std::fmt::Write;
+
+use super::{Decoder, Packet, Protocol, ProtocolOption, ProtocolOptions};
+use crate::capture::{Sample, SampleKind, SourceStats};
+use crate::hand::{Dof, JointAngles};
+
+/// The text line protocol.
+pub const PROTOCOL: Protocol = Protocol {
+    name: "text-line",
+    summary: "64 joint angles in degrees per line of text, by the wire index of the HC11 glove",
+    sample: SampleKind::Angles,
+    // One digit and one separator per value.
+    min_packet_bytes: 2 * VALUES,
+    default_baud: None,
+    options: &[&RATE],
+    nominal_rate_hz: |options| Some(rate_hz(options)),
+    decoder: |_| Box::new(TextLineDecoder::new()),
+};
+
+const RATE: ProtocolOption = ProtocolOption {
+    name: "rate_hz",
+    default: "100",
+    summary: "lines per second of a file, 0.1 to 10000",
+    check: |value| match value.parse::<f64>() {
+        Ok(rate) if (0.1..=10_000.0).contains(&rate) => Ok(()),
+        _ => Err(format!(
+            "`{value}` is not a rate from 0.1 to 10000 lines per second"
+        )),
+    },
+};
+
+fn rate_hz(options: &ProtocolOptions) -> f64 {
+    let value = options.get(&RATE);
+    value
+        .parse()
+        .expect("options are checked when they are set")
+}
+
+/// Numbers in a line: one for each channel of the HC11 glove.
+pub const VALUES: usize = 64;
+
+/// Longest line in bytes, line end excluded: 64 numbers of 63 characters. The rest of a longer one is skipped.
+const MAX_LINE_BYTES: usize = 4096;
+
+/// Wire index of each angle. A sensor over two joints gives both the same angle. The other indices are unused by
+/// the sender or belong to joints without a sensor.
+const WIRE_INDICES: [(usize, Dof); 21] = [
+    (4, Dof::WristFlexion),
+    (41, Dof::WristDeviation),
+    (25, Dof::ForearmSupination),
+    (17, Dof::ElbowFlexion),
+    (60, Dof::IndexDipFlexion),
+    (60, Dof::IndexPipFlexion),
+    (12, Dof::IndexMcpFlexion),
+    (36, Dof::IndexMcpAbduction),
+    (52, Dof::MiddleDipFlexion),
+    (52, Dof::MiddlePipFlexion),
+    (57, Dof::MiddleMcpFlexion),
+    (9, Dof::RingDipFlexion),
+    (9, Dof::RingPipFlexion),
+    (33, Dof::RingMcpFlexion),
+    (49, Dof::LittleDipFlexion),
+    (49, Dof::LittlePipFlexion),
+    (34, Dof::LittleMcpFlexion),
+    (44, Dof::ThumbIpFlexion),
+    (44, Dof::ThumbMcpFlexion),
+    (20, Dof::ThumbCmcFlexion),
+    (28, Dof::ThumbCmcAbduction),
+];
+
+/// Reads the numbers of a line; the line end may be missing. An error states why the line is not valid.
+pub fn parse(line: &str) -> Result<[f64; VALUES], String> {
+    let mut values = [0.0; VALUES];
+    let mut count = 0;
+    for word in line.split_ascii_whitespace() {
+        let value: f64 = word
+            .parse()
+            .map_err(|_| format!("`{word}` is not a number"))?;
+        if !value.is_finite() {
+            return Err(format!("`{word}` is not finite"));
+        }
+        if let Some(slot) = values.get_mut(count) {
+            *slot = value;
+        }
+        count += 1;
+    }
+    if count != VALUES {
+        return Err(format!("{count} values instead of {VALUES}"));
+    }
+    Ok(values)
+}
+
+/// Returns the joint angles in the numbers of a line.
+pub fn angles(values: &[f64; VALUES]) -> JointAngles {
+    let mut angles = JointAngles::default();
+    for (index, dof) in WIRE_INDICES {
+        angles.set(dof, values[index].to_radians());
+    }
+    angles
+}
+
+/// Writes `angles` as a line with its line end, with six decimals. Unknown angles and unused indices are 0.
+pub fn encode(angles: &JointAngles) -> String {
+    let mut values = [0.0; VALUES];
+    for (index, dof) in WIRE_INDICES {
+        values[index] = angles.get(dof).to_degrees();
+    }
+    let mut line = String::new();
+    for value in values {
+        write!(line, "{value:.6} ").expect("a string accepts every text");
+    }
+    line.push('\n');
+    line
+}
+
+/// Decoder of text lines.
+#[derive(Clone, Debug)]
+pub struct TextLineDecoder {
+    /// The line so far, at most [`MAX_LINE_BYTES`].
+    line: Vec<u8>,
+    /// The current line is too long; its bytes are skipped up to the line end.
+    is_skipping: bool,
+    stats: SourceStats,
+    /// Offset of the first byte after the last line end, from the start of the stream.
+    line_start: u64,
+    /// The previous line was skipped.
+    is_searching: bool,
+}
+
+impl TextLineDecoder {
+    /// Creates a decoder at the start of a stream.
+    pub fn new() -> Self {
+        Self {
+            line: Vec::with_capacity(MAX_LINE_BYTES),
+            is_skipping: false,
+            stats: SourceStats::default(),
+            line_start: 0,
+            is_searching: false,
+        }
+    }
+
+    /// Handles the line so far, which occupies `bytes` of the stream, line end included.
+    fn end_line(&mut self, bytes: u64, emit: &mut dyn FnMut(Packet)) {
+        self.line_start += bytes;
+        let is_too_long = std::mem::take(&mut self.is_skipping);
+        let parsed = match std::str::from_utf8(&self.line) {
+            Ok(line) if !is_too_long => parse(line).ok(),
+            _ => None,
+        };
+        self.line.clear();
+        let Some(values) = parsed else {
+            self.stats.skipped_bytes += bytes;
+            self.stats.resyncs += u64::from(!self.is_searching);
+            self.is_searching = true;
+            return;
+        };
+        self.stats.readings += 1;
+        self.is_searching = false;
+        emit(Packet {
+            sample: Sample::Angles {
+                angles: angles(&values),
+            },
+            end: self.line_start,
+        });
+    }
+
+    fn push_to_line(&mut self, bytes: &[u8]) {
+        if self.line.len() + bytes.len() > MAX_LINE_BYTES {
+            self.is_skipping = true;
+            self.line.clear();
+        }
+        if !self.is_skipping {
+            self.line.extend_from_slice(bytes);
+        }
+    }
+}
+
+impl Default for TextLineDecoder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Decoder for TextLineDecoder {
+    fn push(&mut self, bytes: &[u8], emit: &mut dyn FnMut(Packet)) {
+        let start = self.stats.bytes;
+        self.stats.bytes += bytes.len() as u64;
+        let mut offset = 0;
+        for piece in bytes.split_inclusive(|&byte| byte == b'\n') {
+            offset += piece.len() as u64;
+            match piece {
+                [line @ .., b'\n'] => {
+                    self.push_to_line(line);
+                    self.end_line(start + offset - self.line_start, emit);
+                }
+                _ => self.push_to_line(piece),
+            }
+        }
+    }
+
+    fn finish(&mut self, emit: &mut dyn FnMut(Packet)) {
+        let bytes = self.stats.bytes - self.line_start;
+        if bytes > 0 {
+            self.end_line(bytes, emit);
+        }
+        self.is_searching = false;
+    }
+
+    fn reset(&mut self) {
+        self.stats.skipped_bytes += self.stats.bytes - self.line_start;
+        self.line_start = self.stats.bytes;
+        self.line.clear();
+        (self.is_skipping, self.is_searching) = (false, false);
+    }
+
+    fn pending_bytes(&self) -> usize {
+        (self.stats.bytes - self.line_start) as usize
+    }
+
+    fn stats(&self) -> SourceStats {
+        self.stats
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const VECTORS: &str = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/tests/vectors/glove_text_line.json"
+    );
+
+    struct Case {
+        name: String,
+        line: String,
+        values: Result<Vec<f64>, String>,
+    }
+
+    fn cases() -> Vec<Case> {
+        let text = std::fs::read_to_string(VECTORS).expect("the vectors are in the tree");
+        let file: serde_json::Value = serde_json::from_str(&text).expect("they are JSON");
+        let cases = file["cases"].as_array().expect("a list of cases");
+        let read = |case: &serde_json::Value| Case {
+            name: case["name"].as_str().unwrap().to_owned(),
+            line: case["line"].as_str().unwrap().to_owned(),
+            values: match case["error"].as_str() {
+                Some(error) => Err(error.replace("no values", "0 values")),
+                None => Ok(serde_json::from_value(case["values"].clone()).unwrap()),
+            },
+        };
+        cases.iter().map(read).collect()
+    }
+
+    #[test]
+    fn the_vectors_parse_or_are_rejected() {
+        let cases = cases();
+        assert!(cases.len() >= 13, "only {} cases", cases.len());
+        for Case { name, line, values } in cases {
+            match (parse(&line), values) {
+                (Ok(parsed), Ok(expected)) => assert_eq!(parsed[..], expected, "{name}"),
+                (Err(error), Err(expected)) => assert!(
+                    error.contains(expected.trim_start_matches("a ")),
+                    "{name}: {error}, not {expected}"
+                ),
+                (parsed, expected) => panic!("{name}: {parsed:?}, not {expected:?}"),
+            }
+        }
+    }
+
+    #[test]
+    fn a_stream_of_the_vectors_gives_the_valid_lines_in_pieces_of_any_size() {
+        let cases = cases();
+        let stream: String = cases.iter().map(|case| case.line.as_str()).collect();
+        let expected: Vec<JointAngles> = cases
+            .iter()
+            .filter_map(|case| case.values.as_ref().ok())
+            .map(|values| angles(&values[..].try_into().unwrap()))
+            .collect();
+        let mut random = fastrand::Rng::with_seed(2);
+        for round in 0..200 {
+            let mut decoder = TextLineDecoder::new();
+            let mut received = Vec::new();
+            let mut packet_bytes = 0;
+            let mut rest = stream.as_bytes();
+            while !rest.is_empty() {
+                let (piece, later) =
+                    rest.split_at(random.usize(1..=rest.len().min(1 + round * 20)));
+                decoder.push(piece, &mut |packet| {
+                    let end = packet.end as usize;
+                    assert_eq!(stream.as_bytes()[end - 1], b'\n');
+                    let start = stream[..end - 1].rfind('\n').map_or(0, |start| start + 1);
+                    packet_bytes += (end - start) as u64;
+                    received.push(packet.sample);
+                });
+                rest = later;
+            }
+            let stats = decoder.stats();
+            assert_eq!(stats.bytes, packet_bytes + stats.skipped_bytes);
+            let expected: Vec<Sample> = expected
+                .iter()
+                .map(|&angles| Sample::Angles { angles })
+                .collect();
+            assert_eq!(received, expected);
+        }
+    }
+
+    #[test]
+    fn encoded_angles_are_decoded() {
+        let mut sent = JointAngles::default();
+        for (index, (_, dof)) in WIRE_INDICES.into_iter().enumerate() {
+            sent.set(dof, 0.01 * index as f64);
+        }
+        let received = angles(&parse(&encode(&sent)).unwrap());
+        for (wire_index, dof) in WIRE_INDICES {
+            let shared = WIRE_INDICES.iter().rfind(|(other, _)| *other == wire_index);
+            let (_, last) = shared.expect("the index itself");
+            assert!((received.get(dof) - sent.get(*last)).abs() < 1e-7, "{dof}");
+            assert!(received.is_known(dof));
+        }
+    }
+
+    #[test]
+    fn a_datagram_needs_no_line_end() {
+        let line = encode(&JointAngles::default());
+        let mut decoder = TextLineDecoder::new();
+        for _ in 0..2 {
+            decoder.push(line.trim_end().as_bytes(), &mut |_| panic!("no line end"));
+            let mut packets = 0;
+            decoder.finish(&mut |_| packets += 1);
+            assert_eq!((packets, decoder.pending_bytes()), (1, 0));
+        }
+    }
+
+    #[test]
+    fn an_endless_line_is_skipped_in_bounded_memory() {
+        let mut decoder = TextLineDecoder::new();
+        for _ in 0..1000 {
+            decoder.push(&[b'1'; 1000], &mut |_| panic!("no line end"));
+        }
+        assert_eq!(decoder.line.capacity(), MAX_LINE_BYTES);
+        let line = encode(&JointAngles::default());
+        let mut packets = 0;
+        decoder.push(format!("\n{line}").as_bytes(), &mut |_| packets += 1);
+        assert_eq!((packets, decoder.stats().skipped_bytes), (1, 1_000_001));
+        assert_eq!(decoder.stats().resyncs, 1);
+    }
+}

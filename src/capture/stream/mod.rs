@@ -1,0 +1,286 @@
+//! Byte stream as a source: decoding, time stamps and reconnection, common to all transports.
+
+use std::collections::VecDeque;
+use std::io::{Error, ErrorKind};
+use std::time::{Duration, Instant};
+
+use super::cancel::CancelToken;
+use super::garbage::GarbageDetector;
+use super::packet_clock::PacketClock;
+use super::protocol::{Decoder, Packet, StreamFormat};
+use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
+use super::transport::{Connection, Connector, READ_TIMEOUT};
+use super::{CaptureError, Reading, Source, SourceEvent, SourceStats};
+
+/// Source that decodes the bytes of a connection.
+pub(super) struct StreamSource<C> {
+    name: String,
+    format: StreamFormat,
+    connector: C,
+    cancel: Option<CancelToken>,
+    state: State,
+    decoder: Box<dyn Decoder>,
+    buffer: Vec<u8>,
+    pending: PendingReadings,
+    garbage: GarbageDetector,
+    last_received: Instant,
+    /// Restarts only after a packet: a device that comes and goes is opened less and less often.
+    back_off: BackOff,
+    losses: u64,
+}
+
+enum State {
+    Connected(Connection),
+    Reconnecting(Reconnect),
+    Ended,
+}
+
+impl<C: Connector> StreamSource<C> {
+    /// Opens the connection for the first time. `name` is the source URI.
+    pub fn open(
+        name: String,
+        format: StreamFormat,
+        mut connector: C,
+    ) -> Result<Self, CaptureError> {
+        let connection = match connector.connect() {
+            Ok(connection) => connection,
+            Err(error) => {
+                return Err(CaptureError::Open {
+                    source_name: name,
+                    reason: error.into_reason(),
+                });
+            }
+        };
+        let decoder = format.decoder();
+        // A packet that was pending may be complete with the first byte of a read.
+        let max_packets = C::READ_BYTES / format.protocol.min_packet_bytes + 2;
+        Ok(Self {
+            name,
+            connector,
+            cancel: None,
+            state: State::Connected(connection),
+            decoder,
+            buffer: vec![0; C::READ_BYTES],
+            pending: PendingReadings {
+                readings: VecDeque::with_capacity(max_packets),
+                clock: PacketClock::new(C::IS_LIVE),
+            },
+            format,
+            garbage: GarbageDetector::default(),
+            last_received: Instant::now(),
+            back_off: BackOff::default(),
+            losses: 0,
+        })
+    }
+
+    fn read(&mut self) -> Result<SourceEvent, CaptureError> {
+        let timeout = self.read_timeout();
+        let State::Connected(connection) = &mut self.state else {
+            return Ok(SourceEvent::End);
+        };
+        match connection.read(&mut self.buffer, self.cancel.as_ref(), timeout) {
+            Ok(0) => self.end_of_stream(),
+            Ok(length) => self.handle_bytes(length),
+            Err(error) if is_idle(error.kind()) => self.handle_silence(),
+            Err(error) if C::RECONNECTS => Err(self.lose(error.to_string())),
+            // The writer of a pipe has closed its end.
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => self.end_of_stream(),
+            Err(error) => Err(self.fail(&error)),
+        }
+    }
+
+    /// Returns the longest wait of one read. `None` waits until cancellation.
+    fn read_timeout(&self) -> Option<Duration> {
+        match self.cancel {
+            None => Some(READ_TIMEOUT),
+            Some(_) => {
+                C::IDLE_TIMEOUT.map(|timeout| timeout.saturating_sub(self.last_received.elapsed()))
+            }
+        }
+    }
+
+    fn handle_bytes(&mut self, length: usize) -> Result<SourceEvent, CaptureError> {
+        let now = Instant::now();
+        self.last_received = now;
+        let received = self.decoder.stats().bytes + length as u64;
+        let (format, pending) = (&self.format, &mut self.pending);
+        let mut emit = |packet| pending.push(packet, now, received, format);
+        self.decoder.push(&self.buffer[..length], &mut emit);
+        if C::IS_DATAGRAM {
+            self.decoder.finish(&mut emit);
+        }
+        let has_packet = !self.pending.readings.is_empty();
+        if self.garbage.update(now, has_packet) {
+            tracing::warn!(
+                "no valid packet from {} for {} s; check baud and protocol",
+                self.name,
+                GarbageDetector::TIMEOUT.as_secs()
+            );
+        }
+        if has_packet {
+            self.back_off = BackOff::default();
+        }
+        if C::IS_LIVE && self.decoder.take_restart() {
+            self.losses += 1;
+            return Err(CaptureError::Interrupted {
+                source_name: self.name.clone(),
+                reason: "it sent text, as a board does that restarts".to_owned(),
+            });
+        }
+        Ok(self.pending.pop().unwrap_or(SourceEvent::Idle))
+    }
+
+    fn handle_silence(&mut self) -> Result<SourceEvent, CaptureError> {
+        match C::IDLE_TIMEOUT {
+            Some(timeout) if self.last_received.elapsed() >= timeout => {
+                Err(self.lose(format!("nothing was received for {} s", timeout.as_secs())))
+            }
+            _ => Ok(SourceEvent::Idle),
+        }
+    }
+
+    fn end_of_stream(&mut self) -> Result<SourceEvent, CaptureError> {
+        if C::RECONNECTS {
+            return Err(self.lose("the device has closed the connection".to_owned()));
+        }
+        self.state = State::Ended;
+        let received = self.decoder.stats().bytes;
+        let (format, pending) = (&self.format, &mut self.pending);
+        let now = Instant::now();
+        self.decoder
+            .finish(&mut |packet| pending.push(packet, now, received, format));
+        Ok(self.pending.pop().unwrap_or(SourceEvent::End))
+    }
+
+    fn fail(&mut self, error: &Error) -> CaptureError {
+        self.state = State::Ended;
+        CaptureError::Malformed {
+            source_name: self.name.clone(),
+            reason: format!(
+                "reading stopped after {} bytes: {error}",
+                self.decoder.stats().bytes
+            ),
+        }
+    }
+
+    fn lose(&mut self, reason: String) -> CaptureError {
+        self.losses += 1;
+        self.decoder.reset();
+        self.garbage = GarbageDetector::default();
+        let reconnecting = State::Reconnecting(self.start_reconnect());
+        if let State::Connected(lost) = std::mem::replace(&mut self.state, reconnecting) {
+            close_on_thread(lost);
+        }
+        CaptureError::Lost {
+            source_name: self.name.clone(),
+            reason,
+        }
+    }
+
+    fn start_reconnect(&mut self) -> Reconnect {
+        let back_off = self.back_off.clone();
+        self.back_off.next_interval();
+        Reconnect::start(self.connector.clone(), back_off)
+    }
+
+    fn wait_for_connection(&mut self) -> SourceEvent {
+        let State::Reconnecting(reconnect) = &self.state else {
+            return SourceEvent::Idle;
+        };
+        match reconnect.wait(self.cancel.as_ref()) {
+            ReconnectEvent::Idle => {}
+            ReconnectEvent::Unusable(reason) => {
+                tracing::warn!("cannot reconnect to {}: {reason}", self.name);
+            }
+            ReconnectEvent::Stopped => {
+                self.state = State::Reconnecting(self.start_reconnect());
+            }
+            ReconnectEvent::Connected(connection) => {
+                tracing::info!("reconnected to {} at {}", self.name, connection.endpoint);
+                self.last_received = Instant::now();
+                self.state = State::Connected(connection);
+            }
+        }
+        SourceEvent::Idle
+    }
+}
+
+impl<C: Connector> Source for StreamSource<C> {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        if let Some(reading) = self.pending.pop() {
+            return Ok(reading);
+        }
+        match &self.state {
+            State::Connected(_) => self.read(),
+            State::Reconnecting(_) => Ok(self.wait_for_connection()),
+            State::Ended => Ok(SourceEvent::End),
+        }
+    }
+
+    fn set_cancel_token(&mut self, cancel: &CancelToken) {
+        self.cancel = Some(cancel.clone());
+    }
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn packet_period(&self) -> Option<Duration> {
+        self.format.packet_period()
+    }
+
+    fn is_live(&self) -> bool {
+        C::IS_LIVE
+    }
+
+    fn stats(&self) -> SourceStats {
+        let decoded = self.decoder.stats();
+        SourceStats {
+            readings: decoded.readings - self.pending.readings.len() as u64,
+            losses: self.losses,
+            ..decoded
+        }
+    }
+}
+
+/// Readings of the last read, in order.
+struct PendingReadings {
+    readings: VecDeque<Reading>,
+    clock: PacketClock,
+}
+
+impl PendingReadings {
+    /// Adds a packet of a stream of which `received` bytes had arrived by `now`.
+    fn push(&mut self, packet: Packet, now: Instant, received: u64, format: &StreamFormat) {
+        let bytes_after = received.saturating_sub(packet.end) as usize;
+        self.readings.push_back(Reading {
+            time: self.clock.stamp(now, bytes_after, format),
+            side: None,
+            sample: packet.sample,
+        });
+    }
+
+    fn pop(&mut self) -> Option<SourceEvent> {
+        self.readings.pop_front().map(SourceEvent::Reading)
+    }
+}
+
+fn is_idle(kind: ErrorKind) -> bool {
+    matches!(
+        kind,
+        ErrorKind::Interrupted | ErrorKind::WouldBlock | ErrorKind::TimedOut
+    )
+}
+
+/// Closes a connection on its own thread: closing the port of an absent device can block for seconds.
+fn close_on_thread(lost: Connection) {
+    let thread = std::thread::Builder::new()
+        .name("close".to_owned())
+        .spawn(move || drop(lost));
+    if let Err(error) = thread {
+        tracing::debug!("cannot start a thread, the port was closed in place: {error}");
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,75 @@
+//! UDP receiver: each datagram holds whole packets.
+
+use std::io::{Error, ErrorKind, Read, Result};
+use std::net::UdpSocket;
+
+use super::{ConnectError, Connection, Connector, READ_TIMEOUT, Transport, open_stream};
+use crate::capture::poll::Readiness;
+use crate::capture::uri::{Scheme, check_socket_address};
+
+/// The `udp` transport.
+pub const TRANSPORT: Transport = Transport {
+    scheme: SCHEME,
+    is_remote: true,
+    is_device: false,
+    has_address: true,
+    default_baud: None,
+    check_address: |address| check_socket_address(SCHEME, address),
+    open: |uri| {
+        let address = uri.address.clone();
+        open_stream(uri, UdpConnector { address })
+    },
+};
+
+const SCHEME: Scheme = Scheme {
+    name: "udp",
+    syntax: "udp:ADDRESS:PORT",
+    summary: "datagrams that arrive at a local address",
+    example: "udp:0.0.0.0:9000?protocol=text-line",
+};
+
+/// Binder of a local address.
+#[derive(Clone)]
+struct UdpConnector {
+    address: String,
+}
+
+impl Connector for UdpConnector {
+    const IS_LIVE: bool = true;
+    const RECONNECTS: bool = true;
+    const IS_DATAGRAM: bool = true;
+    /// A line of text has about 1300 bytes.
+    const READ_BYTES: usize = 4096;
+
+    fn connect(&mut self) -> std::result::Result<Connection, ConnectError> {
+        let socket = bind(&self.address).map_err(|error| {
+            ConnectError::Absent(format!(
+                "{error}; use an address of this machine, such as 0.0.0.0, and a free port"
+            ))
+        })?;
+        Ok(Connection {
+            readiness: Readiness::new(&socket),
+            bytes: Box::new(Datagrams(socket)),
+            endpoint: self.address.clone(),
+        })
+    }
+}
+
+fn bind(address: &str) -> Result<UdpSocket> {
+    let socket = UdpSocket::bind(address)?;
+    socket.set_read_timeout(Some(READ_TIMEOUT))?;
+    Ok(socket)
+}
+
+/// Reader of one datagram per read.
+struct Datagrams(UdpSocket);
+
+impl Read for Datagrams {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        match self.0.recv(buffer)? {
+            // To a reader 0 is the end of the stream; an empty datagram is not.
+            0 => Err(Error::from(ErrorKind::WouldBlock)),
+            length => Ok(length),
+        }
+    }
+}
