@@ -52,6 +52,14 @@ fn rules() -> OutputRules {
     OutputRules::new(capabilities, Some(pointer))
 }
 
+/// Settings with which the first reading arms the output.
+fn immediate() -> PipelineSettings {
+    PipelineSettings {
+        arm_immediately: true,
+        ..PipelineSettings::default()
+    }
+}
+
 fn press(name: &str) -> EventKind {
     EventKind::KeyDown(key(name))
 }
@@ -77,10 +85,7 @@ impl FakePipeline {
 
     /// Creates a running pipeline.
     fn running() -> Self {
-        let mut pipeline = Self::new(PipelineSettings {
-            arm_immediately: true,
-            ..PipelineSettings::default()
-        });
+        let mut pipeline = Self::new(immediate());
         pipeline.state = PipelineState::Running;
         pipeline.step(&[]).unwrap();
         pipeline
@@ -191,7 +196,7 @@ fn i1_events_that_the_active_layout_may_not_emit_are_reported() {
 #[test]
 fn i1_a_profile_that_the_setup_does_not_have_is_reported() {
     let mut pipeline = FakePipeline::running();
-    pipeline.oracle = Oracle::new([], PipelineSettings::default());
+    pipeline.oracle = Oracle::new([], immediate());
     assert_eq!(pipeline.step(&[]), Err(Violation::NoSuchProfile(0)));
 }
 
@@ -410,5 +415,5 @@ fn every_violation_names_its_invariant() {
         "{text}"
     );
     let text = Violation::PressedTwice(key("A")).to_string();
-    assert_eq!(text, "I2: `A` went press twice");
+    assert_eq!(text, "I2: `A` was pressed twice");
 }
