@@ -1,4 +1,4 @@
-//! What a simulated hand is told to do: typed texts and scripts both become a list of these.
+//! Actions of a simulated hand. Texts and scripts are translated to a list of them.
 
 use std::time::Duration;
 
@@ -7,59 +7,57 @@ use parry3d::math::{Vec2, Vec3};
 use crate::contact::TargetId;
 use crate::hand::Dof;
 
-/// One order to a simulated hand.
+/// One action of a simulated hand.
 ///
-/// Where a time is `None`, the movement takes as long as it takes a person.
+/// Without a duration, a movement takes as long as a person needs for it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum HandAction {
-    /// Presses and lifts again.
+    /// Presses a point of a target and lifts the fingertip again.
     Tap(TargetPoint),
-    /// The index fingertip goes over the place and down to the end of the target's travel. It stays
-    /// there.
+    /// Moves the index fingertip above a point and down to the end of the target's travel. It stays there.
     Press(TargetPoint),
-    /// The index fingertip goes down to this share of the target's travel, 0..=1. On the target that
-    /// it is down on already, only the depth changes.
+    /// Presses a target to this fraction of its travel, 0..=1. If the fingertip presses the target already, only the
+    /// depth changes.
     Push(TargetId, f32),
-    /// A fingertip that is down goes so far along the target's X and Y (metres), at the same depth.
+    /// Moves the pressed fingertip along the X and Y of the target (metres) at the same depth.
     Slide(Vec2, Option<Duration>),
-    /// A fingertip that is down goes so many radians around the middle of the target, at the same
-    /// depth, counter-clockwise as seen from its front.
+    /// Moves the pressed fingertip around the center of the target at the same depth, in radians, counter-clockwise
+    /// seen from the front.
     Arc(f32, Option<Duration>),
-    /// A fingertip that is down comes up; another one does nothing.
+    /// Lifts the fingertip. A fingertip that is not pressed does not move.
     Lift,
-    /// Nothing moves for so long.
+    /// Keeps the posture.
     Wait(Duration),
-    /// These angles (radians) are reached at the same time, and stay. A fingertip that is down keeps
-    /// its place.
+    /// Moves joints to these angles (radians), where they stay. A pressed fingertip keeps its position.
     SetAngles(Vec<(Dof, f64)>, Option<Duration>),
-    /// The tips of thumb and index finger meet, and stay together.
+    /// Brings the tips of thumb and index finger together. They stay together.
     Pinch(Option<Duration>),
-    /// They part.
+    /// Ends the pinch.
     Unpinch(Option<Duration>),
-    /// The index fingertip goes to this place, in metres from the elbow along the world's axes. One
-    /// that is down lifts first.
+    /// Moves the index fingertip to a position relative to the elbow, along the axes of the world (metres). A pressed
+    /// fingertip is lifted first.
     Point(Vec3, Option<Duration>),
 }
 
-/// A place on the front of a target.
+/// A point on the front of a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TargetPoint {
     /// The target.
     pub target: TargetId,
-    /// Metres from the middle of its front along its X and Y; may be beside it.
+    /// Offset from the center of the front along X and Y, in metres. It may lead outside the target.
     pub offset: Vec2,
 }
 
 impl HandAction {
-    /// A tap of the middle of a target.
+    /// Creates a tap on the center of a target.
     pub fn tap(target: TargetId) -> Self {
         Self::Tap(TargetPoint::center(target))
     }
 
-    /// Where the fingertip is to go down, if it is to.
+    /// Returns the point that the action presses, if any.
     pub fn target_point(&self) -> Option<TargetPoint> {
         match *self {
-            Self::Tap(spot) | Self::Press(spot) => Some(spot),
+            Self::Tap(point) | Self::Press(point) => Some(point),
             Self::Push(target, _) => Some(TargetPoint::center(target)),
             _ => None,
         }
@@ -67,7 +65,7 @@ impl HandAction {
 }
 
 impl TargetPoint {
-    /// The middle of a target's front.
+    /// Creates the center of a target's front.
     pub fn center(target: TargetId) -> Self {
         Self {
             target,

@@ -1,17 +1,20 @@
-//! Simulated people who play the devices, and scores of what came out.
+//! Simulated people: sources of glove readings for demos, tests and the scoring of layouts.
+//!
+//! A text ([`taps_for_text`]) or a [`Script`] becomes a list of [`HandAction`]s, which a [`SimulatedTypist`] performs on
+//! the targets of a layout.
 
-mod movement;
-mod simulated_hand;
 mod action;
+mod action_error;
+pub mod script;
 mod text_plan;
+mod typing_hand;
+mod movement;
 mod planner;
+mod simulated_hand;
+mod typist;
 mod player;
 mod text_field;
-mod action_error;
 mod score;
-mod script;
-mod typing_hand;
-mod typist;
 
 pub use action::{HandAction, TargetPoint};
 pub use action_error::{ActionError, ActionErrorKind};

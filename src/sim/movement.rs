@@ -1,113 +1,110 @@
-//! How a simulated hand gets from one posture to the next.
+//! Movements of a simulated hand from one posture to the next.
 
 use glam::Quat;
 use parry3d::math::Vec3;
 
 use super::typing_hand::TypingHand;
 
-/// One movement, from wherever the hand is when it begins.
+/// A planned movement. It starts in the posture that the hand then has.
 #[derive(Clone, Debug)]
 pub(super) struct Movement {
-    /// Channels, by their places in the hand's posture, and the values that they come to.
+    /// Channels that are moved directly: their indices in the posture, and their values at the end.
     pub(super) channel_targets: Vec<(usize, f64)>,
-    /// The way of the index fingertip; it goes along with the hand where there is none.
+    /// Path of the index fingertip; `None` if the fingertip follows from the channels.
     pub(super) path: Option<TipPath>,
     /// Whether the thumb stays at the index finger.
     pub(super) is_pinched: bool,
-    /// How many frames it takes; more than 0.
-    pub(super) frames: u32,
+    /// Duration in packets; more than 0.
+    pub(super) packets: u32,
 }
 
-/// The way of a fingertip (world, metres).
+/// The path of a fingertip (world, metres).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TipPath {
-    /// Straight to a place.
+    /// A straight line to a point.
     To(Vec3),
-    /// Around `centre`, right-handed about the unit `axis`.
+    /// An arc around `center`, right-handed about the unit vector `axis`.
     Around {
-        centre: Vec3,
+        center: Vec3,
         axis: Vec3,
         radians: f32,
     },
 }
 
 impl TipPath {
-    fn at(&self, from: Vec3, share: f32) -> Vec3 {
+    /// Returns the point at `t`, 0..=1, of the path that starts at `start`.
+    fn at(&self, start: Vec3, t: f32) -> Vec3 {
         match *self {
-            Self::To(to) => from.lerp(to, share),
+            Self::To(end) => start.lerp(end, t),
             Self::Around {
-                centre,
+                center,
                 axis,
                 radians,
-            } => centre + Quat::from_axis_angle(axis, radians * share) * (from - centre),
+            } => center + Quat::from_axis_angle(axis, radians * t) * (start - center),
         }
     }
 
-    /// Where it ends when it begins at `from`.
-    pub(super) fn end(&self, from: Vec3) -> Vec3 {
-        self.at(from, 1.0)
+    /// Returns the end of the path that starts at `start`.
+    pub(super) fn end(&self, start: Vec3) -> Vec3 {
+        self.at(start, 1.0)
     }
 }
 
 /// A movement that has begun.
 #[derive(Clone, Debug)]
-pub(super) struct Motion {
+pub(super) struct ActiveMovement {
     movement: Movement,
-    /// The places that the movement turns itself: the way of the fingertip has to do without them.
-    held: Vec<usize>,
-    values: Vec<f64>,
-    tip: Vec3,
+    /// Channels that the movement sets directly, which inverse kinematics must not change.
+    locked: Vec<usize>,
+    start_values: Vec<f64>,
+    start_tip: Vec3,
 }
 
-impl Motion {
-    /// Begins a movement in the posture `values`. What it turns stays so: it is where the hand comes
-    /// back to from now on.
+impl ActiveMovement {
+    /// Begins a movement in the posture `values`. The channels that it sets keep their values as their new rest.
     pub(super) fn begin(movement: Movement, hand: &mut TypingHand, values: &[f64]) -> Self {
-        for &(place, value) in &movement.channel_targets {
-            hand.set_rest(place, value);
+        for &(index, value) in &movement.channel_targets {
+            hand.set_rest(index, value);
         }
+        let locked = movement.channel_targets.iter().map(|&(index, _)| index);
         Self {
-            held: movement
-                .channel_targets
-                .iter()
-                .map(|&(place, _)| place)
-                .collect(),
-            values: values.to_vec(),
-            tip: hand.tip(values),
+            locked: locked.collect(),
+            start_values: values.to_vec(),
+            start_tip: hand.tip(values),
             movement,
         }
     }
 
-    /// How many frames it takes.
-    pub(super) fn frames(&self) -> u32 {
-        self.movement.frames
+    /// Returns the duration in packets.
+    pub(super) fn packets(&self) -> u32 {
+        self.movement.packets
     }
 
-    /// Brings `values`, the posture of the frame before, to the one after this share of the time.
-    /// Returns how far from its way the fingertip stays, in metres.
-    pub(super) fn step(&self, time_share: f32, hand: &TypingHand, values: &mut [f64]) -> f64 {
-        let share = minimum_jerk(time_share);
-        for &(place, to) in &self.movement.channel_targets {
-            let from = self.values[place];
-            values[place] = from + (to - from) * f64::from(share);
+    /// Sets `values`, the previous posture, to the posture at `time_fraction` (0..=1) of the movement. Returns the
+    /// distance from the fingertip to its path in metres.
+    pub(super) fn step(&self, time_fraction: f32, hand: &TypingHand, values: &mut [f64]) -> f64 {
+        let t = minimum_jerk(time_fraction);
+        for &(index, end) in &self.movement.channel_targets {
+            let start = self.start_values[index];
+            values[index] = start + (end - start) * f64::from(t);
         }
         let Some(path) = &self.movement.path else {
             if self.movement.is_pinched {
-                hand.follow(values);
+                hand.bring_thumb_to_index(values);
             }
             return 0.0;
         };
-        let tip = path.at(self.tip, share);
+        let tip = path.at(self.start_tip, t);
         match self.movement.is_pinched {
-            true => hand.reach_pinched(tip, values, &self.held),
-            false => hand.reach(tip, values, &self.held),
+            true => hand.reach_pinched(tip, values, &self.locked),
+            false => hand.reach(tip, values, &self.locked),
         }
     }
 }
 
-/// x = 10 s³ − 15 s⁴ + 6 s⁵ (Flash & Hogan 1985).
-fn minimum_jerk(share: f32) -> f32 {
-    share.powi(3) * (10.0 + share * (-15.0 + 6.0 * share))
+/// The minimum-jerk profile x = 10 t³ − 15 t⁴ + 6 t⁵ (Flash & Hogan 1985).
+fn minimum_jerk(t: f32) -> f32 {
+    t.powi(3) * (10.0 + t * (-15.0 + 6.0 * t))
 }
 
 #[cfg(test)]
@@ -115,14 +112,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_movement_starts_and_ends_where_it_should_and_is_half_way_in_the_middle() {
+    fn a_movement_is_at_its_start_middle_and_end_on_time() {
         assert_eq!([0.0, 0.5, 1.0].map(minimum_jerk), [0.0, 0.5, 1.0]);
     }
 
     #[test]
-    fn a_quarter_turn_seen_from_the_front_goes_counter_clockwise() {
+    fn a_quarter_turn_is_counter_clockwise_seen_from_the_front() {
         let path = TipPath::Around {
-            centre: Vec3::new(1.0, 1.0, 0.0),
+            center: Vec3::new(1.0, 1.0, 0.0),
             axis: Vec3::Z,
             radians: std::f32::consts::FRAC_PI_2,
         };

@@ -1,4 +1,4 @@
-//! From orders to the movements that carry them out.
+//! Translation of actions to movements.
 
 use std::time::Duration;
 
@@ -6,38 +6,42 @@ use parry3d::math::Vec3;
 
 use super::action::{HandAction, TargetPoint};
 use super::action_error::{ActionError, ActionErrorKind};
-use super::movement::{Motion, Movement, TipPath};
-use super::typing_hand::{Front, PINCH_GAP, REACH_TOLERANCE, TypingHand};
+use super::movement::{ActiveMovement, Movement, TipPath};
+use super::typing_hand::{PINCH_GAP, REACH_TOLERANCE, ReachTarget, TypingHand};
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::hand::{Dof, Finger};
 use crate::names::UnknownName;
 
-/// The hand is shown off all targets for so long at the start, and again at the end.
-const SHOW: Duration = Duration::from_millis(600);
-/// How long a press or a lift takes, and how long a tap stays down.
-const STROKE: Duration = Duration::from_millis(70);
-/// How long a joint takes to another angle, and the thumb to the index finger.
-const TURN: Duration = Duration::from_millis(300);
-/// The mean speed of a fingertip on a way whose time is not said, in m/s.
+/// Time for which the hand is clear of all targets at the start and at the end.
+const CLEAR_TIME: Duration = Duration::from_millis(600);
+/// Duration of a press and of a lift; also the time for which a tap stays pressed.
+const PRESS_TIME: Duration = Duration::from_millis(70);
+/// Duration of a movement of joints, and of a pinch.
+const TURN_TIME: Duration = Duration::from_millis(300);
+/// Mean speed of a fingertip on a path without a duration, in m/s.
 const SPEED: f64 = 0.25;
-/// Nearer to the middle of a target than this, in metres, there is no going around it.
-const LEAST_RADIUS: f32 = 0.001;
-/// A way around is looked at this often, in radians, for places that are out of reach.
-const LOOK: f32 = 0.25;
+/// Smallest radius of an arc, in metres.
+const MIN_RADIUS: f32 = 0.001;
+/// Angle between two points of an arc that are checked for reach, in radians.
+const CHECK_ANGLE: f32 = 0.25;
+/// Smallest number of packets of a press, so that a slow line transmits it.
+const PRESS_PACKETS: u32 = 3;
+/// Smallest number of packets of any other movement.
+const MOVE_PACKETS: u32 = 5;
 
-/// What a hand does, and the posture that it begins in.
+/// The movements of a hand, and its first posture.
 pub(super) struct Plan {
     pub(super) hand: TypingHand,
-    pub(super) start: Vec<f64>,
+    pub(super) start_values: Vec<f64>,
     pub(super) movements: Vec<Movement>,
-    /// How many movements there are up to the end of each order; the first is the show at the start.
-    pub(super) ends: Vec<usize>,
+    /// Number of movements up to the end of each action. The first movement shows the hand at the start.
+    pub(super) action_ends: Vec<usize>,
 }
 
-/// Plans orders for a hand over the targets of a scene, shown in frames that are `period` apart.
+/// Plans the actions of a hand above the targets of a scene; `period` is the time between two packets.
 pub(super) fn plan(
-    orders: &[HandAction],
+    actions: &[HandAction],
     hand: TypingHand,
     scene: &Scene,
     period: Duration,
@@ -49,123 +53,122 @@ pub(super) fn plan(
         rest: hand.rest_values(),
         hand: hand.clone(),
         movements: Vec::new(),
-        place: TipState::Off,
+        tip_state: TipState::Clear,
         is_pinched: false,
         before_pinch: Vec::new(),
         home: Vec3::ZERO,
     };
-    planner.begin(orders);
-    let start = planner.values.clone();
-    let mut ends = Vec::with_capacity(orders.len());
-    for (number, order) in orders.iter().enumerate() {
-        let done = planner.order(order).and_then(|()| planner.check_pinch());
-        done.map_err(|reason| ActionError {
-            index: number,
-            kind: reason,
-        })?;
-        ends.push(planner.movements.len());
+    planner.begin(actions);
+    let start_values = planner.values.clone();
+    let mut action_ends = Vec::with_capacity(actions.len());
+    for (index, action) in actions.iter().enumerate() {
+        let done = planner.add(action).and_then(|()| planner.check_pinch());
+        done.map_err(|kind| ActionError { index, kind })?;
+        action_ends.push(planner.movements.len());
     }
     planner.end();
     Ok(Plan {
         hand,
-        start,
+        start_values,
         movements: planner.movements,
-        ends,
+        action_ends,
     })
 }
 
-/// Follows the hand through the movements that it plans.
+/// A hand that is moved through the planned movements.
 struct Planner<'a> {
     scene: &'a Scene,
     period: Duration,
     hand: TypingHand,
-    /// The posture that the hand comes back to at the end.
+    /// Posture to which the hand returns at the end.
     rest: Vec<f64>,
-    /// The posture after the movements so far.
+    /// Posture after the movements so far.
     values: Vec<f64>,
     movements: Vec<Movement>,
-    place: TipState,
+    tip_state: TipState,
     is_pinched: bool,
-    /// What the pinch changed besides the thumb: places in the posture, and their values before.
+    /// Channels besides those of the thumb that the pinch changed: their indices, and their values before.
     before_pinch: Vec<(usize, f64)>,
-    /// Where the fingertip began, off all targets (world, metres).
+    /// First position of the fingertip, clear of all targets (world, metres).
     home: Vec3,
 }
 
-/// Where the index fingertip is.
+/// The state of the index fingertip.
 #[derive(Clone, Copy)]
 enum TipState {
-    /// Over the front of a target, or where the hand began.
-    Off,
-    /// Down on a target.
-    Down(PressedTip),
-    /// Somewhere in space.
-    Anywhere,
+    /// Above the front of a target, or at its first position.
+    Clear,
+    /// Pressing a target.
+    Pressed(PressedTip),
+    /// Anywhere in space.
+    Free,
 }
 
-/// A fingertip that is down, at `tip` (world, metres).
+/// A fingertip that presses a target; its center is at `tip` (world, metres).
 #[derive(Clone, Copy)]
 struct PressedTip {
-    target: TargetId,
-    front: Front,
+    id: TargetId,
+    target: ReachTarget,
     tip: Vec3,
 }
 
 impl Planner<'_> {
-    /// The hand begins over the first target that it is to press, so that it is seen off all of them.
-    fn begin(&mut self, orders: &[HandAction]) {
-        if orders.is_empty() {
+    /// Starts above the first target of the actions, so that the hand is clear of all targets.
+    fn begin(&mut self, actions: &[HandAction]) {
+        if actions.is_empty() {
             return;
         }
-        // Whether it can be pressed is seen when it is its turn.
-        if let Some(spot) = orders.iter().find_map(HandAction::target_point)
-            && let Ok(front) = self.front(spot.target)
+        // An unreachable target is reported by its own action.
+        if let Some(point) = actions.iter().find_map(HandAction::target_point)
+            && let Ok(target) = self.reach_target(point.target)
         {
-            let hover = front.tip(spot, front.hover);
+            let hover = target.tip_position(point, target.hover_height);
             self.hand.reach(hover, &mut self.values, &[]);
         }
         self.home = self.hand.tip(&self.values);
-        self.wait(SHOW);
+        self.wait(CLEAR_TIME);
     }
 
-    /// The hand is seen off all targets, as it was at the start.
+    /// Returns to the first posture, clear of all targets.
     fn end(&mut self) {
         if self.movements.is_empty() {
             return;
         }
         self.lift();
-        let back = self.rest.iter().copied().enumerate();
-        let turns: Vec<(usize, f64)> = back
-            .filter(|&(place, value)| {
-                !self.hand.reaches_with(place) && (self.values[place] - value).abs() > 0.5
+        let rest = self.rest.iter().copied().enumerate();
+        let channel_targets: Vec<(usize, f64)> = rest
+            .filter(|&(index, value)| {
+                !self.hand.is_used_to_reach(index) && (self.values[index] - value).abs() > 0.5
             })
             .collect();
-        let tip = match self.place {
-            TipState::Anywhere => self.home,
-            TipState::Off | TipState::Down(_) => self.hand.tip(&self.values),
+        let is_free = matches!(self.tip_state, TipState::Free);
+        let tip = match is_free {
+            true => self.home,
+            false => self.hand.tip(&self.values),
         };
         self.is_pinched = false;
-        if !turns.is_empty() || matches!(self.place, TipState::Anywhere) {
-            let time = self.travel_time(tip).max(TURN);
-            self.go(turns, Some(TipPath::To(tip)), time, 5);
+        if !channel_targets.is_empty() || is_free {
+            let time = self.travel_time(tip).max(TURN_TIME);
+            self.push_movement(channel_targets, Some(TipPath::To(tip)), time, MOVE_PACKETS);
         }
-        self.wait(SHOW);
+        self.wait(CLEAR_TIME);
     }
 
-    fn order(&mut self, order: &HandAction) -> Result<(), ActionErrorKind> {
-        match order {
-            HandAction::Tap(spot) => {
-                self.press(*spot)?;
-                self.wait(STROKE.max(3 * self.period));
+    fn add(&mut self, action: &HandAction) -> Result<(), ActionErrorKind> {
+        match action {
+            HandAction::Tap(point) => {
+                self.press(*point)?;
+                self.wait(PRESS_TIME.max(PRESS_PACKETS * self.period));
                 self.lift();
                 Ok(())
             }
-            HandAction::Press(spot) => self.press(*spot),
-            HandAction::Push(target, share) => self.push(*target, *share),
-            HandAction::Slide(by, time) => {
-                let down = self.down()?;
-                let by = down.front.world_from_target.rotation * by.extend(0.0);
-                self.slide(down, TipPath::To(down.tip + by), by.length(), *time)
+            HandAction::Press(point) => self.press(*point),
+            HandAction::Push(target, fraction) => self.push(*target, *fraction),
+            HandAction::Slide(offset, time) => {
+                let pressed = self.pressed_tip()?;
+                let offset = pressed.target.world_from_target.rotation * offset.extend(0.0);
+                let path = TipPath::To(pressed.tip + offset);
+                self.slide(pressed, path, offset.length(), *time)
             }
             HandAction::Arc(radians, time) => self.arc(*radians, *time),
             HandAction::Lift => {
@@ -176,155 +179,158 @@ impl Planner<'_> {
                 self.wait(*time);
                 Ok(())
             }
-            HandAction::SetAngles(angles, time) => self.turn(angles, *time),
-            HandAction::Pinch(time) => self.pinch(time.unwrap_or(TURN)),
-            HandAction::Unpinch(time) => self.unpinch(time.unwrap_or(TURN)),
-            HandAction::Point(place, time) => self.point(*place, *time),
+            HandAction::SetAngles(angles, time) => self.set_angles(angles, *time),
+            HandAction::Pinch(time) => self.pinch(time.unwrap_or(TURN_TIME)),
+            HandAction::Unpinch(time) => self.unpinch(time.unwrap_or(TURN_TIME)),
+            HandAction::Point(position, time) => self.point(*position, *time),
         }
     }
 
-    fn press(&mut self, spot: TargetPoint) -> Result<(), ActionErrorKind> {
+    fn press(&mut self, point: TargetPoint) -> Result<(), ActionErrorKind> {
         self.lift();
-        let front = self.approach(spot)?;
-        self.sink(spot, front, front.bottom)
+        let target = self.approach(point)?;
+        self.press_to(point, target, target.bottom_height)
     }
 
-    fn push(&mut self, target: TargetId, share: f32) -> Result<(), ActionErrorKind> {
-        if let TipState::Down(mut down) = self.place
-            && down.target == target
+    fn push(&mut self, id: TargetId, fraction: f32) -> Result<(), ActionErrorKind> {
+        if let TipState::Pressed(mut pressed) = self.tip_state
+            && pressed.id == id
         {
-            let pad = down.front.pad(down.tip);
-            let spot = TargetPoint {
-                target,
+            let pad = pressed.target.pad_position(pressed.tip);
+            let point = TargetPoint {
+                target: id,
                 offset: pad.truncate(),
             };
-            down.tip = down.front.tip(spot, -share * down.front.travel);
-            let distance = self.follow(TipPath::To(down.tip), STROKE, 3);
-            within_reach(distance, Some(target))?;
-            self.place = TipState::Down(down);
+            let height = -fraction * pressed.target.travel;
+            pressed.tip = pressed.target.tip_position(point, height);
+            let path = TipPath::To(pressed.tip);
+            let distance = self.move_tip(path, PRESS_TIME, PRESS_PACKETS);
+            check_reach(distance, Some(id))?;
+            self.tip_state = TipState::Pressed(pressed);
             return Ok(());
         }
         self.lift();
-        let spot = TargetPoint::center(target);
-        let front = self.approach(spot)?;
-        self.sink(spot, front, -share * front.travel)
+        let point = TargetPoint::center(id);
+        let target = self.approach(point)?;
+        self.press_to(point, target, -fraction * target.travel)
     }
 
-    /// Over the place that is to be pressed.
-    fn approach(&mut self, spot: TargetPoint) -> Result<Front, ActionErrorKind> {
-        let front = self.front(spot.target)?;
-        let hover = front.tip(spot, front.hover);
-        // Only the show at the start comes before the first movement, and that is over this place.
-        let is_there = self.movements.len() == 1;
-        if !is_there {
+    /// Moves the fingertip above a point.
+    fn approach(&mut self, point: TargetPoint) -> Result<ReachTarget, ActionErrorKind> {
+        let target = self.reach_target(point.target)?;
+        let hover = target.tip_position(point, target.hover_height);
+        // After the first movement the fingertip is above the first point of the actions.
+        let is_first = self.movements.len() == 1;
+        if !is_first {
             let time = self.travel_time(hover);
-            self.follow(TipPath::To(hover), time, 5);
+            self.move_tip(TipPath::To(hover), time, MOVE_PACKETS);
         }
-        self.place = TipState::Off;
-        Ok(front)
+        self.tip_state = TipState::Clear;
+        Ok(target)
     }
 
-    fn sink(
+    fn press_to(
         &mut self,
-        spot: TargetPoint,
-        front: Front,
+        point: TargetPoint,
+        target: ReachTarget,
         height: f32,
     ) -> Result<(), ActionErrorKind> {
-        let (target, tip) = (spot.target, front.tip(spot, height));
-        let distance = self.follow(TipPath::To(tip), STROKE, 3);
-        within_reach(distance, Some(target))?;
-        self.place = TipState::Down(PressedTip { target, front, tip });
+        let (id, tip) = (point.target, target.tip_position(point, height));
+        let distance = self.move_tip(TipPath::To(tip), PRESS_TIME, PRESS_PACKETS);
+        check_reach(distance, Some(id))?;
+        self.tip_state = TipState::Pressed(PressedTip { id, target, tip });
         Ok(())
     }
 
     fn lift(&mut self) {
-        let TipState::Down(PressedTip { target, front, tip }) = self.place else {
+        let TipState::Pressed(PressedTip { id, target, tip }) = self.tip_state else {
             return;
         };
-        let spot = TargetPoint {
-            target,
-            offset: front.pad(tip).truncate(),
+        let point = TargetPoint {
+            target: id,
+            offset: target.pad_position(tip).truncate(),
         };
-        let hover = front.tip(spot, front.hover);
-        self.follow(TipPath::To(hover), STROKE, 3);
-        self.place = TipState::Off;
+        let hover = target.tip_position(point, target.hover_height);
+        self.move_tip(TipPath::To(hover), PRESS_TIME, PRESS_PACKETS);
+        self.tip_state = TipState::Clear;
     }
 
     fn arc(&mut self, radians: f32, time: Option<Duration>) -> Result<(), ActionErrorKind> {
-        let down = self.down()?;
-        let at = down.front.pad(down.tip).truncate();
-        if at.length() < LEAST_RADIUS {
+        let pressed = self.pressed_tip()?;
+        let offset = pressed.target.pad_position(pressed.tip).truncate();
+        if offset.length() < MIN_RADIUS {
             return Err(ActionErrorKind::AtCenter);
         }
-        let axes = down.front.world_from_target.rotation;
+        let rotation = pressed.target.world_from_target.rotation;
         let path = TipPath::Around {
-            centre: down.tip - axes * at.extend(0.0),
-            axis: axes * Vec3::Z,
+            center: pressed.tip - rotation * offset.extend(0.0),
+            axis: rotation * Vec3::Z,
             radians,
         };
-        self.slide(down, path, at.length() * radians.abs(), time)
+        self.slide(pressed, path, offset.length() * radians.abs(), time)
     }
 
-    /// Goes along a path of this length while down.
+    /// Moves the pressed fingertip along a path of this length in metres.
     fn slide(
         &mut self,
-        mut down: PressedTip,
+        mut pressed: PressedTip,
         path: TipPath,
         length: f32,
         time: Option<Duration>,
     ) -> Result<(), ActionErrorKind> {
-        let time = time.unwrap_or_else(|| time_at_speed(length));
-        let distance = self.follow(path, time, 3);
-        within_reach(distance, Some(down.target))?;
-        down.tip = path.end(down.tip);
-        self.place = TipState::Down(down);
+        let time = time.unwrap_or_else(|| slide_time(length));
+        let distance = self.move_tip(path, time, PRESS_PACKETS);
+        check_reach(distance, Some(pressed.id))?;
+        pressed.tip = path.end(pressed.tip);
+        self.tip_state = TipState::Pressed(pressed);
         Ok(())
     }
 
-    fn turn(
+    fn set_angles(
         &mut self,
         angles: &[(Dof, f64)],
         time: Option<Duration>,
     ) -> Result<(), ActionErrorKind> {
-        let mut turns = Vec::new();
+        let mut channel_targets = Vec::new();
         for &(dof, radians) in angles {
-            let place = self.hand.place_of(dof).ok_or_else(|| {
+            let index = self.hand.index_of(dof).ok_or_else(|| {
                 let known = self.hand.dofs().map(Dof::name);
                 ActionErrorKind::NoSensor(UnknownName::new("degree of freedom", dof.name(), known))
             })?;
-            let value = self.hand.value(place, dof, radians);
+            let value = self.hand.value_at(index, dof, radians);
             let value = value.map_err(|(low, high)| ActionErrorKind::AngleOutOfRange {
                 dof,
                 wanted: radians.to_degrees(),
                 low: low.to_degrees().ceil(),
                 high: high.to_degrees().floor(),
             })?;
-            turns.retain(|(other, _)| *other != place);
-            turns.push((place, value));
+            channel_targets.retain(|(other, _)| *other != index);
+            channel_targets.push((index, value));
         }
         let moves = |finger| angles.iter().any(|(dof, _)| dof.finger() == finger);
         if moves(Some(Finger::Thumb)) {
             self.is_pinched = false;
         }
         let moves_tip = moves(None) || moves(Some(Finger::Index));
-        self.turn_in_place(turns, time.unwrap_or(TURN), moves_tip)
+        self.move_channels(channel_targets, time.unwrap_or(TURN_TIME), moves_tip)
     }
 
-    /// Turns channels. A fingertip that is down keeps its place; another one goes along.
-    fn turn_in_place(
+    /// Moves channels. A pressed fingertip keeps its position; otherwise the fingertip follows from the channels.
+    fn move_channels(
         &mut self,
-        turns: Vec<(usize, f64)>,
+        channel_targets: Vec<(usize, f64)>,
         time: Duration,
         moves_tip: bool,
     ) -> Result<(), ActionErrorKind> {
-        if let TipState::Down(PressedTip { target, tip, .. }) = self.place {
-            let distance = self.go(turns, Some(TipPath::To(tip)), time, 5);
-            return within_reach(distance, Some(target));
+        if let TipState::Pressed(PressedTip { id, tip, .. }) = self.tip_state {
+            let path = Some(TipPath::To(tip));
+            let distance = self.push_movement(channel_targets, path, time, MOVE_PACKETS);
+            return check_reach(distance, Some(id));
         }
         if moves_tip {
-            self.place = TipState::Anywhere;
+            self.tip_state = TipState::Free;
         }
-        self.go(turns, None, time, 5);
+        self.push_movement(channel_targets, None, time, MOVE_PACKETS);
         Ok(())
     }
 
@@ -333,29 +339,27 @@ impl Planner<'_> {
             return Ok(());
         }
         let mut values = self.values.clone();
-        match self.place {
-            TipState::Down(_) => self.hand.follow(&mut values),
-            TipState::Off | TipState::Anywhere => self.hand.pinch(&mut values),
+        match self.tip_state {
+            TipState::Pressed(_) => self.hand.bring_thumb_to_index(&mut values),
+            TipState::Clear | TipState::Free => self.hand.pinch(&mut values),
         }
-        let places = 0..values.len();
-        let changed: Vec<usize> = places
-            .filter(|&place| values[place] != self.values[place])
+        let changed = (0..values.len()).filter(|&index| values[index] != self.values[index]);
+        let channel_targets: Vec<(usize, f64)> =
+            changed.map(|index| (index, values[index])).collect();
+        let indices = channel_targets.iter().map(|&(index, _)| index);
+        let of_index_finger = indices.filter(|&index| self.hand.is_used_to_reach(index));
+        self.before_pinch = of_index_finger
+            .map(|index| (index, self.values[index]))
             .collect();
-        let turns = changed.iter().map(|&place| (place, values[place]));
-        let turns: Vec<(usize, f64)> = turns.collect();
-        let meeting = changed
-            .iter()
-            .filter(|&&place| self.hand.reaches_with(place));
-        self.before_pinch = meeting.map(|&place| (place, self.values[place])).collect();
         let moves_tip = !self.before_pinch.is_empty();
-        self.turn_in_place(turns, time, moves_tip)?;
+        self.move_channels(channel_targets, time, moves_tip)?;
         self.is_pinched = true;
         Ok(())
     }
 
-    /// Whether thumb and index finger are together, where they should be.
+    /// Checks that thumb and index finger are together during a pinch.
     fn check_pinch(&self) -> Result<(), ActionErrorKind> {
-        let gap = self.hand.gap(&self.values);
+        let gap = self.hand.pinch_gap(&self.values);
         match self.is_pinched && gap > PINCH_GAP {
             true => Err(ActionErrorKind::PinchFailed(gap)),
             false => Ok(()),
@@ -364,30 +368,31 @@ impl Planner<'_> {
 
     fn unpinch(&mut self, time: Duration) -> Result<(), ActionErrorKind> {
         self.is_pinched = false;
-        let mut turns = std::mem::take(&mut self.before_pinch);
-        let moves_tip = !turns.is_empty();
-        turns.extend(self.hand.thumb().map(|place| (place, self.rest[place])));
-        self.turn_in_place(turns, time, moves_tip)
+        let mut channel_targets = std::mem::take(&mut self.before_pinch);
+        let moves_tip = !channel_targets.is_empty();
+        let thumb = self.hand.thumb_indices();
+        channel_targets.extend(thumb.map(|index| (index, self.rest[index])));
+        self.move_channels(channel_targets, time, moves_tip)
     }
 
-    fn point(&mut self, place: Vec3, time: Option<Duration>) -> Result<(), ActionErrorKind> {
+    fn point(&mut self, position: Vec3, time: Option<Duration>) -> Result<(), ActionErrorKind> {
         self.lift();
-        let tip = self.hand.elbow() + place;
-        let distance = tip.distance(self.hand.tip(&self.values));
-        let time = time.unwrap_or_else(|| time_at_speed(distance));
-        let distance = self.follow(TipPath::To(tip), time, 5);
-        self.place = TipState::Anywhere;
-        within_reach(distance, None)
+        let tip = self.hand.elbow() + position;
+        let length = tip.distance(self.hand.tip(&self.values));
+        let time = time.unwrap_or_else(|| slide_time(length));
+        let distance = self.move_tip(TipPath::To(tip), time, MOVE_PACKETS);
+        self.tip_state = TipState::Free;
+        check_reach(distance, None)
     }
 
-    fn down(&self) -> Result<PressedTip, ActionErrorKind> {
-        match self.place {
-            TipState::Down(down) => Ok(down),
-            TipState::Off | TipState::Anywhere => Err(ActionErrorKind::NotDown),
+    fn pressed_tip(&self) -> Result<PressedTip, ActionErrorKind> {
+        match self.tip_state {
+            TipState::Pressed(pressed) => Ok(pressed),
+            TipState::Clear | TipState::Free => Err(ActionErrorKind::NotPressed),
         }
     }
 
-    fn front(&self, target: TargetId) -> Result<Front, ActionErrorKind> {
+    fn reach_target(&self, target: TargetId) -> Result<ReachTarget, ActionErrorKind> {
         if self.scene.target(target).is_none() {
             return Err(ActionErrorKind::NotOnBoard);
         }
@@ -395,76 +400,78 @@ impl Planner<'_> {
             target: Some(target),
             metres: f64::INFINITY,
         };
-        self.hand.front(self.scene, target).ok_or(out_of_reach)
+        self.hand
+            .reach_target(self.scene, target)
+            .ok_or(out_of_reach)
     }
 
     fn wait(&mut self, time: Duration) {
-        let frames = self.frames(time, 1);
+        let packets = self.packets(time, 1);
         self.movements.push(Movement {
             channel_targets: Vec::new(),
             path: None,
             is_pinched: false,
-            frames,
+            packets,
         });
     }
 
-    /// The fingertip goes along a path; the rest as [`go`](Self::go).
-    fn follow(&mut self, path: TipPath, time: Duration, fewest: u32) -> f64 {
-        self.go(Vec::new(), Some(path), time, fewest)
+    /// Adds a movement of the fingertip along a path; see [`push_movement`](Self::push_movement).
+    fn move_tip(&mut self, path: TipPath, time: Duration, min_packets: u32) -> f64 {
+        self.push_movement(Vec::new(), Some(path), time, min_packets)
     }
 
-    /// A movement that takes `time`, and at least `fewest` frames, so that a slow line shows it.
-    /// Returns the furthest that the fingertip stays away from its path, in metres.
-    fn go(
+    /// Adds a movement that takes `time` and at least `min_packets`. Returns the largest distance from the fingertip
+    /// to its path in metres.
+    fn push_movement(
         &mut self,
-        turns: Vec<(usize, f64)>,
+        channel_targets: Vec<(usize, f64)>,
         path: Option<TipPath>,
         time: Duration,
-        fewest: u32,
+        min_packets: u32,
     ) -> f64 {
         let movement = Movement {
-            channel_targets: turns,
+            channel_targets,
             path,
             is_pinched: self.is_pinched,
-            frames: self.frames(time, fewest),
+            packets: self.packets(time, min_packets),
         };
-        let motion = Motion::begin(movement.clone(), &mut self.hand, &self.values);
+        let active = ActiveMovement::begin(movement.clone(), &mut self.hand, &self.values);
         self.movements.push(movement);
-        // Which thumb follows depends on the whole way.
-        let looks = match self.is_pinched {
-            true => motion.frames(),
-            false => looks(path),
+        // The posture of a pinching thumb depends on all steps before it.
+        let steps = match self.is_pinched {
+            true => active.packets(),
+            false => check_steps(path),
         };
-        self.walk(&motion, looks)
+        self.perform(&active, steps)
     }
 
-    /// Looks at a movement in so many steps, and frame by frame if one of them is out of reach: a long
-    /// way is found in short steps. Returns the furthest that the fingertip stays away, in metres.
-    fn walk(&mut self, motion: &Motion, steps: u32) -> f64 {
+    /// Performs a movement in `steps` steps, and packet by packet if one of them is out of reach, since inverse
+    /// kinematics finds distant solutions in short steps. Returns the largest distance from the path in metres.
+    fn perform(&mut self, active: &ActiveMovement, steps: u32) -> f64 {
         let before = self.values.clone();
-        let mut furthest = 0_f64;
-        for steps in [steps, motion.frames()] {
+        let mut max_distance = 0_f64;
+        for steps in [steps, active.packets()] {
             self.values.clone_from(&before);
-            furthest = 0.0;
+            max_distance = 0.0;
             for step in 1..=steps {
-                let share = step as f32 / steps as f32;
-                let distance = motion.step(share, &self.hand, &mut self.values);
-                furthest = furthest.max(distance);
+                let fraction = step as f32 / steps as f32;
+                let distance = active.step(fraction, &self.hand, &mut self.values);
+                max_distance = max_distance.max(distance);
             }
-            if furthest <= REACH_TOLERANCE {
+            if max_distance <= REACH_TOLERANCE {
                 break;
             }
         }
-        furthest
+        max_distance
     }
 
-    fn frames(&self, time: Duration, fewest: u32) -> u32 {
-        let frames = (time.as_secs_f64() / self.period.as_secs_f64()).ceil() as u32;
-        frames.max(fewest)
+    fn packets(&self, time: Duration, min: u32) -> u32 {
+        let packets = (time.as_secs_f64() / self.period.as_secs_f64()).ceil() as u32;
+        packets.max(min)
     }
 
-    /// MT = a + b log₂(A/W + 1) with a = 60 ms, b = 85 ms, the middle of the published ranges for
-    /// fingertip taps, and W the width of a key, 19 mm.
+    /// Fitts's law: MT = a + b log₂(A/W + 1) with a = 60 ms and b = 85 ms, the middle of the published ranges for
+    /// taps of a fingertip, and W = 19 mm, the width of a key.
     fn travel_time(&self, to: Vec3) -> Duration {
         let distance = self.hand.tip(&self.values).distance(to);
         let difficulty = (f64::from(distance) / 0.019 + 1.0).log2();
@@ -472,21 +479,23 @@ impl Planner<'_> {
     }
 }
 
-/// How often a movement is looked at for places that are out of reach.
-fn looks(path: Option<TipPath>) -> u32 {
+/// Returns the number of points of a path that are checked for reach.
+fn check_steps(path: Option<TipPath>) -> u32 {
     match path {
-        Some(TipPath::Around { radians, .. }) => (radians.abs() / LOOK).ceil().max(1.0) as u32,
+        Some(TipPath::Around { radians, .. }) => {
+            (radians.abs() / CHECK_ANGLE).ceil().max(1.0) as u32
+        }
         Some(TipPath::To(_)) | None => 1,
     }
 }
 
-fn within_reach(metres: f64, target: Option<TargetId>) -> Result<(), ActionErrorKind> {
+fn check_reach(metres: f64, target: Option<TargetId>) -> Result<(), ActionErrorKind> {
     match metres > REACH_TOLERANCE {
         true => Err(ActionErrorKind::OutOfReach { target, metres }),
         false => Ok(()),
     }
 }
 
-fn time_at_speed(length: f32) -> Duration {
-    Duration::from_secs_f64(f64::from(length) / SPEED).max(STROKE)
+fn slide_time(length: f32) -> Duration {
+    Duration::from_secs_f64(f64::from(length) / SPEED).max(PRESS_TIME)
 }

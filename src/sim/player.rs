@@ -1,4 +1,4 @@
-//! The simulated gloves at the far ends of their lines, at the lines' real pace.
+//! Playback of a simulated person to the far ends of loopback lines, in real time.
 
 use std::io::{Result, Write};
 use std::time::Instant;
@@ -9,46 +9,45 @@ use super::{GloveCounts, SimulatedTypist};
 use crate::capture::Hc11Format;
 use crate::capture::hc11::{BODY_BYTES, encode};
 
-/// What was played.
+/// Statistics of a playback.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PlaybackStats {
-    /// Frames sent on each line.
+    /// Packets written to each line.
     pub packets: u64,
-    /// Whether it was told to end early.
+    /// Whether the playback was cancelled before its end.
     pub is_cancelled: bool,
 }
 
 /// The ends of lines that gloves write to, one for each hand.
 pub type PacketWriters = Vec<Box<dyn Write + Send>>;
 
-/// Writes the packets of a typist to a line for each hand until all is typed, or something comes in on
-/// `stop`.
+/// Writes the packets of a simulated person, one line for each hand, until the end or until `cancel` receives.
 ///
-/// Each packet goes out when its last byte would have left the converter box at the line's baud.
+/// Each packet is written at the time at which a converter box would have sent its last byte at the baud of the line.
 pub fn play(
     mut typist: SimulatedTypist,
     writers: &mut PacketWriters,
-    line: Hc11Format,
-    stop: &Receiver<()>,
+    format: Hc11Format,
+    cancel: &Receiver<()>,
 ) -> Result<PlaybackStats> {
     let start = Instant::now();
-    let mut played = PlaybackStats::default();
-    while let Some(frame) = typist.next_packets() {
-        played.packets += 1;
-        let due = start + line.packet_period().mul_f64(played.packets as f64);
+    let mut stats = PlaybackStats::default();
+    while let Some(packets) = typist.next_packets() {
+        stats.packets += 1;
+        let due = start + format.packet_period().mul_f64(stats.packets as f64);
         select! {
-            recv(stop) -> _ => {
-                played.is_cancelled = true;
-                return Ok(played);
+            recv(cancel) -> _ => {
+                stats.is_cancelled = true;
+                return Ok(stats);
             }
             recv(at(due)) -> _ => {}
         }
-        for (writer, counts) in writers.iter_mut().zip(&frame) {
-            writer.write_all(&encode(line.framing, &body(counts)))?;
+        for (writer, counts) in writers.iter_mut().zip(&packets) {
+            writer.write_all(&encode(format.framing, &body(counts)))?;
         }
     }
     writers.iter_mut().try_for_each(|writer| writer.flush())?;
-    Ok(played)
+    Ok(stats)
 }
 
 fn body(counts: &GloveCounts) -> [u8; BODY_BYTES] {

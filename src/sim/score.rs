@@ -1,22 +1,22 @@
-//! How well and how fast a text came out.
+//! Speed and accuracy of a typed text.
 
 use crate::time::Timestamp;
 
-/// The figures of one typed text.
+/// The scores of one typed text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TypingScore {
-    /// What was to be typed.
+    /// Text to be typed.
     pub presented: String,
-    /// What came out.
+    /// Text that was typed.
     pub typed: String,
-    /// Words a minute, a word being five characters.
+    /// Words per minute; a word is five characters.
     pub words_per_minute: f64,
-    /// MSD error rate: edit distance as a share of the longer text, 0..=1.
+    /// MSD error rate, 0..=1: the edit distance divided by the length of the longer text.
     pub error_rate: f64,
 }
 
 impl TypingScore {
-    /// Scores `typed` against `presented`; `first` and `last` are the times of the first and last event.
+    /// Scores `typed` against `presented`; `first` and `last` are the times of the first and the last event.
     pub fn new(presented: &str, typed: &str, first: Timestamp, last: Timestamp) -> Self {
         Self {
             presented: presented.to_owned(),
@@ -27,7 +27,7 @@ impl TypingScore {
     }
 }
 
-/// (length − 1) / seconds × 60 / 5 (Wobbrock 2007); 0 for less than two characters or no time.
+/// Returns (length − 1) / seconds × 60 / 5 (Wobbrock 2007); 0 for fewer than two characters or no time.
 pub fn words_per_minute(typed: &str, seconds: f64) -> f64 {
     let length = typed.chars().count();
     if length < 2 || seconds <= 0.0 {
@@ -36,8 +36,8 @@ pub fn words_per_minute(typed: &str, seconds: f64) -> f64 {
     (length - 1) as f64 / seconds * 60.0 / 5.0
 }
 
-/// Levenshtein distance / length of the longer text (Soukoreff & MacKenzie 2003), 0..=1; 0 for two
-/// empty texts.
+/// Returns the Levenshtein distance divided by the length of the longer text (Soukoreff & MacKenzie 2003), 0..=1; 0 for
+/// two empty texts.
 pub fn error_rate(presented: &str, typed: &str) -> f64 {
     let longer = presented.chars().count().max(typed.chars().count());
     if longer == 0 {
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sixty_one_characters_in_a_minute_are_twelve_words() {
+    fn sixty_one_characters_per_minute_are_twelve_words() {
         assert_eq!(words_per_minute(&"x".repeat(61), 60.0), 12.0);
         assert_eq!(words_per_minute("x", 60.0), 0.0);
         assert_eq!(words_per_minute("xx", 0.0), 0.0);

@@ -1,54 +1,53 @@
-//! What a program with a US keymap makes of key events.
+//! A text field that receives key events.
 
 use std::collections::BTreeSet;
 
 use crate::device::{EventKind, KeyCode, OutputEvent};
 
-/// Reads key events as a text field would: characters, Backspace, Shift.
+/// A text field with a US keymap: characters, Backspace and Shift.
 #[derive(Clone, Debug, Default)]
 pub struct UsTextField {
     text: String,
-    down: BTreeSet<KeyCode>,
+    pressed: BTreeSet<KeyCode>,
 }
 
 impl UsTextField {
-    /// An empty text field.
+    /// Creates an empty text field.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Takes one event; events that are not keys write nothing.
+    /// Handles an event. Events other than those of keys are ignored.
     pub fn handle(&mut self, event: &OutputEvent) {
         match event.kind {
             EventKind::KeyDown(key) => {
-                self.write(key);
-                self.down.insert(key);
+                self.edit(key);
+                self.pressed.insert(key);
             }
             EventKind::KeyUp(key) => {
-                self.down.remove(&key);
+                self.pressed.remove(&key);
             }
             _ => {}
         }
     }
 
-    fn write(&mut self, key: KeyCode) {
+    fn edit(&mut self, key: KeyCode) {
         if key == KeyCode::BACKSPACE {
             self.text.pop();
         }
-        let shifted = [KeyCode::SHIFT_LEFT, KeyCode::SHIFT_RIGHT]
-            .iter()
-            .any(|shift| self.down.contains(shift));
-        self.text.extend(key.us_character(shifted));
+        let shifts = [KeyCode::SHIFT_LEFT, KeyCode::SHIFT_RIGHT];
+        let is_shifted = shifts.iter().any(|shift| self.pressed.contains(shift));
+        self.text.extend(key.us_character(is_shifted));
     }
 
-    /// The text so far.
+    /// Returns the text so far.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The keys that are down.
+    /// Returns the keys that are pressed.
     pub fn pressed(&self) -> &BTreeSet<KeyCode> {
-        &self.down
+        &self.pressed
     }
 }
 
@@ -58,20 +57,20 @@ mod tests {
     use crate::time::Timestamp;
 
     #[test]
-    fn shift_makes_capitals_and_backspace_takes_back() {
+    fn shift_types_capitals_and_backspace_deletes() {
         let mut field = UsTextField::new();
         let script = "+H -H +ShiftLeft +1 -1 -ShiftLeft +A -A +Backspace -Backspace +Enter -Enter";
-        for word in script.split(' ') {
-            let (sign, name) = word.split_at(1);
+        for token in script.split(' ') {
+            let (sign, name) = token.split_at(1);
             let key = name.parse().unwrap();
-            let action = if sign == "+" {
+            let kind = if sign == "+" {
                 EventKind::KeyDown(key)
             } else {
                 EventKind::KeyUp(key)
             };
             field.handle(&OutputEvent {
                 time: Timestamp(0),
-                kind: action,
+                kind,
             });
         }
         assert_eq!(field.text(), "h!\n");

@@ -1,91 +1,91 @@
-//! Which keys have to be tapped, one after the other, so that a text comes out.
+//! Translation of a text to the taps that type it.
 
 use super::action::HandAction;
 use crate::contact::TargetId;
 use crate::device::keyboard::KeyBinding;
 use crate::device::{KeyAction, KeyCode, Latch};
 
-/// Why a text cannot be typed with one finger on a layout.
+/// Reason why one finger cannot type a text on a layout.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PlanError {
-    /// No key position writes it.
-    #[error("cannot type {0:?}: no key of a US keymap writes it")]
+    /// A character that a US keymap does not have.
+    #[error("cannot type {0:?}: a US keymap has no key for it")]
     NotOnUsKeymap(char),
-    /// The layout lacks the key.
-    #[error(
-        "cannot type {character:?}: the layout has no key {key} in any layer that a tap reaches"
-    )]
+    /// A key that the layout does not have.
+    #[error("cannot type {character:?}: no layer that a tap activates has the key {key}")]
     NoKey {
-        /// What was to be typed.
+        /// The character.
         character: char,
-        /// The key that writes it.
+        /// Its key on a US keymap.
         key: KeyCode,
     },
-    /// The layout lacks a Shift that is tapped.
+    /// A shifted character on a layout without a one-shot Shift.
     #[error("cannot type {0:?} with one finger: the layout has no one-shot Shift key")]
     NoShift(char),
 }
 
-/// The taps that type `text` on these keys for a receiver with a US keymap, one finger at a time:
-/// Shift and layers go by their one-shot keys.
+/// Returns the taps that type `text` for a receiver with a US keymap, with one finger. Shift and layers are activated
+/// by one-shot keys.
 pub fn taps_for_text(text: &str, keys: &[KeyBinding]) -> Result<Vec<HandAction>, PlanError> {
-    let taps = targets(text, keys)?;
-    Ok(taps.into_iter().map(HandAction::tap).collect())
+    let targets = targets_for_text(text, keys)?;
+    Ok(targets.into_iter().map(HandAction::tap).collect())
 }
 
-fn targets(text: &str, keys: &[KeyBinding]) -> Result<Vec<TargetId>, PlanError> {
-    let mut taps = Vec::new();
+fn targets_for_text(text: &str, keys: &[KeyBinding]) -> Result<Vec<TargetId>, PlanError> {
+    let mut targets = Vec::new();
     for character in text.chars() {
-        let ways = KeyCode::for_us_character(character);
-        let mut ways = ways.filter_map(|(code, shifted)| way_to(code, shifted, keys));
-        let way = ways.next().ok_or_else(|| why_not(character, keys))?;
-        taps.extend(way);
+        let codes = KeyCode::for_us_character(character);
+        let mut taps = codes.filter_map(|(code, is_shifted)| taps_for_key(code, is_shifted, keys));
+        targets.extend(taps.next().ok_or_else(|| error_for(character, keys))?);
     }
-    Ok(taps)
+    Ok(targets)
 }
 
-/// What is missing for `character`.
-fn why_not(character: char, keys: &[KeyBinding]) -> PlanError {
-    let Some((key, shifted)) = KeyCode::for_us_character(character).last() else {
+/// Returns the reason why a character cannot be typed.
+fn error_for(character: char, keys: &[KeyBinding]) -> PlanError {
+    let Some((key, is_shifted)) = KeyCode::for_us_character(character).last() else {
         return PlanError::NotOnUsKeymap(character);
     };
-    match shifted && way_to(key, false, keys).is_some() {
+    match is_shifted && taps_for_key(key, false, keys).is_some() {
         true => PlanError::NoShift(character),
         false => PlanError::NoKey { character, key },
     }
 }
 
-/// The taps for a key, with a one-shot Shift before it where that goes with it.
-fn way_to(code: KeyCode, shifted: bool, keys: &[KeyBinding]) -> Option<Vec<TargetId>> {
-    let mut way = match shifted {
-        true => vec![tapped(keys, is_one_shot_shift)?],
+/// Returns the taps for a key, after a one-shot Shift if `is_shifted`.
+fn taps_for_key(code: KeyCode, is_shifted: bool, keys: &[KeyBinding]) -> Option<Vec<TargetId>> {
+    let mut taps = match is_shifted {
+        true => vec![find_in_base_layer(keys, is_one_shot_shift)?],
         false => Vec::new(),
     };
-    way.extend(way_without_shift(code, keys)?);
-    Some(way)
+    taps.extend(taps_without_shift(code, keys)?);
+    Some(taps)
 }
 
-/// The taps that press `code`: its key, or the key of a layer that has it and then its key there.
-fn way_without_shift(code: KeyCode, keys: &[KeyBinding]) -> Option<Vec<TargetId>> {
-    if let Some(tap) = tapped(keys, |action| action == KeyAction::Key(code)) {
+/// Returns the tap on the key in the base layer, or the taps on a one-shot layer key and on the key in that layer.
+fn taps_without_shift(code: KeyCode, keys: &[KeyBinding]) -> Option<Vec<TargetId>> {
+    if let Some(tap) = find_in_base_layer(keys, |action| action == KeyAction::Key(code)) {
         return Some(vec![tap]);
     }
     let layers = keys.iter().map(|key| key.actions.len()).max().unwrap_or(0);
     (1..layers).find_map(|layer| {
-        let to_layer = tapped(keys, |action| {
+        let layer_key = find_in_base_layer(keys, |action| {
             action == KeyAction::Layer(layer, Latch::OneShot)
         })?;
         let key = keys
             .iter()
             .find(|key| key.actions.get(layer) == Some(&Some(KeyAction::Key(code))))?;
-        Some(vec![to_layer, key.target])
+        Some(vec![layer_key, key.target])
     })
 }
 
-/// The first key whose action in the base layer is wanted.
-fn tapped(keys: &[KeyBinding], wanted: impl Fn(KeyAction) -> bool) -> Option<TargetId> {
+/// Returns the first key with a matching action in the base layer.
+fn find_in_base_layer(
+    keys: &[KeyBinding],
+    is_match: impl Fn(KeyAction) -> bool,
+) -> Option<TargetId> {
     keys.iter()
-        .find(|key| key.actions.first().copied().flatten().is_some_and(&wanted))
+        .find(|key| key.actions.first().copied().flatten().is_some_and(&is_match))
         .map(|key| key.target)
 }
 
@@ -103,9 +103,9 @@ mod tests {
     use super::*;
     use crate::device::keyboard::Activation;
 
-    fn key(number: u32, actions: &[Option<KeyAction>]) -> KeyBinding {
+    fn key(id: u32, actions: &[Option<KeyAction>]) -> KeyBinding {
         KeyBinding {
-            target: TargetId(number),
+            target: TargetId(id),
             actions: actions.to_vec(),
             reports_depth: false,
             activation: Activation::OnPress,
@@ -131,20 +131,20 @@ mod tests {
         ]
     }
 
-    fn numbers(text: &str) -> Result<Vec<u32>, PlanError> {
-        let taps = targets(text, &board())?;
-        Ok(taps.iter().map(|target| target.0).collect())
+    fn ids(text: &str) -> Result<Vec<u32>, PlanError> {
+        let targets = targets_for_text(text, &board())?;
+        Ok(targets.iter().map(|target| target.0).collect())
     }
 
     #[test]
-    fn capitals_go_by_shift_and_what_is_in_a_layer_by_its_key() {
-        assert_eq!(numbers("qQ1!"), Ok(vec![0, 1, 0, 2, 0, 1, 2, 0]));
+    fn capitals_use_shift_and_other_layers_use_their_layer_key() {
+        assert_eq!(ids("qQ1!"), Ok(vec![0, 1, 0, 2, 0, 1, 2, 0]));
     }
 
     #[test]
-    fn what_cannot_be_typed_is_named() {
-        assert_eq!(numbers("é"), Err(PlanError::NotOnUsKeymap('é')));
-        let missing = numbers("w").unwrap_err().to_string();
+    fn the_character_and_key_that_are_missing_are_named() {
+        assert_eq!(ids("é"), Err(PlanError::NotOnUsKeymap('é')));
+        let missing = ids("w").unwrap_err().to_string();
         assert!(
             missing.contains("'w'") && missing.contains("key W"),
             "{missing}"

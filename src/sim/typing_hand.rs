@@ -1,11 +1,11 @@
-//! The posture of a hand that points with the index finger, and how it gets to a target.
+//! Postures of a hand that points with the index finger, and inverse kinematics from targets to postures.
 
 use arrayvec::ArrayVec;
 use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::action::TargetPoint;
 use crate::contact::TargetId;
-use crate::contact::surface::{Scene, Target};
+use crate::contact::surface::Scene;
 use crate::estimate::{ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Joint};
 use crate::kinematics::{
@@ -13,24 +13,22 @@ use crate::kinematics::{
 };
 use crate::time::Timestamp;
 
-/// The finger that points; the others are held up.
+/// The finger that points. The other fingers are extended out of the way.
 const FINGER: Finger = Finger::Index;
-/// Height of the fingertip over the targets while it travels, in metres.
+/// Height of the fingertip above the targets while it travels, in metres.
 const HOVER: f32 = 0.014;
-/// How far the fingertip goes past the end of a target's travel, in metres.
+/// Distance of the fingertip beyond the end of a target's travel, in metres.
 const OVERTRAVEL: f32 = 0.002;
-/// How far from where it should be the solved fingertip may be before that counts as out of reach,
-/// in metres.
+/// Largest error of the inverse kinematics, in metres. A point with a larger error is out of reach.
 pub const REACH_TOLERANCE: f64 = 0.003;
-/// From the middle of one fingertip to the middle of the other in a pinch, in metres: pads of 5 mm
-/// that give way a little.
+/// Distance between the centers of two pinched fingertips, in metres: pads of 5 mm that give way a little.
 const PINCHED: f32 = 0.008;
-/// Further apart than this, in metres, two fingertips do not pinch.
+/// Largest distance of two fingertips that pinch, in metres.
 pub(super) const PINCH_GAP: f64 = 0.012;
-/// How many times thumb and index finger go towards each other before the pinch is given up.
+/// Number of attempts to bring thumb and index finger together.
 const PINCH_ROUNDS: usize = 60;
 
-/// The angles that bring the index fingertip to its place.
+/// Angles that move the index fingertip.
 const REACHING: [Dof; 5] = [
     Dof::ElbowFlexion,
     Dof::WristFlexion,
@@ -38,188 +36,184 @@ const REACHING: [Dof; 5] = [
     Dof::IndexMcpFlexion,
     Dof::IndexPipFlexion,
 ];
-/// The angles that bring the thumb to the index finger.
+/// Angles that move the thumb to the index finger.
 const OPPOSING: [Dof; 4] = [
     Dof::ThumbCmcAbduction,
     Dof::ThumbCmcFlexion,
     Dof::ThumbMcpFlexion,
     Dof::ThumbIpFlexion,
 ];
-/// The angles with which the index finger meets a thumb that does not come all the way.
+/// Angles that move the index finger to a thumb that cannot reach it.
 const MEETING: [Dof; 2] = [Dof::IndexMcpFlexion, Dof::IndexPipFlexion];
 
-/// A hand in a glove, its wrist straight, its palm down, its index finger half bent over the keys.
+/// A hand in a glove: wrist straight, palm down, index finger half flexed above the keys.
 ///
-/// It moves what the glove has sensors for. Its posture is one value for each channel in use, in the
-/// order of [`channels`](Self::channels): the exact count that the channel would give.
+/// It moves the angles that the glove measures. Its posture is one value per channel in use, in the order of
+/// [`channels`](Self::channels): the count of the channel before rounding.
 #[derive(Clone, Debug)]
 pub struct TypingHand {
     arm: ArmModel,
     channels: Vec<usize>,
-    controls: Vec<IkVariable>,
+    variables: Vec<IkVariable>,
     resting_pose: HandPose,
 }
 
-/// Where the fingertip goes to press a key: the centre of its sphere in the world, in metres.
+/// The positions of the center of the fingertip during a tap (world, metres).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TapPath {
-    /// Over the key.
+    /// Position above the key.
     pub hover: Vec3,
-    /// With the key pushed in.
+    /// Position with the key fully pressed.
     pub bottom: Vec3,
 }
 
-/// A target as the fingertip meets it: heights are those of the fingertip's pad over the front.
+/// A target that the fingertip can press. Heights are those of the fingertip's pad above the front of the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Front {
-    /// The target's frame in the world.
+pub(super) struct ReachTarget {
+    /// Pose of the target in the world.
     pub(super) world_from_target: Pose,
-    /// The height in mid air.
-    pub(super) hover: f32,
-    /// The height at the end of the travel, below 0.
-    pub(super) bottom: f32,
-    /// How far the target can be pushed in, in metres.
+    /// Height before and after a press, in metres.
+    pub(super) hover_height: f32,
+    /// Height at the end of the travel, in metres; negative.
+    pub(super) bottom_height: f32,
+    /// Travel in metres.
     pub(super) travel: f32,
     tip_radius: f32,
 }
 
-impl Front {
-    /// The centre of the fingertip (world, metres) whose pad is so high over a place of the front.
-    pub(super) fn tip(&self, spot: TargetPoint, height: f32) -> Vec3 {
-        self.world_from_target * spot.offset.extend(height + self.tip_radius)
+impl ReachTarget {
+    /// Returns the center of the fingertip (world, metres) for a point of the front and a height of the pad.
+    pub(super) fn tip_position(&self, point: TargetPoint, height: f32) -> Vec3 {
+        self.world_from_target * point.offset.extend(height + self.tip_radius)
     }
 
-    /// Where the pad of a fingertip whose centre is at `tip` (world, metres) is, in the target's frame.
-    pub(super) fn pad(&self, tip: Vec3) -> Vec3 {
+    /// Returns the pad of a fingertip (target frame, metres) whose center is at `tip` (world, metres).
+    pub(super) fn pad_position(&self, tip: Vec3) -> Vec3 {
         self.world_from_target.inverse_transform_point(tip) - Vec3::Z * self.tip_radius
     }
 }
 
 impl TypingHand {
-    /// The hand of this arm in a glove with these channels.
+    /// Creates the hand of an arm that wears a glove with these channels.
     pub fn new(arm: &ArmModel, map: &ChannelMap) -> Self {
         let mut channels: Vec<usize> = map.rows().iter().map(|row| row.channel).collect();
         channels.sort_unstable();
         channels.dedup();
-        let controls: Vec<IkVariable> = channels
-            .iter()
-            .map(|&channel| channel_control(map, channel))
-            .collect();
+        let variables = channels.iter().map(|&channel| variable(map, channel));
         let mut hand = Self {
             arm: arm.clone(),
+            variables: variables.collect(),
             channels,
-            controls,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
         };
         hand.resting_pose = hand.pose(&hand.rest_values());
         hand
     }
 
-    /// The channels of the glove that are in use, in ascending order.
+    /// Returns the channels of the glove that are in use, in ascending order.
     pub fn channels(&self) -> &[usize] {
         &self.channels
     }
 
-    /// The posture at rest.
+    /// Returns the posture at rest.
     pub fn rest_values(&self) -> Vec<f64> {
-        self.controls.iter().map(|control| control.rest).collect()
+        self.variables.iter().map(|variable| variable.rest).collect()
     }
 
-    /// From now on, the channel at `place` goes back to `value` wherever the fingertip lets it choose.
-    pub(super) fn set_rest(&mut self, place: usize, value: f64) {
-        self.controls[place].rest = value;
+    /// Sets the rest value of a channel, to which it returns where the fingertip leaves it free.
+    pub(super) fn set_rest(&mut self, index: usize, value: f64) {
+        self.variables[index].rest = value;
     }
 
-    /// The angles of the whole hand in this posture.
+    /// Returns the joint angles of a posture.
     pub fn angles(&self, values: &[f64]) -> JointAngles {
-        angles_from_variables(&self.controls, values, &JointAngles::default())
+        angles_from_variables(&self.variables, values, &JointAngles::default())
     }
 
-    /// Where the whole hand is in this posture.
+    /// Returns the pose of the hand in a posture.
     pub fn pose(&self, values: &[f64]) -> HandPose {
         let estimate = Estimate::new(Timestamp(0), self.angles(values));
         self.arm.forward(&estimate)
     }
 
-    /// Where the index fingertip is in this posture (world, metres); the origin where the arm has none.
+    /// Returns the index fingertip in a posture (world, metres); the origin if the arm has none.
     pub(super) fn tip(&self, values: &[f64]) -> Vec3 {
         self.pose(values).fingertip(FINGER).unwrap_or_default()
     }
 
-    /// Where the elbow is at rest (world, metres); the origin where the arm model does not say.
+    /// Returns the elbow at rest (world, metres); the origin if the arm model has none.
     pub(super) fn elbow(&self) -> Vec3 {
         self.resting_pose.position(Joint::Elbow).unwrap_or_default()
     }
 
-    /// Brings the index fingertip to `tip` (world, metres) by elbow, wrist and index finger, without the
-    /// channels at the places `held`. Returns how far away it stays, in metres.
-    pub fn reach(&self, tip: Vec3, values: &mut [f64], held: &[usize]) -> f64 {
-        let free = |place: &usize| !held.contains(place);
-        let places = self.places_of(&REACHING).filter(free);
-        self.bring(FINGER, places, tip, values)
+    /// Moves the index fingertip to `tip` (world, metres) by elbow, wrist and index finger, except the channels with
+    /// the indices `locked`. Returns the remaining distance in metres.
+    pub fn reach(&self, tip: Vec3, values: &mut [f64], locked: &[usize]) -> f64 {
+        let indices = self.indices_of(&REACHING);
+        let free = indices.filter(|index| !locked.contains(index));
+        self.solve(FINGER, free, tip, values)
     }
 
-    /// As [`reach`](Self::reach), with the thumb at the index finger, which moves as little as it can.
-    pub(super) fn reach_pinched(&self, tip: Vec3, values: &mut [f64], held: &[usize]) -> f64 {
-        let meeting = self.places_of(&MEETING);
-        let stiff: Vec<usize> = meeting.chain(held.iter().copied()).collect();
-        let mut distance = self.reach(tip, values, &stiff);
+    /// Like [`reach`](Self::reach), with the thumb at the index finger. The index finger moves as little as possible.
+    pub(super) fn reach_pinched(&self, tip: Vec3, values: &mut [f64], locked: &[usize]) -> f64 {
+        let meeting = self.indices_of(&MEETING);
+        let with_finger: Vec<usize> = meeting.chain(locked.iter().copied()).collect();
+        let mut distance = self.reach(tip, values, &with_finger);
         if distance > REACH_TOLERANCE / 3.0 {
-            distance = self.reach(tip, values, held);
+            distance = self.reach(tip, values, locked);
         }
-        self.follow(values);
+        self.bring_thumb_to_index(values);
         distance
     }
 
-    /// Whether pointing moves the channel at `place`.
-    pub(super) fn reaches_with(&self, place: usize) -> bool {
-        self.places_of(&REACHING).any(|other| other == place)
+    /// Returns whether pointing moves a channel.
+    pub(super) fn is_used_to_reach(&self, index: usize) -> bool {
+        self.indices_of(&REACHING).any(|other| other == index)
     }
 
-    /// The places of the channels that move the thumb.
-    pub(super) fn thumb(&self) -> impl Iterator<Item = usize> {
-        self.places_of(&OPPOSING)
+    /// Returns the indices of the channels that move the thumb.
+    pub(super) fn thumb_indices(&self) -> impl Iterator<Item = usize> {
+        self.indices_of(&OPPOSING)
     }
 
-    /// Brings the tips of thumb and index finger together: the thumb goes to the index finger, which
-    /// meets it as far as it has to.
+    /// Brings the tips of thumb and index finger together. The index finger moves only as far as the thumb cannot.
     pub(super) fn pinch(&self, values: &mut [f64]) {
-        self.close(values);
-        if self.gap(values) < PINCH_GAP {
+        self.close_pinch(values);
+        if self.pinch_gap(values) < PINCH_GAP {
             return;
         }
-        // Two straight fingers can be stuck beside each other; half bent ones are not.
-        for place in self.places_of(&OPPOSING).chain(self.places_of(&MEETING)) {
-            let (low, high) = self.controls[place].range;
-            values[place] = low.midpoint(high);
+        // Two extended fingers can block each other; two half flexed ones cannot.
+        for index in self.indices_of(&OPPOSING).chain(self.indices_of(&MEETING)) {
+            let (low, high) = self.variables[index].range;
+            values[index] = low.midpoint(high);
         }
-        self.close(values);
+        self.close_pinch(values);
     }
 
-    fn close(&self, values: &mut [f64]) {
-        self.follow(values);
+    fn close_pinch(&self, values: &mut [f64]) {
+        self.bring_thumb_to_index(values);
         for _ in 0..PINCH_ROUNDS {
-            let Some(goal) = self.beside(Finger::Thumb, FINGER, values) else {
+            let Some(goal) = self.pinch_position(Finger::Thumb, FINGER, values) else {
                 return;
             };
-            if self.gap(values) < PINCH_GAP - 0.002 {
+            if self.pinch_gap(values) < PINCH_GAP - 0.002 {
                 return;
             }
-            self.bring(FINGER, self.places_of(&MEETING), goal, values);
-            self.follow(values);
+            self.solve(FINGER, self.indices_of(&MEETING), goal, values);
+            self.bring_thumb_to_index(values);
         }
     }
 
-    /// Brings the thumb's tip to that of the index finger, which stays.
-    pub(super) fn follow(&self, values: &mut [f64]) {
-        if let Some(goal) = self.beside(FINGER, Finger::Thumb, values) {
-            self.bring(Finger::Thumb, self.places_of(&OPPOSING), goal, values);
+    /// Moves the tip of the thumb to the index finger, which stays.
+    pub(super) fn bring_thumb_to_index(&self, values: &mut [f64]) {
+        if let Some(goal) = self.pinch_position(FINGER, Finger::Thumb, values) {
+            self.solve(Finger::Thumb, self.indices_of(&OPPOSING), goal, values);
         }
     }
 
-    /// From the tip of the thumb to that of the index finger, in metres; infinite where the arm lacks
-    /// one of them.
-    pub(super) fn gap(&self, values: &[f64]) -> f64 {
+    /// Returns the distance from the tip of the thumb to the tip of the index finger in metres; infinity if the arm
+    /// lacks one of them.
+    pub(super) fn pinch_gap(&self, values: &[f64]) -> f64 {
         let pose = self.pose(values);
         let tips = pose.fingertip(Finger::Thumb).zip(pose.fingertip(FINGER));
         tips.map_or(f64::INFINITY, |(thumb, index)| {
@@ -227,114 +221,121 @@ impl TypingHand {
         })
     }
 
-    /// Where the tip of `other` is when it touches that of `finger` from the side that it is on.
-    fn beside(&self, finger: Finger, other: Finger, values: &[f64]) -> Option<Vec3> {
+    /// Returns the position of the tip of `other` (world, metres) where it touches the tip of `finger` from its side.
+    fn pinch_position(&self, finger: Finger, other: Finger, values: &[f64]) -> Option<Vec3> {
         let pose = self.pose(values);
-        let (here, there) = (pose.fingertip(finger)?, pose.fingertip(other)?);
-        Some(here + (there - here).normalize_or(Vec3::NEG_Y) * PINCHED)
+        let (tip, other_tip) = (pose.fingertip(finger)?, pose.fingertip(other)?);
+        Some(tip + (other_tip - tip).normalize_or(Vec3::NEG_Y) * PINCHED)
     }
 
-    fn bring(
+    /// Moves a fingertip to `tip` with the channels `indices`. Returns the remaining distance in metres.
+    fn solve(
         &self,
         finger: Finger,
-        places: impl Iterator<Item = usize>,
+        indices: impl Iterator<Item = usize>,
         tip: Vec3,
         values: &mut [f64],
     ) -> f64 {
         if self.resting_pose.fingertip(finger).is_none() {
             return f64::INFINITY;
         }
-        let places: ArrayVec<usize, MAX_IK_VARIABLES> = places.collect();
-        let controls: ArrayVec<IkVariable, MAX_IK_VARIABLES> = places
-            .iter()
-            .map(|&place| self.controls[place].clone())
-            .collect();
-        let start: ArrayVec<f64, MAX_IK_VARIABLES> =
-            places.iter().map(|&place| values[place]).collect();
+        let indices: ArrayVec<usize, MAX_IK_VARIABLES> = indices.collect();
+        let variables = indices.iter().map(|&index| self.variables[index].clone());
+        let variables: ArrayVec<IkVariable, MAX_IK_VARIABLES> = variables.collect();
+        let start = indices.iter().map(|&index| values[index]);
+        let start: ArrayVec<f64, MAX_IK_VARIABLES> = start.collect();
         let fixed = self.angles(values);
-        let found = solve_ik(&self.arm, &controls, &fixed, &start, finger, tip);
-        for (place, value) in places.into_iter().zip(found.values) {
-            values[place] = value;
+        let solution = solve_ik(&self.arm, &variables, &fixed, &start, finger, tip);
+        for (index, value) in indices.into_iter().zip(solution.values) {
+            values[index] = value;
         }
-        found.distance
+        solution.distance
     }
 
-    /// The places of the channels that tell these angles.
-    fn places_of(&self, dofs: &[Dof]) -> impl Iterator<Item = usize> {
-        let tells =
-            |control: &IkVariable| control.mappings.iter().any(|(dof, _)| dofs.contains(dof));
-        let places = 0..self.controls.len();
-        places.filter(move |&place| tells(&self.controls[place]))
+    /// Returns the indices of the channels that measure one of these angles.
+    fn indices_of(&self, dofs: &[Dof]) -> impl Iterator<Item = usize> {
+        let measures = |variable: &IkVariable| {
+            let mut measured = variable.mappings.iter().map(|(dof, _)| dof);
+            measured.any(|dof| dofs.contains(dof))
+        };
+        let indices = 0..self.variables.len();
+        indices.filter(move |&index| measures(&self.variables[index]))
     }
 
-    /// The place of the channel that tells an angle, if the glove has one.
-    pub(super) fn place_of(&self, dof: Dof) -> Option<usize> {
-        // Of two channels that tell one angle, the later one counts.
-        self.places_of(&[dof]).last()
+    /// Returns the index of the channel that measures an angle; `None` if the glove has none.
+    pub(super) fn index_of(&self, dof: Dof) -> Option<usize> {
+        // Of two channels for one angle, the estimator uses the later one.
+        self.indices_of(&[dof]).last()
     }
 
-    /// The angles that the glove tells, in the order of [`Dof::ALL`].
+    /// Returns the angles that the glove measures, in the order of [`Dof::ALL`].
     pub(super) fn dofs(&self) -> impl Iterator<Item = Dof> {
         let all = Dof::ALL.iter().copied();
-        all.filter(|&dof| self.place_of(dof).is_some())
+        all.filter(|&dof| self.index_of(dof).is_some())
     }
 
-    /// The value of the channel at `place` that shows `radians`, or the range of angles that it can show.
-    pub(super) fn value(&self, place: usize, dof: Dof, radians: f64) -> Result<f64, (f64, f64)> {
-        let control = &self.controls[place];
-        let mut lines = control.mappings.iter().rev();
-        let Some((_, line)) = lines.find(|(moved, _)| *moved == dof) else {
+    /// Returns the value of a channel at which an angle is `radians`. The error is the range of angles, in radians,
+    /// that the channel covers.
+    pub(super) fn value_at(
+        &self,
+        index: usize,
+        dof: Dof,
+        radians: f64,
+    ) -> Result<f64, (f64, f64)> {
+        let variable = &self.variables[index];
+        let mut mappings = variable.mappings.iter().rev();
+        let Some((_, map)) = mappings.find(|(mapped, _)| *mapped == dof) else {
             return Err((0.0, 0.0));
         };
-        let ends = (line.apply(control.range.0), line.apply(control.range.1));
+        let ends = (map.apply(variable.range.0), map.apply(variable.range.1));
         let (low, high) = (ends.0.min(ends.1), ends.0.max(ends.1));
         match (low..=high).contains(&radians) {
-            true => Ok(line.apply_inverse(radians)),
+            true => Ok(map.apply_inverse(radians)),
             false => Err((low, high)),
         }
     }
 
-    /// How the fingertip presses a key, or how far beyond the hand's reach that is, in metres: infinitely
-    /// far when the target or its anchor is not there.
+    /// Returns the path of a tap on the center of a target. The error is the distance in metres by which the target is
+    /// out of reach; infinity if the scene or the arm lacks the target or its anchor.
     pub fn tap_path(&self, scene: &Scene, target: TargetId) -> Result<TapPath, f64> {
         self.tap_path_at(scene, target, Vec2::ZERO)
     }
 
-    /// The same beside the middle of the target's front: `at` along its own X and Y, in metres.
-    pub fn tap_path_at(&self, scene: &Scene, target: TargetId, at: Vec2) -> Result<TapPath, f64> {
-        let front = self.front(scene, target).ok_or(f64::INFINITY)?;
-        let tip = |height| front.tip(TargetPoint { target, offset: at }, height);
-        let stroke = TapPath {
-            hover: tip(front.hover),
-            bottom: tip(front.bottom),
+    /// Like [`tap_path`](Self::tap_path), at `offset` from the center along the X and Y of the target, in metres.
+    pub fn tap_path_at(
+        &self,
+        scene: &Scene,
+        target: TargetId,
+        offset: Vec2,
+    ) -> Result<TapPath, f64> {
+        let reach_target = self.reach_target(scene, target).ok_or(f64::INFINITY)?;
+        let tip = |height| reach_target.tip_position(TargetPoint { target, offset }, height);
+        let path = TapPath {
+            hover: tip(reach_target.hover_height),
+            bottom: tip(reach_target.bottom_height),
         };
-        let distance = self.reach(stroke.bottom, &mut self.rest_values(), &[]);
+        let distance = self.reach(path.bottom, &mut self.rest_values(), &[]);
         match distance > REACH_TOLERANCE {
             true => Err(distance),
-            false => Ok(stroke),
+            false => Ok(path),
         }
     }
 
-    /// Where a target is; `None` when it or its anchor is not there.
-    pub(super) fn front(&self, scene: &Scene, target: TargetId) -> Option<Front> {
+    /// Returns the geometry of a target; `None` if the scene or the arm lacks the target or its anchor.
+    pub(super) fn reach_target(&self, scene: &Scene, target: TargetId) -> Option<ReachTarget> {
         let (surface, target) = scene.target(target)?;
         let world_from_surface = surface.world_from_surface(&self.resting_pose)?;
-        Some(Front {
+        Some(ReachTarget {
             world_from_target: world_from_surface * target.surface_from_target,
-            hover: HOVER,
-            bottom: -depth(target),
+            hover_height: HOVER,
+            bottom_height: -(target.travel + OVERTRAVEL),
             travel: target.travel,
             tip_radius: self.resting_pose.tip_radius,
         })
     }
 }
 
-fn depth(target: &Target) -> f32 {
-    target.travel + OVERTRAVEL
-}
-
-/// What each angle is at rest: the wrist straight, the palm down, the index finger half bent, the other
-/// fingers held up out of the way.
+/// Returns an angle at rest in radians.
 fn resting_angle(dof: Dof) -> f64 {
     match dof {
         Dof::ElbowFlexion => 0.6,
@@ -348,31 +349,25 @@ fn resting_angle(dof: Dof) -> f64 {
     }
 }
 
-/// A control that is one channel: all the angles that it tells, the counts that their joints allow.
-fn channel_control(map: &ChannelMap, channel: usize) -> IkVariable {
+/// Returns the variable of a channel: the angles that it measures, and the counts that their limits allow.
+fn variable(map: &ChannelMap, channel: usize) -> IkVariable {
     let limits = JointLimits::human();
-    let mut control = IkVariable {
+    let mut variable = IkVariable {
         mappings: ArrayVec::new(),
         range: (1.0, f64::from(map.full_scale()) - 1.0),
         rest: 0.0,
     };
     for row in map.rows().iter().filter(|row| row.channel == channel) {
+        let calibration = row.calibration;
         let (low, high) = limits.range(row.dof);
-        let (one, other) = (
-            row.calibration.apply_inverse(low),
-            row.calibration.apply_inverse(high),
-        );
-        control.range.0 = control.range.0.max(one.min(other));
-        control.range.1 = control.range.1.min(one.max(other));
-        control.rest = row.calibration.apply_inverse(resting_angle(row.dof));
-        if control
-            .mappings
-            .try_push((row.dof, row.calibration))
-            .is_err()
-        {
+        let ends = (calibration.apply_inverse(low), calibration.apply_inverse(high));
+        variable.range.0 = variable.range.0.max(ends.0.min(ends.1));
+        variable.range.1 = variable.range.1.min(ends.0.max(ends.1));
+        variable.rest = calibration.apply_inverse(resting_angle(row.dof));
+        if variable.mappings.try_push((row.dof, calibration)).is_err() {
             break;
         }
     }
-    control.rest = control.rest.clamp(control.range.0, control.range.1);
-    control
+    variable.rest = variable.rest.clamp(variable.range.0, variable.range.1);
+    variable
 }

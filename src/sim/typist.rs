@@ -1,4 +1,4 @@
-//! A simulated person who moves the index fingers to targets and wears flex-sensor gloves.
+//! A simulated person who wears gloves and moves the index fingers to targets.
 
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -14,211 +14,195 @@ use crate::hand::Side;
 use crate::kinematics::ArmModel;
 use crate::time::Timestamp;
 
-/// Who plays, and how.
+/// Settings of a simulated person.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TypistSettings {
-    /// What the source is called.
+    /// Name of the source.
     pub name: String,
-    /// The time between two packets of the glove.
+    /// Time between two packets of the glove.
     pub packet_period: Duration,
-    /// Standard deviation of the noise on every channel, in counts; 0 for none.
+    /// Standard deviation of the noise of each channel, in counts; 0 for none.
     pub noise_counts: f64,
-    /// Where the noise starts.
+    /// Seed of the noise.
     pub seed: u64,
 }
 
-/// Why the simulated person cannot do what is asked.
+/// Reason why a simulated person cannot play a text or a script.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TypistError {
-    /// The text does not go with the layout.
+    /// The layout cannot type the text.
     #[error(transparent)]
     CannotType(#[from] PlanError),
-    /// An order cannot be carried out.
+    /// An action cannot be performed.
     #[error(transparent)]
     Action(#[from] ActionError),
 }
 
 impl TypistError {
-    /// The same with the order's place in a longer list, of which `places` were taken.
-    fn renumbered(self, places: &[usize]) -> Self {
+    /// Translates the index of an action to the index in a longer list, from which `indices` were taken.
+    fn with_index_in(self, indices: &[usize]) -> Self {
         match self {
-            Self::Action(refusal) => Self::Action(ActionError {
-                index: places[refusal.index],
-                ..refusal
+            Self::Action(error) => Self::Action(ActionError {
+                index: indices[error.index],
+                ..error
             }),
             other => other,
         }
     }
 }
 
-/// A simulated person at the controls, as a [`Source`] of glove readings.
+/// A simulated person as a [`Source`] of glove readings.
 ///
-/// Every text and every script is played by it: a list of [`Order`]s, carried out one after the other,
-/// by one hand or by whichever of two a board is there for. The hands are off all targets for 600 ms at
-/// the start and at the end.
+/// Performs a list of [`HandAction`]s one after the other, each with the hand for which the board of its target is
+/// made. The hands are clear of all targets for 600 ms at the start and at the end.
 pub struct SimulatedTypist {
     name: String,
-    /// One or two.
-    hands: Vec<Worn>,
-    /// For each order the place of the hand that carries it out.
-    turns: Vec<usize>,
-    /// How many orders may be played so far, the one that is played included.
-    turn: usize,
+    /// One or two hands.
+    hands: Vec<WornGlove>,
+    /// Index of the hand that performs each action.
+    hand_of_action: Vec<usize>,
+    /// Number of actions that may be performed so far, including the present one.
+    permitted: usize,
     period: Duration,
-    frame: u64,
+    packet: u64,
     readings: u64,
-    /// Readings of a frame that are still to be told.
-    told_next: VecDeque<Reading>,
+    /// Readings of the last packet that were not returned yet.
+    pending: VecDeque<Reading>,
 }
 
-struct Worn {
+struct WornGlove {
     side: Side,
     hand: SimulatedHand,
 }
 
 impl SimulatedTypist {
-    /// Plans these orders in `scene` for this arm and glove.
+    /// Plans actions in a scene for an arm that wears a glove.
     pub fn new(
         settings: &TypistSettings,
-        orders: &[HandAction],
+        actions: &[HandAction],
         scene: &Scene,
         arm: &ArmModel,
         map: &ChannelMap,
     ) -> Result<Self, TypistError> {
-        Self::with_hands(settings, orders, scene, &[(arm, map)])
+        Self::with_hands(settings, actions, scene, &[(arm, map)])
     }
 
-    /// Plans these orders in `scene` for one or two arms and their gloves. What is there for neither in
-    /// particular is done by the first.
+    /// Plans actions in a scene for one or two arms with their gloves. The first hand performs actions that are made
+    /// for neither hand in particular.
     ///
     /// # Panics
-    /// Without any hand.
+    /// If there is no hand.
     pub fn with_hands(
         settings: &TypistSettings,
-        orders: &[HandAction],
+        actions: &[HandAction],
         scene: &Scene,
         hands: &[(&ArmModel, &ChannelMap)],
     ) -> Result<Self, TypistError> {
-        assert!(!hands.is_empty(), "somebody has to play");
+        assert!(!hands.is_empty(), "a simulated person needs a hand");
         let sides: Vec<Side> = hands.iter().map(|(arm, _)| arm.side()).collect();
-        let turns = turns(orders, scene, &sides);
-        let worn = |(place, &(arm, map)): (usize, &(&ArmModel, &ChannelMap))| {
-            let own = (0..orders.len()).filter(|&order| turns[order] == place);
+        let hand_of_action = assign_hands(actions, scene, &sides);
+        let wear = |(hand_index, &(arm, map)): (usize, &(&ArmModel, &ChannelMap))| {
+            let own = (0..actions.len()).filter(|&action| hand_of_action[action] == hand_index);
             let own: Vec<usize> = own.collect();
-            let of_hand: Vec<HandAction> = own.iter().map(|&order| orders[order].clone()).collect();
-            let hand = SimulatedHand::new(settings, &of_hand, scene, arm, map);
-            let hand = hand.map_err(|error| error.renumbered(&own))?;
-            Ok(Worn {
+            let own_actions: Vec<_> = own.iter().map(|&action| actions[action].clone()).collect();
+            let hand = SimulatedHand::new(settings, &own_actions, scene, arm, map);
+            let hand = hand.map_err(|error| error.with_index_in(&own))?;
+            Ok(WornGlove {
                 side: arm.side(),
                 hand,
             })
         };
+        let hands: Result<_, TypistError> = hands.iter().enumerate().map(wear).collect();
         Ok(Self {
             name: settings.name.clone(),
-            hands: hands
-                .iter()
-                .enumerate()
-                .map(worn)
-                .collect::<Result<_, TypistError>>()?,
-            turns,
-            turn: 1,
+            hands: hands?,
+            hand_of_action,
+            permitted: 1,
             period: settings.packet_period,
-            frame: 0,
+            packet: 0,
             readings: 0,
-            told_next: VecDeque::new(),
+            pending: VecDeque::new(),
         })
     }
 
-    /// How many hands play.
-    pub fn hands(&self) -> usize {
+    /// Returns the number of hands.
+    pub fn hand_count(&self) -> usize {
         self.hands.len()
     }
 
-    /// The counts of the first glove in the next frame, or `None` when all is played.
+    /// Returns the counts of the first glove in the next packet, or `None` at the end.
     pub fn next_counts(&mut self) -> Option<GloveCounts> {
-        self.next_packets().map(|mut frame| frame.swap_remove(0))
+        self.next_packets().map(|mut packets| packets.swap_remove(0))
     }
 
-    /// The counts of every glove in the next frame, or `None` when all is played.
+    /// Returns the counts of all gloves in the next packet, or `None` at the end.
     pub fn next_packets(&mut self) -> Option<Vec<GloveCounts>> {
-        let is_last = self.turn >= self.turns.len();
-        let mut is_over = true;
-        for place in 0..self.hands.len() {
-            let allowed = match is_last {
+        let is_last = self.permitted >= self.hand_of_action.len();
+        let mut is_finished = true;
+        for hand in 0..self.hands.len() {
+            let permitted = match is_last {
                 true => usize::MAX,
-                false => self.own_orders(place),
+                false => self.own_actions(hand, self.permitted),
             };
-            is_over &= self.hands[place].hand.advance(allowed) == Progress::Finished;
+            is_finished &= self.hands[hand].hand.advance(permitted) == Progress::Finished;
         }
-        if is_over && is_last {
+        if is_finished && is_last {
             return None;
         }
-        let done = |place: usize| self.hands[place].hand.has_finished(self.own_orders(place));
-        if !is_last && (0..self.hands.len()).all(done) {
-            self.turn += 1;
+        if !is_last && self.has_finished(self.permitted) {
+            self.permitted += 1;
         }
-        self.frame += 1;
-        Some(
-            self.hands
-                .iter_mut()
-                .map(|worn| worn.hand.counts())
-                .collect(),
-        )
+        self.packet += 1;
+        let counts = self.hands.iter_mut().map(|glove| glove.hand.counts());
+        Some(counts.collect())
     }
 
-    /// Whether the first `orders` orders are carried out and no hand is on its way; of 0 orders that is so
-    /// before the first frame.
-    pub fn has_finished(&self, orders: usize) -> bool {
-        let is_done = |place: usize| self.hands[place].hand.has_finished(self.own(place, orders));
-        (0..self.hands.len()).all(is_done)
+    /// Returns whether the first `actions` actions are done and no hand is moving.
+    pub fn has_finished(&self, actions: usize) -> bool {
+        let mut hands = self.hands.iter().enumerate();
+        hands.all(|(index, glove)| glove.hand.has_finished(self.own_actions(index, actions)))
     }
 
-    /// How many of the orders that may be played so far are those of one hand.
-    fn own_orders(&self, place: usize) -> usize {
-        self.own(place, self.turn)
-    }
-
-    /// How many of the first `orders` orders are those of one hand.
-    fn own(&self, place: usize, orders: usize) -> usize {
-        let first = self.turns.iter().take(orders);
-        first.filter(|&&hand| hand == place).count()
+    /// Returns how many of the first `actions` actions a hand performs.
+    fn own_actions(&self, hand: usize, actions: usize) -> usize {
+        let first = self.hand_of_action.iter().take(actions);
+        first.filter(|&&other| other == hand).count()
     }
 }
 
-/// The hand that carries out each order: that for which the board of its target is there, else the first;
-/// an order without a target is for the hand of the one before.
-fn turns(orders: &[HandAction], scene: &Scene, sides: &[Side]) -> Vec<usize> {
+/// Assigns each action to the hand for which the board of its target is made, otherwise to the first hand. An action
+/// without a target goes to the hand of the action before it.
+fn assign_hands(actions: &[HandAction], scene: &Scene, sides: &[Side]) -> Vec<usize> {
     let mut hand = 0;
-    let turn = |order: &HandAction| {
-        if let Some(spot) = order.target_point() {
-            let side = scene
-                .target(spot.target)
-                .and_then(|(surface, _)| surface.side());
-            let found = side.and_then(|side| sides.iter().position(|other| *other == side));
-            hand = found.unwrap_or(0);
+    let assign = |action: &HandAction| {
+        if let Some(point) = action.target_point() {
+            let found = scene.target(point.target);
+            let side = found.and_then(|(surface, _)| surface.side());
+            let index = side.and_then(|side| sides.iter().position(|other| *other == side));
+            hand = index.unwrap_or(0);
         }
         hand
     };
-    orders.iter().map(turn).collect()
+    actions.iter().map(assign).collect()
 }
 
 impl Source for SimulatedTypist {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        if self.told_next.is_empty()
-            && let Some(frame) = self.next_packets()
+        if self.pending.is_empty()
+            && let Some(packets) = self.next_packets()
         {
-            let time = Timestamp(0) + self.period.mul_f64(self.frame as f64);
+            let time = Timestamp(0) + self.period.mul_f64(self.packet as f64);
             let is_one = self.hands.len() == 1;
-            for (worn, counts) in self.hands.iter().zip(frame) {
-                let full_scale = worn.hand.full_scale();
-                self.told_next.push_back(Reading {
+            for (glove, counts) in self.hands.iter().zip(packets) {
+                let full_scale = glove.hand.full_scale();
+                self.pending.push_back(Reading {
                     time,
-                    side: (!is_one).then_some(worn.side),
+                    side: (!is_one).then_some(glove.side),
                     sample: Sample::Channels(Channels { full_scale, counts }),
                 });
             }
         }
-        let Some(reading) = self.told_next.pop_front() else {
+        let Some(reading) = self.pending.pop_front() else {
             return Ok(SourceEvent::End);
         };
         self.readings += 1;

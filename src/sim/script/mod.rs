@@ -1,7 +1,7 @@
-//! Scripts: what a simulated hand is to do, as people write it.
+//! Scripts for a simulated hand.
 //!
-//! One order on each line, or several with `;` between them; from `#` on it is a comment. Names with
-//! blanks stand in quotes. Lengths are in millimetres, angles in degrees, times in milliseconds.
+//! Each step is a line, or ends with `;`. A step is one action, or several joined by `&`. A comment begins with `#`.
+//! Names with blanks are quoted. Lengths are in millimetres, angles in degrees, times in milliseconds.
 
 mod tokens;
 
@@ -16,22 +16,22 @@ use crate::contact::{TargetId, TargetNames};
 use crate::document::{Document, DocumentError};
 use crate::hand::{Dof, Finger};
 use crate::names::{UnknownName, named_enum};
-use tokens::{Token, tokenize};
+pub use tokens::{SyntaxError, Token, tokenize};
 
-/// What a script is called in messages that was not read from a file.
+/// Name of a script in messages that was not read from a file.
 const INLINE: &str = "script";
-/// The furthest that a place can be from another one, in mm.
-const FAR_MM: f64 = 2_000.0;
-/// The longest that one order takes, in ms.
-const LONG_MS: f64 = 600_000.0;
-/// The largest angle of a joint, in degrees.
-const JOINT_DEG: f64 = 360.0;
-/// The longest way around a target, in degrees.
-const ROUND_DEG: f64 = 3_600.0;
+/// Largest coordinate and offset, in mm.
+const MAX_LENGTH_MM: f64 = 2_000.0;
+/// Longest duration of an action, in ms.
+const MAX_TIME_MS: f64 = 600_000.0;
+/// Largest joint angle, in degrees.
+const MAX_JOINT_DEG: f64 = 360.0;
+/// Largest angle of an arc, in degrees.
+const MAX_ARC_DEG: f64 = 3_600.0;
 
 named_enum! {
-    /// The first word of an order.
-    enum Verb ("order") {
+    /// The first word of an action.
+    enum Verb ("action") {
         Tap = "tap",
         Press = "press",
         Push = "push",
@@ -48,11 +48,11 @@ named_enum! {
     }
 }
 
-/// How each order is written.
-const FORMS: [&str; Verb::COUNT] = [
+/// Syntax of each action.
+const SYNTAX: [&str; Verb::COUNT] = [
     "tap NAME [X Y]",
     "press NAME [X Y]",
-    "push NAME SHARE",
+    "push NAME FRACTION",
     "slide X Y [MS]",
     "arc DEG [MS]",
     "lift",
@@ -65,133 +65,139 @@ const FORMS: [&str; Verb::COUNT] = [
     "point X Y Z [MS]",
 ];
 
-/// Orders, and where each stands in its text.
+/// A list of actions with their positions in the text.
 #[derive(Clone, Debug)]
 pub struct Script {
     document: Document,
-    orders: Vec<HandAction>,
-    places: Vec<Range<usize>>,
+    actions: Vec<HandAction>,
+    spans: Vec<Range<usize>>,
 }
 
 impl Script {
-    /// Reads a script for targets with these names: the file at a path, or the script itself.
+    /// Reads a script for targets with these names: the file at a path, or the text itself.
     ///
-    /// It is a file where there is one. Otherwise it is taken for a script when it has more than one word
-    /// or is an order, and for a file that is missing when not.
+    /// An existing path is read as a file. Any other text is a script if it has more than one word or is an action;
+    /// otherwise it is the path of a missing file.
     pub fn open(path_or_text: &str, names: &TargetNames) -> Result<Self, DocumentError> {
-        let is_order = path_or_text.parse::<Verb>().is_ok();
+        let is_action = path_or_text.parse::<Verb>().is_ok();
         let has_words = path_or_text.contains([' ', '\t', '\n', ';']);
-        let is_text = is_order || has_words;
+        let is_text = is_action || has_words;
         match is_text && !Path::new(path_or_text).is_file() {
             true => Self::parse(Document::new(INLINE, path_or_text), names),
             false => Self::parse(Document::from_path(path_or_text)?, names),
         }
     }
 
-    /// Reads the script in a document.
+    /// Parses a document.
     pub fn parse(document: Document, names: &TargetNames) -> Result<Self, DocumentError> {
-        let mut orders = Vec::new();
-        let mut places = Vec::new();
-        let wrong = |(place, message): ScriptError| {
-            DocumentError::at(&document.file, &document.text, place, message)
+        let mut actions = Vec::new();
+        let mut spans = Vec::new();
+        let located = |error: SyntaxError| {
+            DocumentError::at(&document.file, &document.text, error.span, error.message)
         };
-        for words in tokenize(&document.text).map_err(wrong)? {
-            let (first, last) = (&words[0], &words[words.len() - 1]);
-            places.push(first.span.start..last.span.end);
-            orders.push(order(&words, names).map_err(wrong)?);
+        for tokens in tokenize(&document.text).map_err(located)? {
+            spans.push(span_of(&tokens));
+            actions.push(parse_step(&tokens, names).map_err(located)?);
         }
-        if orders.is_empty() {
-            let message = "there is no order in the script: write one such as `tap NAME`";
+        if actions.is_empty() {
+            let message = "the script has no action; write one such as `tap NAME`";
             return Err(DocumentError::for_file(&document.file, message));
         }
         Ok(Self {
             document,
-            orders,
-            places,
+            actions,
+            spans,
         })
     }
 
-    /// The file that it comes from, as its user named it; `script` for one that is no file.
+    /// Returns the path as the user wrote it; `script` for a script that is not a file.
     pub fn file(&self) -> &str {
         &self.document.file
     }
 
-    /// The orders; at least one.
+    /// Returns the actions; at least one.
     pub fn actions(&self) -> &[HandAction] {
-        &self.orders
+        &self.actions
     }
 
-    /// An error at an order, by its place in [`orders`](Self::orders).
-    pub fn error(&self, order: usize, message: impl std::fmt::Display) -> DocumentError {
-        let place = self.places.get(order).cloned().unwrap_or(0..0);
-        DocumentError::at(&self.document.file, &self.document.text, place, message)
+    /// Creates an error at an action, given its index in [`actions`](Self::actions).
+    pub fn error(&self, action: usize, message: impl std::fmt::Display) -> DocumentError {
+        let span = self.spans.get(action).cloned().unwrap_or(0..0);
+        DocumentError::at(&self.document.file, &self.document.text, span, message)
     }
 }
 
-/// Where something is wrong, and what.
-type ScriptError = (Range<usize>, String);
-
-/// The order that these words make; those that are joined by `&` are one.
-fn order(words: &[Token], names: &TargetNames) -> Result<HandAction, ScriptError> {
-    if !words.iter().any(Token::is_join) {
-        return single(words, names);
+/// Returns the bytes from the first token to the last.
+fn span_of(tokens: &[Token]) -> Range<usize> {
+    match tokens {
+        [] => 0..0,
+        [first, .., last] => first.span.start..last.span.end,
+        [only] => only.span.clone(),
     }
+}
+
+/// Parses a step: an action, or angles joined by `&`.
+fn parse_step(tokens: &[Token], names: &TargetNames) -> Result<HandAction, SyntaxError> {
+    let Some(join) = tokens.iter().find(|token| token.is_join()) else {
+        return parse_action(tokens, names);
+    };
     let mut angles = Vec::new();
     let mut time = None;
-    for part in words.split(Token::is_join) {
-        let (Some(first), Some(last)) = (part.first(), part.last()) else {
-            let join = words.iter().find(|word| word.is_join());
-            let place = join.map_or(0..0, |join| join.span.clone());
-            return Err((place, "an order is missing beside this `&`".into()));
-        };
-        let HandAction::SetAngles(turned, takes) = single(part, names)? else {
+    for part in tokens.split(Token::is_join) {
+        if part.is_empty() {
+            let message = "an action is missing beside this `&`";
+            return Err(SyntaxError::new(join.span.clone(), message));
+        }
+        let HandAction::SetAngles(part_angles, part_time) = parse_action(part, names)? else {
             let message = "only `set`, `bend` and `roll` can be joined by `&`";
-            return Err((first.span.start..last.span.end, message.into()));
+            return Err(SyntaxError::new(span_of(part), message));
         };
-        angles.extend(turned);
-        time = time.max(takes);
+        angles.extend(part_angles);
+        time = time.max(part_time);
     }
     Ok(HandAction::SetAngles(angles, time))
 }
 
-fn single(words: &[Token], names: &TargetNames) -> Result<HandAction, ScriptError> {
-    let first = &words[0];
-    let verb: Verb = first
-        .text
-        .parse()
-        .map_err(|error: UnknownName| (first.span.clone(), error.to_string()))?;
-    let mut words = Arguments {
+fn parse_action(tokens: &[Token], names: &TargetNames) -> Result<HandAction, SyntaxError> {
+    let first = &tokens[0];
+    let unknown = |error: UnknownName| SyntaxError::new(first.span.clone(), error.to_string());
+    let verb: Verb = first.text.parse().map_err(unknown)?;
+    let mut arguments = Arguments {
         verb,
-        place: first.span.clone(),
-        rest: words[1..].iter(),
+        last_span: first.span.clone(),
+        rest: tokens[1..].iter(),
     };
-    let order = match verb {
-        Verb::Tap => HandAction::Tap(words.spot(names)?),
-        Verb::Press => HandAction::Press(words.spot(names)?),
-        Verb::Push => HandAction::Push(words.target(names)?, words.share()?),
-        Verb::Slide => HandAction::Slide(words.metres2()?, words.time()?),
-        Verb::Arc => HandAction::Arc(words.degrees(ROUND_DEG)?.to_radians() as f32, words.time()?),
+    let action = match verb {
+        Verb::Tap => HandAction::Tap(arguments.target_point(names)?),
+        Verb::Press => HandAction::Press(arguments.target_point(names)?),
+        Verb::Push => HandAction::Push(arguments.target(names)?, arguments.fraction()?),
+        Verb::Slide => HandAction::Slide(arguments.point2()?, arguments.time()?),
+        Verb::Arc => {
+            let radians = arguments.degrees(MAX_ARC_DEG)?.to_radians() as f32;
+            HandAction::Arc(radians, arguments.time()?)
+        }
         Verb::Lift => HandAction::Lift,
-        Verb::Wait => HandAction::Wait(milliseconds(words.number("MS", 0.0..=LONG_MS)?)),
-        Verb::Set => words.turn("JOINT", str::parse)?,
-        Verb::Bend => words.turn("FINGER", |name| Ok(knuckle(name.parse()?)))?,
+        Verb::Wait => HandAction::Wait(milliseconds(arguments.number("MS", 0.0..=MAX_TIME_MS)?)),
+        Verb::Set => arguments.angle("JOINT", str::parse)?,
+        Verb::Bend => arguments.angle("FINGER", |name| Ok(mcp_flexion(name.parse()?)))?,
         Verb::Roll => {
-            let radians = words.degrees(JOINT_DEG)?.to_radians();
-            HandAction::SetAngles(vec![(Dof::ForearmSupination, radians)], words.time()?)
+            let radians = arguments.degrees(MAX_JOINT_DEG)?.to_radians();
+            let angles = vec![(Dof::ForearmSupination, radians)];
+            HandAction::SetAngles(angles, arguments.time()?)
         }
-        Verb::Pinch => HandAction::Pinch(words.time()?),
-        Verb::Unpinch => HandAction::Unpinch(words.time()?),
+        Verb::Pinch => HandAction::Pinch(arguments.time()?),
+        Verb::Unpinch => HandAction::Unpinch(arguments.time()?),
         Verb::Point => {
-            let place = words.metres2()?.extend(words.metres("Z")?);
-            HandAction::Point(place, words.time()?)
+            let position = arguments.point2()?.extend(arguments.metres("Z")?);
+            HandAction::Point(position, arguments.time()?)
         }
     };
-    words.end()?;
-    Ok(order)
+    arguments.finish()?;
+    Ok(action)
 }
 
-/// What bends a finger as a whole.
-const fn knuckle(finger: Finger) -> Dof {
+/// Returns the angle that `bend` sets.
+const fn mcp_flexion(finger: Finger) -> Dof {
     match finger {
         Finger::Thumb => Dof::ThumbMcpFlexion,
         Finger::Index => Dof::IndexMcpFlexion,
@@ -201,108 +207,115 @@ const fn knuckle(finger: Finger) -> Dof {
     }
 }
 
-/// The words after the first one of an order.
+/// The tokens of an action after its verb.
 struct Arguments<'a> {
     verb: Verb,
-    /// Where the last word stood that was taken.
-    place: Range<usize>,
+    /// Span of the last token that was read.
+    last_span: Range<usize>,
     rest: std::slice::Iter<'a, Token<'a>>,
 }
 
 impl<'a> Arguments<'a> {
-    fn word(&mut self, what: &str) -> Result<&'a Token<'a>, ScriptError> {
-        let Some(word) = self.rest.next() else {
-            return Err(self.wrong(format!("{what} is missing after this")));
+    fn token(&mut self, what: &str) -> Result<&'a Token<'a>, SyntaxError> {
+        let Some(token) = self.rest.next() else {
+            return Err(self.error(format!("{what} is missing after this")));
         };
-        self.place = word.span.clone();
-        Ok(word)
+        self.last_span = token.span.clone();
+        Ok(token)
     }
 
-    /// A message about the last word that was taken, with how the order is written.
-    fn wrong(&self, message: String) -> ScriptError {
-        let form = FORMS[self.verb.index()];
-        (self.place.clone(), format!("{message}: write `{form}`"))
+    /// Creates an error at the last token that was read, with the syntax of the action.
+    fn error(&self, message: String) -> SyntaxError {
+        let syntax = SYNTAX[self.verb.index()];
+        let message = format!("{message}; write `{syntax}`");
+        SyntaxError::new(self.last_span.clone(), message)
     }
 
     fn has_more(&self) -> bool {
         !self.rest.as_slice().is_empty()
     }
 
-    fn target(&mut self, names: &TargetNames) -> Result<TargetId, ScriptError> {
-        let word = self.word("NAME")?;
-        names.find(word.text).ok_or_else(|| {
-            let unknown = UnknownName::new("target", word.text, names.iter());
-            (word.span.clone(), unknown.to_string())
+    fn target(&mut self, names: &TargetNames) -> Result<TargetId, SyntaxError> {
+        let token = self.token("NAME")?;
+        names.find(token.text).ok_or_else(|| {
+            let unknown = UnknownName::new("target", token.text, names.iter());
+            SyntaxError::new(token.span.clone(), unknown.to_string())
         })
     }
 
-    fn spot(&mut self, names: &TargetNames) -> Result<TargetPoint, ScriptError> {
+    fn target_point(&mut self, names: &TargetNames) -> Result<TargetPoint, SyntaxError> {
         let target = self.target(names)?;
         Ok(match self.has_more() {
             true => TargetPoint {
                 target,
-                offset: self.metres2()?,
+                offset: self.point2()?,
             },
             false => TargetPoint::center(target),
         })
     }
 
-    /// An angle by its name, and what it comes to.
-    fn turn(
+    /// Reads the name of an angle, the angle and the duration.
+    fn angle(
         &mut self,
         what: &str,
         dof: impl Fn(&str) -> Result<Dof, UnknownName>,
-    ) -> Result<HandAction, ScriptError> {
-        let word = self.word(what)?;
-        let dof = dof(word.text).map_err(|error| (word.span.clone(), error.to_string()))?;
-        let radians = self.degrees(JOINT_DEG)?.to_radians();
+    ) -> Result<HandAction, SyntaxError> {
+        let token = self.token(what)?;
+        let unknown = |error: UnknownName| SyntaxError::new(token.span.clone(), error.to_string());
+        let dof = dof(token.text).map_err(unknown)?;
+        let radians = self.degrees(MAX_JOINT_DEG)?.to_radians();
         Ok(HandAction::SetAngles(vec![(dof, radians)], self.time()?))
     }
 
-    fn share(&mut self) -> Result<f32, ScriptError> {
-        Ok(self.number("SHARE", 0.0..=1.0)? as f32)
+    fn fraction(&mut self) -> Result<f32, SyntaxError> {
+        Ok(self.number("FRACTION", 0.0..=1.0)? as f32)
     }
 
-    fn degrees(&mut self, most: f64) -> Result<f64, ScriptError> {
-        self.number("DEG", -most..=most)
+    fn degrees(&mut self, max: f64) -> Result<f64, SyntaxError> {
+        self.number("DEG", -max..=max)
     }
 
-    /// Millimetres, in metres.
-    fn metres(&mut self, what: &str) -> Result<f32, ScriptError> {
-        Ok((self.number(what, -FAR_MM..=FAR_MM)? * 1e-3) as f32)
+    /// Reads a length in mm; returns metres.
+    fn metres(&mut self, what: &str) -> Result<f32, SyntaxError> {
+        let range = -MAX_LENGTH_MM..=MAX_LENGTH_MM;
+        Ok((self.number(what, range)? * 1e-3) as f32)
     }
 
-    fn metres2(&mut self) -> Result<Vec2, ScriptError> {
+    fn point2(&mut self) -> Result<Vec2, SyntaxError> {
         Ok(Vec2::new(self.metres("X")?, self.metres("Y")?))
     }
 
-    /// How long it takes, where that is said.
-    fn time(&mut self) -> Result<Option<Duration>, ScriptError> {
+    /// Reads the optional duration.
+    fn time(&mut self) -> Result<Option<Duration>, SyntaxError> {
         match self.has_more() {
-            true => Ok(Some(milliseconds(self.number("MS", 0.0..=LONG_MS)?))),
+            true => {
+                let number = self.number("MS", 0.0..=MAX_TIME_MS)?;
+                Ok(Some(milliseconds(number)))
+            }
             false => Ok(None),
         }
     }
 
-    fn number(&mut self, what: &str, range: RangeInclusive<f64>) -> Result<f64, ScriptError> {
-        let word = self.word(what)?;
-        let number: f64 = word
+    fn number(&mut self, what: &str, range: RangeInclusive<f64>) -> Result<f64, SyntaxError> {
+        let token = self.token(what)?;
+        let number: f64 = token
             .text
             .parse()
-            .map_err(|_| self.wrong(format!("{what} is a number, not `{}`", word.text)))?;
+            .map_err(|_| self.error(format!("{what} is a number, not `{}`", token.text)))?;
         if range.contains(&number) {
             return Ok(number);
         }
-        let (low, high) = range.into_inner();
-        Err(self.wrong(format!("{what} is {low} to {high}, not {number}")))
+        let (min, max) = range.into_inner();
+        Err(self.error(format!("{what} is {min} to {max}, not {number}")))
     }
 
-    fn end(&mut self) -> Result<(), ScriptError> {
-        let Some(word) = self.rest.next() else {
+    /// Checks that no token is left.
+    fn finish(&mut self) -> Result<(), SyntaxError> {
+        let Some(token) = self.rest.next() else {
             return Ok(());
         };
-        self.place = word.span.clone();
-        Err(self.wrong(format!("`{}` is too much", word.text)))
+        self.last_span = token.span.clone();
+        Err(self.error(format!("unexpected `{}`", token.text)))
     }
 }
 
@@ -311,127 +324,4 @@ fn milliseconds(number: f64) -> Duration {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn script(text: &str) -> Result<Script, String> {
-        let names = TargetNames::new(["Q", "Volume up"].map(str::to_owned));
-        Script::parse(Document::new("a.txt", text), &names).map_err(|error| error.to_string())
-    }
-
-    fn orders(text: &str) -> Vec<HandAction> {
-        script(text).unwrap().orders
-    }
-
-    #[test]
-    fn every_order_is_written_with_its_own_name_first() {
-        for (verb, form) in Verb::ALL.iter().zip(FORMS) {
-            assert_eq!(form.split(' ').next(), Some(verb.name()));
-        }
-    }
-
-    #[test]
-    fn the_page_about_scripts_has_every_order() {
-        let page = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/scripts.md");
-        let page = std::fs::read_to_string(page).expect("the page is there");
-        for form in FORMS {
-            assert!(page.contains(&format!("| `{form}` |")), "{form}");
-        }
-    }
-
-    #[test]
-    fn orders_are_read_in_the_units_of_people() {
-        let (q, up) = (TargetId(0), TargetId(1));
-        let spot = TargetPoint {
-            target: up,
-            offset: Vec2::new(0.005, -0.0025),
-        };
-        let ms = Duration::from_millis;
-        assert_eq!(
-            orders("tap Q; press 'Volume up' 5 -2.5 # so\npush Q 0.5\nslide 1 2; slide 1 2 300"),
-            [
-                HandAction::tap(q),
-                HandAction::Press(spot),
-                HandAction::Push(q, 0.5),
-                HandAction::Slide(Vec2::new(1e-3, 2e-3), None),
-                HandAction::Slide(Vec2::new(1e-3, 2e-3), Some(ms(300))),
-            ]
-        );
-        assert_eq!(
-            orders("arc -180; lift; wait 1.5; pinch; unpinch 50; point 0 -45 -300"),
-            [
-                HandAction::Arc(-std::f32::consts::PI, None),
-                HandAction::Lift,
-                HandAction::Wait(Duration::from_micros(1_500)),
-                HandAction::Pinch(None),
-                HandAction::Unpinch(Some(ms(50))),
-                HandAction::Point(Vec2::new(0.0, -0.045).extend(-0.3), None),
-            ]
-        );
-    }
-
-    #[test]
-    fn joined_angles_are_one_order_that_takes_the_longest_time() {
-        let radians = 30_f64.to_radians();
-        let turned = [
-            Dof::IndexMcpFlexion,
-            Dof::WristFlexion,
-            Dof::ForearmSupination,
-        ];
-        assert_eq!(
-            orders("bend index 30 & set wrist-flexion 30 500 &roll 30 200"),
-            [HandAction::SetAngles(
-                turned.map(|dof| (dof, radians)).to_vec(),
-                Some(Duration::from_millis(500))
-            )]
-        );
-    }
-
-    #[test]
-    fn what_is_wrong_is_told_with_its_place_and_what_would_be_right() {
-        let table = [
-            ("tap Q\nteh Q", "a.txt:2:1: unknown order `teh`"),
-            (
-                "tpa Q",
-                "a.txt:1:1: unknown order `tpa`, did you mean `tap`?",
-            ),
-            (
-                "tap Q; tap 'Volume pu'",
-                "a.txt:1:12: unknown target `Volume pu`, did you mean `Volume up`?",
-            ),
-            (
-                "push Q",
-                "a.txt:1:6: SHARE is missing after this: write `push NAME SHARE`",
-            ),
-            ("push Q 1.5", "a.txt:1:8: SHARE is 0 to 1, not 1.5"),
-            ("wait NaN", "a.txt:1:6: MS is 0 to 600000, not NaN"),
-            (
-                "slide 1 x",
-                "a.txt:1:9: Y is a number, not `x`: write `slide X Y [MS]`",
-            ),
-            (
-                "tap Q 5",
-                "a.txt:1:7: Y is missing after this: write `tap NAME [X Y]`",
-            ),
-            ("lift Q", "a.txt:1:6: `Q` is too much: write `lift`"),
-            (
-                "set wirst-flexion 5",
-                "a.txt:1:5: unknown degree of freedom `wirst-flexion`, did you mean `wrist-flexion`?",
-            ),
-            ("bend pinky 5", "a.txt:1:6: unknown finger `pinky`"),
-            (
-                "roll 5 & tap Q",
-                "a.txt:1:10: only `set`, `bend` and `roll` can be joined by `&`",
-            ),
-            ("roll 5 &", "a.txt:1:8: an order is missing beside this `&`"),
-            ("tap \"Q", "a.txt:1:5: the name has no closing \""),
-            ("# nothing", "a.txt: there is no order in the script"),
-        ];
-        for (text, message) in table {
-            let error = script(text)
-                .err()
-                .unwrap_or_else(|| panic!("{text} is read"));
-            assert!(error.starts_with(message), "{text}: {error}");
-        }
-    }
-}
+mod tests;

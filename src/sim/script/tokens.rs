@@ -1,59 +1,75 @@
-//! The words of a script, and where they stand.
+//! The tokens of a script: words, quoted names and `&`.
 
 use std::ops::Range;
 
-use super::ScriptError;
-
-/// A word, without its quotes.
+/// A word of a script.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Token<'a> {
-    pub(super) text: &'a str,
-    /// Its bytes in the script, with its quotes.
-    pub(super) span: Range<usize>,
+pub struct Token<'a> {
+    /// The word without its quotes.
+    pub text: &'a str,
+    /// Bytes of the word in the script, including its quotes.
+    pub span: Range<usize>,
+}
+
+/// A syntax error in a script.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SyntaxError {
+    /// Bytes of the wrong part.
+    pub span: Range<usize>,
+    /// Explanation.
+    pub message: String,
+}
+
+impl SyntaxError {
+    /// Creates an error at a part of the script.
+    pub fn new(span: Range<usize>, message: impl Into<String>) -> Self {
+        Self {
+            span,
+            message: message.into(),
+        }
+    }
 }
 
 impl Token<'_> {
-    /// Whether it joins two orders: a `&` that is not in quotes.
-    pub(super) fn is_join(&self) -> bool {
+    /// Returns whether the token joins two actions: a `&` without quotes.
+    pub fn is_join(&self) -> bool {
         self.text == "&" && self.span.len() == 1
     }
 }
 
-/// The words of each order of a script; orders without any are left out.
-pub(super) fn tokenize(text: &str) -> Result<Vec<Vec<Token<'_>>>, ScriptError> {
-    let mut orders = Vec::new();
-    let mut words = Vec::new();
+/// Splits a script into steps of tokens. Steps end with a newline or `;`; steps without tokens are left out, and so are
+/// comments from `#` to the end of the line.
+pub fn tokenize(text: &str) -> Result<Vec<Vec<Token<'_>>>, SyntaxError> {
+    let mut steps = Vec::new();
+    let mut tokens = Vec::new();
     let mut start = 0;
     while let Some(character) = text[start..].chars().next() {
         let rest = &text[start..];
         match character {
             '\n' | ';' => {
-                orders.push(std::mem::take(&mut words));
+                steps.push(std::mem::take(&mut tokens));
                 start += 1;
             }
             '#' => start += rest.find('\n').unwrap_or(rest.len()),
             blank if blank.is_whitespace() => start += blank.len_utf8(),
             _ => {
-                let word = word(text, start, character)?;
-                start = word.span.end;
-                words.push(word);
+                let token = token(text, start, character)?;
+                start = token.span.end;
+                tokens.push(token);
             }
         }
     }
-    orders.push(words);
-    orders.retain(|words| !words.is_empty());
-    Ok(orders)
+    steps.push(tokens);
+    steps.retain(|tokens| !tokens.is_empty());
+    Ok(steps)
 }
 
-/// The word that begins with `first` at the byte `start`.
-fn word(text: &str, start: usize, first: char) -> Result<Token<'_>, ScriptError> {
+/// Returns the token that begins with `first` at the byte `start`.
+fn token(text: &str, start: usize, first: char) -> Result<Token<'_>, SyntaxError> {
     let rest = &text[start..];
     if first == '&' {
-        let place = start..start + 1;
-        return Ok(Token {
-            text: "&",
-            span: place,
-        });
+        let span = start..start + 1;
+        return Ok(Token { text: "&", span });
     }
     if first != '"' && first != '\'' {
         let ends = |c: char| c.is_whitespace() || matches!(c, ';' | '&');
@@ -65,8 +81,11 @@ fn word(text: &str, start: usize, first: char) -> Result<Token<'_>, ScriptError>
     }
     let line = rest[1..].lines().next().unwrap_or_default();
     let Some(length) = line.find(first) else {
-        let place = start..start + 1 + line.len();
-        return Err((place, format!("the name has no closing {first}")));
+        let span = start..start + 1 + line.len();
+        return Err(SyntaxError::new(
+            span,
+            format!("the name has no closing {first}"),
+        ));
     };
     Ok(Token {
         text: &line[..length],
@@ -79,14 +98,14 @@ mod tests {
     use super::*;
 
     fn texts(script: &str) -> Vec<Vec<&str>> {
-        let orders = tokenize(script).unwrap().into_iter();
-        orders
-            .map(|words| words.into_iter().map(|word| word.text).collect())
+        let steps = tokenize(script).unwrap().into_iter();
+        steps
+            .map(|tokens| tokens.into_iter().map(|token| token.text).collect())
             .collect()
     }
 
     #[test]
-    fn orders_end_with_a_line_or_a_semicolon_and_comments_and_blanks_are_nothing() {
+    fn steps_end_with_a_newline_or_a_semicolon_and_comments_are_ignored() {
         let script = "tap Q ; lift;;\n# all of this; is nothing\r\n\twait 5 # so is this\n\n";
         assert_eq!(
             texts(script),
@@ -95,14 +114,11 @@ mod tests {
     }
 
     #[test]
-    fn in_quotes_everything_is_part_of_a_name() {
+    fn quoted_names_may_contain_any_character_of_the_syntax() {
         let script = "tap \"Volume; up # & down\" 'say \"é\"'&set x#y";
         let words = ["tap", "Volume; up # & down", "say \"é\"", "&", "set", "x#y"];
         assert_eq!(texts(script), [words]);
-        let (place, message) = tokenize("tap 'Q\nlift").unwrap_err();
-        assert_eq!(
-            (place, message.as_str()),
-            (4..6, "the name has no closing '")
-        );
+        let error = tokenize("tap 'Q\nlift").unwrap_err();
+        assert_eq!(error, SyntaxError::new(4..6, "the name has no closing '"));
     }
 }

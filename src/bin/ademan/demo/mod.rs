@@ -62,7 +62,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
         &assembly.required_capabilities(),
         move || bell.ask_once(),
     )?;
-    let (lines, source) = wires(&mut assembly, line, hand.hands())?;
+    let (lines, source) = wires(&mut assembly, line, hand.hand_count())?;
     writeln!(
         io::stdout(),
         "a simulated hand {} on {} over {}",
@@ -75,7 +75,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
         true => Screen::open(&assembly.layout, task.wanted(), stopper),
         false => Screen::closed(&assembly.layout),
     };
-    let hands = hand.hands() as u64;
+    let hands = hand.hand_count() as u64;
     let player = Player::start(hand, lines, line, asked, stop_sender);
     let ended = run_pipeline(
         source,
