@@ -35,13 +35,17 @@ pub enum ActionErrorKind {
     #[error("the fingertip presses nothing; put a `press` or a `push` before this")]
     NotPressed,
     /// An arc around the point at which the fingertip is.
-    #[error("the fingertip is at the center of the arc; press beside it, such as `press NAME 10 0`")]
+    #[error(
+        "the fingertip is at the center of the arc; press beside it, such as `press NAME 10 0`"
+    )]
     AtCenter,
     /// An angle that the glove does not measure.
     #[error("the glove has no sensor for `{}`{}", .0.text, suggestion(.0))]
     NoSensor(UnknownName),
     /// An angle outside the range of the joint or of its sensor.
-    #[error("`{dof}` ranges from {low:.0}° to {high:.0}° with this glove, and {wanted:.0}° is outside")]
+    #[error(
+        "`{dof}` ranges from {low:.0}° to {high:.0}° with this glove, and {wanted:.0}° is outside"
+    )]
     AngleOutOfRange {
         /// The angle.
         dof: Dof,

@@ -85,7 +85,13 @@ fn find_in_base_layer(
     is_match: impl Fn(KeyAction) -> bool,
 ) -> Option<TargetId> {
     keys.iter()
-        .find(|key| key.actions.first().copied().flatten().is_some_and(&is_match))
+        .find(|key| {
+            key.actions
+                .first()
+                .copied()
+                .flatten()
+                .is_some_and(&is_match)
+        })
         .map(|key| key.target)
 }
 

@@ -117,7 +117,10 @@ impl TypingHand {
 
     /// Returns the posture at rest.
     pub fn rest_values(&self) -> Vec<f64> {
-        self.variables.iter().map(|variable| variable.rest).collect()
+        self.variables
+            .iter()
+            .map(|variable| variable.rest)
+            .collect()
     }
 
     /// Sets the rest value of a channel, to which it returns where the fingertip leaves it free.
@@ -276,12 +279,7 @@ impl TypingHand {
 
     /// Returns the value of a channel at which an angle is `radians`. The error is the range of angles, in radians,
     /// that the channel covers.
-    pub(super) fn value_at(
-        &self,
-        index: usize,
-        dof: Dof,
-        radians: f64,
-    ) -> Result<f64, (f64, f64)> {
+    pub(super) fn value_at(&self, index: usize, dof: Dof, radians: f64) -> Result<f64, (f64, f64)> {
         let variable = &self.variables[index];
         let mut mappings = variable.mappings.iter().rev();
         let Some((_, map)) = mappings.find(|(mapped, _)| *mapped == dof) else {
@@ -360,7 +358,10 @@ fn variable(map: &ChannelMap, channel: usize) -> IkVariable {
     for row in map.rows().iter().filter(|row| row.channel == channel) {
         let calibration = row.calibration;
         let (low, high) = limits.range(row.dof);
-        let ends = (calibration.apply_inverse(low), calibration.apply_inverse(high));
+        let ends = (
+            calibration.apply_inverse(low),
+            calibration.apply_inverse(high),
+        );
         variable.range.0 = variable.range.0.max(ends.0.min(ends.1));
         variable.range.1 = variable.range.1.min(ends.0.max(ends.1));
         variable.rest = calibration.apply_inverse(resting_angle(row.dof));

@@ -132,7 +132,8 @@ impl SimulatedTypist {
 
     /// Returns the counts of the first glove in the next packet, or `None` at the end.
     pub fn next_counts(&mut self) -> Option<GloveCounts> {
-        self.next_packets().map(|mut packets| packets.swap_remove(0))
+        self.next_packets()
+            .map(|mut packets| packets.swap_remove(0))
     }
 
     /// Returns the counts of all gloves in the next packet, or `None` at the end.

@@ -111,7 +111,10 @@ fn errors_name_the_position_and_the_syntax() {
             "roll 5 & tap Q",
             "a.txt:1:10: only `set`, `bend` and `roll` can be joined by `&`",
         ),
-        ("roll 5 &", "a.txt:1:8: an action is missing beside this `&`"),
+        (
+            "roll 5 &",
+            "a.txt:1:8: an action is missing beside this `&`",
+        ),
         ("tap \"Q", "a.txt:1:5: the name has no closing \""),
         ("# nothing", "a.txt: the script has no action"),
     ];
