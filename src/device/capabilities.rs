@@ -75,6 +75,18 @@ impl fmt::Display for Capability {
 }
 
 impl Capabilities {
+    /// Returns the set of all capabilities.
+    pub fn all() -> Self {
+        Self {
+            keys: KeyCode::all().collect(),
+            text: true,
+            relative_motion: true,
+            absolute_motion: true,
+            scroll: true,
+            axes: Axis::ALL.iter().copied().collect(),
+        }
+    }
+
     /// Returns whether the set contains keys, not only buttons, or characters.
     pub fn include_typing(&self) -> bool {
         let is_key = |code: &KeyCode| code.kind() == KeyKind::Keyboard;

@@ -3,24 +3,23 @@
 //! The machine is looked at once ([`look`]), without changing anything: nothing is opened that would notice,
 //! such as a serial port, whose adapter may start anew. What was found are plain [`Facts`], and [`examine`] makes
 //! [`Finding`]s of them. Reasons and remedies are those of [`access`](crate::access), which the outputs and
-//! sources tell too. [`try_out`] opens an output and does something harmless with it.
+//! sources use too. [`Backend::check`] uses an output without a visible effect.
 
 mod checks;
 mod facts;
-mod output_test;
 mod probe;
 
 pub use checks::check;
 pub use facts::{
     Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, XDisplay,
 };
-pub use output_test::{OutputTest, test_output};
 
 use std::path::Path;
 
 use serde::Serialize;
 
 use crate::capture::SourceUri;
+use crate::output::{self, Backend};
 use crate::setup::Setup;
 
 /// What a setup needs of the machine.
@@ -43,11 +42,11 @@ impl Requirements {
             other.and_then(|hand| hand.source.as_ref()),
         ];
         let port = |source: &SourceUri| source.serial_port().map(str::to_owned);
-        let names = |wanted: &str| setup.output.split(',').any(|name| name.trim() == wanted);
+        let uses = |backend: &Backend| output::uses_backend(&setup.output, backend.name);
         Self {
             ports: sources.into_iter().flatten().filter_map(port).collect(),
-            desktop: names("desktop"),
-            uinput: names("uinput"),
+            desktop: uses(&output::desktop::BACKEND),
+            uinput: uses(&output::uinput::BACKEND),
         }
     }
 }

@@ -1,24 +1,24 @@
-//! Which axes are away from their rest: the account of every output that has axes.
+//! The axes that are off center.
 
 use crate::device::{Axis, EventKind};
 
-/// The axes that have left 0 and not come back.
+/// The set of axes that are off center, as tracked by every output that has axes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct AxisState([bool; Axis::COUNT]);
 
 impl AxisState {
-    /// Notes where an axis stands.
+    /// Records the position of an axis; 0 is its center.
     pub fn set(&mut self, axis: Axis, value: f32) {
         self.0[axis.index()] = value != 0.0;
     }
 
-    /// The axes that are away from their rest, in order.
+    /// Returns the axes that are off center, in the order of [`Axis::ALL`].
     pub fn deflected_axes(&self) -> impl Iterator<Item = Axis> + '_ {
-        let is_away = |axis: &Axis| self.0[axis.index()];
-        Axis::ALL.iter().copied().filter(is_away)
+        let is_deflected = |axis: &Axis| self.0[axis.index()];
+        Axis::ALL.iter().copied().filter(is_deflected)
     }
 
-    /// What brings an axis back.
+    /// Returns the event that centers an axis.
     pub const fn center(axis: Axis) -> EventKind {
         EventKind::Axis(axis, 0.0)
     }
@@ -29,12 +29,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_axis_is_away_from_its_rest_until_it_comes_back() {
-        let mut deflected = AxisState::default();
-        deflected.set(Axis::TurnZ, 0.001);
-        deflected.set(Axis::LeftX, -1.0);
-        assert!(deflected.deflected_axes().eq([Axis::LeftX, Axis::TurnZ]));
-        deflected.set(Axis::LeftX, -0.0);
-        assert!(deflected.deflected_axes().eq([Axis::TurnZ]));
+    fn an_axis_is_deflected_until_it_is_centered() {
+        let mut state = AxisState::default();
+        state.set(Axis::TurnZ, 0.001);
+        state.set(Axis::LeftX, -1.0);
+        assert!(state.deflected_axes().eq([Axis::LeftX, Axis::TurnZ]));
+        state.set(Axis::LeftX, -0.0);
+        assert!(state.deflected_axes().eq([Axis::TurnZ]));
     }
 }

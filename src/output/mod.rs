@@ -1,98 +1,148 @@
-//! 6 · [`OutputEvent`] → the operating system or a peer.
+//! 6 · [`OutputEvent`]s → the operating system or a peer.
+//!
+//! A [`Backend`] is a kind of output; [`BACKENDS`] lists all of them. [`open`] turns a list of names, as written after
+//! `--output`, into a [`Sink`].
+//!
+//! Adding a backend takes its file or folder, with a constant `BACKEND`, and one line in [`BACKENDS`].
 
-use std::fs::{File, OpenOptions};
-use std::io::{self, BufWriter};
-use std::path::Path;
+use std::fs::OpenOptions;
 use std::time::Duration;
 
 use crate::contact::TargetNames;
 use crate::device::{Capabilities, OutputEvent, TimedCommand};
 use crate::names::UnknownName;
-use watchdog::WatchdogSettings;
 
 mod axis_state;
+#[cfg(not(target_family = "wasm"))]
 pub mod desktop;
-mod display;
-#[cfg(target_os = "linux")]
-pub mod watchdog;
-#[cfg(not(target_os = "linux"))]
-#[path = "no_guardian.rs"]
-pub mod guardian;
+mod null;
+mod open;
 pub mod pressed_keys;
-mod launch;
-mod pending_motion;
-pub mod named_keys;
-mod reach;
 pub mod router;
-#[cfg(target_os = "linux")]
 pub(crate) mod socket;
-#[cfg(not(target_os = "linux"))]
-#[path = "no_socket.rs"]
-pub(crate) mod socket;
-#[cfg(target_os = "linux")]
 pub mod spacenav;
 pub mod transcript;
-#[cfg(target_os = "linux")]
 pub mod uinput;
-#[cfg(all(feature = "wayland", target_os = "linux"))]
-mod wayland;
-#[cfg(all(unix, not(target_os = "macos")))]
-#[cfg(not(all(feature = "wayland", target_os = "linux")))]
-#[path = "no_wayland.rs"]
-mod wayland;
-mod worker;
+pub mod watchdog;
+#[cfg(not(target_family = "wasm"))]
+mod watchdog_process;
 
-pub use desktop::Desktop;
-pub use reach::OutputKind;
+#[cfg(not(target_family = "wasm"))]
+pub use desktop::{Desktop, SUPPORTS_WAYLAND};
+pub use open::{
+    available, check, check_layout_change, find_backend, help, open, open_with_watchdog,
+    uses_backend, uses_stdout,
+};
 pub use router::Router;
 pub use transcript::Transcript;
+use watchdog::WatchdogSettings;
+#[cfg(not(target_family = "wasm"))]
+pub use watchdog_process::run as run_watchdog;
 
-/// Whether `desktop` speaks the protocols of Wayland; else it does not open where `WAYLAND_DISPLAY` is set.
-pub const SUPPORTS_WAYLAND: bool = cfg!(all(feature = "wayland", target_os = "linux"));
+/// All backends of this build, in the order in which messages and help texts list them.
+pub const BACKENDS: &[&Backend] = &[
+    &transcript::BACKEND,
+    #[cfg(not(target_family = "wasm"))]
+    &desktop::BACKEND,
+    &uinput::BACKEND,
+    &spacenav::BACKEND,
+    &null::BACKEND,
+];
 
-/// How often an output tries again what the operating system did not take.
+/// Number of times an output repeats a call that the operating system rejected.
 const RETRIES: usize = 3;
 
-/// How long it waits before it tries again.
+/// Delay before each repetition.
 const RETRY_DELAY: Duration = Duration::from_millis(10);
 
-/// Where events go.
+/// A kind of output.
+pub struct Backend {
+    /// The name, as in `--output NAME`.
+    pub name: &'static str,
+    /// The placeholder of the optional argument in `NAME:ARGUMENT`, such as `PATH`.
+    pub argument: Option<&'static str>,
+    /// One line for help texts, in lower case and without a full stop.
+    pub summary: &'static str,
+    /// Returns what the backend can send on this operating system.
+    pub capabilities: fn() -> Capabilities,
+    /// The backend logs events: it receives every event, and it carries a capability only if all outputs are logs.
+    pub is_log: bool,
+    /// The capabilities are fixed when the output is opened; a layout that requires more needs a restart.
+    pub is_fixed_when_open: bool,
+    /// Uses the backend for a second without a visible effect and returns what worked, for
+    /// `ademan doctor --test NAME`. `None` if there is nothing to test.
+    pub check: Option<fn() -> Result<String, OutputError>>,
+    /// Opens the output.
+    pub open: fn(&OpenRequest) -> Result<Box<dyn Sink>, OutputError>,
+}
+
+impl std::fmt::Debug for Backend {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name)
+    }
+}
+
+impl PartialEq for Backend {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+/// The parameters of [`Backend::open`].
+#[derive(Clone, Copy, Debug)]
+pub struct OpenRequest<'a> {
+    /// The output as written, with its argument; errors contain it.
+    pub name: &'a str,
+    /// The text after the colon.
+    pub argument: Option<&'a str>,
+    /// What the layouts require of this output.
+    pub required: &'a Capabilities,
+    /// The watchdog to start, if the backend needs one.
+    pub watchdog: Option<&'a WatchdogSettings>,
+}
+
+/// A receiver of events.
 ///
-/// A sink that is dropped without [`close`](Self::close) lets go of what is down too.
+/// Dropping a sink releases every pressed key, as [`close`](Self::close) does.
 pub trait Sink: Send {
-    /// Takes the events of one frame, in order; there may be none. Does not wait for the receiver.
+    /// Sends the events of one step, in order; the list may be empty. Does not block.
     ///
-    /// The error may be about events of earlier frames.
+    /// The error may concern events of earlier steps.
     ///
-    /// A sink keeps account of what it has put down, so that a release is never lost: what it could
-    /// not deliver it delivers later, or lets go of in [`close`](Self::close). It ignores a second
-    /// down of a key and an up of what is not down.
+    /// A sink tracks what it has pressed, so that no release is lost: a release that failed is repeated later, at the
+    /// latest in [`close`](Self::close). A second press of a pressed key and a release of a key that is not pressed
+    /// have no effect.
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError>;
 
-    /// Logs the commands of a step, before its events are sent. Only outputs that keep a log use it.
+    /// Logs the commands of a step, before its events are sent. Logs write them; other outputs ignore them.
     fn log_commands(&mut self, _: &[TimedCommand]) -> Result<(), OutputError> {
         Ok(())
     }
 
-    /// What it can carry; the rest is not sent to it where there is another output.
-    fn kind(&self) -> OutputKind {
-        OutputKind::All
+    /// Returns what the sink can send. A [`Router`] sends everything else to its other sinks.
+    fn capabilities(&self) -> Capabilities {
+        Capabilities::all()
     }
 
-    /// Takes the names of the targets of events to come, for outputs that write them.
+    /// Returns `true` for a log, which a [`Router`] sends every event to (see [`Backend::is_log`]).
+    fn is_log(&self) -> bool {
+        false
+    }
+
+    /// Sets the names of the targets in later events, for sinks that write them.
     fn set_target_names(&mut self, _: &TargetNames) {}
 
-    /// Lets go of everything that is still down and waits, at most a second, until all is delivered.
+    /// Releases everything that is pressed and waits until all events are delivered, at most 1 s.
     fn close(&mut self) -> Result<(), OutputError>;
 
-    /// Presses and characters that were not passed on: there was no room for them, or the output lacks
+    /// Returns the number of presses and characters that were dropped because the queue was full or the output lacks
     /// the key.
     fn dropped_presses(&self) -> u64 {
         0
     }
 
-    /// Motions of the pointer and turns of the wheel for which there was no room: later ones took their
-    /// place.
+    /// Returns the number of pointer motions, scrolls and axis positions that were merged into later ones because the
+    /// queue was full.
     fn coalesced_motions(&self) -> u64 {
         0
     }
@@ -107,8 +157,12 @@ impl Sink for Box<dyn Sink> {
         (**self).log_commands(commands)
     }
 
-    fn kind(&self) -> OutputKind {
-        (**self).kind()
+    fn capabilities(&self) -> Capabilities {
+        (**self).capabilities()
+    }
+
+    fn is_log(&self) -> bool {
+        (**self).is_log()
     }
 
     fn set_target_names(&mut self, names: &TargetNames) {
@@ -128,318 +182,71 @@ impl Sink for Box<dyn Sink> {
     }
 }
 
-/// Why events did not arrive. Each text says what was tried, what happened and what to do.
+/// A failure of an output.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The output cannot be had here.
+    /// The output cannot be opened.
     #[error("cannot open the output `{output}`: {reason}")]
     Open {
-        /// The output as named.
+        /// The output as written.
         output: String,
-        /// What happened and what to do.
+        /// The cause and the remedy.
         reason: String,
     },
-    /// The output stopped taking events.
+    /// The output stopped accepting events.
     #[error("the output `{output}` failed: {reason}")]
     Send {
-        /// The output as named.
+        /// The output as written.
         output: String,
-        /// What happened.
+        /// The cause.
         reason: String,
     },
-    /// Whoever read the output has gone away (a broken pipe): a reason to end quietly.
-    #[error("nobody reads the output `{output}` any more")]
+    /// The reader of the output has closed it (`EPIPE`). A program ends without an error message then.
+    #[error("the reader of the output `{output}` has closed it")]
     BrokenPipe {
-        /// The output as named.
+        /// The output as written.
         output: String,
     },
-    /// There is no output of this name.
-    #[error(
-        "{0}; outputs are transcript, transcript:PATH, desktop, uinput, spacenav, spacenav:PATH and none"
-    )]
+    /// No backend has this name.
+    #[error("{0}; available: {available}", available = available())]
     UnknownOutput(#[from] UnknownName),
+    /// The backend has no argument.
+    #[error("the output `{output}` takes no argument; available: {available}", available = available())]
+    UnexpectedArgument {
+        /// The output as written.
+        output: String,
+    },
 }
 
-/// The names that [`open`] knows.
-pub const NAMES: [&str; 5] = ["transcript", "desktop", "uinput", "spacenav", "none"];
+impl OutputError {
+    /// A failure to open `output`.
+    fn open(output: impl Into<String>, reason: impl ToString) -> Self {
+        Self::Open {
+            output: output.into(),
+            reason: reason.to_string(),
+        }
+    }
 
-/// Opens outputs by their names, separated by commas.
-///
-/// - `transcript`: lines on the standard output; `transcript:PATH`: in a file, which is written anew
-///   and, where it is created, is for its owner's eyes only. No comma is in the path.
-/// - `desktop`: keys, characters and a pointer on the desktop of the session.
-/// - `uinput`: devices of their own that have just what is needed (Linux).
-/// - `spacenav`: a 6-DoF mouse for programs that know the spacenav protocol, at a socket in the user's
-///   runtime directory; `spacenav:PATH`: at another one (Linux). No comma is in the path.
-/// - `none`: nowhere.
-///
-/// With several, each kind of action goes to the first that can carry it: see [`Router`]. Transcripts
-/// hear everything, and count as carrying it only where there are none but transcripts. When something
-/// that is needed cannot be carried, nothing is opened.
-pub fn open(names: &str, needs: &Capabilities) -> Result<Box<dyn Sink>, OutputError> {
-    open_all(names, needs, None)
-}
-
-/// As [`open`], with a [guardian] for an output whose keys would outlive this program.
-pub fn open_with_watchdog(
-    names: &str,
-    needs: &Capabilities,
-    launch: &WatchdogSettings,
-) -> Result<Box<dyn Sink>, OutputError> {
-    open_all(names, needs, Some(launch))
-}
-
-fn open_all(
-    names: &str,
-    needs: &Capabilities,
-    launch: Option<&WatchdogSettings>,
-) -> Result<Box<dyn Sink>, OutputError> {
-    check(names, needs)?;
-    let (parts, reaches) = parts(names)?;
-    let open_share = |(place, name): (usize, &&str)| {
-        let needs = reach::routed_to(&reaches, place, needs);
-        open_one(name, &needs, launch)
-    };
-    let mut sinks: Vec<_> = parts
-        .iter()
-        .enumerate()
-        .map(open_share)
-        .collect::<Result<_, _>>()?;
-    Ok(match sinks.len() {
-        1 => sinks.remove(0),
-        _ => Box::new(Router::new(sinks)),
-    })
-}
-
-/// Whether [`open`] would find an output for all that is needed; nothing is opened.
-pub fn check(names: &str, needs: &Capabilities) -> Result<(), OutputError> {
-    let (parts, reaches) = parts(names)?;
-    match reach::unsupported_reason(&parts, &reaches, needs) {
-        None => Ok(()),
-        Some(reason) => Err(OutputError::Open {
-            output: names.into(),
-            reason,
-        }),
+    /// A failure to send to `output`.
+    fn send(output: impl Into<String>, reason: impl ToString) -> Self {
+        Self::Send {
+            output: output.into(),
+            reason: reason.to_string(),
+        }
     }
 }
 
-/// Whether outputs that were opened for a layout that needs `opened` take one that needs `needs`; if
-/// not, why, and what to do. Devices of the kernel have what they were made with and nothing else.
-pub fn check_layout_change(
-    names: &str,
-    opened: &Capabilities,
-    needs: &Capabilities,
-) -> Result<(), String> {
-    let (parts, reaches) = parts(names).map_err(|error| error.to_string())?;
-    if let Some(reason) = reach::unsupported_reason(&parts, &reaches, needs) {
-        return Err(reason);
-    }
-    let is_new = |(place, reach): (usize, &OutputKind)| {
-        let share = reach::routed_to(&reaches, place, needs);
-        let new = share.iter().find(|need| !opened.contains(*need));
-        new.filter(|_| *reach == OutputKind::Uinput)
-    };
-    match reaches.iter().enumerate().find_map(is_new) {
-        None => Ok(()),
-        Some(need) => Err(format!(
-            "the output `uinput` was opened without {need}; start again to use it"
-        )),
-    }
-}
-
-/// Whether one of these outputs writes on the standard output.
-pub fn uses_stdout(names: &str) -> bool {
-    names.split(',').any(|name| name.trim() == "transcript")
-}
-
-/// The single names, and what each can carry.
-fn parts(names: &str) -> Result<(Vec<&str>, Vec<OutputKind>), OutputError> {
-    let parts: Vec<_> = names.split(',').map(str::trim).collect();
-    let reach_of = |name: &&str| match *name {
-        "transcript" => Ok(OutputKind::Log),
-        name if name.starts_with(TO_FILE) => Ok(OutputKind::Log),
-        "desktop" => Ok(OutputKind::Desktop),
-        "uinput" => Ok(OutputKind::Uinput),
-        "spacenav" => Ok(OutputKind::Spacenav),
-        name if name.starts_with(TO_SOCKET) => Ok(OutputKind::Spacenav),
-        "none" => Ok(OutputKind::All),
-        name => Err(UnknownName::new("output", name, NAMES)),
-    };
-    let reaches = parts.iter().map(reach_of).collect::<Result<_, _>>()?;
-    Ok((parts, reaches))
-}
-
-/// How the name of a transcript in a file begins.
-const TO_FILE: &str = "transcript:";
-
-/// How the name of a 6-DoF mouse at a socket of its own begins.
-const TO_SOCKET: &str = "spacenav:";
-
-fn open_one(
-    name: &str,
-    needs: &Capabilities,
-    launch: Option<&WatchdogSettings>,
-) -> Result<Box<dyn Sink>, OutputError> {
-    if let Some(path) = name.strip_prefix(TO_FILE) {
-        let file = create_transcript(Path::new(path)).map_err(|error| OutputError::Open {
-            output: name.into(),
-            reason: error.to_string(),
-        })?;
-        return Ok(Box::new(Transcript::new(name, BufWriter::new(file))));
-    }
-    if let Some(path) = name.strip_prefix(TO_SOCKET) {
-        return open_spacenav(Some(Path::new(path)));
-    }
-    Ok(match name {
-        "transcript" => Box::new(Transcript::new(name, BufWriter::new(io::stdout()))),
-        "desktop" => Box::new(match launch {
-            Some(launch) => Desktop::open_with_watchdog(launch, needs)?,
-            None => Desktop::open(None, needs)?,
-        }),
-        "uinput" => open_uinput(needs, launch)?,
-        "spacenav" => open_spacenav(None)?,
-        "none" => Box::new(NullSink),
-        _ => return Err(UnknownName::new("output", name, NAMES).into()),
-    })
-}
-
-/// Takes everything and does nothing with it.
-struct NullSink;
-
-impl Sink for NullSink {
-    fn send(&mut self, _: &[OutputEvent]) -> Result<(), OutputError> {
-        Ok(())
-    }
-
-    fn close(&mut self) -> Result<(), OutputError> {
-        Ok(())
-    }
-}
-
-fn create_transcript(path: &Path) -> io::Result<File> {
-    owner_only(OpenOptions::new().write(true).create(true).truncate(true)).open(path)
-}
-
-/// Makes a file that these options create readable for its owner only: what people type is in it.
+/// Makes a file created with these options readable by its owner only, as it contains what a person types.
 #[cfg(unix)]
 pub fn owner_only(options: &mut OpenOptions) -> &mut OpenOptions {
     std::os::unix::fs::OpenOptionsExt::mode(options, 0o600)
 }
 
-/// Makes a file that these options create readable for its owner only, where the system has a simple
-/// way to say so; elsewhere the folder decides.
+/// Returns the options unchanged: on this operating system the folder determines who may read the file.
 #[cfg(not(unix))]
-pub fn private(options: &mut OpenOptions) -> &mut OpenOptions {
+pub fn owner_only(options: &mut OpenOptions) -> &mut OpenOptions {
     options
-}
-
-#[cfg(target_os = "linux")]
-fn open_uinput(
-    needs: &Capabilities,
-    launch: Option<&WatchdogSettings>,
-) -> Result<Box<dyn Sink>, OutputError> {
-    Ok(Box::new(match launch {
-        Some(launch) => uinput::Uinput::open_with_watchdog("Ademan", needs, launch)?,
-        None => uinput::Uinput::open("Ademan", needs)?,
-    }))
-}
-
-#[cfg(not(target_os = "linux"))]
-fn open_uinput(
-    _: &Capabilities,
-    _: Option<&WatchdogSettings>,
-) -> Result<Box<dyn Sink>, OutputError> {
-    Err(OutputError::Open {
-        output: "uinput".into(),
-        reason: "it is a part of Linux; use the output `desktop`".into(),
-    })
-}
-
-#[cfg(target_os = "linux")]
-fn open_spacenav(path: Option<&Path>) -> Result<Box<dyn Sink>, OutputError> {
-    Ok(Box::new(spacenav::Spacenav::open(path)?))
-}
-
-#[cfg(not(target_os = "linux"))]
-fn open_spacenav(_: Option<&Path>) -> Result<Box<dyn Sink>, OutputError> {
-    Err(OutputError::Open {
-        output: "spacenav".into(),
-        reason: "it needs Linux; leave it out".into(),
-    })
-}
-
-/// What a desktop is, by operating system.
-#[cfg(all(unix, not(target_os = "macos")))]
-mod platform {
-    use super::display::EnigoDisplay;
-    use super::wayland;
-    use super::worker::Injector;
-    use crate::advice;
-    use crate::device::KeyCode;
-    use enigo::{Direction, Enigo, InputResult, Keyboard};
-    use std::env;
-
-    /// Beside a compositor there may be an X server for old programs. It is not asked when the compositor
-    /// refuses: its keys would not reach the program that the user looks at.
-    pub fn open(display: Option<&str>, needs_pointer: bool) -> Result<Box<dyn Injector>, String> {
-        let compositor = match display {
-            Some(display) if display.contains(':') => None,
-            Some(display) => Some(display.into()),
-            None => env::var_os("WAYLAND_DISPLAY").filter(|name| !name.is_empty()),
-        };
-        match compositor {
-            Some(name) => wayland::connect(&name, needs_pointer),
-            None => Ok(Box::new(EnigoDisplay::connect(display)?)),
-        }
-    }
-
-    /// Presses the key in this place, whatever the keymap writes for it.
-    pub fn inject(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputResult<()> {
-        enigo.raw(key.x11_code(), direction)
-    }
-
-    pub fn has(_: KeyCode) -> bool {
-        true
-    }
-
-    pub fn no_display(display: Option<&str>) -> String {
-        let named = display
-            .map(str::to_owned)
-            .or_else(|| env::var("DISPLAY").ok());
-        advice::no_display(named.as_deref()).to_string()
-    }
-}
-
-/// What a desktop is, by operating system.
-#[cfg(not(all(unix, not(target_os = "macos"))))]
-mod platform {
-    use super::display::EnigoDisplay;
-    use super::named_keys;
-    use super::worker::Injector;
-    use crate::device::KeyCode;
-    use enigo::{Direction, Enigo, InputResult};
-
-    #[cfg(not(target_os = "windows"))]
-    use named_keys::OF_MACOS as OF_SYSTEM;
-    #[cfg(target_os = "windows")]
-    use named_keys::OF_WINDOWS as OF_SYSTEM;
-
-    pub fn open(display: Option<&str>, _: bool) -> Result<Box<dyn Injector>, String> {
-        Ok(Box::new(EnigoDisplay::connect(display)?))
-    }
-
-    pub fn inject(enigo: &mut Enigo, key: KeyCode, direction: Direction) -> InputResult<()> {
-        named_keys::by_name(enigo, key, direction, OF_SYSTEM)
-    }
-
-    pub fn has(key: KeyCode) -> bool {
-        named_keys::has(key, OF_SYSTEM)
-    }
-
-    pub fn no_display(_: Option<&str>) -> String {
-        "there is no desktop to press keys on; start this from a graphical session".into()
-    }
 }
 
 #[cfg(test)]

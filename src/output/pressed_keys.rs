@@ -1,53 +1,62 @@
-//! What is down: the account that every output of keys keeps.
+//! The keys and buttons that are pressed.
 
 use arrayvec::ArrayVec;
 
 use crate::device::KeyCode;
 
-/// The keys that are down, in the order in which they were pressed.
+/// The direction of a key or button event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeyDirection {
+    /// The key goes down.
+    Press,
+    /// The key comes up.
+    Release,
+}
+
+/// The set of pressed keys and buttons, in the order in which they were pressed.
 ///
-/// Takes no memory from the heap, so that the loop may keep one.
+/// It has a fixed capacity and never allocates.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PressedKeys {
-    // Every key is in it at most once, and there are fewer keys than places.
+    // Each key is in the list at most once, and the capacity exceeds the number of keys.
     keys: ArrayVec<KeyCode, { PressedKeys::CAPACITY }>,
 }
 
 impl PressedKeys {
-    /// More codes than [`KeyCode`] knows.
+    /// The capacity; it exceeds the number of [`KeyCode`]s.
     pub const CAPACITY: usize = 160;
 
-    /// Notes that `key` goes down. `false`, and nothing noted, when it is down already.
+    /// Adds `key`. Returns `false` if it was pressed already.
     pub fn press(&mut self, key: KeyCode) -> bool {
         !self.contains(key) && self.keys.try_push(key).is_ok()
     }
 
-    /// Notes that `key` comes up. `false` when it was not down.
+    /// Removes `key`. Returns `false` if it was not pressed.
     pub fn release(&mut self, key: KeyCode) -> bool {
-        let Some(place) = self.keys.iter().position(|held| *held == key) else {
+        let Some(index) = self.keys.iter().position(|pressed| *pressed == key) else {
             return false;
         };
-        self.keys.remove(place);
+        self.keys.remove(index);
         true
     }
 
-    /// Whether `key` is down.
+    /// Returns `true` if `key` is pressed.
     pub fn contains(&self, key: KeyCode) -> bool {
         self.keys.contains(&key)
     }
 
-    /// How many keys are down.
+    /// Returns the number of pressed keys.
     pub fn count(&self) -> usize {
         self.keys.len()
     }
 
-    /// Whether nothing is down.
+    /// Returns `true` if no key is pressed.
     pub fn is_empty(&self) -> bool {
         self.keys.is_empty()
     }
 
-    /// The order in which to let go of everything: the last pressed first, modifiers at the end, so
-    /// that no key is ever down without the modifiers that were meant with it.
+    /// Returns all keys in the order in which to release them: the last pressed key first and modifiers at the end, so
+    /// that no key is ever down without its modifiers.
     pub fn release_order(&self) -> impl Iterator<Item = KeyCode> + '_ {
         let of_kind = |modifier: bool| {
             let newest_first = self.keys.iter().rev().copied();
@@ -66,31 +75,31 @@ mod tests {
     }
 
     #[test]
-    fn a_key_goes_down_once_and_comes_up_once() {
-        let mut held = PressedKeys::default();
-        assert!(held.press(key("Q")));
-        assert!(!held.press(key("Q")));
-        assert!(held.contains(key("Q")));
-        assert!(held.release(key("Q")));
-        assert!(!held.release(key("Q")));
-        assert!(held.is_empty());
+    fn a_key_is_pressed_once_and_released_once() {
+        let mut pressed = PressedKeys::default();
+        assert!(pressed.press(key("Q")));
+        assert!(!pressed.press(key("Q")));
+        assert!(pressed.contains(key("Q")));
+        assert!(pressed.release(key("Q")));
+        assert!(!pressed.release(key("Q")));
+        assert!(pressed.is_empty());
     }
 
     #[test]
-    fn the_last_pressed_comes_up_first_and_modifiers_come_up_last() {
-        let mut held = PressedKeys::default();
+    fn the_last_pressed_key_is_released_first_and_modifiers_last() {
+        let mut pressed = PressedKeys::default();
         for name in ["A", "ShiftLeft", "B", "AltRight", "C"] {
-            held.press(key(name));
+            pressed.press(key(name));
         }
-        held.release(key("B"));
-        let order: Vec<_> = held.release_order().map(KeyCode::name).collect();
+        pressed.release(key("B"));
+        let order: Vec<_> = pressed.release_order().map(KeyCode::name).collect();
         assert_eq!(order, ["C", "A", "AltRight", "ShiftLeft"]);
     }
 
     #[test]
-    fn all_keys_there_are_can_be_down_at_once() {
-        let mut held = PressedKeys::default();
-        assert!(KeyCode::all().all(|key| held.press(key)));
-        assert_eq!(held.release_order().count(), KeyCode::all().count());
+    fn all_keys_can_be_pressed_at_once() {
+        let mut pressed = PressedKeys::default();
+        assert!(KeyCode::all().all(|key| pressed.press(key)));
+        assert_eq!(pressed.release_order().count(), KeyCode::all().count());
     }
 }

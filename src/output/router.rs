@@ -1,67 +1,79 @@
 //! One stream of events to several outputs.
 
-use super::reach::{OutputKind, route};
 use super::{OutputError, Sink};
 use crate::contact::TargetNames;
-use crate::device::{Capability, EventKind, Events, OutputEvent, TimedCommand};
+use crate::device::{Capabilities, Capability, EventKind, Events, OutputEvent, TimedCommand};
 
-/// Sends each kind of action to the first of its outputs that can carry it.
+/// The property of an output that decides which events it receives.
+#[derive(Clone, Debug)]
+pub(super) struct Route {
+    /// What the output can send.
+    pub capabilities: Capabilities,
+    /// See [`Backend::is_log`](super::Backend::is_log).
+    pub is_log: bool,
+}
+
+/// Returns the index of the output that carries `capability`: the first that supports it. A log carries it only if
+/// all outputs are logs.
+pub(super) fn route(routes: &[Route], capability: Capability) -> Option<usize> {
+    let only_logs = routes.iter().all(|route| route.is_log);
+    routes
+        .iter()
+        .position(|route| (only_logs || !route.is_log) && route.capabilities.contains(capability))
+}
+
+/// A sink that sends each event to the first of its outputs that supports it.
 ///
-/// Which one that is depends on the kind alone, so that a release goes where its press went. Two
-/// things are told to all: what no output has to carry, such as depths and values, and everything to
-/// [records](Reach::Record). An output that fails does not keep the others from their events, least
-/// of all from releases; the first error is told.
+/// The output depends on the kind of the event only, so a release goes to the output that received the press. Events
+/// that require no capability, such as depths and values, go to all outputs, and logs receive every event. A failed
+/// output does not keep events from the others; the first error is returned.
 pub struct Router {
     sinks: Vec<Box<dyn Sink>>,
-    reaches: Vec<OutputKind>,
-    part: Events,
+    routes: Vec<Route>,
+    buffer: Events,
 }
 
 impl Router {
-    /// Of these outputs; the first that can carry something gets it.
+    /// Creates a router; earlier sinks take precedence.
     pub fn new(sinks: Vec<Box<dyn Sink>>) -> Self {
-        let reaches = sinks.iter().map(|sink| sink.kind()).collect();
+        let route = |sink: &Box<dyn Sink>| Route {
+            capabilities: sink.capabilities(),
+            is_log: sink.is_log(),
+        };
         Self {
+            routes: sinks.iter().map(route).collect(),
             sinks,
-            reaches,
-            part: Events::new(),
+            buffer: Events::new(),
         }
-    }
-
-    fn each(
-        &mut self,
-        mut call: impl FnMut(&mut dyn Sink) -> Result<(), OutputError>,
-    ) -> Result<(), OutputError> {
-        let mut outcome = Ok(());
-        for sink in &mut self.sinks {
-            outcome = outcome.and(call(sink.as_mut()));
-        }
-        outcome
     }
 }
 
 impl Sink for Router {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
-        let mut outcome = Ok(());
-        for (place, sink) in self.sinks.iter_mut().enumerate() {
-            self.part.clear();
+        let mut result = Ok(());
+        for (index, sink) in self.sinks.iter_mut().enumerate() {
+            self.buffer.clear();
             for event in events {
-                if !hears(&self.reaches, place, event.kind) {
+                if !receives(&self.routes, index, event.kind) {
                     continue;
                 }
-                if self.part.is_full() {
-                    outcome = outcome.and(sink.send(&self.part));
-                    self.part.clear();
+                if self.buffer.is_full() {
+                    result = result.and(sink.send(&self.buffer));
+                    self.buffer.clear();
                 }
-                self.part.push(*event);
+                self.buffer.push(*event);
             }
-            outcome = outcome.and(sink.send(&self.part));
+            result = result.and(sink.send(&self.buffer));
         }
-        outcome
+        result
     }
 
     fn log_commands(&mut self, commands: &[TimedCommand]) -> Result<(), OutputError> {
-        self.each(|sink| sink.log_commands(commands))
+        let mut result = Ok(());
+        for sink in &mut self.sinks {
+            result = result.and(sink.log_commands(commands));
+        }
+        result
     }
 
     fn set_target_names(&mut self, names: &TargetNames) {
@@ -72,7 +84,11 @@ impl Sink for Router {
 
     /// Closes every output, one after the other.
     fn close(&mut self) -> Result<(), OutputError> {
-        self.each(|sink| sink.close())
+        let mut result = Ok(());
+        for sink in &mut self.sinks {
+            result = result.and(sink.close());
+        }
+        result
     }
 
     fn dropped_presses(&self) -> u64 {
@@ -80,16 +96,15 @@ impl Sink for Router {
     }
 
     fn coalesced_motions(&self) -> u64 {
-        let counts = self.sinks.iter().map(|sink| sink.coalesced_motions());
-        counts.sum()
+        self.sinks.iter().map(|sink| sink.coalesced_motions()).sum()
     }
 }
 
-fn hears(reaches: &[OutputKind], place: usize, action: EventKind) -> bool {
-    let Some(need) = Capability::required_by(action) else {
+fn receives(routes: &[Route], index: usize, event: EventKind) -> bool {
+    let Some(capability) = Capability::required_by(event) else {
         return true;
     };
-    reaches[place] == OutputKind::Log || route(reaches, need) == Some(place)
+    routes[index].is_log || route(routes, capability) == Some(index)
 }
 
 #[cfg(test)]
@@ -97,35 +112,33 @@ mod tests {
     use super::*;
     use crate::contact::TargetId;
     use crate::device::Axis;
-    use crate::output::tests::{down, event, up};
+    use crate::output::find_backend;
+    use crate::output::tests::{down, event, key, up};
     use std::sync::{Arc, Mutex};
 
     type Log = Arc<Mutex<Vec<String>>>;
 
-    struct Listed {
+    /// A sink that writes its events to a log, with the capabilities of a backend.
+    struct TestSink {
         name: &'static str,
-        reach: OutputKind,
         fails: bool,
         log: Log,
     }
 
-    impl Listed {
-        fn note(&self, what: &str) -> Result<(), OutputError> {
-            let line = format!("{} {what}", self.name);
+    impl TestSink {
+        fn write(&self, text: &str) -> Result<(), OutputError> {
+            let line = format!("{} {text}", self.name);
             self.log.lock().unwrap().push(line);
-            if !self.fails {
-                return Ok(());
+            match self.fails {
+                true => Err(OutputError::send(self.name, "gone")),
+                false => Ok(()),
             }
-            Err(OutputError::Send {
-                output: self.name.into(),
-                reason: "gone".into(),
-            })
         }
     }
 
-    impl Sink for Listed {
+    impl Sink for TestSink {
         fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
-            let of_event = |event: &OutputEvent| match event.kind {
+            let text = |event: &OutputEvent| match event.kind {
                 EventKind::KeyDown(key) => format!("+{key}"),
                 EventKind::KeyUp(key) => format!("-{key}"),
                 EventKind::Character(character) => character.into(),
@@ -134,16 +147,20 @@ mod tests {
                 EventKind::Value(..) => "value".into(),
                 _ => "other".into(),
             };
-            let events: Vec<_> = events.iter().map(of_event).collect();
-            self.note(&events.join(" "))
+            let events: Vec<_> = events.iter().map(text).collect();
+            self.write(&events.join(" "))
         }
 
-        fn kind(&self) -> OutputKind {
-            self.reach
+        fn capabilities(&self) -> Capabilities {
+            (find_backend(self.name).unwrap().capabilities)()
+        }
+
+        fn is_log(&self) -> bool {
+            find_backend(self.name).unwrap().is_log
         }
 
         fn close(&mut self) -> Result<(), OutputError> {
-            self.note("closed")
+            self.write("closed")
         }
 
         fn dropped_presses(&self) -> u64 {
@@ -155,19 +172,13 @@ mod tests {
         }
     }
 
-    fn router(outputs: &[(&'static str, OutputKind, bool)]) -> (Router, Log) {
+    fn router(outputs: &[(&'static str, bool)]) -> (Router, Log) {
         let log = Log::default();
-        let listed = |&(name, reach, fails): &(&'static str, OutputKind, bool)| {
+        let sink = |&(name, fails): &(&'static str, bool)| {
             let log = Arc::clone(&log);
-            let listed = Listed {
-                name,
-                reach,
-                fails,
-                log,
-            };
-            Box::new(listed) as Box<dyn Sink>
+            Box::new(TestSink { name, fails, log }) as Box<dyn Sink>
         };
-        let router = Router::new(outputs.iter().map(listed).collect());
+        let router = Router::new(outputs.iter().map(sink).collect());
         (router, log)
     }
 
@@ -176,13 +187,10 @@ mod tests {
     }
 
     #[test]
-    fn each_action_goes_to_the_first_that_can_carry_it_and_a_record_hears_all() {
-        let (mut router, log) = router(&[
-            ("record", OutputKind::Log, false),
-            ("uinput", OutputKind::Uinput, false),
-            ("desktop", OutputKind::Desktop, false),
-        ]);
-        let frame = [
+    fn an_event_goes_to_the_first_output_that_supports_it_and_to_every_log() {
+        let (mut router, log) =
+            router(&[("transcript", false), ("uinput", false), ("desktop", false)]);
+        let events = [
             down(1, "A"),
             down(1, "PadSouth"),
             event(1, EventKind::Character('é')),
@@ -191,9 +199,9 @@ mod tests {
             event(1, EventKind::Value(TargetId(0), 0.5)),
             up(1, "A"),
         ];
-        router.send(&frame).unwrap();
+        router.send(&events).unwrap();
         let expected = [
-            "record +A +PadSouth é scroll LeftX value -A",
+            "transcript +A +PadSouth é scroll LeftX value -A",
             "uinput +A +PadSouth scroll LeftX value -A",
             "desktop é value",
         ];
@@ -203,36 +211,51 @@ mod tests {
     }
 
     #[test]
-    fn an_output_that_fails_does_not_keep_the_others_from_releases() {
-        let (mut router, log) = router(&[
-            ("record", OutputKind::Log, true),
-            ("desktop", OutputKind::Desktop, true),
-            ("uinput", OutputKind::Uinput, false),
-        ]);
+    fn a_failed_output_does_not_keep_releases_from_the_others() {
+        let (mut router, log) =
+            router(&[("transcript", true), ("desktop", true), ("uinput", false)]);
         let error = router.send(&[up(1, "A"), up(1, "PadSouth")]).unwrap_err();
-        assert_eq!(error.to_string(), "the output `record` failed: gone");
-        let expected = ["record -A -PadSouth", "desktop -A", "uinput -PadSouth"];
+        assert_eq!(error.to_string(), "the output `transcript` failed: gone");
+        let expected = ["transcript -A -PadSouth", "desktop -A", "uinput -PadSouth"];
         assert_eq!(lines(&log), expected);
         let error = router.close().unwrap_err();
-        assert_eq!(error.to_string(), "the output `record` failed: gone");
-        let expected = ["record closed", "desktop closed", "uinput closed"];
+        assert_eq!(error.to_string(), "the output `transcript` failed: gone");
+        let expected = ["transcript closed", "desktop closed", "uinput closed"];
         assert_eq!(lines(&log), expected);
     }
 
     #[test]
-    fn a_frame_of_any_length_arrives_whole_and_in_order() {
-        let (mut router, log) = router(&[("desktop", OutputKind::Desktop, false)]);
-        let frame: Vec<_> = (0..70).flat_map(|_| [down(1, "A"), up(1, "A")]).collect();
-        router.send(&frame).unwrap();
-        let words: Vec<_> = lines(&log)
-            .iter()
-            .flat_map(|line| {
-                line.split(' ')
-                    .skip(1)
-                    .map(str::to_owned)
-                    .collect::<Vec<_>>()
-            })
-            .collect();
-        assert_eq!(words, ["+A", "-A"].repeat(70));
+    fn a_long_list_of_events_arrives_complete_and_in_order() {
+        let (mut router, log) = router(&[("desktop", false)]);
+        let events: Vec<_> = (0..70).flat_map(|_| [down(1, "A"), up(1, "A")]).collect();
+        router.send(&events).unwrap();
+        let lines = lines(&log);
+        let words = lines.iter().flat_map(|line| line.split(' ').skip(1));
+        assert_eq!(words.collect::<Vec<_>>(), ["+A", "-A"].repeat(70));
+    }
+
+    #[test]
+    fn a_log_carries_a_capability_only_if_all_outputs_are_logs() {
+        let code = |name: &str| Capability::Key(key(name));
+        let table = [
+            ("desktop uinput", code("A"), Some(0)),
+            ("uinput desktop", code("A"), Some(0)),
+            ("desktop uinput", code("PadSouth"), Some(1)),
+            ("uinput desktop", Capability::Text, Some(1)),
+            ("transcript desktop", Capability::Text, Some(1)),
+            ("transcript desktop", code("PadSouth"), None),
+            ("transcript transcript", code("PadSouth"), Some(0)),
+            ("uinput spacenav", Capability::Axis(Axis::TurnX), Some(1)),
+            ("uinput spacenav", code("PadSouth"), Some(0)),
+            ("desktop none", Capability::Axis(Axis::TurnX), Some(1)),
+        ];
+        for (names, capability, index) in table {
+            let routes = names.split(' ').map(|name| Route {
+                capabilities: (find_backend(name).unwrap().capabilities)(),
+                is_log: find_backend(name).unwrap().is_log,
+            });
+            let routes: Vec<_> = routes.collect();
+            assert_eq!(route(&routes, capability), index, "{capability}: {names}");
+        }
     }
 }

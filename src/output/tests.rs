@@ -6,10 +6,10 @@ pub(super) fn key(name: &str) -> KeyCode {
     name.parse().unwrap()
 }
 
-pub(super) fn event(micros: u64, action: EventKind) -> OutputEvent {
+pub(super) fn event(micros: u64, kind: EventKind) -> OutputEvent {
     OutputEvent {
         time: Timestamp(micros),
-        kind: action,
+        kind,
     }
 }
 
@@ -21,26 +21,31 @@ pub(super) fn up(micros: u64, name: &str) -> OutputEvent {
     event(micros, EventKind::KeyUp(key(name)))
 }
 
-fn error(name: &str) -> String {
-    open(name, &Capabilities::default())
-        .err()
-        .unwrap()
-        .to_string()
+fn open_error(names: &str) -> String {
+    let opened = open(names, &Capabilities::default());
+    opened.err().unwrap().to_string()
 }
 
 #[test]
-fn an_unknown_output_names_the_nearest_one() {
+fn an_unknown_output_is_reported_with_the_nearest_name_and_all_names() {
     assert_eq!(
-        error("desktp"),
-        "unknown output `desktp`, did you mean `desktop`?; outputs are transcript, transcript:PATH, \
-         desktop, uinput, spacenav, spacenav:PATH and none"
+        open_error("desktp"),
+        "unknown output `desktp`, did you mean `desktop`?; available: transcript, \
+         transcript:PATH, desktop, uinput, spacenav, spacenav:PATH, none"
     );
 }
 
 #[test]
-fn a_transcript_goes_to_a_new_file_or_says_why_not() {
+fn an_argument_of_an_output_without_arguments_is_rejected() {
+    let error = open_error("uinput:/dev/uinput");
+    let expected = "the output `uinput:/dev/uinput` takes no argument; available: transcript, ";
+    assert!(error.starts_with(expected), "{error}");
+}
+
+#[test]
+fn a_transcript_is_written_to_a_new_file() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("typed.txt");
+    let path = folder.path().join("log.txt");
     let name = format!("transcript:{}", path.display());
     let mut sink = open(&name, &Capabilities::default()).unwrap();
     sink.send(&[down(1_000, "A")]).unwrap();
@@ -48,31 +53,28 @@ fn a_transcript_goes_to_a_new_file_or_says_why_not() {
     let text = std::fs::read_to_string(&path).unwrap();
     assert_eq!(text, "       1.000 down A\n       1.000 up   A\n");
 
-    let below = error(&format!("transcript:{}/x", path.display()));
+    let error = open_error(&format!("transcript:{}/x", path.display()));
     assert!(
-        below.contains("cannot open the output `transcript:"),
-        "{below}"
+        error.contains("cannot open the output `transcript:"),
+        "{error}"
     );
 }
 
 #[cfg(unix)]
 #[test]
-fn only_its_owner_can_read_a_transcript() {
+fn a_transcript_is_readable_by_its_owner_only() {
     use std::os::unix::fs::PermissionsExt;
 
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("typed.txt");
-    open(
-        &format!("transcript:{}", path.display()),
-        &Capabilities::default(),
-    )
-    .unwrap();
+    let path = folder.path().join("log.txt");
+    let name = format!("transcript:{}", path.display());
+    open(&name, &Capabilities::default()).unwrap();
     let mode = std::fs::metadata(&path).unwrap().permissions().mode();
     assert_eq!(mode & 0o777, 0o600);
 }
 
 #[test]
-fn nothing_comes_of_the_output_none() {
+fn the_output_none_discards_events() {
     let mut sink = open("none", &Capabilities::default()).unwrap();
     sink.send(&[down(1, "A")]).unwrap();
     sink.close().unwrap();
@@ -80,64 +82,55 @@ fn nothing_comes_of_the_output_none() {
 }
 
 #[test]
-fn two_transcripts_hear_the_same_and_what_one_cannot_open_opens_none() {
+fn two_transcripts_receive_the_same_events() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (a, b) = (path("a"), path("b"));
-    let mut sink = open(
-        &format!("transcript:{a}, transcript:{b}"),
-        &Capabilities::default(),
-    )
-    .unwrap();
+    let names = format!("transcript:{a}, transcript:{b}");
+    let mut sink = open(&names, &Capabilities::default()).unwrap();
     sink.send(&[down(1_000, "A"), up(1_000, "A")]).unwrap();
     sink.close().unwrap();
     let text = |path| std::fs::read_to_string(path).unwrap();
     assert_eq!(text(&a), "       1.000 down A\n       1.000 up   A\n");
     assert_eq!(text(&a), text(&b));
-    assert!(error("none,desktp").starts_with("unknown output `desktp`"));
+    assert!(open_error("none,desktp").starts_with("unknown output `desktp`"));
 }
 
 #[test]
-fn an_output_that_cannot_carry_what_is_needed_is_refused_before_it_is_opened() {
-    let pad =
-        Capabilities::from_iter([Capability::Key(key("A")), Capability::Key(key("PadSouth"))]);
+fn nothing_is_opened_if_a_required_capability_is_unsupported() {
+    let gamepad = ["A", "PadSouth"].map(|name| Capability::Key(key(name)));
     let folder = tempfile::tempdir().unwrap();
-    let record = folder.path().join("record");
-    let names = format!("transcript:{},desktop", record.display());
-    let error = open(&names, &pad).err().unwrap().to_string();
-    let reason =
-        "`desktop` has no gamepad, and the layout needs `PadSouth`; add the output `uinput`";
+    let log = folder.path().join("log");
+    let names = format!("transcript:{},desktop", log.display());
+    let opened = open(&names, &Capabilities::from_iter(gamepad));
+    let error = opened.err().unwrap().to_string();
+    let reason = "the layout requires `PadSouth`, which `desktop` does not support; \
+                  add the output `uinput`";
     assert!(error.contains(reason), "{error}");
-    assert!(!record.exists());
+    assert!(!log.exists());
 }
 
 #[test]
-fn devices_of_the_kernel_take_no_layout_that_needs_more_than_they_have() {
-    let needs = |names: &[&str]| -> Capabilities {
-        let codes = names.iter().map(|name| Capability::Key(key(name)));
-        codes.collect()
+fn a_layout_that_requires_more_than_the_open_uinput_devices_have_is_rejected() {
+    let keys = |names: &[&str]| -> Capabilities {
+        let keys = names.iter().map(|name| Capability::Key(key(name)));
+        keys.collect()
     };
-    let opened = needs(&["A", "B"]);
+    let opened = keys(&["A", "B"]);
+    let change = |names, required: &[&str]| check_layout_change(names, &opened, &keys(required));
+    assert_eq!(change("uinput", &["B"]), Ok(()));
     assert_eq!(
-        check_layout_change("uinput", &opened, &needs(&["B"])),
-        Ok(())
+        change("uinput", &["B", "Z"]).unwrap_err(),
+        "the output `uinput` was opened without `Z`; restart to use it"
     );
-    assert_eq!(
-        check_layout_change("uinput", &opened, &needs(&["B", "Z"])).unwrap_err(),
-        "the output `uinput` was opened without `Z`; start again to use it"
-    );
-    assert_eq!(
-        check_layout_change("desktop,uinput", &opened, &needs(&["Z"])),
-        Ok(())
-    );
-    let refused = check_layout_change("desktop", &opened, &needs(&["PadSouth"])).unwrap_err();
-    assert!(refused.starts_with("`desktop` has no gamepad"), "{refused}");
-    let pad = needs(&["PadSouth"]);
-    assert_eq!(check_layout_change("desktop,none", &opened, &pad), Ok(()));
+    assert_eq!(change("desktop,uinput", &["Z"]), Ok(()));
+    let error = change("desktop", &["PadSouth"]).unwrap_err();
+    assert!(error.contains("`desktop` does not support"), "{error}");
+    assert_eq!(change("desktop,none", &["PadSouth"]), Ok(()));
 }
 
 #[test]
-fn a_transcript_on_the_standard_output_is_found_among_others() {
+fn a_transcript_on_the_standard_output_is_found_in_a_list() {
     assert!(uses_stdout("desktop, transcript"));
     assert!(!uses_stdout("desktop,transcript:path"));
 }

@@ -1,9 +1,8 @@
-//! Events as lines of text.
+//! The output `transcript`: events as lines of text.
 //!
-//! One line per event: the time in milliseconds with three decimals, right-aligned to 12 places,
-//! then what happened. Keys and buttons have the names of [`KeyCode`](crate::device::KeyCode), targets
-//! those of the layout (its number where a target has none). Depths and values have three decimals,
-//! places on the screen four.
+//! Each line has the time in milliseconds with three decimals, right-aligned to 12 columns, and the event. Keys and
+//! buttons have the names of [`KeyCode`](crate::device::KeyCode), targets those of the layout (or their index if they
+//! have none). Depths and values have three decimals, absolute pointer positions four.
 //!
 //! ```text
 //!     1234.567 down Q
@@ -12,111 +11,131 @@
 //! ```
 
 use std::fmt;
-use std::io::{self, Write};
+use std::fs::OpenOptions;
+use std::io::{self, BufWriter, Write};
 
 use super::axis_state::AxisState;
 use super::pressed_keys::PressedKeys;
-use super::{OutputError, OutputKind, Sink};
+use super::{Backend, OpenRequest, OutputError, Sink, owner_only};
 use crate::contact::TargetNames;
-use crate::device::{EventKind, OutputEvent, TimedCommand, TimedCommands};
+use crate::device::{Capabilities, EventKind, OutputEvent, TimedCommand, TimedCommands};
 use crate::time::Timestamp;
 
-/// An output that writes one line per event and is flushed after each frame.
+/// The backend `transcript`.
+pub const BACKEND: Backend = Backend {
+    name: "transcript",
+    argument: Some("PATH"),
+    summary: "logs every event as a line, to the standard output or to a new file",
+    capabilities: Capabilities::all,
+    is_log: true,
+    is_fixed_when_open: false,
+    check: None,
+    open,
+};
+
+/// Opens a transcript on the standard output, or in a file that is truncated or created readable by its owner only.
+fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
+    let Some(path) = request.argument else {
+        let writer = BufWriter::new(io::stdout());
+        return Ok(Box::new(Transcript::new(request.name, writer)));
+    };
+    let file = owner_only(OpenOptions::new().write(true).create(true).truncate(true)).open(path);
+    let file = file.map_err(|error| OutputError::open(request.name, error))?;
+    Ok(Box::new(Transcript::new(
+        request.name,
+        BufWriter::new(file),
+    )))
+}
+
+/// A sink that writes one line per event and flushes after each step.
 ///
-/// A transcript is a record, so nothing is left out of it: it waits for whoever reads it. An up of
-/// what is not down and a second down are not written.
+/// A transcript is complete: it blocks until the writer accepts each line. A release of a key that is not pressed and
+/// a second press of a pressed key are not written.
 pub struct Transcript<W: Write + Send> {
     name: String,
-    names: TargetNames,
+    target_names: TargetNames,
     writer: W,
-    held: PressedKeys,
-    deflected: AxisState,
-    last: Timestamp,
+    pressed: PressedKeys,
+    axes: AxisState,
+    last_time: Timestamp,
     /// The commands logged since the last call of `send`.
     commands: TimedCommands,
-    failed: bool,
+    has_failed: bool,
 }
 
 impl<W: Write + Send> Transcript<W> {
-    /// Writes to `writer`; `name` is what errors call it.
+    /// Creates a transcript that writes to `writer`; errors call it `name`.
     pub fn new(name: impl Into<String>, writer: W) -> Self {
         Self {
             name: name.into(),
-            names: TargetNames::default(),
+            target_names: TargetNames::default(),
             writer,
-            held: PressedKeys::default(),
-            deflected: AxisState::default(),
-            last: Timestamp::default(),
+            pressed: PressedKeys::default(),
+            axes: AxisState::default(),
+            last_time: Timestamp::default(),
             commands: TimedCommands::new(),
-            failed: false,
+            has_failed: false,
         }
     }
 
     fn write_commands(&mut self) -> io::Result<()> {
         for command in std::mem::take(&mut self.commands) {
-            self.last = self.last.max(command.time);
+            self.last_time = self.last_time.max(command.time);
             writeln!(self.writer, "{}", CommandLine(&command))?;
         }
         Ok(())
     }
 
     fn write(&mut self, event: &OutputEvent) -> io::Result<()> {
-        let accepted = match event.kind {
-            EventKind::KeyDown(key) => self.held.press(key),
-            EventKind::KeyUp(key) => self.held.release(key),
+        let has_effect = match event.kind {
+            EventKind::KeyDown(key) => self.pressed.press(key),
+            EventKind::KeyUp(key) => self.pressed.release(key),
             EventKind::Axis(axis, value) => {
-                self.deflected.set(axis, value);
+                self.axes.set(axis, value);
                 true
             }
             _ => true,
         };
-        if !accepted {
+        if !has_effect {
             return Ok(());
         }
-        self.last = self.last.max(event.time);
-        writeln!(self.writer, "{}", EventLine(event, &self.names))
+        self.last_time = self.last_time.max(event.time);
+        writeln!(self.writer, "{}", EventLine(event, &self.target_names))
     }
 
     fn release_all(&mut self) -> io::Result<()> {
-        while let Some(action) = self.next_release() {
-            let time = self.last;
-            self.write(&OutputEvent { time, kind: action })?;
+        while let Some(kind) = self.next_release() {
+            let time = self.last_time;
+            self.write(&OutputEvent { time, kind })?;
         }
         self.writer.flush()
     }
 
     fn next_release(&self) -> Option<EventKind> {
-        let up = self.held.release_order().next().map(EventKind::KeyUp);
-        up.or_else(|| {
-            self.deflected
-                .deflected_axes()
-                .next()
-                .map(AxisState::center)
-        })
+        let key = self.pressed.release_order().next().map(EventKind::KeyUp);
+        key.or_else(|| self.axes.deflected_axes().next().map(AxisState::center))
     }
 
-    fn failure(&mut self, error: &io::Error) -> OutputError {
-        self.failed = true;
-        let output = self.name.clone();
-        if error.kind() == io::ErrorKind::BrokenPipe {
-            return OutputError::BrokenPipe { output };
-        }
-        OutputError::Send {
-            output,
-            reason: error.to_string(),
+    fn fail(&mut self, error: &io::Error) -> OutputError {
+        self.has_failed = true;
+        match error.kind() {
+            io::ErrorKind::BrokenPipe => OutputError::BrokenPipe {
+                output: self.name.clone(),
+            },
+            _ => OutputError::send(&self.name, error),
         }
     }
 }
 
 impl<W: Write + Send> Sink for Transcript<W> {
     fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
-        let mut outcome = self.write_commands();
+        let mut result = self.write_commands();
         for event in events {
-            outcome = outcome.and_then(|()| self.write(event));
+            result = result.and_then(|()| self.write(event));
         }
-        outcome
+        result
             .and_then(|()| self.writer.flush())
-            .map_err(|error| self.failure(&error))
+            .map_err(|error| self.fail(&error))
     }
 
     fn log_commands(&mut self, commands: &[TimedCommand]) -> Result<(), OutputError> {
@@ -126,30 +145,29 @@ impl<W: Write + Send> Sink for Transcript<W> {
         Ok(())
     }
 
-    fn kind(&self) -> OutputKind {
-        OutputKind::Log
+    fn is_log(&self) -> bool {
+        true
     }
 
     fn set_target_names(&mut self, names: &TargetNames) {
-        self.names = names.clone();
+        self.target_names = names.clone();
     }
 
-    /// Writes, at the time of the last event, an up line for everything that is still down and a line
-    /// for every axis that has to come back to 0.
+    /// Writes a release of every pressed key and the centering of every deflected axis, at the time of the last event.
     fn close(&mut self) -> Result<(), OutputError> {
-        self.release_all().map_err(|error| self.failure(&error))
+        self.release_all().map_err(|error| self.fail(&error))
     }
 }
 
 impl<W: Write + Send> Drop for Transcript<W> {
     fn drop(&mut self) {
-        if !self.failed {
+        if !self.has_failed {
             let _ = self.release_all();
         }
     }
 }
 
-/// One event as its line, without the line end; targets have these names.
+/// One event as a line of text without a line end; the second field names its target.
 #[derive(Clone, Copy, Debug)]
 pub struct EventLine<'a>(pub &'a OutputEvent, pub &'a TargetNames);
 
@@ -162,7 +180,7 @@ impl fmt::Display for EventLine<'_> {
             EventKind::KeyUp(key) => write!(f, "up   {key}"),
             EventKind::Character(character) => write!(f, "write {character:?}"),
             EventKind::MoveBy(x, y) => write!(f, "move {x:+} {y:+}"),
-            EventKind::MoveTo(x, y) => write!(f, "place {x:.4} {y:.4}"),
+            EventKind::MoveTo(x, y) => write!(f, "position {x:.4} {y:.4}"),
             EventKind::Scroll(x, y) => write!(f, "scroll {x:+} {y:+}"),
             EventKind::Axis(axis, value) => write!(f, "axis {axis} {value:+.3}"),
             EventKind::Depth(target, depth) => write!(f, "depth {} {depth:.3}", name(target)),
@@ -173,7 +191,7 @@ impl fmt::Display for EventLine<'_> {
     }
 }
 
-/// A command as a line of a transcript, without the line end.
+/// One command as a line of text without a line end.
 #[derive(Clone, Copy, Debug)]
 pub struct CommandLine<'a>(pub &'a TimedCommand);
 
@@ -184,7 +202,7 @@ impl fmt::Display for CommandLine<'_> {
     }
 }
 
-/// Writes a time in milliseconds, as the first column of a line.
+/// Writes the first column of a line.
 fn write_time(f: &mut fmt::Formatter<'_>, Timestamp(micros): Timestamp) -> fmt::Result {
     write!(f, "{:>8}.{:03} ", micros / 1_000, micros % 1_000)
 }
@@ -198,15 +216,15 @@ mod tests {
     use std::sync::{Arc, Mutex};
 
     #[derive(Clone, Default)]
-    struct Page(Arc<Mutex<Vec<u8>>>);
+    struct Buffer(Arc<Mutex<Vec<u8>>>);
 
-    impl Page {
+    impl Buffer {
         fn text(&self) -> String {
             String::from_utf8(self.0.lock().unwrap().clone()).unwrap()
         }
     }
 
-    impl Write for Page {
+    impl Write for Buffer {
         fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
             self.0.lock().unwrap().write(bytes)
         }
@@ -216,9 +234,9 @@ mod tests {
         }
     }
 
-    struct Broken(io::ErrorKind);
+    struct BrokenWriter(io::ErrorKind);
 
-    impl Write for Broken {
+    impl Write for BrokenWriter {
         fn write(&mut self, _: &[u8]) -> io::Result<usize> {
             Err(self.0.into())
         }
@@ -229,9 +247,9 @@ mod tests {
     }
 
     #[test]
-    fn an_event_is_a_line_with_its_time_in_milliseconds() {
-        let page = Page::default();
-        let mut transcript = Transcript::new("transcript", page.clone());
+    fn a_line_has_the_time_in_milliseconds_and_the_event() {
+        let buffer = Buffer::default();
+        let mut transcript = Transcript::new("transcript", buffer.clone());
         let depth = OutputEvent {
             time: Timestamp(1_240_250),
             kind: EventKind::Depth(TargetId(3), 0.5123),
@@ -241,48 +259,51 @@ mod tests {
             .unwrap();
         transcript.send(&[down(9, "ShiftLeft")]).unwrap();
         let text = "    1234.567 down Q\n    1240.250 depth 3 0.512\n    1300.001 up   Q\n";
-        assert_eq!(page.text(), format!("{text}       0.009 down ShiftLeft\n"));
+        assert_eq!(
+            buffer.text(),
+            format!("{text}       0.009 down ShiftLeft\n")
+        );
 
-        let page = Page::default();
-        let mut transcript = Transcript::new("transcript", page.clone());
+        let buffer = Buffer::default();
+        let mut transcript = Transcript::new("transcript", buffer.clone());
         transcript.set_target_names(&TargetNames::new(["Volume".to_owned()]));
         let value = OutputEvent {
             time: Timestamp(1_000),
             kind: EventKind::Value(TargetId(0), 0.25),
         };
         transcript.send(&[value]).unwrap();
-        assert_eq!(page.text(), "       1.000 value Volume 0.250\n");
+        assert_eq!(buffer.text(), "       1.000 value Volume 0.250\n");
     }
 
     #[test]
-    fn closing_lets_go_of_what_is_down_and_modifiers_come_last() {
-        let page = Page::default();
-        let mut transcript = Transcript::new("transcript", page.clone());
+    fn closing_releases_pressed_keys_modifiers_last() {
+        let buffer = Buffer::default();
+        let mut transcript = Transcript::new("transcript", buffer.clone());
         transcript
             .send(&[down(1_000, "ShiftLeft"), down(2_000, "A")])
             .unwrap();
         transcript.close().unwrap();
         transcript.close().unwrap();
         drop(transcript);
-        let ups: Vec<_> = page.text().lines().skip(2).map(str::to_owned).collect();
+        let ups: Vec<_> = buffer.text().lines().skip(2).map(str::to_owned).collect();
         assert_eq!(ups, ["       2.000 up   A", "       2.000 up   ShiftLeft"]);
     }
 
     #[test]
-    fn closing_brings_back_the_axes_that_are_away_from_their_rest() {
-        let page = Page::default();
-        let mut transcript = Transcript::new("transcript", page.clone());
+    fn closing_centers_deflected_axes() {
+        let buffer = Buffer::default();
+        let mut transcript = Transcript::new("transcript", buffer.clone());
         let axis = |axis, value| event(3_000, EventKind::Axis(axis, value));
-        let frame = [
+        let events = [
             axis(Axis::LeftX, -0.5),
             axis(Axis::LeftY, 0.25),
             axis(Axis::LeftY, 0.0),
             down(3_000, "PadSouth"),
         ];
-        transcript.send(&frame).unwrap();
+        transcript.send(&events).unwrap();
         transcript.close().unwrap();
         transcript.close().unwrap();
-        let text = page.text();
+        let text = buffer.text();
         let ends: Vec<_> = text.lines().skip(4).collect();
         let expected = [
             "       3.000 up   PadSouth",
@@ -292,31 +313,31 @@ mod tests {
     }
 
     #[test]
-    fn dropping_it_lets_go_too() {
-        let page = Page::default();
-        let mut transcript = Transcript::new("transcript", page.clone());
+    fn dropping_a_transcript_releases_pressed_keys() {
+        let buffer = Buffer::default();
+        let mut transcript = Transcript::new("transcript", buffer.clone());
         transcript.send(&[down(5, "A")]).unwrap();
         drop(transcript);
-        assert!(page.text().ends_with("       0.005 up   A\n"));
+        assert!(buffer.text().ends_with("       0.005 up   A\n"));
     }
 
     #[test]
-    fn an_up_of_what_is_not_down_and_a_second_down_are_not_written() {
-        let page = Page::default();
-        let mut transcript = Transcript::new("transcript", page.clone());
+    fn a_release_of_a_key_that_is_up_and_a_second_press_are_not_written() {
+        let buffer = Buffer::default();
+        let mut transcript = Transcript::new("transcript", buffer.clone());
         transcript
             .send(&[up(1, "A"), down(2, "B"), down(3, "B"), up(4, "B")])
             .unwrap();
-        assert_eq!(page.text(), "       0.002 down B\n       0.004 up   B\n");
+        assert_eq!(buffer.text(), "       0.002 down B\n       0.004 up   B\n");
     }
 
     #[test]
-    fn a_reader_that_went_away_is_told_from_other_failures() {
-        let mut unread = Transcript::new("transcript", Broken(io::ErrorKind::BrokenPipe));
-        let error = unread.send(&[down(1, "A")]).unwrap_err();
+    fn a_closed_pipe_is_distinguished_from_other_failures() {
+        let mut closed = Transcript::new("transcript", BrokenWriter(io::ErrorKind::BrokenPipe));
+        let error = closed.send(&[down(1, "A")]).unwrap_err();
         assert!(matches!(error, OutputError::BrokenPipe { .. }), "{error}");
 
-        let mut full = Transcript::new("transcript:x", Broken(io::ErrorKind::StorageFull));
+        let mut full = Transcript::new("transcript:x", BrokenWriter(io::ErrorKind::StorageFull));
         let error = full.send(&[down(1, "A")]).unwrap_err();
         assert_eq!(
             error.to_string(),

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use ademan::capture::SourceUri;
-use ademan::doctor::OutputTest;
+use ademan::output::{self, Backend};
 use ademan::pipeline::SourceRole;
 use ademan::trace::Stage;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -42,8 +42,8 @@ pub enum Command {
     /// Say what of this machine a setup needs, what is missing, and what mends it
     Doctor(DoctorArgs),
     /// What the program starts for itself, to let go of keys when it cannot
-    #[command(name = crate::guardian::COMMAND, hide = true)]
-    Guardian,
+    #[command(name = crate::watchdog::COMMAND, hide = true)]
+    Watchdog,
     /// Print the files that give a user access to devices, and those that start a run with the session
     Setup(FilesArgs),
     /// Print a completion script for a shell
@@ -215,9 +215,9 @@ pub struct DoctorArgs {
     /// Where events are to go, as of `ademan run`
     #[arg(long)]
     pub output: Option<String>,
-    /// Use an output for a second so that nothing comes of it: desktop or uinput
-    #[arg(long, value_name = "OUTPUT", value_parser = trial())]
-    pub test: Vec<OutputTest>,
+    /// Use an output for a second without a visible effect
+    #[arg(long, value_name = "OUTPUT", value_parser = testable_output())]
+    pub test: Vec<&'static Backend>,
     /// Print JSON
     #[arg(long)]
     pub json: bool,
@@ -325,9 +325,12 @@ fn stage() -> impl TypedValueParser<Value = Stage> {
         .map(|name| name.parse().expect("it is one of the names of stages"))
 }
 
-fn trial() -> impl TypedValueParser<Value = OutputTest> {
-    PossibleValuesParser::new(OutputTest::ALL.iter().map(|trial| trial.name()))
-        .map(|name| name.parse().expect("it is one of the names of trials"))
+fn testable_output() -> impl TypedValueParser<Value = &'static Backend> {
+    let testable = output::BACKENDS
+        .iter()
+        .filter(|backend| backend.check.is_some());
+    PossibleValuesParser::new(testable.map(|backend| backend.name))
+        .map(|name| output::find_backend(&name).expect("the parser accepts names of backends"))
 }
 
 fn noise(text: &str) -> Result<f64, String> {

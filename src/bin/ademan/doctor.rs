@@ -2,16 +2,16 @@
 
 use std::io::{self, Write};
 
-use ademan::doctor::{self, CheckStatus, Finding, OutputTest, Requirements};
-use ademan::output;
+use ademan::doctor::{self, CheckStatus, Finding, Requirements};
+use ademan::output::{self, Backend};
 use serde_json::{Value, json};
 
 use crate::args::DoctorArgs;
 use crate::failure::Failure;
 use crate::setup;
 
-/// What came of trying an output.
-type Tried = (OutputTest, Result<String, String>);
+/// An output and the result of its test.
+type Tested = (&'static Backend, Result<String, String>);
 
 pub fn run(args: DoctorArgs) -> Result<(), Failure> {
     let mut setup = setup::read(args.setup.as_deref(), args.parts)?;
@@ -20,19 +20,16 @@ pub fn run(args: DoctorArgs) -> Result<(), Failure> {
     let assembly = setup.load_files()?;
     output::check(&assembly.setup.output, &assembly.required_capabilities())?;
     let findings = doctor::check(&doctor::gather_facts(&wants), &wants);
-    let tried: Vec<Tried> = args
-        .test
-        .iter()
-        .map(|trial| {
-            let outcome = doctor::test_output(*trial).map_err(|error| error.to_string());
-            (*trial, outcome)
-        })
-        .collect();
+    let test = |backend: &&'static Backend| {
+        let check = backend.check?;
+        Some((*backend, check().map_err(|error| error.to_string())))
+    };
+    let tests: Vec<Tested> = args.test.iter().filter_map(test).collect();
     let is_well = findings.iter().all(Finding::is_satisfied)
-        && tried.iter().all(|(_, outcome)| outcome.is_ok());
+        && tests.iter().all(|(_, outcome)| outcome.is_ok());
     match args.json {
-        true => writeln!(io::stdout(), "{}", as_json(&findings, &tried, is_well))?,
-        false => io::stdout().write_all(as_text(&findings, &tried).as_bytes())?,
+        true => writeln!(io::stdout(), "{}", as_json(&findings, &tests, is_well))?,
+        false => io::stdout().write_all(as_text(&findings, &tests).as_bytes())?,
     }
     match is_well {
         true => Ok(()),
@@ -42,19 +39,19 @@ pub fn run(args: DoctorArgs) -> Result<(), Failure> {
     }
 }
 
-fn as_json(findings: &[Finding], tried: &[Tried], is_well: bool) -> Value {
-    let tried: Vec<_> = tried
+fn as_json(findings: &[Finding], tests: &[Tested], is_well: bool) -> Value {
+    let tests: Vec<_> = tests
         .iter()
-        .map(|(trial, outcome)| {
+        .map(|(backend, outcome)| {
             let text = outcome.as_ref().unwrap_or_else(|reason| reason);
-            json!({"output": trial, "ok": outcome.is_ok(), "text": text})
+            json!({"output": backend.name, "ok": outcome.is_ok(), "text": text})
         })
         .collect();
-    json!({"ok": is_well, "checks": findings, "tests": tried})
+    json!({"ok": is_well, "checks": findings, "tests": tests})
 }
 
 /// A line for each check and trial, and after them what to do.
-fn as_text(findings: &[Finding], tried: &[Tried]) -> String {
+fn as_text(findings: &[Finding], tests: &[Tested]) -> String {
     let mut text = String::new();
     for finding in findings {
         let needed = if finding.needed { "needed" } else { "" };
@@ -66,12 +63,12 @@ fn as_text(findings: &[Finding], tried: &[Tried]) -> String {
             finding.text
         );
     }
-    for (trial, outcome) in tried {
+    for (backend, outcome) in tests {
         let (state, told) = match outcome {
             Ok(told) => ("works", told),
             Err(reason) => ("fails", reason),
         };
-        text += &format!("{state:12} {:12} {:7} {told}\n", trial.name(), "tested");
+        text += &format!("{state:12} {:12} {:7} {told}\n", backend.name, "tested");
     }
     for finding in findings {
         text += &remedy(finding);

@@ -17,7 +17,7 @@ mod docs;
 mod doctor;
 mod failure;
 mod files;
-mod guardian;
+mod watchdog;
 mod layouts;
 mod panics;
 mod record;
@@ -61,7 +61,7 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Trace(args) => trace::run(&args),
         Command::Layout(command) => layouts::run(&command),
         Command::Doctor(args) => doctor::run(args),
-        Command::Guardian => guardian::run(),
+        Command::Watchdog => watchdog::run(),
         Command::Setup(args) => files::print(&args.print),
         Command::Completions { shell } => docs::completions(shell),
         Command::Man { folder } => docs::man(&folder),

@@ -7,9 +7,9 @@ use ademan::setup::LoadedSetup;
 
 use crate::args::ReplayArgs;
 use crate::failure::Failure;
-use crate::guardian;
 use crate::signals;
 use crate::status;
+use crate::watchdog;
 
 pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
     let replay = Replay::open(&args.file)?;
@@ -21,7 +21,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
     let (stopper, stop) = signals::stopper()?;
     let needs = assembly.required_capabilities();
     let cut = replay.shared_truncation();
-    let mut sink = guardian::open_outputs(&args.output, &needs, move || stopper.ask_once())?;
+    let mut sink = watchdog::open_outputs(&args.output, &needs, move || stopper.ask_once())?;
     let source: Box<dyn Source> = match args.speed {
         Some(speed) => Box::new(PacedSource::new(replay, speed)),
         None => Box::new(replay),

@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::recording::Recording;
 use crate::reload::Growth;
 use crate::status::{self, Status};
-use crate::{control, guardian, reload, setup, signals, suspension};
+use crate::{control, reload, setup, signals, suspension, watchdog};
 
 pub fn run(args: RunArgs) -> Result<(), Failure> {
     if doctor::is_running_as_root() && !args.allow_root {
@@ -35,7 +35,7 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let pause = {
         let (calls, (answer, _)) = (calls.clone(), bounded(1));
         move || {
-            // Full only when the run stands still: then the guardian lets go.
+            // Full only when the run stands still: then the watchdog lets go.
             let _ = calls.try_send(Call {
                 order: Order::Pause,
                 answer: answer.clone(),
@@ -61,7 +61,7 @@ pub fn run(args: RunArgs) -> Result<(), Failure> {
     let Some(source) = source else {
         return Ok(());
     };
-    let mut sink = guardian::open_outputs(&assembly.setup.output, &needs, pause)?;
+    let mut sink = watchdog::open_outputs(&assembly.setup.output, &needs, pause)?;
     let mut recording = match &args.record {
         Some(path) => Some(Recording::start(path, &assembly, &*source, false)?),
         None => None,

@@ -17,15 +17,11 @@ use super::super::facts::{
 };
 use super::wayland;
 use crate::advice::AccessDenied;
-use crate::device::Capabilities;
-use crate::output::uinput::{self, is_missing};
-use crate::output::{OutputError, SUPPORTS_WAYLAND, Sink};
+use crate::output::SUPPORTS_WAYLAND;
+use crate::output::uinput::is_missing;
 
 /// How the device files of USB serial adapters begin.
 const ADAPTERS: [&str; 2] = ["ttyUSB", "ttyACM"];
-
-/// How the name of the keyboard that is made for a trial begins: not as those of a run.
-const NAME: &str = "Ademan doctor";
 
 /// The environment variables that say where things are.
 #[derive(Clone, Debug, Default)]
@@ -68,24 +64,6 @@ pub(in crate::doctor) fn gather_facts(
 /// Whether the user of this process may do everything.
 pub(in crate::doctor) fn is_root() -> bool {
     geteuid().is_root()
-}
-
-/// Makes a keyboard of the kernel.
-pub(in crate::doctor) fn open_keyboard(needs: &Capabilities) -> Result<Box<dyn Sink>, OutputError> {
-    Ok(Box::new(uinput::Uinput::open(NAME, needs)?))
-}
-
-/// Whether the kernel has that keyboard, with a node for it.
-pub(in crate::doctor) fn has_keyboard() -> bool {
-    let name = format!("{NAME} keyboard");
-    let Ok(entries) = fs::read_dir("/sys/class/input") else {
-        return false;
-    };
-    entries.flatten().any(|entry| {
-        let has_name = fs::read_to_string(entry.path().join("device/name"))
-            .is_ok_and(|found| found.trim_end() == name);
-        has_name && Path::new("/dev/input").join(entry.file_name()).exists()
-    })
 }
 
 /// A machine below a root folder, and its lists of people.

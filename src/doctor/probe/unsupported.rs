@@ -4,8 +4,7 @@ use std::path::Path;
 
 use super::super::facts::{Compositor, Display, Facts, Node, Runtime, Uinput, User};
 use super::Wants;
-use crate::device::Needs;
-use crate::output::{self, OutputError, SPEAKS_WAYLAND, Sink};
+use crate::output::SUPPORTS_WAYLAND;
 
 /// Nothing is asked of it here.
 pub(in crate::doctor) struct Environment;
@@ -37,22 +36,12 @@ pub(in crate::doctor) fn look(_: &Path, _: &Environment, wants: &Wants) -> Facts
         },
         display: Display::Unseen("the desktop of this system is seen only by using it".into()),
         compositor: Compositor::Unset,
-        speaks_wayland: SPEAKS_WAYLAND,
+        has_wayland: SUPPORTS_WAYLAND,
         runtime: Runtime::Absent,
     }
 }
 
 /// Nobody knows.
 pub(in crate::doctor) fn is_root() -> bool {
-    false
-}
-
-/// Refuses.
-pub(in crate::doctor) fn open_keyboard(needs: &Needs) -> Result<Box<dyn Sink>, OutputError> {
-    output::open("uinput", needs)
-}
-
-/// There are none.
-pub(in crate::doctor) fn has_keyboard() -> bool {
     false
 }

@@ -101,7 +101,11 @@ impl ControlError {
     fn open(path: &Path, error: SocketError) -> Self {
         let path = path.into();
         match error {
-            SocketError::PathTooLong { length, most } => Self::PathTooLong { path, length, most },
+            SocketError::PathTooLong { length, max } => Self::PathTooLong {
+                path,
+                length,
+                most: max,
+            },
             SocketError::InUse => Self::InUse { path },
             SocketError::Other(reason) => Self::Bind { path, reason },
         }

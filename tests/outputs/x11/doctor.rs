@@ -1,6 +1,6 @@
 //! The doctor, where there is a display.
 
-use ademan::doctor::{OutputTest, test_output};
+use ademan::output::uinput;
 
 use crate::support::binary::ademan;
 use crate::support::x11::XServer;
@@ -50,6 +50,6 @@ fn a_keyboard_of_the_kernel_is_tried_where_there_is_one() {
         println!("SKIPPED: /dev/uinput cannot be written here: {error}");
         return;
     }
-    let told = test_output(OutputTest::Uinput).expect("the kernel takes it");
-    assert!(told.contains("its node came up"), "{told}");
+    let told = uinput::BACKEND.check.expect("it has a check")().expect("the kernel takes it");
+    assert!(told.contains("its node appeared"), "{told}");
 }

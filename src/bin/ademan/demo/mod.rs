@@ -20,7 +20,7 @@ use crossbeam_channel::bounded;
 
 use crate::args::DemoArgs;
 use crate::failure::Failure;
-use crate::{guardian, signals, status};
+use crate::{signals, status, watchdog};
 use player::Player;
 use screen::Screen;
 use task::Task;
@@ -57,7 +57,7 @@ pub fn run(args: &DemoArgs) -> Result<(), Failure> {
     };
     let (stopper, asked) = signals::stopper()?;
     let bell = stopper.clone();
-    let mut sink = guardian::open_outputs(
+    let mut sink = watchdog::open_outputs(
         &assembly.setup.output,
         &assembly.required_capabilities(),
         move || bell.ask_once(),

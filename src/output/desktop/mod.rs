@@ -1,0 +1,351 @@
+//! The output `desktop`: keys, characters and a pointer on the desktop of the session.
+//!
+//! A connection to a display can block, so it has a thread of its own; the loop only puts requests into a queue. An X
+//! server keeps a key pressed after its client is gone. The thread therefore releases every key when its queue is
+//! closed, be it by [`close`](Sink::close), by a drop or by a panic of the loop.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
+
+use super::pressed_keys::PressedKeys;
+use super::watchdog::{WatchdogClient, WatchdogSettings};
+use super::{Backend, OpenRequest, OutputError, Sink};
+use crate::device::{Capabilities, Capability, EventKind, KeyCode, KeyKind, OutputEvent};
+use crate::time::Timestamp;
+pub(super) use connect::connect;
+use pending_motion::{PendingMotion, StatelessAction};
+pub use wayland::SUPPORTS_WAYLAND;
+use worker::{Injector, Worker, WorkerRequest, WorkerStatus};
+
+mod connect;
+mod enigo_display;
+pub(super) mod pending_motion;
+mod system;
+mod wayland;
+pub(super) mod worker;
+
+/// The backend `desktop`.
+pub const BACKEND: Backend = Backend {
+    name: "desktop",
+    argument: None,
+    summary: "keys, characters and a pointer on the desktop of the session",
+    capabilities,
+    is_log: false,
+    is_fixed_when_open: false,
+    check: Some(check),
+    open,
+};
+
+/// Capacity of the queue. Presses are accepted until it is half full, motion until all that remains is needed for
+/// releases: the last quarter exceeds the number of keys, so that a release always finds room.
+const QUEUE: usize = 4 * PressedKeys::CAPACITY;
+
+const PRESS_LIMIT: usize = QUEUE / 2;
+
+/// Leaves room for every release and for the requests of one [`PendingMotion::drain`].
+const MOTION_LIMIT: usize = QUEUE - PressedKeys::CAPACITY - 3;
+
+/// Longest time in which a display answers.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Longest time that [`Desktop::close`](Sink::close) waits.
+const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Number of pointer motions in a check, and the delay after each.
+const CHECK_STEPS: usize = 10;
+const CHECK_DELAY: Duration = Duration::from_millis(100);
+
+/// A sink that presses keys and buttons, types characters and moves the pointer on a desktop.
+///
+/// While the queue is more than half full, presses and characters are dropped and
+/// [counted](Sink::dropped_presses). The release of a dropped press is ignored; no other release is. While the queue
+/// is three quarters full, motion is [coalesced](Sink::coalesced_motions): the last position counts, relative motion
+/// and scrolls are summed. Pending motion is sent before the next press, so that a click arrives at its position. The
+/// wheel turns by whole detents; the remainder is kept.
+pub struct Desktop {
+    requests: Option<Sender<WorkerRequest>>,
+    accepted: PressedKeys,
+    dropped_presses: u64,
+    motion: PendingMotion,
+    coalesced_motions: u64,
+    status: Arc<WorkerStatus>,
+    thread: Option<JoinHandle<()>>,
+    thread_ended: Receiver<()>,
+}
+
+impl Desktop {
+    /// Connects to `display`: an X server, whose name has a colon (`:0`), or a Wayland compositor, whose name has none
+    /// (`wayland-1`, or the path of its socket).
+    ///
+    /// `None` stands for the desktop of the session: the compositor of `WAYLAND_DISPLAY` if that is set, or else the X
+    /// server of `DISPLAY`. A compositor must support `required`; an X server supports everything that
+    /// [`BACKEND`] does. Windows and macOS ignore the name.
+    pub fn open(display: Option<&str>, required: &Capabilities) -> Result<Self, OutputError> {
+        let display = display.map(str::to_owned);
+        let needs_pointer = required.iter().any(needs_pointer);
+        Self::start(None, move || connect(display.as_deref(), needs_pointer))
+    }
+
+    /// Connects to the desktop of the session and starts a watchdog, which releases keys if this process cannot.
+    pub fn open_with_watchdog(
+        watchdog: &WatchdogSettings,
+        required: &Capabilities,
+    ) -> Result<Self, OutputError> {
+        let needs_pointer = required.iter().any(needs_pointer);
+        Self::start(Some(watchdog), move || connect(None, needs_pointer))
+    }
+
+    /// Starts the thread and waits until it is connected.
+    fn start<C: Injector>(
+        watchdog: Option<&WatchdogSettings>,
+        mut connect: impl FnMut() -> Result<C, String> + Send + 'static,
+    ) -> Result<Self, OutputError> {
+        let (requests, queue) = bounded(QUEUE);
+        let (connected, connection) = bounded(1);
+        let (end, thread_ended) = bounded::<()>(0);
+        let status = Arc::new(WorkerStatus::default());
+        let worker_status = Arc::clone(&status);
+        let settings = watchdog.cloned();
+        let thread = thread::Builder::new()
+            .name("desktop output".into())
+            .spawn(move || {
+                let _end = end;
+                let with_watchdog = |injector: C| {
+                    let start =
+                        |settings| WatchdogClient::start(settings, injector.release_target());
+                    let watchdog = settings.as_ref().map(start).transpose()?;
+                    Ok((injector, watchdog))
+                };
+                let (injector, watchdog) = match connect().and_then(with_watchdog) {
+                    Ok(connected) => connected,
+                    Err(reason) => return drop(connected.send(Err(reason))),
+                };
+                if connected.send(Ok(())).is_ok() {
+                    let worker = Worker::new(injector, &worker_status).with_watchdog(watchdog);
+                    worker.run(&queue, connect);
+                }
+            })
+            .map_err(|error| open_error(format!("cannot start its thread: {error}")))?;
+        match connection.recv_timeout(CONNECT_TIMEOUT) {
+            Ok(Ok(())) => {}
+            Ok(Err(reason)) => return Err(open_error(reason)),
+            Err(RecvTimeoutError::Timeout) => {
+                return Err(open_error("the display does not answer"));
+            }
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(open_error("connecting to the display panicked"));
+            }
+        }
+        Ok(Self {
+            requests: Some(requests),
+            accepted: PressedKeys::default(),
+            dropped_presses: 0,
+            motion: PendingMotion::default(),
+            coalesced_motions: 0,
+            status,
+            thread: Some(thread),
+            thread_ended,
+        })
+    }
+
+    fn press(&mut self, key: KeyCode) -> Result<(), OutputError> {
+        if !self.accept_press()? || !self.accepted.press(key) {
+            return Ok(());
+        }
+        self.send_motion()?;
+        self.request(WorkerRequest::Press(key))
+    }
+
+    fn type_character(&mut self, character: char) -> Result<(), OutputError> {
+        if !self.accept_press()? {
+            return Ok(());
+        }
+        self.send_motion()?;
+        let action = StatelessAction::Character(character);
+        self.request(WorkerRequest::Perform(action))
+    }
+
+    /// Returns `true` if the queue has room for a press, and counts a dropped press otherwise.
+    fn accept_press(&mut self) -> Result<bool, OutputError> {
+        let has_room = self.queue_length()? < PRESS_LIMIT;
+        self.dropped_presses += u64::from(!has_room);
+        Ok(has_room)
+    }
+
+    fn release(&mut self, key: KeyCode) -> Result<(), OutputError> {
+        if !self.accepted.release(key) {
+            return Ok(());
+        }
+        let moved = self.send_motion();
+        self.request(WorkerRequest::Release(key)).and(moved)
+    }
+
+    fn move_pointer(&mut self, event: EventKind) -> Result<(), OutputError> {
+        self.motion.push(event);
+        let has_room = self.queue_length()? < MOTION_LIMIT;
+        self.coalesced_motions += u64::from(!has_room);
+        self.send_motion()
+    }
+
+    /// Sends the pending motion if the queue has room.
+    fn send_motion(&mut self) -> Result<(), OutputError> {
+        if self.queue_length()? >= MOTION_LIMIT {
+            return Ok(());
+        }
+        for action in self.motion.drain() {
+            self.request(WorkerRequest::Perform(action))?;
+        }
+        Ok(())
+    }
+
+    fn queue_length(&self) -> Result<usize, OutputError> {
+        let requests = self.requests.as_ref();
+        requests
+            .map(Sender::len)
+            .ok_or_else(|| send_error("it is closed"))
+    }
+
+    fn request(&self, request: WorkerRequest) -> Result<(), OutputError> {
+        let Some(requests) = &self.requests else {
+            return Err(send_error("it is closed"));
+        };
+        match requests.try_send(request) {
+            Ok(()) => Ok(()),
+            Err(TrySendError::Full(_)) => Err(send_error("its queue is full")),
+            Err(TrySendError::Disconnected(_)) => Err(send_error("its thread has ended")),
+        }
+    }
+
+    fn result(&self) -> Result<(), OutputError> {
+        match (self.status.failure.get(), self.status.stuck_keys.get()) {
+            (None, None) => Ok(()),
+            (Some(failure), None) => Err(send_error(failure)),
+            (failure, Some(stuck)) => {
+                let failure = failure.map_or("a release failed", String::as_str);
+                Err(send_error(format!(
+                    "{failure}; may still be pressed: {stuck}"
+                )))
+            }
+        }
+    }
+}
+
+impl Sink for Desktop {
+    fn send(&mut self, events: &[OutputEvent]) -> Result<(), OutputError> {
+        self.status.loop_calls.fetch_add(1, Ordering::Relaxed);
+        let mut result = Ok(());
+        for event in events {
+            let requested = match event.kind {
+                EventKind::KeyUp(key) => self.release(key),
+                _ if self.status.failure.get().is_some() => Ok(()),
+                EventKind::KeyDown(key) => self.press(key),
+                EventKind::Character(character) => self.type_character(character),
+                EventKind::MoveBy(..) | EventKind::MoveTo(..) | EventKind::Scroll(..) => {
+                    self.move_pointer(event.kind)
+                }
+                _ => Ok(()),
+            };
+            result = result.and(requested);
+        }
+        result.and(self.result())
+    }
+
+    fn capabilities(&self) -> Capabilities {
+        capabilities()
+    }
+
+    fn close(&mut self) -> Result<(), OutputError> {
+        self.requests = None;
+        self.motion = PendingMotion::default();
+        if self.thread_ended.recv_timeout(CLOSE_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
+            return Err(send_error(
+                "it did not accept everything within 1 s; keys may still be pressed",
+            ));
+        }
+        if let Some(thread) = self.thread.take()
+            && thread.join().is_err()
+        {
+            return Err(send_error("its thread panicked; keys may still be pressed"));
+        }
+        self.result()
+    }
+
+    fn dropped_presses(&self) -> u64 {
+        self.dropped_presses
+    }
+
+    fn coalesced_motions(&self) -> u64 {
+        self.coalesced_motions
+    }
+}
+
+impl Drop for Desktop {
+    fn drop(&mut self) {
+        let _ = self.close();
+    }
+}
+
+/// Returns the keys and buttons of keyboards and mice that this system has, characters, and the pointer.
+fn capabilities() -> Capabilities {
+    let is_supported = |key: &KeyCode| match key.kind() {
+        KeyKind::Keyboard => system::has_key(*key),
+        KeyKind::Mouse => true,
+        KeyKind::Gamepad => false,
+    };
+    Capabilities {
+        keys: KeyCode::all().filter(is_supported).collect(),
+        text: true,
+        relative_motion: true,
+        absolute_motion: true,
+        scroll: true,
+        ..Capabilities::default()
+    }
+}
+
+/// Opens the output for the desktop of the session.
+fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
+    Ok(Box::new(match request.watchdog {
+        Some(watchdog) => Desktop::open_with_watchdog(watchdog, request.required)?,
+        None => Desktop::open(None, request.required)?,
+    }))
+}
+
+/// Connects, moves the pointer by one pixel to the right and back ten times within 1 s, and presses nothing.
+fn check() -> Result<String, OutputError> {
+    let required = Capabilities::from_iter([Capability::RelativeMotion]);
+    let mut desktop = Desktop::open(None, &required)?;
+    let motion = |pixels| OutputEvent {
+        time: Timestamp(0),
+        kind: EventKind::MoveBy(pixels, 0),
+    };
+    for _ in 0..CHECK_STEPS {
+        desktop.send(&[motion(1)])?;
+        desktop.send(&[motion(-1)])?;
+        thread::sleep(CHECK_DELAY);
+    }
+    desktop.close()?;
+    Ok("connected, and the pointer moved by one pixel to the right and back".into())
+}
+
+fn needs_pointer(capability: Capability) -> bool {
+    match capability {
+        Capability::RelativeMotion | Capability::AbsoluteMotion | Capability::Scroll => true,
+        Capability::Key(key) => key.kind() == KeyKind::Mouse,
+        _ => false,
+    }
+}
+
+fn open_error(reason: impl ToString) -> OutputError {
+    OutputError::open(BACKEND.name, reason)
+}
+
+fn send_error(reason: impl ToString) -> OutputError {
+    OutputError::send(BACKEND.name, reason)
+}
+
+#[cfg(test)]
+mod tests;

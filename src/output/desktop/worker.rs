@@ -1,0 +1,289 @@
+//! The thread of an output that may be slow: it executes requests, repeats failed ones, and releases every key at the
+//! end.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, never, select};
+
+use super::pending_motion::StatelessAction;
+use crate::device::KeyCode;
+use crate::output::pressed_keys::{KeyDirection, PressedKeys};
+use crate::output::watchdog::{HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient, WatchdogLost};
+use crate::output::{RETRIES, RETRY_DELAY};
+use crate::time::NO_DEADLINE;
+
+/// A connection to a display, which presses and releases keys and buttons.
+pub trait Injector {
+    /// Presses or releases `key`. Returns `Ok` only if the display has accepted it.
+    fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String>;
+
+    /// Performs an action that leaves nothing pressed.
+    fn perform(&mut self, action: StatelessAction) -> Result<(), String>;
+
+    /// Returns the handle with which the watchdog releases keys that this injector has pressed.
+    fn release_target(&self) -> ReleaseTarget {
+        ReleaseTarget::default()
+    }
+}
+
+impl Injector for Box<dyn Injector> {
+    fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String> {
+        (**self).inject(key, direction)
+    }
+
+    fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
+        (**self).perform(action)
+    }
+
+    fn release_target(&self) -> ReleaseTarget {
+        (**self).release_target()
+    }
+}
+
+/// A request from the loop to the thread.
+#[derive(Clone, Copy)]
+pub enum WorkerRequest {
+    Press(KeyCode),
+    Release(KeyCode),
+    Perform(StatelessAction),
+}
+
+/// Longest time without a call from the loop while a key is pressed. After it the watchdog receives no heartbeats.
+const LOOP_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// State shared by the loop and the thread.
+#[derive(Default)]
+pub struct WorkerStatus {
+    /// The first failure.
+    pub failure: OnceLock<String>,
+    /// The names of the keys that could not be released.
+    pub stuck_keys: OnceLock<String>,
+    /// Number of calls from the loop, as a sign of life.
+    pub loop_calls: AtomicU64,
+}
+
+/// The state of the thread: the pressed keys and the connection.
+pub struct Worker<'a, C> {
+    /// The connection.
+    pub injector: C,
+    /// The pressed keys; the watchdog process inserts those that its client has pressed.
+    pub pressed: PressedKeys,
+    status: &'a WorkerStatus,
+    watchdog: Option<WatchdogClient>,
+    /// The watchdog did not accept a message, or has exited.
+    is_watchdog_lost: bool,
+    liveness: Liveness,
+}
+
+/// Times of the last signs of life.
+struct Liveness {
+    last_heartbeat: Instant,
+    loop_calls: u64,
+    last_loop_call: Instant,
+}
+
+impl<'a, C: Injector> Worker<'a, C> {
+    /// Creates a worker with no key pressed and without a watchdog.
+    pub fn new(injector: C, status: &'a WorkerStatus) -> Self {
+        let now = Instant::now();
+        Self {
+            injector,
+            pressed: PressedKeys::default(),
+            status,
+            watchdog: None,
+            is_watchdog_lost: false,
+            liveness: Liveness {
+                last_heartbeat: now,
+                loop_calls: 0,
+                last_loop_call: now,
+            },
+        }
+    }
+
+    /// Sets the watchdog, to which every press and release is reported.
+    pub fn with_watchdog(mut self, watchdog: Option<WatchdogClient>) -> Self {
+        self.watchdog = watchdog;
+        self
+    }
+
+    /// Executes requests until the queue is closed, then releases every key.
+    pub fn run(
+        mut self,
+        queue: &Receiver<WorkerRequest>,
+        connect: impl FnMut() -> Result<C, String>,
+    ) {
+        let mut watchdog_exited = self
+            .watchdog
+            .as_ref()
+            .map_or_else(never, |watchdog| watchdog.exited().clone());
+        loop {
+            select! {
+                recv(queue) -> request => match request {
+                    // A panic in the display library must not keep keys pressed.
+                    Ok(request) => if catch_unwind(AssertUnwindSafe(|| self.execute(request))).is_err() {
+                        self.fail("the connection to the display panicked");
+                    },
+                    Err(_) => break,
+                },
+                recv(watchdog_exited) -> _ => self.is_watchdog_lost = true,
+                default(self.poll_timeout()) => {}
+            }
+            self.send_heartbeat_if_due();
+            if self.is_watchdog_lost {
+                watchdog_exited = self.restart_watchdog();
+            }
+        }
+        self.finish(connect);
+    }
+
+    /// Releases every key, on a new connection if this one has failed: the display keeps a key pressed although the
+    /// connection that pressed it is gone.
+    pub fn finish(&mut self, mut connect: impl FnMut() -> Result<C, String>) {
+        self.release_all();
+        if self.pressed.is_empty() {
+            return;
+        }
+        if let Ok(injector) = connect() {
+            self.injector = injector;
+            self.release_all();
+        }
+        let stuck: Vec<_> = self.pressed.release_order().map(KeyCode::name).collect();
+        if !stuck.is_empty() {
+            let _ = self.status.stuck_keys.set(stuck.join(", "));
+        }
+    }
+
+    /// Returns the time until the next heartbeat is due.
+    fn poll_timeout(&self) -> Duration {
+        match self.watchdog.is_some() && !self.pressed.is_empty() {
+            true => HEARTBEAT_INTERVAL.saturating_sub(self.liveness.last_heartbeat.elapsed()),
+            false => NO_DEADLINE,
+        }
+    }
+
+    fn send_heartbeat_if_due(&mut self) {
+        let Some(watchdog) = &self.watchdog else {
+            return;
+        };
+        let now = Instant::now();
+        let calls = self.status.loop_calls.load(Ordering::Relaxed);
+        // A loop need not call while no key is pressed.
+        if calls != self.liveness.loop_calls || self.pressed.is_empty() {
+            self.liveness.loop_calls = calls;
+            self.liveness.last_loop_call = now;
+        }
+        if self.pressed.is_empty() || now - self.liveness.last_heartbeat < HEARTBEAT_INTERVAL {
+            return;
+        }
+        self.liveness.last_heartbeat = now;
+        if now - self.liveness.last_loop_call < LOOP_TIMEOUT {
+            self.is_watchdog_lost |= watchdog.send_heartbeat().is_err();
+        }
+    }
+
+    /// Releases every key and restarts the watchdog. Returns the channel that closes when the new one exits.
+    fn restart_watchdog(&mut self) -> Receiver<()> {
+        self.release_all();
+        // The lost watchdog did not accept the reports of these releases.
+        self.is_watchdog_lost = false;
+        let Some(watchdog) = &mut self.watchdog else {
+            return never();
+        };
+        match watchdog.restart() {
+            Ok(()) => watchdog.exited().clone(),
+            Err(reason) => {
+                self.watchdog = None;
+                self.fail(&reason);
+                never()
+            }
+        }
+    }
+
+    /// Reports a key to the watchdog. Returns `false` if it did not accept the report.
+    fn report_key(&mut self, key: KeyCode, direction: KeyDirection) -> bool {
+        self.report(|watchdog| watchdog.report_key(key, direction))
+    }
+
+    /// Reports the start or end of a character to the watchdog. Returns `false` if it did not accept the report.
+    fn report_text(&mut self, is_typing: bool) -> bool {
+        self.report(|watchdog| watchdog.report_text(is_typing))
+    }
+
+    fn report(&mut self, send: impl FnOnce(&WatchdogClient) -> Result<(), WatchdogLost>) -> bool {
+        let is_accepted = self
+            .watchdog
+            .as_ref()
+            .is_none_or(|watchdog| send(watchdog).is_ok());
+        self.is_watchdog_lost |= !is_accepted;
+        is_accepted
+    }
+
+    fn execute(&mut self, request: WorkerRequest) {
+        match request {
+            WorkerRequest::Release(key) => self.release(key),
+            _ if self.status.failure.get().is_some() => {}
+            WorkerRequest::Press(key) => {
+                // The watchdog could not release a key that it does not know.
+                if !self.report_key(key, KeyDirection::Press) {
+                    return;
+                }
+                // Added first: a press that failed may have arrived.
+                self.pressed.press(key);
+                self.inject(key, KeyDirection::Press);
+            }
+            WorkerRequest::Perform(StatelessAction::Character(_)) if !self.report_text(true) => {}
+            // Not repeated: an action that failed may have arrived.
+            WorkerRequest::Perform(action) => {
+                if let Err(reason) = self.injector.perform(action) {
+                    self.fail(&reason);
+                }
+                if let StatelessAction::Character(_) = action {
+                    self.report_text(false);
+                }
+            }
+        }
+    }
+
+    /// Records a failure; only the first is kept.
+    fn fail(&self, reason: &str) {
+        let _ = self.status.failure.set(reason.into());
+    }
+
+    fn release(&mut self, key: KeyCode) {
+        if self.pressed.contains(key) && self.inject(key, KeyDirection::Release) {
+            self.pressed.release(key);
+            self.report_key(key, KeyDirection::Release);
+        }
+    }
+
+    fn release_all(&mut self) {
+        for key in self.pressed.clone().release_order() {
+            self.release(key);
+        }
+    }
+
+    /// Injects a key with retries and returns `true` if the display accepted it. After a failure there are no more
+    /// retries, so that releasing all keys stays within the close timeout.
+    fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> bool {
+        let retries = match self.status.failure.get() {
+            None => RETRIES,
+            Some(_) => 0,
+        };
+        let mut result = self.injector.inject(key, direction);
+        for _ in 0..retries {
+            if result.is_ok() {
+                break;
+            }
+            thread::sleep(RETRY_DELAY);
+            result = self.injector.inject(key, direction);
+        }
+        if let Err(reason) = &result {
+            self.fail(reason);
+        }
+        result.is_ok()
+    }
+}

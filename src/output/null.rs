@@ -1,0 +1,29 @@
+//! The output `none`, which discards every event.
+
+use super::{Backend, OutputError, Sink};
+use crate::device::{Capabilities, OutputEvent};
+
+/// The backend `none`.
+pub const BACKEND: Backend = Backend {
+    name: "none",
+    argument: None,
+    summary: "discards every event",
+    capabilities: Capabilities::all,
+    is_log: false,
+    is_fixed_when_open: false,
+    check: None,
+    open: |_| Ok(Box::new(NullSink)),
+};
+
+/// A sink that discards every event.
+struct NullSink;
+
+impl Sink for NullSink {
+    fn send(&mut self, _: &[OutputEvent]) -> Result<(), OutputError> {
+        Ok(())
+    }
+
+    fn close(&mut self) -> Result<(), OutputError> {
+        Ok(())
+    }
+}

@@ -1,0 +1,293 @@
+//! Unix sockets of Linux.
+
+use std::ffi::OsStr;
+use std::fmt;
+use std::fs::{self, DirBuilder, File, OpenOptions, TryLockError};
+use std::io;
+use std::os::fd::{AsFd, BorrowedFd};
+use std::os::unix::fs::{DirBuilderExt, FileTypeExt, MetadataExt, OpenOptionsExt};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+
+use rustix::fs::{Mode, OFlags, fchmod};
+use rustix::net::sockopt::{set_socket_send_buffer_size, socket_peercred};
+use rustix::net::{
+    AddressFamily, SocketAddrUnix, SocketFlags, SocketType, bind, listen, socket_with,
+};
+use rustix::process::geteuid;
+
+/// A connection to a client.
+pub(crate) type Stream = UnixStream;
+
+/// Maximum length of the path of a Unix socket on Linux, in bytes: `sun_path` without its NUL (unix(7)).
+const MAX_PATH: usize = 107;
+
+/// Maximum number of clients that wait to be accepted.
+const BACKLOG: i32 = 16;
+
+/// Send buffer per client, in bytes; the kernel rounds up to at least 4.5 KiB. With the default of a few hundred KiB a
+/// client that hangs would be detected minutes later.
+const SEND_BUFFER: usize = 8192;
+
+/// A failure to create a socket. The messages contain the cause; the remedy depends on the purpose of the socket.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum SocketError {
+    /// The path is too long; both lengths are in bytes.
+    #[error("the path has {length} bytes, and a socket path at most {max}")]
+    PathTooLong { length: usize, max: usize },
+    /// A running program listens there.
+    #[error("another program listens there")]
+    InUse,
+    /// Any other cause.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl SocketError {
+    fn other(reason: impl fmt::Display) -> Self {
+        Self::Other(reason.to_string())
+    }
+}
+
+impl From<io::Error> for SocketError {
+    fn from(error: io::Error) -> Self {
+        Self::other(error)
+    }
+}
+
+/// Returns the default path of the socket of this name, in the folder `ademan` of the user's runtime folder. `None` if
+/// there is no runtime folder.
+pub(crate) fn default_path(name: &str) -> Option<PathBuf> {
+    let runtime = PathBuf::from(std::env::var_os("XDG_RUNTIME_DIR")?);
+    let exists = runtime.is_absolute() && runtime.is_dir();
+    exists.then(|| runtime.join("ademan").join(name))
+}
+
+/// A listening socket. Its file stays when this is dropped, see [`remove`](Self::remove).
+pub(crate) struct Listener {
+    socket: UnixListener,
+    path: PathBuf,
+    /// Device and inode of the socket file.
+    inode: (u64, u64),
+    /// Locked while the socket exists. Its file is never removed, as that would race with another process opening it.
+    _lock: File,
+}
+
+impl Listener {
+    /// Listens at `path`. Creates the folder `ademan` of a default path, accessible by its owner only. Replaces a socket
+    /// left behind by a dead process.
+    pub fn open(path: &Path) -> Result<Self, SocketError> {
+        check_path(path)?;
+        let name = path.file_name().and_then(OsStr::to_str);
+        if name
+            .and_then(default_path)
+            .is_some_and(|default| default == path)
+        {
+            create_private_folder(path)?;
+        }
+        let lock = lock(path)?;
+        remove_stale(path)?;
+        let socket = bind_private(path).map_err(io::Error::from)?;
+        let metadata = fs::symlink_metadata(path)?;
+        let listener = Self {
+            socket,
+            path: path.into(),
+            inode: (metadata.dev(), metadata.ino()),
+            _lock: lock,
+        };
+        match metadata.mode() & 0o077 {
+            0 => Ok(listener),
+            _ => Err(SocketError::other(
+                "other users could connect, as the file system does not support file modes",
+            )),
+        }
+    }
+
+    /// Returns the path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Makes [`accept`](Self::accept) return `WouldBlock` instead of blocking.
+    pub fn set_nonblocking(&self) -> io::Result<()> {
+        self.socket.set_nonblocking(true)
+    }
+
+    /// Accepts the next client. Fails if the client belongs to another user.
+    pub fn accept(&self) -> io::Result<Stream> {
+        let (stream, _) = self.socket.accept()?;
+        if socket_peercred(&stream)?.uid != geteuid() {
+            return Err(io::Error::new(
+                io::ErrorKind::PermissionDenied,
+                "rejected a client of another user",
+            ));
+        }
+        set_socket_send_buffer_size(&stream, SEND_BUFFER)?;
+        Ok(stream)
+    }
+
+    /// Removes the socket file and wakes a thread that blocks in [`accept`](Self::accept). Clients stay connected.
+    pub fn close(&self) {
+        // Only a client can end an `accept`.
+        let _ = UnixStream::connect(&self.path);
+        self.remove();
+    }
+
+    /// Removes the socket file unless another process has replaced it.
+    pub fn remove(&self) {
+        let is_own = fs::symlink_metadata(&self.path)
+            .is_ok_and(|found| (found.dev(), found.ino()) == self.inode);
+        if is_own {
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+impl AsFd for Listener {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.socket.as_fd()
+    }
+}
+
+/// Checks the length of the path of a socket.
+pub(crate) fn check_path(path: &Path) -> Result<(), SocketError> {
+    let length = path.as_os_str().len();
+    match length > MAX_PATH {
+        false => Ok(()),
+        true => Err(SocketError::PathTooLong {
+            length,
+            max: MAX_PATH,
+        }),
+    }
+}
+
+/// Connects as a client.
+pub(crate) fn connect(path: &Path) -> io::Result<Stream> {
+    UnixStream::connect(path)
+}
+
+fn create_private_folder(path: &Path) -> Result<(), SocketError> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    match DirBuilder::new().mode(0o700).create(folder) {
+        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
+            return Err(SocketError::Other(format!(
+                "cannot create {}: {error}",
+                folder.display()
+            )));
+        }
+        _ => {}
+    }
+    let metadata = fs::symlink_metadata(folder)?;
+    let is_private =
+        metadata.is_dir() && metadata.uid() == geteuid().as_raw() && metadata.mode() & 0o077 == 0;
+    match is_private {
+        true => Ok(()),
+        false => Err(SocketError::Other(format!(
+            "other users may access {0}; restrict it to yourself: chmod 700 {0}",
+            folder.display()
+        ))),
+    }
+}
+
+/// Locks the file beside a socket. The owner of the lock owns the socket; the kernel drops the lock when the process
+/// exits.
+fn lock(path: &Path) -> Result<File, SocketError> {
+    let mut lock_path = path.as_os_str().to_owned();
+    lock_path.push(".lock");
+    let lock = OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .mode(0o600)
+        .custom_flags(OFlags::NOFOLLOW.bits() as i32)
+        .open(&lock_path)
+        .map_err(|error| {
+            SocketError::Other(format!("cannot open {}: {error}", lock_path.display()))
+        })?;
+    match lock.try_lock() {
+        Ok(()) => Ok(lock),
+        Err(TryLockError::WouldBlock) => Err(SocketError::InUse),
+        Err(TryLockError::Error(error)) => Err(error.into()),
+    }
+}
+
+/// Removes a socket left behind by a dead process. The caller must have the lock.
+fn remove_stale(path: &Path) -> Result<(), SocketError> {
+    match fs::symlink_metadata(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) => Err(error.into()),
+        Ok(metadata) if !metadata.file_type().is_socket() => Err(SocketError::other(
+            "the file there is not a socket; use another path",
+        )),
+        // A server that does not use the lock.
+        Ok(_) if UnixStream::connect(path).is_ok() => Err(SocketError::InUse),
+        Ok(_) => Ok(fs::remove_file(path)?),
+    }
+}
+
+/// Binds a socket with mode 0600. Linux gives the file the mode of the socket, less the umask (`unix_bind_bsd` in
+/// net/unix/af_unix.c), so the mode is never wider, and the umask of the process is unchanged.
+fn bind_private(path: &Path) -> rustix::io::Result<UnixListener> {
+    let socket = socket_with(
+        AddressFamily::UNIX,
+        SocketType::STREAM,
+        SocketFlags::CLOEXEC,
+        None,
+    )?;
+    fchmod(&socket, Mode::RUSR | Mode::WUSR)?;
+    bind(&socket, &SocketAddrUnix::new(path)?)?;
+    listen(&socket, BACKLOG)?;
+    Ok(UnixListener::from(socket))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_socket_is_accessible_by_its_owner_only_and_removed_when_it_is_closed() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("c.sock");
+        let listener = Listener::open(&path).unwrap();
+        let mode = fs::symlink_metadata(&path).unwrap().mode();
+        assert_eq!(mode & 0o777, 0o600);
+        listener.close();
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn a_socket_in_use_is_an_error_and_that_of_a_dead_process_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("c.sock");
+        let first = Listener::open(&path).unwrap();
+        let second = Listener::open(&path);
+        assert!(matches!(second, Err(SocketError::InUse)));
+        drop(first);
+        assert!(path.exists(), "as after a crash");
+        let next = Listener::open(&path).unwrap();
+        assert!(connect(next.path()).is_ok());
+    }
+
+    #[test]
+    fn neither_a_server_without_a_lock_nor_a_regular_file_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("c.sock");
+        let _other = UnixListener::bind(&path).unwrap();
+        let opened = Listener::open(&path);
+        assert!(matches!(opened, Err(SocketError::InUse)));
+
+        let path = folder.path().join("notes");
+        fs::write(&path, "mine").unwrap();
+        let error = Listener::open(&path).err().unwrap().to_string();
+        assert!(error.contains("not a socket"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
+    }
+
+    #[test]
+    fn a_path_that_is_too_long_is_an_error() {
+        let path = PathBuf::from(format!("/tmp/{}", "x".repeat(103)));
+        let error = Listener::open(&path).err().unwrap().to_string();
+        assert!(error.contains("108 bytes"), "{error}");
+        assert!(error.contains("at most 107"), "{error}");
+    }
+}

@@ -1,0 +1,65 @@
+//! The stand-in on operating systems that have no such sockets yet.
+
+use std::io;
+use std::net::TcpStream;
+use std::path::{Path, PathBuf};
+
+const REASON: &str = "it needs Linux";
+
+/// A failure to create a socket.
+#[derive(Debug, thiserror::Error)]
+#[expect(
+    dead_code,
+    reason = "a socket that cannot exist is neither in use nor too long"
+)]
+pub(crate) enum SocketError {
+    /// The path is too long; both lengths are in bytes.
+    #[error("the path has {length} bytes, and a socket path at most {max}")]
+    PathTooLong { length: usize, max: usize },
+    /// A running program listens there.
+    #[error("another program listens there")]
+    InUse,
+    /// Any other cause.
+    #[error("{0}")]
+    Other(String),
+}
+
+/// A stream type for signatures; no connection exists.
+pub(crate) type Stream = TcpStream;
+
+/// Returns `None`.
+pub(crate) fn default_path(_: &str) -> Option<PathBuf> {
+    None
+}
+
+/// A socket that cannot exist.
+pub(crate) enum Listener {}
+
+impl Listener {
+    /// Returns an error.
+    pub fn open(_: &Path) -> Result<Self, SocketError> {
+        Err(SocketError::Other(REASON.into()))
+    }
+
+    pub fn path(&self) -> &Path {
+        match *self {}
+    }
+
+    pub fn accept(&self) -> io::Result<Stream> {
+        match *self {}
+    }
+
+    pub fn close(&self) {
+        match *self {}
+    }
+}
+
+/// Returns an error.
+pub(crate) fn connect(_: &Path) -> io::Result<Stream> {
+    Err(io::Error::new(io::ErrorKind::Unsupported, REASON))
+}
+
+/// Accepts every path.
+pub(crate) fn check_path(_: &Path) -> Result<(), SocketError> {
+    Ok(())
+}

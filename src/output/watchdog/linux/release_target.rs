@@ -1,0 +1,175 @@
+//! The handle with which the watchdog releases keys, and its transfer to the watchdog.
+
+use std::io::{self, IoSlice, IoSliceMut};
+use std::mem::MaybeUninit;
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::os::unix::net::UnixStream;
+
+use rustix::cmsg_space;
+use rustix::net::{
+    RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
+    SendAncillaryMessage, SendFlags, recvmsg, sendmsg,
+};
+
+/// The handle with which the watchdog releases keys.
+#[derive(Debug, Default)]
+pub enum ReleaseTarget {
+    /// A new connection to the display.
+    #[default]
+    Display,
+    /// For keys, the connection of the client to a compositor and the id of its virtual keyboard; for buttons, a new
+    /// connection.
+    WaylandKeyboard(OwnedFd, u32),
+    /// Devices of `uinput`.
+    Devices(Vec<DeviceHandle>),
+}
+
+/// A device of `uinput` that the client has created.
+#[derive(Debug)]
+pub struct DeviceHandle {
+    /// The file descriptor of `/dev/uinput`.
+    pub node: OwnedFd,
+    /// The device has axes that return to their center.
+    pub has_axes: bool,
+}
+
+/// Length of the message beside the file descriptors: the kind of the target and a number.
+const BYTES: usize = 5;
+
+/// Maximum number of devices; a client creates fewer.
+const MAX_DEVICES: usize = 8;
+
+impl ReleaseTarget {
+    /// Sends the target with its file descriptors (`SCM_RIGHTS`).
+    pub fn send(&self, socket: &UnixStream) -> io::Result<()> {
+        let (kind, number) = match self {
+            Self::Display => (b'd', 0),
+            Self::WaylandKeyboard(_, id) => (b'k', *id),
+            Self::Devices(devices) => (b'u', axis_bits(devices)),
+        };
+        let descriptors = self.descriptors();
+        let mut space = [MaybeUninit::uninit(); cmsg_space!(ScmRights(MAX_DEVICES))];
+        let mut ancillary = SendAncillaryBuffer::new(&mut space);
+        if !descriptors.is_empty() && !ancillary.push(SendAncillaryMessage::ScmRights(&descriptors))
+        {
+            return Err(io::Error::other("too many devices for the watchdog"));
+        }
+        let [a, b, c, d] = number.to_be_bytes();
+        let message = [kind, a, b, c, d];
+        let flags = SendFlags::empty();
+        match sendmsg(socket, &[IoSlice::new(&message)], &mut ancillary, flags)? {
+            BYTES => Ok(()),
+            _ => Err(io::ErrorKind::WriteZero.into()),
+        }
+    }
+
+    /// Receives a target.
+    pub fn receive(socket: &UnixStream) -> io::Result<Self> {
+        let mut message = [0; BYTES];
+        let mut space = [MaybeUninit::uninit(); cmsg_space!(ScmRights(MAX_DEVICES))];
+        let mut ancillary = RecvAncillaryBuffer::new(&mut space);
+        let slices = &mut [IoSliceMut::new(&mut message)];
+        let received = recvmsg(socket, slices, &mut ancillary, RecvFlags::CMSG_CLOEXEC)?;
+        let mut descriptors = Vec::new();
+        for item in ancillary.drain() {
+            if let RecvAncillaryMessage::ScmRights(rights) = item {
+                descriptors.extend(rights);
+            }
+        }
+        let [kind, number @ ..] = message;
+        let number = u32::from_be_bytes(number);
+        match (kind, received.bytes) {
+            (b'd', BYTES) => Ok(Self::Display),
+            (b'u', BYTES) => Ok(Self::Devices(devices(descriptors, number))),
+            (b'k', BYTES) if descriptors.len() == 1 => {
+                Ok(Self::WaylandKeyboard(descriptors.swap_remove(0), number))
+            }
+            _ => Err(io::ErrorKind::InvalidData.into()),
+        }
+    }
+
+    fn descriptors(&self) -> Vec<BorrowedFd<'_>> {
+        match self {
+            Self::Display => Vec::new(),
+            Self::WaylandKeyboard(connection, _) => vec![connection.as_fd()],
+            Self::Devices(devices) => devices.iter().map(|device| device.node.as_fd()).collect(),
+        }
+    }
+}
+
+/// Returns a bit set of the devices that have axes.
+fn axis_bits(devices: &[DeviceHandle]) -> u32 {
+    let bits = devices.iter().enumerate();
+    bits.map(|(index, device)| u32::from(device.has_axes) << index)
+        .sum()
+}
+
+fn devices(nodes: Vec<OwnedFd>, axis_bits: u32) -> Vec<DeviceHandle> {
+    let device = |(index, node)| DeviceHandle {
+        node,
+        has_axes: axis_bits >> index & 1 == 1,
+    };
+    nodes.into_iter().enumerate().map(device).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::File;
+    use std::io::{Read, Write};
+
+    fn transfer(target: &ReleaseTarget) -> io::Result<ReleaseTarget> {
+        let (client, watchdog) = UnixStream::pair()?;
+        target.send(&client)?;
+        ReleaseTarget::receive(&watchdog)
+    }
+
+    fn device(has_axes: bool) -> (std::io::PipeReader, DeviceHandle) {
+        let (reader, writer) = std::io::pipe().unwrap();
+        let node = OwnedFd::from(writer);
+        (reader, DeviceHandle { node, has_axes })
+    }
+
+    #[test]
+    fn devices_arrive_in_order_and_share_the_file_of_the_client() {
+        let (mut keyboard, first) = device(false);
+        let (mut gamepad, second) = device(true);
+        let target = ReleaseTarget::Devices(vec![first, second]);
+        let ReleaseTarget::Devices(arrived) = transfer(&target).unwrap() else {
+            panic!("not devices");
+        };
+        drop(target);
+        let axes: Vec<_> = arrived.iter().map(|device| device.has_axes).collect();
+        assert_eq!(axes, [false, true]);
+        for (text, device) in ["first", "second"].into_iter().zip(arrived) {
+            File::from(device.node).write_all(text.as_bytes()).unwrap();
+        }
+        let mut texts = [String::new(), String::new()];
+        keyboard.read_to_string(&mut texts[0]).unwrap();
+        gamepad.read_to_string(&mut texts[1]).unwrap();
+        assert_eq!(texts, ["first", "second"]);
+    }
+
+    #[test]
+    fn a_keyboard_arrives_with_its_id_and_a_display_without_descriptors() {
+        let (_, connection) = device(false);
+        let id = 0x0102_0304;
+        let arrived = transfer(&ReleaseTarget::WaylandKeyboard(connection.node, id)).unwrap();
+        assert!(matches!(arrived, ReleaseTarget::WaylandKeyboard(_, received) if received == id));
+        assert!(matches!(
+            transfer(&ReleaseTarget::Display).unwrap(),
+            ReleaseTarget::Display
+        ));
+    }
+
+    #[test]
+    fn an_incomplete_or_unknown_target_is_an_error() {
+        let (client, watchdog) = UnixStream::pair().unwrap();
+        (&client).write_all(b"k\0\0\0\x01").unwrap();
+        assert!(ReleaseTarget::receive(&watchdog).is_err());
+        (&client).write_all(b"x\0\0\0\0").unwrap();
+        assert!(ReleaseTarget::receive(&watchdog).is_err());
+        drop(client);
+        assert!(ReleaseTarget::receive(&watchdog).is_err());
+    }
+}

@@ -1,0 +1,45 @@
+//! The stand-in on operating systems that have no watchdog yet.
+
+use std::convert::Infallible;
+
+use crossbeam_channel::Receiver;
+
+use super::WatchdogSettings;
+use crate::device::KeyCode;
+use crate::output::pressed_keys::KeyDirection;
+
+/// No handle is passed to another process.
+#[derive(Debug, Default)]
+pub struct ReleaseTarget;
+
+/// A watchdog that cannot exist.
+pub struct WatchdogClient(Infallible);
+
+/// The watchdog has exited.
+pub struct WatchdogLost;
+
+impl WatchdogClient {
+    pub fn start(_: &WatchdogSettings, _: ReleaseTarget) -> Result<Self, String> {
+        Err("cannot start the watchdog: it needs Linux".into())
+    }
+
+    pub fn report_key(&self, _: KeyCode, _: KeyDirection) -> Result<(), WatchdogLost> {
+        match self.0 {}
+    }
+
+    pub fn report_text(&self, _: bool) -> Result<(), WatchdogLost> {
+        match self.0 {}
+    }
+
+    pub fn send_heartbeat(&self) -> Result<(), WatchdogLost> {
+        match self.0 {}
+    }
+
+    pub fn exited(&self) -> &Receiver<()> {
+        match self.0 {}
+    }
+
+    pub fn restart(&mut self) -> Result<(), String> {
+        match self.0 {}
+    }
+}
