@@ -1,6 +1,6 @@
-//! The cost of a frame of both hands over controls of every kind: two readings in, events out.
+//! The time of two steps, one for each hand, with controls of every kind.
 //!
-//! `cargo bench --bench controls`. What counts are ratios of one run: 10 000 controls against 64.
+//! Compare ratios within one run of `cargo bench --bench controls`: 10 000 controls against 64.
 
 use std::fmt::Write;
 use std::hint::black_box;
@@ -15,7 +15,7 @@ fn main() {
     divan::main();
 }
 
-/// Both halves of a keyboard, 50 keys, within reach; the text needs no others.
+/// A text that needs only the keys of [`HALVES`].
 const TYPED: &str = "the quick brown fox jumps over the lazy dog 1234567890";
 const HALVES: [(&str, i32, [&str; 4]); 2] = [
     (
@@ -35,7 +35,7 @@ const HALVES: [(&str, i32, [&str; 4]); 2] = [
     ),
 ];
 
-/// The other controls, in turn; `{name}` and `{at}` stand for what differs.
+/// The other kinds of controls; `{name}` and `{at}` are replaced.
 const KINDS: [(&str, &str); 7] = [
     (
         "toggles",
@@ -67,8 +67,8 @@ const KINDS: [(&str, &str); 7] = [
     ),
 ];
 
-/// A layout of so many controls, half of them for each hand: keys within reach, and controls of all kinds
-/// in rows behind them.
+/// Returns a layout with this number of controls, half of them for each hand: keys within reach, and controls of all
+/// kinds in rows behind them.
 fn layout(controls: usize) -> String {
     let mut text = "Layout(name: \"bench\", boards: [".to_owned();
     for (hand, bearing, rows) in HALVES {
@@ -85,11 +85,11 @@ fn layout(controls: usize) -> String {
         let others = ((controls - 1) / 2).saturating_sub(20);
         for (kind, (list, form)) in KINDS.iter().enumerate() {
             let _ = write!(text, "{list}: [");
-            for place in (0..others).filter(|place| place % KINDS.len() == kind) {
-                let (column, row) = (place % 80, place / 80);
+            for number in (0..others).filter(|number| number % KINDS.len() == kind) {
+                let (column, row) = (number % 80, number / 80);
                 let at = format!("({}, {})", 24 * column as i32 - 960, 80 + 24 * row as i32);
                 let control = form
-                    .replace("{name}", &format!("{hand} {place}"))
+                    .replace("{name}", &format!("{hand} {number}"))
                     .replace("{at}", &at);
                 let _ = write!(text, "{control},");
             }
@@ -104,8 +104,8 @@ fn layout(controls: usize) -> String {
     text
 }
 
-fn assembly(controls: usize) -> LoadedSetup {
-    let folder = tempfile::tempdir().expect("a folder");
+fn loaded_setup(controls: usize) -> LoadedSetup {
+    let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("bench.ron");
     std::fs::write(&path, layout(controls)).expect("a file");
     let setup = Setup {
@@ -117,9 +117,9 @@ fn assembly(controls: usize) -> LoadedSetup {
     setup.load_files().unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What both hands show while they type, in pairs.
-fn readings(assembly: &LoadedSetup) -> Vec<[Reading; 2]> {
-    let typist = assembly.typist(TYPED, &Hc11Format::default(), 0.0, 0);
+/// Returns the readings of both hands while they type, in pairs.
+fn readings(setup: &LoadedSetup) -> Vec<[Reading; 2]> {
+    let typist = setup.typist(TYPED, &Hc11Format::default(), 0.0, 0);
     let mut typist: SimulatedTypist = typist.expect("the text is on the board");
     let mut next = || match typist.next() {
         Ok(SourceEvent::Reading(reading)) => Some(reading),
@@ -128,26 +128,26 @@ fn readings(assembly: &LoadedSetup) -> Vec<[Reading; 2]> {
     std::iter::from_fn(|| Some([next()?, next()?])).collect()
 }
 
-/// Two readings, one of each hand, all the way to events.
+/// Two readings, one of each hand, from reading to events.
 #[divan::bench(args = [64, 100, 10_000])]
 fn both_hands(bencher: Bencher, controls: usize) {
-    let assembly = assembly(controls);
-    let readings = readings(&assembly);
-    let mut pipeline = assembly.pipeline();
+    let setup = loaded_setup(controls);
+    let readings = readings(&setup);
+    let mut pipeline = setup.pipeline();
     let mut events = Events::new();
-    let (mut place, mut lap) = (0, 0);
+    let (mut index, mut pass) = (0, 0);
     let span = readings.last().expect("a text")[0].time.0;
     bencher.bench_local(|| {
-        for reading in &readings[place] {
+        for reading in &readings[index] {
             let mut reading = reading.clone();
-            reading.time.0 += lap * span;
+            reading.time.0 += pass * span;
             events.clear();
             let _ = black_box(pipeline.step(&reading, &mut events));
         }
-        place += 1;
-        if place == readings.len() {
-            place = 0;
-            lap += 1;
+        index += 1;
+        if index == readings.len() {
+            index = 0;
+            pass += 1;
         }
     });
 }

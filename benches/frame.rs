@@ -1,9 +1,9 @@
-//! Time of one frame of one hand, stage by stage: every figure is that of one reading.
+//! The time of one pipeline step for one hand, by stage. All figures are per reading.
 //!
-//! The readings are those of a simulated person who types on the shipped board; the boards here
-//! have the same keys under the hand and more of them around. A sample is one pass over all
-//! readings, so that rests, strokes and presses have their natural share. `a_nothing` is the cost
-//! of handing a reading over, which is in the figures of `c_` and `g_`.
+//! The readings are those of a simulated typist on the shipped board. The boards of the benchmark
+//! have the same keys below the hand and more keys around them. A sample is one pass over all
+//! readings, so rest, movement and presses have their natural frequency. `a_nothing` is the cost
+//! of copying a reading, which the figures of `c_` and `g_` include.
 
 use std::hint::black_box;
 use std::sync::LazyLock;
@@ -27,8 +27,8 @@ use ademan::time::Timestamp;
 use divan::Bencher;
 use parry3d::math::{Pose, Rotation, Vec3};
 
-/// Readings of a pass: 12 s at 115 200 baud.
-const FRAMES: usize = 2_048;
+/// The readings of one pass: 12 s at 115 200 baud.
+const READINGS: usize = 2_048;
 const TEXT: &str = "the quick brown fox jumps over the lazy dog";
 
 fn main() {
@@ -36,36 +36,39 @@ fn main() {
         let presses = typing().presses_on(board);
         assert_eq!(presses, typing().presses, "presses on {board:?}");
     }
-    divan::Divan::from_args().sample_size(FRAMES as u32).main();
+    divan::Divan::from_args()
+        .sample_size(READINGS as u32)
+        .main();
 }
 
-/// How many keys there are, and how they lie.
+/// A board with a number of keys.
 #[derive(Clone, Copy, Debug)]
 enum Board {
+    /// One flat surface.
     Flat(usize),
-    /// Turned by 30° against the axes of the search tree, so that its boxes overlap.
-    Turned(usize),
-    /// Dealt out to four surfaces in turn.
-    Four(usize),
+    /// Rotated by 30° against the axes of the search tree, so that bounding boxes overlap.
+    Rotated(usize),
+    /// Distributed over four surfaces.
+    FourSurfaces(usize),
 }
 
 const BOARDS: [Board; 6] = [
     Board::Flat(64),
     Board::Flat(100),
     Board::Flat(10_000),
-    Board::Turned(100),
-    Board::Turned(10_000),
-    Board::Four(10_000),
+    Board::Rotated(100),
+    Board::Rotated(10_000),
+    Board::FourSurfaces(10_000),
 ];
 
 impl Board {
     fn scene(self) -> Scene {
-        let typed_on = &typing().assembly.layout.scene.surfaces()[0];
-        let (Self::Flat(keys) | Self::Turned(keys) | Self::Four(keys)) = self;
-        let mut targets: Vec<Target> = typed_on.targets().map(|(_, target)| *target).collect();
+        let shipped = &typing().setup.layout.scene.surfaces()[0];
+        let (Self::Flat(keys) | Self::Rotated(keys) | Self::FourSurfaces(keys)) = self;
+        let mut targets: Vec<Target> = shipped.targets().map(|(_, target)| *target).collect();
         targets.extend(keys_around(&targets).take(keys - targets.len()));
-        // It goes along with the elbow, which keeps its place.
-        let world_from_surface = typed_on
+        // The surface follows the elbow, which does not move.
+        let world_from_surface = shipped
             .world_from_surface(&typing().poses[0])
             .expect("the arm has an elbow");
         let mut scene = Scene::new();
@@ -74,29 +77,29 @@ impl Board {
             Self::Flat(_) => {
                 add(world_from_surface, targets);
             }
-            Self::Turned(_) => {
-                let turn = Pose::from_parts(Vec3::ZERO, Rotation::from_rotation_z(0.5));
+            Self::Rotated(_) => {
+                let rotation = Pose::from_parts(Vec3::ZERO, Rotation::from_rotation_z(0.5));
                 for target in &mut targets {
-                    target.surface_from_target = turn.inverse() * target.surface_from_target;
+                    target.surface_from_target = rotation.inverse() * target.surface_from_target;
                 }
-                add(world_from_surface * turn, targets);
+                add(world_from_surface * rotation, targets);
             }
-            Self::Four(_) => {
+            Self::FourSurfaces(_) => {
                 for first in 0..4 {
-                    let dealt = targets.iter().skip(first).step_by(4);
-                    add(world_from_surface, dealt.copied().collect());
+                    let part = targets.iter().skip(first).step_by(4);
+                    add(world_from_surface, part.copied().collect());
                 }
             }
         }
         scene
     }
 
-    /// A keyboard that does the same on every key.
+    /// Returns a keyboard with the same action on every key.
     fn keyboard(self) -> Keyboard {
-        let code: KeyCode = "A".parse().expect("there is such a key");
-        let (Self::Flat(keys) | Self::Turned(keys) | Self::Four(keys)) = self;
-        let binding = |place| KeyBinding {
-            target: TargetId(place as u32),
+        let code: KeyCode = "A".parse().expect("a valid key");
+        let (Self::Flat(keys) | Self::Rotated(keys) | Self::FourSurfaces(keys)) = self;
+        let binding = |index| KeyBinding {
+            target: TargetId(index as u32),
             actions: vec![Some(KeyAction::Key(code))],
             reports_depth: false,
             activation: Activation::OnPress,
@@ -112,7 +115,7 @@ impl Board {
         };
         Pipeline::new(
             typing().estimator(),
-            typing().assembly.arm.clone(),
+            typing().setup.arm.clone(),
             LayoutInstance::new(
                 self.scene(),
                 TargetNames::default(),
@@ -123,34 +126,34 @@ impl Board {
     }
 }
 
-/// Keys at 19 mm around those that there are, the nearest rings first.
+/// Returns keys at a pitch of 19 mm around `keys`, the nearest rings first.
 fn keys_around(keys: &[Target]) -> impl Iterator<Item = Target> + use<> {
     const PITCH: f32 = 0.019;
-    let middle = |key: &Target| key.surface_from_target.translation;
-    let low = keys.iter().map(middle).reduce(Vec3::min).expect("keys");
-    let high = keys.iter().map(middle).reduce(Vec3::max).expect("keys");
+    let center = |key: &Target| key.surface_from_target.translation;
+    let low = keys.iter().map(center).reduce(Vec3::min).expect("keys");
+    let high = keys.iter().map(center).reduce(Vec3::max).expect("keys");
     let columns = ((high.x - low.x) / PITCH).ceil() as i32;
     let rows = ((high.y - low.y) / PITCH).ceil() as i32;
-    let like = keys[1];
+    let template = keys[1];
     (1..).flat_map(move |ring: i32| {
         let row_of = move |row| (-ring..=columns + ring).map(move |column| (column, row));
         let is_in_ring = move |&(column, row): &(i32, i32)| {
             column == -ring || column == columns + ring || row == -ring || row == rows + ring
         };
-        let places = (-ring..=rows + ring).flat_map(row_of).filter(is_in_ring);
-        places.map(move |(column, row)| {
-            let at = low + Vec3::new(column as f32, row as f32, 0.0) * PITCH;
+        let cells = (-ring..=rows + ring).flat_map(row_of).filter(is_in_ring);
+        cells.map(move |(column, row)| {
+            let position = low + Vec3::new(column as f32, row as f32, 0.0) * PITCH;
             Target {
-                surface_from_target: Pose::from_translation(at),
-                ..like
+                surface_from_target: Pose::from_translation(position),
+                ..template
             }
         })
     })
 }
 
-/// What each stage gets while a person types.
+/// The input of each stage while a simulated person types.
 struct Typing {
-    assembly: LoadedSetup,
+    setup: LoadedSetup,
     packets: Vec<[u8; PACKET_BYTES]>,
     readings: Vec<Reading>,
     estimates: Vec<Estimate>,
@@ -166,12 +169,12 @@ fn typing() -> &'static Typing {
 
 impl Typing {
     fn record() -> Self {
-        let assembly = Setup::default().load_files().expect("the default setup");
-        let mut typist = assembly
+        let setup = Setup::default().load_files().expect("the default setup");
+        let mut typist = setup
             .typist(TEXT, &Hc11Format::default(), 0.5, 1)
             .expect("the text is on the board");
         let mut typing = Self {
-            assembly,
+            setup,
             packets: Vec::new(),
             readings: Vec::new(),
             estimates: Vec::new(),
@@ -180,9 +183,9 @@ impl Typing {
             presses: 0,
         };
         let mut estimator = typing.estimator();
-        let scene = typing.assembly.layout.scene.clone();
+        let scene = typing.setup.layout.scene.clone();
         let mut tracker = ContactTracker::new(&scene);
-        for number in 0..FRAMES {
+        for number in 0..READINGS {
             let counts = typist.next_counts().expect("the text is long enough");
             let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
             let reading = Reading {
@@ -191,7 +194,7 @@ impl Typing {
                 sample: Sample::Channels(hc11::channels(&body)),
             };
             let estimate = estimator.update(&reading).expect("a plausible reading");
-            let pose = typing.assembly.arm.forward(&estimate);
+            let pose = typing.setup.arm.forward(&estimate);
             let mut touches = Touches::new();
             tracker.update(&scene, &pose, &mut touches);
             typing.presses += presses(&touches);
@@ -206,15 +209,15 @@ impl Typing {
     }
 
     fn estimator(&self) -> Estimator {
-        Estimator::new(EstimatorSettings::default()).with_channels(&self.assembly.glove.map)
+        Estimator::new(EstimatorSettings::default()).with_channels(&self.setup.glove.map)
     }
 
     fn presses_on(&self, board: Board) -> usize {
         let mut pipeline = board.pipeline();
         let mut count = 0;
         for reading in &self.readings {
-            let frame = pipeline.step(reading, &mut Events::new());
-            count += presses(&frame.expect("a hand that can be").touches);
+            let step = pipeline.step(reading, &mut Events::new());
+            count += presses(&step.expect("a plausible reading").touches);
         }
         count
     }
@@ -225,7 +228,7 @@ fn presses(touches: &Touches) -> usize {
     touches.iter().filter(is_press).count()
 }
 
-/// The readings, pass after pass; their times go on.
+/// The readings of endless passes with increasing time stamps.
 struct Readings {
     readings: Vec<Reading>,
     next: usize,
@@ -240,14 +243,14 @@ impl Readings {
     }
 
     fn next(&mut self) -> &Reading {
-        self.next = (self.next + 1) % FRAMES;
+        self.next = (self.next + 1) % READINGS;
         let reading = &mut self.readings[self.next];
-        reading.time.0 += 5_729 * FRAMES as u64;
+        reading.time.0 += 5_729 * READINGS as u64;
         black_box(reading)
     }
 }
 
-/// Hands one item after the other to `stage`, pass after pass.
+/// Passes the items one by one to `stage`, in endless passes.
 fn run<T, R>(bencher: Bencher, items: &[T], mut stage: impl FnMut(&T) -> R) {
     let mut items = items.iter().cycle();
     bencher.bench_local(|| items.next().map(|item| stage(black_box(item))));
@@ -283,7 +286,7 @@ fn c_estimate(bencher: Bencher) {
 #[divan::bench(args = ["unam", "anthropometric"])]
 fn d_forward_kinematics(bencher: Bencher, arm: &str) {
     let arm = match arm {
-        "unam" => typing().assembly.arm.clone(),
+        "unam" => typing().setup.arm.clone(),
         _ => {
             let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).expect("a person");
             ArmModel::anthropometric(Side::Right, &bones).expect("an arm")

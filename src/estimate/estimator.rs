@@ -2,13 +2,11 @@
 
 use std::time::Duration;
 
-use super::channel_map::ChannelMap;
-use super::channels::ChannelConverter;
-use super::limits::JointLimits;
-use super::smoothing::{Smoother, Smoothing};
-use super::{Estimate, JointAngles, Rejection, angles};
-use crate::capture::{Channels, Reading, Sample};
-use crate::hand::FingerSet;
+use super::samples::SampleConverter;
+use super::smoothing::Smoother;
+use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
+use crate::capture::Reading;
+use crate::hand::JointAngles;
 use crate::time::Timestamp;
 
 /// The number of consecutive readings, each plausible after the previous one, after which an implausible jump is
@@ -19,55 +17,12 @@ const CONSISTENT_READINGS: u8 = 3;
 /// measured time between two readings can be far too short.
 const MIN_PLAUSIBLE_ROTATION: f64 = 0.3;
 
-/// Settings of an [`Estimator`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EstimatorSettings {
-    /// The smoothing filter.
-    pub smoothing: Smoothing,
-    /// The ranges of motion; `None` accepts every finite angle.
-    pub limits: Option<JointLimits>,
-    /// The highest speed of a joint, in rad/s; `None` accepts every change.
-    pub max_speed: Option<f64>,
-    /// The longest gap between two readings that does not reset the filters.
-    pub max_gap: Duration,
-    /// The time for which a channel may stay at one end of its range before its fingers are untrusted, as with a broken
-    /// wire or a short circuit; `None` disables the check.
-    pub rail_timeout: Option<Duration>,
-}
-
-impl Default for EstimatorSettings {
-    /// Human ranges of motion; 40 rad/s, twice the fastest finger flexion; reset after 0.5 s;
-    /// rail time-out 1 s.
-    fn default() -> Self {
-        Self {
-            smoothing: Smoothing::default(),
-            limits: Some(JointLimits::human()),
-            max_speed: Some(40.0),
-            max_gap: Duration::from_millis(500),
-            rail_timeout: Some(Duration::from_secs(1)),
-        }
-    }
-}
-
-impl EstimatorSettings {
-    /// Returns settings without plausibility checks: every finite angle is accepted, at any speed.
-    pub fn unchecked(smoothing: Smoothing) -> Self {
-        Self {
-            smoothing,
-            limits: None,
-            max_speed: None,
-            max_gap: Duration::MAX,
-            rail_timeout: None,
-        }
-    }
-}
-
 /// The estimator of one hand. It accepts samples of every kind; those with sensor channels need a
 /// [channel map](Self::with_channels).
 #[derive(Clone, Debug)]
 pub struct Estimator {
-    channels: Option<ChannelConverter>,
     settings: EstimatorSettings,
+    converter: SampleConverter,
     smoother: Smoother,
     /// The last accepted angles, before the filter.
     last: Option<RawAngles>,
@@ -83,49 +38,37 @@ struct RawAngles {
 }
 
 impl Estimator {
-    /// Creates an estimator for samples of joint angles.
+    /// Creates an estimator for samples that need no channel map.
     pub fn new(settings: EstimatorSettings) -> Self {
         Self {
-            channels: None,
-            smoother: Smoother::new(settings.smoothing),
             settings,
+            converter: SampleConverter::new(),
+            smoother: Smoother::new(settings.smoothing),
             last: None,
             candidate: None,
         }
     }
 
-    /// Adds the channel map of a glove, for samples of sensor channels.
+    /// Sets the channel map of a glove, for samples of sensor channels.
     #[must_use]
     pub fn with_channels(mut self, map: &ChannelMap) -> Self {
-        let limits = self.settings.limits.as_ref();
-        self.channels = Some(ChannelConverter::new(map, limits));
+        self.converter.set_channel_map(map, &self.settings);
         self
     }
 
-    /// Converts a reading. A rejected reading does not change the filters.
+    /// Converts a reading. A rejected reading does not change the filters. Does not allocate.
     pub fn update(&mut self, reading: &Reading) -> Result<Estimate, Rejection> {
-        let time = reading.time;
-        let (angles, untrusted) = match &reading.sample {
-            Sample::Channels(channels) => self.convert_channels(time, channels)?,
-            Sample::Angles { angles } => {
-                self.check_order(time)?;
-                let limits = self.settings.limits.as_ref();
-                (angles::convert(angles, limits)?, FingerSet::NONE)
-            }
+        let gap = self.gap(reading.time)?;
+        let mut estimate = self.converter.convert(reading, &self.settings)?;
+        let raw = RawAngles {
+            time: reading.time,
+            angles: estimate.angles,
         };
-        let raw = RawAngles { time, angles };
-        let jumped = self.check_speed(&raw)?;
-        let gap = match &self.last {
-            Some(last) => time.since(last.time),
-            None => Duration::ZERO,
-        };
-        if jumped || gap > self.settings.max_gap || !self.has_same_dofs(&angles) {
+        estimate.jumped = self.check_speed(&raw)?;
+        if estimate.jumped || gap > self.settings.max_gap || !self.has_same_dofs(&raw.angles) {
             self.smoother.reset();
         }
         self.last = Some(raw);
-        let mut estimate = Estimate::new(time, angles);
-        estimate.untrusted = untrusted;
-        estimate.jumped = jumped;
         self.smoother
             .filter(&mut estimate.angles, gap.as_secs_f64());
         if let Some(limits) = &self.settings.limits {
@@ -134,28 +77,12 @@ impl Estimator {
         Ok(estimate)
     }
 
-    fn convert_channels(
-        &mut self,
-        time: Timestamp,
-        channels: &Channels,
-    ) -> Result<(JointAngles, FingerSet), Rejection> {
-        let converter = self.channels.as_ref();
-        if !converter.is_some_and(|converter| converter.accepts(channels)) {
-            return Err(Rejection::WrongShape);
-        }
-        self.check_order(time)?;
-        let converter = self.channels.as_mut().ok_or(Rejection::WrongShape)?;
-        let untrusted = match self.settings.rail_timeout {
-            Some(timeout) => converter.update_health(time, channels, timeout),
-            None => FingerSet::NONE,
-        };
-        Ok((converter.convert(channels)?, untrusted))
-    }
-
-    fn check_order(&self, time: Timestamp) -> Result<(), Rejection> {
+    /// Returns the time since the last accepted reading, or zero at the first.
+    fn gap(&self, time: Timestamp) -> Result<Duration, Rejection> {
         match &self.last {
             Some(last) if time <= last.time => Err(Rejection::OutOfOrder),
-            _ => Ok(()),
+            Some(last) => Ok(time.since(last.time)),
+            None => Ok(Duration::ZERO),
         }
     }
 

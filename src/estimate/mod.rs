@@ -1,19 +1,20 @@
 //! Stage 2: [`Reading`](crate::capture::Reading) → [`Estimate`].
 
-mod angles;
 mod calibration;
 mod channel_map;
-mod channels;
 mod estimator;
 mod limits;
 mod one_euro;
+mod samples;
+mod settings;
 mod smoothing;
 
 pub use calibration::{AffineMap, FitError, divider_resistance};
 pub use channel_map::{ChannelMap, ChannelRow, MAX_ROWS};
-pub use estimator::{Estimator, EstimatorSettings};
+pub use estimator::Estimator;
 pub use limits::JointLimits;
 pub use one_euro::{OneEuroFilter, OneEuroSettings};
+pub use settings::EstimatorSettings;
 pub use smoothing::Smoothing;
 
 pub use crate::hand::JointAngles;

@@ -212,25 +212,37 @@ fn check(link: &Link, index: usize, preceding: &[Link]) -> Result<(), ArmModelEr
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kinematics::BoneLengths;
     use crate::time::Timestamp;
+
+    /// A link of 1 m from the origin along +X, with an elbow at its pivot.
+    fn rod() -> ArmModel {
+        let link = Link {
+            name: "rod".to_owned(),
+            parent: None,
+            offset: Vec3::ZERO,
+            axis: Vec3::Z,
+            dof: Some(Dof::ElbowFlexion),
+            length: 1.0,
+            joint: Some(Joint::Elbow),
+            fingertip: Some(Finger::Index),
+        };
+        ArmModel::new(Side::Right, vec![link], Pose::IDENTITY, 0.005).unwrap()
+    }
 
     #[test]
     fn measured_root_and_joints_override_the_model() {
-        let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).unwrap();
-        let model = ArmModel::anthropometric(Side::Right, &bones).unwrap();
         let mut estimate = Estimate::new(Timestamp(0), JointAngles::default());
-        let computed = model.forward(&estimate);
-        let shift = Vec3::new(0.0, 1.0, 0.0);
-        let mut root = model.world_from_root();
-        root.translation += shift;
-        estimate.root = Some(root);
-        let measured = Vec3::new(0.1, 0.2, 0.3);
-        estimate.measured.set(Joint::IndexTip, measured);
-        let pose = model.forward(&estimate);
-        assert_eq!(pose.fingertip(Finger::Index), Some(measured));
-        let middle = pose.fingertip(Finger::Middle).unwrap();
-        let expected = computed.fingertip(Finger::Middle).unwrap() + shift;
-        assert!(middle.distance(expected) < 1e-6, "{middle}");
+        assert_eq!(
+            rod().forward(&estimate).fingertip(Finger::Index),
+            Some(Vec3::X)
+        );
+        estimate.root = Some(Pose::from_translation(Vec3::Y));
+        let pose = rod().forward(&estimate);
+        assert_eq!(pose.position(Joint::Elbow), Some(Vec3::Y));
+        assert_eq!(pose.fingertip(Finger::Index), Some(Vec3::X + Vec3::Y));
+        estimate.measured.set(Joint::IndexTip, Vec3::Z);
+        let pose = rod().forward(&estimate);
+        assert_eq!(pose.position(Joint::Elbow), Some(Vec3::Y));
+        assert_eq!(pose.fingertip(Finger::Index), Some(Vec3::Z));
     }
 }

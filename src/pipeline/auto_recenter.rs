@@ -4,7 +4,6 @@ use std::time::Duration;
 
 use parry3d::math::{Vec2, Vec3};
 
-use super::board_move::RECENTER_FINGER;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::hit_test;
 use crate::contact::surface::{Scene, Surface};
@@ -12,6 +11,9 @@ use crate::contact::tracker::trusted_fingertip;
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
+
+/// The finger below which boards are centered.
+pub(super) const RECENTER_FINGER: Finger = Finger::Index;
 
 /// The smallest distance of every fingertip from all fronts while the hand rests, in metres: more than the height
 /// at which a fingertip hovers over a key before it presses it.

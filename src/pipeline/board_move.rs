@@ -2,15 +2,12 @@
 
 use parry3d::math::{Pose, Rot3, Vec3};
 
+use super::auto_recenter::RECENTER_FINGER;
 use super::{CommandError, LayoutInstance};
 use crate::contact::board_pose::BoardPose;
 use crate::contact::surface::Surface;
 use crate::contact::tracker::trusted_fingertip;
-use crate::hand::Finger;
 use crate::kinematics::HandPose;
-
-/// The finger below which boards are centered.
-pub(super) const RECENTER_FINGER: Finger = Finger::Index;
 
 /// A move of several boards.
 #[derive(Clone, Copy, Debug)]

@@ -2,6 +2,7 @@
 
 mod auto_recenter;
 mod board_move;
+mod command_error;
 mod commands;
 mod hand_pipeline;
 mod layout_instance;
@@ -11,7 +12,7 @@ mod rate_limit;
 mod settings;
 mod state;
 
-pub use commands::CommandError;
+pub use command_error::CommandError;
 pub use layout_instance::LayoutInstance;
 pub use permissions::{SourcePermissions, SourceRole};
 pub use rate_limit::PressRateLimit;

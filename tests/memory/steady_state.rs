@@ -1,4 +1,4 @@
-//! After the start, the way from bytes to events allocates nothing.
+//! The path from bytes to events does not allocate after the start.
 #![allow(
     unsafe_code,
     reason = "a global allocator can only be written as unsafe code"
@@ -27,7 +27,8 @@ use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
-struct Counting;
+/// The system allocator with counters for each thread.
+struct CountingAllocator;
 
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
@@ -38,29 +39,29 @@ fn count() {
     ALLOCATIONS.with(|allocations| allocations.set(allocations.get() + 1));
 }
 
-// SAFETY: everything is passed on to the system's allocator as it came.
-unsafe impl GlobalAlloc for Counting {
+// SAFETY: every call is forwarded unchanged to the system allocator.
+unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
-        // SAFETY: the caller keeps the contract.
+        // SAFETY: the caller fulfils the contract.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
         FREES.with(|frees| frees.set(frees.get() + 1));
-        // SAFETY: the caller keeps the contract.
+        // SAFETY: the caller fulfils the contract.
         unsafe { System.dealloc(block, layout) }
     }
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         count();
-        // SAFETY: the caller keeps the contract.
+        // SAFETY: the caller fulfils the contract.
         unsafe { System.realloc(block, layout, size) }
     }
 }
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 fn allocations() -> u64 {
     ALLOCATIONS.with(Cell::get)
@@ -70,7 +71,7 @@ fn frees() -> u64 {
     FREES.with(Cell::get)
 }
 
-/// The bytes of a glove that types.
+/// Returns the packets of a glove whose wearer types.
 fn stream(mut typist: SimulatedTypist) -> Vec<u8> {
     let mut bytes = Vec::new();
     while let Some(counts) = typist.next_counts() {
@@ -84,69 +85,67 @@ fn stream(mut typist: SimulatedTypist) -> Vec<u8> {
 }
 
 #[test]
-fn boards_that_move_or_drift_allocate_nothing() {
+fn moving_and_auto_recentering_boards_do_not_allocate() {
     let text = "Layout(name: \"a\", boards: [(drift: (after_ms: 100), place: (anchor: elbow, \
                 bearing_deg: 35, forward_mm: 300, height_mm: -145), \
                 rows: [(at_mm: (0, 0), keys: \"A B C\")])])";
-    let mut assembly = Setup::default()
-        .load_files()
-        .expect("the default setup is there");
-    let typist = assembly.typist("h", &Hc11Format::default(), 0.0, 0);
-    let counts = typist.expect("h can be typed").next_counts();
-    let counts = counts.expect("it begins over the key");
+    let mut setup = Setup::default().load_files().expect("the default setup");
+    let typist = setup.typist("h", &Hc11Format::default(), 0.0, 0);
+    let counts = typist.expect("a text on the board").next_counts();
+    let counts = counts.expect("a first packet");
     let body: [u8; 64] = std::array::from_fn(|channel| counts[channel] as u8);
-    assembly.layout = Keys::parse(text, "a.ron").expect("a layout");
-    let mut pipeline = assembly.pipeline();
+    setup.layout = Keys::parse(text, "a.ron").expect("a layout");
+    let mut pipeline = setup.pipeline();
     let mut events = Events::new();
-    let mut step = |pipeline: &mut Pipeline, frame: u64| {
+    let mut step = |pipeline: &mut Pipeline, index: u64| {
         let reading = Reading {
-            time: Timestamp(10_000 * frame),
+            time: Timestamp(10_000 * index),
             side: None,
             sample: Sample::Channels(hc11::channels(&body)),
         };
         let before = allocations();
-        pipeline.step(&reading, &mut events).expect("an able hand");
+        pipeline
+            .step(&reading, &mut events)
+            .expect("a plausible reading");
         allocations() - before
     };
     let mut allocated = 0;
-    for frame in 1..40 {
-        allocated += step(&mut pipeline, frame);
+    for index in 1..40 {
+        allocated += step(&mut pipeline, index);
     }
     assert_eq!(pipeline.state(), PipelineState::Running);
     let rest = pipeline.board_poses().next();
-    for frame in 40..100 {
-        allocated += step(&mut pipeline, frame);
+    for index in 40..100 {
+        allocated += step(&mut pipeline, index);
     }
-    assert_ne!(pipeline.board_poses().next(), rest, "it drifts");
+    assert_ne!(pipeline.board_poses().next(), rest, "auto-recentering");
     let mut events = Events::new();
     let before = allocations();
     let nudged = pipeline.nudge(Vec3::splat(0.01), &mut events);
     let tilted = pipeline.tilt(0.1, &mut events);
-    let brought = pipeline.recenter(&mut events);
+    let recentered = pipeline.recenter(&mut events);
     allocated += allocations() - before;
-    assert_eq!([nudged, tilted, brought], [Ok(()); 3]);
+    assert_eq!([nudged, tilted, recentered], [Ok(()); 3]);
     assert_eq!(allocated, 0);
 }
 
 #[test]
-fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
-    let assembly = Setup::default()
-        .load_files()
-        .expect("the default setup is there");
+fn a_packet_is_processed_to_events_without_allocation() {
+    let setup = Setup::default().load_files().expect("the default setup");
     let text = "Steady State!";
-    let typist = assembly.typist(text, &Hc11Format::default(), 0.5, 7);
+    let typist = setup.typist(text, &Hc11Format::default(), 0.5, 7);
     let bytes = stream(typist.expect("the text can be typed"));
-    let mut pipeline = assembly.pipeline();
+    let mut pipeline = setup.pipeline();
     let mut decoder = Hc11Decoder::new(Framing::Double06);
     let mut events = Events::new();
-    let (mut frames, mut sent) = (0, 0);
+    let (mut steps, mut sent) = (0, 0);
 
     let before = allocations();
-    for piece in bytes.chunks(29) {
-        decoder.push(piece, &mut |packet| {
-            frames += 1;
+    for chunk in bytes.chunks(29) {
+        decoder.push(chunk, &mut |packet| {
+            steps += 1;
             let reading = Reading {
-                time: Timestamp(5_729 * frames),
+                time: Timestamp(5_729 * steps),
                 side: None,
                 sample: packet.sample,
             };
@@ -158,17 +157,17 @@ fn a_frame_allocates_nothing_from_its_bytes_to_its_events() {
     pipeline.stop(&mut events);
     let allocated = allocations() - before;
 
-    assert_eq!(pipeline.accepted(), frames);
-    // Down and up for every key and every Shift, so that the whole way was in use.
+    assert_eq!(pipeline.accepted(), steps);
+    // A press and a release for every key and every Shift, so that the whole path was used.
     assert_eq!(sent, 2 * (text.len() + 3));
-    assert_eq!(allocated, 0, "{allocated} allocations in {frames} frames");
+    assert_eq!(allocated, 0, "{allocated} allocations in {steps} steps");
     drop(std::hint::black_box(Box::new(0)));
-    assert!(allocations() > before, "the allocator counts");
+    assert!(allocations() > before, "the allocator does not count");
 }
 
-/// The readings of a hand that types `text`, 5.7 ms apart.
-fn readings(assembly: &LoadedSetup, text: &str) -> Vec<Reading> {
-    let typist = assembly.typist(text, &Hc11Format::default(), 0.5, 7);
+/// Returns the readings of a hand that types `text`, at intervals of 5.7 ms.
+fn readings(setup: &LoadedSetup, text: &str) -> Vec<Reading> {
+    let typist = setup.typist(text, &Hc11Format::default(), 0.5, 7);
     let mut typist = typist.expect("the text can be typed");
     let mut readings = Vec::new();
     while let Some(counts) = typist.next_counts() {
@@ -182,12 +181,12 @@ fn readings(assembly: &LoadedSetup, text: &str) -> Vec<Reading> {
     readings
 }
 
-/// Steps through `readings`, their times `later` (microseconds) than they say; how many events came.
-fn play(pipeline: &mut Pipeline, readings: &mut [Reading], later: u64) -> usize {
+/// Processes `readings` with time stamps delayed by `delay_us`. Returns the number of events.
+fn play(pipeline: &mut Pipeline, readings: &mut [Reading], delay_us: u64) -> usize {
     let mut events = Events::new();
     let mut sent = 0;
     for reading in readings {
-        reading.time.0 += later;
+        reading.time.0 += delay_us;
         events.clear();
         let _ = std::hint::black_box(pipeline.step(reading, &mut events));
         sent += events.len();
@@ -196,7 +195,7 @@ fn play(pipeline: &mut Pipeline, readings: &mut [Reading], later: u64) -> usize 
 }
 
 #[test]
-fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
+fn rejections_stalls_jumps_and_rearming_do_not_allocate() {
     let setup = Setup::default().load_files().expect("the default setup");
     let mut typing = readings(&setup, "ab");
     let mut pipeline = setup.pipeline();
@@ -214,9 +213,9 @@ fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
     let Sample::Channels(channels) = &mut far.sample else {
         panic!("a glove has channels");
     };
-    // The elbow bends by 1 rad.
+    // The elbow turns by 1 rad.
     channels.counts[17] += 100;
-    let mut trouble = [
+    let mut faulty = [
         typing[0].clone(),
         impossible,
         short,
@@ -224,15 +223,15 @@ fn refused_readings_stalls_jumps_and_arming_again_allocate_nothing() {
         far.clone(),
         far,
     ];
-    let end = typing.last().expect("there are some").time.0;
-    for (place, reading) in trouble.iter_mut().enumerate().skip(1) {
-        reading.time = Timestamp(end + 5_729 * place as u64);
+    let end = typing.last().expect("readings").time.0;
+    for (index, reading) in faulty.iter_mut().enumerate().skip(1) {
+        reading.time = Timestamp(end + 5_729 * index as u64);
     }
     let mut events = Events::new();
 
     let before = allocations();
     let typed = play(&mut pipeline, &mut typing, 0);
-    play(&mut pipeline, &mut trouble, 0);
+    play(&mut pipeline, &mut faulty, 0);
     pipeline.stall(&mut events);
     let stalled = pipeline.state();
     let typed_again = play(&mut pipeline, &mut typing, 10_000_000);
@@ -261,14 +260,14 @@ fn update(
     touches: &[Touch],
     events: &mut Events,
 ) {
-    let seen = DeviceInput {
+    let input = DeviceInput {
         scene: &ademan::contact::surface::Scene::new(),
         angles: &JointAngles::default(),
         pose,
         touches,
     };
     keyboard.update(
-        &seen,
+        &input,
         &mut DeviceOutput {
             arbiter: arbiter,
             events,
@@ -295,7 +294,7 @@ fn release_all(
 }
 
 #[test]
-fn every_option_of_a_key_allocates_nothing() {
+fn every_option_of_a_key_is_free_of_allocation() {
     let text = r#"Layout(name: "t", boards: [(place: (anchor: elbow), repress_ms: 20, keys: [
         (code: "A", fires: Release, at_mm: (0, 0)),
         (code: "B", hold: (code: "ShiftLeft"), hold_ms: 60, at_mm: (20, 0)),
@@ -310,8 +309,8 @@ fn every_option_of_a_key_allocates_nothing() {
     let (mut random, mut sent) = (1_u64, 0);
 
     let before = allocations();
-    for frame in 0..10_000_u64 {
-        pose.time = Timestamp(frame * 15_000);
+    for index in 0..10_000_u64 {
+        pose.time = Timestamp(index * 15_000);
         let touch = |&finger: &Finger| {
             random = random
                 .wrapping_mul(6_364_136_223_846_793_005)
@@ -329,7 +328,7 @@ fn every_option_of_a_key_allocates_nothing() {
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
         let mut events = Events::new();
         update(&mut keyboard, &mut arbiter, &pose, &touches, &mut events);
-        if frame % 100 == 99 {
+        if index % 100 == 99 {
             release_all(&mut keyboard, &mut arbiter, pose.time, &mut events);
         }
         sent += events.len();
@@ -341,7 +340,7 @@ fn every_option_of_a_key_allocates_nothing() {
 }
 
 #[test]
-fn controls_and_ways_of_a_hand_allocate_nothing() {
+fn controls_and_gestures_do_not_allocate() {
     let text = r#"Layout(name: "t", boards: [(place: (anchor: elbow),
         keys: [(code: "A", at_mm: (0, 0)), (code: "B", at_mm: (20, 0)), (code: "C", dwell_ms: 50, at_mm: (40, 0))],
         radios: [(name: "R", options: [
@@ -372,11 +371,11 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
     let mut sent = 0;
 
     let before = allocations();
-    for frame in 0..10_000_u64 {
-        let mut pose = HandPose::new(Timestamp(frame * 15_000), Side::Right, 0.005);
+    for index in 0..10_000_u64 {
+        let mut pose = HandPose::new(Timestamp(index * 15_000), Side::Right, 0.005);
         for tip in [Joint::ThumbTip, Joint::IndexTip] {
-            let place = Vec3::X * next(60) as f32 * 1e-3;
-            pose.set(tip, Pose::from_translation(place));
+            let position = Vec3::X * next(60) as f32 * 1e-3;
+            pose.set(tip, Pose::from_translation(position));
         }
         angles.set(Dof::IndexMcpFlexion, next(90) as f64 / 60.0);
         let touch = |&finger: &Finger| Touch {
@@ -389,7 +388,7 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
             position: Vec2::new(next(40) as f32, next(40) as f32) * 1e-3,
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
-        let seen = DeviceInput {
+        let input = DeviceInput {
             scene: &layout.scene,
             angles: &angles,
             pose: &pose,
@@ -402,8 +401,8 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
             commands: &mut ademan::device::TimedCommands::new(),
         };
         for device in &mut devices {
-            device.update(&seen, &mut out);
-            if frame % 100 == 99 {
+            device.update(&input, &mut out);
+            if index % 100 == 99 {
                 device.release_all(pose.time, &mut out);
             }
         }
@@ -416,7 +415,7 @@ fn controls_and_ways_of_a_hand_allocate_nothing() {
 }
 
 #[test]
-fn a_new_layout_costs_the_loop_no_allocation_and_nothing_is_freed_in_it() {
+fn a_layout_change_neither_allocates_nor_frees_in_the_loop() {
     let setup = Setup::default().load_files().expect("the default setup");
     let mut typing = readings(&setup, "ab");
     let mut pipeline = setup.pipeline();
@@ -433,11 +432,11 @@ fn a_new_layout_costs_the_loop_no_allocation_and_nothing_is_freed_in_it() {
     assert_eq!([typed, typed_again], [4; 2]);
     assert_eq!(after, before);
     drop(others);
-    assert!(frees() > after.1, "the old ones are with who replaced them");
+    assert!(frees() > after.1, "the caller frees the old layout");
 }
 
 #[test]
-fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
+fn depths_of_analogue_keys_and_releases_do_not_allocate() {
     let arrows = Keys::load("arrows").expect("the shipped layout");
     let mut keyboard = Keyboard::new(arrows.key_bindings());
     let mut arbiter = KeyArbiter::default();
@@ -445,24 +444,24 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
     let mut depths = 0;
 
     let before = allocations();
-    for frame in 0..100_u64 {
+    for index in 0..100_u64 {
         let touch = |&finger: &Finger| Touch {
-            time: Timestamp(frame * 5_729),
+            time: Timestamp(index * 5_729),
             side: Side::Right,
             finger,
             target: TargetId(finger.index() as u32 % 4),
-            phase: [Phase::Touched, Phase::Pressed, Phase::Moved][(frame % 3) as usize],
-            depth: (frame % 7) as f32 / 7.0,
+            phase: [Phase::Touched, Phase::Pressed, Phase::Moved][(index % 3) as usize],
+            depth: (index % 7) as f32 / 7.0,
             position: Vec2::ZERO,
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
         let mut events = Events::new();
         update(&mut keyboard, &mut arbiter, &pose, &touches, &mut events);
-        if frame % 10 == 9 {
+        if index % 10 == 9 {
             release_all(
                 &mut keyboard,
                 &mut arbiter,
-                Timestamp(frame * 5_729),
+                Timestamp(index * 5_729),
                 &mut events,
             );
         }
@@ -476,17 +475,17 @@ fn depths_of_analogue_keys_and_letting_go_allocate_nothing() {
 }
 
 #[test]
-fn the_loop_around_a_frame_allocates_nothing() {
-    let assembly = Setup::default().load_files().expect("the default setup");
-    let typist = assembly.typist("loops", &Hc11Format::default(), 0.0, 0);
-    let mut nowhere =
-        ademan::output::open("none", &assembly.required_capabilities()).expect("nowhere");
-    let mut pipeline = assembly.pipeline();
-    let (mut frames, mut at_start, mut at_end) = (0, 0, 0);
+fn the_session_loop_does_not_allocate() {
+    let setup = Setup::default().load_files().expect("the default setup");
+    let typist = setup.typist("loops", &Hc11Format::default(), 0.0, 0);
+    let mut sink =
+        ademan::output::open("none", &setup.required_capabilities()).expect("the output `none`");
+    let mut pipeline = setup.pipeline();
+    let (mut steps, mut at_start, mut at_end) = (0, 0, 0);
     let observe = &mut |_: &ademan::snapshot::Snapshot| {
-        frames += 1;
-        match frames {
-            // By then every queue has met the thread that it wakes.
+        steps += 1;
+        match steps {
+            // Every queue has allocated its waker by then.
             100 => at_start = allocations(),
             500 => at_end = allocations(),
             _ => {}
@@ -494,15 +493,15 @@ fn the_loop_around_a_frame_allocates_nothing() {
     };
     let stop = crossbeam_channel::never();
     let source = typist.expect("the text can be typed");
-    run_pipeline(source, &mut pipeline, &mut *nowhere, &stop, observe).expect("a run");
-    assert!(frames > 500);
-    assert_eq!(at_end - at_start, 0, "in 400 frames");
+    run_pipeline(source, &mut pipeline, &mut *sink, &stop, observe).expect("a run");
+    assert!(steps > 500);
+    assert_eq!(at_end - at_start, 0, "in 400 steps");
 }
 
-/// Touches, pinches and turns of the hand at random, some frames without room for what they tell, and now
-/// and then everything is let go of: all axes are at 0 then, and nothing is down.
+/// Random touches, pinches and rotations of the hand, some with a full event list. After each release all axes are at 0 and
+/// no key is pressed.
 #[test]
-fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
+fn handles_do_not_allocate_and_return_to_rest() {
     let text = r#"Layout(name: "t", boards: [(place: (anchor: world),
         sliders: [(name: "a", at_mm: (0, 0), length_mm: 80, drives: Axis("LeftTrigger"))],
         levers: [(name: "b", at_mm: (0, 40), length_mm: 80, springs: true, drives: Axis("MoveX"))],
@@ -523,15 +522,15 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
         (state >> 40) as f32 / (1 << 24) as f32
     };
     let mut axes = [0.0_f32; Axis::COUNT];
-    let (mut down, mut sent, mut moved) = (0, 0, 0);
+    let (mut pressed, mut sent, mut moved) = (0, 0, 0);
 
     let before = allocations();
-    for frame in 0..20_000_u64 {
-        let mut pose = HandPose::new(Timestamp(frame * 15_000), Side::Right, 0.005);
+    for index in 0..20_000_u64 {
+        let mut pose = HandPose::new(Timestamp(index * 15_000), Side::Right, 0.005);
         let turn = Rotation::from_rotation_y(random() - 0.5);
         pose.set(Joint::Wrist, Pose::from_parts(Vec3::ZERO, turn));
         for (joint, side) in [(Joint::ThumbTip, -0.5), (Joint::IndexTip, 0.5)] {
-            let apart = if frame % 20 < 10 { 0.01 } else { 0.05 };
+            let apart = if index % 20 < 10 { 0.01 } else { 0.05 };
             let tip = Vec3::new(apart * side, 0.02, -0.09);
             pose.set(joint, Pose::from_translation(tip));
         }
@@ -547,10 +546,10 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
                 position: Vec2::new(random() - 0.5, random() - 0.5) * 0.1,
             })
             .collect();
-        let lets_go = frame % 50 == 49;
+        let is_release = index % 50 == 49;
         let mut events = Events::new();
-        if frame % 7 == 0 && !lets_go {
-            // No room for anything but releases.
+        if index % 7 == 0 && !is_release {
+            // Room for releases only.
             let filler = OutputEvent {
                 time: pose.time,
                 kind: EventKind::Scroll(0, 0),
@@ -562,16 +561,16 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
             events: &mut events,
             commands: &mut ademan::device::TimedCommands::new(),
         };
-        let seen = DeviceInput {
+        let input = DeviceInput {
             scene: &layout.scene,
             angles: &JointAngles::default(),
             pose: &pose,
             touches: &touches,
         };
         for device in &mut devices {
-            device.update(&seen, &mut out);
+            device.update(&input, &mut out);
         }
-        if lets_go {
+        if is_release {
             out.arbiter.release_all(pose.time, out.events);
             for device in &mut devices {
                 device.release_all(pose.time, &mut out);
@@ -579,20 +578,20 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
         }
         for event in &events {
             match event.kind {
-                EventKind::KeyDown(_) => down += 1,
-                EventKind::KeyUp(_) => down -= 1,
-                EventKind::Axis(axis, place) => {
-                    assert!((-1.0..=1.0).contains(&place), "{axis} {place}");
-                    moved += usize::from(place != axes[axis.index()]);
-                    axes[axis.index()] = place;
+                EventKind::KeyDown(_) => pressed += 1,
+                EventKind::KeyUp(_) => pressed -= 1,
+                EventKind::Axis(axis, value) => {
+                    assert!((-1.0..=1.0).contains(&value), "{axis} {value}");
+                    moved += usize::from(value != axes[axis.index()]);
+                    axes[axis.index()] = value;
                 }
                 _ => {}
             }
         }
         sent += events.len();
-        if lets_go {
-            assert!(axes.iter().all(|place| *place == 0.0), "{axes:?}");
-            assert_eq!(down, 0);
+        if is_release {
+            assert!(axes.iter().all(|value| *value == 0.0), "{axes:?}");
+            assert_eq!(pressed, 0);
         }
     }
     let allocated = allocations() - before;
@@ -604,9 +603,9 @@ fn handles_that_are_moved_allocate_nothing_and_leave_nothing_on() {
     assert_eq!(allocated, 0);
 }
 
-/// Fingertips and angles at random over a pointer with everything and 1000 targets in space.
+/// Random fingertips and angles with a pointer that has every option and 1000 targets in space.
 #[test]
-fn a_pointer_and_targets_in_space_allocate_nothing() {
+fn a_pointer_and_targets_in_space_do_not_allocate() {
     let targets: String = (0..1000)
         .map(|number| {
             let (x, y, z) = (number % 10, number / 10 % 10, number / 100);
@@ -636,15 +635,15 @@ fn a_pointer_and_targets_in_space_allocate_nothing() {
     let mut sent = [0; 4];
 
     let before = allocations();
-    for frame in 0..20_000_u64 {
-        let mut pose = HandPose::new(Timestamp(frame * 5_729), Side::Right, 0.005);
+    for index in 0..20_000_u64 {
+        let mut pose = HandPose::new(Timestamp(index * 5_729), Side::Right, 0.005);
         let mut angles = JointAngles::default();
         angles.set(Dof::WristFlexion, f64::from(random()));
         for &finger in Finger::ALL {
             let tip = Vec3::new(random() - 0.5, random() - 0.5, random() - 0.5) * 0.2;
             pose.set(Joint::tip(finger), Pose::from_translation(tip));
         }
-        let seen = DeviceInput {
+        let input = DeviceInput {
             scene: &layout.scene,
             angles: &angles,
             pose: &pose,
@@ -657,9 +656,9 @@ fn a_pointer_and_targets_in_space_allocate_nothing() {
             commands: &mut ademan::device::TimedCommands::new(),
         };
         for device in &mut devices {
-            match frame % 1000 {
+            match index % 1000 {
                 999 => device.release_all(pose.time, &mut out),
-                _ => device.update(&seen, &mut out),
+                _ => device.update(&input, &mut out),
             }
         }
         for event in &events {

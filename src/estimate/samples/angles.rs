@@ -1,15 +1,17 @@
 //! Samples of joint angles.
 
-use super::limits::JointLimits;
-use super::{JointAngles, Rejection};
+use crate::estimate::{Estimate, JointLimits, Rejection};
+use crate::hand::JointAngles;
+use crate::time::Timestamp;
 
-/// Checks the angles of a sample and clamps them to the joint limits; `None` accepts every finite angle.
+/// Clamps the angles of a sample to the joint limits; `None` accepts every finite angle.
 ///
 /// A sample without angles is rejected.
 pub(super) fn convert(
+    time: Timestamp,
     sample: &JointAngles,
     limits: Option<&JointLimits>,
-) -> Result<JointAngles, Rejection> {
+) -> Result<Estimate, Rejection> {
     if sample.is_empty() {
         return Err(Rejection::WrongShape);
     }
@@ -24,5 +26,5 @@ pub(super) fn convert(
         };
         angles.set(dof, clamped.ok_or(Rejection::OutsideLimits)?);
     }
-    Ok(angles)
+    Ok(Estimate::new(time, angles))
 }

@@ -2,12 +2,10 @@
 
 use std::time::Duration;
 
-use super::calibration::AffineMap;
-use super::channel_map::ChannelMap;
-use super::limits::{JointLimits, JointRange};
-use super::{JointAngles, Rejection};
 use crate::capture::Channels;
-use crate::hand::{Dof, FingerSet};
+use crate::estimate::limits::JointRange;
+use crate::estimate::{AffineMap, ChannelMap, Estimate, JointLimits, Rejection};
+use crate::hand::{Dof, FingerSet, JointAngles};
 use crate::time::Timestamp;
 
 /// The converter of one glove.
@@ -71,14 +69,29 @@ impl ChannelConverter {
         }
     }
 
-    /// Returns whether the channels of a sample are those of the glove.
-    pub(super) fn accepts(&self, channels: &Channels) -> bool {
-        channels.full_scale == self.full_scale && channels.counts.len() >= self.required_channels
+    /// Converts counts to angles within the joint limits. Angles of railed channels are clamped; others that are far
+    /// outside are an error. A channel is railed once it has been at one end of its range for `rail_timeout`.
+    pub(super) fn convert(
+        &mut self,
+        time: Timestamp,
+        channels: &Channels,
+        rail_timeout: Option<Duration>,
+    ) -> Result<Estimate, Rejection> {
+        if channels.full_scale != self.full_scale || channels.counts.len() < self.required_channels
+        {
+            return Err(Rejection::WrongShape);
+        }
+        let untrusted = match rail_timeout {
+            Some(timeout) => self.update_health(time, channels, timeout),
+            None => FingerSet::NONE,
+        };
+        let mut estimate = Estimate::new(time, self.angles(channels)?);
+        estimate.untrusted = untrusted;
+        Ok(estimate)
     }
 
-    /// Updates the state of every channel, and returns the fingers that depend on a railed one. A channel is railed once
-    /// it has been at one end of its range for `timeout`.
-    pub(super) fn update_health(
+    /// Updates the state of every channel, and returns the fingers that depend on a railed one.
+    fn update_health(
         &mut self,
         time: Timestamp,
         channels: &Channels,
@@ -94,9 +107,7 @@ impl ChannelConverter {
         untrusted
     }
 
-    /// Converts counts to angles within the joint limits. Angles of railed channels are clamped; others that are far
-    /// outside are an error.
-    pub(super) fn convert(&self, channels: &Channels) -> Result<JointAngles, Rejection> {
+    fn angles(&self, channels: &Channels) -> Result<JointAngles, Rejection> {
         let mut angles = JointAngles::default();
         for row in &self.rows {
             let count = f64::from(channels.counts[row.channel]);

@@ -1,0 +1,43 @@
+//! Conversion of samples to estimates: one file per kind of sample.
+
+mod angles;
+mod channels;
+
+use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
+use crate::capture::{Reading, Sample};
+
+/// The converter of one hand, with the state that the kinds of samples need.
+#[derive(Clone, Debug)]
+pub(super) struct SampleConverter {
+    channels: Option<channels::ChannelConverter>,
+}
+
+impl SampleConverter {
+    /// Creates a converter for samples that need no channel map.
+    pub(super) const fn new() -> Self {
+        Self { channels: None }
+    }
+
+    /// Sets the channel map for samples of sensor channels.
+    pub(super) fn set_channel_map(&mut self, map: &ChannelMap, settings: &EstimatorSettings) {
+        let limits = settings.limits.as_ref();
+        self.channels = Some(channels::ChannelConverter::new(map, limits));
+    }
+
+    /// Converts a reading to an estimate without history: angles within the joint limits, not filtered.
+    pub(super) fn convert(
+        &mut self,
+        reading: &Reading,
+        settings: &EstimatorSettings,
+    ) -> Result<Estimate, Rejection> {
+        match &reading.sample {
+            Sample::Channels(channels) => {
+                let converter = self.channels.as_mut().ok_or(Rejection::WrongShape)?;
+                converter.convert(reading.time, channels, settings.rail_timeout)
+            }
+            Sample::Angles { angles } => {
+                angles::convert(reading.time, angles, settings.limits.as_ref())
+            }
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Settings of the estimator.
+
+use std::time::Duration;
+
+use super::{JointLimits, Smoothing};
+
+/// Settings of an [`Estimator`](super::Estimator).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EstimatorSettings {
+    /// The smoothing filter.
+    pub smoothing: Smoothing,
+    /// The ranges of motion; `None` accepts every finite angle.
+    pub limits: Option<JointLimits>,
+    /// The highest speed of a joint, in rad/s; `None` accepts every change.
+    pub max_speed: Option<f64>,
+    /// The longest gap between two readings that does not reset the filters.
+    pub max_gap: Duration,
+    /// The time for which a channel may stay at one end of its range before its fingers are untrusted, as with a broken
+    /// wire or a short circuit; `None` disables the check.
+    pub rail_timeout: Option<Duration>,
+}
+
+impl Default for EstimatorSettings {
+    /// Human ranges of motion; 40 rad/s, twice the fastest finger flexion; reset after 0.5 s;
+    /// rail time-out 1 s.
+    fn default() -> Self {
+        Self {
+            smoothing: Smoothing::default(),
+            limits: Some(JointLimits::human()),
+            max_speed: Some(40.0),
+            max_gap: Duration::from_millis(500),
+            rail_timeout: Some(Duration::from_secs(1)),
+        }
+    }
+}
+
+impl EstimatorSettings {
+    /// Returns settings without plausibility checks: every finite angle is accepted, at any speed.
+    pub fn unchecked(smoothing: Smoothing) -> Self {
+        Self {
+            smoothing,
+            limits: None,
+            max_speed: None,
+            max_gap: Duration::MAX,
+            rail_timeout: None,
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Errors of commands.
+
+use crate::command::ProfileName;
+use crate::hand::Side;
+
+/// A command that the pipeline cannot execute. Nothing has changed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CommandError {
+    /// No profile has the name.
+    #[error("no profile is named `{0}`; list it under `profiles` in the setup file")]
+    UnknownProfile(ProfileName),
+    /// No hand is tracked: readings stopped or have not started.
+    #[error("no hand is tracked; hold it where the boards are to be and try again")]
+    NoHand,
+    /// The index fingertip of the tracked hand is not known.
+    #[error("the index fingertip of the {0} hand is not known; check the sensors of the finger")]
+    NoFingertip(Side),
+    /// All boards belong to the other hand, or their anchor is not known.
+    #[error("no board belongs to the {0} hand, which was tracked last")]
+    NoBoard(Side),
+    /// A position is outside the range of a layout file.
+    #[error("board {0} would be more than 2000 mm from its anchor; no board was moved")]
+    TooFar(usize),
+    /// A tilt is outside the range of a layout file.
+    #[error("the tilt of board {0} would be outside -90 to 90 degrees; no board was moved")]
+    TooSteep(usize),
+}
