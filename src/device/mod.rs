@@ -7,7 +7,7 @@ use arrayvec::ArrayVec;
 use crate::command::Command;
 use crate::contact::surface::Scene;
 use crate::contact::{TargetId, Touch};
-use crate::estimate::JointAngles;
+use crate::hand::JointAngles;
 use crate::kinematics::HandPose;
 use crate::names::named_enum;
 use crate::time::Timestamp;

@@ -170,8 +170,7 @@ impl HandTrigger {
 impl Measure {
     /// Returns the current measurement, or `None` if it is unknown.
     fn measurement(self, input: &DeviceInput) -> Option<f32> {
-        let untrusted = input.pose.untrusted;
-        let is_trusted = |finger: Finger| !untrusted.contains(finger);
+        let is_trusted = |finger: Finger| !input.pose.untrusted.contains(finger);
         if input.pose.jumped {
             return None;
         }

@@ -3,44 +3,42 @@
 use parry3d::math::Vec3;
 
 use crate::device::DeviceInput;
-use crate::hand::{Dof, Finger, FingerSet};
+use crate::hand::{Dof, Finger};
 use crate::kinematics::HandPose;
 
 /// A view of the device input that returns `None` for untrusted measurements.
 #[derive(Clone, Copy)]
-pub(super) struct TrustedHand<'a> {
-    input: &'a DeviceInput<'a>,
-    untrusted: FingerSet,
-}
+pub(super) struct TrustedHand<'a>(&'a DeviceInput<'a>);
 
 impl<'a> TrustedHand<'a> {
     pub(super) fn new(input: &'a DeviceInput<'a>) -> Self {
-        let untrusted = input.pose.untrusted;
-        Self { input, untrusted }
+        Self(input)
     }
 
     /// Returns whether the hand was re-acquired: its path since the last step is unknown.
     pub(super) fn jumped(&self) -> bool {
-        self.input.pose.jumped
+        self.0.pose.jumped
     }
 
     pub(super) fn pose(&self) -> &'a HandPose {
-        self.input.pose
+        self.0.pose
     }
 
     /// Returns an angle in radians; `None` if it is not measured, not finite, or its finger is untrusted.
     pub(super) fn angle(&self, dof: Dof) -> Option<f32> {
-        let is_untrusted = dof.finger().is_some_and(|it| self.untrusted.contains(it));
-        let is_known = self.input.angles.is_known(dof) && !is_untrusted;
-        let radians = is_known.then(|| self.input.angles.get(dof) as f32)?;
+        let is_untrusted = dof
+            .finger()
+            .is_some_and(|it| self.0.pose.untrusted.contains(it));
+        let is_known = self.0.angles.is_known(dof) && !is_untrusted;
+        let radians = is_known.then(|| self.0.angles.get(dof) as f32)?;
         radians.is_finite().then_some(radians)
     }
 
     /// Returns the center of a fingertip in the world, in metres; `None` if it is unknown, not finite, or
     /// untrusted.
     pub(super) fn tip(&self, finger: Finger) -> Option<Vec3> {
-        let tip = self.input.pose.fingertip(finger)?;
-        let is_trusted = !self.untrusted.contains(finger) && tip.is_finite();
+        let tip = self.0.pose.fingertip(finger)?;
+        let is_trusted = !self.0.pose.untrusted.contains(finger) && tip.is_finite();
         is_trusted.then_some(tip)
     }
 }
