@@ -1,6 +1,6 @@
-//! Two sources, one for each hand, as one.
+//! Merging of two sources, one for each hand.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, after, never, select};
 
@@ -11,51 +11,54 @@ use super::{
 use crate::hand::Side;
 use crate::time::Timestamp;
 
-/// A glove on each hand: their readings in one stream, each with its side.
+/// The readings of a source for each hand as one source.
 ///
-/// Each source runs on a thread of its own and keeps its pace; its clock is moved so that its first
-/// reading has the time at which it arrived. Sources that are not live, such as recordings, are merged
-/// in order of their own times. When one device is lost, both hands are: nobody types on with half of
-/// what was held. The stream ends when both have ended.
+/// Each source runs on its own thread. Live readings are merged in order of arrival; the clock of each source is
+/// shifted so that its first reading has its time of arrival. Other readings, such as those of recordings, are merged
+/// in order of their own times. The loss of one device is a loss of both, so that all keys are released. The stream
+/// ends when both sources have ended.
 pub struct MergedSource {
     name: String,
     is_live: bool,
     start: Instant,
-    hands: [MergedInput; Side::COUNT],
-    /// The time of the latest reading; none is told with an earlier one.
+    inputs: [MergedInput; Side::COUNT],
+    /// Time of the latest reading. Times never decrease.
     time: Timestamp,
-    interrupt: Option<CancelToken>,
+    cancel: Option<CancelToken>,
 }
 
 struct MergedInput {
     side: Side,
-    captured: CaptureThread,
-    arrivals: Receiver<CaptureEvent>,
-    /// Microseconds from the source's clock to the common one.
-    clock: Option<i64>,
-    counts: SourceStats,
-    /// The next reading of a source that is not live, until it is its turn.
+    packet_period: Option<Duration>,
+    events: Receiver<CaptureEvent>,
+    /// Microseconds to add to the clock of the source. `None` until its first reading.
+    clock_offset: Option<i64>,
+    stats: SourceStats,
+    /// Next reading of a source that is not live, until it is the earliest.
     head: Option<Reading>,
-    is_over: bool,
+    has_ended: bool,
+    /// Stops the source when it is dropped.
+    _thread: CaptureThread,
 }
 
 impl MergedInput {
     fn start(side: Side, source: Box<dyn Source>) -> Result<Self, CaptureError> {
-        let captured = spawn(source)?;
+        let thread = spawn(source)?;
         Ok(Self {
             side,
-            arrivals: captured.events().clone(),
-            captured,
-            clock: None,
-            counts: SourceStats::default(),
+            packet_period: thread.packet_period(),
+            events: thread.events().clone(),
+            clock_offset: None,
+            stats: SourceStats::default(),
             head: None,
-            is_over: false,
+            has_ended: false,
+            _thread: thread,
         })
     }
 
     fn end(&mut self) {
-        self.is_over = true;
-        self.arrivals = never();
+        self.has_ended = true;
+        self.events = never();
     }
 }
 
@@ -64,134 +67,133 @@ impl MergedSource {
     pub fn start(sources: [(Side, Box<dyn Source>); Side::COUNT]) -> Result<Self, CaptureError> {
         let name = format!("{} and {}", sources[0].1.name(), sources[1].1.name());
         let is_live = sources.iter().any(|(_, source)| source.is_live());
-        let [(one_side, one), (other_side, other)] = sources;
+        let [(first_side, first), (second_side, second)] = sources;
         Ok(Self {
             name,
             is_live,
             start: Instant::now(),
-            hands: [
-                MergedInput::start(one_side, one)?,
-                MergedInput::start(other_side, other)?,
+            inputs: [
+                MergedInput::start(first_side, first)?,
+                MergedInput::start(second_side, second)?,
             ],
             time: Timestamp::default(),
-            interrupt: None,
+            cancel: None,
         })
     }
 
-    /// Takes what a source says; a reading comes back with its side and the common time.
-    fn take(
+    /// Handles an event of input `index`; `None` is a disconnected channel. Returns its reading with side and common
+    /// time.
+    fn handle(
         &mut self,
-        place: usize,
-        arrival: Option<CaptureEvent>,
+        index: usize,
+        event: Option<CaptureEvent>,
     ) -> Result<Option<Reading>, CaptureError> {
-        let hand = &mut self.hands[place];
-        match arrival {
+        let input = &mut self.inputs[index];
+        match event {
             Some(CaptureEvent::Reading {
                 mut reading,
-                received_at: arrived,
-                stats: counts,
+                received_at,
+                stats,
             }) => {
-                hand.counts = counts;
-                reading.side = Some(hand.side);
+                input.stats = stats;
+                reading.side = Some(input.side);
                 if self.is_live {
-                    let now = arrived.saturating_duration_since(self.start).as_micros() as i64;
+                    let arrival = received_at
+                        .saturating_duration_since(self.start)
+                        .as_micros();
                     let time = reading.time.0 as i64;
-                    let clock = *hand.clock.get_or_insert(now - time);
-                    reading.time = Timestamp((time + clock).max(0) as u64).max(self.time);
+                    let offset = *input.clock_offset.get_or_insert(arrival as i64 - time);
+                    reading.time = Timestamp((time + offset).max(0) as u64).max(self.time);
                 }
                 Ok(Some(reading))
             }
-            Some(CaptureEvent::Noise(counts)) => {
-                hand.counts = counts;
+            Some(CaptureEvent::Noise(stats)) => {
+                input.stats = stats;
                 Ok(None)
             }
             Some(CaptureEvent::Lost(error)) => {
-                hand.counts.losses += 1;
+                input.stats.losses += 1;
                 Err(error)
             }
             Some(CaptureEvent::Failed(error)) => {
-                hand.end();
+                input.end();
                 Err(error)
             }
-            Some(CaptureEvent::End(counts)) => {
-                hand.counts = counts;
-                hand.end();
+            Some(CaptureEvent::End(stats)) => {
+                input.stats = stats;
+                input.end();
                 Ok(None)
             }
             None => {
-                hand.end();
+                input.end();
                 Ok(None)
             }
         }
     }
 
-    /// The next that comes, from whichever source.
-    fn next_arrived(&mut self) -> Result<Option<Reading>, CaptureError> {
-        let [one, other] = [0, 1].map(|place: usize| self.hands[place].arrivals.clone());
-        let (rung, patience) = match &self.interrupt {
-            Some(interrupt) => (interrupt.channel().clone(), never()),
+    /// Waits for the next event of either source.
+    fn next_arrival(&mut self) -> Result<Option<Reading>, CaptureError> {
+        let [first, second] = self.inputs.each_ref().map(|input| input.events.clone());
+        let (cancelled, timeout) = match &self.cancel {
+            Some(cancel) => (cancel.channel().clone(), never()),
             None => (never(), after(MAX_BLOCK)),
         };
         select! {
-            recv(one) -> arrival => self.take(0, arrival.ok()),
-            recv(other) -> arrival => self.take(1, arrival.ok()),
-            recv(rung) -> _ => Ok(None),
-            recv(patience) -> _ => Ok(None),
+            recv(first) -> event => self.handle(0, event.ok()),
+            recv(second) -> event => self.handle(1, event.ok()),
+            recv(cancelled) -> _ => Ok(None),
+            recv(timeout) -> _ => Ok(None),
         }
     }
 
-    /// The earliest of what both recordings have next.
+    /// Returns the earliest reading of both sources, once each has one or has ended.
     fn next_in_time(&mut self) -> Result<Option<Reading>, CaptureError> {
-        for place in 0..self.hands.len() {
-            let hand = &self.hands[place];
-            if hand.head.is_some() || hand.is_over {
+        for index in 0..self.inputs.len() {
+            let input = &self.inputs[index];
+            if input.head.is_some() || input.has_ended {
                 continue;
             }
-            let Ok(arrival) = hand.arrivals.recv_timeout(MAX_BLOCK) else {
+            let Ok(event) = input.events.recv_timeout(MAX_BLOCK) else {
                 return Ok(None);
             };
-            self.hands[place].head = self.take(place, Some(arrival))?;
+            self.inputs[index].head = self.handle(index, Some(event))?;
         }
-        let heads = self.hands.iter_mut().map(|hand| &mut hand.head);
-        let first = heads
+        let heads = self.inputs.iter_mut().map(|input| &mut input.head);
+        let earliest = heads
             .filter(|head| head.is_some())
             .min_by_key(|head| head.as_ref().map(|reading| reading.time));
-        Ok(first.and_then(Option::take))
+        Ok(earliest.and_then(Option::take))
     }
 }
 
 impl Source for MergedSource {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         let reading = match self.is_live {
-            true => self.next_arrived()?,
+            true => self.next_arrival()?,
             false => self.next_in_time()?,
         };
         if let Some(reading) = reading {
             self.time = reading.time;
             return Ok(SourceEvent::Reading(reading));
         }
-        let is_over = self
-            .hands
-            .iter()
-            .all(|hand| hand.is_over && hand.head.is_none());
-        Ok(if is_over {
-            SourceEvent::End
-        } else {
-            SourceEvent::Idle
-        })
+        let has_ended = |input: &MergedInput| input.has_ended && input.head.is_none();
+        match self.inputs.iter().all(has_ended) {
+            true => Ok(SourceEvent::End),
+            false => Ok(SourceEvent::Idle),
+        }
     }
 
-    fn set_cancel_token(&mut self, interrupt: &CancelToken) {
-        self.interrupt = Some(interrupt.clone());
+    fn set_cancel_token(&mut self, cancel: &CancelToken) {
+        self.cancel = Some(cancel.clone());
     }
 
     fn name(&self) -> &str {
         &self.name
     }
 
-    /// That of the slower one.
-    fn packet_period(&self) -> Option<std::time::Duration> {
-        let periods = self.hands.iter().map(|hand| hand.captured.packet_period());
+    /// Returns the period of the slower source.
+    fn packet_period(&self) -> Option<Duration> {
+        let periods = self.inputs.iter().map(|input| input.packet_period);
         periods.flatten().max()
     }
 
@@ -200,14 +202,14 @@ impl Source for MergedSource {
     }
 
     fn stats(&self) -> SourceStats {
-        let [one, other] = &self.hands;
+        let [first, second] = self.inputs.each_ref().map(|input| input.stats);
         SourceStats {
-            bytes: one.counts.bytes + other.counts.bytes,
-            skipped_bytes: one.counts.skipped_bytes + other.counts.skipped_bytes,
-            resyncs: one.counts.resyncs + other.counts.resyncs,
-            readings: one.counts.readings + other.counts.readings,
-            dropped: one.counts.dropped + other.counts.dropped,
-            losses: one.counts.losses + other.counts.losses,
+            bytes: first.bytes + second.bytes,
+            skipped_bytes: first.skipped_bytes + second.skipped_bytes,
+            resyncs: first.resyncs + second.resyncs,
+            readings: first.readings + second.readings,
+            dropped: first.dropped + second.dropped,
+            losses: first.losses + second.losses,
         }
     }
 }
@@ -217,10 +219,10 @@ mod tests {
     use super::*;
     use crate::capture::{Channels, Sample};
 
-    /// Readings at these times, in microseconds.
-    struct Times(&'static str, Vec<u64>);
+    /// Source with a name and readings at these times, in microseconds. One named `live` is live.
+    struct TimedSource(&'static str, Vec<u64>);
 
-    impl Source for Times {
+    impl Source for TimedSource {
         fn next(&mut self) -> Result<SourceEvent, CaptureError> {
             if self.1.is_empty() {
                 return Ok(SourceEvent::End);
@@ -251,27 +253,27 @@ mod tests {
         }
     }
 
-    fn readings(left: Times, right: Times) -> (Vec<(Side, u64)>, MergedSource) {
+    fn merge(left: TimedSource, right: TimedSource) -> (Vec<(Side, u64)>, MergedSource) {
         let sources: [(Side, Box<dyn Source>); 2] =
             [(Side::Left, Box::new(left)), (Side::Right, Box::new(right))];
-        let mut both = MergedSource::start(sources).unwrap();
-        let mut found = Vec::new();
+        let mut merged = MergedSource::start(sources).unwrap();
+        let mut readings = Vec::new();
         loop {
-            match both.next().unwrap() {
+            match merged.next().unwrap() {
                 SourceEvent::Reading(reading) => {
-                    found.push((reading.side.unwrap(), reading.time.0))
+                    readings.push((reading.side.unwrap(), reading.time.0));
                 }
                 SourceEvent::Idle => {}
-                SourceEvent::End => return (found, both),
+                SourceEvent::End => return (readings, merged),
             }
         }
     }
 
     #[test]
     fn recordings_of_two_hands_are_merged_in_order_of_time() {
-        let left = Times("a", vec![10, 30, 31]);
-        let right = Times("b", vec![20, 30, 50, 60]);
-        let (found, both) = readings(left, right);
+        let left = TimedSource("a", vec![10, 30, 31]);
+        let right = TimedSource("b", vec![20, 30, 50, 60]);
+        let (readings, merged) = merge(left, right);
         let expected = [
             (Side::Left, 10),
             (Side::Right, 20),
@@ -281,23 +283,23 @@ mod tests {
             (Side::Right, 50),
             (Side::Right, 60),
         ];
-        assert_eq!(found, expected);
-        assert_eq!((both.name(), both.stats().readings), ("a and b", 2));
+        assert_eq!(readings, expected);
+        assert_eq!((merged.name(), merged.stats().readings), ("a and b", 2));
     }
 
     #[test]
-    fn live_hands_share_a_clock_that_never_goes_back() {
-        let left = Times("live", vec![5_000_000, 5_000_100, 5_000_200]);
-        let right = Times("live", vec![7, 8, 9]);
-        let (found, _) = readings(left, right);
-        assert_eq!(found.len(), 6);
+    fn live_sources_share_a_clock_that_never_decreases() {
+        let left = TimedSource("live", vec![5_000_000, 5_000_100, 5_000_200]);
+        let right = TimedSource("live", vec![7, 8, 9]);
+        let (readings, _) = merge(left, right);
+        assert_eq!(readings.len(), 6);
         assert!(
-            found.windows(2).all(|pair| pair[0].1 <= pair[1].1),
-            "{found:?}"
+            readings.windows(2).all(|pair| pair[0].1 <= pair[1].1),
+            "{readings:?}"
         );
         assert!(
-            found[5].1 < 4_000_000,
-            "the time since the start: {found:?}"
+            readings[5].1 < 4_000_000,
+            "not the time since the start: {readings:?}"
         );
     }
 }

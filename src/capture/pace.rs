@@ -1,41 +1,42 @@
-//! Lets a recording play at the pace at which it was made.
+//! Playback of recordings at their own pace.
 
 use std::time::{Duration, Instant};
 
 use super::{CaptureError, MAX_BLOCK, Reading, Source, SourceEvent, SourceStats};
 use crate::time::Timestamp;
 
-/// The longest wait for one reading; a longer gap is shortened to it.
+/// Longest wait for one reading. Longer gaps are shortened to it.
 pub const MAX_GAP: Duration = Duration::from_secs(2);
 
-/// One wait is not longer, so that the inner source has the other half of the patience.
+/// Longest sleep per call: half of [`MAX_BLOCK`], so that the inner source may use the other half.
 const MAX_SLEEP: Duration = MAX_BLOCK.checked_div(2).unwrap();
 
-/// Lets the readings of a source that is not live come by their own timestamps.
+/// A source that is not live, whose readings are returned at the pace of their timestamps.
 ///
-/// A consumer that is slow does not shift the schedule, unless it is behind by more than [`PATIENCE`]: then
-/// the schedule starts over, so that what was missed does not come in a burst.
+/// A slow consumer does not shift the schedule unless it is late by more than [`MAX_BLOCK`]. The schedule then starts
+/// over, so that the late readings do not come in a burst.
 pub struct PacedSource<S> {
     source: S,
     speed: f64,
-    waiting: Option<(Reading, Instant)>,
-    /// Timestamp of the reading before, and when it was due.
+    /// Next reading, and the time at which it is due.
+    pending: Option<(Reading, Instant)>,
+    /// Timestamp of the previous reading, and the time at which it was due.
     previous: Option<(Timestamp, Instant)>,
 }
 
 impl<S: Source> PacedSource<S> {
-    /// Plays `source` at `speed` times real time: from 0.01 to 1000, other values are moved to the nearer
-    /// end. What is not a number counts as 1.
+    /// Plays `source` at `speed` times real time, clamped to 0.01..=1000. NaN counts as 1.
     pub fn new(source: S, speed: f64) -> Self {
         let speed = if speed.is_nan() { 1.0 } else { speed };
         Self {
             source,
             speed: speed.clamp(0.01, 1000.0),
-            waiting: None,
+            pending: None,
             previous: None,
         }
     }
 
+    /// Returns the time at which a reading with timestamp `time` is due.
     fn schedule(&mut self, time: Timestamp) -> Instant {
         let now = Instant::now();
         let due = match self.previous {
@@ -54,20 +55,20 @@ impl<S: Source> PacedSource<S> {
 
 impl<S: Source> Source for PacedSource<S> {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        let (reading, due) = match self.waiting.take() {
-            Some(waiting) => waiting,
+        let (reading, due) = match self.pending.take() {
+            Some(pending) => pending,
             None => match self.source.next()? {
                 SourceEvent::Reading(reading) => {
                     let due = self.schedule(reading.time);
                     (reading, due)
                 }
-                other => return Ok(other),
+                idle_or_end => return Ok(idle_or_end),
             },
         };
         let wait = due.saturating_duration_since(Instant::now());
         std::thread::sleep(wait.min(MAX_SLEEP));
         if wait > MAX_SLEEP {
-            self.waiting = Some((reading, due));
+            self.pending = Some((reading, due));
             return Ok(SourceEvent::Idle);
         }
         Ok(SourceEvent::Reading(reading))
@@ -77,7 +78,7 @@ impl<S: Source> Source for PacedSource<S> {
         self.source.name()
     }
 
-    /// That of the source, whose times the readings keep at any speed.
+    /// Returns the period of the inner source: readings keep their timestamps at any speed.
     fn packet_period(&self) -> Option<Duration> {
         self.source.packet_period()
     }
@@ -96,9 +97,10 @@ mod tests {
     use super::*;
     use crate::capture::{Channels, Sample};
 
-    struct Times(Vec<u64>);
+    /// Source with readings at these times, in milliseconds.
+    struct TimedSource(Vec<u64>);
 
-    impl Source for Times {
+    impl Source for TimedSource {
         fn next(&mut self) -> Result<SourceEvent, CaptureError> {
             if self.0.is_empty() {
                 return Ok(SourceEvent::End);
@@ -126,51 +128,54 @@ mod tests {
         }
     }
 
-    /// Plays readings at the times given, in milliseconds; how long each took, and the times that were let out.
+    /// Plays readings at these times, in milliseconds. Returns the time at which each was returned, and its timestamp.
     fn play(times: &[u64], speed: f64) -> (Vec<Duration>, Vec<u64>) {
-        let mut paced = PacedSource::new(Times(times.to_vec()), speed);
+        let mut paced = PacedSource::new(TimedSource(times.to_vec()), speed);
         let start = Instant::now();
-        let (mut moments, mut out) = (Vec::new(), Vec::new());
+        let (mut returned_at, mut times) = (Vec::new(), Vec::new());
         loop {
-            let asked = Instant::now();
-            let capture = paced.next().unwrap();
+            let called_at = Instant::now();
+            let event = paced.next().unwrap();
             assert!(
-                asked.elapsed() < Duration::from_secs(1),
-                "asked in vain for {:?}",
-                asked.elapsed()
+                called_at.elapsed() < Duration::from_secs(1),
+                "blocked for {:?}",
+                called_at.elapsed()
             );
-            match capture {
+            match event {
                 SourceEvent::Reading(reading) => {
-                    moments.push(start.elapsed());
-                    out.push(reading.time.0 / 1000);
+                    returned_at.push(start.elapsed());
+                    times.push(reading.time.0 / 1000);
                 }
-                SourceEvent::Idle => assert!(asked.elapsed() >= MAX_SLEEP),
-                SourceEvent::End => return (moments, out),
+                SourceEvent::Idle => assert!(called_at.elapsed() >= MAX_SLEEP),
+                SourceEvent::End => return (returned_at, times),
             }
         }
     }
 
     #[test]
-    fn readings_come_no_earlier_than_their_time_at_the_speed_asked_for() {
-        let (moments, out) = play(&[500, 600, 620, 920], 2.0);
-        assert_eq!(out, [500, 600, 620, 920]);
-        for (moment, earliest) in moments.iter().zip([0, 50, 60, 210]) {
-            assert!(*moment >= Duration::from_millis(earliest), "{moments:?}");
+    fn readings_are_not_early_at_any_speed() {
+        let (returned_at, times) = play(&[500, 600, 620, 920], 2.0);
+        assert_eq!(times, [500, 600, 620, 920]);
+        for (returned_at, earliest) in returned_at.iter().zip([0, 50, 60, 210]) {
+            assert!(
+                *returned_at >= Duration::from_millis(earliest),
+                "{returned_at:?}"
+            );
         }
     }
 
     #[test]
     fn a_gap_of_a_year_takes_two_seconds() {
-        let (moments, _) = play(&[0, 365 * 86_400_000], 1.0);
+        let (returned_at, _) = play(&[0, 365 * 86_400_000], 1.0);
         assert!(
-            moments[1] >= MAX_GAP && moments[1] < Duration::from_secs(20),
-            "{moments:?}"
+            returned_at[1] >= MAX_GAP && returned_at[1] < Duration::from_secs(20),
+            "{returned_at:?}"
         );
     }
 
     #[test]
-    fn a_slow_consumer_is_not_given_a_burst() {
-        let mut paced = PacedSource::new(Times(vec![0, 10, 20, 100]), 1.0);
+    fn a_late_consumer_gets_no_burst() {
+        let mut paced = PacedSource::new(TimedSource(vec![0, 10, 20, 100]), 1.0);
         paced.next().unwrap();
         std::thread::sleep(MAX_BLOCK * 2);
         let start = Instant::now();
@@ -180,8 +185,8 @@ mod tests {
     }
 
     #[test]
-    fn a_speed_out_of_range_is_moved_into_it() {
-        for (speed, moved) in [
+    fn the_speed_is_clamped() {
+        for (speed, clamped) in [
             (f64::NAN, 1.0),
             (0.0, 0.01),
             (-1.0, 0.01),
@@ -189,16 +194,16 @@ mod tests {
             (2.0, 2.0),
         ] {
             assert_eq!(
-                PacedSource::new(Times(Vec::new()), speed).speed,
-                moved,
+                PacedSource::new(TimedSource(Vec::new()), speed).speed,
+                clamped,
                 "{speed}"
             );
         }
     }
 
     #[test]
-    fn it_is_the_same_source_at_any_speed() {
-        let paced = PacedSource::new(Times(Vec::new()), 20.0);
+    fn packet_period_and_liveness_are_those_of_the_source() {
+        let paced = PacedSource::new(TimedSource(Vec::new()), 20.0);
         assert_eq!(paced.packet_period(), Some(Duration::from_millis(10)));
         assert!(!paced.is_live());
     }

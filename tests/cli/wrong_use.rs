@@ -247,7 +247,7 @@ fn files_that_are_no_recordings_are_refused() {
         &["there is a file already"],
     );
     let text = file(&folder, "text.mcap", "this is a letter, not a recording");
-    refused_with(3, &format!("replay {text}"), &["this is no MCAP file"]);
+    refused_with(3, &format!("replay {text}"), &["it is not an MCAP file"]);
 }
 
 #[test]

@@ -260,11 +260,11 @@ fn what_is_no_recording_is_refused_with_the_place() {
     assert_eq!(error(b""), format!("{start}0, the file is empty"));
     assert_eq!(
         error(b"RIFF...."),
-        format!("{start}0, this is no MCAP file")
+        format!("{start}0, it is not an MCAP file")
     );
     assert_eq!(
         error(b"\x89MCAP9\r\n"),
-        format!("{start}0, this is another version of MCAP than 0")
+        format!("{start}0, it is not MCAP version 0")
     );
 }
 

@@ -1,10 +1,10 @@
-//! Lengths that a record states of its texts, looked at before anybody makes room for them.
+//! Check of the text lengths in a record, before the MCAP decoder allocates memory for the texts.
 
 use mcap::records::op;
 
-/// Whether all texts of a record lie within it: room for what a length says, up to 4 GiB, would be made before the
-/// text is found to be missing. Records of kinds without texts do.
-pub(super) fn fit(opcode: u8, record: &[u8]) -> bool {
+/// Returns `true` if all texts of a record lie within it. The decoder would allocate the stated length, up to 4 GiB,
+/// before it finds that the text is missing. Records without texts pass.
+pub(super) fn are_within_record(opcode: u8, record: &[u8]) -> bool {
     match opcode {
         op::CHANNEL => channel(record).is_some(),
         op::METADATA => metadata(record).is_some(),
@@ -12,7 +12,7 @@ pub(super) fn fit(opcode: u8, record: &[u8]) -> bool {
     }
 }
 
-/// Two numbers, topic and encoding, pairs of texts.
+/// Channel: two ids of 16 bits, topic, encoding, pairs of texts.
 fn channel(record: &[u8]) -> Option<()> {
     let (_, mut rest) = record.split_first_chunk::<4>()?;
     text(&mut rest)?;
@@ -20,13 +20,13 @@ fn channel(record: &[u8]) -> Option<()> {
     pairs(&mut rest)
 }
 
-/// A name, pairs of texts.
+/// Metadata: name, pairs of texts.
 fn metadata(mut record: &[u8]) -> Option<()> {
     text(&mut record)?;
     pairs(&mut record)
 }
 
-/// Takes the next text, which has its length in front of it.
+/// Splits off the next text, which follows its length (32 bits, little-endian).
 fn text<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
     let (length, after) = rest.split_first_chunk::<4>()?;
     let (text, after) = after.split_at_checked(u32::from_le_bytes(*length) as usize)?;
@@ -61,21 +61,24 @@ mod tests {
     }
 
     #[test]
-    fn a_length_beyond_its_record_is_found_wherever_it_is() {
+    fn any_length_beyond_its_record_is_detected() {
         for (opcode, head, texts) in [(op::METADATA, 0, 1), (op::CHANNEL, 4, 2)] {
             let whole = record(&vec![0; head], texts);
-            assert!(fit(opcode, &whole));
+            assert!(are_within_record(opcode, &whole));
             let lengths: Vec<usize> = (head..whole.len() - 3)
-                .filter(|&place| whole[place + 1..place + 4] == [0, 0, 0])
-                .filter(|&place| (4..40).contains(&whole[place]))
+                .filter(|&offset| whole[offset + 1..offset + 4] == [0, 0, 0])
+                .filter(|&offset| (4..40).contains(&whole[offset]))
                 .collect();
             assert_eq!(lengths.len(), texts + 3, "{whole:?}");
-            for place in lengths {
+            for offset in lengths {
                 let mut wrong = whole.clone();
-                wrong[place..place + 4].copy_from_slice(&u32::MAX.to_le_bytes());
-                assert!(!fit(opcode, &wrong), "at {place}");
+                wrong[offset..offset + 4].copy_from_slice(&u32::MAX.to_le_bytes());
+                assert!(!are_within_record(opcode, &wrong), "at {offset}");
             }
         }
-        assert!(fit(op::MESSAGE, &[0xff; 8]), "it has no texts");
+        assert!(
+            are_within_record(op::MESSAGE, &[0xff; 8]),
+            "a message has no texts"
+        );
     }
 }

@@ -1,60 +1,59 @@
-//! Recordings: MCAP files that hold readings, what came of them, and the setup they were made with.
+//! Recordings: MCAP files with readings, the results of the pipeline and the setup.
 //!
-//! A recording is a plain [MCAP](https://mcap.dev/spec) file without chunks, so that one that was cut
-//! off still has every message before the cut. It starts with a metadata record
-//! [`FORMAT_RECORD`], goes on with one metadata record [`SETUP_RECORD`] per setup text, then
-//! declares its channels, and then come messages in JSON. Readings are on the channel [`TOPIC`].
+//! A recording is an [MCAP](https://mcap.dev/spec) file without chunks, so a truncated file keeps every message
+//! before the cut. Its records, in order: a metadata record [`FORMAT_RECORD`], a metadata record [`SETUP_RECORD`] per
+//! setup text, the channels, and messages in JSON. Readings are on the channel [`READINGS_TOPIC`].
 
 mod lengths;
+mod records;
 
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-use mcap::records::{Metadata, Record, op};
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use mcap::{MAGIC, McapError};
+use mcap::records::Metadata;
 
 use super::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
+use records::{Content, Records, Stop};
 
-/// The channel that readings are on.
+/// Topic of the channel of readings.
 pub const READINGS_TOPIC: &str = "/readings";
 
-/// How the messages of all channels are encoded.
+/// Encoding of the messages of all channels.
 pub const MESSAGE_ENCODING: &str = "json";
 
-/// The metadata record that says which version of the format the file has, under the key `format`.
+/// Metadata record with the version of the format, under the key `format`.
 pub const FORMAT_RECORD: &str = "ademan";
 
-/// The version of the format that is written and read here.
+/// Version of the format that this program reads and writes.
 pub const FORMAT_VERSION: &str = "1";
 
-/// The metadata records that hold the setup: `kind`, `name` and `text` of each.
+/// Metadata record with a setup text: the keys `kind`, `name` and `text`.
 pub const SETUP_RECORD: &str = "ademan.setup";
 
-/// The most bytes that one record may have: enough for the largest setup text.
+/// Largest size of a record in bytes: enough for the largest setup text.
 pub const MAX_RECORD_BYTES: usize = 4 << 20;
 
-/// The kind of the setup text that is the time between two readings, in microseconds.
+/// Kind of the setup text with the shortest time between two readings, in microseconds.
 const PACKET_PERIOD: &str = "packet-period";
 
-/// The texts that describe how a recording was made: the glove, the arm, the layout, the settings.
+/// Texts that describe how a recording was made: glove, arm, layouts and settings.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RecordedSetup {
-    /// The texts, in the order in which they were written.
+    /// The texts in the order of the file.
     pub entries: Vec<SetupText>,
 }
 
 /// One text of a setup.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SetupText {
-    /// What it describes: `glove`, `arm`, `layout`, `settings`, ….
+    /// Subject of the text: `glove`, `arm`, `layout`, `settings`, ….
     pub kind: String,
-    /// What its user calls it: a file or a built-in name.
+    /// Path or built-in name.
     pub name: String,
-    /// The text as it was in force.
+    /// The text itself.
     pub text: String,
 }
 
@@ -70,7 +69,7 @@ impl RecordedSetup {
         self
     }
 
-    /// Adds the time between two readings of the source, on which the stall limit depends.
+    /// Adds the shortest time between two readings of the source, on which the stall timeout depends.
     #[must_use]
     pub fn with_packet_period(self, period: Option<Duration>) -> Self {
         match period {
@@ -79,60 +78,61 @@ impl RecordedSetup {
         }
     }
 
-    /// The first text of this kind.
+    /// Returns the first text of this kind.
     pub fn get(&self, kind: &str) -> Option<&SetupText> {
         self.entries.iter().find(|entry| entry.kind == kind)
     }
 }
 
-/// Where and how a recording ends before its end.
+/// Premature end of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Truncation {
-    /// The byte at which the last whole record ends.
+    /// Offset of the end of the last complete record, in bytes.
     pub offset: u64,
-    /// What follows there.
+    /// Description of the end of the file.
     pub reason: String,
 }
 
-/// A recording as a source: gives its readings as fast as they are asked for.
+/// A recording as a source, which returns readings without delay.
 ///
-/// Reads the file piece by piece, so that its size does not matter. After a file that was cut off
-/// has given all whole readings it is at its [`End`](Capture::End), and [`cut`](Self::cut) says where.
+/// Reads the file piece by piece, so its size does not matter. After all complete readings of a truncated file,
+/// [`Source::next`] returns [`SourceEvent::End`] and [`truncation`](Self::truncation) states the position.
 ///
-/// The checksum stands at the end of the file: damage that leaves a reading readable is an error
-/// after the last reading, not before the damaged one.
+/// The checksum is at the end of the file: damage that leaves a reading readable is an error after the last reading,
+/// not before the damaged one.
 pub struct Replay<R = File> {
     name: String,
     records: Records<R>,
     setup: RecordedSetup,
+    /// Id of the channel of readings.
     channel: Option<u16>,
     pending: Option<Reading>,
     readings: u64,
-    cut: SharedTruncation,
-    ended: bool,
+    truncation: SharedTruncation,
+    has_ended: bool,
 }
 
-/// Where a replay notes that its recording is cut off, for whoever does not have the replay any more then.
+/// Truncation of a recording, shared with its [`Replay`]. It is set when the replay reaches it.
 pub type SharedTruncation = Arc<OnceLock<Truncation>>;
 
 impl Replay {
-    /// Opens the recording at `path` and reads its setup; the source is called `recording:PATH`.
+    /// Opens the recording at `path` and reads its setup. The source is called `recording:PATH`.
     pub fn open(path: &Path) -> Result<Self, CaptureError> {
         let name = format!("recording:{}", path.display());
-        let refuse = |reason: String| CaptureError::Open {
+        let open_error = |reason: String| CaptureError::Open {
             source_name: name.clone(),
             reason,
         };
-        let file = File::open(path).map_err(|error| refuse(error.to_string()))?;
+        let file = File::open(path).map_err(|error| open_error(error.to_string()))?;
         if path.is_dir() {
-            return Err(refuse("it is a directory, name a file in it".into()));
+            return Err(open_error("it is a directory, name a file in it".into()));
         }
         Self::from_reader(name, file)
     }
 }
 
 impl<R: Read + Send> Replay<R> {
-    /// Reads a recording from anywhere; `name` is what errors call it.
+    /// Reads a recording and its setup from `bytes`. `name` is the name of the source.
     pub fn from_reader(name: impl Into<String>, bytes: R) -> Result<Self, CaptureError> {
         let mut replay = Self {
             name: name.into(),
@@ -141,8 +141,8 @@ impl<R: Read + Send> Replay<R> {
             channel: None,
             pending: None,
             readings: 0,
-            cut: SharedTruncation::default(),
-            ended: false,
+            truncation: SharedTruncation::default(),
+            has_ended: false,
         };
         match replay.records.read_magic() {
             Ok(()) => replay.pending = replay.next_reading()?,
@@ -151,36 +151,36 @@ impl<R: Read + Send> Replay<R> {
         Ok(replay)
     }
 
-    /// The setup that the recording was made with.
+    /// Returns the setup with which the recording was made.
     pub fn setup(&self) -> &RecordedSetup {
         &self.setup
     }
 
-    /// Where the recording is cut off, once its end has been read.
+    /// Returns the truncation of the recording, once the replay has reached it.
     pub fn truncation(&self) -> Option<&Truncation> {
-        self.cut.get()
+        self.truncation.get()
     }
 
-    /// Where it will be noted that the recording is cut off.
+    /// Returns the truncation for observers that outlive the replay.
     pub fn shared_truncation(&self) -> SharedTruncation {
-        self.cut.clone()
+        self.truncation.clone()
     }
 
-    /// Reads up to the next reading; `None` at the end.
+    /// Reads records up to the next reading. Returns `None` at the end.
     fn next_reading(&mut self) -> Result<Option<Reading>, CaptureError> {
-        while !self.ended {
+        while !self.has_ended {
             match self.records.next() {
-                Ok(Content::Reading(channel, data)) if Some(channel) == self.channel => {
+                Ok(Content::Message(channel, data)) if Some(channel) == self.channel => {
                     return self.decode(&data).map(Some);
                 }
-                Ok(content) => self.take(content)?,
+                Ok(content) => self.handle(content)?,
                 Err(stop) => self.end(stop)?,
             }
         }
         Ok(None)
     }
 
-    fn take(&mut self, content: Content) -> Result<(), CaptureError> {
+    fn handle(&mut self, content: Content) -> Result<(), CaptureError> {
         match content {
             Content::Channel(channel) if channel.topic == READINGS_TOPIC => {
                 if channel.message_encoding != MESSAGE_ENCODING {
@@ -192,14 +192,14 @@ impl<R: Read + Send> Replay<R> {
                 self.channel = Some(channel.id);
                 Ok(())
             }
-            Content::Metadata(metadata) => self.take_metadata(metadata),
+            Content::Metadata(metadata) => self.handle_metadata(metadata),
             _ => Ok(()),
         }
     }
 
-    fn take_metadata(&mut self, record: Metadata) -> Result<(), CaptureError> {
-        let mut text = record.metadata;
-        let mut field = |key: &str| text.remove(key).unwrap_or_default();
+    fn handle_metadata(&mut self, record: Metadata) -> Result<(), CaptureError> {
+        let mut fields = record.metadata;
+        let mut field = |key: &str| fields.remove(key).unwrap_or_default();
         match record.name.as_str() {
             FORMAT_RECORD => {
                 let format = field("format");
@@ -207,7 +207,8 @@ impl<R: Read + Send> Replay<R> {
                     return Ok(());
                 }
                 Err(self.malformed(format!(
-                    "it has format `{format}` and this program reads format `{FORMAT_VERSION}`; use the version that wrote it"
+                    "it has format `{format}` and this program reads format `{FORMAT_VERSION}`; use the version that \
+                     wrote it"
                 )))
             }
             SETUP_RECORD => {
@@ -223,9 +224,8 @@ impl<R: Read + Send> Replay<R> {
     }
 
     fn decode(&mut self, data: &[u8]) -> Result<Reading, CaptureError> {
-        let reading: Reading = serde_json::from_slice(data).map_err(|error| {
-            self.malformed(format!("what should be a reading is none: {error}"))
-        })?;
+        let reading: Reading = serde_json::from_slice(data)
+            .map_err(|error| self.malformed(format!("a reading cannot be decoded: {error}")))?;
         if let Sample::Channels(channels) = &reading.sample
             && channels
                 .counts
@@ -237,39 +237,39 @@ impl<R: Read + Send> Replay<R> {
         Ok(reading)
     }
 
-    /// Notes why there is nothing more; only a cut is no error.
+    /// Ends the replay. A truncation is stored and is not an error.
     fn end(&mut self, stop: Stop) -> Result<(), CaptureError> {
-        self.ended = true;
-        let offset = self.records.whole;
+        self.has_ended = true;
+        let offset = self.records.complete_end();
         match stop {
             Stop::Finished if self.channel.is_none() => Err(self.malformed(format!(
-                "it has no channel `{READINGS_TOPIC}`; only what `ademan record` wrote can be replayed"
+                "it has no channel `{READINGS_TOPIC}`; only recordings of `ademan record` can be replayed"
             ))),
             Stop::Finished => Ok(()),
-            Stop::Cut => {
-                let left = self.records.fed - offset;
-                let reason = match left {
+            Stop::Truncated => {
+                let rest = self.records.bytes_read() - offset;
+                let reason = match rest {
                     0 => "the file ends without an end mark".to_owned(),
-                    _ => format!("the file ends {left} bytes into a record"),
+                    _ => format!("the file ends {rest} bytes into a record"),
                 };
-                tracing::warn!("{} is cut off at byte {offset}: {reason}", self.name);
-                let _ = self.cut.set(Truncation { offset, reason });
+                tracing::warn!("{} is truncated at byte {offset}: {reason}", self.name);
+                let _ = self.truncation.set(Truncation { offset, reason });
                 Ok(())
             }
             Stop::Unreadable(error) => Err(CaptureError::Open {
                 source_name: self.name.clone(),
-                reason: format!("byte {}: {error}", self.records.fed),
+                reason: format!("byte {}: {error}", self.records.bytes_read()),
             }),
             Stop::Malformed(reason) => Err(self.malformed(reason)),
         }
     }
 
-    /// An error at the record that was read last; it ends the replay.
+    /// Ends the replay with an error at the last record.
     fn malformed(&mut self, reason: String) -> CaptureError {
-        self.ended = true;
+        self.has_ended = true;
         CaptureError::Malformed {
             source_name: self.name.clone(),
-            reason: format!("at byte {}, {reason}", self.records.start),
+            reason: format!("at byte {}, {reason}", self.records.record_start()),
         }
     }
 }
@@ -291,7 +291,7 @@ impl<R: Read + Send> Source for Replay<R> {
         &self.name
     }
 
-    /// That of the source that was recorded, where it knew it.
+    /// Returns the period of the recorded source, if that knew it.
     fn packet_period(&self) -> Option<Duration> {
         let microseconds = self.setup.get(PACKET_PERIOD)?.text.parse().ok()?;
         Some(Duration::from_micros(microseconds))
@@ -302,154 +302,15 @@ impl<R: Read + Send> Source for Replay<R> {
     }
 
     fn stats(&self) -> SourceStats {
+        let bytes = self.records.bytes_read();
         SourceStats {
-            bytes: self.records.fed,
+            bytes,
             skipped_bytes: match self.truncation() {
-                Some(_) => self.records.fed - self.records.whole,
+                Some(truncation) => bytes - truncation.offset,
                 None => 0,
             },
             readings: self.readings,
             ..SourceStats::default()
         }
-    }
-}
-
-/// What a record holds, as far as a replay needs it.
-enum Content {
-    Channel(mcap::records::Channel),
-    Metadata(Metadata),
-    Reading(u16, Vec<u8>),
-    Other,
-}
-
-/// Why there are no more records.
-enum Stop {
-    Finished,
-    Cut,
-    Unreadable(io::Error),
-    Malformed(String),
-}
-
-/// The records of a file, one after the other.
-struct Records<R> {
-    bytes: BufReader<R>,
-    reader: LinearReader,
-    /// Bytes handed to the reader.
-    fed: u64,
-    /// Where the last record that was read starts.
-    start: u64,
-    /// Where the last whole record ends.
-    whole: u64,
-    /// Whether the record with the checksum over all data was there.
-    is_checked: bool,
-}
-
-impl<R: Read> Records<R> {
-    fn new(bytes: R) -> Self {
-        let options = LinearReaderOptions::default()
-            .with_validate_data_section_crc(true)
-            .with_validate_chunk_crcs(true)
-            .with_record_length_limit(MAX_RECORD_BYTES);
-        Self {
-            bytes: BufReader::new(bytes),
-            reader: LinearReader::new_with_options(options),
-            fed: 0,
-            start: 0,
-            whole: 0,
-            is_checked: false,
-        }
-    }
-
-    /// Reads what an MCAP file starts with.
-    fn read_magic(&mut self) -> Result<(), Stop> {
-        let mut magic = Vec::with_capacity(MAGIC.len());
-        let mut head = self.bytes.by_ref().take(MAGIC.len() as u64);
-        head.read_to_end(&mut magic).map_err(Stop::Unreadable)?;
-        self.fed = magic.len() as u64;
-        if magic.is_empty() {
-            return Err(Stop::Malformed("the file is empty".into()));
-        }
-        if !MAGIC.starts_with(&magic) {
-            let version = &MAGIC[..5];
-            return Err(Stop::Malformed(if magic.starts_with(version) {
-                "this is another version of MCAP than 0".into()
-            } else {
-                "this is no MCAP file".into()
-            }));
-        }
-        if magic.len() < MAGIC.len() {
-            return Err(Stop::Cut);
-        }
-        self.whole = self.fed;
-        self.reader.insert(magic.len()).copy_from_slice(&magic);
-        self.reader.notify_read(magic.len());
-        Ok(())
-    }
-
-    fn next(&mut self) -> Result<Content, Stop> {
-        self.start = self.whole;
-        loop {
-            match self.reader.next_event() {
-                None if self.is_checked => return Err(Stop::Finished),
-                // A record with a damaged length can swallow the checksum and end where another begins.
-                None => return Err(Stop::Malformed("the end of the data is missing".into())),
-                // The reader asks for no byte more than a record has, so what it has been given
-                // when it gives a record ends where the record ends.
-                Some(Ok(LinearReadEvent::Record { opcode, data })) => {
-                    let content = content(opcode, data);
-                    self.whole = self.fed;
-                    self.is_checked |= opcode == op::DATA_END;
-                    return content;
-                }
-                Some(Ok(LinearReadEvent::ReadRequest(size))) => {
-                    let read = read_some(&mut self.bytes, self.reader.insert(size));
-                    let read = read.map_err(Stop::Unreadable)?;
-                    self.reader.notify_read(read);
-                    self.fed += read as u64;
-                }
-                Some(Err(McapError::UnexpectedEof)) => return Err(Stop::Cut),
-                Some(Err(error)) => return Err(Stop::Malformed(reason(error))),
-            }
-        }
-    }
-}
-
-fn read_some(bytes: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
-    loop {
-        match bytes.read(buffer) {
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            outcome => return outcome,
-        }
-    }
-}
-
-/// Decodes only what a replay needs: records of other kinds may be damaged without harm.
-fn content(opcode: u8, data: &[u8]) -> Result<Content, Stop> {
-    if !matches!(opcode, op::CHANNEL | op::METADATA | op::MESSAGE) {
-        return Ok(Content::Other);
-    }
-    if !lengths::fit(opcode, data) {
-        let reason = "a text of the record is longer than the record";
-        return Err(Stop::Malformed(reason.into()));
-    }
-    let record =
-        mcap::parse_record(opcode, data).map_err(|error| Stop::Malformed(reason(error)))?;
-    Ok(match record {
-        Record::Channel(channel) => Content::Channel(channel),
-        Record::Metadata(metadata) => Content::Metadata(metadata),
-        Record::Message { header, data } => Content::Reading(header.channel_id, data.into_owned()),
-        _ => Content::Other,
-    })
-}
-
-fn reason(error: McapError) -> String {
-    match error {
-        McapError::BadDataCrc { .. } => "the contents before do not match their checksum".into(),
-        McapError::BadMagic => "the end mark is damaged".into(),
-        McapError::RecordTooLarge { len, .. } => {
-            format!("a record says that it has {len} bytes; the limit is {MAX_RECORD_BYTES}")
-        }
-        McapError::Parse(_) => "a record cannot be decoded".into(),
-        other => other.to_string(),
     }
 }

@@ -1,4 +1,4 @@
-//! A source on a thread of its own, behind a bounded channel.
+//! Source on its own thread, behind a bounded channel.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::thread::{JoinHandle, Thread};
@@ -10,119 +10,120 @@ use super::cancel::{CancelHandle, cancel_token};
 use super::suspend::SuspendDetector;
 use super::{CancelToken, CaptureError, Reading, Source, SourceEvent, SourceStats};
 
-/// What a capture thread sends.
+/// Message of a capture thread.
 ///
-/// After [`Failed`](Self::Failed) or [`End`](Self::End) the channel is disconnected. A thread that is
-/// stopped by dropping its [`Captured`] sends neither.
+/// After [`Failed`](Self::Failed) or [`End`](Self::End) the channel is disconnected. A thread that is stopped by
+/// dropping its [`CaptureThread`] sends neither.
 #[derive(Clone, Debug)]
 pub enum CaptureEvent {
     /// A reading.
     Reading {
-        /// What the sensor saw.
+        /// The sensor values.
         reading: Reading,
-        /// When the capture thread had it.
+        /// Time at which the capture thread received it.
         received_at: Instant,
-        /// What has come in up to and with this reading.
+        /// Statistics up to and including this reading.
         stats: SourceStats,
     },
-    /// Bytes come of which none belongs to a reading: what has come in by now. At most twice a second.
+    /// Bytes arrive, but none of them belongs to a reading. Sent at most twice a second.
     Noise(SourceStats),
-    /// The device is gone and the source looks for it, or it was interrupted; readings may follow. Never superseded, and always
-    /// before the readings that came after it.
+    /// The device was lost and the source reconnects, or the readings were interrupted. Never dropped, and always
+    /// before the readings that follow it.
     Lost(CaptureError),
-    /// The source gave up, or panicked.
+    /// The source failed permanently or panicked.
     Failed(CaptureError),
-    /// The stream is over.
+    /// End of the readings.
     End(SourceStats),
 }
 
-/// Arrivals that wait for whoever takes them: enough for a pause of 90 ms at 115 200 baud, few enough that
-/// nobody acts on a hand of long ago.
-const WAITING_ARRIVALS: usize = 16;
+/// Capacity of the channel: a pause of 90 ms at 115 200 baud. Older readings no longer show the hand as it is.
+const QUEUE_CAPACITY: usize = 16;
 
-/// How often is told of bytes that are no readings.
-const NOISE: Duration = Duration::from_millis(500);
+/// Shortest time between two [`CaptureEvent::Noise`].
+const NOISE_INTERVAL: Duration = Duration::from_millis(500);
 
-/// How long dropping a [`Captured`] waits for its thread; a device that blocks longer is left behind.
-const JOIN_LIMIT: Duration = Duration::from_secs(1);
+/// Longest time that dropping a [`CaptureThread`] waits for its thread. A source that blocks longer is left behind.
+const JOIN_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// A source that runs on its own thread. Dropping it stops the thread: at once where the source
-/// [heeds](Source::heed) that, else within [`PATIENCE`](super::PATIENCE), and within one second at most.
+/// A source that runs on its own thread.
+///
+/// Dropping it stops the thread: at once if the source uses its [cancel token](Source::set_cancel_token), otherwise
+/// within [`MAX_BLOCK`](super::MAX_BLOCK). It waits for at most one second.
 #[derive(Debug)]
 pub struct CaptureThread {
     events: Receiver<CaptureEvent>,
     name: String,
     packet_period: Option<Duration>,
     is_live: bool,
-    /// Rings when it is dropped.
-    bell: Option<CancelHandle>,
-    /// Disconnected when the thread is over.
-    over: Receiver<()>,
+    /// Cancels the source when it is dropped.
+    cancel: Option<CancelHandle>,
+    /// Disconnected when the thread has ended.
+    ended: Receiver<()>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// Moves `source` to a thread of its own.
+/// Runs `source` on its own thread.
 ///
-/// When nobody takes what arrives, a [live](Source::is_live) source drops its oldest readings and counts
-/// them in [`Counts::superseded`]; any other source waits.
+/// If the consumer is slow, a [live](Source::is_live) source drops its oldest readings and counts them in
+/// [`SourceStats::dropped`]; any other source waits.
 pub fn spawn(mut source: impl Source + 'static) -> Result<CaptureThread, CaptureError> {
     let name = source.name().to_owned();
-    let frame_period = source.packet_period();
+    let packet_period = source.packet_period();
     let is_live = source.is_live();
-    let (sender, arrivals) = bounded(WAITING_ARRIVALS);
-    let (thread_is_over, over) = bounded(0);
-    let refuse = |what: &str, error| CaptureError::Open {
+    let open_error = |missing: &str, error| CaptureError::Open {
         source_name: name.clone(),
-        reason: format!("no {what} for it: {error}; close other programs"),
+        reason: format!("no {missing} for it: {error}; close other programs"),
     };
-    let (bell, interrupt) = cancel_token().map_err(|error| refuse("pipe", error))?;
-    source.set_cancel_token(&interrupt);
-    let mut outlet = Outlet {
+    let (cancel, token) = cancel_token().map_err(|error| open_error("pipe", error))?;
+    source.set_cancel_token(&token);
+    let (sender, events) = bounded(QUEUE_CAPACITY);
+    let (end_of_thread, ended) = bounded(0);
+    let mut sender = EventSender {
         sender,
-        waiting: arrivals.clone(),
+        queue: events.clone(),
         is_live,
-        interrupt,
-        superseded: 0,
-        waiter: Waiter(std::thread::current()),
+        cancel: token,
+        dropped: 0,
+        consumer: ConsumerThread(std::thread::current()),
     };
     let source_name = name.clone();
     let run = move || {
-        let _over_at_the_end: Sender<()> = thread_is_over;
-        capture(source, source_name, &mut outlet);
+        let _disconnects_at_the_end: Sender<()> = end_of_thread;
+        capture(source, source_name, &mut sender);
     };
     let thread = std::thread::Builder::new()
         .name("capture".to_owned())
         .spawn(run);
-    let thread = thread.map_err(|error| refuse("thread", error))?;
+    let thread = thread.map_err(|error| open_error("thread", error))?;
     Ok(CaptureThread {
-        events: arrivals,
+        events,
         name,
-        packet_period: frame_period,
+        packet_period,
         is_live,
-        bell: Some(bell),
-        over,
+        cancel: Some(cancel),
+        ended,
         thread: Some(thread),
     })
 }
 
 impl CaptureThread {
-    /// Where the arrivals come out, for `recv`, `try_recv` and `select!`. With each of them, and when there will be no
-    /// more, the thread that made this is [unparked](std::thread::Thread::unpark), so that it may wait by parking.
+    /// Returns the channel of events. With each event, and at the end, the thread that called [`spawn`] is
+    /// [unparked](std::thread::Thread::unpark), so that it may wait by parking.
     pub fn events(&self) -> &Receiver<CaptureEvent> {
         &self.events
     }
 
-    /// The [name](Source::name) of the source.
+    /// Returns the [name](Source::name) of the source.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The [time between two readings](Source::frame_period) of the source.
+    /// Returns the [shortest time between two readings](Source::packet_period).
     pub fn packet_period(&self) -> Option<Duration> {
         self.packet_period
     }
 
-    /// Whether the source is [live](Source::is_live).
+    /// Returns `true` if the source is [live](Source::is_live).
     pub fn is_live(&self) -> bool {
         self.is_live
     }
@@ -130,24 +131,25 @@ impl CaptureThread {
 
 impl Drop for CaptureThread {
     fn drop(&mut self) {
-        self.bell = None;
-        if self.over.recv_timeout(JOIN_LIMIT) == Err(RecvTimeoutError::Timeout) {
+        self.cancel = None;
+        if self.ended.recv_timeout(JOIN_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
             tracing::warn!("{} does not stop, its thread is left behind", self.name);
             return;
         }
         if let Some(thread) = self.thread.take() {
-            // The thread catches the panics of its source; there is nothing else to hear of.
+            // The thread catches the panics of its source, so the result holds nothing.
             let _ = thread.join();
         }
     }
 }
 
-fn capture(source: impl Source, name: String, outlet: &mut Outlet) {
-    let whole_run = catch_unwind(AssertUnwindSafe(|| {
-        run(source, &mut SuspendDetector::default(), outlet);
+/// Runs the source and sends a panic as a failure.
+fn capture(source: impl Source, name: String, sender: &mut EventSender) {
+    let result = catch_unwind(AssertUnwindSafe(|| {
+        run(source, &mut SuspendDetector::default(), sender);
     }));
-    if let Err(panic) = whole_run {
-        outlet.send(|_| {
+    if let Err(panic) = result {
+        sender.send(|_| {
             CaptureEvent::Failed(CaptureError::Malformed {
                 source_name: name,
                 reason: format!("it panicked: {}; please report this", panic_text(&*panic)),
@@ -156,70 +158,50 @@ fn capture(source: impl Source, name: String, outlet: &mut Outlet) {
     }
 }
 
-fn run(mut source: impl Source, awake: &mut SuspendDetector, outlet: &mut Outlet) {
-    let mut interruptions = 0;
-    let (mut told, mut told_bytes) = (Instant::now(), 0);
-    while !outlet.interrupt.is_cancelled() {
-        let news = source.next();
-        if outlet.is_live && awake.was_suspended() {
-            // The clocks of readings stand still meanwhile: nobody else notices.
-            interruptions += 1;
-            let source_name = source.name().to_owned();
-            let reason = "the machine has slept".to_owned();
-            outlet.send(|_| {
-                CaptureEvent::Lost(CaptureError::Interrupted {
-                    source_name,
-                    reason,
-                })
-            });
+fn run(mut source: impl Source, suspend: &mut SuspendDetector, sender: &mut EventSender) {
+    let mut suspends = 0;
+    let (mut reported_at, mut reported_bytes) = (Instant::now(), 0);
+    while !sender.cancel.is_cancelled() {
+        let event = source.next();
+        if sender.is_live && suspend.was_suspended() {
+            // The clock of the readings stands still during a suspend, so no later stage can detect it.
+            suspends += 1;
+            sender.send_suspend(source.name());
         }
-        let counts = || {
-            let counts = source.stats();
+        let stats = || {
+            let stats = source.stats();
             SourceStats {
-                losses: counts.losses + interruptions,
-                ..counts
+                losses: stats.losses + suspends,
+                ..stats
             }
         };
-        match news {
-            Ok(SourceEvent::Idle) if told.elapsed() < NOISE => {}
+        match event {
+            Ok(SourceEvent::Idle) if reported_at.elapsed() < NOISE_INTERVAL => {}
             Ok(SourceEvent::Idle) => {
-                told = Instant::now();
-                let counts = counts();
-                if std::mem::replace(&mut told_bytes, counts.bytes) < counts.bytes {
-                    outlet.send(|superseded| {
-                        CaptureEvent::Noise(SourceStats {
-                            dropped: superseded,
-                            ..counts
-                        })
-                    });
+                reported_at = Instant::now();
+                let stats = stats();
+                if std::mem::replace(&mut reported_bytes, stats.bytes) < stats.bytes {
+                    sender.send(|dropped| CaptureEvent::Noise(SourceStats { dropped, ..stats }));
                 }
             }
             Ok(SourceEvent::Reading(reading)) => {
-                let arrived = Instant::now();
-                let counts = counts();
-                (told, told_bytes) = (arrived, counts.bytes);
-                outlet.send(|superseded| CaptureEvent::Reading {
+                let received_at = Instant::now();
+                let stats = stats();
+                (reported_at, reported_bytes) = (received_at, stats.bytes);
+                sender.send(|dropped| CaptureEvent::Reading {
                     reading,
-                    received_at: arrived,
-                    stats: SourceStats {
-                        dropped: superseded,
-                        ..counts
-                    },
+                    received_at,
+                    stats: SourceStats { dropped, ..stats },
                 });
             }
             Ok(SourceEvent::End) => {
-                let counts = counts();
-                outlet.send(|superseded| {
-                    CaptureEvent::End(SourceStats {
-                        dropped: superseded,
-                        ..counts
-                    })
-                });
+                let stats = stats();
+                sender.send(|dropped| CaptureEvent::End(SourceStats { dropped, ..stats }));
                 return;
             }
-            Err(error) if error.is_recoverable() => outlet.send(|_| CaptureEvent::Lost(error)),
+            Err(error) if error.is_recoverable() => sender.send(|_| CaptureEvent::Lost(error)),
             Err(error) => {
-                outlet.send(|_| CaptureEvent::Failed(error));
+                sender.send(|_| CaptureEvent::Failed(error));
                 return;
             }
         }
@@ -232,72 +214,81 @@ fn panic_text(panic: &(dyn std::any::Any + Send)) -> &str {
         .unwrap_or("no text")
 }
 
-/// The sending end. Only its thread sends, so room that it has made stays.
-struct Outlet {
+/// Sending end of the channel. No other thread sends, so room that was made stays.
+struct EventSender {
     sender: Sender<CaptureEvent>,
-    /// The same arrivals that the consumer takes, to take back the oldest.
-    waiting: Receiver<CaptureEvent>,
+    /// Receiver of the same channel, which removes the oldest events.
+    queue: Receiver<CaptureEvent>,
     is_live: bool,
-    interrupt: CancelToken,
-    superseded: u64,
-    // After the sender, so that whoever is woken by its end finds the channel closed.
-    waiter: Waiter,
+    cancel: CancelToken,
+    dropped: u64,
+    // Declared after `sender`: the consumer is woken when the channel is already disconnected.
+    consumer: ConsumerThread,
 }
 
-/// The thread that takes what arrives, which may park until something does. To unpark it takes no lock; to wake
-/// it through the channel would take one that it needs itself at once.
-struct Waiter(Thread);
+/// Thread of the consumer, which may be parked. Unparking takes no lock; waking it through the channel would take
+/// one that it needs itself at once.
+struct ConsumerThread(Thread);
 
-impl Waiter {
-    fn wake(&self) {
+impl ConsumerThread {
+    fn unpark(&self) {
         self.0.unpark();
     }
 }
 
-impl Drop for Waiter {
+impl Drop for ConsumerThread {
     fn drop(&mut self) {
-        self.wake();
+        self.unpark();
     }
 }
 
-impl Outlet {
-    /// Sends what `arrival` makes of the number of superseded readings.
-    fn send(&mut self, arrival: impl FnOnce(u64) -> CaptureEvent) {
+impl EventSender {
+    /// Sends the event that `event` creates from the number of dropped readings.
+    fn send(&mut self, event: impl FnOnce(u64) -> CaptureEvent) {
         if self.is_live {
             self.make_room();
         }
-        if let Err(TrySendError::Full(arrival)) = self.sender.try_send(arrival(self.superseded)) {
+        if let Err(TrySendError::Full(event)) = self.sender.try_send(event(self.dropped)) {
             select! {
-                send(self.sender, arrival) -> _ => {}
-                recv(self.interrupt.channel()) -> _ => {}
+                send(self.sender, event) -> _ => {}
+                recv(self.cancel.channel()) -> _ => {}
             }
         }
-        self.waiter.wake();
+        self.consumer.unpark();
+    }
+
+    fn send_suspend(&mut self, source_name: &str) {
+        self.send(|_| {
+            CaptureEvent::Lost(CaptureError::Interrupted {
+                source_name: source_name.to_owned(),
+                reason: "the system was suspended".to_owned(),
+            })
+        });
     }
 
     fn make_room(&mut self) {
         while self.sender.is_full() {
-            match self.waiting.try_recv() {
-                Ok(CaptureEvent::Reading { .. }) => self.superseded += 1,
-                // What comes next tells it all.
+            match self.queue.try_recv() {
+                Ok(CaptureEvent::Reading { .. }) => self.dropped += 1,
+                // The statistics of later events include these.
                 Ok(CaptureEvent::Noise(_)) => {}
-                Ok(loss) => self.keep_only(loss),
+                Ok(loss) => self.keep_last_loss(loss),
                 // The consumer was faster.
                 Err(_) => {}
             }
         }
     }
 
-    /// Drops all that waits but the latest loss: a loss must stay before the readings that come after it.
-    fn keep_only(&mut self, mut loss: CaptureEvent) {
-        while let Ok(arrival) = self.waiting.try_recv() {
-            match arrival {
-                CaptureEvent::Reading { .. } => self.superseded += 1,
+    /// Drops all queued events except the last loss, which must stay before the readings that follow it.
+    fn keep_last_loss(&mut self, mut loss: CaptureEvent) {
+        while let Ok(event) = self.queue.try_recv() {
+            match event {
+                CaptureEvent::Reading { .. } => self.dropped += 1,
                 CaptureEvent::Noise(_) => {}
                 later => loss = later,
             }
         }
-        // There is room: the channel was empty a moment ago and nobody else sends.
+        // There is room: the channel was empty a moment ago and no other thread sends.
         let _ = self.sender.try_send(loss);
     }
 }

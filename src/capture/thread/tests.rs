@@ -1,11 +1,12 @@
-//! What a consumer of a capture thread gets, in order.
+//! Tests of the events that a consumer receives, in order.
+
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::*;
 use crate::capture::{Channels, Sample};
 use crate::time::Timestamp;
-use std::sync::atomic::{AtomicBool, Ordering};
 
-const LIMIT: Duration = Duration::from_secs(10);
+const TIMEOUT: Duration = Duration::from_secs(10);
 
 fn reading(number: u64) -> SourceEvent {
     SourceEvent::Reading(Reading {
@@ -27,36 +28,36 @@ fn lost() -> CaptureError {
 
 type Step = fn(u64) -> Result<SourceEvent, CaptureError>;
 
-/// Runs `step` with 0, 1, 2, …; after `steps` it is quiet, and says so through `done`.
-struct Script {
+/// Source that returns `step(0)`, `step(1)`, …; after `steps` it sends to `done` and is idle.
+struct ScriptedSource {
     step: Step,
     steps: u64,
-    at: u64,
+    next_step: u64,
     is_live: bool,
     done: Sender<()>,
 }
 
-fn script(steps: u64, is_live: bool, step: Step) -> (Script, Receiver<()>) {
+fn scripted(steps: u64, is_live: bool, step: Step) -> (ScriptedSource, Receiver<()>) {
     let (done, is_done) = bounded(1);
-    let script = Script {
+    let source = ScriptedSource {
         step,
         steps,
-        at: 0,
+        next_step: 0,
         is_live,
         done,
     };
-    (script, is_done)
+    (source, is_done)
 }
 
-impl Source for Script {
+impl Source for ScriptedSource {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        if self.at == self.steps {
+        if self.next_step == self.steps {
             let _ = self.done.try_send(());
             std::thread::sleep(Duration::from_millis(5));
             return Ok(SourceEvent::Idle);
         }
-        self.at += 1;
-        (self.step)(self.at - 1)
+        self.next_step += 1;
+        (self.step)(self.next_step - 1)
     }
 
     fn name(&self) -> &str {
@@ -69,20 +70,17 @@ impl Source for Script {
 
     fn stats(&self) -> SourceStats {
         SourceStats {
-            readings: self.at,
+            readings: self.next_step,
             ..SourceStats::default()
         }
     }
 }
 
-fn brief(arrival: CaptureEvent) -> String {
-    match arrival {
-        CaptureEvent::Reading {
-            reading,
-            stats: counts,
-            ..
-        } => {
-            format!("{}({})", reading.time.0, counts.dropped)
+/// Formats an event; a reading is its number and the readings dropped before it.
+fn brief(event: CaptureEvent) -> String {
+    match event {
+        CaptureEvent::Reading { reading, stats, .. } => {
+            format!("{}({})", reading.time.0, stats.dropped)
         }
         CaptureEvent::Noise(_) => "noise".to_owned(),
         CaptureEvent::Lost(_) => "lost".to_owned(),
@@ -91,154 +89,154 @@ fn brief(arrival: CaptureEvent) -> String {
     }
 }
 
-fn everything(captured: &CaptureThread) -> Vec<String> {
-    captured.events().try_iter().map(brief).collect()
+fn queued(capture: &CaptureThread) -> Vec<String> {
+    capture.events().try_iter().map(brief).collect()
 }
 
 #[test]
 fn a_live_source_drops_its_oldest_readings_and_counts_them() {
-    let (source, done) = script(100, true, |step| Ok(reading(step)));
-    let captured = spawn(source).unwrap();
-    done.recv_timeout(LIMIT).unwrap();
-    let arrived = everything(&captured);
-    assert_eq!(arrived.len(), WAITING_ARRIVALS);
-    assert_eq!(arrived[0], "84(69)");
-    assert_eq!(arrived[15], "99(84)");
+    let (source, done) = scripted(100, true, |step| Ok(reading(step)));
+    let capture = spawn(source).unwrap();
+    done.recv_timeout(TIMEOUT).unwrap();
+    let events = queued(&capture);
+    assert_eq!(events.len(), QUEUE_CAPACITY);
+    assert_eq!(events[0], "84(69)");
+    assert_eq!(events[15], "99(84)");
 }
 
 #[test]
-fn a_loss_is_never_superseded_and_keeps_its_place() {
-    let (source, done) = script(41, true, |step| match step {
+fn a_loss_is_never_dropped_and_stays_before_later_readings() {
+    let (source, done) = scripted(41, true, |step| match step {
         10 | 20 => Err(lost()),
         step => Ok(reading(step)),
     });
-    let captured = spawn(source).unwrap();
-    done.recv_timeout(LIMIT).unwrap();
-    let arrived = everything(&captured);
-    assert_eq!(arrived[0], "lost");
-    assert!(!arrived[1..].contains(&"lost".to_owned()));
-    let readings = arrived.len() as u64 - 1;
-    assert_eq!(arrived.last().unwrap(), &format!("40({})", 39 - readings));
+    let capture = spawn(source).unwrap();
+    done.recv_timeout(TIMEOUT).unwrap();
+    let events = queued(&capture);
+    assert_eq!(events[0], "lost");
+    assert!(!events[1..].contains(&"lost".to_owned()));
+    let readings = events.len() as u64 - 1;
+    assert_eq!(events.last().unwrap(), &format!("40({})", 39 - readings));
 }
 
 #[test]
-fn a_recording_waits_until_its_readings_are_taken() {
-    let (source, _done) = script(100, false, |step| match step {
+fn a_recording_waits_for_a_slow_consumer() {
+    let (source, _done) = scripted(100, false, |step| match step {
         99 => Ok(SourceEvent::End),
         step => Ok(reading(step)),
     });
-    let captured = spawn(source).unwrap();
+    let capture = spawn(source).unwrap();
     std::thread::sleep(Duration::from_millis(30));
-    let arrived: Vec<String> = captured.events().iter().map(brief).collect();
+    let events: Vec<String> = capture.events().iter().map(brief).collect();
     let expected: Vec<String> = (0..99).map(|step| format!("{step}(0)")).collect();
-    assert_eq!(arrived[..99], expected);
-    assert_eq!(arrived[99..], ["end"]);
+    assert_eq!(events[..99], expected);
+    assert_eq!(events[99..], ["end"]);
 }
 
 #[test]
 fn dropping_stops_a_thread_that_waits_for_room() {
-    let (source, _done) = script(100, false, |step| Ok(reading(step)));
-    let captured = spawn(source).unwrap();
-    while captured.events().len() < WAITING_ARRIVALS {
+    let (source, _done) = scripted(100, false, |step| Ok(reading(step)));
+    let capture = spawn(source).unwrap();
+    while capture.events().len() < QUEUE_CAPACITY {
         std::thread::yield_now();
     }
-    let over = captured.over.clone();
-    drop(captured);
+    let ended = capture.ended.clone();
+    drop(capture);
     assert_eq!(
-        over.try_recv(),
+        ended.try_recv(),
         Err(crossbeam_channel::TryRecvError::Disconnected)
     );
 }
 
 #[test]
-fn dropping_leaves_a_thread_behind_that_blocks() {
+fn dropping_leaves_a_blocked_thread_behind() {
     static BLOCKS: AtomicBool = AtomicBool::new(false);
-    let (source, _done) = script(1, true, |_| {
+    let (source, _done) = scripted(1, true, |_| {
         BLOCKS.store(true, Ordering::SeqCst);
         std::thread::sleep(Duration::from_secs(5));
         Ok(SourceEvent::Idle)
     });
-    let captured = spawn(source).unwrap();
+    let capture = spawn(source).unwrap();
     while !BLOCKS.load(Ordering::SeqCst) {
         std::thread::yield_now();
     }
     let start = Instant::now();
-    drop(captured);
+    drop(capture);
     assert!(start.elapsed() < Duration::from_secs(4));
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_machine_that_slept_loses_its_live_sources_before_the_next_reading() {
+fn a_suspend_is_a_loss_of_a_live_source_before_the_next_reading() {
     use std::sync::atomic::AtomicU64;
-    static ASLEEP: AtomicU64 = AtomicU64::new(0);
+    static SUSPENDED_S: AtomicU64 = AtomicU64::new(0);
     for is_live in [true, false] {
-        let (source, _done) = script(4, is_live, |step| {
+        let (source, _done) = scripted(4, is_live, |step| {
             if step == 2 {
-                ASLEEP.fetch_add(3600, Ordering::SeqCst);
+                SUSPENDED_S.fetch_add(3600, Ordering::SeqCst);
             }
             match step {
                 3 => Ok(SourceEvent::End),
                 step => Ok(reading(step)),
             }
         });
-        let mut awake =
-            SuspendDetector::with_clock(|| Duration::from_secs(ASLEEP.load(Ordering::SeqCst)));
-        let (sender, waiting) = bounded(WAITING_ARRIVALS);
-        let (_bell, interrupt) = cancel_token().unwrap();
-        let mut outlet = Outlet {
+        let mut suspend =
+            SuspendDetector::with_clock(|| Duration::from_secs(SUSPENDED_S.load(Ordering::SeqCst)));
+        let (sender, queue) = bounded(QUEUE_CAPACITY);
+        let (_handle, cancel) = cancel_token().unwrap();
+        let mut sender = EventSender {
             sender,
-            waiting: waiting.clone(),
+            queue: queue.clone(),
             is_live,
-            interrupt,
-            superseded: 0,
-            waiter: Waiter(std::thread::current()),
+            cancel,
+            dropped: 0,
+            consumer: ConsumerThread(std::thread::current()),
         };
-        run(source, &mut awake, &mut outlet);
-        let arrivals: Vec<CaptureEvent> = waiting.try_iter().collect();
-        let counted = |arrival: &CaptureEvent| matches!(arrival, CaptureEvent::End(counts) if counts.losses == u64::from(is_live));
-        assert!(arrivals.iter().any(counted), "{arrivals:?}");
-        let arrived: Vec<String> = arrivals.into_iter().map(brief).collect();
+        run(source, &mut suspend, &mut sender);
+        let events: Vec<CaptureEvent> = queue.try_iter().collect();
+        let is_end = |event: &CaptureEvent| matches!(event, CaptureEvent::End(stats) if stats.losses == u64::from(is_live));
+        assert!(events.iter().any(is_end), "{events:?}");
+        let events: Vec<String> = events.into_iter().map(brief).collect();
         let expected: &[&str] = match is_live {
             true => &["0(0)", "1(0)", "lost", "2(0)", "end"],
             false => &["0(0)", "1(0)", "2(0)", "end"],
         };
-        assert_eq!(arrived, expected);
+        assert_eq!(events, expected);
     }
 }
 
 #[test]
-fn a_panic_of_the_source_arrives_as_a_failure() {
-    let (source, _done) = script(2, true, |step| match step {
+fn a_panic_of_the_source_is_a_failure() {
+    let (source, _done) = scripted(2, true, |step| match step {
         0 => Ok(reading(0)),
         _ => panic!("bad count"),
     });
-    let captured = spawn(source).unwrap();
-    let arrived: Vec<String> = captured.events().iter().map(brief).collect();
-    assert_eq!(arrived[0], "0(0)");
+    let capture = spawn(source).unwrap();
+    let events: Vec<String> = capture.events().iter().map(brief).collect();
+    assert_eq!(events[0], "0(0)");
     assert_eq!(
-        arrived[1..],
+        events[1..],
         ["failed: cannot use script: it panicked: bad count; please report this"]
     );
 }
 
 #[test]
-fn a_source_that_gives_up_ends_the_channel() {
-    let (source, _done) = script(1, true, |_| {
+fn a_failed_source_ends_the_channel() {
+    let (source, _done) = scripted(1, true, |_| {
         Err(CaptureError::Malformed {
             source_name: "script".to_owned(),
             reason: "half a file".to_owned(),
         })
     });
-    let captured = spawn(source).unwrap();
-    let arrived: Vec<String> = captured.events().iter().map(brief).collect();
-    assert_eq!(arrived, ["failed: cannot use script: half a file"]);
+    let capture = spawn(source).unwrap();
+    let events: Vec<String> = capture.events().iter().map(brief).collect();
+    assert_eq!(events, ["failed: cannot use script: half a file"]);
 }
 
-/// A line on which nothing but noise comes.
-struct Hiss(u64);
+/// Source that receives 700 bytes of noise.
+struct NoiseSource(u64);
 
-impl Source for Hiss {
+impl Source for NoiseSource {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         std::thread::sleep(Duration::from_millis(1));
         self.0 += u64::from(self.0 < 700);
@@ -246,7 +244,7 @@ impl Source for Hiss {
     }
 
     fn name(&self) -> &str {
-        "hiss"
+        "noise"
     }
 
     fn is_live(&self) -> bool {
@@ -263,20 +261,20 @@ impl Source for Hiss {
 }
 
 #[test]
-fn bytes_that_are_no_readings_are_told_of_now_and_then_and_silence_is_not() {
+fn noise_is_reported_at_most_twice_a_second_and_silence_is_not() {
     let start = Instant::now();
-    let captured = spawn(Hiss(0)).unwrap();
-    let next = || captured.events().recv_timeout(LIMIT).unwrap();
-    let mut told = Vec::new();
-    while told.last() != Some(&700) {
-        let CaptureEvent::Noise(counts) = next() else {
-            panic!("there are no readings");
+    let capture = spawn(NoiseSource(0)).unwrap();
+    let mut reports = Vec::new();
+    while reports.last() != Some(&700) {
+        let event = capture.events().recv_timeout(TIMEOUT).unwrap();
+        let CaptureEvent::Noise(stats) = event else {
+            panic!("not noise: {event:?}");
         };
-        assert_eq!(counts.skipped_bytes, counts.bytes);
-        told.push(counts.bytes);
+        assert_eq!(stats.skipped_bytes, stats.bytes);
+        reports.push(stats.bytes);
     }
-    let times = start.elapsed().as_millis() / NOISE.as_millis();
-    assert!(told.len() as u128 <= times, "{told:?}");
-    let more = captured.events().recv_timeout(2 * NOISE);
+    let intervals = start.elapsed().as_millis() / NOISE_INTERVAL.as_millis();
+    assert!(reports.len() as u128 <= intervals, "{reports:?}");
+    let more = capture.events().recv_timeout(2 * NOISE_INTERVAL);
     assert!(more.is_err(), "{more:?}");
 }
