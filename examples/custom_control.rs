@@ -11,7 +11,7 @@ use ademan::device::{Capabilities, DeviceInput, DeviceOutput, EventKind, Virtual
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::output;
 use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
-use ademan::session::run_pipeline;
+use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
@@ -71,7 +71,7 @@ fn main() -> anyhow::Result<()> {
     );
     let hand = assembly.open_source(&"typist:159".parse()?)?;
     let mut sink = output::open("transcript", &assembly.required_capabilities())?;
-    let never = crossbeam_channel::never();
-    run_pipeline(hand, &mut pipeline, &mut *sink, &never, &mut |_| {})?;
+    let commands = CommandReceiver::disconnected();
+    run_pipeline(hand, &mut pipeline, &mut *sink, &commands, &mut |_| {})?;
     Ok(())
 }

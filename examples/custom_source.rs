@@ -1,61 +1,51 @@
-//! A source of one's own: here a hand that nods with its index finger, three times.
+//! A source of joint angles, as a camera or another glove could be: a hand that nods with its index finger.
 //!
-//! Whatever gives readings (a glove, a camera, a network) is a [`Source`]; all that follows it stays
-//! as it is. Prints the key events of the one key that lies under the finger:
+//! Everything after a [`Source`] stays as it is. Prints the events of the key below the finger:
 //! `cargo run --example custom_source`
 
 use std::f64::consts::TAU;
 
-use ademan::capture::{CaptureError, Channels, MAX_CHANNELS, Reading, Sample, Source, SourceEvent};
-use ademan::estimate::ChannelMap;
-use ademan::hand::Dof;
-use ademan::output;
-use ademan::session::run_pipeline;
+use ademan::capture::{CaptureError, Reading, Sample, Source, SourceEvent};
+use ademan::hand::{Dof, JointAngles};
+use ademan::session::{Session, SessionOptions};
 use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
 const LAYOUT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/one-key.ron");
-const FRAMES_A_SECOND: u64 = 100;
+const READINGS_PER_SECOND: u64 = 100;
 const NODS: u64 = 3;
 
+/// Nods once per second.
+#[derive(Default)]
 struct NoddingHand {
-    map: ChannelMap,
-    frame: u64,
+    readings: u64,
 }
 
 impl Source for NoddingHand {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        if self.frame == NODS * FRAMES_A_SECOND {
+        if self.readings == NODS * READINGS_PER_SECOND {
             return Ok(SourceEvent::End);
         }
-        let seconds = self.frame as f64 / FRAMES_A_SECOND as f64;
-        self.frame += 1;
-        let bent = 0.5 - 0.5 * (TAU * seconds).cos();
-        let mut counts = [0; MAX_CHANNELS];
-        for row in self.map.rows() {
-            let angle = if row.dof == Dof::IndexMcpFlexion {
-                bent
-            } else {
-                0.0
-            };
-            let count = row.calibration.apply_inverse(angle).round();
-            counts[row.channel] = count.clamp(0.0, 255.0) as u16;
+        let seconds = self.readings as f64 / READINGS_PER_SECOND as f64;
+        self.readings += 1;
+        let mut angles = JointAngles::default();
+        for &dof in Dof::ALL {
+            angles.set(dof, 0.0);
         }
+        // From 0 to 1 rad and back.
+        angles.set(Dof::IndexMcpFlexion, 0.5 - 0.5 * (TAU * seconds).cos());
         Ok(SourceEvent::Reading(Reading {
             time: Timestamp::from_seconds(seconds),
             side: None,
-            sample: Sample::Channels(Channels {
-                full_scale: self.map.full_scale(),
-                counts: counts.into(),
-            }),
+            sample: Sample::Angles { angles },
         }))
     }
 
     fn name(&self) -> &str {
-        "a nodding hand"
+        "nodding hand"
     }
 
-    /// Nothing is lost when nobody takes the readings, so they come as fast as they are taken.
+    /// A source that is not live waits for the session, which then loses no reading.
     fn is_live(&self) -> bool {
         false
     }
@@ -64,21 +54,13 @@ impl Source for NoddingHand {
 fn main() -> anyhow::Result<()> {
     let setup = Setup {
         layout: LAYOUT.into(),
+        output: "transcript".into(),
         ..Setup::default()
     };
-    let assembly = setup.load_files()?;
-    let hand = NoddingHand {
-        map: assembly.glove.map.clone(),
-        frame: 0,
+    let options = SessionOptions {
+        source: Some(Box::new(NoddingHand::default())),
+        ..SessionOptions::default()
     };
-    let mut sink = output::open("transcript", &assembly.required_capabilities())?;
-    let never = crossbeam_channel::never();
-    run_pipeline(
-        hand,
-        &mut assembly.pipeline(),
-        &mut *sink,
-        &never,
-        &mut |_| {},
-    )?;
+    Session::start(setup.load_files()?, options)?.join()?;
     Ok(())
 }

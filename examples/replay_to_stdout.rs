@@ -1,14 +1,11 @@
-//! A recording is played through the same loop as a glove, and gives the same events each time.
+//! A recording played through the same session as a glove gives the same events each time.
 //!
-//! `cargo run --example replay_to_stdout -- FILE` plays a recording; without a file a simulated hand
-//! is recorded first.
+//! `cargo run --example replay_to_stdout -- FILE` plays a recording. Without a file it records a simulated hand first.
 
 use std::path::Path;
 
 use ademan::capture::recording::Replay;
-use ademan::output;
-use ademan::recorder::Recorder;
-use ademan::session::run_pipeline;
+use ademan::session::{Session, SessionOptions};
 use ademan::setup::{LoadedSetup, Setup};
 
 fn main() -> anyhow::Result<()> {
@@ -21,42 +18,30 @@ fn main() -> anyhow::Result<()> {
     replay(&path)
 }
 
-/// The setup that a recording was made with is in it, so it needs nothing beside itself.
+/// Plays a recording, which contains the setup that it was made with, and prints a transcript.
 fn replay(path: &Path) -> anyhow::Result<()> {
     let recording = Replay::open(path)?;
-    let assembly = LoadedSetup::from_recording(recording.setup(), None, None)?;
-    let mut sink = output::open("transcript", &assembly.required_capabilities())?;
-    let never = crossbeam_channel::never();
-    run_pipeline(
-        recording,
-        &mut assembly.pipeline(),
-        &mut *sink,
-        &never,
-        &mut |_| {},
-    )?;
+    let mut setup = LoadedSetup::from_recording(recording.setup(), None, None)?;
+    setup.setup.output = "transcript".to_owned();
+    let options = SessionOptions {
+        source: Some(Box::new(recording)),
+        ..SessionOptions::default()
+    };
+    Session::start(setup, options)?.join()?;
     Ok(())
 }
 
-/// Whoever observes the loop sees what every stage made of a frame; a recorder writes that down.
+/// Records a simulated hand that types `text`.
 fn record(text: &str, path: &Path) -> anyhow::Result<()> {
-    let assembly = Setup::default().load_files()?;
-    let hand = assembly.open_source(&format!("typist:{text}").parse()?)?;
-    let mut recorder = Recorder::create(path, &assembly.recorded_setup())?;
-    let mut written = Ok(());
-    let mut nowhere = output::open("none", &assembly.required_capabilities())?;
-    let never = crossbeam_channel::never();
-    run_pipeline(
-        hand,
-        &mut assembly.pipeline(),
-        &mut *nowhere,
-        &never,
-        &mut |frame| {
-            if written.is_ok() {
-                written = recorder.write(frame);
-            }
-        },
-    )?;
-    written?;
-    recorder.finish()?;
+    let setup = Setup {
+        source: Some(format!("typist:{text}").parse()?),
+        output: "none".to_owned(),
+        ..Setup::default()
+    };
+    let options = SessionOptions {
+        record_to: Some(path.to_owned()),
+        ..SessionOptions::default()
+    };
+    Session::start(setup.load_files()?, options)?.join()?;
     Ok(())
 }

@@ -24,7 +24,7 @@ use crate::trace::Stage;
 const LIBRARY: &str = concat!("ademan ", env!("CARGO_PKG_VERSION"));
 
 /// Why a recording cannot be written. Each text says what was tried and what happened.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub enum RecordError {
     /// The file cannot be made.
     #[error("cannot start a recording at {path}: {reason}", path = .path.display())]

@@ -1,52 +1,54 @@
-//! What an observer may see: a copy of what each stage made of one frame.
+//! The view of an observer: a copy of the results of all stages for one step.
 
 use serde::Serialize;
 
-use crate::capture::{Reading, SourceStats};
+use crate::capture::{CaptureError, Reading, SourceStats};
 use crate::contact::{TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
 use crate::estimate::{JointAngles, Rejection};
 use crate::kinematics::HandPose;
-pub use crate::pipeline::{PipelineState, Suppressed};
+use crate::pipeline::{PipelineState, Suppressed};
 
-/// One frame, as each stage saw it.
+/// The results of all stages for one step of the pipeline.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
-    /// What the engine was doing after the frame.
+    /// State of the pipeline after the step.
     pub state: PipelineState,
-    /// The place of the layout that the frame's touches and events are of, in the setup.
-    pub profile: usize,
-    /// What its targets are called.
-    pub target_names: TargetNames,
-    /// Whether it is paused because somebody asked for it, and not because it waits for the hand.
+    /// Whether a command has paused the session. A pipeline that waits for the hand is `Paused` too.
     pub is_paused: bool,
-    /// What came in; `None` when something else than a reading woke the engine (a stall, the end).
+    /// Index of the profile that the touches and events belong to.
+    pub profile: usize,
+    /// Names of the targets of this profile.
+    pub target_names: TargetNames,
+    /// The reading; `None` for a step without one, such as a stall, a command or the end.
     pub reading: Option<Reading>,
-    /// What the estimator made of it.
+    /// Reason why readings of a live source were interrupted.
+    pub source_error: Option<CaptureError>,
+    /// Joint angles; `None` if the reading was rejected.
     pub angles: Option<JointAngles>,
-    /// Where that puts the hand.
+    /// Pose of the hand.
     pub pose: Option<HandPose>,
-    /// What the fingertips did.
+    /// Touches of the fingertips.
     pub touches: Touches,
-    /// What went out.
+    /// Events sent to the output.
     pub events: Events,
-    /// The commands of the devices.
+    /// Commands that the devices issued.
     pub commands: TimedCommands,
-    /// The account so far.
+    /// Statistics of all readings so far.
     pub stats: Stats,
 }
 
-/// The account of all readings: received = accepted + rejected + superseded.
+/// Statistics of all readings: received = accepted + rejected + dropped.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Stats {
-    /// What the source counted.
+    /// Counters of the source, including received and dropped readings.
     pub source: SourceStats,
-    /// Readings that became a pose.
+    /// Readings that gave a pose.
     pub accepted: u64,
-    /// Readings that gave no angles, by reason, in the order of [`Rejection::ALL`].
+    /// Readings that gave no joint angles, by reason, in the order of [`Rejection::ALL`].
     pub rejected: [u64; Rejection::COUNT],
-    /// Times that readings stopped for longer than the limit.
+    /// Gaps between readings longer than the stall timeout.
     pub stalls: u64,
-    /// What came of them and did not go out.
+    /// Suppressed events.
     pub suppressed: Suppressed,
 }

@@ -7,8 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ademan::session::control_socket::{ControlServer, Notifier, ProfileInfo, ServerContext};
-use ademan::session::{Calls, calls};
-use crossbeam_channel::Receiver;
+use ademan::session::{CommandReceiver, CommandSender, command_channel};
 use tempfile::TempDir;
 
 /// Clients that ask for news and never read them.
@@ -19,8 +18,8 @@ const JUNK: usize = 12_500_000;
 
 /// A control socket with all of them.
 pub struct Load {
-    pub reporter: Notifier,
-    pub calls: Receiver<ademan::session::Call>,
+    pub notifier: Notifier,
+    pub commands: Option<CommandReceiver>,
     _control: ControlServer,
     _clients: Vec<UnixStream>,
     _folder: TempDir,
@@ -30,16 +29,16 @@ impl Load {
     pub fn start() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("control");
-        let (sender, calls) = calls();
+        let (sender, commands) = command_channel();
         let mut control = ControlServer::bind(&path).expect("a socket");
-        let reporter = control.notifier();
-        control.serve(desk(sender)).expect("it listens");
+        let notifier = control.notifier();
+        control.serve(context(sender)).expect("it listens");
         let clients = (0..DEAF).map(|_| deaf(&path)).collect();
         let to = path.clone();
         thread::spawn(move || pour(&to));
         Self {
-            reporter,
-            calls,
+            notifier,
+            commands: Some(commands),
             _control: control,
             _clients: clients,
             _folder: folder,
@@ -47,22 +46,20 @@ impl Load {
     }
 }
 
-fn desk(calls: Calls) -> ServerContext {
+fn context(commands: CommandSender) -> ServerContext {
     ServerContext {
         profiles: vec![ProfileInfo {
             name: "main".into(),
             file: "qwerty-flat".into(),
         }],
-        calls,
-        files: Vec::new(),
-        stop: Box::new(|| {}),
+        commands,
     }
 }
 
 fn deaf(path: &Path) -> UnixStream {
     let mut client = UnixStream::connect(path).expect("the run listens");
     // Those that find no place are refused and cut off.
-    let _ = client.write_all(b"{\"ask\":\"subscribe\"}\n");
+    let _ = client.write_all(b"{\"command\":\"subscribe\"}\n");
     client
 }
 

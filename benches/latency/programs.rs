@@ -9,11 +9,11 @@ use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
 use ademan::capture::{Hc11Format, Loopback, open, open_loopback};
 use ademan::device::OutputEvent;
 use ademan::output::{OutputError, Sink};
-use ademan::session::{Commands, run_pipeline};
+use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::Setup;
 use ademan::sim::SimulatedTypist;
 use ademan::snapshot::Snapshot;
-use crossbeam_channel::{Receiver, Sender, bounded, never};
+use crossbeam_channel::{Receiver, Sender, bounded};
 use serialport::{DataBits, FlowControl, Parity, SerialPort, StopBits, TTYPort};
 
 use super::desktop;
@@ -227,26 +227,23 @@ fn null_with_a_hop(mut line: File, mut writer: Box<dyn Writer>) {
 }
 
 /// Starts the library, perhaps with others who ask for things.
-fn start_ours(writer: Box<dyn Writer>, load: Option<Load>) -> Loopback {
+fn start_ours(writer: Box<dyn Writer>, mut load: Option<Load>) -> Loopback {
     let mut wire = open_loopback(Hc11Format::default()).expect("a line");
     let source = open(&wire.uri).expect("the line opens");
     let assembly = Setup::default().load_files().expect("the default setup");
     thread::spawn(move || {
         let mut pipeline = assembly.pipeline();
         let mut sink = ForEachFrame(writer);
-        let mut reporter = load.as_ref().map(|load| load.reporter.clone());
-        let commands = Commands {
-            stop: never(),
-            replace: never(),
-            calls: load.as_ref().map_or_else(never, |load| load.calls.clone()),
-        };
+        let mut notifier = load.as_ref().map(|load| load.notifier.clone());
+        let commands = load.as_mut().and_then(|load| load.commands.take());
+        let commands = commands.unwrap_or_else(CommandReceiver::disconnected);
         let observe = &mut |frame: &Snapshot| {
-            if let Some(reporter) = &mut reporter {
-                reporter.notify_snapshot(frame);
+            if let Some(notifier) = &mut notifier {
+                notifier.notify_snapshot(frame);
             }
         };
         // It ends with the program.
-        let _ = run_pipeline(source, &mut pipeline, &mut sink, commands, observe);
+        let _ = run_pipeline(source, &mut pipeline, &mut sink, &commands, observe);
     });
     let marks = &encode(Framing::Double06, &[0; BODY_BYTES])[..FRAME_BYTES - BODY_BYTES];
     wire.writer.write_all(marks).expect("the line is open");

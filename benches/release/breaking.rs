@@ -13,12 +13,12 @@ use std::time::{Duration, Instant};
 
 use ademan::capture::{CaptureError, Source, SourceEvent};
 use ademan::output;
-use ademan::session::run_pipeline;
+use ademan::session::{command_channel, run_pipeline};
 use ademan::setup::Setup;
 
 use crate::panics;
 use crate::place::Place;
-use crate::signals::Stopper;
+use crate::signals;
 use crate::support::hand::Hand;
 use crate::support::press::Press;
 use crate::support::program::Program;
@@ -61,9 +61,9 @@ pub fn run_if_asked(arguments: &[String]) {
     if command != COMMAND {
         return;
     }
-    panics::end_the_run();
-    let (stopper, stop) = Stopper::new();
-    panics::ring(&stopper);
+    let (sender, commands) = command_channel();
+    signals::on_stop(move || _ = sender.send(ademan::command::Command::Stop));
+    panics::install_hook();
     let setup = Setup {
         start_armed: true,
         ..Setup::default()
@@ -75,7 +75,8 @@ pub fn run_if_asked(arguments: &[String]) {
     let source = Fused(Hand::that_holds(&Press::of("h"), Duration::MAX), source);
     let mut pipeline = assembly.pipeline();
     let mut observe = |_: &_| check(&of_loop);
-    let drive = || run_pipeline(source, &mut pipeline, &mut *sink, &stop, &mut observe).map(drop);
+    let drive =
+        || run_pipeline(source, &mut pipeline, &mut *sink, &commands, &mut observe).map(drop);
     let _ = catch_unwind(AssertUnwindSafe(drive));
     loop {
         thread::park();

@@ -1,472 +1,340 @@
-//! Drives a pipeline, live or from a recording: one loop for both.
+//! A running setup: source, pipeline, outputs, and all threads around them.
+//!
+//! [`Session::start`] starts the threads and returns a [`SessionHandle`]. Commands go in through its [`CommandSender`],
+//! from any thread; [`Snapshot`]s of every step come out. `ademan run`, `demo`, `record` and `replay` are clients of this
+//! module, as a graphical interface would be.
+//!
+//! ```text
+//!  keys and gestures ─┐
+//!  control socket ────┤                        ┌─ snapshots ──▶ observer, recorder, control socket
+//!  panic keys ────────┼─ Command ──▶ event loop ┤
+//!  SessionHandle ─────┘                 ▲       └─ LayoutRequest ──▶ layout manager
+//!                                       └──────────── LayoutSwap ◀───┘
+//! ```
 
-mod call;
+mod command_channel;
 pub mod control_socket;
-mod inbox;
+mod event_loop;
+mod handle;
+mod layout_link;
+mod notice;
+mod options;
 pub mod panic_keys;
+mod recorder_thread;
 pub mod reload;
+mod source;
+mod status;
 
-use std::thread;
-use std::time::{Duration, Instant};
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
 
-use crossbeam_channel::{Receiver, Sender, TryRecvError, never};
+use crossbeam_channel::Sender;
 use hdrhistogram::Histogram;
 
-use crate::capture::{
-    CaptureError, CaptureEvent, CaptureThread, Reading, Source, SourceStats, spawn,
-};
-use crate::contact::{TargetNames, Touches};
-use crate::device::{Events, TimedCommands};
-use crate::output::{OutputError, Sink};
-use crate::pipeline::{LayoutInstance, Pipeline, StepOutput};
+use self::control_socket::{ControlError, ControlServer, Notifier, ProfileInfo, ServerContext};
+use self::notice::NoticeThread;
+use self::panic_keys::PanicKeysError;
+use self::recorder_thread::RecorderThread;
+use self::reload::{FilePolicy, LayoutReport, LayoutSource};
+use self::status::StatusLog;
+use crate::capture::{CaptureError, SourceUri};
+use crate::command::Command;
+use crate::layout::Layout;
+use crate::output::watchdog::WatchdogSettings;
+use crate::output::{self, OutputError, Sink};
+use crate::pipeline::SourceRole;
+use crate::recorder::RecordError;
+use crate::setup::{LoadedSetup, SetupError};
 use crate::snapshot::{Snapshot, Stats};
-use crate::time::NO_DEADLINE;
 
-use self::inbox::{Inbox, Message};
+pub use self::command_channel::{
+    CommandReceiver, CommandSender, Reply, RequestError, command_channel,
+};
+pub use self::event_loop::run_pipeline;
+pub use self::handle::SessionHandle;
+pub use self::layout_link::LayoutLink;
+pub use self::notice::{Notice, counted};
+pub use self::options::{SessionOptions, WatchdogProgram};
+pub use self::status::SessionStatus;
 pub use crate::pipeline::CommandError;
-pub use call::{Answer, BoardPoses, Call, Calls, Order, SessionStatus, calls};
 
-/// No source is so slow that it would have to be waited for longer, whatever a recording says: three frames at
-/// 1200 baud take 1.7 s.
-const MAX_STALL_LIMIT: Duration = Duration::from_secs(2);
-
-/// While readings are expected, an output hears so often that the loop is alive: it may have to tell a guardian,
-/// which waits for 200 ms.
-const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
-
-/// Why a run ended before its source did.
+/// Reason why a session could not start or ended early.
 #[derive(Debug, thiserror::Error)]
 pub enum SessionError {
-    /// No more readings can be had.
+    /// Neither the setup nor the options name a source.
+    #[error(
+        "no source is given: name one with --source or in the setup, such as serial:/dev/ttyUSB0, or try typist:hello"
+    )]
+    NoSource,
+    /// The source of the setup cannot be opened.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// The source failed.
     #[error(transparent)]
     Capture(#[from] CaptureError),
-    /// Events cannot be delivered.
+    /// The output failed.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// There is no control socket.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// The panic keys cannot be watched.
+    #[error(transparent)]
+    PanicKeys(#[from] PanicKeysError),
+    /// The recording cannot be created.
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    /// The operating system refused a thread.
+    #[error("cannot start a thread: {0}; close other programs")]
+    Thread(#[from] io::Error),
 }
 
-/// What happened in a run.
+/// Result of a session that has ended.
 #[derive(Clone, Debug)]
 pub struct Summary {
-    /// The account of all readings.
+    /// Statistics of all readings.
     pub stats: Stats,
-    /// From the last byte of a frame to its events handed to the output, in nanoseconds; frames with
-    /// events only.
+    /// Time from the last byte of a packet to the call of the output, in ns, for steps with events.
     pub latency_ns: Histogram<u64>,
+    /// Reason why the recording is incomplete.
+    pub record_error: Option<RecordError>,
 }
 
-/// What a run hears from outside, between two frames.
-///
-/// A receiver of stops alone is one of these: nothing is replaced then.
-#[derive(Clone, Debug)]
-pub struct Commands {
-    /// Whatever comes in here ends the run.
-    pub stop: Receiver<()>,
-    /// Other controls, put in force after those that are were let go of.
-    pub replace: Receiver<Replacement>,
-    /// Orders that are answered.
-    pub calls: Receiver<Call>,
+/// A session on its way to its thread.
+pub struct Session {
+    setup: Arc<LoadedSetup>,
+    options: SessionOptions,
+    commands: CommandReceiver,
+    command_sender: CommandSender,
+    notices: NoticeThread,
+    snapshots: Sender<Snapshot>,
+    /// Removes the socket when it is dropped.
+    control: Option<ControlServer>,
 }
 
-impl From<&Receiver<()>> for Commands {
-    fn from(stop: &Receiver<()>) -> Self {
-        Self {
-            stop: stop.clone(),
-            replace: never(),
-            calls: never(),
+impl Session {
+    /// Starts a session on threads of its own.
+    ///
+    /// Errors in the setup, the control socket and the panic keys are returned at once; errors of the source and the
+    /// output by [`SessionHandle::join`].
+    pub fn start(
+        setup: LoadedSetup,
+        mut options: SessionOptions,
+    ) -> Result<SessionHandle, SessionError> {
+        if options.source.is_none() && setup.setup.source.is_none() {
+            return Err(SessionError::NoSource);
         }
-    }
-}
-
-/// Controls that are ready to be put in force.
-pub struct Replacement {
-    /// The new ones.
-    pub controls: Box<LayoutInstance>,
-    /// The place of the layout whose controls they are.
-    pub profile: usize,
-    /// Whether their boards go where those in force are; else they go where their file says.
-    pub keep_board_poses: bool,
-    /// Takes the old ones, let go of, when the new ones are in force: whoever holds the other end frees
-    /// them, so that the loop need not. Should have room for them; where it has none they are freed in
-    /// the loop.
-    pub retired: Sender<Box<LayoutInstance>>,
-}
-
-/// Takes readings from `source` through `pipeline` to `sink`, until the source ends or `commands` say
-/// so.
-///
-/// `observe` sees a copy of every frame; it must not wait. Whatever the end, also a panic, the sink
-/// is closed, which lets go of everything. A live source whose readings stay away for longer than the
-/// stall limit (at least three of its frame periods, but those count up to 2 s) stalls the pipeline.
-pub fn run_pipeline(
-    source: impl Source + 'static,
-    pipeline: &mut Pipeline,
-    sink: &mut dyn Sink,
-    commands: impl Into<Commands>,
-    observe: &mut dyn FnMut(&Snapshot),
-) -> Result<Summary, SessionError> {
-    let captured = spawn(source)?;
-    let inbox = Inbox::open(commands.into()).map_err(|error| CaptureError::Open {
-        source_name: captured.name().to_owned(),
-        reason: format!("no thread for commands: {error}; close other programs"),
-    })?;
-    let period = captured.packet_period().unwrap_or(Duration::ZERO);
-    let three_frames = period.saturating_mul(3).min(MAX_STALL_LIMIT);
-    pipeline.set_stall_timeout(pipeline.stall_timeout().max(three_frames));
-    let mut run = SessionLoop {
-        captured,
-        profile: pipeline.active_profile(),
-        names: pipeline.target_names().clone(),
-        pipeline,
-        sink: CloseOnPanic(sink),
-        observe,
-        events: Events::new(),
-        fed_at: None,
-        source: SourceStats::default(),
-        late: 0,
-        untaken: 0,
-        latency_ns: new_histogram(),
-    };
-    run.rename();
-    let ended = run.until_over(&inbox);
-    let closed = run.finish();
-    ended?;
-    closed?;
-    Ok(Summary {
-        stats: run.tally(),
-        latency_ns: run.latency_ns,
-    })
-}
-
-/// Closes the sink also when the loop panics.
-struct CloseOnPanic<'a>(&'a mut dyn Sink);
-
-impl Drop for CloseOnPanic<'_> {
-    fn drop(&mut self) {
-        if std::thread::panicking()
-            && let Err(error) = self.0.close()
-        {
-            tracing::error!("{error}");
+        if options.output.is_none() {
+            output::check(&setup.setup.output, &setup.required_capabilities())?;
         }
-    }
-}
-
-struct SessionLoop<'a> {
-    captured: CaptureThread,
-    pipeline: &'a mut Pipeline,
-    /// The place of the layout that the sink was told of last, and what its targets are called.
-    profile: usize,
-    names: TargetNames,
-    sink: CloseOnPanic<'a>,
-    observe: &'a mut dyn FnMut(&Snapshot),
-    events: Events,
-    fed_at: Option<Instant>,
-    source: SourceStats,
-    /// Readings that were too old when they were taken.
-    late: u64,
-    /// Readings that still waited when the run ended.
-    untaken: u64,
-    latency_ns: Histogram<u64>,
-}
-
-impl SessionLoop<'_> {
-    fn until_over(&mut self, inbox: &Inbox) -> Result<(), SessionError> {
-        loop {
-            // Of each one: those who never cease to ask do not keep readings waiting, nor the other way round.
-            let message = inbox.take();
-            let is_asked = message.is_some();
-            if let Some(message) = message
-                && self.obey(message)?
-            {
-                return Ok(());
-            }
-            match self.captured.events().try_recv() {
-                Ok(arrival) => {
-                    if self.take(arrival)? {
-                        return Ok(());
-                    }
-                }
-                // Only after an end or a failure, and those were the last that was taken.
-                Err(TryRecvError::Disconnected) => return Ok(()),
-                Err(TryRecvError::Empty) if is_asked => {}
-                Err(TryRecvError::Empty) => self.wait()?,
-            }
+        let (command_sender, mut commands) = command_channel();
+        let notices = NoticeThread::start(options.on_notice.take())?;
+        let mut control = options.control_socket.as_deref();
+        let mut control = control.take().map(ControlServer::bind).transpose()?;
+        if options.use_panic_keys {
+            let keys = panic_keys::parse_keys(&setup.setup.panic_keys)?;
+            let commands = command_sender.clone();
+            // A full queue means that the loop stands still; then the watchdog releases everything.
+            panic_keys::watch(&keys, move || _ = commands.send(Command::Pause))?;
         }
-    }
-
-    /// Parks until there is something to do.
-    fn wait(&mut self) -> Result<(), SessionError> {
-        thread::park_timeout(self.patience().min(self.sign_of_life()));
-        if self.captured.events().is_empty() {
-            self.sink.0.send(&[])?;
-            self.stall_if_overdue()?;
+        let setup = Arc::new(setup);
+        let notifier = control.as_ref().map(ControlServer::notifier);
+        start_layout_manager(&setup, &options, &mut commands, &notices, notifier)?;
+        if let Some(control) = &mut control {
+            control.serve(ServerContext {
+                profiles: profiles(&setup),
+                commands: command_sender.clone(),
+            })?;
         }
-        Ok(())
-    }
-
-    /// Does what somebody asks for; whether that is to end.
-    fn obey(&mut self, message: Message) -> Result<bool, SessionError> {
-        match message {
-            Message::Stop => return Ok(true),
-            Message::Replace(replacement) => self.replace(replacement)?,
-            Message::Call(call) => self.answer(call)?,
-        }
-        self.stall_if_overdue()?;
-        Ok(false)
-    }
-
-    /// How long to wait for a reading until the output hears again.
-    fn sign_of_life(&self) -> Duration {
-        match self.pipeline.expects_readings() {
-            true => HEARTBEAT_PERIOD,
-            false => NO_DEADLINE,
-        }
-    }
-
-    /// How long a live source may stay silent from now on until it has stalled.
-    fn patience(&self) -> Duration {
-        match self.fed_at {
-            Some(fed_at) if self.captured.is_live() && self.pipeline.expects_readings() => {
-                let deadline = fed_at + self.pipeline.stall_timeout();
-                deadline.saturating_duration_since(Instant::now())
-            }
-            _ => NO_DEADLINE,
-        }
-    }
-
-    /// Takes what the capture thread says; whether that was the last of it.
-    fn take(&mut self, arrival: CaptureEvent) -> Result<bool, SessionError> {
-        match arrival {
-            CaptureEvent::Reading {
-                reading,
-                received_at: arrived,
-                stats: counts,
-            } => {
-                self.source = counts;
-                self.step(reading, arrived)?;
-            }
-            CaptureEvent::Noise(counts) => self.source = counts,
-            CaptureEvent::Lost(error) => {
-                tracing::warn!("{error}");
-                self.source.losses += 1;
-                self.stall()?;
-            }
-            CaptureEvent::Failed(error) => return Err(error.into()),
-            CaptureEvent::End(counts) => {
-                self.source = counts;
-                return Ok(true);
-            }
-        }
-        Ok(false)
-    }
-
-    fn step(&mut self, reading: Reading, arrived: Instant) -> Result<(), SessionError> {
-        if self.captured.is_live() && arrived.elapsed() > self.pipeline.stall_timeout() {
-            // The program stood still: nobody types with a hand of back then.
-            self.late += 1;
-            return self.stall();
-        }
-        self.events.clear();
-        let frame = self.pipeline.step(&reading, &mut self.events);
-        let frame = frame.ok().cloned();
-        if frame.is_some() {
-            self.fed_at = Some(arrived);
-        }
-        if let Some(frame) = &frame
-            && !frame.commands.is_empty()
-        {
-            self.sink.0.log_commands(&frame.commands)?;
-        }
-        self.deliver()?;
-        if !self.events.is_empty() {
-            self.latency_ns
-                .saturating_record(arrived.elapsed().as_nanos() as u64);
-        }
-        self.show(Some(reading), frame);
-        Ok(())
-    }
-
-    /// Also after every command: those who never cease to ask do not put off a stall.
-    fn stall_if_overdue(&mut self) -> Result<(), SessionError> {
-        // A reading that waits is no stall.
-        if self.captured.events().is_empty() && self.patience().is_zero() {
-            self.stall()?;
-        }
-        Ok(())
-    }
-
-    fn stall(&mut self) -> Result<(), SessionError> {
-        self.events.clear();
-        self.pipeline.stall(&mut self.events);
-        self.fed_at = None;
-        self.deliver()?;
-        self.show(None, None);
-        Ok(())
-    }
-
-    fn replace(&mut self, replacement: Replacement) -> Result<(), SessionError> {
-        let mut controls = replacement.controls;
-        if replacement.keep_board_poses {
-            let profile = replacement.profile;
-            self.pipeline.keep_board_poses(profile, &mut controls);
-        }
-        self.events.clear();
-        self.pipeline
-            .replace_profile(replacement.profile, &mut controls, &mut self.events);
-        self.deliver()?;
-        self.show(None, None);
-        self.rename();
-        let _ = replacement.retired.try_send(controls);
-        Ok(())
-    }
-
-    fn answer(&mut self, call: Call) -> Result<(), SessionError> {
-        let answer = match call.order {
-            Order::State => Ok(Answer::State(self.state())),
-            Order::Pause => self.pause().map(|()| Ok(Answer::Done))?,
-            Order::Resume => {
-                self.pipeline.resume();
-                self.show(None, None);
-                Ok(Answer::Done)
-            }
-            Order::Profile(place) => self.switch_to(place.into()).map(|()| Ok(Answer::Done))?,
-            Order::NextProfile => {
-                let next = (self.pipeline.active_profile() + 1) % self.pipeline.profile_count();
-                self.switch_to(next).map(|()| Ok(Answer::Done))?
-            }
-            Order::Places => Ok(Answer::Places(BoardPoses {
-                profile: self.pipeline.active_profile() as u8,
-                boards: self.pipeline.board_poses().collect(),
-            })),
-            Order::Nudge(by) => self.shift(|pipeline, events| pipeline.nudge(by.into(), events))?,
-            Order::Tilt(by) => self.shift(|pipeline, events| pipeline.tilt(by, events))?,
-            Order::Recentre => {
-                // It goes by the hand that is seen now.
-                self.stall_if_overdue()?;
-                self.shift(Pipeline::recenter)?
-            }
-        };
-        // Nobody waits for whoever went away.
-        let _ = call.answer.try_send(answer);
-        Ok(())
-    }
-
-    fn pause(&mut self) -> Result<(), SessionError> {
-        self.events.clear();
-        self.pipeline.pause(&mut self.events);
-        self.deliver()?;
-        self.show(None, None);
-        Ok(())
-    }
-
-    fn switch_to(&mut self, profile: usize) -> Result<(), SessionError> {
-        self.events.clear();
-        self.pipeline.switch_profile(profile, &mut self.events);
-        self.deliver()?;
-        self.show(None, None);
-        Ok(())
-    }
-
-    /// Moves boards, if that can be.
-    fn shift(
-        &mut self,
-        shift: impl FnOnce(&mut Pipeline, &mut Events) -> Result<(), CommandError>,
-    ) -> Result<Result<Answer, CommandError>, SessionError> {
-        self.events.clear();
-        let shifted = shift(self.pipeline, &mut self.events);
-        self.deliver()?;
-        self.show(None, None);
-        Ok(shifted.map(|()| Answer::Done))
-    }
-
-    fn state(&self) -> SessionStatus {
-        SessionStatus {
-            state: self.pipeline.state(),
-            is_paused: self.pipeline.is_paused(),
-            profile: self.pipeline.active_profile() as u8,
-            stats: self.tally(),
-            dropped_presses: self.sink.0.dropped_presses(),
-        }
-    }
-
-    fn finish(&mut self) -> Result<(), SessionError> {
-        for arrival in self.captured.events().try_iter() {
-            match arrival {
-                CaptureEvent::Reading { stats: counts, .. } => {
-                    self.source = counts;
-                    self.untaken += 1;
-                }
-                CaptureEvent::Noise(counts) => self.source = counts,
-                _ => {}
-            }
-        }
-        self.events.clear();
-        self.pipeline.stop(&mut self.events);
-        let sent = self.deliver();
-        let closed = self.sink.0.close();
-        self.show(None, None);
-        sent?;
-        Ok(closed?)
-    }
-
-    fn deliver(&mut self) -> Result<(), SessionError> {
-        // Also without events: an output with a thread of its own tells at the next call that it failed.
-        Ok(self.sink.0.send(&self.events)?)
-    }
-
-    fn tally(&self) -> Stats {
-        let superseded = self.source.dropped + self.late + self.untaken;
-        Stats {
-            source: SourceStats {
-                dropped: superseded,
-                ..self.source
-            },
-            accepted: self.pipeline.accepted(),
-            rejected: self.pipeline.rejected(),
-            stalls: self.pipeline.stalls(),
-            suppressed: self.pipeline.suppressed(),
-        }
-    }
-
-    /// Shows what happened, and takes note when another layout is in force from now on.
-    fn show(&mut self, reading: Option<Reading>, frame: Option<StepOutput>) {
-        let (angles, pose, touches, commands) = match frame {
-            Some(frame) => (
-                Some(frame.estimate.angles),
-                Some(frame.pose),
-                frame.touches,
-                frame.commands,
-            ),
-            None => (None, None, Touches::new(), TimedCommands::new()),
-        };
-        let snapshot = Snapshot {
-            state: self.pipeline.state(),
-            profile: self.profile,
-            target_names: self.names.clone(),
-            is_paused: self.pipeline.is_paused(),
-            reading,
-            angles,
-            pose,
-            touches,
-            events: self.events.clone(),
+        let (snapshots, snapshot_receiver) = SessionHandle::snapshot_channel();
+        let session = Self {
+            setup,
+            options,
             commands,
-            stats: self.tally(),
+            command_sender: command_sender.clone(),
+            notices,
+            snapshots,
+            control,
         };
-        (self.observe)(&snapshot);
-        if self.profile != self.pipeline.active_profile() {
-            self.rename();
+        SessionHandle::spawn(session, command_sender, snapshot_receiver)
+    }
+
+    /// Runs the session to its end on the calling thread.
+    fn run(mut self) -> Result<Summary, SessionError> {
+        let outcome = self.run_loop();
+        // Clients see the end before the last notices are printed.
+        drop(self.control.take());
+        self.notices.finish();
+        outcome
+    }
+
+    fn run_loop(&mut self) -> Result<Summary, SessionError> {
+        self.report_pointer_only_sources();
+        let Some(source) = self.open_source()? else {
+            return Ok(Summary {
+                stats: Stats::default(),
+                latency_ns: event_loop::new_histogram(),
+                record_error: None,
+            });
+        };
+        let mut sink = self.open_output()?;
+        let is_live = source.is_live();
+        let mut recorder = match &self.options.record_to {
+            Some(path) => {
+                let recorded = self.setup.recorded_setup();
+                let recorded = recorded.with_packet_period(source.packet_period());
+                Some(RecorderThread::start(path, &recorded, !is_live)?)
+            }
+            None => None,
+        };
+        if let Some(uri) = self.opened_uri().filter(|_| is_live) {
+            self.report_status(Notice::Listening(uri.clone()));
+        }
+        let mut status = self.options.report_status.then(StatusLog::default);
+        let mut notifier = self.control.as_ref().map(ControlServer::notifier);
+        let (notices, snapshots) = (self.notices.sender(), &self.snapshots);
+        let is_lossless = self.options.lossless_snapshots;
+        let mut observe = |snapshot: &Snapshot| {
+            if let Some(status) = &mut status {
+                status.update(snapshot, &mut |notice| notices.send(notice));
+            }
+            if let Some(notifier) = &mut notifier {
+                notifier.notify_snapshot(snapshot);
+            }
+            if let Some(recorder) = &mut recorder {
+                recorder.push(snapshot);
+            }
+            publish(snapshots, snapshot, is_lossless);
+        };
+        let mut pipeline = self.setup.pipeline();
+        let ended = run_pipeline(
+            source,
+            &mut pipeline,
+            &mut *sink,
+            &self.commands,
+            &mut observe,
+        );
+        let record_error = recorder.and_then(|recorder| recorder.finish().err());
+        Ok(Summary {
+            record_error,
+            ..ended?
+        })
+    }
+
+    fn open_output(&mut self) -> Result<Box<dyn Sink>, OutputError> {
+        if let Some(sink) = self.options.output.take() {
+            return Ok(sink);
+        }
+        let names = &self.setup.setup.output;
+        let required = self.setup.required_capabilities();
+        let Some(watchdog) = self.options.watchdog.take() else {
+            return output::open(names, &required);
+        };
+        let (commands, notices) = (self.command_sender.clone(), self.notices.sender());
+        let WatchdogProgram {
+            program,
+            arguments,
+            on_lost,
+        } = watchdog;
+        let settings = WatchdogSettings {
+            program,
+            arguments,
+            on_lost: Arc::new(move || {
+                let _ = commands.send(on_lost);
+                notices.send(Notice::WatchdogLost);
+            }),
+        };
+        output::open_with_watchdog(names, &required, &settings)
+    }
+
+    /// The source that this session opens itself.
+    fn opened_uri(&self) -> Option<&SourceUri> {
+        self.setup.setup.source.as_ref()
+    }
+
+    fn report_status(&self, notice: Notice) {
+        if self.options.report_status {
+            self.notices.sender().send(notice);
         }
     }
 
-    /// From now on what is told is of the layout in force.
-    fn rename(&mut self) {
-        self.profile = self.pipeline.active_profile();
-        self.names = self.pipeline.target_names().clone();
-        self.sink.0.set_target_names(&self.names);
+    /// Sources on the network press no keys by default, which surprises users of layouts with keys.
+    fn report_pointer_only_sources(&self) {
+        if !self.setup.required_capabilities().include_typing() {
+            return;
+        }
+        for (index, (source, permissions)) in self.setup.sources().enumerate() {
+            if let Some(source) = source.filter(|source| source.is_remote())
+                && permissions.role == SourceRole::Pointer
+            {
+                self.report_status(Notice::PointerOnly {
+                    source: source.clone(),
+                    is_first: index == 0,
+                });
+            }
+        }
     }
 }
 
-/// Up to a minute, to three digits: all buckets are there from the start.
-fn new_histogram() -> Histogram<u64> {
-    Histogram::new_with_bounds(1, 60_000_000_000, 3).expect("the bounds are valid")
+/// Hands a snapshot to the owner of the session.
+fn publish(snapshots: &Sender<Snapshot>, snapshot: &Snapshot, is_lossless: bool) {
+    // An error means that the owner dropped the receiver.
+    if is_lossless {
+        let _ = snapshots.send(snapshot.clone());
+    } else if !snapshots.is_full() {
+        let _ = snapshots.try_send(snapshot.clone());
+    }
+}
+
+/// Names and files of the layouts of a setup.
+fn profiles(setup: &LoadedSetup) -> Vec<ProfileInfo> {
+    let layouts = setup.profile_names().zip(setup.layouts());
+    let profile = |(name, layout): (&str, &Layout)| ProfileInfo {
+        name: name.to_owned(),
+        file: layout.file.clone(),
+    };
+    layouts.map(profile).collect()
+}
+
+fn start_layout_manager(
+    setup: &Arc<LoadedSetup>,
+    options: &SessionOptions,
+    commands: &mut CommandReceiver,
+    notices: &NoticeThread,
+    mut notifier: Option<Notifier>,
+) -> io::Result<()> {
+    let layouts: Vec<_> = setup
+        .layouts()
+        .map(|layout| LayoutSource {
+            path: Path::new(&layout.file)
+                .is_file()
+                .then(|| layout.file.clone()),
+            layout: layout.clone(),
+        })
+        .collect();
+    let policy = FilePolicy {
+        watch: options.watch_layouts,
+        is_recorded: options.record_to.is_some(),
+    };
+    let (setup, has_sink) = (Arc::clone(setup), options.output.is_some());
+    let required = setup.required_capabilities();
+    let build = move |layout: &Layout| {
+        if !has_sink {
+            let needed = layout.required_capabilities();
+            output::check_layout_change(&setup.setup.output, &required, &needed)
+                .map_err(|reason| format!("{}: not used, as {reason}", layout.file))?;
+        }
+        setup.controls(layout).map_err(|error| error.to_string())
+    };
+    let notices = notices.sender();
+    let report = move |report: LayoutReport| {
+        if let Some(notifier) = &mut notifier
+            && !matches!(report, LayoutReport::Command(_))
+        {
+            notifier.notify_reload(&report);
+        }
+        notices.send(Notice::Layout(report));
+    };
+    reload::start(layouts, commands.link_layouts(), policy, build, report)
 }

@@ -270,7 +270,8 @@ mod tests {
     use crate::contact::{TargetId, Touches};
     use crate::device::{Events, TimedCommands};
     use crate::hand::{Dof, Joint};
-    use crate::snapshot::{PipelineState, Stats};
+    use crate::pipeline::PipelineState;
+    use crate::snapshot::Stats;
     use parry3d::math::{Pose, Vec2, Vec3};
     use serde_json::Value;
     use std::convert::Infallible;
@@ -312,6 +313,7 @@ mod tests {
                 side: None,
                 sample: Sample::Channels(channels),
             }),
+            source_error: None,
             angles: Some(angles),
             pose: Some(pose),
             touches: Touches::from_iter([touch]),

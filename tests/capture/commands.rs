@@ -1,26 +1,30 @@
-//! What a run is asked between two frames.
+//! Commands to a session, executed between two readings.
 
 use std::thread;
 use std::time::{Duration, Instant};
 
 use ademan::capture::{CaptureError, Hc11Format, Source, SourceEvent, SourceStats};
+use ademan::command::Command;
 use ademan::output;
-use ademan::session::{Answer, Call, Calls, CommandError, Commands, Order, calls, run_pipeline};
+use ademan::pipeline::PipelineState;
+use ademan::session::{
+    CommandError, CommandSender, Reply, RequestError, command_channel, run_pipeline,
+};
 use ademan::setup::Setup;
 use ademan::sim::SimulatedTypist;
-use ademan::snapshot::{PipelineState, Snapshot};
-use crossbeam_channel::{Receiver, bounded, never};
+use ademan::snapshot::Snapshot;
+use crossbeam_channel::unbounded;
 
-/// A glove that says nothing any more after so many readings.
-struct FallsSilent {
+/// A glove that falls silent after a number of readings.
+struct SilentGlove {
     hand: SimulatedTypist,
     readings: u64,
-    most: u64,
+    max_readings: u64,
 }
 
-impl Source for FallsSilent {
+impl Source for SilentGlove {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        if self.readings == self.most {
+        if self.readings == self.max_readings {
             thread::sleep(Duration::from_millis(5));
             return Ok(SourceEvent::Idle);
         }
@@ -29,7 +33,7 @@ impl Source for FallsSilent {
     }
 
     fn name(&self) -> &str {
-        "falls silent"
+        "silent glove"
     }
 
     fn is_live(&self) -> bool {
@@ -44,95 +48,84 @@ impl Source for FallsSilent {
     }
 }
 
-/// Runs until `observe` says that it is over, with somebody at the other end of the calls.
-fn run(asker: impl FnOnce(Calls) + Send + 'static, mut observe: impl FnMut(&Snapshot) -> bool) {
-    let assembly = Setup::default().load_files().expect("the default setup");
-    let hand = assembly.typist("asked", &Hc11Format::default(), 0.0, 0);
-    let source = FallsSilent {
-        hand: hand.expect("it can be typed"),
+/// Runs a session with a client until `is_over` returns `true`.
+fn run(
+    client: impl FnOnce(CommandSender) + Send + 'static,
+    mut is_over: impl FnMut(&Snapshot) -> bool,
+) {
+    let setup = Setup::default().load_files().expect("the default setup");
+    let hand = setup.typist("commands", &Hc11Format::default(), 0.0, 0);
+    let source = SilentGlove {
+        hand: hand.expect("the layout can type it"),
         readings: 0,
-        most: 10,
+        max_readings: 10,
     };
-    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
-    let (end, stop) = bounded(1);
-    let (sender, called) = calls();
-    let commands = Commands {
-        stop,
-        replace: never(),
-        calls: called,
+    let mut sink = output::open("none", &setup.required_capabilities()).expect("the output `none`");
+    let (sender, commands) = command_channel();
+    let stop = sender.clone();
+    thread::spawn(move || client(sender));
+    let mut observe = |snapshot: &Snapshot| {
+        if is_over(snapshot) {
+            stop.send(Command::Stop).expect("the session runs");
+        }
     };
-    thread::spawn(move || asker(sender));
-    let mut pipeline = assembly.pipeline();
-    run_pipeline(
-        source,
-        &mut pipeline,
-        &mut *nowhere,
-        commands,
-        &mut |frame| {
-            if observe(frame) {
-                let _ = end.try_send(());
-            }
-        },
-    )
-    .expect("a run");
-}
-
-fn ask(calls: &Calls, order: Order) -> Receiver<Result<Answer, CommandError>> {
-    let (answer, answered) = bounded(1);
-    // The run may be over.
-    let _ = calls.send(Call { order, answer });
-    answered
+    let mut pipeline = setup.pipeline();
+    run_pipeline(source, &mut pipeline, &mut *sink, &commands, &mut observe).expect("a session");
 }
 
 #[test]
-fn somebody_who_never_ceases_to_ask_does_not_put_off_a_stall() {
-    let begun = Instant::now();
-    let never_ceases = |calls: Calls| {
-        let send = || {
-            let (order, answer) = (Order::Resume, bounded(1).0);
-            calls.send(Call { order, answer })
+fn commands_without_pause_do_not_delay_a_stall() {
+    let start = Instant::now();
+    let busy_client =
+        |commands: CommandSender| {
+            thread::scope(|scope| {
+                for _ in 0..4 {
+                    scope.spawn(|| {
+                        while commands.send(Command::Resume) != Err(RequestError::Ended) {}
+                    });
+                }
+            });
         };
-        thread::scope(|scope| {
-            for _ in 0..4 {
-                scope.spawn(|| while send().is_ok() {});
-            }
-        });
-    };
     let mut has_stalled = false;
-    run(never_ceases, |frame| {
-        // The run is slower than they are, so that there is always somebody who waits.
+    run(busy_client, |snapshot| {
+        // The session is slower than its clients, so that commands are always waiting.
         thread::sleep(Duration::from_millis(1));
-        has_stalled |= frame.state == PipelineState::Stalled;
-        has_stalled || begun.elapsed() > Duration::from_secs(10)
+        has_stalled |= snapshot.state == PipelineState::Stalled;
+        has_stalled || start.elapsed() > Duration::from_secs(60)
     });
     assert!(has_stalled);
 }
 
 #[test]
-fn orders_are_answered_and_obeyed_in_order_also_when_nobody_waits_for_the_answer() {
-    let (told, answers) = bounded(8);
-    let asker = move |calls: Calls| {
-        drop(ask(&calls, Order::Pause));
-        let far = Order::Nudge([9.0, 0.0, 0.0]);
-        for order in [Order::State, far, Order::Resume, Order::State] {
-            told.send(ask(&calls, order).recv())
-                .expect("somebody reads");
+fn commands_are_executed_in_order_and_answered() {
+    let (results, received) = unbounded();
+    let client = move |commands: CommandSender| {
+        // Without a reply, but before the others.
+        commands.send(Command::Pause).expect("the session runs");
+        let nudge = Command::Nudge {
+            x_mm: 1000.0,
+            y_mm: 0.0,
+            z_mm: 0.0,
+        };
+        for command in [Command::State, nudge, nudge, nudge, Command::Resume] {
+            let result = commands.request_with_timeout(command, Duration::from_secs(60));
+            results.send(result).expect("the test waits");
         }
     };
-    let mut resumed = false;
-    let mut was_paused = false;
-    run(asker, |frame| {
-        was_paused |= frame.is_paused;
-        resumed |= was_paused && !frame.is_paused;
-        resumed
+    let (mut was_paused, mut is_resumed) = (false, false);
+    run(client, |snapshot| {
+        was_paused |= snapshot.is_paused;
+        is_resumed |= was_paused && !snapshot.is_paused;
+        is_resumed
     });
-    let state = answers.recv().expect("an answer").expect("the run goes on");
+    let next = || received.recv().expect("a result");
+    let state = next();
     assert!(
-        matches!(state, Ok(Answer::State(run)) if run.is_paused && run.state == PipelineState::Paused),
+        matches!(state, Ok(Reply::State(status)) if status.is_paused && status.state == PipelineState::Paused),
         "{state:?}"
     );
-    let nudged = answers.recv().expect("an answer").expect("the run goes on");
-    assert_eq!(nudged, Err(CommandError::TooFar(1)));
-    let resumed = answers.recv().expect("an answer").expect("the run goes on");
-    assert_eq!(resumed, Ok(Answer::Done));
+    assert_eq!(next(), Ok(Reply::Done));
+    let too_far = Err(RequestError::Pipeline(CommandError::TooFar(1)));
+    assert!([next(), next()].contains(&too_far));
+    assert_eq!(next(), Ok(Reply::Done));
 }

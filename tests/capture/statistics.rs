@@ -5,13 +5,13 @@ use std::time::Duration;
 use ademan::capture::{
     CaptureError, Hc11Format, PacedSource, Reading, Source, SourceEvent, SourceStats,
 };
+use ademan::command::Command;
 use ademan::device::{EventKind, OutputEvent};
 use ademan::output;
-use ademan::session::{Summary, run_pipeline};
+use ademan::session::{CommandReceiver, Summary, command_channel, run_pipeline};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
 use ademan::snapshot::{Snapshot, Stats};
-use crossbeam_channel::{bounded, never};
 
 /// A typist whose every tenth reading is of a glove with a wrist that no wrist can have.
 struct Trembling {
@@ -69,21 +69,20 @@ fn balance(tally: &Stats) -> (u64, u64) {
 fn run(is_live: bool, stop_at: Option<u64>) -> Summary {
     let assembly = Setup::default().load_files().expect("the default setup");
     let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
-    let (sender, stop) = bounded(1);
-    let stop = if stop_at.is_some() { stop } else { never() };
+    let (sender, commands) = command_channel();
     let source = trembling(&assembly, is_live);
     let mut frames = 0;
     let observe = &mut |_: &_| {
         frames += 1;
         if stop_at == Some(frames) {
-            sender.send(()).expect("somebody listens");
+            sender.send(Command::Stop).expect("the session runs");
         }
     };
     run_pipeline(
         source,
         &mut assembly.pipeline(),
         &mut *nowhere,
-        &stop,
+        &commands,
         observe,
     )
     .expect("a run")
@@ -128,7 +127,7 @@ fn readings_from_before_the_program_stood_still_press_nothing_and_are_accounted_
         source,
         &mut assembly.pipeline(),
         &mut *nowhere,
-        &never(),
+        &CommandReceiver::disconnected(),
         observe,
     );
     let tally = summary.expect("a run").stats;

@@ -84,10 +84,10 @@ fn a_pause_lets_go_and_nothing_is_typed_until_it_is_ended_and_the_hand_was_off()
     let run = run();
     let mut caller = caller(&run);
     let asked = Instant::now();
-    assert_eq!(ask(&mut caller, r#"{"ask":"pause"}"#)["ok"], true);
+    assert_eq!(ask(&mut caller, r#"{"command":"pause"}"#)["ok"], true);
     assert_eq!(run.typed(), "up H");
     println!("from the request to the release: {:?}", asked.elapsed());
-    let state = ask(&mut caller, r#"{"ask":"state"}"#);
+    let state = ask(&mut caller, r#"{"command":"state"}"#);
     assert_eq!(
         (&state["state"], &state["paused"]),
         (&"paused".into(), &true.into())
@@ -98,11 +98,11 @@ fn a_pause_lets_go_and_nothing_is_typed_until_it_is_ended_and_the_hand_was_off()
     thread::sleep(MOVE);
     assert!(run.typed.is_empty(), "it is paused");
 
-    assert_eq!(ask(&mut caller, r#"{"ask":"resume"}"#)["ok"], true);
+    assert_eq!(ask(&mut caller, r#"{"command":"resume"}"#)["ok"], true);
     thread::sleep(MOVE);
     assert!(run.typed.is_empty(), "the finger has not left the key");
     run.lift();
-    wait_until(|| ask(&mut caller, r#"{"ask":"state"}"#)["state"] == "running");
+    wait_until(|| ask(&mut caller, r#"{"command":"state"}"#)["state"] == "running");
     run.push_down();
     assert_eq!(run.typed(), "down H");
 }
@@ -110,21 +110,18 @@ fn a_pause_lets_go_and_nothing_is_typed_until_it_is_ended_and_the_hand_was_off()
 #[test]
 fn a_state_names_the_layout_and_accounts_for_every_reading() {
     let run = run();
-    let state = ask(&mut caller(&run), r#"{"ask":"state"}"#);
+    let state = ask(&mut caller(&run), r#"{"command":"state"}"#);
     assert_eq!(state["state"], "running");
     assert_eq!(state["paused"], false);
     assert_eq!(state["layout"], "my.ron");
     assert_eq!(state["profile"], "main");
-    let tally = &state["tally"];
+    let stats = &state["stats"];
     let count = |value: &Value| value.as_u64().expect("it is a count");
-    let rejected = tally["rejected"].as_object().expect("by reason");
+    let rejected = stats["rejected"].as_object().expect("by reason");
     let rejected: u64 = rejected.values().map(count).sum();
-    let taken = count(&tally["accepted"]) + rejected + count(&tally["superseded"]);
-    assert_eq!(count(&tally["received"]), taken);
-    assert_eq!(
-        count(&state["frames"]),
-        count(&tally["accepted"]) + rejected
-    );
+    let taken = count(&stats["accepted"]) + rejected + count(&stats["dropped"]);
+    assert_eq!(count(&stats["received"]), taken);
+    assert_eq!(count(&state["steps"]), count(&stats["accepted"]) + rejected);
     assert!(taken > 10, "{taken}");
 
     let (code, out, _) = ctl(&run, &["state"]);
@@ -139,18 +136,18 @@ fn a_state_names_the_layout_and_accounts_for_every_reading() {
 fn a_reload_says_what_came_of_it_also_when_the_file_was_not_saved() {
     let run = run();
     let (code, out, _) = ctl(&run, &["reload"]);
-    assert_eq!((code, out.as_str()), (0, "my.ron: in force from now on\n"));
+    assert_eq!((code, out.as_str()), (0, "my.ron: active from now on\n"));
     assert_eq!(run.typed(), "up H");
 
     run.save("Layout(\n    nmae: \"My board\",\n)\n");
     let (code, out, err) = ctl(&run, &["reload"]);
     assert_eq!((code, out.as_str()), (1, ""));
-    let expected = "error: my.ron:2:5: unknown field `nmae`, did you mean `name`?\n 2 |     nmae: \"My board\",\n   |     ^^^^\nthe layout in force stays\n";
+    let expected = "error: my.ron:2:5: unknown field `nmae`, did you mean `name`?\n 2 |     nmae: \"My board\",\n   |     ^^^^\nthe active layout stays\n";
     assert_eq!(err, expected);
     let asked = Instant::now();
     run.save(&shipped("dvorak-flat"));
-    let answer = ask(&mut caller(&run), r#"{"ask":"reload"}"#);
-    assert_eq!(answer["text"], "my.ron: in force from now on");
+    let answer = ask(&mut caller(&run), r#"{"command":"reload"}"#);
+    assert_eq!(answer["text"], "my.ron: active from now on");
     assert!(asked.elapsed() < Duration::from_secs(2));
     run.lift();
     thread::sleep(MOVE);
@@ -161,11 +158,11 @@ fn a_reload_says_what_came_of_it_also_when_the_file_was_not_saved() {
 #[test]
 fn a_reload_that_a_run_cannot_use_is_refused_with_the_reason() {
     let run = Run::with_held_key(&["--control", "c.sock", "--record", "hand.mcap"]);
-    let answer = ask(&mut caller(&run), r#"{"ask":"reload"}"#);
+    let answer = ask(&mut caller(&run), r#"{"command":"reload"}"#);
     assert_eq!(answer["ok"], false);
     assert_eq!(
         answer["error"],
-        "my.ron: not used, as a recording is of one layout; start again to use it"
+        "my.ron: not used, as a recording holds one version of a layout; start again to use it"
     );
     assert!(run.typed.is_empty(), "the key stays held");
 }
@@ -189,8 +186,8 @@ fn what_is_not_a_request_is_refused_and_the_conversation_goes_on() {
     refused(format!("{}\n", "[".repeat(4_000)).as_bytes());
     refused(format!("{}\n", "{\"deg\":".repeat(500)).as_bytes());
     assert_eq!(
-        refused(b"{\"ask\":\"paus\"}\n"),
-        "unknown request `paus`, did you mean `pause`?"
+        refused(b"{\"command\":\"paus\"}\n"),
+        "unknown command `paus`, did you mean `pause`?"
     );
     let mut number = fastrand::Rng::with_seed(1);
     for _ in 0..200 {
@@ -199,7 +196,9 @@ fn what_is_not_a_request_is_refused_and_the_conversation_goes_on() {
         line.push(b'\n');
         refused(&line);
     }
-    stream.write_all(b"{\"ask\":").expect("the run reads on");
+    stream
+        .write_all(b"{\"command\":")
+        .expect("the run reads on");
     stream.write_all(b"\"state\"}\n").expect("the run reads on");
     assert_eq!(answer(&mut reader)["state"], "running");
     assert!(run.typed.is_empty(), "the key stays held");
@@ -213,7 +212,7 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     std::os::unix::fs::symlink(&linked, &path).expect("a link");
     fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).expect("it is ours");
     let (code, _, err) = ctl(&run, &["save"]);
-    let expected = "error: my.ron: not saved, as nothing was moved\n";
+    let expected = "error: my.ron: not saved, as no board was moved or scaled\n";
     assert_eq!((code, err.as_str()), (1, expected));
     assert!(run.typed.is_empty(), "the key stays held");
 
@@ -257,7 +256,7 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     assert_eq!(ctl(&run, &["nudge", "0", "-1", "0"]).0, 0);
     assert_eq!(run.typed(), "up J");
     let (code, out, _) = ctl(&run, &["scale", "1.5"]);
-    assert_eq!((code, out.as_str()), (0, "1.5 times as large\n"));
+    assert_eq!((code, out.as_str()), (0, "scaled by 1.5\n"));
     let (code, _, _) = ctl(&run, &["save"]);
     assert_eq!(code, 0);
     let saved = fs::read_to_string(&path).expect("it is there");
@@ -266,12 +265,12 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     assert_eq!(saved, moved.replace("height_mm: -45", "height_mm: -46"));
 
     run.save(&format!("// mine\n{saved}"));
-    run.wait_until_told("my.ron: in force from now on");
+    run.wait_until_told("my.ron: active from now on");
     let (code, _, _) = ctl(&run, &["tilt", "-5"]);
     assert_eq!(code, 0);
     fs::write(&path, "no layout").expect("it can be written");
     let (code, _, err) = ctl(&run, &["save"]);
-    let expected = "error: my.ron: not saved, as the file is not the one in force; `reload` puts it in force\n";
+    let expected = "error: my.ron: not saved, as the file differs from the active layout; `reload` activates the file\n";
     assert_eq!((code, err.as_str()), (1, expected));
     assert_eq!(fs::read_to_string(&path).expect("it is there"), "no layout");
     let left = fs::read_dir(run.folder.path()).expect("a folder").flatten();
@@ -303,10 +302,10 @@ fn the_seventeenth_client_is_refused_and_a_place_that_is_free_again_is_given() {
     let run = run();
     let mut clients: Vec<Client> = (0..16).map(|_| caller(&run)).collect();
     for client in &mut clients {
-        assert_eq!(ask(client, r#"{"ask":"state"}"#)["ok"], true);
+        assert_eq!(ask(client, r#"{"command":"state"}"#)["ok"], true);
     }
     for _ in 16..20 {
-        let answer = ask(&mut caller(&run), r#"{"ask":"pause"}"#);
+        let answer = ask(&mut caller(&run), r#"{"command":"pause"}"#);
         assert_eq!(
             answer["error"],
             "16 clients are here already, come back later"
@@ -314,18 +313,18 @@ fn the_seventeenth_client_is_refused_and_a_place_that_is_free_again_is_given() {
     }
     assert!(run.typed.is_empty(), "the key stays held");
     drop(clients.pop());
-    wait_until(|| ask(&mut caller(&run), r#"{"ask":"state"}"#)["ok"] == true);
+    wait_until(|| ask(&mut caller(&run), r#"{"command":"state"}"#)["ok"] == true);
 }
 
 #[test]
 fn a_client_that_never_reads_is_cut_off_and_nobody_else_notices() {
     let run = run();
     let (mut deaf, mut said) = stranger(&run);
-    deaf.write_all(b"{\"ask\":\"subscribe\"}\n")
+    deaf.write_all(b"{\"command\":\"subscribe\"}\n")
         .expect("the run reads");
     assert_eq!(answer(&mut said)["ok"], true);
     let mut listener = caller(&run);
-    assert_eq!(ask(&mut listener, r#"{"ask":"subscribe"}"#)["ok"], true);
+    assert_eq!(ask(&mut listener, r#"{"command":"subscribe"}"#)["ok"], true);
     let (sender, news) = crossbeam_channel::unbounded();
     thread::spawn(move || {
         while let Ok(Some(line)) = listener.next_notification() {
@@ -349,7 +348,7 @@ fn a_client_that_never_reads_is_cut_off_and_nobody_else_notices() {
         is_over.store(true, Ordering::Relaxed);
         typing.join().expect("no panic");
     });
-    let state = ask(&mut caller(&run), r#"{"ask":"pause"}"#);
+    let state = ask(&mut caller(&run), r#"{"command":"pause"}"#);
     assert_eq!(state["ok"], true);
     thread::sleep(MOVE);
 
@@ -373,11 +372,11 @@ fn a_client_that_asks_for_ever_and_never_reads_is_cut_off_too() {
     let (mut deaf, _) = stranger(&run);
     deaf.set_write_timeout(Some(PATIENCE)).expect("a limit");
     let start = Instant::now();
-    while deaf.write_all(b"{\"ask\":\"state\"}\n").is_ok() {
+    while deaf.write_all(b"{\"command\":\"state\"}\n").is_ok() {
         assert!(start.elapsed() < PATIENCE, "it is still listened to");
     }
     assert_eq!(
-        ask(&mut caller(&run), r#"{"ask":"state"}"#)["state"],
+        ask(&mut caller(&run), r#"{"command":"state"}"#)["state"],
         "running"
     );
     run.lift();
@@ -393,7 +392,7 @@ fn who_has_not_subscribed_hears_nothing_of_what_is_typed() {
     run.push_down();
     assert_eq!(run.typed(), "down H");
     stream
-        .write_all(b"{\"ask\":\"state\"}\n")
+        .write_all(b"{\"command\":\"state\"}\n")
         .expect("the run reads");
     stream
         .shutdown(std::net::Shutdown::Write)
@@ -434,7 +433,7 @@ fn a_second_run_is_refused_and_the_socket_of_a_killed_one_is_taken_over() {
     let err = String::from_utf8_lossy(&ended.stderr);
     assert!(err.contains("another run listens at"), "{err}");
     assert!(err.contains("`ademan ctl stop`"), "{err}");
-    assert_eq!(ask(&mut caller(&run), r#"{"ask":"state"}"#)["ok"], true);
+    assert_eq!(ask(&mut caller(&run), r#"{"command":"state"}"#)["ok"], true);
 
     run.program.0.kill().expect("it runs");
     run.program.0.wait().expect("it ends");
@@ -524,7 +523,7 @@ fn another_user_is_not_listened_to() {
     assert!(err.contains("gave no answer"), "{err}");
     assert!(run.typed.is_empty(), "the key stays held");
     assert_eq!(
-        ask(&mut caller(&run), r#"{"ask":"state"}"#)["paused"],
+        ask(&mut caller(&run), r#"{"command":"state"}"#)["paused"],
         false
     );
 }
@@ -542,8 +541,8 @@ fn a_run_that_waits_for_its_glove_can_be_stopped() {
             .starts_with("waiting: ")
     );
     let mut caller = Client::connect(&path).expect("it listens");
-    let answer = ask(&mut caller, r#"{"ask":"state"}"#);
+    let answer = ask(&mut caller, r#"{"command":"state"}"#);
     assert_eq!(answer["ok"], false, "nothing runs yet");
-    assert_eq!(ask(&mut caller, r#"{"ask":"stop"}"#)["ok"], true);
+    assert_eq!(ask(&mut caller, r#"{"command":"stop"}"#)["ok"], true);
     assert_eq!(run.0.wait().expect("it ends").code(), Some(0));
 }

@@ -171,10 +171,10 @@ fn the_files_that_a_package_brings_are_those_that_are_printed() {
         ("unit", "ademan.service"),
         ("desktop", "ademan.desktop"),
     ];
-    let all = run(["setup"]).done().out;
+    let all = run(["system-files"]).done().out;
     for (name, file) in files {
         let text = fs::read_to_string(root("packaging").join(file)).unwrap();
-        assert_eq!(run(["setup", "--print", name]).done().out, text);
+        assert_eq!(run(["system-files", name]).done().out, text);
         assert!(all.contains(&text), "{name}");
     }
 }

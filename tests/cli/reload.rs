@@ -14,7 +14,7 @@ fn a_saved_layout_lets_go_of_the_held_key_and_is_typed_on() {
     println!("from the save to the release: {elapsed:?}");
     // The bound is 200 ms; a busy machine gets more.
     assert!(elapsed < Duration::from_secs(1), "{elapsed:?}");
-    assert_eq!(run.told(), "my.ron: in force from now on");
+    assert_eq!(run.told(), "my.ron: active from now on");
 
     thread::sleep(MOVE);
     assert!(run.typed.is_empty(), "the finger has not left the key");
@@ -34,16 +34,16 @@ fn a_broken_file_is_told_with_its_place_and_the_held_key_stays_held() {
     );
     assert_eq!(run.told(), " 2 |     nmae: \"My board\",");
     assert_eq!(run.told(), "   |     ^^^^");
-    assert_eq!(run.told(), "the layout in force stays");
+    assert_eq!(run.told(), "the active layout stays");
     std::fs::remove_file(run.path()).expect("the file is there");
     assert_eq!(run.told(), "my.ron: there is no such file");
-    assert_eq!(run.told(), "the layout in force stays");
+    assert_eq!(run.told(), "the active layout stays");
     assert!(run.typed.is_empty(), "the key stays held");
     run.lift();
     assert_eq!(run.typed(), "up H");
 
     run.save(&shipped("dvorak-flat"));
-    assert_eq!(run.told(), "my.ron: in force from now on");
+    assert_eq!(run.told(), "my.ron: active from now on");
     thread::sleep(MOVE);
     run.push_down();
     assert_eq!(run.typed(), "down D");
@@ -74,7 +74,7 @@ fn a_run_that_is_recorded_keeps_its_layout_and_says_so() {
     run.save(&shipped("dvorak-flat"));
     assert_eq!(
         run.told(),
-        "my.ron: not used, as a recording is of one layout; start again to use it"
+        "my.ron: not used, as a recording holds one version of a layout; start again to use it"
     );
     assert!(run.typed.is_empty(), "the key stays held");
     run.lift();
@@ -95,10 +95,10 @@ fn a_key_makes_the_boards_larger() {
     assert_ne!(changed, text);
     run.save(&changed);
     assert_eq!(run.typed(), "up H");
-    run.wait_until_told("my.ron: in force from now on");
+    run.wait_until_told("my.ron: active from now on");
     run.lift();
     thread::sleep(MOVE);
     run.push_down();
     assert_eq!(run.typed(), "scale 1.500");
-    run.wait_until_told("1.5 times as large");
+    run.wait_until_told("scaled by 1.5");
 }

@@ -46,15 +46,15 @@ fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_t
         run.lift();
         thread::sleep(MOVE);
     }
-    let state = ask(&run, r#"{"ask":"state"}"#);
+    let state = ask(&run, r#"{"command":"state"}"#);
     assert_eq!(state["state"], "running");
-    let withheld = &state["tally"]["withheld"];
-    assert_eq!(withheld["keys_by_role"], 3, "{withheld}");
-    assert_eq!(withheld["too_many"], 0, "{withheld}");
-    let line = told(&run, |line| line.contains("withheld"));
+    let suppressed = &state["stats"]["suppressed"];
+    assert_eq!(suppressed["keys_by_role"], 3, "{suppressed}");
+    assert_eq!(suppressed["rate_limited"], 0, "{suppressed}");
+    let line = told(&run, |line| line.contains("suppressed"));
     assert_eq!(
         line,
-        "1 key withheld, as the source is only a pointer; `role: Both` next to it in the setup lets it type"
+        "1 key suppressed, as the source is only a pointer; `role: Both` next to it in the setup lets it type"
     );
     let told_by_ctl = ademan(["ctl", "--socket", "c.sock", "state"])
         .current_dir(run.folder.path())
@@ -62,12 +62,12 @@ fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_t
         .expect("it starts");
     let told_by_ctl = String::from_utf8(told_by_ctl.stdout).expect("a text");
     assert!(
-        told_by_ctl.contains("; 3 withheld (keys by role)\n"),
+        told_by_ctl.contains("; 3 suppressed (keys by role)\n"),
         "{told_by_ctl}"
     );
-    assert_eq!(ask(&run, r#"{"ask":"stop"}"#)["ok"], true);
+    assert_eq!(ask(&run, r#"{"command":"stop"}"#)["ok"], true);
     let account = told(&run, |line| line.contains(" readings: "));
-    assert!(account.ends_with("; withheld: 3 by `role`"), "{account}");
+    assert!(account.ends_with("; suppressed: 3 by `role`"), "{account}");
     assert!(run.typed.is_empty(), "no key went out");
 }
 

@@ -72,7 +72,7 @@ fn a_demo_that_is_asked_to_end_has_not_done_its_job() {
         .unwrap()
         .read_to_string(&mut err)
         .unwrap();
-    assert!(err.contains("interrupted before all was played"), "{err}");
+    assert!(err.contains("interrupted before the end"), "{err}");
 }
 
 #[test]

@@ -88,7 +88,7 @@ fn ctrl_c_ends_the_demo_and_gives_the_terminal_back() {
     };
     assert_eq!(code, Some(1), "{shown}");
     assert!(
-        after_pictures(&shown).contains("interrupted before all was played"),
+        after_pictures(&shown).contains("interrupted before the end"),
         "{shown}"
     );
 }

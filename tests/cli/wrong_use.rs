@@ -282,7 +282,7 @@ fn without_a_command_it_shows_what_there_is() {
     let ended: super::Ended = ademan([""; 0]).output().unwrap().into();
     assert_eq!(ended.code, Some(2));
     assert!(
-        ended.err.contains("Begin with `ademan demo`"),
+        ended.err.contains("Start with `ademan demo`"),
         "{}",
         ended.err
     );

@@ -13,8 +13,9 @@ use ademan::device::{EventKind, Events, OutputEvent};
 use ademan::estimate::JointAngles;
 use ademan::hand::{Dof, Finger, Joint, Side};
 use ademan::kinematics::HandPose;
+use ademan::pipeline::PipelineState;
 use ademan::recorder::Recorder;
-use ademan::snapshot::{PipelineState, Snapshot, Stats};
+use ademan::snapshot::{Snapshot, Stats};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec2, Vec3};
 
@@ -59,6 +60,7 @@ fn snapshot(number: u64) -> Snapshot {
         state: PipelineState::Running,
         is_paused: false,
         reading: Some(reading),
+        source_error: None,
         angles: Some(angles),
         pose: Some(pose),
         touches: Touches::from_iter([touch]),

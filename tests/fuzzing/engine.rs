@@ -6,8 +6,8 @@ use ademan::capture::{Channels, Hc11Format, Reading, Sample, Source, SourceEvent
 use ademan::device::{EventKind, Events};
 use ademan::hand::Side;
 use ademan::layout::Layout;
+use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
-use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 

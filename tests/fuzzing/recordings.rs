@@ -6,9 +6,10 @@ use ademan::capture::recording::{RecordedSetup, Replay};
 use ademan::capture::{Hc11Format, Reading, Source, SourceEvent};
 use ademan::contact::Touches;
 use ademan::device::Events;
+use ademan::pipeline::PipelineState;
 use ademan::recorder::Recorder;
 use ademan::setup::{LoadedSetup, Setup};
-use ademan::snapshot::{PipelineState, Snapshot, Stats};
+use ademan::snapshot::{Snapshot, Stats};
 
 /// What a recording gives: its setup, its readings, and whether it came to its end.
 struct Replayed {
@@ -79,6 +80,7 @@ fn record(setup: &RecordedSetup, readings: &[Reading]) -> Option<Vec<u8>> {
 
 fn snapshot(reading: &Reading) -> Snapshot {
     Snapshot {
+        source_error: None,
         state: PipelineState::Paused,
         profile: 0,
         target_names: ASSEMBLY.layout.target_names(),

@@ -38,20 +38,20 @@ pub fn setups() -> Vec<Vec<u8>> {
 /// Every request, and some that are wrong.
 pub fn requests() -> Vec<Vec<u8>> {
     texts(&[
-        r#"{"ask":"state"}"#,
-        r#"{"ask":"pause"}"#,
-        r#"{"ask":"resume"}"#,
-        r#"{"ask":"reload"}"#,
-        r#"{"ask":"profile","name":"numbers"}"#,
-        r#"{"ask":"next-profile"}"#,
-        r#"{"ask":"recentre"}"#,
-        r#"{"ask":"nudge","x_mm":12.5,"y_mm":0,"z_mm":-3e1}"#,
-        r#"{"ask":"tilt","deg":-7.5}"#,
-        r#"{"ask":"scale","factor":1.05}"#,
-        r#"{"ask":"save"}"#,
-        r#"{"ask":"subscribe"}"#,
-        r#"{"ask":"stop"}"#,
-        r#"{"ask":"state","name":"main"}"#,
+        r#"{"command":"state"}"#,
+        r#"{"command":"pause"}"#,
+        r#"{"command":"resume"}"#,
+        r#"{"command":"reload"}"#,
+        r#"{"command":"profile","name":"numbers"}"#,
+        r#"{"command":"next-profile"}"#,
+        r#"{"command":"recenter"}"#,
+        r#"{"command":"nudge","x_mm":12.5,"y_mm":0,"z_mm":-3e1}"#,
+        r#"{"command":"tilt","deg":-7.5}"#,
+        r#"{"command":"scale","factor":1.05}"#,
+        r#"{"command":"save"}"#,
+        r#"{"command":"subscribe"}"#,
+        r#"{"command":"stop"}"#,
+        r#"{"command":"state","name":"main"}"#,
     ])
 }
 

@@ -20,10 +20,10 @@ use ademan::hand::{Dof, Finger, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::layout::Layout as Keys;
 use ademan::pipeline::Pipeline;
-use ademan::session::run_pipeline;
+use ademan::pipeline::PipelineState;
+use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::{LoadedSetup, Setup, controls};
 use ademan::sim::SimulatedTypist;
-use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
@@ -491,9 +491,9 @@ fn the_session_loop_does_not_allocate() {
             _ => {}
         }
     };
-    let stop = crossbeam_channel::never();
+    let commands = CommandReceiver::disconnected();
     let source = typist.expect("the text can be typed");
-    run_pipeline(source, &mut pipeline, &mut *sink, &stop, observe).expect("a run");
+    run_pipeline(source, &mut pipeline, &mut *sink, &commands, observe).expect("a run");
     assert!(steps > 500);
     assert_eq!(at_end - at_start, 0, "in 400 steps");
 }

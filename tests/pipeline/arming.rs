@@ -7,8 +7,8 @@ use ademan::contact::Phase;
 use ademan::device::{EventKind, Events, KeyCode};
 use ademan::estimate::Rejection;
 use ademan::layout::Layout;
+use ademan::pipeline::PipelineState;
 use ademan::setup::{Setup, controls};
-use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 

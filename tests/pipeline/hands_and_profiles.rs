@@ -8,10 +8,10 @@ use ademan::device::{EventKind, Events};
 use ademan::estimate::{ChannelMap, Estimate, JointAngles};
 use ademan::hand::Side;
 use ademan::layout::Document;
+use ademan::pipeline::PipelineState;
 use ademan::pipeline::SourceRole;
 use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
 use ademan::sim::TypingHand;
-use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 
 /// People whose hands are over keys or push them in; a reading every 10 ms of each hand.

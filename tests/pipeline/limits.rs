@@ -7,8 +7,8 @@ use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::device::{EventKind, Events};
 use ademan::layout::{Document, Layout};
 use ademan::pipeline::{Pipeline, SourceRole};
+use ademan::pipeline::{PipelineState, Suppressed};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
-use ademan::snapshot::{PipelineState, Suppressed};
 
 fn assemble(setup: Setup) -> LoadedSetup {
     setup.load_files().expect("a setup")

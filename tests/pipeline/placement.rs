@@ -5,10 +5,10 @@ use ademan::contact::board_pose::BoardPose;
 use ademan::contact::surface::Scene;
 use ademan::device::{EventKind, Events};
 use ademan::layout::Layout;
+use ademan::pipeline::PipelineState;
 use ademan::pipeline::{CommandError, Pipeline};
 use ademan::setup::{LoadedSetup, ProfileSetup, Setup};
 use ademan::sim::TypingHand;
-use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 

@@ -10,9 +10,9 @@ use ademan::estimate::{ChannelMap, JointAngles, Rejection};
 use ademan::hand::{Dof, Side};
 use ademan::kinematics::ArmModel;
 use ademan::layout::Document;
+use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, Setup, SmoothingSetup};
 use ademan::sim::TypingHand;
-use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use arrayvec::ArrayVec;
 

@@ -10,7 +10,7 @@ use ademan::layout::Layout;
 use ademan::pipeline::{CommandError, LayoutInstance, Pipeline, PipelineSettings, StepOutput};
 use ademan::setup::LoadedSetup;
 
-use ademan::snapshot::PipelineState;
+use ademan::pipeline::PipelineState;
 use parry3d::math::Vec3;
 
 use super::oracle::{Cause, Observation, Oracle, OutputRules};

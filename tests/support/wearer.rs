@@ -6,9 +6,9 @@ use ademan::capture::{Reading, Sample};
 use ademan::device::{EventKind, Events};
 use ademan::estimate::{Estimator, EstimatorSettings, Rejection};
 use ademan::kinematics::ArmModel;
+use ademan::pipeline::PipelineState;
 use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
 use ademan::setup::{LoadedSetup, Setup};
-use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 
 use super::press::{Posture, line};

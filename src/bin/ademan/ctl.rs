@@ -1,109 +1,175 @@
-//! `ademan ctl`: asks a run for something.
+//! `ademan ctl`: sends a command to a running session.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use ademan::session::control_socket::{self as control, Client};
-use serde_json::{Value, json};
+use ademan::command::{CommandSpec, FieldKind, SPECS};
+use ademan::session::control_socket::{self, Client};
+use clap::{Arg, ArgMatches, Command, FromArgMatches, Subcommand};
+use serde_json::{Map, Value};
 
-use crate::args::{CtlArgs, CtlRequest};
 use crate::failure::Failure;
 
-pub fn run(args: &CtlArgs) -> Result<(), Failure> {
-    let path = args.socket.clone().or_else(control::default_path);
-    let path: PathBuf = path.ok_or_else(|| {
+/// Send a command to a running session
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan ctl state\n  ademan ctl pause\n  ademan ctl nudge 0 0 -5 && ademan ctl save\n  ademan ctl subscribe --json\n\nThe exit code is 0 if the session has executed the command, 1 if it has refused it and 2 if no session can be reached."
+)]
+pub struct Args {
+    #[command(subcommand)]
+    request: Request,
+    /// Control socket of the session. The default is that of `ademan run` without --control
+    #[arg(long, global = true, value_name = "PATH")]
+    socket: Option<PathBuf>,
+    /// Print the reply as JSON
+    #[arg(long, global = true)]
+    json: bool,
+}
+
+/// The request that no session executes: the socket itself sends notifications.
+const SUBSCRIBE: &str = "subscribe";
+
+/// A line for the control socket.
+struct Request {
+    command: String,
+    line: String,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let path = args.socket.or_else(control_socket::default_path);
+    let path = path.ok_or_else(|| {
         Failure::wrong_use(
-            "XDG_RUNTIME_DIR names no folder: name the socket of the run with --socket, and give the run the same with --control",
+            "there is no default control socket, as XDG_RUNTIME_DIR names no folder; name the socket with --socket, and \
+             start the session with the same path after --control",
         )
     })?;
-    let mut caller = Client::connect(&path)?;
-    let answer = caller.request(&request(&args.request).to_string())?;
-    let read: Value = serde_json::from_str(&answer)
-        .map_err(|error| Failure::job(format!("the answer makes no sense: {error}")))?;
-    let is_done = read["ok"] == true;
+    let mut client = Client::connect(&path)?;
+    let reply = client.request(&args.request.line)?;
+    let fields: Value = serde_json::from_str(&reply)
+        .map_err(|error| Failure::job(format!("the reply is not JSON: {error}")))?;
     if args.json {
-        print_line(&answer)?;
+        print_line(&reply)?;
     }
-    if !is_done {
-        let error = read["error"].as_str().unwrap_or("refused, for no reason");
+    if fields["ok"] != true {
+        let error = fields["error"].as_str().unwrap_or("refused without reason");
         return Err(Failure::job(error));
     }
-    match args.request {
-        CtlRequest::Subscribe => print_news(caller, args.json),
-        CtlRequest::Stop if !caller.wait_until_closed() => Err(Failure::job(
-            "the run was asked to end, and has not ended yet",
+    match args.request.command.as_str() {
+        SUBSCRIBE => print_notifications(client, args.json),
+        "stop" if !client.wait_until_closed() => Err(Failure::job(
+            "the session was told to stop, but has not ended within 5 s",
         )),
         _ if args.json => Ok(()),
-        _ => print_line(&told(&args.request, &read)),
+        command => print_line(&reply_text(command, &fields)),
     }
 }
 
-fn request(request: &CtlRequest) -> Value {
-    match request {
-        CtlRequest::State => json!({"ask": "state"}),
-        CtlRequest::Pause => json!({"ask": "pause"}),
-        CtlRequest::Resume => json!({"ask": "resume"}),
-        CtlRequest::Reload => json!({"ask": "reload"}),
-        CtlRequest::Profile { name } => json!({"ask": "profile", "name": name}),
-        CtlRequest::NextProfile => json!({"ask": "next-profile"}),
-        CtlRequest::Recentre => json!({"ask": "recentre"}),
-        CtlRequest::Nudge { x_mm, y_mm, z_mm } => {
-            json!({"ask": "nudge", "x_mm": x_mm, "y_mm": y_mm, "z_mm": z_mm})
-        }
-        CtlRequest::Tilt { deg } => json!({"ask": "tilt", "deg": deg}),
-        CtlRequest::Scale { factor } => json!({"ask": "scale", "factor": factor}),
-        CtlRequest::Save => json!({"ask": "save"}),
-        CtlRequest::Subscribe => json!({"ask": "subscribe"}),
-        CtlRequest::Stop => json!({"ask": "stop"}),
+impl Subcommand for Request {
+    /// One subcommand per command of the session, from its table.
+    fn augment_subcommands(parent: Command) -> Command {
+        let subscribe = Command::new(SUBSCRIBE)
+            .about("Print all events, including everything that is typed, until the session ends");
+        let commands = SPECS.iter().map(subcommand);
+        parent
+            .subcommands(commands)
+            .subcommand(subscribe)
+            .subcommand_required(true)
+            .arg_required_else_help(true)
+    }
+
+    fn augment_subcommands_for_update(parent: Command) -> Command {
+        Self::augment_subcommands(parent)
+    }
+
+    fn has_subcommand(name: &str) -> bool {
+        name == SUBSCRIBE || CommandSpec::find(name).is_ok()
     }
 }
 
-/// What was done, for a person.
-fn told(request: &CtlRequest, answer: &Value) -> String {
-    match request {
-        CtlRequest::State => state(answer),
-        CtlRequest::Pause => "paused: everything is released".into(),
-        CtlRequest::Resume => "goes on once the hand was seen off all keys".into(),
-        CtlRequest::Stop => "ended".into(),
-        _ => word(&answer["text"]).unwrap_or_else(|| "done".into()),
+fn subcommand(spec: &CommandSpec) -> Command {
+    let fields = spec.fields.iter().map(|field| {
+        let arg = Arg::new(field.name).help(field.summary).required(true);
+        match field.kind {
+            FieldKind::Number { .. } => arg
+                .value_parser(clap::value_parser!(f64))
+                .allow_negative_numbers(true),
+            FieldKind::Name => arg,
+        }
+    });
+    Command::new(spec.name).about(spec.summary).args(fields)
+}
+
+impl FromArgMatches for Request {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let (command, arguments) = matches
+            .subcommand()
+            .ok_or_else(|| clap::Error::new(clap::error::ErrorKind::MissingSubcommand))?;
+        let mut line = Map::new();
+        line.insert("command".into(), command.into());
+        let fields = CommandSpec::find(command).map_or(&[][..], |spec| spec.fields);
+        for field in fields {
+            let value = match field.kind {
+                FieldKind::Number { .. } => arguments.get_one::<f64>(field.name).copied().into(),
+                FieldKind::Name => arguments.get_one::<String>(field.name).cloned().into(),
+            };
+            line.insert(field.name.into(), value);
+        }
+        Ok(Self {
+            command: command.to_owned(),
+            line: Value::Object(line).to_string(),
+        })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
     }
 }
 
-fn state(answer: &Value) -> String {
-    let tally = &answer["tally"];
-    let mut state = word(&answer["state"]).unwrap_or_default();
-    if answer["paused"] == true {
-        state += ", as somebody asked for it";
+/// A reply for a person.
+fn reply_text(command: &str, reply: &Value) -> String {
+    match command {
+        "state" => state_text(reply),
+        "pause" => "paused: everything is released".into(),
+        "resume" => "resumed: output is armed once the hand is clear of every key".into(),
+        "stop" => "ended".into(),
+        _ => plain_text(&reply["text"]).unwrap_or_else(|| "done".into()),
     }
-    let known = |value| word(value).unwrap_or_else(|| "unknown".into());
-    let mut account = format!(
-        "{} readings: {} accepted",
-        tally["received"], tally["accepted"]
-    );
-    for (reason, count) in tally["rejected"].as_object().into_iter().flatten() {
-        if *count != 0 {
-            account += &format!(", {count} rejected ({reason})");
-        }
+}
+
+fn state_text(reply: &Value) -> String {
+    let stats = &reply["stats"];
+    let mut state = plain_text(&reply["state"]).unwrap_or_default();
+    if reply["paused"] == true {
+        state += " by a command";
     }
-    account += &format!(", {} superseded", tally["superseded"]);
-    for (reason, count) in tally["withheld"].as_object().into_iter().flatten() {
-        if *count != 0 {
-            account += &format!("; {count} withheld ({})", reason.replace('_', " "));
-        }
+    let or_unknown = |value| plain_text(value).unwrap_or_else(|| "unknown".into());
+    let mut readings = format!("{}: {} accepted", stats["received"], stats["accepted"]);
+    for (reason, count) in non_zero(&stats["rejected"]) {
+        readings += &format!(", {count} rejected ({reason})");
+    }
+    readings += &format!(", {} dropped", stats["dropped"]);
+    for (reason, count) in non_zero(&stats["suppressed"]) {
+        readings += &format!("; {count} suppressed ({})", reason.replace('_', " "));
     }
     format!(
-        "state      {state}\nprofile    {}\nlayout     {}\nframes     {}\naccount    {account}\nstalls     {}; the device was lost {} times\nrefused    {} presses",
-        known(&answer["profile"]),
-        known(&answer["layout"]),
-        answer["frames"],
-        tally["stalls"],
-        tally["losses"],
-        answer["refused_presses"],
+        "state      {state}\nprofile    {}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {} times\ndropped    {} presses",
+        or_unknown(&reply["profile"]),
+        or_unknown(&reply["layout"]),
+        reply["steps"],
+        stats["stalls"],
+        stats["losses"],
+        reply["dropped_presses"],
     )
 }
 
-/// A text as it is, any other value as JSON; nothing for none.
-fn word(value: &Value) -> Option<String> {
+fn non_zero(counts: &Value) -> impl Iterator<Item = (&String, &Value)> {
+    let counts = counts.as_object().into_iter().flatten();
+    counts.filter(|(_, count)| **count != 0)
+}
+
+/// A string without quotes, any other value as JSON, `None` for null.
+fn plain_text(value: &Value) -> Option<String> {
     match value {
         Value::Null => None,
         Value::String(text) => Some(text.clone()),
@@ -111,33 +177,29 @@ fn word(value: &Value) -> Option<String> {
     }
 }
 
-fn print_news(mut caller: Client, as_json: bool) -> Result<(), Failure> {
-    while let Some(line) = caller.next_notification()? {
+fn print_notifications(mut client: Client, as_json: bool) -> Result<(), Failure> {
+    while let Some(line) = client.next_notification()? {
         match serde_json::from_str(&line) {
-            Ok(Value::Object(news)) if !as_json => print_line(&news_line(&news))?,
+            Ok(Value::Object(fields)) if !as_json => print_line(&notification_text(&fields))?,
             _ => print_line(&line)?,
         }
     }
     Ok(())
 }
 
-/// The time in ms where there is one, what happened, and with what.
-fn news_line(news: &serde_json::Map<String, Value>) -> String {
-    let time = news.get("time_us").and_then(Value::as_u64);
+/// The time in ms if there is one, the event, and its other fields.
+fn notification_text(fields: &Map<String, Value>) -> String {
+    let time = fields.get("time_us").and_then(Value::as_u64);
     let time = time.map_or(String::new(), |time| {
         format!("{}.{:03}", time / 1_000, time % 1_000)
     });
-    let mut line = format!("{time:>12}");
-    let event = news.get("event").and_then(word);
-    let details = news
-        .iter()
-        .filter(|(key, value)| !matches!(key.as_str(), "time_us" | "event") && !value.is_boolean());
-    let details = details.filter_map(|(_, value)| word(value));
-    for word in event.into_iter().chain(details) {
-        line += " ";
-        line += &word;
-    }
-    line
+    let event = fields.get("event").or_else(|| fields.get("command"));
+    let is_detail = |(key, value): &(&String, &Value)| {
+        !matches!(key.as_str(), "time_us" | "event" | "command") && !value.is_boolean()
+    };
+    let details = fields.iter().filter(is_detail).map(|(_, value)| value);
+    let words = event.into_iter().chain(details).filter_map(plain_text);
+    words.fold(format!("{time:>12}"), |line, word| line + " " + &word)
 }
 
 fn print_line(line: &str) -> Result<(), Failure> {

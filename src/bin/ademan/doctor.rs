@@ -1,45 +1,74 @@
-//! `ademan doctor`: what is there, what is missing, and what mends it.
+//! `ademan doctor`: checks of this machine against a setup.
 
 use std::io::{self, Write};
 
 use ademan::doctor::{self, CheckStatus, Finding, Requirements};
 use ademan::output::{self, Backend};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
-use crate::args::DoctorArgs;
 use crate::failure::Failure;
-use crate::setup;
+use crate::setup_args::SetupArgs;
 
-/// An output and the result of its test.
-type Tested = (&'static Backend, Result<String, String>);
+/// Check what a setup needs of this machine, and print commands that add what is missing
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan doctor --source serial:/dev/ttyUSB0 --output uinput\n  ademan doctor my-setup.ron --json\n  ademan doctor --test desktop\n\nThe exit code is 0 if everything that the setup needs is present, and 1 otherwise."
+)]
+pub struct Args {
+    /// Setup file; the flags override it
+    setup: Option<String>,
+    #[command(flatten)]
+    flags: SetupArgs,
+    /// Outputs, as for `ademan run`
+    #[arg(long)]
+    output: Option<String>,
+    /// Use an output for 1 s without a visible effect
+    #[arg(long, value_name = "OUTPUT", value_parser = testable_output())]
+    test: Vec<&'static Backend>,
+    /// Print JSON
+    #[arg(long)]
+    json: bool,
+}
 
-pub fn run(args: DoctorArgs) -> Result<(), Failure> {
-    let mut setup = setup::read(args.setup.as_deref(), args.parts)?;
+/// An output and the outcome of its test.
+type TestResult = (&'static Backend, Result<String, String>);
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let mut setup = args.flags.read_setup(args.setup.as_deref())?;
     setup.output = args.output.unwrap_or(setup.output);
-    let wants = Requirements::from_setup(&setup);
-    let assembly = setup.load_files()?;
-    output::check(&assembly.setup.output, &assembly.required_capabilities())?;
-    let findings = doctor::check(&doctor::gather_facts(&wants), &wants);
+    let requirements = Requirements::from_setup(&setup);
+    let setup = setup.load_files()?;
+    output::check(&setup.setup.output, &setup.required_capabilities())?;
+    let findings = doctor::check(&doctor::gather_facts(&requirements), &requirements);
     let test = |backend: &&'static Backend| {
         let check = backend.check?;
         Some((*backend, check().map_err(|error| error.to_string())))
     };
-    let tests: Vec<Tested> = args.test.iter().filter_map(test).collect();
-    let is_well = findings.iter().all(Finding::is_satisfied)
+    let tests: Vec<TestResult> = args.test.iter().filter_map(test).collect();
+    let is_ok = findings.iter().all(Finding::is_satisfied)
         && tests.iter().all(|(_, outcome)| outcome.is_ok());
     match args.json {
-        true => writeln!(io::stdout(), "{}", as_json(&findings, &tests, is_well))?,
+        true => writeln!(io::stdout(), "{}", as_json(&findings, &tests, is_ok))?,
         false => io::stdout().write_all(as_text(&findings, &tests).as_bytes())?,
     }
-    match is_well {
+    match is_ok {
         true => Ok(()),
         false => Err(Failure::job(
-            "something that is needed is not there, or does not work",
+            "something that the setup needs is missing or does not work",
         )),
     }
 }
 
-fn as_json(findings: &[Finding], tests: &[Tested], is_well: bool) -> Value {
+fn testable_output() -> impl TypedValueParser<Value = &'static Backend> {
+    let testable = output::BACKENDS
+        .iter()
+        .filter(|backend| backend.check.is_some());
+    PossibleValuesParser::new(testable.map(|backend| backend.name))
+        .map(|name| output::find_backend(&name).expect("the parser accepts only names of backends"))
+}
+
+fn as_json(findings: &[Finding], tests: &[TestResult], is_ok: bool) -> Value {
     let tests: Vec<_> = tests
         .iter()
         .map(|(backend, outcome)| {
@@ -47,11 +76,11 @@ fn as_json(findings: &[Finding], tests: &[Tested], is_well: bool) -> Value {
             json!({"output": backend.name, "ok": outcome.is_ok(), "text": text})
         })
         .collect();
-    json!({"ok": is_well, "checks": findings, "tests": tests})
+    json!({"ok": is_ok, "checks": findings, "tests": tests})
 }
 
-/// A line for each check and trial, and after them what to do.
-fn as_text(findings: &[Finding], tests: &[Tested]) -> String {
+/// One line per check and test, then the commands that add what is missing.
+fn as_text(findings: &[Finding], tests: &[TestResult]) -> String {
     let mut text = String::new();
     for finding in findings {
         let needed = if finding.needed { "needed" } else { "" };
@@ -64,11 +93,11 @@ fn as_text(findings: &[Finding], tests: &[Tested]) -> String {
         );
     }
     for (backend, outcome) in tests {
-        let (state, told) = match outcome {
-            Ok(told) => ("works", told),
+        let (state, result) = match outcome {
+            Ok(result) => ("works", result),
             Err(reason) => ("fails", reason),
         };
-        text += &format!("{state:12} {:12} {:7} {told}\n", backend.name, "tested");
+        text += &format!("{state:12} {:12} {:7} {result}\n", backend.name, "tested");
     }
     for finding in findings {
         text += &remedy(finding);
@@ -76,17 +105,17 @@ fn as_text(findings: &[Finding], tests: &[Tested]) -> String {
     text
 }
 
-/// What mends it, as lines to copy; empty where there is nothing to do.
+/// Commands to copy; empty if there is nothing to do.
 fn remedy(finding: &Finding) -> String {
     if finding.fix.is_empty() && finding.then.is_empty() {
         return String::new();
     }
-    let whether = match (finding.needed, finding.state) {
+    let relevance = match (finding.needed, finding.state) {
         (true, CheckStatus::Missing) => ", which is needed",
         (false, CheckStatus::Missing) => ", if you want it",
         _ => "",
     };
-    let mut text = format!("\n# {}{whether}\n", finding.check);
+    let mut text = format!("\n# {}{relevance}\n", finding.check);
     for line in &finding.fix {
         text += &format!("{line}\n");
     }

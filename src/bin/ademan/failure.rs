@@ -1,23 +1,24 @@
-//! Errors as the user meets them: a message, and an exit code.
+//! Errors for the user: a message and an exit code.
 
+use std::io;
 use std::process::ExitCode;
 
 use ademan::capture::CaptureError;
 use ademan::document::DocumentError;
 use ademan::output::OutputError;
-use ademan::session::SessionError;
+use ademan::recorder::RecordError;
 use ademan::session::control_socket::ControlError;
-use ademan::session::panic_keys::PanicKeysError;
+use ademan::session::{RequestError, SessionError};
 use ademan::setup::SetupError;
 
-/// The exit code for a job that failed.
+/// Exit code of a job that failed.
 const JOB: u8 = 1;
-/// The exit code for wrong use or a bad file.
+/// Exit code for wrong use or an invalid file.
 const USE: u8 = 2;
-/// The exit code for a recording that is damaged.
+/// Exit code for a damaged recording.
 const DAMAGED: u8 = 3;
 
-/// Why a command did not do its job.
+/// Reason why a command failed.
 #[derive(Debug)]
 pub struct Failure {
     error: anyhow::Error,
@@ -30,12 +31,12 @@ impl Failure {
         Self::new(anyhow::anyhow!(message.into()), JOB)
     }
 
-    /// Wrong use, or a file or device that is not as it should be.
+    /// The arguments, a file or a device are unusable.
     pub fn wrong_use(message: impl Into<String>) -> Self {
         Self::new(anyhow::anyhow!(message.into()), USE)
     }
 
-    /// What was played is damaged; all that could be used of it was.
+    /// The recording is damaged; everything before the damage was used.
     pub fn damaged(message: impl Into<String>) -> Self {
         Self::new(anyhow::anyhow!(message.into()), DAMAGED)
     }
@@ -47,7 +48,7 @@ impl Failure {
         }
     }
 
-    /// Says it on standard error; a reader that went away is no failure.
+    /// Prints the message on standard error. A reader that closed standard output is no failure.
     pub fn report(self) -> ExitCode {
         if self.is_broken_pipe() {
             return ExitCode::SUCCESS;
@@ -58,9 +59,9 @@ impl Failure {
 
     fn is_broken_pipe(&self) -> bool {
         self.error.chain().any(|cause| {
-            let io = cause.downcast_ref::<std::io::Error>();
+            let io = cause.downcast_ref::<io::Error>();
             let output = cause.downcast_ref::<OutputError>();
-            io.is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
+            io.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
                 || matches!(output, Some(OutputError::BrokenPipe { .. }))
         })
     }
@@ -72,8 +73,8 @@ impl From<anyhow::Error> for Failure {
     }
 }
 
-impl From<std::io::Error> for Failure {
-    fn from(error: std::io::Error) -> Self {
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
         Self::new(error, JOB)
     }
 }
@@ -115,9 +116,13 @@ impl From<ControlError> for Failure {
     }
 }
 
-impl From<PanicKeysError> for Failure {
-    fn from(error: PanicKeysError) -> Self {
-        Self::new(error, USE)
+impl From<RecordError> for Failure {
+    fn from(error: RecordError) -> Self {
+        let code = match error {
+            RecordError::Create { .. } => USE,
+            RecordError::Write { .. } => JOB,
+        };
+        Self::new(error, code)
     }
 }
 
@@ -130,11 +135,22 @@ impl From<SetupError> for Failure {
     }
 }
 
+impl From<RequestError> for Failure {
+    fn from(error: RequestError) -> Self {
+        Self::new(error, JOB)
+    }
+}
+
 impl From<SessionError> for Failure {
     fn from(error: SessionError) -> Self {
         match error {
+            SessionError::Setup(error) => error.into(),
             SessionError::Capture(error) => error.into(),
             SessionError::Output(error) => error.into(),
+            SessionError::Control(error) => error.into(),
+            SessionError::Record(error) => error.into(),
+            SessionError::Thread(_) => Self::new(error, JOB),
+            SessionError::NoSource | SessionError::PanicKeys(_) => Self::new(error, USE),
         }
     }
 }

@@ -1,7 +1,6 @@
 //! The `ademan` command.
 
-/// Says a line on standard error. Where nobody listens any more it goes on: typing does not end
-/// because a log is full.
+/// Prints a line on standard error. A closed or full standard error is ignored: it must not end a session.
 macro_rules! say {
     ($($line:tt)*) => {{
         use std::io::Write as _;
@@ -9,67 +8,88 @@ macro_rules! say {
     }};
 }
 
-mod args;
-mod control;
+/// Declares the subcommands: one line each, with the module that holds its `Args` and its `run`.
+macro_rules! subcommands {
+    ($($(#[$meta:meta])* $name:ident($module:ident),)+) => {
+        #[derive(clap::Subcommand)]
+        enum Subcommand {
+            $($(#[$meta])* $name($module::Args),)+
+        }
+
+        impl Subcommand {
+            fn run(self) -> Result<(), Failure> {
+                match self {
+                    $(Self::$name(args) => $module::run(args),)+
+                }
+            }
+        }
+    };
+}
+
+mod completions;
 mod ctl;
 mod demo;
-mod docs;
 mod doctor;
 mod failure;
-mod files;
-mod watchdog;
-mod layouts;
+mod layout;
+mod man;
 mod panics;
+mod pause_signals;
 mod record;
-mod recording;
-mod reload;
 mod replay;
 mod run;
-mod setup;
+mod setup_args;
 mod signals;
-#[cfg(unix)]
-mod suspension;
-#[cfg(not(unix))]
-#[path = "no_suspension.rs"]
-mod suspension;
-mod status;
+mod stats;
+mod system_files;
 mod trace;
+mod watchdog;
 
 use std::process::ExitCode;
 
 use clap::Parser;
 
-use args::{Args, Command};
 use failure::Failure;
 
+/// Turns a captured hand into any input device: sensor readings in, key and pointer events out.
+#[derive(Parser)]
+#[command(
+    version,
+    propagate_version = true,
+    after_help = "Start with `ademan demo`: it needs no glove."
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Subcommand,
+}
+
+subcommands! {
+    Demo(demo),
+    Run(run),
+    Ctl(ctl),
+    Record(record),
+    Replay(replay),
+    Trace(trace),
+    Layout(layout),
+    Doctor(doctor),
+    #[command(name = watchdog::COMMAND, hide = true)]
+    Watchdog(watchdog),
+    #[command(name = "system-files")]
+    SystemFiles(system_files),
+    Completions(completions),
+    Man(man),
+}
+
 fn main() -> ExitCode {
-    let args = Args::parse();
+    let cli = Cli::parse();
     start_log();
-    match panics::caught(|| run(args.command)) {
+    match panics::catch(|| cli.command.run()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }
 }
 
-fn run(command: Command) -> Result<(), Failure> {
-    match command {
-        Command::Demo(args) => demo::run(&args),
-        Command::Run(args) => run::run(args),
-        Command::Ctl(args) => ctl::run(&args),
-        Command::Record(args) => record::run(args),
-        Command::Replay(args) => replay::run(&args),
-        Command::Trace(args) => trace::run(&args),
-        Command::Layout(command) => layouts::run(&command),
-        Command::Doctor(args) => doctor::run(args),
-        Command::Watchdog => watchdog::run(),
-        Command::Setup(args) => files::print(&args.print),
-        Command::Completions { shell } => docs::completions(shell),
-        Command::Man { folder } => docs::man(&folder),
-    }
-}
-
-/// What the program has to say goes to standard error, one line each, without the time: it is
-/// read by a person who is looking on.
+/// Log lines go to standard error without a time stamp: a person reads them.
 fn start_log() {
     tracing_subscriber::fmt()
         .with_writer(std::io::stderr)

@@ -1,4 +1,4 @@
-//! No thread dies in silence: a panic anywhere ends the program in good order.
+//! Panics: a panic of any thread stops the program in an orderly way and makes it fail.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
@@ -7,20 +7,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
 use crate::failure::Failure;
-use crate::signals::Stopper;
+use crate::signals;
 
-static HAPPENED: AtomicBool = AtomicBool::new(false);
-static TRACE: OnceLock<Backtrace> = OnceLock::new();
-static BELL: OnceLock<Stopper> = OnceLock::new();
+static PANICKED: AtomicBool = AtomicBool::new(false);
+static BACKTRACE: OnceLock<Backtrace> = OnceLock::new();
 
-/// Runs the program; a panic, of whatever thread, is a failure.
-pub fn caught(run: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
-    end_the_run();
+/// Runs the program. A panic of any thread is a failure.
+pub fn catch(run: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
+    install_hook();
     let outcome = catch_unwind(AssertUnwindSafe(run));
-    if let Some(trace) = TRACE.get()
-        && trace.status() == BacktraceStatus::Captured
+    if let Some(backtrace) = BACKTRACE.get()
+        && backtrace.status() == BacktraceStatus::Captured
     {
-        say!("{trace}");
+        say!("{backtrace}");
     }
     match outcome {
         Ok(Err(failure)) => Err(failure),
@@ -28,15 +27,13 @@ pub fn caught(run: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> 
     }
 }
 
-/// From now on a panic of any thread is told, and asks for the end of what is [under way](ring).
-pub fn end_the_run() {
-    panic::set_hook(Box::new(move |panic| {
-        HAPPENED.store(true, Ordering::Relaxed);
-        if let Some(bell) = BELL.get() {
-            bell.ask_once();
-        }
-        // Where it was, in words, takes longer than anybody wants to wait for keys to come up.
-        let _ = TRACE.set(Backtrace::capture());
+/// Makes every panic print a message and stop the program.
+pub fn install_hook() {
+    panic::set_hook(Box::new(|panic| {
+        PANICKED.store(true, Ordering::Relaxed);
+        signals::request_stop_once();
+        // Resolving its symbols takes seconds, in which keys would stay down; `catch` prints it at the end.
+        let _ = BACKTRACE.set(Backtrace::capture());
         let thread = thread::current();
         say!(
             "thread '{}' {panic}",
@@ -45,17 +42,11 @@ pub fn end_the_run() {
     }));
 }
 
-/// Where the end is asked for. The first one counts.
-pub fn ring(bell: &Stopper) {
-    let _ = BELL.set(bell.clone());
-}
-
-/// An error if any thread has panicked: whoever ended because of that did not do the job.
 fn check() -> Result<(), Failure> {
-    match HAPPENED.load(Ordering::Relaxed) {
+    match PANICKED.load(Ordering::Relaxed) {
         false => Ok(()),
         true => Err(Failure::job(
-            "a part of this program broke down, as told above: everything is released; please report this",
+            "internal error, see above: everything is released; please report this",
         )),
     }
 }
@@ -63,21 +54,21 @@ fn check() -> Result<(), Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crossbeam_channel::bounded;
 
-    /// Stands for the threads that nobody waits for: those of the control socket, of a layout file, of a
-    /// recording.
+    /// Stands for threads that are never joined, such as those of the control socket or a layout file.
     #[test]
-    fn a_panic_of_a_thread_that_nobody_waits_for_asks_for_the_end_and_is_a_failure() {
-        let (stopper, stop) = Stopper::new();
-        ring(&stopper);
-        end_the_run();
+    fn a_panic_of_a_detached_thread_stops_the_program_and_is_a_failure() {
+        let (stop, stopped) = bounded(1);
+        signals::on_stop(move || _ = stop.try_send(()));
+        install_hook();
         assert!(check().is_ok());
-        assert!(stop.is_empty());
-        let dies = thread::spawn(|| panic!("meant to happen"));
-        assert!(dies.join().is_err());
-        assert_eq!(stop.try_recv(), Ok(()));
-        assert!(stopper.is_asked());
+        assert!(stopped.is_empty());
+        let thread = thread::spawn(|| panic!("intended"));
+        assert!(thread.join().is_err());
+        assert_eq!(stopped.try_recv(), Ok(()));
+        assert!(signals::is_stop_requested());
         assert!(check().is_err());
-        assert!(caught(|| panic!("meant to happen")).is_err());
+        assert!(catch(|| panic!("intended")).is_err());
     }
 }

@@ -1,36 +1,42 @@
-//! `ademan record`: a source, and what every stage makes of it, into a file.
+//! `ademan record`: a session that is recorded and types nothing.
 
+use std::path::PathBuf;
+
+use ademan::command::Command;
 use ademan::output;
-use ademan::session::run_pipeline;
+use ademan::session::{Session, SessionOptions};
 
-use crate::args::RecordArgs;
 use crate::failure::Failure;
-use crate::recording::Recording;
-use crate::status::{self, Status};
-use crate::{setup, signals};
+use crate::setup_args::SetupArgs;
+use crate::{signals, stats};
 
-pub fn run(args: RecordArgs) -> Result<(), Failure> {
-    let setup = setup::read(args.setup.as_deref(), args.parts)?;
-    let name = setup::source_name(&setup)?;
-    let assembly = setup.load_files()?;
-    setup::tell_pointers(&assembly);
-    let stop = signals::stop_requests()?;
-    let source = assembly.open_source(&name)?;
-    let mut recording = Recording::start(&args.file, &assembly, &*source, !source.is_live())?;
-    let mut nowhere = output::open("none", &assembly.required_capabilities())?;
-    let mut status = Status::default();
-    say!("recording to {}, Ctrl-C ends", args.file.display());
-    let ended = run_pipeline(
-        source,
-        &mut assembly.pipeline(),
-        &mut *nowhere,
-        &stop,
-        &mut |frame| {
-            status.show(frame);
-            recording.show(frame);
-        },
-    );
-    recording.finish()?;
-    say!("{}", status::account(&ended?.stats));
-    Ok(())
+/// Record a source and the results of every stage, without typing
+#[derive(clap::Args)]
+#[command(after_help = "Example: ademan record --source serial:/dev/ttyUSB0 session.mcap")]
+pub struct Args {
+    /// Recording to create; an existing file is not overwritten
+    file: PathBuf,
+    /// Setup file
+    #[arg(long)]
+    setup: Option<String>,
+    #[command(flatten)]
+    flags: SetupArgs,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let setup = args.flags.read_setup(args.setup.as_deref())?;
+    let setup = setup.load_files()?;
+    signals::install()?;
+    let options = SessionOptions {
+        output: Some(output::open("none", &setup.required_capabilities())?),
+        record_to: Some(args.file.clone()),
+        report_status: true,
+        on_notice: Some(Box::new(|notice| say!("{notice}"))),
+        ..SessionOptions::default()
+    };
+    let session = Session::start(setup, options)?;
+    let commands = session.commands().clone();
+    signals::on_stop(move || _ = commands.send(Command::Stop));
+    say!("recording to {}", args.file.display());
+    stats::report(session.join()?)
 }

@@ -1,97 +1,79 @@
-//! `ademan run`: the real thing.
+//! `ademan run`: a session that types.
 
-use ademan::advice;
-use ademan::doctor;
-use ademan::output;
-use ademan::session::control_socket::ControlServer;
-use ademan::session::panic_keys;
-use ademan::session::reload::LayoutManager;
-use ademan::session::{self, Call, Commands, Order, run_pipeline};
-use crossbeam_channel::bounded;
+use std::path::PathBuf;
 
-use crate::args::RunArgs;
+use ademan::command::Command;
+use ademan::session::control_socket;
+use ademan::session::{Session, SessionOptions};
+use ademan::{advice, doctor};
+
 use crate::failure::Failure;
-use crate::recording::Recording;
-use crate::reload::Growth;
-use crate::status::{self, Status};
-use crate::{control, reload, setup, signals, suspension, watchdog};
+use crate::setup_args::SetupArgs;
+use crate::{pause_signals, signals, stats, watchdog};
 
-pub fn run(args: RunArgs) -> Result<(), Failure> {
+/// Type with a glove
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n  ademan run my-setup.ron --wait\n\nThe session starts paused. It is armed after the hand has been clear of every key for 300 ms. A layout file is activated when it is saved. Ctrl-C releases everything and ends the session."
+)]
+pub struct Args {
+    /// Setup file, such as examples/setup.ron; the flags override it
+    setup: Option<String>,
+    #[command(flatten)]
+    flags: SetupArgs,
+    /// Outputs: transcript, transcript:PATH, desktop, uinput or none, or several of them, such as desktop,uinput. Each
+    /// event goes to the first one that supports it, and to all transcripts
+    #[arg(long)]
+    output: Option<String>,
+    /// Record the session to this file. It contains everything that is typed
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// Wait for a device that is not connected yet
+    #[arg(long)]
+    wait: bool,
+    /// Type from the first reading on, without waiting until the hand is clear of every key
+    #[arg(long)]
+    armed: bool,
+    /// Run as root
+    #[arg(long)]
+    allow_root: bool,
+    /// Control socket for `ademan ctl`, or `off`. The default is in $XDG_RUNTIME_DIR
+    #[arg(long, value_name = "PATH|off")]
+    control: Option<PathBuf>,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
     if doctor::is_running_as_root() && !args.allow_root {
         return Err(Failure::wrong_use(advice::running_as_root().to_string()));
     }
-    let mut setup = setup::read(args.setup.as_deref(), args.parts)?;
+    let mut setup = args.flags.read_setup(args.setup.as_deref())?;
     setup.output = args.output.unwrap_or(setup.output);
     setup.start_armed |= args.armed;
-    let name = setup::source_name(&setup)?;
-    let assembly = setup.load_files()?;
-    let needs = assembly.required_capabilities();
-    output::check(&assembly.setup.output, &needs)?;
-    setup::tell_pointers(&assembly);
-    let (stopper, stop) = signals::stopper()?;
-    let (calls, called) = session::calls();
-    let mut control = control::open(args.control.as_deref())?;
-    let mut reporter = control.as_ref().map(ControlServer::notifier);
-    let pause = {
-        let (calls, (answer, _)) = (calls.clone(), bounded(1));
-        move || {
-            // Full only when the run stands still: then the watchdog lets go.
-            let _ = calls.try_send(Call {
-                order: Order::Pause,
-                answer: answer.clone(),
-            });
-        }
+    let control_socket = match &args.control {
+        Some(off) if off.as_os_str() == "off" => None,
+        Some(path) => Some(path.clone()),
+        None => control_socket::default_path(),
     };
-    panic_keys::watch(
-        &panic_keys::parse_keys(&assembly.setup.panic_keys)?,
-        pause.clone(),
-    )?;
-    suspension::watch(calls.clone())?;
-    let (replace, replacements) = bounded(1);
-    let is_recorded = args.record.is_some();
-    let watchers = reload::watch(&assembly, is_recorded, &replace, reporter.as_ref())?;
-    if let Some(control) = &mut control {
-        let files = watchers.iter().map(LayoutManager::calls).collect();
-        control.serve(control::desk(&assembly, calls, files, stopper))?;
-    }
-    let source = match args.wait {
-        true => setup::wait_for(&assembly, &name, &stop)?,
-        false => Some(setup::open_at_its_pace(&assembly, &name)?),
+    let has_no_default_socket = control_socket.is_none() && args.control.is_none();
+    signals::install()?;
+    let options = SessionOptions {
+        speed: Some(1.0),
+        wait_for_source: args.wait,
+        watchdog: Some(watchdog::program(Command::Pause)?),
+        record_to: args.record,
+        control_socket,
+        watch_layouts: true,
+        use_panic_keys: true,
+        report_status: true,
+        on_notice: Some(Box::new(|notice| say!("{notice}"))),
+        ..SessionOptions::default()
     };
-    let Some(source) = source else {
-        return Ok(());
-    };
-    let mut sink = watchdog::open_outputs(&assembly.setup.output, &needs, pause)?;
-    let mut recording = match &args.record {
-        Some(path) => Some(Recording::start(path, &assembly, &*source, false)?),
-        None => None,
-    };
-    if source.is_live() {
-        say!("listening to {name}, Ctrl-C ends");
-    }
-    if control.is_none() && args.control.is_none() {
+    let session = Session::start(setup.load_files()?, options)?;
+    let commands = session.commands().clone();
+    signals::on_stop(move || _ = commands.send(Command::Stop));
+    pause_signals::install(session.commands().clone())?;
+    if has_no_default_socket {
         say!("{}", advice::no_runtime_dir());
     }
-    let commands = Commands {
-        stop,
-        replace: replacements,
-        calls: called,
-    };
-    let mut pipeline = assembly.pipeline();
-    let mut status = Status::default();
-    let growth = Growth::of(&watchers);
-    let ended = run_pipeline(source, &mut pipeline, &mut *sink, commands, &mut |frame| {
-        status.show(frame);
-        growth.take(frame);
-        if let Some(reporter) = &mut reporter {
-            reporter.notify_snapshot(frame);
-        }
-        if let Some(recording) = &mut recording {
-            recording.show(frame);
-        }
-    });
-    let recorded = recording.map_or(Ok(()), Recording::finish);
-    let summary = ended?;
-    say!("{}", status::account(&summary.stats));
-    recorded
+    stats::report(session.join()?)
 }

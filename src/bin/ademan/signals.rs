@@ -1,70 +1,59 @@
-//! Ctrl-C, SIGTERM and SIGHUP end a run in good order.
+//! SIGINT (Ctrl-C), SIGTERM and SIGHUP: an orderly end.
 
-use std::sync::Arc;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
 use std::time::Duration;
 
-use crossbeam_channel::{Receiver, Sender, bounded};
-
 use crate::failure::Failure;
-use crate::panics;
 
-/// The exit code of a program that Ctrl-C ended.
+/// Exit code after a second Ctrl-C.
 const INTERRUPTED: i32 = 130;
-/// What an end in good order may take; letting go of all keys takes a few milliseconds.
+
+/// Time for an orderly end before a second Ctrl-C ends the process. Releasing all keys takes a few milliseconds.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// Asks the program to end.
-#[derive(Clone)]
-pub struct Stopper {
-    asked: Arc<AtomicBool>,
-    sender: Sender<()>,
+static REQUESTED: AtomicBool = AtomicBool::new(false);
+static ACTION: OnceLock<Box<dyn Fn() + Send + Sync>> = OnceLock::new();
+
+/// Handles the signals from now on.
+pub fn install() -> Result<(), Failure> {
+    ctrlc::set_handler(request_stop)
+        .map_err(|error| Failure::job(format!("cannot handle Ctrl-C: {error}")))
 }
 
-impl Stopper {
-    /// One that nobody has asked yet, and where its requests come in.
-    pub fn new() -> (Self, Receiver<()>) {
-        let (sender, stop) = bounded(1);
-        let asked = Arc::default();
-        (Self { asked, sender }, stop)
-    }
-
-    /// Asks for an end in good order. A second request ends the program even if it hangs, but leaves
-    /// the first the time to let go of all keys.
-    pub fn ask(&self) {
-        if self.is_asked() {
-            std::thread::sleep(GRACE);
-            std::process::exit(INTERRUPTED);
-        }
-        self.asked.store(true, Ordering::Relaxed);
-        // A full channel means that the end is already asked for.
-        let _ = self.sender.try_send(());
-    }
-
-    /// The same, but a second request does nothing.
-    pub fn ask_once(&self) {
-        if !self.is_asked() {
-            self.ask();
-        }
-    }
-
-    /// Whether the end was asked for.
-    pub fn is_asked(&self) -> bool {
-        self.asked.load(Ordering::Relaxed)
+/// Sets the action that stops the program in an orderly way, and calls it at once if a signal came before. Only the first
+/// action counts.
+pub fn on_stop(action: impl Fn() + Send + Sync + 'static) {
+    let _ = ACTION.set(Box::new(action));
+    if is_stop_requested() {
+        run_action();
     }
 }
 
-/// Something comes in here when the user or the system wants the program to end.
-pub fn stop_requests() -> Result<Receiver<()>, Failure> {
-    stopper().map(|(_, stop)| stop)
+/// Stops the program in an orderly way. A second request ends even a program that hangs, after 1 s.
+pub fn request_stop() {
+    if REQUESTED.swap(true, Ordering::SeqCst) {
+        thread::sleep(GRACE);
+        std::process::exit(INTERRUPTED);
+    }
+    run_action();
 }
 
-/// As [`stop_requests`], with a hand on the same bell for who else may ring it.
-pub fn stopper() -> Result<(Stopper, Receiver<()>), Failure> {
-    let (stopper, stop) = Stopper::new();
-    panics::ring(&stopper);
-    let bell = stopper.clone();
-    ctrlc::set_handler(move || bell.ask())
-        .map_err(|error| Failure::job(format!("cannot listen for Ctrl-C: {error}")))?;
-    Ok((stopper, stop))
+/// As [`request_stop`], but a second request has no effect.
+pub fn request_stop_once() {
+    if !is_stop_requested() {
+        request_stop();
+    }
+}
+
+/// Whether the end was requested.
+pub fn is_stop_requested() -> bool {
+    REQUESTED.load(Ordering::SeqCst)
+}
+
+fn run_action() {
+    if let Some(action) = ACTION.get() {
+        action();
+    }
 }

@@ -1,67 +1,72 @@
-//! `ademan trace`: what a stage makes of a source, one JSON object per line.
+//! `ademan trace`: the results of a stage, one JSON object per line.
 
 use std::io::{self, BufWriter, Write};
 
+use ademan::command::Command;
 use ademan::output;
-use ademan::session::run_pipeline;
-use ademan::snapshot::Snapshot;
+use ademan::session::{Session, SessionHandle, SessionOptions};
 use ademan::trace::Stage;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use crate::args::TraceArgs;
 use crate::failure::Failure;
-use crate::{setup, signals};
+use crate::setup_args::SetupArgs;
+use crate::signals;
 
-pub fn run(args: &TraceArgs) -> Result<(), Failure> {
-    let mut setup = setup::read(args.setup.as_deref(), args.parts.clone())?;
-    // What a stage would do is shown from the first reading on; nothing is typed here.
-    setup.start_armed = true;
-    let name = setup::source_name(&setup)?;
-    let assembly = setup.load_files()?;
-    let source = assembly.open_source(&name)?;
-    let mut nowhere = output::open("none", &assembly.required_capabilities())?;
-    let (stopper, stop) = signals::stopper()?;
-    let mut lines = Lines {
-        stage: args.stage,
-        out: BufWriter::new(io::stdout().lock()),
-        flush: source.is_live(),
-        buffer: Vec::new(),
-    };
-    let mut written = Ok(());
-    let ended = run_pipeline(
-        source,
-        &mut assembly.pipeline(),
-        &mut *nowhere,
-        &stop,
-        &mut |frame| {
-            if written.is_ok() {
-                written = lines.write(frame);
-                if written.is_err() {
-                    stopper.ask();
-                }
-            }
-        },
-    );
-    written?;
-    lines.out.flush()?;
-    ended?;
-    Ok(())
-}
-
-struct Lines<W: Write> {
+/// Print the results of a stage, one JSON object per line
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan trace angles --source serial:/dev/ttyUSB0 | head\n  ademan trace touches --source 'typist:hello' --layout qwerty-arc"
+)]
+pub struct Args {
+    /// Stage
+    #[arg(value_parser = stage())]
     stage: Stage,
-    out: BufWriter<W>,
-    flush: bool,
-    buffer: Vec<u8>,
+    /// Setup file
+    #[arg(long)]
+    setup: Option<String>,
+    #[command(flatten)]
+    flags: SetupArgs,
 }
 
-impl<W: Write> Lines<W> {
-    fn write(&mut self, frame: &Snapshot) -> io::Result<()> {
-        let (out, flush) = (&mut self.out, self.flush);
-        self.stage
-            .for_each_json(frame, &mut self.buffer, |_, json| {
-                out.write_all(json)?;
-                out.write_all(b"\n")?;
-                if flush { out.flush() } else { Ok(()) }
-            })
+pub fn run(args: Args) -> Result<(), Failure> {
+    let mut setup = args.flags.read_setup(args.setup.as_deref())?;
+    // Nothing is typed, so that the trace may begin with the first reading.
+    setup.start_armed = true;
+    let setup = setup.load_files()?;
+    signals::install()?;
+    let options = SessionOptions {
+        output: Some(output::open("none", &setup.required_capabilities())?),
+        lossless_snapshots: true,
+        ..SessionOptions::default()
+    };
+    let session = Session::start(setup, options)?;
+    let commands = session.commands().clone();
+    signals::on_stop(move || _ = commands.send(Command::Stop));
+    let printed = print(&session, args.stage);
+    session.commands().send(Command::Stop)?;
+    session.join()?;
+    Ok(printed?)
+}
+
+/// Prints all results of a stage, without delay if no more are waiting.
+fn print(session: &SessionHandle, stage: Stage) -> io::Result<()> {
+    let mut out = BufWriter::new(io::stdout().lock());
+    let mut buffer = Vec::new();
+    for snapshot in session.snapshots() {
+        stage.for_each_json(&snapshot, &mut buffer, |_, json| {
+            out.write_all(json)?;
+            out.write_all(b"\n")
+        })?;
+        if session.snapshots().is_empty() {
+            out.flush()?;
+        }
     }
+    out.flush()
+}
+
+fn stage() -> impl TypedValueParser<Value = Stage> {
+    PossibleValuesParser::new(Stage::ALL.iter().map(|stage| stage.name())).map(|name| {
+        name.parse()
+            .expect("the parser accepts only names of stages")
+    })
 }

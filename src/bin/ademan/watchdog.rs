@@ -1,42 +1,35 @@
-//! `ademan watchdog`, a hidden command with which the program starts its watchdog.
+//! `ademan watchdog`: the second process, which releases keys if the main process dies or hangs.
 
-use std::sync::Arc;
-
-use ademan::device::Capabilities;
-use ademan::output::watchdog::WatchdogSettings;
-use ademan::output::{self, OutputError, Sink};
+use ademan::command::Command;
+use ademan::output;
+use ademan::session::WatchdogProgram;
 
 use crate::failure::Failure;
 
-/// The name of the command.
+/// Name of the hidden subcommand.
 pub const COMMAND: &str = "watchdog";
 
-/// Opens outputs with a watchdog for those whose keys would outlive the process. Calls `on_lost`, which must not block,
-/// when the watchdog exits unexpectedly.
-pub fn open_outputs(
-    names: &str,
-    required: &Capabilities,
-    on_lost: impl Fn() + Send + Sync + 'static,
-) -> Result<Box<dyn Sink>, OutputError> {
-    let open_error = |error: std::io::Error| OutputError::Open {
-        output: names.into(),
-        reason: format!("cannot find the executable to start the watchdog: {error}"),
-    };
-    let settings = WatchdogSettings {
-        program: std::env::current_exe().map_err(open_error)?,
-        arguments: vec![COMMAND.into()],
-        on_lost: Arc::new(move || {
-            say!("the watchdog exited: everything is released");
-            on_lost();
-        }),
-    };
-    output::open_with_watchdog(names, required, &settings)
-}
+/// Release the keys of a main process that died or hangs (started by the main process)
+#[derive(clap::Args)]
+pub struct Args {}
 
-/// Runs the watchdog until the program that has started it exits.
-pub fn run() -> Result<(), Failure> {
-    // A signal for the program, such as SIGTERM to the session, must not end its watchdog.
+pub fn run(_: Args) -> Result<(), Failure> {
+    // A signal to the process group, such as SIGTERM, must not end the watchdog before the main process.
     ctrlc::set_handler(|| {})
         .map_err(|error| Failure::job(format!("cannot ignore signals: {error}")))?;
     output::run_watchdog(|line| say!("watchdog: {line}")).map_err(Failure::wrong_use)
+}
+
+/// This program as its own watchdog. `on_lost` is executed if the watchdog is killed.
+pub fn program(on_lost: Command) -> Result<WatchdogProgram, Failure> {
+    let program = std::env::current_exe().map_err(|error| {
+        Failure::wrong_use(format!(
+            "cannot find the path of this program, which starts itself as the watchdog: {error}"
+        ))
+    })?;
+    Ok(WatchdogProgram {
+        program,
+        arguments: vec![COMMAND.into()],
+        on_lost,
+    })
 }

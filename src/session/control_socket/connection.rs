@@ -6,43 +6,29 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded, select};
+use crossbeam_channel::{Receiver, Sender, bounded, select};
 
 use super::notification::{Subscribers, Subscription};
 use super::request::{MAX_LINE_BYTES, Request};
 use super::response::{self, JsonLine};
 use super::server::ServerContext;
-use crate::contact::board_pose::BoardPose;
+use crate::command::Command;
 use crate::output::socket::Stream;
-use crate::session::reload::{FileCall, FileCalls, FileOrder};
-use crate::session::{Answer, BoardPoses, Call, Order};
+use crate::session::command_channel::Reply;
 
 /// How long a client may take nothing of what is said to it.
 const PATIENCE: Duration = Duration::from_secs(1);
-
-/// How long whoever does what was asked for may take to say so.
-const ANSWER_LIMIT: Duration = Duration::from_secs(2);
-
-const UNWATCHED: &str = "nobody looks after the layout in force";
-const OVER: &str = "the run is over";
-const BUSY: &str = "too much has been asked for that is not done yet";
-const LATE: &str = "nothing came of it within 2 s: the run waits for its source or its output; it will do it as soon as it can";
 
 /// Talks with a client until it goes away or does not listen any more.
 pub(super) fn serve(
     stream: Stream,
     mouth: LineWriter,
-    desk: &ServerContext,
+    context: &ServerContext,
     subscribers: &Subscribers,
 ) {
     let mut conversation = ClientConnection {
         mouth: Arc::new(mouth),
-        names: desk
-            .profiles
-            .iter()
-            .map(|profile| profile.name.clone())
-            .collect(),
-        desk,
+        context,
         subscribers,
         goes_on: None,
     };
@@ -55,8 +41,7 @@ pub(super) fn serve(
 
 struct ClientConnection<'a> {
     mouth: Arc<LineWriter>,
-    desk: &'a ServerContext,
-    names: Vec<String>,
+    context: &'a ServerContext,
     subscribers: &'a Subscribers,
     /// Ends the news when it is dropped.
     goes_on: Option<Sender<()>>,
@@ -71,69 +56,28 @@ impl ClientConnection<'_> {
             }
             ReceivedLine::Line(line) => line,
         };
-        match Request::parse(line, &self.names) {
-            Err(error) => self.mouth.write_line(&response::failure(&error)),
-            Ok(Request::Order(order)) => self.mouth.write_line(&self.order(order)),
-            Ok(Request::Reload) => self.mouth.write_line(&self.reload()),
-            Ok(Request::Scale(factor)) => self
+        match Request::parse(line) {
+            Err(error) => self
                 .mouth
-                .write_line(&self.file_order(|_| FileOrder::Scale(factor))),
-            Ok(Request::Save) => self.mouth.write_line(&self.file_order(FileOrder::Save)),
+                .write_line(&response::failure(&error.to_string())),
+            Ok(Request::Command(Command::Stop)) => {
+                // The end of the program closes this connection, so the reply comes first.
+                let written = self.mouth.write_line(&response::success(None));
+                let _ = self.context.commands.send(Command::Stop);
+                written
+            }
+            Ok(Request::Command(command)) => self.mouth.write_line(&self.execute(command)),
             Ok(Request::Subscribe) => self.subscribe(),
-            Ok(Request::Stop) => {
-                // First, as the end of the program is the end of this too.
-                let said = self.mouth.write_line(&response::success(None));
-                (self.desk.stop)();
-                said
-            }
         }
     }
 
-    fn order(&self, order: Order) -> JsonLine {
-        match self.answer(order) {
-            Err(reason) => response::failure(&reason),
-            Ok(Answer::State(run)) => response::state(&run, &self.desk.profiles),
-            Ok(Answer::Done | Answer::Places(_)) => response::success(None),
-        }
-    }
-
-    /// What the run answers, or why it does not do it.
-    fn answer(&self, order: Order) -> Result<Answer, String> {
-        let (answer, answered) = bounded(1);
-        let sent = self.desk.calls.try_send(Call { order, answer });
-        let answer = outcome(sent, &answered).map_err(str::to_owned)?;
-        answer.map_err(|refusal| refusal.to_string())
-    }
-
-    fn reload(&self) -> JsonLine {
-        let mut texts = Vec::new();
-        for file in self.desk.files.iter().filter(|file| !file.is_shipped) {
-            match ask(file, FileOrder::Reload) {
-                Err(text) => return response::failure(&text),
-                Ok(text) => texts.push(text),
-            }
-        }
-        match texts.is_empty() {
-            true => response::failure(
-                "the layout comes with the program: there is no file of yours to read again",
-            ),
-            false => response::success(Some(&texts.join("\n"))),
-        }
-    }
-
-    /// An order for whoever looks after the layout in force; it is made of where the boards are.
-    fn file_order(&self, order: impl FnOnce(Vec<BoardPose>) -> FileOrder) -> JsonLine {
-        let asked = self.answer(Order::Places).and_then(|answer| {
-            let Answer::Places(BoardPoses { profile, boards }) = answer else {
-                return Err(OVER.to_owned());
-            };
-            let is_in_force = |file: &&FileCalls| file.profile == usize::from(profile);
-            let file = self.desk.files.iter().find(is_in_force).ok_or(UNWATCHED)?;
-            ask(file, order(boards))
-        });
-        match asked {
-            Ok(text) => response::success(Some(&text)),
-            Err(reason) => response::failure(&reason),
+    /// Executes a command in the session.
+    fn execute(&self, command: Command) -> JsonLine {
+        match self.context.commands.request(command) {
+            Ok(Reply::Done) => response::success(None),
+            Ok(Reply::Text(text)) => response::success(Some(&text)),
+            Ok(Reply::State(status)) => response::state(&status, &self.context.profiles),
+            Err(error) => response::failure(&error.to_string()),
         }
     }
 
@@ -154,31 +98,6 @@ impl ClientConnection<'_> {
         self.goes_on = Some(goes_on);
         Ok(())
     }
-}
-
-/// What came of an order for whoever looks after a layout.
-fn ask(file: &FileCalls, order: FileOrder) -> Result<String, String> {
-    let (answer, answered) = bounded(1);
-    let sent = file.calls.try_send(FileCall { order, answer });
-    outcome(sent, &answered).map_err(str::to_owned)?
-}
-
-/// What came of something that was handed to another thread, or why nothing did.
-fn outcome<T, A>(
-    sent: Result<(), TrySendError<T>>,
-    answered: &Receiver<A>,
-) -> Result<A, &'static str> {
-    match sent {
-        Err(TrySendError::Full(_)) => return Err(BUSY),
-        Err(TrySendError::Disconnected(_)) => return Err(OVER),
-        Ok(()) => {}
-    }
-    answered
-        .recv_timeout(ANSWER_LIMIT)
-        .map_err(|error| match error {
-            RecvTimeoutError::Timeout => LATE,
-            RecvTimeoutError::Disconnected => OVER,
-        })
 }
 
 /// Says the news until the conversation is over or nobody listens.

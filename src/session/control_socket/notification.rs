@@ -11,8 +11,9 @@ use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use super::response::{self, JsonLine};
 use crate::contact::TargetNames;
 use crate::device::Events;
-use crate::session::reload::ReloadReport;
-use crate::snapshot::{PipelineState, Snapshot};
+use crate::pipeline::PipelineState;
+use crate::session::reload::LayoutReport;
+use crate::snapshot::Snapshot;
 
 /// Frames with news that wait for the thread that makes lines of them.
 const WAITING_NEWS: usize = 64;
@@ -74,9 +75,9 @@ impl Notifier {
     }
 
     /// Takes what became of a layout file.
-    pub fn notify_reload(&mut self, report: &ReloadReport) {
+    pub fn notify_reload(&mut self, report: &LayoutReport) {
         self.send(Notification::Reload {
-            in_force: matches!(report, ReloadReport::Replaced(_)),
+            in_force: matches!(report, LayoutReport::Activated(_)),
             text: report.to_string(),
         });
     }
@@ -245,7 +246,7 @@ mod tests {
         let (mut reporter, untold) = Notifier::new();
         let subscription = untold.subscribers.add();
         for _ in 0..WAITING_NEWS + 2 {
-            reporter.notify_reload(&ReloadReport::Rejected("no".into()));
+            reporter.notify_reload(&LayoutReport::Rejected("no".into()));
         }
         drop(reporter);
         broadcast(&untold);

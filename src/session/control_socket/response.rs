@@ -6,8 +6,9 @@ use super::ProfileInfo;
 use crate::contact::TargetNames;
 use crate::device::OutputEvent;
 use crate::estimate::Rejection;
-use crate::session::SessionStatus;
-use crate::snapshot::{PipelineState, Stats, Suppressed};
+use crate::pipeline::{PipelineState, Suppressed};
+use crate::session::status::SessionStatus;
+use crate::snapshot::Stats;
 use crate::trace::event_json;
 
 /// A line without its end.
@@ -25,7 +26,7 @@ pub(super) fn failure(error: &str) -> JsonLine {
 
 /// How the run is.
 pub(super) fn state(run: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLine {
-    let profile = profiles.get(usize::from(run.profile));
+    let profile = profiles.get(run.profile);
     let rejected: u64 = run.stats.rejected.iter().sum();
     json(&StateResponse {
         ok: true,
@@ -33,7 +34,7 @@ pub(super) fn state(run: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLine {
         paused: run.is_paused,
         profile: profile.map(|profile| profile.name.as_str()),
         layout: profile.map(|profile| profile.file.as_str()),
-        frames: run.stats.accepted + rejected,
+        steps: run.stats.accepted + rejected,
         tally: StatsResponse::of(&run.stats),
         refused_presses: run.dropped_presses,
     })
@@ -89,7 +90,7 @@ struct StateResponse<'a> {
     paused: bool,
     profile: Option<&'a str>,
     layout: Option<&'a str>,
-    frames: u64,
+    steps: u64,
     tally: StatsResponse,
     refused_presses: u64,
 }
@@ -100,10 +101,10 @@ struct StatsResponse {
     accepted: u64,
     #[serde(serialize_with = "by_reason")]
     rejected: [u64; Rejection::COUNT],
-    superseded: u64,
+    dropped: u64,
     stalls: u64,
     losses: u64,
-    withheld: Suppressed,
+    suppressed: Suppressed,
 }
 
 impl StatsResponse {
@@ -112,10 +113,10 @@ impl StatsResponse {
             received: tally.source.readings,
             accepted: tally.accepted,
             rejected: tally.rejected,
-            superseded: tally.source.dropped,
+            dropped: tally.source.dropped,
             stalls: tally.stalls,
             losses: tally.source.losses,
-            withheld: tally.suppressed,
+            suppressed: tally.suppressed,
         }
     }
 }
@@ -162,9 +163,9 @@ mod tests {
         }];
         let line: serde_json::Value = serde_json::from_str(&state(&run, &profiles)).unwrap();
         let reason = Rejection::ALL[0].name();
-        assert_eq!(line["tally"]["rejected"][reason], 2);
-        assert_eq!(line["tally"]["received"], 10);
-        assert_eq!(line["frames"], 9);
+        assert_eq!(line["stats"]["rejected"][reason], 2);
+        assert_eq!(line["stats"]["received"], 10);
+        assert_eq!(line["steps"], 9);
         assert_eq!(line["profile"], "My board");
         assert_eq!(line["layout"], "my.ron");
         assert_eq!(line["paused"], true);

@@ -11,8 +11,7 @@ use super::connection::{self, LineWriter};
 use super::notification::{NotificationQueue, Notifier, Subscribers, broadcast};
 use super::{ControlError, ProfileInfo, response};
 use crate::output::socket::{Listener, Stream};
-use crate::session::Calls;
-use crate::session::reload::FileCalls;
+use crate::session::command_channel::CommandSender;
 
 /// Clients at a time.
 const MAX_CLIENTS: usize = 16;
@@ -20,16 +19,12 @@ const MAX_CLIENTS: usize = 16;
 /// How long no client is accepted after that failed for want of something, such as file numbers.
 const RECOVERY: Duration = Duration::from_millis(100);
 
-/// Who does what clients ask for.
+/// The session that a control socket serves.
 pub struct ServerContext {
     /// The layouts of the setup, in order.
     pub profiles: Vec<ProfileInfo>,
-    /// The run.
-    pub calls: Calls,
-    /// Whoever looks after the layouts: one for each.
-    pub files: Vec<FileCalls>,
-    /// Asks for the end of the run; more than once if a client does.
-    pub stop: Box<dyn Fn() + Send + Sync>,
+    /// Channel to the session loop.
+    pub commands: CommandSender,
 }
 
 /// A control socket. It is taken away when this is dropped; clients then hear no more.

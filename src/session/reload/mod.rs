@@ -6,6 +6,8 @@ mod notice;
 #[cfg(not(target_os = "linux"))]
 #[path = "no_notice.rs"]
 mod notice;
+#[cfg(test)]
+mod test_loop;
 mod watched_file;
 mod worker;
 
@@ -14,195 +16,153 @@ use std::io;
 use std::thread;
 use std::time::Instant;
 
-use crossbeam_channel::{Sender, bounded};
-
 use self::active_layout::ActiveLayout;
 use self::watched_file::WatchedFile;
-use self::worker::{ChangeDetection, watch};
-use crate::contact::board_pose::BoardPose;
+use self::worker::{ChangeDetection, ManagedLayout, Worker};
+use super::layout_link::LayoutLink;
 use crate::document::DocumentError;
 use crate::layout::Layout;
 use crate::pipeline::LayoutInstance;
-use crate::session::Replacement;
 
-/// What became of a file that was saved.
+/// Outcome of a change to a layout.
 #[derive(Debug)]
-pub enum ReloadReport {
-    /// It is in force.
-    Replaced(Box<Layout>),
-    /// It is not as it should be, or not there; the layout in force stays.
+pub enum LayoutReport {
+    /// The layout of a file is active.
+    Activated(Box<Layout>),
+    /// The file is invalid or missing; the active layout stays.
     Invalid(DocumentError),
-    /// It is right but cannot be used in this run, for this reason; the layout in force stays.
+    /// The layout is valid, but this session cannot use it, for this reason; the active layout stays.
     Rejected(String),
+    /// Outcome of a command that the layout itself issued.
+    Command(Result<String, String>),
 }
 
-impl fmt::Display for ReloadReport {
+impl fmt::Display for LayoutReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Replaced(layout) => write!(f, "{}: in force from now on", layout.file),
-            Self::Invalid(error) => write!(f, "{error}\nthe layout in force stays"),
+            Self::Activated(layout) => write!(f, "{}: active from now on", layout.file),
+            Self::Invalid(error) => write!(f, "{error}\nthe active layout stays"),
             Self::Rejected(reason) => f.write_str(reason),
+            Self::Command(Ok(text) | Err(text)) => f.write_str(text),
         }
     }
 }
 
-/// Takes what came of an order: `Ok` when it is done. Closed when the run ends before that.
-pub type ReplySender = Sender<Result<String, String>>;
-
-/// What whoever looks after a layout is asked for.
-#[derive(Clone, Debug, PartialEq)]
-pub enum FileOrder {
-    /// Read the file at once, also if it has not been saved.
-    Reload,
-    /// Make the boards so many times as large as they are, about their (0, 0); they stay where they are.
-    Scale(f32),
-    /// Write these places of the boards into the file, and how large they are.
-    Save(Vec<BoardPose>),
+/// A layout of the setup and the file that it comes from.
+pub struct LayoutSource {
+    /// The layout.
+    pub layout: Layout,
+    /// Path of its file; `None` for a layout that comes with the program.
+    pub path: Option<String>,
 }
 
-/// An order, and where its answer goes.
-#[derive(Clone, Debug)]
-pub struct FileCall {
-    /// What is to be done.
-    pub order: FileOrder,
-    /// Takes the answer. Should have room for it: it is not waited for.
-    pub answer: ReplySender,
+/// Use of the layout files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FilePolicy {
+    /// Whether files are watched and activated when they are saved.
+    pub watch: bool,
+    /// Whether the session is recorded. A recording holds one version of each layout, so that changed files are rejected.
+    pub is_recorded: bool,
 }
 
-/// Where calls to whoever looks after a layout are put.
-#[derive(Clone, Debug)]
-pub struct FileCalls {
-    /// The layout's place among those of the setup.
-    pub profile: usize,
-    /// Whether it comes with the program, so that there is no file to read or write.
-    pub is_shipped: bool,
-    /// The end to put them in.
-    pub calls: Sender<FileCall>,
-}
-
-/// Calls that wait while a layout is put in force: one for each client of a control socket.
-const WAITING_CALLS: usize = 16;
-
-/// Looks after a layout on a thread of its own, until it is dropped.
-pub struct LayoutManager {
-    calls: FileCalls,
-    _end: Sender<()>,
-}
-
-impl LayoutManager {
-    /// Watches the file at `path`, from which `layout` was read, the layout number `profile` of the setup;
-    /// without a path, as of a shipped layout, only what it is asked for changes it.
-    ///
-    /// A file that is saved with another content comes out of the other end of `replacements` at most
-    /// 0.2 s later if it is right and `accept` makes controls of it. Saves in quick succession count as the last of
-    /// them; while they go on for longer than 2 s, each 2 s as one. `report` hears what became of each
-    /// save, in order; of a replacement when it is in force. Two saves in one tick of the file system's
-    /// clock, 2 s on FAT, look like one where their lengths are the same.
-    pub fn start(
-        path: Option<&str>,
-        layout: &Layout,
-        profile: usize,
-        replacements: Sender<Replacement>,
-        accept: impl Fn(&Layout) -> Result<LayoutInstance, String> + Send + 'static,
-        report: impl FnMut(ReloadReport) + Send + 'static,
-    ) -> io::Result<Self> {
-        let (end, ended) = bounded(0);
-        let (calls, called) = bounded::<FileCall>(WAITING_CALLS);
-        // From here on nothing that happens to the file is missed.
-        let attention = ChangeDetection::to(path);
-        let keeper = ActiveLayout {
-            file: path.map(|path| WatchedFile::new(path, &layout.text, Instant::now())),
-            layout: layout.clone(),
-            profile,
-            replacements,
-            ended,
-            build: accept,
-        };
-        // It is not waited for: a file system that hangs must not hold up the end of a run.
-        thread::Builder::new()
-            .name("layout".into())
-            .spawn(move || watch(keeper, attention, &called, report))?;
-        let calls = FileCalls {
-            profile,
-            is_shipped: path.is_none(),
-            calls,
-        };
-        Ok(Self { calls, _end: end })
-    }
-
-    /// Where to ask for something.
-    pub fn calls(&self) -> FileCalls {
-        self.calls.clone()
-    }
+/// Starts the layout manager: a thread that activates layout files when they are saved, and scales, saves and reloads
+/// layouts on request, until the session loop at the other end of `link` ends.
+///
+/// `layouts` are those of the setup, in the order of its profiles. `build` makes a layout ready for the loop, or refuses it.
+/// `report` receives the outcome of every change, in order. A file that was saved is active at most 0.2 s later. Saves in
+/// quick succession count as one; while they go on for longer than 2 s, each 2 s as one. Two saves in one tick of the file
+/// system's clock, 2 s on FAT, look like one if their lengths are equal.
+pub fn start(
+    layouts: impl IntoIterator<Item = LayoutSource>,
+    link: LayoutLink,
+    policy: FilePolicy,
+    build: impl Fn(&Layout) -> Result<LayoutInstance, String> + Send + 'static,
+    report: impl FnMut(LayoutReport) + Send + 'static,
+) -> io::Result<()> {
+    let managed = layouts.into_iter().enumerate().map(|(profile, source)| {
+        let LayoutSource { layout, path } = source;
+        // From here on no change of the file is missed.
+        let watched_path = path.as_deref().filter(|_| policy.watch);
+        let detection = ChangeDetection::new(watched_path);
+        let file = path.map(|path| WatchedFile::new(&path, &layout.text, Instant::now()));
+        ManagedLayout {
+            layout: ActiveLayout::new(file, layout, profile),
+            detection,
+        }
+    });
+    let worker = Worker {
+        layouts: managed.collect(),
+        link,
+        is_recorded: policy.is_recorded,
+        build,
+        report,
+    };
+    // The session does not wait for this thread: a file system that hangs must not delay its end.
+    thread::Builder::new()
+        .name("layout".into())
+        .spawn(move || worker.run())
+        .map(drop)
 }
 
 #[cfg(test)]
 mod tests {
+    use super::test_loop::{TIMEOUT, TestLoop};
+    use super::watched_file::tests::text;
     use super::*;
-    use crate::session::reload::watched_file::tests::text;
-    use crate::setup;
+    use crate::session::layout_link::LayoutOperation;
     use crossbeam_channel::{Receiver, RecvTimeoutError};
     use std::fs;
+    use std::path::Path;
     use std::time::Duration;
 
-    /// What the watcher reports, with a loop that puts in force what comes.
-    fn watch(
-        path: &std::path::Path,
+    fn session(
+        path: &Path,
         accept: impl Fn(&Layout) -> Result<(), String> + Send + 'static,
-    ) -> (LayoutManager, Receiver<ReloadReport>) {
-        let path = path.to_str().unwrap();
-        let layout = Layout::load(path).unwrap();
-        let (sender, reports) = crossbeam_channel::unbounded();
-        let report = move |report| sender.send(report).unwrap();
-        let (replace, replacements) = bounded::<Replacement>(1);
-        let accept = move |layout: &Layout| accept(layout).map(|()| setup::controls(layout));
-        let watcher =
-            LayoutManager::start(Some(path), &layout, 0, replace, accept, report).unwrap();
-        thread::spawn(move || {
-            for replacement in replacements {
-                let _ = replacement.retired.send(replacement.controls);
-            }
-        });
-        (watcher, reports)
+    ) -> TestLoop {
+        let layout = Layout::load(path.to_str().unwrap()).unwrap();
+        TestLoop::start(layout, Some(path), accept)
     }
 
-    const PATIENCE_OF_TEST: Duration = Duration::from_secs(20);
-
-    #[test]
-    fn the_last_of_many_fast_saves_is_put_in_force_and_few_others() {
+    /// A folder with a layout file of one key.
+    fn layout_file() -> (tempfile::TempDir, std::path::PathBuf) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.ron");
         fs::write(&path, text("A")).unwrap();
-        let (_watcher, reports) = watch(&path, |_| Ok(()));
-        let mut last_save = Instant::now();
+        (folder, path)
+    }
+
+    fn assert_ended(reports: &Receiver<LayoutReport>) {
+        let report = reports.recv_timeout(TIMEOUT);
+        assert!(matches!(report, Err(RecvTimeoutError::Disconnected)));
+    }
+
+    #[test]
+    fn of_many_fast_saves_the_last_is_activated_and_few_others() {
+        let (_folder, path) = layout_file();
+        let session = session(&path, |_| Ok(()));
         for save in 0..100 {
             fs::write(&path, text("B").replace("\"B\",", &format!("\"{save}\","))).unwrap();
-            last_save = Instant::now();
             thread::sleep(Duration::from_millis(8));
         }
-        let mut replaced = 0;
+        let mut activated = 0;
         loop {
-            let report = reports.recv_timeout(PATIENCE_OF_TEST);
-            let ReloadReport::Replaced(layout) = report.expect("the last one is put in force")
+            let report = session.reports.recv_timeout(TIMEOUT);
+            let LayoutReport::Activated(layout) = report.expect("the last save is activated")
             else {
-                panic!("a file that is right");
+                panic!("every version is valid");
             };
-            replaced += 1;
+            activated += 1;
             if layout.name == "99" {
                 break;
             }
         }
-        println!(
-            "{replaced} of 100, {:?} after the last",
-            last_save.elapsed()
-        );
-        // One, but for a machine that holds this test up between two saves.
-        assert!(replaced <= 10, "{replaced}");
+        // One, unless the machine suspends this test between two saves.
+        assert!(activated <= 10, "{activated}");
     }
 
     #[cfg(unix)]
     #[test]
-    fn a_layout_is_put_in_force_however_it_is_saved() {
+    fn a_layout_is_activated_for_every_way_of_saving() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         for (version, key) in [("one", "A"), ("two", "B")] {
@@ -215,16 +175,14 @@ mod tests {
         };
         link("one");
         std::os::unix::fs::symlink("..data/a.ron", at("a.ron")).unwrap();
-        let (_watcher, reports) = watch(&at("a.ron"), |_| Ok(()));
+        let session = session(&at("a.ron"), |_| Ok(()));
         let expect = |key: &str, save: &dyn Fn()| {
-            // By then nothing is looked at any more.
+            // By then every earlier change has settled.
             thread::sleep(Duration::from_millis(300));
             save();
-            let saved = Instant::now();
-            let report = reports.recv_timeout(PATIENCE_OF_TEST);
-            println!("{key} after {:?}", saved.elapsed());
+            let report = session.reports.recv_timeout(TIMEOUT);
             assert!(
-                matches!(report, Ok(ReloadReport::Replaced(layout)) if layout.name == key),
+                matches!(report, Ok(LayoutReport::Activated(layout)) if layout.name == key),
                 "{key}"
             );
         };
@@ -245,86 +203,66 @@ mod tests {
     }
 
     #[test]
-    fn a_layout_that_is_refused_is_told_and_not_put_in_force() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.ron");
-        fs::write(&path, text("A")).unwrap();
-        let (_watcher, reports) = watch(&path, |layout| match layout.name.as_str() {
+    fn a_layout_that_the_session_cannot_use_is_reported_and_not_activated() {
+        let (_folder, path) = layout_file();
+        let session = session(&path, |layout| match layout.name.as_str() {
             "C" => Ok(()),
             name => Err(format!("no {name}")),
         });
         fs::write(&path, text("B")).unwrap();
-        let report = reports.recv_timeout(PATIENCE_OF_TEST);
-        assert!(matches!(report, Ok(ReloadReport::Rejected(reason)) if reason == "no B"));
+        let report = session.reports.recv_timeout(TIMEOUT);
+        assert!(matches!(report, Ok(LayoutReport::Rejected(reason)) if reason == "no B"));
         fs::write(&path, text("C")).unwrap();
-        let report = reports.recv_timeout(PATIENCE_OF_TEST);
-        assert!(matches!(report, Ok(ReloadReport::Replaced(layout)) if layout.name == "C"));
+        let report = session.reports.recv_timeout(TIMEOUT);
+        assert!(matches!(report, Ok(LayoutReport::Activated(layout)) if layout.name == "C"));
     }
 
     #[test]
-    fn whoever_asks_for_the_file_is_told_what_became_of_it_also_when_it_was_not_saved() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.ron");
-        fs::write(&path, text("A")).unwrap();
-        let (watcher, reports) = watch(&path, |layout| match layout.name.as_str() {
+    fn reload_reads_the_file_even_if_it_was_not_saved_and_replies_with_the_outcome() {
+        let (_folder, path) = layout_file();
+        let session = session(&path, |layout| match layout.name.as_str() {
             "C" => Err("no C".into()),
             _ => Ok(()),
         });
-        let ask = || {
-            let (asker, told) = bounded(1);
-            let call = FileCall {
-                order: FileOrder::Reload,
-                answer: asker,
-            };
-            watcher.calls().calls.send(call).unwrap();
-            let told = told.recv_timeout(PATIENCE_OF_TEST).unwrap();
-            reports.recv_timeout(PATIENCE_OF_TEST).unwrap();
-            told.map_err(|text| text.replace(&path.display().to_string(), "a.ron"))
+        let reload = || {
+            let reply = session.request(LayoutOperation::Reload);
+            session.reports.recv_timeout(TIMEOUT).unwrap();
+            reply.map_err(|text| text.replace(&path.display().to_string(), "a.ron"))
         };
-        let in_force = format!("{}: in force from now on", path.display());
-        assert_eq!(ask(), Ok(in_force.clone()));
-        assert_eq!(ask(), Ok(in_force));
+        let active = format!("{}: active from now on", path.display());
+        assert_eq!(reload(), Ok(active.clone()));
+        assert_eq!(reload(), Ok(active));
         fs::write(&path, text("C")).unwrap();
-        assert_eq!(ask(), Err("no C".into()));
+        assert_eq!(reload(), Err("no C".into()));
         fs::write(&path, text("Entre")).unwrap();
-        let error = ask().unwrap_err();
+        let error = reload().unwrap_err();
         assert!(
             error.starts_with("a.ron:3:35: unknown key `Entre`"),
             "{error}"
         );
-        assert!(error.ends_with("\nthe layout in force stays"), "{error}");
+        assert!(error.ends_with("\nthe active layout stays"), "{error}");
     }
 
     #[test]
-    fn the_watch_is_over_when_the_watcher_is_dropped() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.ron");
-        fs::write(&path, text("A")).unwrap();
-        let (watcher, reports) = watch(&path, |_| Ok(()));
-        drop(watcher);
-        let closed = reports.recv_timeout(PATIENCE_OF_TEST);
-        assert!(matches!(closed, Err(RecvTimeoutError::Disconnected)));
+    fn the_manager_ends_with_the_session() {
+        let (_folder, path) = layout_file();
+        let session = session(&path, |_| Ok(()));
+        let reports = session.reports.clone();
+        drop(session);
+        assert_ended(&reports);
     }
 
     #[test]
-    fn the_watch_is_over_when_a_run_ends_before_it_takes_a_replacement() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.ron");
-        fs::write(&path, text("A")).unwrap();
+    fn the_manager_ends_with_a_session_that_does_not_activate_a_layout() {
+        let (_folder, path) = layout_file();
         let layout = Layout::load(path.to_str().unwrap()).unwrap();
-        let (sender, reports) = bounded::<ReloadReport>(1);
-        let report = move |report| sender.send(report).unwrap();
-        let (replace, replacements) = bounded::<Replacement>(1);
-        let accept = |layout: &Layout| Ok(setup::controls(layout));
-        let path = path.to_str().unwrap();
-        let watcher =
-            LayoutManager::start(Some(path), &layout, 0, replace, accept, report).unwrap();
-        fs::write(path, text("B")).unwrap();
-        while replacements.is_empty() {
+        let session = TestLoop::paused(layout, Some(&path), |_| Ok(()));
+        fs::write(&path, text("B")).unwrap();
+        while !session.has_swap() {
             thread::sleep(Duration::from_millis(5));
         }
-        drop(watcher);
-        let closed = reports.recv_timeout(PATIENCE_OF_TEST);
-        assert!(matches!(closed, Err(RecvTimeoutError::Disconnected)));
+        let reports = session.reports.clone();
+        drop(session);
+        assert_ended(&reports);
     }
 }

@@ -12,10 +12,9 @@ use std::sync::{Arc, Mutex};
 use ademan::capture::recording::Replay;
 use ademan::output::{self, Transcript};
 use ademan::recorder::Recorder;
-use ademan::session::run_pipeline;
+use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::snapshot::Snapshot;
-use crossbeam_channel::never;
 use tempfile::TempDir;
 
 /// How often each recording is replayed.
@@ -65,7 +64,13 @@ fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathB
     let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
     let mut observe = |frame: &Snapshot| recorder.write(frame).expect("room on the disk");
     let mut pipeline = assembly.pipeline();
-    let run = run_pipeline(hand, &mut pipeline, &mut *nowhere, &never(), &mut observe);
+    let run = run_pipeline(
+        hand,
+        &mut pipeline,
+        &mut *nowhere,
+        &CommandReceiver::disconnected(),
+        &mut observe,
+    );
     run.expect("a run");
     recorder.finish().expect("room on the disk");
     path
@@ -83,7 +88,7 @@ fn replayed(path: &Path) -> Vec<u8> {
         replay,
         &mut pipeline,
         &mut transcript,
-        &never(),
+        &CommandReceiver::disconnected(),
         &mut |_| {},
     );
     run.expect("a run");

@@ -13,7 +13,7 @@ fn a_thousand_connections_are_refused_and_the_one_that_was_there_is_answered() {
     let path = run.folder.path().join("c.sock");
     let mut first = Client::connect(&path).expect("the run listens");
     let mut is_answered = || {
-        let answer = first.request(r#"{"ask":"state"}"#).expect("an answer");
+        let answer = first.request(r#"{"command":"state"}"#).expect("an answer");
         assert!(answer.contains("\"running\""), "{answer}");
     };
     is_answered();

@@ -165,7 +165,7 @@ fn a_wire_that_breaks_is_told_with_its_finger() {
     broken[INDEX_MCP] = 0;
     line.play(&[broken; 240]);
     assert_eq!(run.typed(), "up H");
-    let told = run.wait_until_told("not believed");
+    let told = run.wait_until_told("ignored and released");
     assert!(told.contains("released: index;"), "{told}");
     assert_eq!(run.end(), Some(0));
 }

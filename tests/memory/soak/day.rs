@@ -8,7 +8,7 @@ use ademan::capture::{Reading, Sample};
 use ademan::device::{EventKind, Events};
 use ademan::hand::Side;
 use ademan::layout::Layout;
-use ademan::snapshot::PipelineState;
+use ademan::pipeline::PipelineState;
 use ademan::time::Timestamp;
 use fastrand::Rng;
 use parry3d::math::Vec3;

@@ -19,9 +19,8 @@ use crate::support::oracle::{Oracle, OutputRules};
 use ademan::capture::{Hc11Format, SourceUri, StreamFormat, open};
 use ademan::output;
 use ademan::pipeline::PipelineSettings;
-use ademan::session::run_pipeline;
+use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::snapshot::Snapshot;
-use crossbeam_channel::never;
 
 use self::day::SoakRun;
 use self::hands::SoakSetup;
@@ -90,7 +89,13 @@ fn what_a_damaged_line_brings_goes_through_the_loop_of_a_run_and_is_accounted_fo
     };
     let mut pipeline = assembly.pipeline();
     let source = open(&source).expect("the file opens");
-    let run = run_pipeline(source, &mut pipeline, &mut *nowhere, &never(), &mut observe);
+    let run = run_pipeline(
+        source,
+        &mut pipeline,
+        &mut *nowhere,
+        &CommandReceiver::disconnected(),
+        &mut observe,
+    );
     let tally = run.expect("a run").stats;
     assert!(!oracle.has_pressed(), "something is down at the end");
     let counts = tally.source;

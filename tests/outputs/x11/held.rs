@@ -3,9 +3,8 @@
 use std::time::Duration;
 
 use ademan::output::{Desktop, Router, open};
-use ademan::session::run_pipeline;
+use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::Setup;
-use crossbeam_channel::never;
 
 use crate::support::hand::Hand;
 use crate::support::press::Press;
@@ -29,7 +28,14 @@ fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
     ]);
     let hand = Hand::that_holds(&Press::of("h"), Duration::from_millis(1500));
     let mut pipeline = assembly.pipeline();
-    run_pipeline(hand, &mut pipeline, &mut sink, &never(), &mut |_| {}).expect("a run to its end");
+    run_pipeline(
+        hand,
+        &mut pipeline,
+        &mut sink,
+        &CommandReceiver::disconnected(),
+        &mut |_| {},
+    )
+    .expect("a run to its end");
 
     let transcript = std::fs::read_to_string(&path).expect("the transcript");
     let events: Vec<_> = transcript.lines().map(|line| &line[13..]).collect();

@@ -12,10 +12,9 @@ use ademan::device::{Capabilities, DeviceInput, DeviceOutput, VirtualDevice};
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::output::Desktop;
 use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
-use ademan::session::{SessionError, run_pipeline};
+use ademan::session::{CommandReceiver, SessionError, run_pipeline};
 use ademan::setup::Setup;
 use ademan::time::Timestamp;
-use crossbeam_channel::never;
 
 use super::{SOON, released_after};
 use crate::support::hand::Hand;
@@ -105,7 +104,14 @@ fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
     let running = thread::spawn(move || {
         let run = || {
             let mut observe = |_: &_| observer.check();
-            run_pipeline(source, &mut pipeline, &mut sink, &never(), &mut observe).map(drop)
+            run_pipeline(
+                source,
+                &mut pipeline,
+                &mut sink,
+                &CommandReceiver::disconnected(),
+                &mut observe,
+            )
+            .map(drop)
         };
         let outcome = catch_unwind(AssertUnwindSafe(run));
         (outcome, sink)

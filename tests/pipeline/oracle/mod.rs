@@ -11,7 +11,7 @@ use ademan::estimate::JointAngles;
 use ademan::hand::{Dof, Finger, Joint, Side};
 use ademan::kinematics::HandPose;
 use ademan::pipeline::PipelineSettings;
-use ademan::snapshot::PipelineState;
+use ademan::pipeline::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec2, Vec3};
 

@@ -10,9 +10,9 @@ use ademan::device::{Events, TimedCommand};
 use ademan::estimate::Rejection;
 use ademan::hand::{Dof, Finger, Side};
 use ademan::layout::{Glove, Layout};
+use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
 use ademan::sim::{GloveCounts, SimulatedTypist};
-use ademan::snapshot::PipelineState;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 

@@ -25,8 +25,9 @@ use ademan::estimate::{JointAngles, JointLimits};
 use ademan::hand::Side;
 use ademan::kinematics::HandPose;
 use ademan::layout::Layout;
+use ademan::pipeline::PipelineState;
 use ademan::pipeline::{PipelineSettings, StepOutput};
-use ademan::snapshot::{PipelineState, Snapshot};
+use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
 use parry3d::math::Vec2;
 

@@ -1,7 +1,7 @@
 //! Invariants I1 to I5 of events: the keys that are pressed, the axes, the pointer.
 
 use ademan::device::{Axis, Capability, EventKind, KeyCode, OutputEvent};
-use ademan::snapshot::PipelineState;
+use ademan::pipeline::PipelineState;
 use ademan::time::Timestamp;
 use arrayvec::ArrayVec;
 use parry3d::math::Vec2;

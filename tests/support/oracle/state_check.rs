@@ -3,7 +3,7 @@
 use ademan::contact::{Phase, Touch};
 use ademan::hand::Finger;
 use ademan::pipeline::PipelineSettings;
-use ademan::snapshot::PipelineState;
+use ademan::pipeline::PipelineState;
 use ademan::time::Timestamp;
 
 use super::{Cause, Observation, ObservedStep, Violation};

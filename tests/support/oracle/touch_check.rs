@@ -2,7 +2,7 @@
 
 use ademan::contact::{Phase, TargetId};
 use ademan::hand::{Finger, Side};
-use ademan::snapshot::PipelineState;
+use ademan::pipeline::PipelineState;
 
 use super::{Cause, Observation, Violation};
 

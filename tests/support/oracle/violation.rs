@@ -3,7 +3,7 @@
 use ademan::contact::TargetId;
 use ademan::device::{Axis, Capability, EventKind, KeyCode};
 use ademan::hand::{Dof, Finger, Joint, Side};
-use ademan::snapshot::PipelineState;
+use ademan::pipeline::PipelineState;
 use ademan::time::Timestamp;
 
 /// A violation of an invariant. The text begins with the number of the invariant.

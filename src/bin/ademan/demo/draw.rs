@@ -1,9 +1,9 @@
-//! One picture of the demo: the board with keys lit, fingertips over it, the text so far.
+//! One picture of the demo: boards, pressed keys, fingertips, and the text so far.
 
 use ademan::contact::TargetId;
 use ademan::hand::Finger;
 use ademan::layout::{Cell, Face, Grid, Hover, Layout};
-use ademan::snapshot::PipelineState;
+use ademan::pipeline::PipelineState;
 use ratatui::Frame;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -12,28 +12,28 @@ use ratatui::text::Line;
 use ratatui::widgets::{Block, BorderType, Paragraph, Widget};
 
 const TITLE_ROWS: u16 = 1;
-/// Three lines and their frame.
+/// Three lines and their border.
 const TEXT_ROWS: u16 = 5;
 
-/// What stays the same from picture to picture.
-pub struct Stage {
+/// The parts that all pictures share.
+pub struct Scene {
     pub layout: Layout,
     pub grids: Vec<Grid>,
-    /// What the hand is to do, in one line.
-    pub task: String,
+    /// Goal of the hand in one line.
+    pub goal: String,
 }
 
-/// What one picture shows.
+/// The parts that change from picture to picture.
 pub struct Picture {
-    /// What came out of it so far, in one line.
-    pub outcome: String,
+    /// Result so far in one line.
+    pub result: String,
     pub state: PipelineState,
     pub pressed: Vec<TargetId>,
     pub fingertips: Vec<Hover>,
 }
 
-impl Stage {
-    /// All boards are one below the other; the text comes first where there is no room for both.
+impl Scene {
+    /// Draws all boards one below the other. The text has priority where there is no room for both.
     pub fn draw(&self, frame: &mut Frame, picture: &Picture) {
         let window = frame.area();
         let (columns, rows) = self.size();
@@ -53,10 +53,10 @@ impl Stage {
             .then_some((columns, rows + TITLE_ROWS + TEXT_ROWS));
         self.draw_title(frame, picture, cut);
         self.draw_boards(frame.buffer_mut(), board, picture);
-        self.draw_text(frame, text.intersection(window), &picture.outcome);
+        self.draw_text(frame, text.intersection(window), &picture.result);
     }
 
-    /// Columns and rows that all boards take.
+    /// Columns and rows of all boards.
     fn size(&self) -> (u16, u16) {
         let columns = self.grids.iter().map(|grid| grid.columns).max();
         let rows: usize = self.grids.iter().map(|grid| grid.rows + 1).sum();
@@ -79,16 +79,16 @@ impl Stage {
 
     fn draw_boards(&self, buffer: &mut Buffer, area: Rect, picture: &Picture) {
         let mut corner = area;
-        for (number, grid) in self.grids.iter().enumerate() {
+        for (index, grid) in self.grids.iter().enumerate() {
             let is_lit = |cell: &Cell| picture.pressed.contains(&cell.target);
             let (lit, unlit): (Vec<Cell>, Vec<Cell>) =
                 grid.cells.iter().partition(|cell| is_lit(cell));
             self.draw_keys(buffer, corner, &unlit, false);
             let tips = picture.fingertips.iter();
-            for tip in tips.filter(|tip| tip.board == number) {
+            for tip in tips.filter(|tip| tip.board == index) {
                 draw_fingertip(buffer, corner, grid, tip);
             }
-            // A key that is down is not covered by the fingertip that pushes it.
+            // A pressed key is drawn over the fingertip that presses it.
             self.draw_keys(buffer, corner, &lit, true);
             let below = corner.height.min(grid.rows as u16 + 1);
             corner.y += below;
@@ -98,18 +98,19 @@ impl Stage {
 
     fn draw_keys(&self, buffer: &mut Buffer, area: Rect, cells: &[Cell], lit: bool) {
         for cell in cells {
-            if let (Some(front), Some(place)) = (self.layout.face(cell.target), within(area, cell))
+            if let (Some(face), Some(area)) =
+                (self.layout.face(cell.target), area_within(area, cell))
             {
-                draw_front(buffer, place, front, lit);
+                draw_face(buffer, area, face, lit);
             }
         }
     }
 
-    fn draw_text(&self, frame: &mut Frame, area: Rect, outcome: &str) {
+    fn draw_text(&self, frame: &mut Frame, area: Rect, result: &str) {
         let lines = vec![
-            Line::from(self.task.as_str()).dim(),
-            Line::from(outcome).bold(),
-            Line::from("○ fingertip  ● inside a key  lit: down  Ctrl-C ends").dim(),
+            Line::from(self.goal.as_str()).dim(),
+            Line::from(result).bold(),
+            Line::from("○ fingertip  ● inside a key  green: pressed  Ctrl-C ends").dim(),
         ];
         let block = Block::bordered().border_type(BorderType::Rounded);
         frame.render_widget(Paragraph::new(lines).block(block), area);
@@ -120,8 +121,8 @@ fn draw_fingertip(buffer: &mut Buffer, area: Rect, grid: &Grid, tip: &Hover) {
     let Some((column, row)) = grid.cell_at(tip.row_position) else {
         return;
     };
-    let spot = (area.x + column as u16, area.y + row as u16);
-    if !area.contains(spot.into()) {
+    let position = (area.x + column as u16, area.y + row as u16);
+    if !area.contains(position.into()) {
         return;
     }
     let style = Style::new().fg(match tip.finger {
@@ -129,10 +130,10 @@ fn draw_fingertip(buffer: &mut Buffer, area: Rect, grid: &Grid, tip: &Hover) {
         _ => Color::DarkGray,
     });
     let mark = if tip.height < 0.0 { "●" } else { "○" };
-    buffer.set_string(spot.0, spot.1, mark, style);
+    buffer.set_string(position.0, position.1, mark, style);
 }
 
-fn draw_front(buffer: &mut Buffer, place: Rect, front: &Face, lit: bool) {
+fn draw_face(buffer: &mut Buffer, area: Rect, face: &Face, lit: bool) {
     let style = match lit {
         true => Style::new()
             .fg(Color::Black)
@@ -141,23 +142,23 @@ fn draw_front(buffer: &mut Buffer, place: Rect, front: &Face, lit: bool) {
         false => Style::new(),
     };
     let block = Block::bordered().style(style);
-    let inside = block.inner(place);
-    block.render(place, buffer);
-    Line::from(front.label.as_str())
+    let inside = block.inner(area);
+    block.render(area, buffer);
+    Line::from(face.label.as_str())
         .style(style)
         .centered()
         .render(inside, buffer);
 }
 
-/// Where a key is on the screen; `None` when the window is too small for it.
-fn within(area: Rect, cell: &Cell) -> Option<Rect> {
-    let place = Rect {
-        x: area.x + cell.column as u16,
-        y: area.y + cell.row as u16,
+/// The area of a key on the screen; `None` if the window is too small for it.
+fn area_within(board: Rect, cell: &Cell) -> Option<Rect> {
+    let key = Rect {
+        x: board.x + cell.column as u16,
+        y: board.y + cell.row as u16,
         width: cell.width as u16,
         height: cell.height as u16,
     };
-    (area.intersection(place) == place).then_some(place)
+    (board.intersection(key) == key).then_some(key)
 }
 
 #[cfg(test)]
@@ -166,17 +167,17 @@ mod tests {
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
 
-    /// A terminal with a picture of `W` going down.
+    /// A terminal with a picture of the pressed key `W`.
     fn drawn(columns: u16, rows: u16) -> Terminal<TestBackend> {
         let layout = Layout::load("qwerty-flat").unwrap();
-        let stage = Stage {
+        let scene = Scene {
             grids: layout.grids(),
-            task: "to type  \"to be typed\"".into(),
+            goal: "to type  \"to be typed\"".into(),
             layout,
         };
-        let down = stage.layout.key("W").unwrap();
+        let down = scene.layout.key("W").unwrap();
         let picture = Picture {
-            outcome: "typed    \"to be\"".into(),
+            result: "typed    \"to be\"".into(),
             state: PipelineState::Running,
             pressed: vec![down.face.target],
             fingertips: vec![Hover {
@@ -187,7 +188,7 @@ mod tests {
             }],
         };
         let mut terminal = Terminal::new(TestBackend::new(columns, rows)).unwrap();
-        terminal.draw(|frame| stage.draw(frame, &picture)).unwrap();
+        terminal.draw(|frame| scene.draw(frame, &picture)).unwrap();
         terminal
     }
 
@@ -196,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_key_that_is_down_is_lit_and_its_label_stays_to_be_read() {
+    fn a_pressed_key_is_lit_and_its_label_stays_readable() {
         let terminal = drawn(120, 40);
         let cells = terminal.backend().buffer().content().iter();
         let lit = cells.filter(|cell| cell.bg == Color::Green);
@@ -205,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_window_with_room_shows_board_and_text() {
+    fn a_large_window_shows_board_and_text() {
         let picture = shown(120, 40);
         assert!(picture.contains("QWERTY, 19 mm · running"), "{picture}");
         assert!(picture.contains("│ Q ││ W │"), "{picture}");
@@ -214,14 +215,14 @@ mod tests {
     }
 
     #[test]
-    fn a_window_that_is_too_small_says_so_and_still_shows_the_text() {
+    fn a_small_window_shows_the_text_and_the_size_that_it_needs() {
         let picture = shown(64, 14);
         assert!(picture.contains("needs a window of 66×22"), "{picture}");
         assert!(picture.contains("typed    \"to be\""), "{picture}");
     }
 
     #[test]
-    fn no_window_is_too_small() {
+    fn drawing_works_in_windows_of_any_size() {
         for (columns, rows) in [(0, 0), (1, 1), (5, 3), (300, 2), (2, 300)] {
             drawn(columns, rows);
         }

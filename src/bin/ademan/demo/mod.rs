@@ -1,4 +1,4 @@
-//! `ademan demo`: a simulated hand plays through the whole way, on a line that is real.
+//! `ademan demo`: a simulated hand types or plays a script, from glove bytes to events.
 
 mod draw;
 mod player;
@@ -10,117 +10,161 @@ use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroU32;
 
 use ademan::capture::{Hc11Format, Source, open_loopback};
+use ademan::command::Command;
 use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::output;
-use ademan::session::{Summary, run_pipeline};
+use ademan::session::{Session, SessionOptions, Summary};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
-use ademan::sim::{PacketWriters, PlaybackStats};
-use crossbeam_channel::bounded;
+use ademan::sim::{PacketWriters, PlaybackStats, SimulatedTypist};
 
-use crate::args::DemoArgs;
 use crate::failure::Failure;
-use crate::{signals, status, watchdog};
+use crate::setup_args::number_in;
+use crate::{signals, stats, watchdog};
 use player::Player;
 use screen::Screen;
 use task::Task;
 
-/// A hand that is part of this program stays away only when the whole machine is busy: that is no reason to give up
-/// what it types.
-const STALL_MS: u32 = 1000;
+/// Stall timeout. The simulated hand pauses only when the whole machine is busy, which should not release its keys.
+const STALL_TIMEOUT_MS: u32 = 1000;
 
-pub fn run(args: &DemoArgs) -> Result<(), Failure> {
+/// Watch a simulated hand type a text or play a script, from glove bytes to events
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan demo\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --layout arrows --script 'push ArrowUp 0.6; wait 500; lift; tap ArrowLeft'\n  sleep 3; ademan demo --output desktop     (types into the window that has the focus by then)"
+)]
+pub struct Args {
+    /// Text to type, in characters of a US keyboard. The default suits the layout
+    #[arg(long)]
+    text: Option<String>,
+    /// Script to play instead: a file, or a text such as 'press Q; wait 300; lift' (docs/scripts.md)
+    #[arg(long, value_name = "FILE_OR_TEXT", conflicts_with = "text")]
+    script: Option<String>,
+    /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
+    #[arg(long, default_value = "qwerty-flat")]
+    layout: String,
+    /// Bits per second on the simulated serial line
+    #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
+    baud: u32,
+    /// Outputs besides the screen: none, transcript, transcript:PATH, desktop or uinput, or several of them, such as
+    /// desktop,uinput
+    #[arg(long, default_value = "none")]
+    output: String,
+    /// Noise on every channel of the glove: standard deviation in counts
+    #[arg(long, default_value_t = 0.0, value_parser = noise, allow_negative_numbers = true)]
+    noise: f64,
+    /// Seed of the noise
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let (mut setup, line) = (load_setup(&args)?, line_format(&args)?);
+    let (mut task, hand) = simulated_hand(&args, &setup, &line)?;
+    signals::install()?;
+    let hands = hand.hand_count();
+    let (writers, source) = open_loopbacks(&mut setup, line, hands)?;
+    writeln!(
+        io::stdout(),
+        "a simulated hand {} on {} over {}",
+        task.description(),
+        setup.layout.name,
+        source.name()
+    )?;
+    let uses_terminal = io::stdout().is_terminal() && !output::uses_stdout(&args.output);
+    let mut screen = match uses_terminal {
+        true => Screen::open(&setup.layout, task.goal()),
+        false => Screen::closed(&setup.layout),
+    };
+    let options = SessionOptions {
+        source: Some(source),
+        watchdog: Some(watchdog::program(Command::Stop)?),
+        lossless_snapshots: true,
+        on_notice: Some(Box::new(|notice| say!("{notice}"))),
+        ..SessionOptions::default()
+    };
+    let session = Session::start(setup, options)?;
+    let player = Player::start(hand, writers, line, session.commands().clone());
+    signals::on_stop(player.canceller());
+    for snapshot in session.snapshots() {
+        task.update(&snapshot);
+        screen.show(&snapshot, || task.result());
+    }
+    drop(screen);
+    // The session may have ended first, by an error or the loss of the watchdog.
+    player.cancel();
+    let playback = player.join()?;
+    let summary = session.join()?;
+    let is_printed = args.output == "transcript";
+    task.report(&mut io::stdout().lock(), is_printed)?;
+    report(&playback, &summary, &line, hands as u64)?;
+    match task.is_done(&playback) {
+        true => Ok(()),
+        false if playback.is_cancelled => Err(Failure::job("interrupted before the end")),
+        false => Err(Failure::job("the typed text differs from the given one")),
+    }
+}
+
+fn load_setup(args: &Args) -> Result<LoadedSetup, Failure> {
     let layout = Layout::load(&args.layout)?;
     let setup = Setup {
         layout: args.layout.clone(),
         output: args.output.clone(),
-        stall_timeout_ms: STALL_MS,
+        stall_timeout_ms: STALL_TIMEOUT_MS,
         other_hand: layout.has_board_for(Side::Left).then(OtherHand::default),
         ..Setup::default()
     };
-    let mut assembly = setup.load_files()?;
-    let line = Hc11Format {
-        baud: NonZeroU32::new(args.baud)
-            .ok_or_else(|| Failure::wrong_use("a baud is more than 0"))?,
-        ..Hc11Format::default()
-    };
-    let (mut task, hand) = match &args.script {
-        Some(script) => (
-            Task::play(script, &assembly.layout),
-            assembly.scripted(script, &line, args.noise, args.seed)?,
-        ),
-        None => {
-            let text = text::to_type(args.text.as_deref(), &assembly.layout)?;
-            let hand = assembly.typist(&text, &line, args.noise, args.seed)?;
-            (Task::type_text(text), hand)
-        }
-    };
-    let (stopper, asked) = signals::stopper()?;
-    let bell = stopper.clone();
-    let mut sink = watchdog::open_outputs(
-        &assembly.setup.output,
-        &assembly.required_capabilities(),
-        move || bell.ask_once(),
-    )?;
-    let (lines, source) = wires(&mut assembly, line, hand.hand_count())?;
-    writeln!(
-        io::stdout(),
-        "a simulated hand {} on {} over {}",
-        task.told(),
-        assembly.layout.name,
-        source.name()
-    )?;
-    let (stop_sender, stop) = bounded(1);
-    let mut screen = match io::stdout().is_terminal() && !output::uses_stdout(&args.output) {
-        true => Screen::open(&assembly.layout, task.wanted(), stopper),
-        false => Screen::closed(&assembly.layout),
-    };
-    let hands = hand.hand_count() as u64;
-    let player = Player::start(hand, lines, line, asked, stop_sender);
-    let ended = run_pipeline(
-        source,
-        &mut assembly.pipeline(),
-        &mut *sink,
-        &stop,
-        &mut |frame| {
-            task.take(frame);
-            screen.show(frame, || task.outcome());
-        },
-    );
-    drop(screen);
-    let played = player.join()?;
-    let is_written = args.output == "transcript";
-    task.report(&mut io::stdout().lock(), is_written)?;
-    report(&played, &ended?, &line, hands)?;
-    match task.is_done(&played) {
-        true => Ok(()),
-        false if played.is_cancelled => Err(Failure::job("interrupted before all was played")),
-        false => Err(Failure::job("the text did not come out right")),
-    }
+    Ok(setup.load_files()?)
 }
 
-/// A line for each hand: the ends that gloves write to, and the source that reads from them.
-fn wires(
-    assembly: &mut LoadedSetup,
+fn line_format(args: &Args) -> Result<Hc11Format, Failure> {
+    Ok(Hc11Format {
+        baud: NonZeroU32::new(args.baud)
+            .ok_or_else(|| Failure::wrong_use("a baud rate is more than 0"))?,
+        ..Hc11Format::default()
+    })
+}
+
+fn simulated_hand(
+    args: &Args,
+    setup: &LoadedSetup,
+    line: &Hc11Format,
+) -> Result<(Task, SimulatedTypist), Failure> {
+    if let Some(script) = &args.script {
+        let hand = setup.scripted(script, line, args.noise, args.seed)?;
+        return Ok((Task::play(script, &setup.layout), hand));
+    }
+    let text = text::choose(args.text.as_deref(), &setup.layout)?;
+    let hand = setup.typist(&text, line, args.noise, args.seed)?;
+    Ok((Task::type_text(text), hand))
+}
+
+fn noise(text: &str) -> Result<f64, String> {
+    number_in(text, 0.0, 50.0, "counts")
+}
+
+/// Opens a loopback line for each hand and returns the ends of the gloves and the source at the other ends.
+fn open_loopbacks(
+    setup: &mut LoadedSetup,
     line: Hc11Format,
     hands: usize,
 ) -> Result<(PacketWriters, Box<dyn Source>), Failure> {
-    let (mut lines, mut names) = (Vec::new(), Vec::new());
+    let (mut writers, mut uris) = (Vec::new(), Vec::new());
     for _ in 0..hands {
-        let wire = open_loopback(line).map_err(|error| {
+        let loopback = open_loopback(line).map_err(|error| {
             Failure::job(format!("cannot open a simulated serial line: {error}"))
         })?;
-        lines.push(wire.writer);
-        names.push(wire.uri);
+        writers.push(loopback.writer);
+        uris.push(loopback.uri);
     }
-    if let Some(other) = &mut assembly.setup.other_hand {
-        other.source = names.pop();
+    if let Some(other_hand) = &mut setup.setup.other_hand {
+        other_hand.source = uris.pop();
     }
-    Ok((lines, assembly.open_source(&names[0])?))
+    Ok((writers, setup.open_source(&uris[0])?))
 }
 
 fn report(
-    played: &PlaybackStats,
+    playback: &PlaybackStats,
     summary: &Summary,
     line: &Hc11Format,
     hands: u64,
@@ -130,18 +174,18 @@ fn report(
     let mut out = io::stdout().lock();
     writeln!(
         out,
-        "line       {} baud, {:.2} ms a frame: {} frames sent, {} decoded, {} lost",
+        "line       {} baud, {:.2} ms per packet: {} packets sent, {} decoded, {} lost",
         line.baud,
         line.packet_period().as_secs_f64() * 1e3,
-        hands * played.packets,
+        hands * playback.packets,
         source.readings,
-        // The last frame is never confirmed: no header comes after it.
-        (hands * played.packets.saturating_sub(1)).saturating_sub(source.readings),
+        // The header of the next packet confirms a packet, and the last one has no next.
+        (hands * playback.packets.saturating_sub(1)).saturating_sub(source.readings),
     )?;
-    writeln!(out, "account    {}", status::account(&summary.stats))?;
+    writeln!(out, "readings   {}", stats::line(&summary.stats))?;
     writeln!(
         out,
-        "latency    from a frame's last byte to its events: p50 {:.0} µs, p99 {:.0} µs, most {:.0} µs",
+        "latency    from the last byte of a packet to its events: p50 {:.0} µs, p99 {:.0} µs, max {:.0} µs",
         micros(0.5),
         micros(0.99),
         micros(1.0)

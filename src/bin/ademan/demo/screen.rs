@@ -1,7 +1,7 @@
-//! The terminal while the demo plays: pictures go out, Ctrl-C comes in.
+//! The terminal during the demo: pictures out, Ctrl-C in.
 
 use std::io;
-use std::thread::JoinHandle;
+use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use ademan::contact::{Phase, TargetId};
@@ -12,69 +12,68 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use ratatui::DefaultTerminal;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyModifiers};
 
-use super::draw::{Picture, Stage};
-use crate::signals::Stopper;
+use super::draw::{Picture, Scene};
+use crate::signals;
 
-/// Time between two pictures where nothing new is pressed.
+/// Time between two pictures without events.
 const PERIOD: Duration = Duration::from_millis(33);
-/// How long Ctrl-C may go unnoticed where nothing is drawn.
-const GLANCE: Duration = Duration::from_millis(50);
 
-/// Shows frames in the terminal, from a thread of its own.
+/// Time between two checks for Ctrl-C while nothing is drawn.
+const KEY_PERIOD: Duration = Duration::from_millis(50);
+
+/// Draws snapshots in the terminal, on a thread of its own.
 pub struct Screen {
     pictures: Option<Sender<Picture>>,
     painter: Option<JoinHandle<io::Result<()>>>,
     layout: Layout,
     pressed: Vec<TargetId>,
-    last: Timestamp,
+    last_drawn: Timestamp,
 }
 
 impl Screen {
-    /// Takes over the terminal; what is typed there goes nowhere, but for Ctrl-C, which asks `stopper`.
-    ///
-    /// A terminal that cannot be taken over shows nothing.
-    pub fn open(layout: &Layout, task: String, stopper: Stopper) -> Self {
+    /// Takes over the terminal. Keys typed there have no effect, except Ctrl-C, which stops the demo. A terminal that
+    /// cannot be taken over stays as it is.
+    pub fn open(layout: &Layout, goal: String) -> Self {
         let mut screen = Self::closed(layout);
         let terminal = match ratatui::try_init() {
             Ok(terminal) => terminal,
             Err(error) => {
                 ratatui::restore();
-                tracing::warn!("cannot draw on this terminal, going on without: {error}");
+                tracing::warn!("cannot draw in this terminal, continuing without: {error}");
                 return screen;
             }
         };
-        let (pictures, waiting) = bounded(1);
+        let (pictures, queue) = bounded(1);
         let painter = Painter {
             terminal,
-            stage: Stage {
+            scene: Scene {
                 grids: layout.grids(),
                 layout: layout.clone(),
-                task,
+                goal,
             },
-            stopper,
         };
         screen.pictures = Some(pictures);
-        screen.painter = Some(std::thread::spawn(move || painter.paint(&waiting)));
+        screen.painter = Some(thread::spawn(move || painter.run(&queue)));
         screen
     }
 
-    /// Shows nothing: for an output that is no terminal, or that something else is written to.
+    /// Draws nothing, for a standard output that is no terminal or carries a transcript.
     pub fn closed(layout: &Layout) -> Self {
         Self {
             pictures: None,
             painter: None,
             layout: layout.clone(),
             pressed: Vec::new(),
-            last: Timestamp(0),
+            last_drawn: Timestamp(0),
         }
     }
 
-    /// Shows a frame; never waits: a picture that the terminal has no time for is left out.
-    pub fn show(&mut self, frame: &Snapshot, outcome: impl FnOnce() -> String) {
+    /// Draws a snapshot. Never waits: the terminal skips pictures that it has no time for.
+    pub fn show(&mut self, snapshot: &Snapshot, result: impl FnOnce() -> String) {
         let Some(pictures) = &self.pictures else {
             return;
         };
-        for touch in &frame.touches {
+        for touch in &snapshot.touches {
             match touch.phase {
                 Phase::Pressed => self.pressed.push(touch.target),
                 Phase::Released | Phase::Left | Phase::Cancelled => {
@@ -83,25 +82,25 @@ impl Screen {
                 Phase::Touched | Phase::Moved => {}
             }
         }
-        let Some(pose) = &frame.pose else {
+        let Some(pose) = &snapshot.pose else {
             return;
         };
-        if frame.events.is_empty() && pose.time.since(self.last) < PERIOD {
+        if snapshot.events.is_empty() && pose.time.since(self.last_drawn) < PERIOD {
             return;
         }
-        self.last = pose.time;
+        self.last_drawn = pose.time;
         let picture = Picture {
-            outcome: outcome(),
-            state: frame.state,
+            result: result(),
+            state: snapshot.state,
             pressed: self.pressed.clone(),
             fingertips: self.layout.hovers(pose),
         };
-        // A full channel means that the terminal still draws the last one.
+        // A full channel means that the terminal still draws the previous picture.
         let _ = pictures.try_send(picture);
     }
 }
 
-/// Gives the terminal back, whatever the end.
+/// Restores the terminal.
 impl Drop for Screen {
     fn drop(&mut self) {
         self.pictures = None;
@@ -109,50 +108,50 @@ impl Drop for Screen {
             return;
         };
         let painted = painter.join();
-        // A panic has given it back already; twice would put the cursor on top of the message.
+        // The panic hook has restored it already; a second time would put the cursor on the message.
         if !std::thread::panicking() && painted.is_ok() {
             ratatui::restore();
         }
         if !matches!(painted, Ok(Ok(()))) {
-            tracing::warn!("the terminal could not be drawn on");
+            tracing::warn!("cannot draw in this terminal");
         }
     }
 }
 
 struct Painter {
     terminal: DefaultTerminal,
-    stage: Stage,
-    stopper: Stopper,
+    scene: Scene,
 }
 
 impl Painter {
-    fn paint(mut self, pictures: &Receiver<Picture>) -> io::Result<()> {
+    fn run(mut self, pictures: &Receiver<Picture>) -> io::Result<()> {
         loop {
-            match pictures.recv_timeout(GLANCE) {
+            match pictures.recv_timeout(KEY_PERIOD) {
                 Ok(picture) => {
                     self.terminal
-                        .draw(|frame| self.stage.draw(frame, &picture))?;
+                        .draw(|frame| self.scene.draw(frame, &picture))?;
                 }
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return Ok(()),
             }
-            self.heed_keys()?;
+            handle_keys()?;
         }
     }
+}
 
-    /// The terminal makes no signal of Ctrl-C while it is drawn on.
-    fn heed_keys(&self) -> io::Result<()> {
-        while event::poll(Duration::ZERO)? {
-            if !is_ctrl_c(&event::read()?) {
-                continue;
-            }
-            if self.stopper.is_asked() {
-                ratatui::restore();
-            }
-            self.stopper.ask();
+/// In raw mode the terminal sends no signal for Ctrl-C.
+fn handle_keys() -> io::Result<()> {
+    while event::poll(Duration::ZERO)? {
+        if !is_ctrl_c(&event::read()?) {
+            continue;
         }
-        Ok(())
+        if signals::is_stop_requested() {
+            // The second request ends the process without dropping the screen.
+            ratatui::restore();
+        }
+        signals::request_stop();
     }
+    Ok(())
 }
 
 fn is_ctrl_c(event: &Event) -> bool {

@@ -1,4 +1,4 @@
-//! What the hand of the demo does: it types a text, or plays a script; and what came of it.
+//! The task of the simulated hand, a text or a script, and its result.
 
 use std::io::{self, Write};
 
@@ -10,19 +10,19 @@ use ademan::sim::{PlaybackStats, TypingScore, UsTextField};
 use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
 
-/// The longest piece of a script that is shown in one line, in characters.
-const EXCERPT: usize = 60;
+/// Longest excerpt of a script in one line, in characters.
+const MAX_EXCERPT: usize = 60;
 
-/// What is to be done, and what came out so far.
+/// A task and its result so far.
 pub enum Task {
-    /// A text, as a receiver with a US keymap reads it.
+    /// Types a text, which a text field with a US keymap receives.
     Type {
         text: String,
         field: UsTextField,
         first: Option<Timestamp>,
         last: Timestamp,
     },
-    /// A script, and every event.
+    /// Plays a script and collects all events.
     Play {
         script: String,
         names: TargetNames,
@@ -41,7 +41,7 @@ impl Task {
     }
 
     pub fn play(script: &str, layout: &Layout) -> Self {
-        let mut short: String = script.chars().take(EXCERPT).collect();
+        let mut short: String = script.chars().take(MAX_EXCERPT).collect();
         if short.len() < script.len() {
             short.push('…');
         }
@@ -52,61 +52,61 @@ impl Task {
         }
     }
 
-    /// What the hand does, as part of a sentence.
-    pub fn told(&self) -> String {
+    /// The predicate of a sentence about the hand.
+    pub fn description(&self) -> String {
         match self {
             Self::Type { text, .. } => format!("types {text:?}"),
             Self::Play { script, .. } => format!("plays {script:?}"),
         }
     }
 
-    /// What is wanted, in one line.
-    pub fn wanted(&self) -> String {
+    /// The goal in one line.
+    pub fn goal(&self) -> String {
         match self {
             Self::Type { text, .. } => format!("to type  {text:?}"),
             Self::Play { script, .. } => format!("to play  {script:?}"),
         }
     }
 
-    /// Takes what went out in a frame.
-    pub fn take(&mut self, frame: &Snapshot) {
+    /// Adds the events of a step.
+    pub fn update(&mut self, snapshot: &Snapshot) {
         match self {
             Self::Type {
                 field, first, last, ..
             } => {
-                for event in &frame.events {
+                for event in &snapshot.events {
                     field.handle(event);
                     first.get_or_insert(event.time);
                     *last = event.time;
                 }
             }
-            Self::Play { events, .. } => events.extend(frame.events.iter().copied()),
+            Self::Play { events, .. } => events.extend(snapshot.events.iter().copied()),
         }
     }
 
-    /// What came out so far, in one line.
-    pub fn outcome(&self) -> String {
+    /// The result so far in one line.
+    pub fn result(&self) -> String {
         match self {
             Self::Type { field, .. } => format!("typed    {:?}", field.text()),
             Self::Play { names, events, .. } => {
                 let last = events
                     .last()
                     .map(|event| EventLine(event, names).to_string());
-                format!("went out {}", last.unwrap_or_default().trim_start())
+                format!("sent     {}", last.unwrap_or_default().trim_start())
             }
         }
     }
 
-    /// Whether that is what was wanted; a script wants nothing but to be played to its end.
-    pub fn is_done(&self, played: &PlaybackStats) -> bool {
+    /// Whether the text is complete and correct, or the script was played to its end.
+    pub fn is_done(&self, playback: &PlaybackStats) -> bool {
         match self {
             Self::Type { text, field, .. } => field.text() == text,
-            Self::Play { .. } => !played.is_cancelled,
+            Self::Play { .. } => !playback.is_cancelled,
         }
     }
 
-    /// Writes what came out; without the events of a script where they are written already.
-    pub fn report(&self, out: &mut impl Write, is_written: bool) -> io::Result<()> {
+    /// Writes the result. The events of a script are left out if a transcript has printed them.
+    pub fn report(&self, out: &mut impl Write, is_printed: bool) -> io::Result<()> {
         match self {
             Self::Type {
                 text,
@@ -125,10 +125,10 @@ impl Task {
                 )
             }
             Self::Play { names, events, .. } => {
-                for event in events.iter().filter(|_| !is_written) {
+                for event in events.iter().filter(|_| !is_printed) {
                     writeln!(out, "{}", EventLine(event, names))?;
                 }
-                writeln!(out, "played     {} events went out", events.len())
+                writeln!(out, "played     {} events sent", events.len())
             }
         }
     }

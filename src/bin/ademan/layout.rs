@@ -1,0 +1,153 @@
+//! `ademan layout`: creates, checks, lists and draws layouts.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use ademan::layout::Layout;
+use ademan::session::counted;
+use ademan::setup::Setup;
+
+use crate::failure::Failure;
+
+/// Create, check, list and draw layouts
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(clap::Subcommand)]
+enum Action {
+    /// Create a layout as a copy of another one
+    #[command(after_help = "Example: ademan layout new my-board --from qwerty-arc")]
+    New {
+        /// File to create (.ron is added); an existing file is not overwritten
+        file: PathBuf,
+        /// Layout to copy: the name of one that comes with the program, or a file
+        #[arg(long, default_value = "qwerty-flat")]
+        from: String,
+    },
+    /// Check files, report errors with line and column, and list keys out of reach of the default hand
+    #[command(after_help = "Example: ademan layout check my-board.ron")]
+    Check {
+        /// Layout files, or names of layouts that come with the program
+        #[arg(required = true)]
+        files: Vec<String>,
+    },
+    /// List the layouts that come with the program
+    #[command(after_help = "Example: ademan layout list")]
+    List,
+    /// Draw a layout
+    #[command(after_help = "Example: ademan layout show qwerty-arc --svg board.svg")]
+    Show {
+        /// A layout file, or the name of a layout that comes with the program
+        file: String,
+        /// Write a drawing to this file instead of the terminal
+        #[arg(long, value_name = "OUT.svg")]
+        svg: Option<PathBuf>,
+    },
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    match args.action {
+        Action::New { file, from } => new(&file, &from),
+        Action::Check { files } => check(&files),
+        Action::List => list(),
+        Action::Show { file, svg } => show(&file, svg.as_deref()),
+    }
+}
+
+/// Checks every file, even after an invalid one.
+fn check(files: &[String]) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    let mut invalid = 0;
+    for file in files {
+        match Layout::load(file) {
+            Ok(layout) => {
+                let keys = counted(layout.keys.len() as u64, "key");
+                let layers = counted(layout.layers.len() as u64, "layer");
+                let others = match layout.controls.len() as u64 {
+                    0 => String::new(),
+                    count => format!("{}, ", counted(count, "other control")),
+                };
+                writeln!(out, "{file}: valid, {keys}, {others}{layers}")?;
+                warn_unreachable(file)?;
+            }
+            Err(error) => {
+                say!("error: {error}");
+                invalid += 1;
+            }
+        }
+    }
+    match invalid {
+        0 => Ok(()),
+        _ => Err(Failure::wrong_use(format!(
+            "{invalid} of {} cannot be used",
+            counted(files.len() as u64, "file")
+        ))),
+    }
+}
+
+/// Lists controls that the default hand cannot press. Such a layout is still valid.
+fn warn_unreachable(file: &str) -> Result<(), Failure> {
+    let setup = Setup {
+        layout: file.into(),
+        ..Setup::default()
+    };
+    let setup = setup.load_files()?;
+    for (name, metres) in setup.out_of_reach() {
+        let distance = match metres.is_finite() {
+            true => format!("it is {:.0} mm out of reach", metres * 1e3),
+            false => "it has no position".into(),
+        };
+        say!("warning: {file}: the default hand cannot press `{name}`: {distance}");
+    }
+    Ok(())
+}
+
+/// Copies a layout under the name of the new file.
+fn new(file: &Path, from: &str) -> Result<(), Failure> {
+    let path = match file.extension() {
+        Some(_) => file.to_owned(),
+        None => file.with_extension("ron"),
+    };
+    let original = Layout::load(from)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name_field = format!("name: {:?}", original.name);
+    let text = original
+        .text
+        .replacen(&name_field, &format!("name: {name:?}"), 1);
+    let cannot_write =
+        |error| Failure::wrong_use(format!("cannot write {}: {error}", path.display()));
+    let mut created = File::create_new(&path).map_err(cannot_write)?;
+    created.write_all(text.as_bytes()).map_err(cannot_write)?;
+    let mut out = io::stdout().lock();
+    writeln!(out, "wrote {}, a copy of {}", path.display(), original.file)?;
+    writeln!(
+        out,
+        "edit it, then: ademan layout check {0} && ademan demo --layout {0}",
+        path.display()
+    )?;
+    Ok(())
+}
+
+fn list() -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    for (name, layout) in Layout::shipped()? {
+        writeln!(out, "{name:18} {}", layout.description)?;
+    }
+    Ok(())
+}
+
+fn show(file: &str, svg: Option<&Path>) -> Result<(), Failure> {
+    let layout = Layout::load(file)?;
+    let Some(path) = svg else {
+        io::stdout().write_all(layout.to_text().as_bytes())?;
+        return Ok(());
+    };
+    fs::write(path, layout.to_svg())
+        .map_err(|error| Failure::wrong_use(format!("cannot write {}: {error}", path.display())))?;
+    writeln!(io::stdout(), "wrote {}", path.display())?;
+    Ok(())
+}

@@ -1,0 +1,49 @@
+//! SIGUSR1 and SIGTSTP on Unix systems.
+
+use std::thread;
+use std::time::Duration;
+
+use ademan::command::Command;
+use ademan::session::{CommandSender, Reply};
+use signal_hook::consts::signal::{SIGTSTP, SIGUSR1};
+use signal_hook::iterator::Signals;
+use signal_hook::low_level::emulate_default_handler;
+
+use crate::failure::Failure;
+
+/// Longest wait for the session; a process that hangs is stopped all the same.
+const REPLY_TIMEOUT: Duration = Duration::from_millis(500);
+
+/// Time for outputs with threads of their own to release all keys.
+const OUTPUT_DELAY: Duration = Duration::from_millis(50);
+
+/// Handles the signals until the program ends.
+pub fn install(commands: CommandSender) -> Result<(), Failure> {
+    let failed = |error| Failure::job(format!("cannot handle signals: {error}"));
+    let mut signals = Signals::new([SIGUSR1, SIGTSTP]).map_err(failed)?;
+    let handle = move || {
+        for signal in &mut signals {
+            match signal {
+                SIGUSR1 => _ = commands.send(Command::Pause),
+                _ => suspend(&commands),
+            }
+        }
+    };
+    let thread = thread::Builder::new().name("signals".into());
+    thread.spawn(handle).map(drop).map_err(failed)
+}
+
+/// Pauses the session and stops the process. The session resumes when the process is continued.
+fn suspend(commands: &CommandSender) {
+    let request = |command| commands.request_with_timeout(command, REPLY_TIMEOUT);
+    let was_paused =
+        matches!(request(Command::State), Ok(Reply::State(status)) if status.is_paused);
+    let _ = request(Command::Pause);
+    thread::sleep(OUTPUT_DELAY);
+    if let Err(error) = emulate_default_handler(SIGTSTP) {
+        say!("cannot stop this process: {error}");
+    }
+    if !was_paused {
+        let _ = request(Command::Resume);
+    }
+}

@@ -1,0 +1,64 @@
+//! Statistics of a session in one line.
+
+use ademan::estimate::Rejection;
+use ademan::pipeline::Suppressed;
+use ademan::session::{Summary, counted};
+use ademan::snapshot::Stats;
+
+use crate::failure::Failure;
+
+/// Prints the statistics. A recording that is incomplete is a failure.
+pub fn report(summary: Summary) -> Result<(), Failure> {
+    say!("{}", line(&summary.stats));
+    match summary.record_error {
+        None => Ok(()),
+        Some(error) => Err(Failure::job(error.to_string())),
+    }
+}
+
+/// Received, accepted, rejected and dropped readings, losses and suppressed events.
+pub fn line(stats: &Stats) -> String {
+    let rejected = Rejection::ALL
+        .iter()
+        .zip(stats.rejected)
+        .filter(|(_, count)| *count > 0)
+        .map(|(reason, count)| format!(", {count} rejected ({reason})"));
+    let source = &stats.source;
+    let readings = counted(source.readings, "reading");
+    let mut line = format!("{readings}: {} accepted", stats.accepted);
+    line.extend(rejected);
+    if source.dropped > 0 {
+        line += &format!(", {} dropped", source.dropped);
+    }
+    if source.skipped_bytes > 0 {
+        line += &format!(
+            "; {} of {} bytes belonged to no packet",
+            source.skipped_bytes, source.bytes
+        );
+    }
+    if source.losses > 0 {
+        line += &format!("; the device was lost {}", counted(source.losses, "time"));
+    }
+    line + &suppressed(&stats.suppressed)
+}
+
+/// Suppressed events with the setup field that suppressed them; empty if there are none.
+fn suppressed(suppressed: &Suppressed) -> String {
+    let reasons = [
+        (suppressed.rate_limited, "beyond `presses_per_second`"),
+        (suppressed.system_keys, "without `system_keys`"),
+        (
+            suppressed.keys_by_role + suppressed.pointing_by_role,
+            "by `role`",
+        ),
+    ];
+    let reasons: Vec<_> = reasons
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, reason)| format!("{count} {reason}"))
+        .collect();
+    match reasons.is_empty() {
+        true => String::new(),
+        false => format!("; suppressed: {}", reasons.join(", ")),
+    }
+}

@@ -1,0 +1,286 @@
+//! The channel that carries commands to the session loop, from any thread.
+//!
+//! The queue is bounded. A full queue refuses commands, except `Stop`, which needs no room: a flag carries it.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, Thread};
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
+
+use super::layout_link::{LayoutLink, LayoutSwap, LoopLayoutLink};
+use super::status::SessionStatus;
+use crate::command::{Command, InvalidCommand};
+use crate::pipeline::CommandError;
+
+/// Commands that wait for a busy loop: one of each client of the control socket, and 8 of panic keys and signals, which
+/// clients cannot crowd out.
+const QUEUE_LENGTH: usize = 16 + 8;
+
+/// Time that [`CommandSender::request`] waits for a reply.
+const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Result of a command that succeeded.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reply {
+    /// The command has no result.
+    Done,
+    /// A sentence for the user.
+    Text(String),
+    /// The answer to [`Command::State`].
+    State(SessionStatus),
+}
+
+/// Reason why a command failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RequestError {
+    /// A field of the command is out of range.
+    #[error(transparent)]
+    Invalid(#[from] InvalidCommand),
+    /// The pipeline cannot execute the command.
+    #[error(transparent)]
+    Pipeline(#[from] CommandError),
+    /// The layout cannot be scaled, saved or read.
+    #[error("{0}")]
+    Layout(String),
+    /// The queue is full.
+    #[error("too many commands are waiting; try again later")]
+    QueueFull,
+    /// The loop or the layout manager did not reply.
+    #[error("timed out: the session waits for its source or its output; the command stays queued")]
+    TimedOut,
+    /// The session has ended.
+    #[error("the session has ended")]
+    Ended,
+}
+
+/// The sending end for the reply to one command.
+pub(crate) type ReplySender = Sender<Result<Reply, RequestError>>;
+
+/// A command and the channel for its reply, if one is expected.
+#[derive(Clone, Debug)]
+pub(super) struct QueuedCommand {
+    pub command: Command,
+    pub reply: Option<ReplySender>,
+}
+
+/// Wakes the loop thread, which parks while there is nothing to do.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Waker(Arc<Mutex<Option<Thread>>>);
+
+impl Waker {
+    /// Wakes the loop. Must be called after the message was queued.
+    pub fn wake(&self) {
+        if let Some(thread) = &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
+            thread.unpark();
+        }
+    }
+
+    /// Makes the current thread the one to wake. Messages queued before this call are in the queue.
+    pub fn attach(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(thread::current());
+    }
+}
+
+/// Sends commands to a session. Clones send to the same session.
+#[derive(Clone, Debug)]
+pub struct CommandSender {
+    queue: Sender<QueuedCommand>,
+    stop: Arc<AtomicBool>,
+    waker: Waker,
+}
+
+impl CommandSender {
+    /// Sends a command without waiting for its execution. A second `Stop` has no effect.
+    pub fn send(&self, command: Command) -> Result<(), RequestError> {
+        self.enqueue(command, None)
+    }
+
+    /// Sends a command and waits up to 2 s for its reply. `Stop` is confirmed at once.
+    pub fn request(&self, command: Command) -> Result<Reply, RequestError> {
+        self.request_with_timeout(command, REPLY_TIMEOUT)
+    }
+
+    /// As [`request`](Self::request), with another timeout.
+    pub fn request_with_timeout(
+        &self,
+        command: Command,
+        timeout: Duration,
+    ) -> Result<Reply, RequestError> {
+        let (reply, replies) = bounded(1);
+        self.enqueue(command, Some(reply))?;
+        if command == Command::Stop {
+            return Ok(Reply::Done);
+        }
+        replies.recv_timeout(timeout).map_err(|error| match error {
+            RecvTimeoutError::Timeout => RequestError::TimedOut,
+            RecvTimeoutError::Disconnected => RequestError::Ended,
+        })?
+    }
+
+    fn enqueue(&self, command: Command, reply: Option<ReplySender>) -> Result<(), RequestError> {
+        command.check()?;
+        if command == Command::Stop {
+            self.stop.store(true, Ordering::Release);
+        } else {
+            let queued = self.queue.try_send(QueuedCommand { command, reply });
+            queued.map_err(|error| match error {
+                TrySendError::Full(_) => RequestError::QueueFull,
+                TrySendError::Disconnected(_) => RequestError::Ended,
+            })?;
+        }
+        self.waker.wake();
+        Ok(())
+    }
+}
+
+/// The end of the channel for the session loop.
+#[derive(Debug)]
+pub struct CommandReceiver {
+    queue: Receiver<QueuedCommand>,
+    stop: Arc<AtomicBool>,
+    waker: Waker,
+    layouts: Option<LoopLayoutLink>,
+}
+
+/// A message to the session loop.
+pub(super) enum Message {
+    Command(QueuedCommand),
+    LayoutSwap(LayoutSwap),
+}
+
+/// Creates a channel. Commands stay queued until a session loop receives them.
+pub fn command_channel() -> (CommandSender, CommandReceiver) {
+    let (sender, queue) = bounded(QUEUE_LENGTH);
+    let (stop, waker) = (Arc::default(), Waker::default());
+    let receiver = CommandReceiver {
+        queue,
+        stop: Arc::clone(&stop),
+        waker: waker.clone(),
+        layouts: None,
+    };
+    let sender = CommandSender {
+        queue: sender,
+        stop,
+        waker,
+    };
+    (sender, receiver)
+}
+
+impl CommandReceiver {
+    /// A receiver without senders, for a loop that ends with its source.
+    pub fn disconnected() -> Self {
+        command_channel().1
+    }
+
+    /// Creates the link of a layout manager to the loop. Without one, the commands `Scale`, `Save` and `Reload` fail.
+    pub fn link_layouts(&mut self) -> LayoutLink {
+        let (manager_end, loop_end) = LayoutLink::new(self.waker.clone());
+        self.layouts = Some(loop_end);
+        manager_end
+    }
+
+    /// The link to the layout manager.
+    pub(super) fn layouts(&self) -> Option<&LoopLayoutLink> {
+        self.layouts.as_ref()
+    }
+
+    /// Makes the current thread the one that receives messages; every message unparks it.
+    pub(super) fn attach(&self) {
+        self.waker.attach();
+    }
+
+    /// Whether the session should end.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Acquire)
+    }
+
+    /// The next message, if there is one. Never waits.
+    pub(super) fn try_next(&self) -> Option<Message> {
+        let swap = self.layouts.as_ref().and_then(LoopLayoutLink::try_swap);
+        let command = || self.queue.try_recv().ok().map(Message::Command);
+        swap.map(Message::LayoutSwap).or_else(command)
+    }
+
+    /// Waits for `Stop`, at most for `timeout`. Returns whether it came. Other commands stay queued.
+    pub(super) fn wait_for_stop(&self, timeout: Duration) -> bool {
+        self.attach();
+        let deadline = Instant::now() + timeout;
+        while !self.is_stopped() {
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return false;
+            }
+            thread::park_timeout(left);
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stop_reaches_a_loop_whose_queue_is_full() {
+        let (sender, receiver) = command_channel();
+        while sender.send(Command::Resume).is_ok() {}
+        assert_eq!(sender.send(Command::Pause), Err(RequestError::QueueFull));
+        assert!(!receiver.is_stopped());
+        assert_eq!(sender.request(Command::Stop), Ok(Reply::Done));
+        assert!(receiver.wait_for_stop(Duration::ZERO));
+    }
+
+    #[test]
+    fn commands_arrive_in_order_with_their_reply_channel() {
+        let (sender, receiver) = command_channel();
+        sender.send(Command::Pause).unwrap();
+        sender.send(Command::Resume).unwrap();
+        let next = || match receiver.try_next() {
+            Some(Message::Command(queued)) => Some(queued.command),
+            _ => None,
+        };
+        assert_eq!(
+            [next(), next(), next()],
+            [Some(Command::Pause), Some(Command::Resume), None]
+        );
+    }
+
+    #[test]
+    fn a_request_fails_when_the_session_ends() {
+        let (sender, receiver) = command_channel();
+        let session = thread::spawn(move || {
+            while receiver.try_next().is_none() {
+                thread::yield_now();
+            }
+        });
+        assert_eq!(sender.request(Command::State), Err(RequestError::Ended));
+        session.join().unwrap();
+        assert_eq!(sender.send(Command::Pause), Err(RequestError::Ended));
+    }
+
+    #[test]
+    fn a_command_out_of_range_is_not_sent() {
+        let (sender, receiver) = command_channel();
+        let refused = sender.send(Command::Scale { factor: 3.0 });
+        assert!(
+            matches!(refused, Err(RequestError::Invalid(_))),
+            "{refused:?}"
+        );
+        assert!(receiver.try_next().is_none());
+    }
+
+    #[test]
+    fn a_command_wakes_a_parked_loop() {
+        let (sender, receiver) = command_channel();
+        let session = thread::spawn(move || {
+            receiver.attach();
+            while receiver.try_next().is_none() {
+                thread::park();
+            }
+        });
+        sender.send(Command::Pause).unwrap();
+        session.join().unwrap();
+    }
+}

@@ -1,0 +1,479 @@
+//! The loop of a session: readings through the pipeline to the output, live or from a recording.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{TryRecvError, bounded, select};
+use hdrhistogram::Histogram;
+
+use super::command_channel::{
+    CommandReceiver, Message, QueuedCommand, Reply, ReplySender, RequestError,
+};
+use super::layout_link::{LayoutOperation, LayoutRequest, LayoutSwap};
+use super::status::SessionStatus;
+use super::{SessionError, Summary};
+use crate::capture::{
+    CaptureError, CaptureEvent, CaptureThread, Reading, Source, SourceStats, spawn,
+};
+use crate::command::Command;
+use crate::contact::TargetNames;
+use crate::device::Events;
+use crate::output::Sink;
+use crate::pipeline::{Pipeline, StepOutput};
+use crate::snapshot::{Snapshot, Stats};
+use crate::time::NO_DEADLINE;
+
+/// Upper limit of the stall timeout that follows from a source's packet period. Three packets at 1200 baud take 1.7 s; a
+/// recording may claim any period.
+const MAX_STALL_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Longest time without a call of the output while readings are expected. The watchdog releases all keys after 200 ms
+/// without a heartbeat.
+const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
+
+/// Longest time that a replay waits for the layout manager to execute a command of the layout.
+const LAYOUT_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Passes readings from `source` through `pipeline` to `sink` on the calling thread, until the source ends or a `Stop`
+/// command arrives.
+///
+/// `observe` sees every step and must not block. The sink is closed in every case, even after a panic, which releases all
+/// keys. A live source stalls the pipeline when no reading comes for longer than the stall timeout, but at least three
+/// packet periods (2 s at most).
+pub fn run_pipeline(
+    source: impl Source + 'static,
+    pipeline: &mut Pipeline,
+    sink: &mut dyn Sink,
+    commands: &CommandReceiver,
+    observe: &mut dyn FnMut(&Snapshot),
+) -> Result<Summary, SessionError> {
+    let capture = spawn(source)?;
+    commands.attach();
+    let packet_period = capture.packet_period().unwrap_or(Duration::ZERO);
+    let three_packets = packet_period.saturating_mul(3).min(MAX_STALL_TIMEOUT);
+    pipeline.set_stall_timeout(pipeline.stall_timeout().max(three_packets));
+    let mut session = SessionLoop {
+        capture,
+        commands,
+        profile: pipeline.active_profile(),
+        target_names: pipeline.target_names().clone(),
+        pipeline,
+        sink: CloseOnPanic(sink),
+        observe,
+        events: Events::new(),
+        last_reading_at: None,
+        source_stats: SourceStats::default(),
+        expired: 0,
+        unprocessed: 0,
+        latency_ns: new_histogram(),
+    };
+    session.update_target_names();
+    let ended = session.run();
+    let closed = session.finish();
+    ended?;
+    closed?;
+    Ok(Summary {
+        stats: session.stats(),
+        latency_ns: session.latency_ns,
+        record_error: None,
+    })
+}
+
+/// Closes the sink when the loop panics.
+struct CloseOnPanic<'a>(&'a mut dyn Sink);
+
+impl Drop for CloseOnPanic<'_> {
+    fn drop(&mut self) {
+        if thread::panicking()
+            && let Err(error) = self.0.close()
+        {
+            tracing::error!("{error}");
+        }
+    }
+}
+
+/// Whether the loop goes on.
+#[derive(PartialEq)]
+enum Next {
+    Continue,
+    End,
+}
+
+struct SessionLoop<'a> {
+    capture: CaptureThread,
+    commands: &'a CommandReceiver,
+    pipeline: &'a mut Pipeline,
+    /// Index of the profile whose target names the sink and observers use.
+    profile: usize,
+    target_names: TargetNames,
+    sink: CloseOnPanic<'a>,
+    observe: &'a mut dyn FnMut(&Snapshot),
+    events: Events,
+    /// Arrival of the last accepted reading; `None` after a stall.
+    last_reading_at: Option<Instant>,
+    source_stats: SourceStats,
+    /// Readings that were older than the stall timeout when the loop received them.
+    expired: u64,
+    /// Readings that still waited when the loop ended.
+    unprocessed: u64,
+    latency_ns: Histogram<u64>,
+}
+
+impl SessionLoop<'_> {
+    /// Handles one message and one capture event per turn, so that neither can delay the other.
+    fn run(&mut self) -> Result<(), SessionError> {
+        while !self.commands.is_stopped() {
+            let message = self.commands.try_next();
+            let had_message = message.is_some();
+            if let Some(message) = message
+                && self.handle_message(message)? == Next::End
+            {
+                return Ok(());
+            }
+            match self.capture.events().try_recv() {
+                Ok(event) => {
+                    if self.handle_capture(event)? == Next::End {
+                        return Ok(());
+                    }
+                }
+                // The capture thread ended after `End` or `Failed`, which ended this loop.
+                Err(TryRecvError::Disconnected) => return Ok(()),
+                Err(TryRecvError::Empty) if had_message => {}
+                Err(TryRecvError::Empty) => self.wait()?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Parks until a message or a capture event wakes this thread, or a stall or heartbeat is due.
+    fn wait(&mut self) -> Result<(), SessionError> {
+        thread::park_timeout(self.time_to_stall().min(self.time_to_heartbeat()));
+        if self.capture.events().is_empty() {
+            self.sink.0.send(&[])?;
+            self.stall_if_overdue()?;
+        }
+        Ok(())
+    }
+
+    fn time_to_heartbeat(&self) -> Duration {
+        match self.pipeline.expects_readings() {
+            true => HEARTBEAT_PERIOD,
+            false => NO_DEADLINE,
+        }
+    }
+
+    /// Time until a live source without readings counts as stalled.
+    fn time_to_stall(&self) -> Duration {
+        match self.last_reading_at {
+            Some(last) if self.capture.is_live() && self.pipeline.expects_readings() => {
+                let deadline = last + self.pipeline.stall_timeout();
+                deadline.saturating_duration_since(Instant::now())
+            }
+            _ => NO_DEADLINE,
+        }
+    }
+
+    fn handle_message(&mut self, message: Message) -> Result<Next, SessionError> {
+        let next = match message {
+            Message::Command(QueuedCommand { command, reply }) => self.execute(command, reply)?,
+            Message::LayoutSwap(swap) => {
+                self.swap_layout(swap)?;
+                Next::Continue
+            }
+        };
+        // A client that sends commands without pause must not delay a stall.
+        self.stall_if_overdue()?;
+        Ok(next)
+    }
+
+    fn handle_capture(&mut self, event: CaptureEvent) -> Result<Next, SessionError> {
+        match event {
+            CaptureEvent::Reading {
+                reading,
+                received_at,
+                stats,
+            } => {
+                self.source_stats = stats;
+                return self.step(reading, received_at);
+            }
+            CaptureEvent::Noise(stats) => self.source_stats = stats,
+            CaptureEvent::Lost(error) => {
+                self.source_stats.losses += 1;
+                self.stall(Some(error))?;
+            }
+            CaptureEvent::Failed(error) => return Err(error.into()),
+            CaptureEvent::End(stats) => {
+                self.source_stats = stats;
+                return Ok(Next::End);
+            }
+        }
+        Ok(Next::Continue)
+    }
+
+    fn step(&mut self, reading: Reading, received_at: Instant) -> Result<Next, SessionError> {
+        if self.capture.is_live() && received_at.elapsed() > self.pipeline.stall_timeout() {
+            // This process was stopped or starved: the reading shows a hand of the past.
+            self.expired += 1;
+            self.stall(None)?;
+            return Ok(Next::Continue);
+        }
+        self.events.clear();
+        let step = self.pipeline.step(&reading, &mut self.events).ok().cloned();
+        if step.is_some() {
+            self.last_reading_at = Some(received_at);
+        }
+        self.send_events(step.as_ref())?;
+        if !self.events.is_empty() {
+            let latency = received_at.elapsed().as_nanos() as u64;
+            self.latency_ns.saturating_record(latency);
+        }
+        self.publish(Some(reading), step.as_ref(), None);
+        let commands = step.map(|step| step.commands).unwrap_or_default();
+        for issued in commands {
+            if self.execute_layout_command(issued.command)? == Next::End {
+                return Ok(Next::End);
+            }
+        }
+        Ok(Next::Continue)
+    }
+
+    /// Executes a command that the pipeline has not executed itself.
+    fn execute_layout_command(&mut self, command: Command) -> Result<Next, SessionError> {
+        match layout_operation(&command) {
+            _ if command == Command::Stop => Ok(Next::End),
+            Some(operation) if self.capture.is_live() => {
+                // The layout manager reports the outcome.
+                let _ = self.forward(operation, None);
+                Ok(Next::Continue)
+            }
+            Some(operation) => {
+                self.run_layout_operation(operation)?;
+                Ok(Next::Continue)
+            }
+            None => Ok(Next::Continue),
+        }
+    }
+
+    /// Waits for the layout manager, so that a replay gives the same events at any speed.
+    fn run_layout_operation(&mut self, operation: LayoutOperation) -> Result<(), SessionError> {
+        let Some(link) = self.commands.layouts() else {
+            return Ok(());
+        };
+        let (reply, replies) = bounded(1);
+        if self.forward(operation, Some(reply)).is_err() {
+            return Ok(());
+        }
+        let swaps = link.swaps().clone();
+        loop {
+            let swap = select! {
+                recv(swaps) -> swap => swap,
+                recv(replies) -> _ => return Ok(()),
+                default(LAYOUT_TIMEOUT) => return Ok(()),
+            };
+            let Ok(swap) = swap else {
+                return Ok(());
+            };
+            self.swap_layout(swap)?;
+        }
+    }
+
+    /// Executes a command from outside the pipeline and sends the reply, if one is expected.
+    fn execute(
+        &mut self,
+        command: Command,
+        reply: Option<ReplySender>,
+    ) -> Result<Next, SessionError> {
+        let result = match command {
+            Command::Stop => return Ok(Next::End),
+            Command::State => Ok(Reply::State(self.status())),
+            _ => match layout_operation(&command) {
+                Some(operation) => match self.forward(operation, reply.clone()) {
+                    Ok(()) => return Ok(Next::Continue),
+                    Err(error) => Err(error),
+                },
+                None => self.execute_in_pipeline(command)?,
+            },
+        };
+        if let Some(reply) = reply {
+            // The client may have gone away.
+            let _ = reply.try_send(result);
+        }
+        Ok(Next::Continue)
+    }
+
+    fn execute_in_pipeline(
+        &mut self,
+        command: Command,
+    ) -> Result<Result<Reply, RequestError>, SessionError> {
+        if command == Command::Recenter {
+            // A hand that is overdue is not recentered on.
+            self.stall_if_overdue()?;
+        }
+        self.events.clear();
+        let result = self.pipeline.execute(&command, &mut self.events);
+        self.send_events(None)?;
+        self.publish(None, None, None);
+        Ok(result.map(|()| Reply::Done).map_err(RequestError::from))
+    }
+
+    /// Hands an operation to the layout manager.
+    fn forward(
+        &self,
+        operation: LayoutOperation,
+        reply: Option<ReplySender>,
+    ) -> Result<(), RequestError> {
+        let link = self.commands.layouts().ok_or_else(|| {
+            RequestError::Layout("this session cannot change its layouts".to_owned())
+        })?;
+        let operation = match operation {
+            LayoutOperation::Save(_) => {
+                LayoutOperation::Save(self.pipeline.board_poses().collect())
+            }
+            operation => operation,
+        };
+        link.forward(LayoutRequest {
+            operation,
+            profile: self.pipeline.active_profile(),
+            reply,
+        })
+    }
+
+    fn swap_layout(&mut self, swap: LayoutSwap) -> Result<(), SessionError> {
+        let LayoutSwap {
+            mut layout,
+            profile,
+            keep_board_poses,
+            retired,
+        } = swap;
+        if keep_board_poses {
+            self.pipeline.keep_board_poses(profile, &mut layout);
+        }
+        self.events.clear();
+        self.pipeline
+            .replace_profile(profile, &mut layout, &mut self.events);
+        self.send_events(None)?;
+        self.publish(None, None, None);
+        self.update_target_names();
+        let _ = retired.try_send(layout);
+        Ok(())
+    }
+
+    fn stall_if_overdue(&mut self) -> Result<(), SessionError> {
+        // A reading that waits in the channel prevents the stall.
+        if self.capture.events().is_empty() && self.time_to_stall().is_zero() {
+            self.stall(None)?;
+        }
+        Ok(())
+    }
+
+    fn stall(&mut self, source_error: Option<CaptureError>) -> Result<(), SessionError> {
+        self.events.clear();
+        self.pipeline.stall(&mut self.events);
+        self.last_reading_at = None;
+        self.send_events(None)?;
+        self.publish(None, None, source_error);
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<(), SessionError> {
+        for event in self.capture.events().try_iter() {
+            match event {
+                CaptureEvent::Reading { stats, .. } => {
+                    self.source_stats = stats;
+                    self.unprocessed += 1;
+                }
+                CaptureEvent::Noise(stats) => self.source_stats = stats,
+                _ => {}
+            }
+        }
+        self.events.clear();
+        self.pipeline.stop(&mut self.events);
+        let sent = self.send_events(None);
+        let closed = self.sink.0.close();
+        self.publish(None, None, None);
+        sent?;
+        Ok(closed?)
+    }
+
+    /// Hands the events of this step to the sink, even if there are none: a sink with its own thread reports an earlier
+    /// failure at the next call.
+    fn send_events(&mut self, step: Option<&StepOutput>) -> Result<(), SessionError> {
+        if let Some(step) = step
+            && !step.commands.is_empty()
+        {
+            self.sink.0.log_commands(&step.commands)?;
+        }
+        Ok(self.sink.0.send(&self.events)?)
+    }
+
+    fn status(&self) -> SessionStatus {
+        SessionStatus {
+            state: self.pipeline.state(),
+            is_paused: self.pipeline.is_paused(),
+            profile: self.pipeline.active_profile(),
+            stats: self.stats(),
+            dropped_presses: self.sink.0.dropped_presses(),
+        }
+    }
+
+    fn stats(&self) -> Stats {
+        Stats {
+            source: SourceStats {
+                dropped: self.source_stats.dropped + self.expired + self.unprocessed,
+                ..self.source_stats
+            },
+            accepted: self.pipeline.accepted(),
+            rejected: self.pipeline.rejected(),
+            stalls: self.pipeline.stalls(),
+            suppressed: self.pipeline.suppressed(),
+        }
+    }
+
+    /// Shows this step to the observer. Its events belong to the profile that was active before them.
+    fn publish(
+        &mut self,
+        reading: Option<Reading>,
+        step: Option<&StepOutput>,
+        source_error: Option<CaptureError>,
+    ) {
+        let snapshot = Snapshot {
+            state: self.pipeline.state(),
+            is_paused: self.pipeline.is_paused(),
+            profile: self.profile,
+            target_names: self.target_names.clone(),
+            reading,
+            source_error,
+            angles: step.map(|step| step.estimate.angles),
+            pose: step.map(|step| step.pose),
+            touches: step.map(|step| step.touches.clone()).unwrap_or_default(),
+            events: self.events.clone(),
+            commands: step.map(|step| step.commands.clone()).unwrap_or_default(),
+            stats: self.stats(),
+        };
+        (self.observe)(&snapshot);
+        if self.profile != self.pipeline.active_profile() {
+            self.update_target_names();
+        }
+    }
+
+    fn update_target_names(&mut self) {
+        self.profile = self.pipeline.active_profile();
+        self.target_names = self.pipeline.target_names().clone();
+        self.sink.0.set_target_names(&self.target_names);
+    }
+}
+
+/// The operation of the layout manager that a command stands for. The loop fills in the board poses.
+fn layout_operation(command: &Command) -> Option<LayoutOperation> {
+    match command {
+        Command::Scale { factor } => Some(LayoutOperation::Scale(*factor)),
+        Command::Save => Some(LayoutOperation::Save(Vec::new())),
+        Command::Reload => Some(LayoutOperation::Reload),
+        _ => None,
+    }
+}
+
+/// A histogram for 1 ns to 1 min with three significant digits, which never allocates later.
+pub(super) fn new_histogram() -> Histogram<u64> {
+    Histogram::new_with_bounds(1, 60_000_000_000, 3).expect("the bounds are valid")
+}

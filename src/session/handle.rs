@@ -1,0 +1,77 @@
+//! The owner's end of a session.
+
+use std::panic::resume_unwind;
+use std::thread::{self, JoinHandle};
+
+use crossbeam_channel::{Receiver, Sender, bounded, never};
+
+use super::command_channel::CommandSender;
+use super::{Session, SessionError, Summary};
+use crate::command::Command;
+use crate::snapshot::Snapshot;
+
+/// Snapshots that wait for the owner.
+const QUEUED_SNAPSHOTS: usize = 16;
+
+/// A running session. Dropping it stops the session and waits until everything is released.
+#[derive(Debug)]
+pub struct SessionHandle {
+    commands: CommandSender,
+    snapshots: Receiver<Snapshot>,
+    thread: Option<JoinHandle<Result<Summary, SessionError>>>,
+}
+
+impl SessionHandle {
+    pub(super) fn snapshot_channel() -> (Sender<Snapshot>, Receiver<Snapshot>) {
+        bounded(QUEUED_SNAPSHOTS)
+    }
+
+    pub(super) fn spawn(
+        session: Session,
+        commands: CommandSender,
+        snapshots: Receiver<Snapshot>,
+    ) -> Result<Self, SessionError> {
+        let thread = thread::Builder::new().name("session".into());
+        Ok(Self {
+            commands,
+            snapshots,
+            thread: Some(thread.spawn(move || session.run())?),
+        })
+    }
+
+    /// The channel for commands.
+    pub fn commands(&self) -> &CommandSender {
+        &self.commands
+    }
+
+    /// Snapshots of all steps; disconnected when the session has ended. Without
+    /// [`lossless_snapshots`](super::SessionOptions::lossless_snapshots) a full channel drops the newest ones.
+    pub fn snapshots(&self) -> &Receiver<Snapshot> {
+        &self.snapshots
+    }
+
+    /// Waits for the end of the session.
+    ///
+    /// # Panics
+    ///
+    /// If the session thread panicked. Everything is released then.
+    pub fn join(mut self) -> Result<Summary, SessionError> {
+        // A lossless session must not wait for this receiver.
+        self.snapshots = never();
+        let thread = self
+            .thread
+            .take()
+            .expect("only this method and `drop` take it");
+        thread.join().unwrap_or_else(|panic| resume_unwind(panic))
+    }
+}
+
+impl Drop for SessionHandle {
+    fn drop(&mut self) {
+        if let Some(thread) = self.thread.take() {
+            self.snapshots = never();
+            let _ = self.commands.send(Command::Stop);
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,136 @@
+//! The link between the session loop and the layout manager.
+//!
+//! The loop forwards commands that need a layout to be built or written, and never waits for them. The manager hands built
+//! layouts back and waits until the loop has activated them.
+
+use crossbeam_channel::{Receiver, Sender, bounded, select};
+
+use super::command_channel::{ReplySender, RequestError, Waker};
+use crate::contact::board_pose::BoardPose;
+use crate::pipeline::LayoutInstance;
+
+/// Requests that wait for a busy layout manager: one of each client of the control socket.
+const QUEUE_LENGTH: usize = 16;
+
+/// Work for the layout manager.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum LayoutOperation {
+    /// Reads all layout files again, even unchanged ones.
+    Reload,
+    /// Multiplies the size of the boards by this factor. The boards keep their poses.
+    Scale(f32),
+    /// Writes the size of the boards and these poses, in the order of the layout, to the layout file.
+    Save(Vec<BoardPose>),
+}
+
+/// An operation, the layout that it concerns and the channel for its reply.
+#[derive(Clone, Debug)]
+pub(crate) struct LayoutRequest {
+    /// The operation.
+    pub operation: LayoutOperation,
+    /// Index of the active profile.
+    pub profile: usize,
+    /// Channel for the reply; `None` for a command of the layout itself.
+    pub reply: Option<ReplySender>,
+}
+
+/// A layout that is ready to replace another one.
+pub(super) struct LayoutSwap {
+    /// The new layout.
+    pub layout: Box<LayoutInstance>,
+    /// Index of the profile whose layout it replaces.
+    pub profile: usize,
+    /// Whether the boards keep their present poses instead of those of the file.
+    pub keep_board_poses: bool,
+    /// Receives the old layout after the swap, so that another thread than the loop frees it.
+    pub retired: Sender<Box<LayoutInstance>>,
+}
+
+/// The session has ended.
+pub(crate) struct SessionEnded;
+
+/// The layout manager's end of the link.
+#[derive(Debug)]
+pub struct LayoutLink {
+    requests: Receiver<LayoutRequest>,
+    swaps: Sender<LayoutSwap>,
+    ended: Receiver<()>,
+    waker: Waker,
+}
+
+impl LayoutLink {
+    pub(super) fn new(waker: Waker) -> (Self, LoopLayoutLink) {
+        let (request_sender, requests) = bounded(QUEUE_LENGTH);
+        let (swaps, swap_receiver) = bounded(1);
+        let (end, ended) = bounded(0);
+        let manager_end = Self {
+            requests,
+            swaps,
+            ended,
+            waker,
+        };
+        let loop_end = LoopLayoutLink {
+            requests: request_sender,
+            swaps: swap_receiver,
+            _end: end,
+        };
+        (manager_end, loop_end)
+    }
+
+    /// Requests of the loop; disconnected when the session has ended.
+    pub(crate) fn requests(&self) -> &Receiver<LayoutRequest> {
+        &self.requests
+    }
+
+    /// Activates a layout, waits until the loop uses it, and frees the old one.
+    pub(crate) fn activate(
+        &self,
+        layout: LayoutInstance,
+        profile: usize,
+        keep_board_poses: bool,
+    ) -> Result<(), SessionEnded> {
+        let (retired, old) = bounded(1);
+        let swap = LayoutSwap {
+            layout: Box::new(layout),
+            profile,
+            keep_board_poses,
+            retired,
+        };
+        select! {
+            send(self.swaps, swap) -> sent => sent.map_err(|_| SessionEnded)?,
+            recv(self.ended) -> _ => return Err(SessionEnded),
+        }
+        self.waker.wake();
+        select! {
+            recv(old) -> old => old.map(drop).map_err(|_| SessionEnded),
+            recv(self.ended) -> _ => Err(SessionEnded),
+        }
+    }
+}
+
+/// The loop's end of the link. Dropping it ends the layout manager.
+#[derive(Debug)]
+pub(super) struct LoopLayoutLink {
+    requests: Sender<LayoutRequest>,
+    swaps: Receiver<LayoutSwap>,
+    _end: Sender<()>,
+}
+
+impl LoopLayoutLink {
+    /// Forwards a request without waiting.
+    pub fn forward(&self, request: LayoutRequest) -> Result<(), RequestError> {
+        self.requests
+            .try_send(request)
+            .map_err(|_| RequestError::QueueFull)
+    }
+
+    /// Layouts that are ready.
+    pub fn swaps(&self) -> &Receiver<LayoutSwap> {
+        &self.swaps
+    }
+
+    /// The next layout, if one is ready.
+    pub fn try_swap(&self) -> Option<LayoutSwap> {
+        self.swaps.try_recv().ok()
+    }
+}

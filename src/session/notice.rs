@@ -1,0 +1,207 @@
+//! Messages of a session for its user.
+
+use std::fmt;
+use std::io;
+use std::thread;
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, Sender, bounded, never};
+
+use super::reload::LayoutReport;
+use crate::advice;
+use crate::capture::SourceUri;
+use crate::estimate::Rejection;
+use crate::hand::{Finger, FingerSet};
+
+/// Notices that wait for the receiver of the user.
+const QUEUE_LENGTH: usize = 64;
+
+/// Longest wait at the end of a session for notices that the user's receiver has not handled yet.
+const FLUSH_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// A message for the user, one or more lines as [`Display`](fmt::Display).
+#[derive(Debug)]
+pub enum Notice {
+    /// A source on the network has the role `pointer`, so that it presses no keys of the layout.
+    PointerOnly {
+        /// The source.
+        source: SourceUri,
+        /// Whether the command line flag `--role` applies to it.
+        is_first: bool,
+    },
+    /// The session waits for a device, for this reason.
+    WaitingForSource(String),
+    /// The device that the session waited for is open.
+    SourceFound(SourceUri),
+    /// The session reads from this live source.
+    Listening(SourceUri),
+    /// There is no default path for a control socket.
+    NoControlSocket,
+    /// Output waits until the hand is clear of every control.
+    Disarmed,
+    /// Touches become events.
+    Armed,
+    /// The session is paused.
+    Paused {
+        /// Whether the press rate limit caused the pause.
+        is_rate_limited: bool,
+    },
+    /// No readings arrive; everything is released.
+    Stalled,
+    /// The device was lost or the machine was suspended.
+    SourceLost(String),
+    /// This many readings gave no joint angles.
+    Rejected(u64, Rejection),
+    /// This many readings were dropped because the loop was late.
+    Dropped(u64),
+    /// This many system keys were suppressed.
+    SystemKeysSuppressed(u64),
+    /// This many keys were suppressed because of the role of their source.
+    KeysSuppressed(u64),
+    /// This many pointer events were suppressed because of the role of their source.
+    PointingSuppressed(u64),
+    /// Sensors of these fingers are faulty; their keys are released. Empty after a recovery.
+    UntrustedFingers(FingerSet),
+    /// The watchdog exited unexpectedly.
+    WatchdogLost,
+    /// Outcome of a change to a layout.
+    Layout(LayoutReport),
+}
+
+impl fmt::Display for Notice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::PointerOnly { source, is_first } => {
+                let flag = if *is_first { " or `--role both`" } else { "" };
+                write!(
+                    f,
+                    "{source} is on the network and only a pointer: it presses no keys of the layout; `role: Both` \
+                     next to this source in the setup{flag} lets it type"
+                )
+            }
+            Self::WaitingForSource(reason) => write!(f, "waiting: {reason}; Ctrl-C ends"),
+            Self::SourceFound(source) => write!(f, "found {source}"),
+            Self::Listening(source) => write!(f, "listening to {source}, Ctrl-C ends"),
+            Self::NoControlSocket => write!(f, "{}", advice::no_runtime_dir()),
+            Self::Disarmed => {
+                f.write_str("paused: hold the hand clear of all keys for a moment to arm")
+            }
+            Self::Armed => f.write_str("armed: touches are typed, Ctrl-C ends"),
+            Self::Paused {
+                is_rate_limited: true,
+            } => f.write_str(
+                "paused: more presses than a person makes (`presses_per_second` of the setup); everything is \
+                 released, `ademan ctl resume` goes on",
+            ),
+            Self::Paused {
+                is_rate_limited: false,
+            } => f.write_str("paused: everything is released, `ademan ctl resume` goes on"),
+            Self::Stalled => f.write_str("stalled: no readings, everything is released"),
+            Self::SourceLost(reason) => f.write_str(reason),
+            Self::Rejected(count, reason) => {
+                write!(f, "{} rejected: {reason}", counted(*count, "reading"))
+            }
+            Self::Dropped(count) => write!(
+                f,
+                "{} dropped: this machine is too busy",
+                counted(*count, "reading")
+            ),
+            Self::SystemKeysSuppressed(count) => write!(
+                f,
+                "{} suppressed that would act on the system; `system_keys: true` in the setup allows them",
+                counted(*count, "key")
+            ),
+            Self::KeysSuppressed(count) => write!(
+                f,
+                "{} suppressed, as the source is only a pointer; `role: Both` next to it in the setup lets it type",
+                counted(*count, "key")
+            ),
+            Self::PointingSuppressed(count) => write!(
+                f,
+                "{} suppressed, as the source is only for keys; `role: Both` next to it in the setup lets it point",
+                counted(*count, "pointer event")
+            ),
+            Self::UntrustedFingers(fingers) => write_untrusted(f, *fingers),
+            Self::WatchdogLost => {
+                f.write_str("the watchdog exited: everything is released")
+            }
+            Self::Layout(report) => report.fmt(f),
+        }
+    }
+}
+
+fn write_untrusted(f: &mut fmt::Formatter<'_>, fingers: FingerSet) -> fmt::Result {
+    let names = Finger::ALL
+        .iter()
+        .filter(|finger| fingers.contains(**finger))
+        .map(|finger| finger.name());
+    let names: Vec<_> = names.collect();
+    match names.is_empty() {
+        true => f.write_str("the sensors of all fingers work again"),
+        false => write!(
+            f,
+            "ignored and released: {}; a sensor has been at an end of its range for 1 s, check its wire",
+            names.join(", ")
+        ),
+    }
+}
+
+/// Sends notices without waiting; drops them when the queue is full.
+#[derive(Clone)]
+pub(super) struct NoticeSender(Sender<Option<Notice>>);
+
+impl NoticeSender {
+    /// Sends a notice.
+    pub fn send(&self, notice: Notice) {
+        let _ = self.0.try_send(Some(notice));
+    }
+}
+
+/// A thread that hands notices to the user's receiver, which may block on a terminal.
+pub(super) struct NoticeThread {
+    sender: Sender<Option<Notice>>,
+    /// Disconnected when all notices were handled.
+    finished: Receiver<()>,
+}
+
+impl NoticeThread {
+    /// Starts the thread. Without a receiver all notices are dropped.
+    pub fn start(on_notice: Option<Box<dyn FnMut(Notice) + Send>>) -> io::Result<Self> {
+        let (sender, notices) = bounded::<Option<Notice>>(QUEUE_LENGTH);
+        let Some(mut on_notice) = on_notice else {
+            return Ok(Self {
+                sender,
+                finished: never(),
+            });
+        };
+        let (finish, finished) = bounded::<()>(0);
+        thread::Builder::new()
+            .name("notices".into())
+            .spawn(move || {
+                // `None` marks the end: other threads may keep their senders.
+                for notice in notices.iter().map_while(|notice| notice) {
+                    on_notice(notice);
+                }
+                drop(finish);
+            })?;
+        Ok(Self { sender, finished })
+    }
+
+    /// A sender for any thread.
+    pub fn sender(&self) -> NoticeSender {
+        NoticeSender(self.sender.clone())
+    }
+
+    /// Waits until all notices were handled, up to 1 s.
+    pub fn finish(&self) {
+        if self.sender.send_timeout(None, FLUSH_TIMEOUT).is_ok() {
+            let _ = self.finished.recv_timeout(FLUSH_TIMEOUT);
+        }
+    }
+}
+
+/// A number with its noun: `1 key`, `2 keys`.
+pub fn counted(count: u64, noun: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {noun}{plural}")
+}

@@ -1,0 +1,66 @@
+//! Options of a session that are not part of a setup.
+
+use std::ffi::OsString;
+use std::fmt;
+use std::path::PathBuf;
+
+use super::notice::Notice;
+use crate::capture::Source;
+use crate::command::Command;
+use crate::output::Sink;
+
+/// Options of a session. The default is a session without control socket, recording, watched files or messages.
+#[derive(Default)]
+pub struct SessionOptions {
+    /// Source that replaces that of the setup.
+    pub source: Option<Box<dyn Source>>,
+    /// Playback speed of a source that is not live, 1 for real time; `None` for as fast as possible.
+    pub speed: Option<f64>,
+    /// Whether to wait for a device that cannot be opened yet.
+    pub wait_for_source: bool,
+    /// Output that replaces that of the setup. It is not checked against the layouts.
+    pub output: Option<Box<dyn Sink>>,
+    /// Program that releases keys when this process cannot.
+    pub watchdog: Option<WatchdogProgram>,
+    /// Path of a recording to create.
+    pub record_to: Option<PathBuf>,
+    /// Path of the control socket.
+    pub control_socket: Option<PathBuf>,
+    /// Whether layout files are activated when they are saved.
+    pub watch_layouts: bool,
+    /// Whether the `panic_keys` of the setup pause the session.
+    pub use_panic_keys: bool,
+    /// Whether changes of state and losses of readings are reported as notices.
+    pub report_status: bool,
+    /// Whether a full snapshot channel delays the session instead of dropping snapshots.
+    pub lossless_snapshots: bool,
+    /// Receives notices on a thread of its own. Notices are dropped when 64 wait.
+    pub on_notice: Option<Box<dyn FnMut(Notice) + Send>>,
+}
+
+/// The program that runs [`run_watchdog`](crate::output::run_watchdog) in a second process.
+#[derive(Clone, Debug)]
+pub struct WatchdogProgram {
+    /// Path of the program.
+    pub program: PathBuf,
+    /// Arguments that select the watchdog.
+    pub arguments: Vec<OsString>,
+    /// Command that the session executes when the watchdog exits unexpectedly.
+    pub on_lost: Command,
+}
+
+impl fmt::Debug for SessionOptions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SessionOptions")
+            .field("speed", &self.speed)
+            .field("wait_for_source", &self.wait_for_source)
+            .field("watchdog", &self.watchdog)
+            .field("record_to", &self.record_to)
+            .field("control_socket", &self.control_socket)
+            .field("watch_layouts", &self.watch_layouts)
+            .field("use_panic_keys", &self.use_panic_keys)
+            .field("report_status", &self.report_status)
+            .field("lossless_snapshots", &self.lossless_snapshots)
+            .finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,95 @@
+//! A session loop for tests of the layout manager: it activates every layout at once.
+
+use std::path::Path;
+use std::thread;
+use std::time::Duration;
+
+use crossbeam_channel::{Receiver, bounded, unbounded};
+
+use super::{FilePolicy, LayoutReport, LayoutSource, start};
+use crate::layout::Layout;
+use crate::session::CommandReceiver;
+use crate::session::command_channel::Reply;
+use crate::session::layout_link::{LayoutOperation, LayoutRequest};
+use crate::setup;
+
+/// Longest wait for something that a busy machine does late.
+pub const TIMEOUT: Duration = Duration::from_secs(60);
+
+/// A session with one layout. Dropping it ends the layout manager.
+pub struct TestLoop {
+    commands: CommandReceiver,
+    /// For each activated layout, whether its boards keep their poses.
+    pub activated: Receiver<bool>,
+    pub reports: Receiver<LayoutReport>,
+}
+
+impl TestLoop {
+    /// Starts a layout manager for a layout and its file. `accept` refuses layouts.
+    pub fn start(
+        layout: Layout,
+        path: Option<&Path>,
+        accept: impl Fn(&Layout) -> Result<(), String> + Send + 'static,
+    ) -> Self {
+        let session = Self::paused(layout, path, accept);
+        let swaps = session.commands.layouts().unwrap().swaps().clone();
+        let (sender, activated) = unbounded();
+        thread::spawn(move || {
+            for swap in swaps {
+                let _ = sender.send(swap.keep_board_poses);
+                let _ = swap.retired.send(swap.layout);
+            }
+        });
+        Self {
+            activated,
+            ..session
+        }
+    }
+
+    /// As [`start`](Self::start), but no layout is ever activated.
+    pub fn paused(
+        layout: Layout,
+        path: Option<&Path>,
+        accept: impl Fn(&Layout) -> Result<(), String> + Send + 'static,
+    ) -> Self {
+        let mut commands = CommandReceiver::disconnected();
+        let (sender, reports) = unbounded();
+        let source = LayoutSource {
+            layout,
+            path: path.map(|path| path.to_str().unwrap().to_owned()),
+        };
+        let policy = FilePolicy {
+            watch: true,
+            is_recorded: false,
+        };
+        let build = move |layout: &Layout| accept(layout).map(|()| setup::controls(layout));
+        let report = move |report| sender.send(report).unwrap();
+        start([source], commands.link_layouts(), policy, build, report).unwrap();
+        Self {
+            commands,
+            activated: unbounded().1,
+            reports,
+        }
+    }
+
+    /// Whether a layout waits for its activation.
+    pub fn has_swap(&self) -> bool {
+        !self.commands.layouts().unwrap().swaps().is_empty()
+    }
+
+    /// Sends a request and waits for the outcome.
+    pub fn request(&self, operation: LayoutOperation) -> Result<String, String> {
+        let (reply, replies) = bounded(1);
+        let request = LayoutRequest {
+            operation,
+            profile: 0,
+            reply: Some(reply),
+        };
+        self.commands.layouts().unwrap().forward(request).unwrap();
+        match replies.recv_timeout(TIMEOUT).unwrap() {
+            Ok(Reply::Text(text)) => Ok(text),
+            Ok(reply) => panic!("{reply:?}"),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+}
