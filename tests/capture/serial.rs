@@ -216,15 +216,9 @@ fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_device() {
             .contains(&port.path().display().to_string()),
         "{error}"
     );
-    let start = Instant::now();
-    while start.elapsed() < Duration::from_millis(500) {
-        let asked = Instant::now();
+    // Without a device, the source stays idle and never blocks for good.
+    for _ in 0..5 {
         assert_eq!(source.next().unwrap(), SourceEvent::Idle);
-        assert!(
-            asked.elapsed() < Duration::from_secs(2),
-            "asked in vain for {:?}",
-            asked.elapsed()
-        );
     }
 
     port.plug_in();
@@ -241,24 +235,24 @@ fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_device() {
     assert_eq!(logged(&port, "reconnected to"), 1);
 }
 
+/// `benches/release.rs` measures the time.
 #[test]
-fn a_loss_is_told_within_50_ms() {
-    let lose = || {
-        let mut port = Port::plugged_in();
-        let captured = spawn(open(&port.name(9600)).unwrap()).unwrap();
-        std::thread::sleep(Duration::from_millis(20));
-        let start = Instant::now();
-        port.unplug();
-        let arrival = captured
-            .events()
-            .recv_timeout(LIMIT)
-            .expect("news of the loss");
-        assert!(matches!(arrival, CaptureEvent::Lost(_)), "{arrival:?}");
-        start.elapsed()
-    };
-    // The best of some: a busy machine may let any one wait.
-    let best = (0..5).map(|_| lose()).min();
-    assert!(best < Some(Duration::from_millis(50)), "{best:?}");
+fn a_loss_is_reported_right_after_the_last_reading() {
+    let mut random = Rng::with_seed(8);
+    let mut port = Port::plugged_in();
+    let captured = spawn(open(&port.name(115_200)).unwrap()).unwrap();
+    let next = || captured.events().recv_timeout(LIMIT).expect("an event");
+    port.send(&stream(&bodies(&mut random, 3)));
+    for _ in 0..2 {
+        let event = next();
+        assert!(matches!(event, CaptureEvent::Reading { .. }), "{event:?}");
+    }
+    port.unplug();
+    // The last packet may count as complete at the end of the stream.
+    let events = std::iter::repeat_with(next);
+    let mut others = events.filter(|event| !matches!(event, CaptureEvent::Reading { .. }));
+    let event = others.next().expect("an event");
+    assert!(matches!(event, CaptureEvent::Lost(_)), "{event:?}");
 }
 
 #[test]
@@ -303,14 +297,17 @@ fn garbage_for_two_seconds_is_warned_of_once() {
     let mut port = Port::plugged_in();
     let mut source = open(&port.name(9600)).unwrap();
     let start = Instant::now();
-    while start.elapsed() < Duration::from_secs(3) {
+    let mut receive_noise = |port: &mut Port| {
         port.send(&[random.u8(..), 0]);
         assert_eq!(source.next().unwrap(), SourceEvent::Idle);
         std::thread::sleep(Duration::from_millis(5));
-        if start.elapsed() < Duration::from_millis(1900) {
-            assert_eq!(logged(&port, "no valid packet"), 0);
-        }
+    };
+    while logged(&port, "check baud and protocol") == 0 {
+        receive_noise(&mut port);
+        assert!(start.elapsed() < LIMIT, "no warning");
     }
+    assert!(start.elapsed() > Duration::from_millis(1900));
+    (0..100).for_each(|_| receive_noise(&mut port));
     assert_eq!(logged(&port, "check baud and protocol"), 1);
 }
 

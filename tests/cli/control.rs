@@ -144,11 +144,9 @@ fn a_reload_says_what_came_of_it_also_when_the_file_was_not_saved() {
     assert_eq!((code, out.as_str()), (1, ""));
     let expected = "error: my.ron:2:5: unknown field `nmae`, did you mean `name`?\n 2 |     nmae: \"My board\",\n   |     ^^^^\nthe active layout stays\n";
     assert_eq!(err, expected);
-    let asked = Instant::now();
     run.save(&shipped("dvorak-flat"));
     let answer = ask(&mut caller(&run), r#"{"command":"reload"}"#);
     assert_eq!(answer["text"], "my.ron: active from now on");
-    assert!(asked.elapsed() < Duration::from_secs(2));
     run.lift();
     thread::sleep(MOVE);
     run.push_down();

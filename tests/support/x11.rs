@@ -161,22 +161,29 @@ impl XServer {
     }
 }
 
-/// A window over the whole screen that hears what a mouse does.
-pub struct Field {
+/// A window over the whole screen that has the focus and receives all events of keyboard and mouse.
+///
+/// The server sends every event. A key that is down for less than the interval between two looks at the keymap is
+/// received all the same.
+pub struct InputWindow {
     connection: RustConnection,
 }
 
-impl Field {
+impl InputWindow {
     /// Opens one on the server.
     pub fn open(server: &XServer) -> Self {
         let (connection, screen) = x11rb::connect(Some(server.display())).expect("it answers");
         let root = &connection.setup().roots[screen];
         let window = connection.generate_id().expect("a number for it");
-        let heard = EventMask::BUTTON_PRESS | EventMask::BUTTON_RELEASE | EventMask::POINTER_MOTION;
+        let received = EventMask::KEY_PRESS
+            | EventMask::KEY_RELEASE
+            | EventMask::BUTTON_PRESS
+            | EventMask::BUTTON_RELEASE
+            | EventMask::POINTER_MOTION;
         let (width, height) = (root.width_in_pixels, root.height_in_pixels);
         let settings = CreateWindowAux::new()
             .override_redirect(1)
-            .event_mask(heard);
+            .event_mask(received);
         connection
             .create_window(
                 x11rb::COPY_DEPTH_FROM_PARENT,
@@ -195,7 +202,16 @@ impl Field {
         connection.map_window(window).expect("the server is there");
         connection.flush().expect("the server is there");
         assert!(wait_for(|| server.is_seen(window)), "the window is seen");
+        server.focus(window);
         Self { connection }
+    }
+
+    /// Waits for the press of any key; returns `false` if none comes in time. Earlier events are dropped.
+    pub fn receives_a_key(&self) -> bool {
+        wait_for(|| {
+            let mut next = || self.connection.poll_for_event().expect("the server runs");
+            std::iter::from_fn(&mut next).any(|event| matches!(event, Event::KeyPress(_)))
+        })
     }
 
     /// What it has heard since it was last asked, once it has heard `last` or no more comes: `down 1 at 3,4`, `up 1 at 3,4`, `move to 3,4` and, with the left button down, `drag to 3,4`.

@@ -95,7 +95,10 @@ fn a_compositor_that_does_not_come_back_is_an_error_and_what_is_down_comes_up_wh
     assert!(error.contains("it reads nothing"), "{error}");
     let start = Instant::now();
     sink.close().expect_err("it cannot say that all is well");
-    assert!(start.elapsed() < Duration::from_secs(10));
+    assert!(
+        start.elapsed() < Duration::from_secs(60),
+        "it waits forever"
+    );
     compositor.go_on();
     let comes_up = || count(&window.heard(), "up a") > 0;
     assert!(wait_up_to(Duration::from_secs(30), comes_up));

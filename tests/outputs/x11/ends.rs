@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use ademan::capture::hc11::{Framing, encode};
 use tempfile::TempDir;
 
-use super::{SOON, hold, released_after};
+use super::{hold, wait_for_release};
 use crate::support::glove::Glove;
 use crate::support::press::{Press, code};
 use crate::support::program::Program;
@@ -49,8 +49,7 @@ impl Typing {
     fn end_by(mut self, signals: &[&str]) -> Option<i32> {
         let start = Instant::now();
         self.program.signal(signals);
-        let took = released_after(&self.server, start, &signals.join(" "));
-        assert!(took < SOON, "{took:?}");
+        wait_for_release(&self.server, start, &signals.join(" "));
         let status = self.program.status();
         assert_eq!(self.server.keys_down(), [0; 0]);
         status.code()
@@ -58,8 +57,7 @@ impl Typing {
 
     /// Whatever has happened to the glove: everything is let go of, and the program waits for it.
     fn stalls(mut self, start: Instant, what: &str) {
-        let took = released_after(&self.server, start, what);
-        assert!(took < SOON, "{what}: {took:?}");
+        wait_for_release(&self.server, start, what);
         self.program.wait_until_it_says("stalled", 1);
         assert!(self.program.runs(), "{:#?}", self.program.said());
         self.program.signal(&["TERM"]);

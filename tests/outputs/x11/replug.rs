@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::{hold, released_after};
+use super::{hold, wait_for_release};
 use crate::support::glove::Glove;
 use crate::support::press::{Press, code};
 use crate::support::program::Program;
@@ -28,7 +28,7 @@ fn a_finger_that_is_still_on_the_key_presses_nothing_until_the_hand_was_off_all_
 
     let start = Instant::now();
     glove.unplug();
-    released_after(&server, start, "unplugged");
+    wait_for_release(&server, start, "unplugged");
     let glove = Glove::plug_in(&port, press.held());
     program.wait_until_it_says("reconnected to", 1);
     let start = Instant::now();

@@ -2,7 +2,7 @@
 
 use std::thread;
 
-use crate::support::x11::{Field, Typewriter, XServer, wait_for};
+use crate::support::x11::{InputWindow, Typewriter, XServer, wait_for};
 use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan::output::{Desktop, OutputError, Sink};
 use ademan::time::Timestamp;
@@ -186,7 +186,7 @@ fn buttons_a_drag_and_the_wheel_arrive_in_order() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let field = Field::open(&server);
+    let field = InputWindow::open(&server);
     let mut sink = open(&server);
     sink.send(&[
         event(EventKind::MoveTo(0.0, 0.0)),
