@@ -39,19 +39,19 @@ const HALVES: [(&str, i32, [&str; 4]); 2] = [
 const KINDS: [(&str, &str); 7] = [
     (
         "toggles",
-        "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), holds: Key(\"F1\"))",
+        "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), hold: Key(\"F1\"))",
     ),
     (
         "sliders",
-        "(name: \"{name}\", at_mm: {at}, length_mm: 20, drives: ScrollY(10))",
+        "(name: \"{name}\", at_mm: {at}, length_mm: 20, output: ScrollY(10))",
     ),
     (
         "knobs",
-        "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, drives: Axis(\"LeftX\"))",
+        "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, output: Axis(\"LeftX\"))",
     ),
     (
         "levers",
-        "(name: \"{name}\", at_mm: {at}, length_mm: 20, springs: true)",
+        "(name: \"{name}\", at_mm: {at}, length_mm: 20, springs_back: true)",
     ),
     (
         "valves",
@@ -63,7 +63,7 @@ const KINDS: [(&str, &str); 7] = [
     ),
     (
         "touch_surfaces",
-        "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), mode: Pad)",
+        "(name: \"{name}\", at_mm: {at}, size_mm: Box(20, 20), mode: Touchpad)",
     ),
 ];
 
@@ -74,7 +74,7 @@ fn layout(controls: usize) -> String {
     for (hand, bearing, rows) in HALVES {
         let _ = write!(
             text,
-            "(hand: \"{hand}\", place: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, \
+            "(hand: \"{hand}\", pose: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, \
              height_mm: -45), rows: ["
         );
         for (row, keys) in rows.iter().enumerate() {
@@ -98,8 +98,8 @@ fn layout(controls: usize) -> String {
         text.push_str("),");
     }
     text.push_str(
-        "], triggers: [(name: \"claw\", does: Key(\"F2\"), when: \
-         Angle(of: \"ring-mcp-flexion\", on_deg: 60, off_deg: 50))])",
+        "], triggers: [(name: \"claw\", action: Key(\"F2\"), when: \
+         Angle(dof: \"ring-mcp-flexion\", on_deg: 60, off_deg: 50))])",
     );
     text
 }
@@ -111,7 +111,7 @@ fn loaded_setup(controls: usize) -> LoadedSetup {
     let setup = Setup {
         layout: path.display().to_string(),
         other_hand: Some(OtherHand::default()),
-        start_armed: true,
+        arm_immediately: true,
         ..Setup::default()
     };
     setup.load_files().unwrap_or_else(|error| panic!("{error}"))

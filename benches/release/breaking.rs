@@ -65,7 +65,7 @@ pub fn run_if_asked(arguments: &[String]) {
     signals::on_stop(move || _ = sender.send(ademan::command::Command::Stop));
     panics::install_hook();
     let setup = Setup {
-        start_armed: true,
+        arm_immediately: true,
         ..Setup::default()
     };
     let assembly = setup.load_files().expect("the default setup");

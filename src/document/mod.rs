@@ -4,12 +4,18 @@
 //! error can name the line and column, show the line, and underline the part that is wrong.
 
 mod error;
+mod pairs;
+mod ranged;
 mod ron_error;
 mod shipped;
+mod spanned;
 
 pub use error::DocumentError;
 pub(crate) use error::{byte_offset, line_number};
+pub use pairs::Pairs;
+pub(crate) use ranged::{format_number, ranged_numbers};
 pub use shipped::shipped_layouts;
+pub use spanned::Spanned;
 
 use std::fs::{self, File};
 use std::io::{ErrorKind, Read};

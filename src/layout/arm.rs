@@ -1,31 +1,30 @@
-//! `layouts/arms/*.ron`: the links of an arm.
+//! Arm models, from `layouts/arms/*.ron`: the links of an arm.
 
 use parry3d::math::{Mat3, Pose, Vec3};
 use serde::Deserialize;
 
-use crate::document::Document;
-use crate::document::DocumentError;
+use crate::document::{Document, DocumentError};
 use crate::hand::{Dof, Finger, Joint, Side};
 use crate::kinematics::{ArmModel, Link};
 
-/// Centimetres to metres.
-const CM: f32 = 0.01;
+const METRES_PER_CM: f32 = 0.01;
 
 #[derive(Deserialize)]
 #[serde(rename = "Arm", deny_unknown_fields)]
-struct Written<'a> {
+struct ArmSchema<'a> {
     #[serde(rename = "name")]
     _name: String,
     side: Side,
     tip_radius_mm: f32,
-    mount: Mount,
+    mount: MountSchema,
     #[serde(borrow)]
-    links: Vec<WrittenLink<'a>>,
+    links: Vec<LinkSchema<'a>>,
 }
 
+/// The pose of the arm in the world: origin and axes.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Mount {
+#[serde(rename = "Mount", deny_unknown_fields)]
+struct MountSchema {
     at_cm: [f32; 3],
     x: [f32; 3],
     y: [f32; 3],
@@ -33,97 +32,99 @@ struct Mount {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct WrittenLink<'a> {
+#[serde(rename = "Link", deny_unknown_fields)]
+struct LinkSchema<'a> {
     name: &'a str,
     parent: Option<&'a str>,
     offset_cm: [f32; 3],
-    axis: Axis,
+    axis: AxisSchema,
     dof: Option<Dof>,
     length_cm: f32,
     joint: Option<Joint>,
-    tip: Option<Finger>,
+    fingertip: Option<Finger>,
 }
 
 #[derive(Clone, Copy, Deserialize)]
-enum Axis {
+#[serde(rename = "Axis")]
+enum AxisSchema {
     X,
     Y,
     Z,
 }
 
 impl ArmModel {
-    /// The arm with this name or path.
+    /// Loads the arm with this name or path.
     pub fn load(name: &str) -> Result<Self, DocumentError> {
         Self::parse(&Document::open(name)?)
     }
 
-    /// The arm that a document describes.
+    /// Parses a document.
     pub fn parse(document: &Document) -> Result<Self, DocumentError> {
-        let written: Written = document.parse()?;
-        let Some(world_from_root) = written.mount.pose() else {
+        let schema: ArmSchema = document.parse()?;
+        let Some(world_from_root) = schema.mount.pose() else {
             let message =
-                "the mount's x, y and z are three unit axes at right angles, right-handed";
+                "x, y and z of `mount` must be unit vectors at right angles, right-handed";
             return Err(document.error_at(&document.text, message));
         };
-        if !(0.1..=30.0).contains(&written.tip_radius_mm) {
+        if !(0.1..=30.0).contains(&schema.tip_radius_mm) {
             let message = "`tip_radius_mm` is 0.1 to 30 mm";
             return Err(document.error_at(&document.text, message));
         }
-        let mut links: Vec<Link> = Vec::with_capacity(written.links.len());
-        for link in &written.links {
-            let link = link.checked(&links, document)?;
+        let mut links: Vec<Link> = Vec::with_capacity(schema.links.len());
+        for link in &schema.links {
+            let link = link.build(&links, document)?;
             links.push(link);
         }
         Self::new(
-            written.side,
+            schema.side,
             links,
             world_from_root,
-            written.tip_radius_mm * 1e-3,
+            schema.tip_radius_mm * 1e-3,
         )
         .map_err(|error| document.error_at(&document.text, error))
     }
 }
 
-impl Mount {
+impl MountSchema {
+    /// Returns the pose, or `None` if the axes are not a right-handed orthonormal basis.
     fn pose(&self) -> Option<Pose> {
-        let [at, x, y, z] = [self.at_cm, self.x, self.y, self.z].map(Vec3::from_array);
-        let usable = [x, y, z].iter().all(|axis| axis.is_normalized())
+        let [position, x, y, z] = [self.at_cm, self.x, self.y, self.z].map(Vec3::from_array);
+        let is_valid = [x, y, z].iter().all(|axis| axis.is_normalized())
             && x.cross(y).distance(z) < 1e-3
-            && at.is_finite();
+            && position.is_finite();
         let rotation = glam::Quat::from_mat3(&Mat3::from_cols(x, y, z));
-        usable.then(|| Pose::from_parts(at * CM, rotation))
+        is_valid.then(|| Pose::from_parts(position * METRES_PER_CM, rotation))
     }
 }
 
-impl WrittenLink<'_> {
-    fn checked(&self, before: &[Link], document: &Document) -> Result<Link, DocumentError> {
+impl LinkSchema<'_> {
+    /// Returns the link. Its parent is one of the links before it.
+    fn build(&self, before: &[Link], document: &Document) -> Result<Link, DocumentError> {
         if before.iter().any(|other| other.name == self.name) {
-            return Err(
-                document.error_at(self.name, format!("two links are called `{}`", self.name))
-            );
+            let message = format!("duplicate link `{}`", self.name);
+            return Err(document.error_at(self.name, message));
         }
         let parent = match self.parent {
             None => None,
             Some(parent) => {
-                let place = before.iter().position(|other| other.name == parent);
+                let index = before.iter().position(|other| other.name == parent);
                 let message = || format!("no link `{parent}` comes before `{}`", self.name);
-                Some(place.ok_or_else(|| document.error_at(parent, message()))?)
+                Some(index.ok_or_else(|| document.error_at(parent, message()))?)
             }
         };
         Ok(Link {
             name: self.name.to_owned(),
             parent,
-            offset: Vec3::from_array(self.offset_cm) * CM,
+            offset: Vec3::from_array(self.offset_cm) * METRES_PER_CM,
             axis: match self.axis {
-                Axis::X => Vec3::X,
-                Axis::Y => Vec3::Y,
-                Axis::Z => Vec3::Z,
+                AxisSchema::X => Vec3::X,
+                AxisSchema::Y => Vec3::Y,
+                AxisSchema::Z => Vec3::Z,
             },
             dof: self.dof,
-            length: self.length_cm * CM,
+            length: self.length_cm * METRES_PER_CM,
             joint: self.joint,
-            fingertip: self.tip,
+            fingertip: self.fingertip,
         })
     }
 }
@@ -146,13 +147,8 @@ mod tests {
     fn the_shipped_arm_has_25_links_and_five_fingertips() {
         let arm = ArmModel::load("unam").unwrap();
         assert_eq!(arm.links().len(), 25);
-        assert_eq!(
-            arm.links()
-                .iter()
-                .filter(|link| link.fingertip.is_some())
-                .count(),
-            5
-        );
+        let tips = arm.links().iter().filter(|link| link.fingertip.is_some());
+        assert_eq!(tips.count(), 5);
         assert_eq!(
             arm.world_from_root().rotation,
             ArmModel::palm_down_pose().rotation
@@ -160,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tree_that_is_none_and_a_mount_that_is_none_are_refused() {
+    fn an_invalid_tree_and_an_invalid_mount_are_rejected() {
         let link = |name: &str, parent: &str| {
             format!(
                 "(name: \"{name}\", parent: \"{parent}\", offset_cm: (0, 0, 0), axis: X, length_cm: 1),"

@@ -1,98 +1,92 @@
-//! The numbers of a layout file's places, written anew; all else in the file stays as it is.
+//! Edits of the board poses in the text of a layout. Everything else in the text stays as it is.
 
 use std::ops::Range;
 
 use ron::value::RawValue;
 use serde::Deserialize;
 
-use super::placement::anchor_from_board;
-use super::ranged::{Distance, Tilt};
-use super::schema;
+use super::load::{BoardSchema, LayoutSchema};
+use super::quantity::{Offset, Tilt};
 use crate::contact::board_pose::BoardPose;
-use crate::document::Document;
-use crate::document::{DocumentError, byte_offset};
+use crate::document::{Document, DocumentError, byte_offset, parse_ron};
 
-/// The text of a layout with its boards in these places, one for each; millimetres and degrees to the
-/// hundredth. Boards that are there already keep their numbers. The bearing stays as it is.
+/// Returns the text with its boards at these poses, one per board, in millimetres and degrees with two decimals.
 ///
-/// An error when the text is no layout, or when a place cannot be written.
-pub fn move_boards(document: &Document, places: &[BoardPose]) -> Result<String, DocumentError> {
-    rewrite(document, |number, board| {
-        let place = places.get(number)?;
-        let written = BoardPose::from_pose(&anchor_from_board(board));
-        let distance = |field, old: f32, new: f32, from: Option<Distance>| {
-            let (old, new) = (hundredths(old * 1e3), hundredths(new * 1e3));
-            let (low, high) = (*Distance::RANGE.start(), *Distance::RANGE.end());
-            let is_new = old != new && from.map(Distance::get) != Some(new);
-            is_new.then(|| (field, new.clamp(low, high)))
+/// Numbers that do not change keep their spelling. The bearing is not edited. Returns an error if the text is not a layout.
+pub fn move_boards(document: &Document, poses: &[BoardPose]) -> Result<String, DocumentError> {
+    edit_poses(document, |index, board| {
+        let pose = poses.get(index)?;
+        let old_pose = BoardPose::from_pose(&board.pose.anchor_from_board(board.shape));
+        let offset = |field, old: f32, new: f32, written: Option<Offset>| {
+            let (old, new) = (two_decimals(old * 1e3), two_decimals(new * 1e3));
+            let (min, max) = (*Offset::RANGE.start(), *Offset::RANGE.end());
+            let is_changed = old != new && written.map(Offset::get) != Some(new);
+            is_changed.then(|| (field, new.clamp(min, max)))
         };
-        let tilt = hundredths(place.tilt.to_degrees());
-        let is_tilted = tilt != hundredths(written.tilt.to_degrees());
-        let fields = &board.place;
-        let changes = [
-            distance(
+        let schema = &board.pose;
+        let tilt = two_decimals(pose.tilt.to_degrees());
+        let is_tilted = tilt != two_decimals(old_pose.tilt.to_degrees());
+        let edits = [
+            offset(
                 "right_mm",
-                written.right,
-                place.right,
-                Some(fields.right_mm),
+                old_pose.right,
+                pose.right,
+                Some(schema.right_mm),
             ),
-            distance(
+            offset(
                 "forward_mm",
-                written.forward,
-                place.forward,
-                fields.forward_mm,
+                old_pose.forward,
+                pose.forward,
+                schema.forward_mm,
             ),
-            distance(
+            offset(
                 "height_mm",
-                written.height,
-                place.height,
-                Some(fields.height_mm),
+                old_pose.height,
+                pose.height,
+                Some(schema.height_mm),
             ),
             is_tilted.then(|| {
-                (
-                    "tilt_deg",
-                    tilt.clamp(*Tilt::RANGE.start(), *Tilt::RANGE.end()),
-                )
+                let tilt = tilt.clamp(*Tilt::RANGE.start(), *Tilt::RANGE.end());
+                ("tilt_deg", tilt)
             }),
         ];
-        Some(changes.into_iter().flatten().collect())
+        Some(edits.into_iter().flatten().collect())
     })
 }
 
-/// The text of a layout with all its boards so many times as large as they are.
+/// Returns the text with the scale of all boards multiplied by `factor`.
 ///
-/// An error when the text is no layout. What is too large or too small for a file is written all the
-/// same: reading it tells so.
+/// A scale out of range is written too; reading the text reports it. Returns an error if the text is not a layout.
 pub fn scale_boards(document: &Document, factor: f32) -> Result<String, DocumentError> {
-    rewrite(document, |_, board| {
-        let scale = board.place.scale.get() * f64::from(factor);
+    edit_poses(document, |_, board| {
+        let scale = board.pose.scale.get() * f64::from(factor);
         Some(vec![("scale", (scale * 1e4).round() / 1e4)])
     })
 }
 
-/// A field of a place and its new value.
-type Change = (&'static str, f64);
+/// A field of a pose and its new value.
+type FieldEdit = (&'static str, f64);
 
-fn rewrite(
+fn edit_poses(
     document: &Document,
-    changes: impl Fn(usize, &schema::Board) -> Option<Vec<Change>>,
+    edits_of: impl Fn(usize, &BoardSchema) -> Option<Vec<FieldEdit>>,
 ) -> Result<String, DocumentError> {
-    let layout: schema::Layout = document.parse()?;
-    let pieces: Pieces = document.parse()?;
+    let schema: LayoutSchema = document.parse()?;
+    let raw: RawLayout = document.parse()?;
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
-    for (number, (board, piece)) in layout.boards.iter().zip(&pieces.boards).enumerate() {
-        let place: PlacePieces = crate::document::parse_ron(piece.place.get_ron(), &document.file)?;
-        for (field, value) in changes(number, board).unwrap_or_default() {
-            edits.push(match place.of(field) {
-                Some(old) => (range(&document.text, old), value.to_string()),
+    for (index, (board, raw_board)) in schema.boards.iter().zip(&raw.boards).enumerate() {
+        let pose: RawPose = parse_ron(raw_board.pose.get_ron(), &document.file)?;
+        for (field, value) in edits_of(index, board).unwrap_or_default() {
+            edits.push(match pose.field(field) {
+                Some(old) => (byte_range(&document.text, old), value.to_string()),
                 None => {
-                    let end = range(&document.text, place.anchor).end;
+                    let end = byte_range(&document.text, pose.anchor).end;
                     (end..end, format!(", {field}: {value}"))
                 }
             });
         }
     }
-    // From the last to the first, so that ranges stay right; those at one place in reverse order too.
+    // Backwards, so that the remaining ranges stay valid; insertions at one offset in reverse order, too.
     edits.sort_by_key(|(range, _)| range.start);
     let mut text = document.text.clone();
     for (range, new) in edits.into_iter().rev() {
@@ -101,25 +95,25 @@ fn rewrite(
     Ok(text)
 }
 
-/// Where the places of a file are.
+/// The slices of a layout that are edited.
 #[derive(Deserialize)]
 #[serde(rename = "Layout")]
-struct Pieces<'a> {
+struct RawLayout<'a> {
     #[serde(borrow, default)]
-    boards: Vec<BoardPieces<'a>>,
+    boards: Vec<RawBoard<'a>>,
 }
 
 #[derive(Deserialize)]
 #[serde(rename = "Board")]
-struct BoardPieces<'a> {
+struct RawBoard<'a> {
     #[serde(borrow)]
-    place: &'a RawValue,
+    pose: &'a RawValue,
 }
 
-/// Where the numbers of a place are.
+/// The slices of the numbers of a pose.
 #[derive(Deserialize)]
-#[serde(rename = "Place")]
-struct PlacePieces<'a> {
+#[serde(rename = "Pose")]
+struct RawPose<'a> {
     #[serde(borrow)]
     anchor: &'a RawValue,
     #[serde(borrow, default)]
@@ -134,9 +128,9 @@ struct PlacePieces<'a> {
     scale: Option<&'a RawValue>,
 }
 
-impl<'a> PlacePieces<'a> {
-    fn of(&self, field: &str) -> Option<&'a RawValue> {
-        match field {
+impl<'a> RawPose<'a> {
+    fn field(&self, name: &str) -> Option<&'a RawValue> {
+        match name {
             "right_mm" => self.right_mm,
             "forward_mm" => self.forward_mm,
             "height_mm" => self.height_mm,
@@ -146,15 +140,15 @@ impl<'a> PlacePieces<'a> {
     }
 }
 
-/// Where a piece of a text is in it, without the blanks and comments around it.
-fn range(text: &str, piece: &RawValue) -> Range<usize> {
-    let piece = piece.trim().get_ron();
-    let start = byte_offset(text, piece).expect("it was read from this text");
-    start..start + piece.len()
+/// Returns the bytes of a value in the text, without surrounding blanks and comments.
+fn byte_range(text: &str, value: &RawValue) -> Range<usize> {
+    let value = value.trim().get_ron();
+    let start = byte_offset(text, value).expect("the value borrows from this text");
+    start..start + value.len()
 }
 
-/// To two decimals; 0 has no sign.
-fn hundredths(value: f32) -> f64 {
+/// Rounds to two decimals. 0 has no sign.
+fn two_decimals(value: f32) -> f64 {
     (f64::from(value) * 100.0).round() / 100.0 + 0.0
 }
 
@@ -169,14 +163,14 @@ Layout(
     name: "a // no comment", // here
     boards: [
         (
-            place: Place( // there
+            pose: Pose( // there
                 anchor: /* the */ elbow /* joint */, // of the arm
                 height_mm: -45.0 /* below */,
                 /* forward_mm: 1, */ forward_mm: Some(300), // ahead
             ),
             rows: [(at_mm: (0, 0), keys: "A B")],
         ),
-        (rows: [(at_mm: (0, 0), keys: "C")], place: (anchor:world)),
+        (rows: [(at_mm: (0, 0), keys: "C")], pose: (anchor:world)),
     ],
 )
 "#;
@@ -185,7 +179,7 @@ Layout(
         Document::new("a.ron", text)
     }
 
-    fn places(text: &str) -> Vec<BoardPose> {
+    fn poses(text: &str) -> Vec<BoardPose> {
         let layout = Layout::parse(text, "a.ron").unwrap_or_else(|error| panic!("{error}"));
         let surfaces = layout.scene.surfaces().iter();
         surfaces
@@ -195,61 +189,61 @@ Layout(
 
     #[test]
     fn only_numbers_change_and_comments_stay() {
-        let mut moved_to = places(COMMENTED);
-        moved_to[0].height = -0.0512;
-        moved_to[0].forward = 0.2;
-        moved_to[1].tilt = 0.5_f32.to_radians();
-        moved_to[1].right = -0.01;
-        let text = move_boards(&document(COMMENTED), &moved_to).unwrap();
+        let mut new_poses = poses(COMMENTED);
+        new_poses[0].height = -0.0512;
+        new_poses[0].forward = 0.2;
+        new_poses[1].tilt = 0.5_f32.to_radians();
+        new_poses[1].right = -0.01;
+        let text = move_boards(&document(COMMENTED), &new_poses).unwrap();
         let expected = COMMENTED
             .replace("-45.0 ", "-51.2 ")
             .replace("Some(300)", "Some(200)")
             .replace("anchor:world", "anchor:world, right_mm: -10, tilt_deg: 0.5");
         assert_eq!(text, expected);
         let larger = scale_boards(&document(&text), 1.25).unwrap();
-        let twice = scale_boards(&document(&larger), 1.2).unwrap();
+        let largest = scale_boards(&document(&larger), 1.2).unwrap();
         let expected = expected
             .replace("elbow /*", "elbow, scale: 1.5 /*")
             .replace("anchor:world", "anchor:world, scale: 1.5");
-        assert_eq!(twice, expected);
+        assert_eq!(largest, expected);
     }
 
     #[test]
-    fn what_was_not_moved_keeps_its_numbers_as_they_are_written() {
+    fn a_number_that_does_not_change_keeps_its_spelling() {
         let text = COMMENTED.replace("-45.0", "-45.00123");
-        assert_eq!(move_boards(&document(&text), &places(&text)).unwrap(), text);
+        assert_eq!(move_boards(&document(&text), &poses(&text)).unwrap(), text);
     }
 
     #[test]
-    fn a_layout_without_boards_stays_as_it_is() {
+    fn a_layout_without_boards_is_not_changed() {
         let ray = Document::shipped("ray").unwrap();
         assert_eq!(move_boards(&ray, &[]).as_ref(), Ok(&ray.text));
         assert_eq!(scale_boards(&ray, 2.0).as_ref(), Ok(&ray.text));
     }
 
     #[test]
-    fn every_place_is_read_back_as_it_was_written() {
-        let mut number = fastrand::Rng::with_seed(11);
-        let mut between = |low: f32, high: f32| low + (high - low) * number.f32();
+    fn every_written_pose_is_read_back() {
+        let mut random = fastrand::Rng::with_seed(11);
+        let mut between = |min: f32, max: f32| min + (max - min) * random.f32();
         for _ in 0..500 {
             let bearing = between(-180.0, 180.0);
             let text =
                 COMMENTED.replace("height_mm", &format!("bearing_deg: {bearing}, height_mm"));
-            let mut wanted = places(&text);
-            for place in &mut wanted {
-                place.right = between(-2.0, 2.0);
-                place.height = between(-2.0, 2.0);
-                place.forward = between(-2.0, 2.0);
-                place.tilt = between(-90.0, 90.0).to_radians();
+            let mut expected = poses(&text);
+            for pose in &mut expected {
+                pose.right = between(-2.0, 2.0);
+                pose.height = between(-2.0, 2.0);
+                pose.forward = between(-2.0, 2.0);
+                pose.tilt = between(-90.0, 90.0).to_radians();
             }
-            let written = move_boards(&document(&text), &wanted).unwrap();
-            for (found, wanted) in places(&written).iter().zip(&wanted) {
-                let off = (found.to_pose().translation - wanted.to_pose().translation).abs();
-                assert!(off.max_element() < 1e-5, "{found:?} for {wanted:?}");
-                assert!((found.tilt - wanted.tilt).abs() < 1e-4);
+            let edited = move_boards(&document(&text), &expected).unwrap();
+            for (read, expected) in poses(&edited).iter().zip(&expected) {
+                let error = (read.to_pose().translation - expected.to_pose().translation).abs();
+                assert!(error.max_element() < 1e-5, "{read:?} for {expected:?}");
+                assert!((read.tilt - expected.tilt).abs() < 1e-4);
             }
-            let again = move_boards(&document(&written), &wanted).unwrap();
-            assert_eq!(again, written, "a second save has nothing to do");
+            let again = move_boards(&document(&edited), &expected).unwrap();
+            assert_eq!(again, edited, "a second edit changes nothing");
         }
     }
 }

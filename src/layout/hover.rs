@@ -1,6 +1,6 @@
-//! Where fingertips are over the boards, for displays.
+//! Positions of fingertips over boards, for displays.
 
-use parry3d::math::{Vec2, Vec3};
+use parry3d::math::Vec2;
 
 use super::model::Layout;
 use crate::hand::Finger;
@@ -9,38 +9,38 @@ use crate::kinematics::HandPose;
 /// A fingertip over a board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hover {
-    /// The board's place in [`Layout::boards`].
+    /// Index of the board in [`Layout::boards`].
     pub board: usize,
-    /// Whose fingertip.
+    /// The finger.
     pub finger: Finger,
-    /// Where it is along and across the board's rows, in metres, as [`Front::at`](super::Front::at).
+    /// Position in row coordinates, in metres; see [`Face::row_position`](super::Face::row_position).
     pub row_position: Vec2,
-    /// How far the fingertip's pad is in front of the keys, in metres; negative when it pushes in.
+    /// Distance from the pad of the fingertip to the board, in metres. Negative while it presses.
     pub height: f32,
 }
 
 impl Layout {
-    /// Where each fingertip is over each board.
+    /// Returns the position of each tracked fingertip over each board.
     pub fn hovers(&self, pose: &HandPose) -> Vec<Hover> {
-        let mut found = Vec::new();
-        for (board, surface) in self.scene.surfaces().iter().enumerate() {
+        let mut hovers = Vec::new();
+        for (index, surface) in self.scene.surfaces().iter().enumerate() {
             let Some(world_from_surface) = surface.world_from_surface(pose) else {
                 continue;
             };
-            let board_over = &self.boards[board];
+            let shape = self.boards[index].shape;
             for &finger in Finger::ALL {
                 let Some(tip) = pose.fingertip(finger) else {
                     continue;
                 };
-                let at: Vec3 = board_over.unbend(world_from_surface.inverse_transform_point(tip));
-                found.push(Hover {
-                    board,
+                let position = shape.unbend(world_from_surface.inverse_transform_point(tip));
+                hovers.push(Hover {
+                    board: index,
                     finger,
-                    row_position: at.truncate(),
-                    height: at.z - pose.tip_radius,
+                    row_position: position.truncate(),
+                    height: position.z - pose.tip_radius,
                 });
             }
         }
-        found
+        hovers
     }
 }

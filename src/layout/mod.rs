@@ -1,28 +1,37 @@
-//! `layouts/*.ron` as people write them → checked, in SI units; every error names file, line and column.
+//! Layouts, gloves and arms from `layouts/**/*.ron`.
+//!
+//! A file is deserialised into a schema, which uses the units in its field names. The builder turns the schema into a checked
+//! model in SI units. Every error names file, line and column.
+//!
+//! ```text
+//!  Document ──▶ schema, keys, controls ──▶ LayoutBuilder ──▶ Layout (model) ──▶ devices
+//!  document     as written                 names, geometry   checked            render, hover
+//! ```
 
 mod arm;
+mod board_shape;
 mod builder;
 mod controls;
-mod draw;
-mod glove;
-pub mod model;
-pub mod ranged;
-mod outline;
-mod hover;
-mod placement;
+mod devices;
 mod edit;
-mod svg;
-mod text;
+mod glove;
+mod hover;
+mod keys;
+mod load;
+mod model;
+mod outline;
+mod placement;
+pub mod quantity;
+mod render;
 mod schema;
 
-pub use crate::document::{self, Document, DocumentError, parse_ron};
-pub use controls::space::SpaceTargets;
-pub use controls::{Control, ControlKind};
-pub use draw::{Cell, Grid};
+pub use board_shape::BoardShape;
 pub use edit::{move_boards, scale_boards};
 pub use glove::Glove;
 pub use hover::Hover;
-pub use model::{Board, Face, Key, Layout};
+pub use model::{
+    BASE_LAYER, Board, Control, ControlKind, Face, Key, Layout, MAX_LAYERS, MAX_TARGETS, POINTER,
+    SpaceTargets,
+};
 pub use outline::Outline;
-pub use placement::BoardShape;
-pub use text::{Label, Pairs, Spanned};
+pub use render::{Cell, Grid};

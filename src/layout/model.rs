@@ -1,348 +1,294 @@
-//! A keyboard layout, checked, in SI units.
+//! A checked layout in SI units.
 
 use std::ops::Range;
 use std::time::Duration;
 
-use parry3d::math::{Vec2, Vec3};
+use parry3d::math::Vec2;
 
-use super::controls::pointer::POINTER;
-use super::controls::space::SpaceTargets;
-use super::controls::{self, Control};
+use super::board_shape::BoardShape;
 use super::outline::Outline;
-use super::placement::BoardShape;
-use super::{builder, ranged};
 use crate::command::Command;
-use crate::contact::TargetId;
-use crate::contact::TargetNames;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
+use crate::contact::{TargetId, TargetNames};
+use crate::device::joystick::Joystick;
 use crate::device::keyboard::{Activation, Chord, KeyBinding, TapHold};
-use crate::device::pointer::PointerSettings;
+use crate::device::knob::Knob;
+use crate::device::pointer::{PointerSettings, SelectionSpace};
+use crate::device::radio::Radio;
+use crate::device::slider::Slider;
+use crate::device::toggle::Toggle;
+use crate::device::touch_surface::TouchSurface;
 use crate::device::trigger::Trigger;
-use crate::device::{Capabilities, KeyAction, TextId, VirtualDevice};
-use crate::document::DocumentError;
-use crate::document::{self, Document};
+use crate::device::{KeyAction, TextId};
 use crate::hand::Side;
 
-/// The most targets that a layout has: keys and other controls.
+/// The maximum number of targets of a layout: keys, other controls, triggers, and targets in space.
 pub const MAX_TARGETS: usize = 10_000;
 
-/// The most layers that a layout has, with the base layer.
+/// The maximum number of layers of a layout, including the base layer.
 pub const MAX_LAYERS: usize = 32;
 
-/// What the layer that is in force at first is called.
+/// The name of the layer that is active at the start.
 pub const BASE_LAYER: &str = "base";
 
-/// Boards with keys, and what the keys do.
+/// The name of the pointer among the targets.
+pub const POINTER: &str = "pointer";
+
+/// Boards with keys and other controls, triggers, a pointer, and targets in space.
+///
+/// Target ids are assigned in this order: faces board by board, triggers, pointer, targets in space.
 #[derive(Clone, Debug)]
 pub struct Layout {
-    /// What it is called.
+    /// The name.
     pub name: String,
     /// One line for lists; may be empty.
     pub description: String,
-    /// The file that it comes from, as its user named it.
+    /// The file, as its user named it.
     pub file: String,
-    /// What is in the file: a recording keeps it, so that it can be replayed with the same layout.
+    /// The text of the file. A recording keeps it, so that a replay uses the same layout.
     pub text: String,
-    /// Where the keys are in space: surface `i` is board `i`.
+    /// The targets of the boards: surface `i` is board `i`.
     pub scene: Scene,
-    /// The boards, in the order of the file.
+    /// The boards, in file order.
     pub boards: Vec<Board>,
-    /// The keys, in the order of their targets.
+    /// The keys, sorted by target.
     pub keys: Vec<Key>,
-    /// The other controls, in the order of the boards that they are on.
+    /// The other controls, in the order of their boards.
     pub controls: Vec<Control>,
     /// Names of the layers, [`BASE_LAYER`] first.
     pub layers: Vec<String>,
-    /// The names of other layouts of the setup that keys put in force, in the order of
-    /// Named by [`Command::Profile`].
+    /// Names of the profiles that keys activate with [`Command::Profile`].
     pub profiles: Vec<String>,
-    /// The texts that keys write, in the order of their [`TextId`]s.
+    /// Texts that keys write, indexed by [`TextId`].
     pub texts: Vec<String>,
-    /// What keys do together.
+    /// Key combinations with an action of their own.
     pub chords: Vec<Chord>,
-    /// How long after the first of its keys a chord's last one is pressed at most.
+    /// Maximum time between the first and the last key press of a chord.
     pub chord_timeout: Duration,
-    /// Postures of the hand that do something, each with its name; their targets come after those of
-    /// the scene, in this order.
+    /// Hand postures with an action or value, with their names.
     pub triggers: Vec<(String, Trigger)>,
-    /// The arm as a pointer; its target comes after all others but those in space.
+    /// The arm as a pointer.
     pub pointer: Option<PointerSettings>,
-    /// Targets in space, each list with its names; they come last.
+    /// Targets in space.
     pub spaces: Vec<SpaceTargets>,
 }
 
-/// A group of keys that moves as one.
+/// A group of keys and controls that moves as one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Board {
-    /// Its keys, as places in [`Layout::keys`].
+    /// Indices of its keys in [`Layout::keys`].
     pub keys: Range<usize>,
-    /// Its other controls, as places in [`Layout::controls`].
+    /// Indices of its other controls in [`Layout::controls`].
     pub controls: Range<usize>,
-    /// From key to key in a row, in metres.
+    /// Distance between the centers of adjacent keys of a row, in metres.
     pub pitch: f32,
-    /// How it is bent.
+    /// Flat or curved.
     pub shape: BoardShape,
-    /// How it creeps under a resting hand, if at all.
+    /// Slow motion towards a resting hand, if enabled.
     pub auto_recenter: Option<AutoRecenter>,
 }
 
-/// What is seen of a control: the front of one of its targets.
+/// The visible front of a target on a board.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Face {
-    /// What it is called in layers and messages; no two of a layout have the same name.
+    /// The name in layers and messages, unique within a layout.
     pub name: String,
-    /// What is drawn on it.
+    /// The text drawn on it.
     pub label: String,
     /// Its target in the scene.
     pub target: TargetId,
-    /// Where its middle is along and across the rows, in metres, as the file says, times the scale of its
-    /// board: x along its row, y away from the wearer.
+    /// The center in row coordinates: x along its row, y away from the wearer, in metres, including the scale of the board.
     pub row_position: Vec2,
-    /// Where that is in the plane of the board, which a cylinder has where it is unrolled; differs from
-    /// `at` where rows are arcs.
+    /// The outline in the plane of the board. Its center differs from `row_position` on an arc.
     pub outline: Outline,
 }
 
-/// One key.
+/// A key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// What is seen of it.
+    /// Its front.
     pub face: Face,
-    /// What pressing it does in each layer, base layer first; see [`KeyBinding::actions`].
+    /// The action in each layer, base layer first; see [`KeyBinding::actions`].
     pub actions: Vec<Option<KeyAction>>,
-    /// Whether the depth of the press goes out too.
-    pub analog: bool,
-    /// When what it does takes effect.
-    pub fires: Activation,
-    /// For how long after it came up it does not press again.
+    /// The depth of a press is reported as a value.
+    pub reports_depth: bool,
+    /// The part of a press that activates the action.
+    pub activation: Activation,
+    /// Time after a release during which the key ignores presses.
     pub debounce: Duration,
 }
 
-impl Board {
-    /// Where a point in the plane of the board is along and across its rows, in metres: the inverse
-    /// of what bends [`Front::at`] into the middle of [`Front::outline`].
-    pub fn row_position(&self, point: Vec2) -> Vec2 {
-        let BoardShape::Arc(at_zero) = self.shape else {
-            return point;
-        };
-        let from_centre = point + Vec2::Y * at_zero;
-        let radius = from_centre.length();
-        Vec2::new(
-            from_centre.x.atan2(from_centre.y) * radius,
-            radius - at_zero,
-        )
-    }
+/// A control other than a key.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Control {
+    /// The fronts of its targets.
+    pub faces: Vec<Face>,
+    /// Its kind and settings.
+    pub kind: ControlKind,
+}
 
-    /// Half the width and height of the rectangle along and across the rows around a front, in metres.
-    pub fn row_half_extents(&self, front: &Face) -> Vec2 {
-        let of_row = match self.shape {
-            BoardShape::Arc(at_zero) => -front.row_position.x / (at_zero + front.row_position.y),
-            _ => 0.0,
-        };
+/// The kind and the settings of a control.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ControlKind {
+    /// A toggle switch.
+    Toggle(Toggle),
+    /// A radio group.
+    Radio(Radio),
+    /// A touchscreen or touchpad.
+    TouchSurface(TouchSurface),
+    /// A slider or a lever.
+    Slider(Slider),
+    /// A knob or a valve.
+    Knob(Knob),
+    /// A joystick.
+    Joystick(Joystick),
+}
+
+/// Targets in space that move as one.
+#[derive(Clone, Debug)]
+pub struct SpaceTargets {
+    /// Names of the targets, in the order of the volumes.
+    pub names: Vec<String>,
+    /// Their frame, volumes and actions.
+    pub space: SelectionSpace,
+}
+
+impl Board {
+    /// Returns the half extents of the rectangle around a face in row coordinates, in metres.
+    pub fn row_half_extents(&self, face: &Face) -> Vec2 {
         let straightened = Outline {
-            rotation: front.outline.rotation - of_row,
-            ..front.outline
+            rotation: face.outline.rotation - self.shape.row_rotation(face.row_position),
+            ..face.outline
         };
         straightened.aabb_half_extents()
-    }
-
-    /// Where a point in the board's frame is along and across its rows, and how far in front of the
-    /// board; in metres.
-    pub fn unbend(&self, point: Vec3) -> Vec3 {
-        let unrolled = |along: f32, radius: f32| {
-            let from_axis = Vec2::new(along, radius - point.z);
-            (
-                from_axis.x.atan2(from_axis.y) * radius,
-                radius - from_axis.length(),
-            )
-        };
-        match self.shape {
-            BoardShape::Flat | BoardShape::Arc(_) => {
-                self.row_position(point.truncate()).extend(point.z)
-            }
-            BoardShape::Rows(radius) => {
-                let (x, height) = unrolled(point.x, radius);
-                Vec3::new(x, point.y, height)
-            }
-            BoardShape::Columns(radius) => {
-                let (y, height) = unrolled(point.y, radius);
-                Vec3::new(point.x, y, height)
-            }
-        }
     }
 }
 
 impl Key {
-    /// What it does in a layer, or in the base layer where that one says nothing.
+    /// Returns the action in a layer, or in the base layer if that layer defines none.
     pub fn action(&self, layer: usize) -> Option<KeyAction> {
         let own = self.actions.get(layer).copied().flatten();
         own.or_else(|| self.actions.first().copied().flatten())
     }
 
-    /// What it does when it is held, if that is something else than what a tap does.
+    /// Returns the action of a tap-hold key when it is held.
     pub fn hold_action(&self) -> Option<KeyAction> {
-        match self.fires {
-            Activation::TapHold(TapHold {
-                hold_action: action,
-                ..
-            }) => Some(action),
+        match self.activation {
+            Activation::TapHold(TapHold { hold_action, .. }) => Some(hold_action),
             Activation::OnPress | Activation::OnRelease | Activation::Dwell(_) => None,
         }
     }
 }
 
 impl Layout {
-    /// Reads and checks the file at a path, or the shipped layout of that name: `qwerty-flat`,
-    /// `keyboards/qwerty-flat`, with or without `.ron`.
-    pub fn load(name_or_path: &str) -> Result<Self, DocumentError> {
-        Self::from_document(Document::open(name_or_path)?)
-    }
-
-    /// Reads and checks a text; `file` names it in errors.
-    pub fn parse(text: &str, file: &str) -> Result<Self, DocumentError> {
-        Self::from_document(Document::new(file, text))
-    }
-
-    /// Checks a file that was read.
-    pub fn from_document(document: Document) -> Result<Self, DocumentError> {
-        builder::layout(document)
-    }
-
-    /// The shipped layouts by name, each with what is in it, folder by folder.
-    pub fn shipped() -> Result<Vec<(&'static str, Self)>, DocumentError> {
-        document::shipped_layouts()
-            .map(|name| Ok((name, Self::from_document(Document::shipped(name)?)?)))
-            .collect()
-    }
-
-    /// What the keys do, for the keyboard device.
+    /// Returns the bindings of the keys, for the keyboard device.
     pub fn key_bindings(&self) -> Vec<KeyBinding> {
         self.keys
             .iter()
             .map(|key| KeyBinding {
                 target: key.face.target,
                 actions: key.actions.clone(),
-                reports_depth: key.analog,
-                activation: key.fires,
+                reports_depth: key.reports_depth,
+                activation: key.activation,
                 debounce: key.debounce,
             })
             .collect()
     }
 
-    /// What is seen of the keys and then of the other controls of a board.
+    /// Returns the faces of a board: keys first, then the other controls.
     pub fn faces(&self, board: &Board) -> impl Iterator<Item = &Face> {
         let keys = self.keys[board.keys.clone()].iter().map(|key| &key.face);
         let controls = self.controls[board.controls.clone()].iter();
         keys.chain(controls.flat_map(|control| &control.faces))
     }
 
-    /// What is seen of a target.
+    /// Returns the face of a target.
     pub fn face(&self, target: TargetId) -> Option<&Face> {
         if let Some(key) = self.key_at(target) {
             return Some(&key.face);
         }
-        let mut fronts = self.controls.iter().flat_map(|control| &control.faces);
-        fronts.find(|front| front.target == target)
+        let mut faces = self.controls.iter().flat_map(|control| &control.faces);
+        faces.find(|face| face.target == target)
     }
 
-    /// What the targets are called.
+    /// Returns the names of all targets.
     pub fn target_names(&self) -> TargetNames {
-        let fronts = self.boards.iter().flat_map(|board| self.faces(board));
-        let fronts = fronts.map(|front| front.name.as_str());
+        let faces = self.boards.iter().flat_map(|board| self.faces(board));
+        let faces = faces.map(|face| face.name.as_str());
         let triggers = self.triggers.iter().map(|(name, _)| name.as_str());
         let pointer = self.pointer.as_ref().map(|_| POINTER);
-        let in_space = self.spaces.iter().flat_map(|scenery| &scenery.names);
+        let in_space = self.spaces.iter().flat_map(|space| &space.names);
         let in_space = in_space.map(String::as_str);
-        let names = fronts.chain(triggers).chain(pointer).chain(in_space);
+        let names = faces.chain(triggers).chain(pointer).chain(in_space);
         TargetNames::new(names.map(str::to_owned))
     }
 
-    /// Whether a board is there for this hand and not for the other.
+    /// Returns `true` if a board is reserved for this hand.
     pub fn has_board_for(&self, side: Side) -> bool {
         let mut surfaces = self.scene.surfaces().iter();
         surfaces.any(|surface| surface.side() == Some(side))
     }
 
-    /// Whether a target is a key that chords are played with.
+    /// Returns `true` if a target is a key that takes part in a chord.
     pub fn is_chord_key(&self, target: TargetId) -> bool {
         let mut chords = self.chords.iter();
         chords.any(|chord| chord.keys.contains(&target))
     }
 
-    /// The devices that take the touches of the controls.
-    pub fn devices(&self) -> Vec<Box<dyn VirtualDevice>> {
-        controls::devices(self)
-    }
-
-    /// Everything that the layout can ever send, modifiers included.
-    pub fn required_capabilities(&self) -> Capabilities {
-        let mut needs = Capabilities::default();
-        for device in self.devices() {
-            device.add_capabilities(&mut needs);
-        }
-        needs
-    }
-
-    /// The key with this name.
+    /// Returns the key with this name.
     pub fn key(&self, name: &str) -> Option<&Key> {
         self.keys.iter().find(|key| key.face.name == name)
     }
 
-    /// The key that a target stands for.
+    /// Returns the key with this target.
     pub fn key_at(&self, target: TargetId) -> Option<&Key> {
-        let place = self
+        let index = self
             .keys
             .binary_search_by_key(&target, |key| key.face.target);
-        self.keys.get(place.ok()?)
+        self.keys.get(index.ok()?)
     }
 
-    /// The board that a key is on.
+    /// Returns the board of a key.
+    ///
+    /// # Panics
+    /// Panics if the key belongs to another layout.
     pub fn board_of_key(&self, key: &Key) -> &Board {
         let target = key.face.target;
-        let is_of = |board: &&Board| {
+        let has_key = |board: &&Board| {
             self.keys[board.keys.clone()]
                 .iter()
                 .any(|key| key.face.target == target)
         };
-        let found = self.boards.iter().find(is_of);
-        found.expect("every key is made with its board")
+        let board = self.boards.iter().find(has_key);
+        board.expect("every key of a layout is on a board")
     }
 
-    /// What is drawn on a key while a layer is in force; `None` where the layer leaves the key as it is.
+    /// Returns the label of a key while a layer is active, or `None` if the layer does not change the key.
     pub fn label_in_layer<'a>(&'a self, key: &'a Key, layer: usize) -> Option<&'a str> {
         if layer == 0 {
             return Some(&key.face.label);
         }
-        Some(label(
-            (*key.actions.get(layer)?)?,
-            &self.layers,
-            &self.texts,
-        ))
+        let action = (*key.actions.get(layer)?)?;
+        Some(action_label(action, &self.layers, &self.texts))
     }
 }
 
-/// What is drawn on a key that does this and says nothing else.
-pub(super) fn label<'a>(action: KeyAction, layers: &'a [String], texts: &'a [String]) -> &'a str {
-    let of = |list: &'a [String], place: usize| list.get(place).map_or("?", String::as_str);
+/// Returns the label of a key with this action and without a label of its own.
+pub(super) fn action_label<'a>(
+    action: KeyAction,
+    layers: &'a [String],
+    texts: &'a [String],
+) -> &'a str {
+    let entry = |list: &'a [String], index: usize| list.get(index).map_or("?", String::as_str);
     match action {
         KeyAction::Key(code) | KeyAction::Modifier(code, _) => code.label(),
-        KeyAction::Layer(layer, _) => of(layers, layer),
-        KeyAction::Text(TextId(text)) => of(texts, text.into()),
+        KeyAction::Layer(layer, _) => entry(layers, layer),
+        KeyAction::Text(TextId(text)) => entry(texts, text.into()),
         KeyAction::Command(command) => command_label(command),
         KeyAction::Clutch => "Clutch",
         KeyAction::Precision => "Slow",
     }
-}
-
-/// Millimetres of a file in metres.
-pub(super) fn metres(millimetres: f64) -> f32 {
-    (millimetres * 1e-3) as f32
-}
-
-/// A place of a file in metres.
-pub(super) fn metres2((x, y): (ranged::Distance, ranged::Distance)) -> Vec2 {
-    Vec2::new(metres(x.get()), metres(y.get()))
 }
 
 /// Returns the label of a key that issues a command.

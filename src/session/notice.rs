@@ -90,7 +90,7 @@ impl fmt::Display for Notice {
             Self::Paused {
                 is_rate_limited: true,
             } => f.write_str(
-                "paused: more presses than a person makes (`presses_per_second` of the setup); everything is \
+                "paused: more presses than a person makes (`max_presses_per_second` of the setup); everything is \
                  released, `ademan ctl resume` goes on",
             ),
             Self::Paused {
@@ -108,7 +108,7 @@ impl fmt::Display for Notice {
             ),
             Self::SystemKeysSuppressed(count) => write!(
                 f,
-                "{} suppressed that would act on the system; `system_keys: true` in the setup allows them",
+                "{} suppressed that would act on the system; `allow_system_keys: true` in the setup allows them",
                 counted(*count, "key")
             ),
             Self::KeysSuppressed(count) => write!(

@@ -196,7 +196,7 @@ impl LoadedSetup {
         match codes.into_iter().find(|code| code.is_system_key()) {
             Some(code) if !self.setup.allow_system_keys => Err(SetupError::Value(format!(
                 "{}: its key `{code}` acts on the system and not just on one program; take it out, or allow \
-                 such keys with `system_keys: true` in the setup",
+                 such keys with `allow_system_keys: true` in the setup",
                 layout.file
             ))),
             _ => Ok(()),

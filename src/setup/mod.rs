@@ -43,7 +43,7 @@ pub struct Setup {
     /// the source are allowed in any case.
     pub stall_timeout_ms: u32,
     /// Whether the first reading arms, instead of a hand that is seen off all keys.
-    pub start_armed: bool,
+    pub arm_immediately: bool,
     /// The most presses that may come of one source in a second, 1 to 1000; after more, everything is let go
     /// of and the run pauses. `None`: 60, and 20 for a source on the network.
     pub max_presses_per_second: Option<u32>,
@@ -131,7 +131,7 @@ pub enum SmoothingSetup {
     /// None.
     Off,
     /// The filters of the thesis that the glove comes from, corrected.
-    Thesis,
+    RecursiveAverage,
     /// 1-Euro, tuned by hand.
     OneEuro {
         /// Cutoff at rest, in Hz.
@@ -173,7 +173,7 @@ impl Default for Setup {
             output: "transcript".into(),
             smoothing: SmoothingSetup::Default,
             stall_timeout_ms: 200,
-            start_armed: false,
+            arm_immediately: false,
             max_presses_per_second: None,
             allow_system_keys: false,
             panic_keys: Vec::new(),
@@ -237,7 +237,7 @@ impl Setup {
         else {
             return Ok(match self.smoothing {
                 SmoothingSetup::Off => Smoothing::Off,
-                SmoothingSetup::Thesis => Smoothing::RecursiveAverage,
+                SmoothingSetup::RecursiveAverage => Smoothing::RecursiveAverage,
                 _ => Smoothing::default(),
             });
         };
@@ -255,11 +255,14 @@ impl Setup {
 
     fn arming(&self) -> Result<PipelineSettings, SetupError> {
         if let Some(other @ (0 | 1001..)) = self.max_presses_per_second {
-            let message = format!("`presses_per_second` is 1 to 1000, not {other}");
+            let message = format!("`max_presses_per_second` is 1 to 1000, not {other}");
             return Err(SetupError::Value(message));
         }
         if !(20..=10_000).contains(&self.stall_timeout_ms) {
-            let message = format!("`stall_ms` is 20 to 10000, not {}", self.stall_timeout_ms);
+            let message = format!(
+                "`stall_timeout_ms` is 20 to 10000, not {}",
+                self.stall_timeout_ms
+            );
             return Err(SetupError::Value(message));
         }
         if let Some(OtherHand {
@@ -273,7 +276,7 @@ impl Setup {
             return Err(SetupError::Value(message.into()));
         }
         Ok(PipelineSettings {
-            arm_immediately: self.start_armed,
+            arm_immediately: self.arm_immediately,
             stall_timeout: Duration::from_millis(self.stall_timeout_ms.into()),
             permissions: self.rights(self.source.as_ref(), self.role),
             allow_system_keys: self.allow_system_keys,

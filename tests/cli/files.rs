@@ -202,7 +202,7 @@ fn a_setup_sees_its_files_from_its_own_folder_and_flags_go_before_it() {
     let setup = file(
         &folder,
         "setup.ron",
-        "Setup(source: \"typist:a\", layout: \"board.ron\", armed: true)",
+        "Setup(source: \"typist:a\", layout: \"board.ron\", arm_immediately: true)",
     );
     let ended = run(["run", &setup]);
     assert_eq!(ended.code, Some(2));
@@ -340,7 +340,7 @@ fn a_layout_of_ones_own_begins_as_a_copy_and_is_not_overwritten() {
 #[test]
 fn keys_that_the_default_hand_cannot_reach_are_named() {
     let folder = tempfile::tempdir().unwrap();
-    let far = "Layout(name: \"far\", boards: [(place: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),\n\
+    let far = "Layout(name: \"far\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),\n\
                rows: [(at_mm: (0, 0), keys: \"N\"), (at_mm: (0, 200), keys: \"F\")])])";
     let path = file(&folder, "far.ron", far);
     let ended = run(["layout", "check", &path]);

@@ -37,7 +37,7 @@ impl Idle {
         fs::write(folder.path().join("my.ron"), shipped("qwerty-flat")).expect("a file");
         fs::write(
             folder.path().join("setup.ron"),
-            "Setup(layout: \"my.ron\", stall_ms: 300)",
+            "Setup(layout: \"my.ron\", stall_timeout_ms: 300)",
         )
         .expect("a file");
         let mut wire = {

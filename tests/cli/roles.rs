@@ -9,7 +9,7 @@ use ademan::session::control_socket::Client;
 use serde_json::Value;
 
 /// A setup that says nothing of roles.
-const SILENT: &str = "stall_ms: 10000";
+const SILENT: &str = "stall_timeout_ms: 10000";
 
 fn ask(run: &Run, request: &str) -> Value {
     let socket = run.folder.path().join("c.sock");
@@ -74,9 +74,12 @@ fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_t
 #[test]
 fn with_the_role_both_they_do_and_nothing_is_told_of_it() {
     for (fields, arguments) in [
-        ("role: Both, stall_ms: 10000", &[][..]),
+        ("role: Both, stall_timeout_ms: 10000", &[][..]),
         (SILENT, &["--role", "both"]),
-        ("role: Pointer, stall_ms: 10000", &["--role", "keys"]),
+        (
+            "role: Pointer, stall_timeout_ms: 10000",
+            &["--role", "keys"],
+        ),
     ] {
         let run = Run::of(fields, arguments);
         let told = run.told();

@@ -25,7 +25,7 @@ fn refused_with(code: i32, line: &str, words: &[&str]) {
 fn an_output_that_lacks_what_the_layout_needs_is_refused_before_the_glove_is_looked_for() {
     let folder = tempfile::tempdir().unwrap();
     let board =
-        "[(place: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"A PadSouth MouseLeft\")])]";
+        "[(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"A PadSouth MouseLeft\")])]";
     let layout = format!("Layout(name: \"pad\", boards: {board})");
     let layout = file(&folder, "pad.ron", layout);
     let run = format!("run --source serial:/dev/nope --layout {layout} --output");
@@ -219,11 +219,11 @@ fn a_wrong_setup_names_its_file_and_where_that_is_known_line_and_column() {
             &["bad.ron:1:", "expected a comma or the closing bracket"],
         ),
         (
-            "Setup(stall_ms: 5)",
-            &["bad.ron: ", "`stall_ms` is 20 to 10000, not 5"],
+            "Setup(stall_timeout_ms: 5)",
+            &["bad.ron: ", "`stall_timeout_ms` is 20 to 10000, not 5"],
         ),
         (
-            "Setup(hand: Measured(hand_length_mm: 1, forearm_length_mm: 250))",
+            "Setup(arm: Measured(hand_length_mm: 1, forearm_length_mm: 250))",
             &["bad.ron: ", "100 to 300 mm"],
         ),
         (

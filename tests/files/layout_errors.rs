@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::Path;
 
-use ademan::layout::{DocumentError, Layout};
+use ademan::document::DocumentError;
+use ademan::layout::Layout;
 
-const PLACE: &str = "place: (anchor: elbow)";
+const PLACE: &str = "pose: (anchor: elbow)";
 
 /// A layout whose board has these fields.
 fn board(fields: &str) -> String {
@@ -29,7 +30,7 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
         ),
         (
             "xylophone: []".into(),
-            "3:1: unknown field `xylophone`, valid here: place, hand, form, drift, pitch_mm, size_mm, travel_mm, press_share, release_share, repress_ms, analogue, rows, keys, toggles, radios, touch_surfaces, sliders, knobs, levers, valves, joysticks",
+            "3:1: unknown field `xylophone`, expected one of: pose, hand, shape, auto_recenter, pitch_mm, size_mm, travel_mm, press_at, release_at, debounce_ms, reports_depth, rows, keys, toggles, radios, touch_surfaces, sliders, knobs, levers, valves, joysticks",
         ),
         (
             key("lable: \"x\""),
@@ -52,8 +53,8 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
             "3:42: unknown value `Oneshot`, did you mean `OneShot`?",
         ),
         (
-            "form: Arc(radius: 3)".into(),
-            "3:11: unknown field `radius`, did you mean `radius_mm`?",
+            "shape: Arc(radius: 3)".into(),
+            "3:12: unknown field `radius`, did you mean `radius_mm`?",
         ),
         (
             "keys: [(layer: \"symbls\", at_mm: (0, 0))]".into(),
@@ -86,27 +87,27 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
         ),
         (
             "keys: [(code: \"A\", at_mm: (0, inf))]".into(),
-            "3:31: inf is out of range: a distance is -2000 to 2000 mm",
+            "3:31: inf is out of range: an offset is -2000 to 2000 mm",
         ),
         (
             "pitch_mm: 0".into(),
             "3:11: 0 is out of range: a pitch is 1 to 500 mm",
         ),
         (
-            "form: Arc(radius_mm: 0)".into(),
-            "3:22: 0 is out of range: a radius is 20 to 2000 mm",
+            "shape: Arc(radius_mm: 0)".into(),
+            "3:23: 0 is out of range: a radius is 20 to 2000 mm",
         ),
         (
-            "press_share: 1.5".into(),
-            "3:14: 1.5 is out of range: a press share is 0.05 to 1",
+            "press_at: 1.5".into(),
+            "3:11: 1.5 is out of range: a press point is 0.05 to 1",
         ),
         (
-            key("press_share: 0.2"),
-            "3:16: the press_share 0.2 of the key `A` must be more than its release_share 0.25",
+            key("press_at: 0.2"),
+            "3:16: press_at 0.2 of the key `A` must be greater than release_at 0.25",
         ),
         // Wrong types, missing and repeated fields.
         (key("travel_mm: \"4\""), "3:46: expected a number"),
-        (key("analogue: 1"), "3:45: expected `true` or `false`"),
+        (key("reports_depth: 1"), "3:50: expected `true` or `false`"),
         ("keys: 5".into(), "3:7: expected a list: `[…]`"),
         (
             "keys: [5]".into(),
@@ -114,48 +115,45 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
         ),
         (
             "keys: [(code: \"A\")]".into(),
-            "3:18: the field `at_mm` is missing here",
+            "3:18: the field `at_mm` is missing",
         ),
-        (
-            key("at_mm: (0, 0)"),
-            "3:35: the field `at_mm` is here for the second time",
-        ),
+        (key("at_mm: (0, 0)"), "3:35: duplicate field `at_mm`"),
         (
             "keys: [(at_mm: (0, 0))]".into(),
-            "3:22: the key has neither a `code` nor a `layer`",
+            "3:22: the key has none of `code`, `layer` and `action`",
         ),
         (
             key("layer: \"x\""),
             "3:45: the key has both a `code` and a `layer`",
         ),
         (
-            key("latch: Held"),
+            key("latch: Momentary"),
             "3:16: `A` cannot have a latch, only modifiers and layers can",
         ),
         // What does not go with how a key fires.
         (
-            key("fires: Relese"),
-            "3:42: unknown value `Relese`, did you mean `Release`?",
+            key("activate_on: Relese"),
+            "3:48: unknown value `Relese`, did you mean `Release`?",
         ),
         (
-            "keys: [(code: \"ShiftLeft\", at_mm: (0, 0), fires: Release)]".into(),
-            "3:16: `ShiftLeft` cannot fire on release, only keys that are no modifiers can",
+            "keys: [(code: \"ShiftLeft\", at_mm: (0, 0), activate_on: Release)]".into(),
+            "3:16: `ShiftLeft` cannot activate on release: it is active while it is pressed",
         ),
         (
             "keys: [(layer: \"base\", at_mm: (0, 0), hold: (code: \"A\"))]".into(),
-            "3:17: `base` cannot be what a tap of a key with a `hold` does, only keys that are no modifiers can",
+            "3:17: `base` cannot be the tap of a key with a `hold`: it is active while it is pressed",
         ),
         (
-            key("fires: Release, hold: (code: \"B\")"),
-            "3:16: the key `A` cannot have both `fires` and `hold`: a tap of a key with a `hold` fires when it is let go of",
+            key("activate_on: Release, hold: (code: \"B\")"),
+            "3:16: the key `A` cannot have both `activate_on` and `hold`: a tap activates on release",
         ),
         (
-            key("hold_ms: 300"),
-            "3:16: the key `A` has a `hold_ms` but no `hold`, say what it does when it is held",
+            key("hold_after_ms: 300"),
+            "3:16: the key `A` has a `hold_after_ms` but no `hold`, add the action of a held key",
         ),
         (
-            key("hold: (code: \"B\"), hold_ms: 20"),
-            "3:63: 20 is out of range: a hold time is 50 to 2000 ms",
+            key("hold: (code: \"B\"), hold_after_ms: 20"),
+            "3:69: 20 is out of range: a hold time is 50 to 2000 ms",
         ),
         (
             key("hold: (code: \"Shift\")"),
@@ -178,12 +176,12 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
             "3:66: the hold has both a `code` and a `layer`",
         ),
         (
-            key("repress_ms: 2001"),
-            "3:47: 2001 is out of range: a re-press delay is 0 to 2000 ms",
+            key("debounce_ms: 2001"),
+            "3:48: 2001 is out of range: a debounce time is 0 to 2000 ms",
         ),
         (
-            "repress_ms: -1".into(),
-            "3:13: -1 is out of range: a re-press delay is 0 to 2000 ms",
+            "debounce_ms: -1".into(),
+            "3:14: -1 is out of range: a debounce time is 0 to 2000 ms",
         ),
         (
             key("label: \"\""),
@@ -191,7 +189,7 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
         ),
         (
             key("label: \"\\u{1b}\""),
-            "3:49: the label has a control character in it",
+            "3:49: the label contains a control character",
         ),
         (
             "rows: [(at_mm: (0, 0), keys: \"\\u{41}\")]".into(),
@@ -204,11 +202,11 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
         // Keys that get in each other's way.
         (
             "rows: [(at_mm: (0, 0), keys: \"Q W Q\")]".into(),
-            "3:35: there is a key `Q` already in line 3, give this one a `name` of its own",
+            "3:35: duplicate name `Q`: there is a key with this name in line 3, set another `name`",
         ),
         (
             format!("{row},\nkeys: [(code: \"KeyW\", at_mm: (0, 50))]"),
-            "4:16: there is a key `W` already in line 3, give this one a `name` of its own",
+            "4:16: duplicate name `W`: there is a key with this name in line 3, set another `name`",
         ),
         (
             format!("{row},\nkeys: [(code: \"E\", at_mm: (35, 1))]"),
@@ -219,16 +217,16 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
             "3:33: the key `W` overlaps the key `Q` of line 3",
         ),
         (
-            "form: Arc(radius_mm: 100), keys: [(code: \"A\", at_mm: (0, -95))]".into(),
-            "3:43: the key `A` lies beyond the ends of its arc",
+            "shape: Arc(radius_mm: 100), keys: [(code: \"A\", at_mm: (0, -95))]".into(),
+            "3:44: the key `A` is beyond the ends of its arc",
         ),
         (
-            "form: Arc(radius_mm: 100), keys: [(code: \"A\", at_mm: (400, 0))]".into(),
-            "3:43: the key `A` lies beyond the ends of its arc",
+            "shape: Arc(radius_mm: 100), keys: [(code: \"A\", at_mm: (400, 0))]".into(),
+            "3:44: the key `A` is beyond the ends of its arc",
         ),
         (
             "rows: [(at_mm: (1999, 0), keys: \"Q W\")]".into(),
-            "3:36: the key `W` lies more than 2000 mm from the middle of its board",
+            "3:36: the key `W` is more than 2000 mm from the center of its board",
         ),
         ("keys: []".into(), "1:15: board 1 has no keys"),
     ];
@@ -278,11 +276,11 @@ fn what_is_wrong_with_layers_is_told_at_its_place() {
     for (text, expected) in [
         (
             "(name: \"base\", keys: {})",
-            "2:9: `base` is what the keys do without a layer, name this one otherwise",
+            "2:9: `base` is the layer without a name, choose another name",
         ),
         (
             "(name: \"x\", keys: {}),\n(name: \"x\", keys: {})",
-            "3:9: the layer `x` is here for the second time",
+            "3:9: duplicate layer `x`",
         ),
         (
             "(name: \"x\", keys: {\"Coma\": \"1\"})",
@@ -294,25 +292,25 @@ fn what_is_wrong_with_layers_is_told_at_its_place() {
         ),
         (
             "(name: \"x\", keys: {\"Q\": \"1\", \"KeyQ\": \"2\"})",
-            "2:31: the key `KeyQ` is in the layer `x` for the second time",
+            "2:31: duplicate key `KeyQ` in the layer `x`",
         ),
-        ("(name: \"x\")", "2:11: the field `keys` is missing here"),
+        ("(name: \"x\")", "2:11: the field `keys` is missing"),
         (&many.join(",\n"), "33:9: a layout has at most 31 layers"),
     ] {
         check(&layers(text), expected);
     }
     for (key, expected) in [
         (
-            "(code: \"Q\", fires: Release, at_mm: (0, 0))",
-            "2:26: `AltLeft` cannot fire on release, only keys that are no modifiers can",
+            "(code: \"Q\", activate_on: Release, at_mm: (0, 0))",
+            "2:26: `AltLeft` cannot activate on release: it is active while it is pressed",
         ),
         (
             "(code: \"Q\", hold: (code: \"W\"), at_mm: (0, 0))",
-            "2:26: `AltLeft` cannot be what a tap of a key with a `hold` does, only keys that are no modifiers can",
+            "2:26: `AltLeft` cannot be the tap of a key with a `hold`: it is active while it is pressed",
         ),
         (
             "(layer: \"x\", latch: Lock, name: \"Q\", at_mm: (0, 0))",
-            "2:26: the key `Q` locks the layer `x` and has to unlock it too, so it cannot do something else there",
+            "2:26: the key `Q` locks the layer `x` and must unlock it too, so it cannot have another action there",
         ),
     ] {
         let layer = "layers: [\n(name: \"x\", keys: {\"Q\": \"AltLeft\"})]";
@@ -339,16 +337,16 @@ fn what_is_no_ron_is_told_at_its_place() {
             "Layout(name: \"x\"\nboards: [])",
             "2:1: expected a comma or the closing bracket",
         ),
-        ("Layout(name: \"x", "1:14: this text has no closing quote"),
+        ("Layout(name: \"x", "1:14: the text has no closing quote"),
         (
             "Layout(name: 5)",
             "1:14: expected a text in quotes: `\"…\"`",
         ),
         (
             "Layout(name: \"x\", boards: []) x",
-            "1:31: there is something after the end",
+            "1:31: unexpected text after the end",
         ),
-        ("  /* Layout(", "1:3: this comment has no `*/`"),
+        ("  /* Layout(", "1:3: the comment has no `*/`"),
     ] {
         let error = refusal(text);
         let first = error.to_string().lines().next().unwrap().to_owned();
@@ -372,9 +370,9 @@ fn nesting_two_hundred_deep_is_an_error_and_not_a_crash() {
     #[derive(Debug, serde::Deserialize)]
     struct Nested(#[expect(dead_code, reason = "only read")] Vec<Nested>);
     let text = "([".repeat(200);
-    let error = ademan::layout::parse_ron::<Nested>(&text, "t.ron").unwrap_err();
+    let error = ademan::document::parse_ron::<Nested>(&text, "t.ron").unwrap_err();
     assert!(
-        error.message().contains("nested more than 128 deep"),
+        error.message().contains("nested more than 128 levels deep"),
         "{error}"
     );
 }

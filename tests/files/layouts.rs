@@ -9,13 +9,14 @@ use ademan::contact::surface::Shape;
 use ademan::device::KeyCode;
 use ademan::device::keyboard::{Activation, TapHold};
 use ademan::device::{KeyAction, Latch};
+use ademan::document::Document;
 use ademan::hand::{Joint, Side};
 use ademan::kinematics::HandPose;
-use ademan::layout::{Document, Layout};
+use ademan::layout::Layout;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec2, Vec3};
 
-const PLACE: &str = "place: (anchor: elbow)";
+const PLACE: &str = "pose: (anchor: elbow)";
 
 /// A layout whose board has these fields.
 fn board(fields: &str) -> String {
@@ -125,7 +126,7 @@ fn the_keys_of_a_flat_board_are_where_the_file_says() {
     for (bearing, tilt) in [(0.0, 0.0), (35.0, 0.0), (-120.0, 20.0), (90.0, -45.0)] {
         let text = format!(
             "Layout(name: \"t\", boards: [(
-                place: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, height_mm: -40, tilt_deg: {tilt}),
+                pose: (anchor: elbow, bearing_deg: {bearing}, forward_mm: 300, height_mm: -40, tilt_deg: {tilt}),
                 rows: [(at_mm: (-30, 20), keys: \"Q W E\", pitch_mm: 25)],
                 keys: [(code: \"Space\", at_mm: (5, -18), size_mm: Disc(12), travel_mm: 6)],
             )])"
@@ -181,7 +182,8 @@ fn the_rows_of_an_arc_board_go_round_the_elbow() {
             key.face.name
         );
         assert!(
-            (board.row_position(key.face.outline.center) - key.face.row_position).length() < 1e-6
+            (board.shape.row_position(key.face.outline.center) - key.face.row_position).length()
+                < 1e-6
         );
         assert!(angle.abs() < 25_f32.to_radians(), "{}", key.face.name);
     }
@@ -229,9 +231,9 @@ fn a_board_is_fixed_to_what_the_file_says() {
 
 #[test]
 fn several_boards_share_one_list_of_keys() {
-    let one = "(place: (anchor: world), rows: [(at_mm: (0, 0), keys: \"A B\")])";
+    let one = "(pose: (anchor: world), rows: [(at_mm: (0, 0), keys: \"A B\")])";
     let two =
-        "(place: (anchor: wrist), keys: [(code: \"C\", at_mm: (1, 2), name: \"c\", label: \"x\")])";
+        "(pose: (anchor: wrist), keys: [(code: \"C\", at_mm: (1, 2), name: \"c\", label: \"x\")])";
     let text = format!("Layout(name: \"t\", boards: [{one}, {two}])");
     let layout = Layout::parse(&text, "t.ron").unwrap();
     let key = layout.key("c").unwrap();
@@ -271,12 +273,12 @@ fn a_layer_says_nothing_of_the_keys_that_it_does_not_name() {
 #[test]
 fn how_a_key_fires_is_as_the_file_says() {
     let text = format!(
-        "Layout(name: \"t\", boards: [({PLACE}, repress_ms: 40.5,
+        "Layout(name: \"t\", boards: [({PLACE}, debounce_ms: 40.5,
             rows: [(at_mm: (0, 0), keys: \"Q\")],
             keys: [
-                (code: \"W\", fires: Release, repress_ms: 0, at_mm: (19, 0)),
-                (code: \"E\", fires: Press, at_mm: (38, 0)),
-                (code: \"Space\", hold: (layer: \"x\"), hold_ms: 300, at_mm: (57, 0)),
+                (code: \"W\", activate_on: Release, debounce_ms: 0, at_mm: (19, 0)),
+                (code: \"E\", activate_on: Press, at_mm: (38, 0)),
+                (code: \"Space\", hold: (layer: \"x\"), hold_after_ms: 300, at_mm: (57, 0)),
                 (code: \"F\", hold: (code: \"ShiftLeft\"), at_mm: (76, 0)),
                 (code: \"AltLeft\", latch: Lock, at_mm: (95, 0)),
                 (layer: \"x\", latch: Lock, at_mm: (114, 0)),
@@ -413,7 +415,7 @@ fn the_errors_of_the_guide_look_as_they_are() {
 /// The table of the guide against the numbers of the code.
 #[test]
 fn the_guide_names_every_range_and_default() {
-    use ademan::layout::ranged::*;
+    use ademan::layout::quantity::*;
     let path = format!("{}/layouts/README.md", env!("CARGO_MANIFEST_DIR"));
     let guide = fs::read_to_string(path).unwrap();
     // One of the rows of that name: other controls may have a field of the same one.
@@ -437,40 +439,40 @@ fn the_guide_names_every_range_and_default() {
     }
     agrees! {
         "bearing_deg" Bearing default;
-        "forward_mm" Distance;
-        "height_mm" Distance default;
+        "forward_mm" Offset;
+        "height_mm" Offset default;
         "tilt_deg" Tilt default;
         "radius_mm" Radius;
         "pitch_mm" Pitch default;
         "travel_mm" Travel default;
-        "press_share" PressShare default;
-        "release_share" ReleaseShare default;
+        "press_at" PressAt default;
+        "release_at" ReleaseAt default;
         "size_mm" Size;
-        "at_mm" Distance;
-        "repress_ms" Repress default;
-        "hold_ms" HoldTime default;
+        "at_mm" Offset;
+        "debounce_ms" Debounce default;
+        "hold_after_ms" HoldAfter default;
         "dwell_ms" DwellTime;
-        "chord_ms" ChordTime default;
-        "px_per_mm" Speed default;
+        "chord_timeout_ms" ChordTimeout default;
+        "px_per_mm" PixelsPerMm default;
         "acceleration" Acceleration default;
-        "scroll_mm" ScrollWay default;
-        "on_deg`, `off_deg" Angle;
-        "on_mm`, `off_mm" Gap;
+        "mm_per_detent" MmPerDetent default;
+        "on_deg`, `off_deg" JointAngle;
+        "on_mm`, `off_mm" FingertipGap;
         "length_mm" Size;
         "width_mm" Size default;
-        "turn_deg" Turn default;
+        "rotation_deg" Rotation default;
         "steps" Steps;
-        "start" Share;
+        "initial" Fraction;
         "throw_deg" Throw default;
-        "notches" Steps;
-        "rest" Share;
+        "detents" Steps;
+        "rest" Fraction;
         "diameter_mm" Size;
-        "range_deg" KnobRangeDegrees default;
+        "range_deg" KnobRange default;
         "turns" Turns default;
-        "reach_mm" Reach default;
-        "dead_zone" DeadZone default;
-        "curve" Curve default;
-        "moves_px_per_s" PointerSpeed;
+        "max_deflection_mm" MaxDeflection default;
+        "dead_zone" StickDeadZone default;
+        "exponent" StickExponent default;
+        "pointer_px_per_s" StickSpeed;
     }
 }
 
@@ -486,7 +488,7 @@ fn labels_of_a_national_board_stand_on_the_positions_of_its_keys() {
 
 #[test]
 fn labels_for_keys_that_are_not_there_are_refused_at_their_place() {
-    let text = "Layout(name: \"t\", boards: [(place: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"Q\")])],\n\
+    let text = "Layout(name: \"t\", boards: [(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"Q\")])],\n\
                 labels: {\"W\": \"Z\"})";
     let error = Layout::parse(text, "t.ron")
         .expect_err("no key W")

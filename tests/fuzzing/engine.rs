@@ -132,7 +132,7 @@ impl World {
             layout: plan.layouts[0].into(),
             profiles: further.collect(),
             other_hand: plan.has_two_hands.then(OtherHand::default),
-            start_armed: plan.armed,
+            arm_immediately: plan.armed,
             ..Setup::default()
         };
         let assembly = setup.load_files().expect("shipped files");

@@ -1,7 +1,7 @@
 //! Valid inputs of every kind, from what is shipped.
 
-use ademan::layout::Document;
-use ademan::layout::document::shipped_layouts;
+use ademan::document::Document;
+use ademan::document::shipped_layouts;
 
 fn shipped(name: &str) -> Vec<u8> {
     let document = Document::shipped(name).expect("a shipped file");
@@ -27,11 +27,11 @@ pub fn arms() -> Vec<Vec<u8>> {
 pub fn setups() -> Vec<Vec<u8>> {
     texts(&[
         include_str!("../../examples/setup.ron"),
-        r#"Setup(hand: Measured(hand_length_mm: 190, forearm_length_mm: 255), stall_ms: 300)"#,
+        r#"Setup(arm: Measured(hand_length_mm: 190, forearm_length_mm: 255), stall_timeout_ms: 300)"#,
         r#"Setup(other_hand: OtherHand(), profiles: [Profile(name: "numbers", layout: "numpad")])"#,
         r#"Setup(source: "tcp:[::1]:4001?baud=9600", smoothing: OneEuro(min_cutoff_hz: 1.5, beta: 0.3))"#,
         r#"Setup(role: Keys, other_hand: (source: "tcp:box:4001", role: Both))"#,
-        r#"(armed: true, output: "uinput,transcript", smoothing: Off)"#,
+        r#"(arm_immediately: true, output: "uinput,transcript", smoothing: Off)"#,
     ])
 }
 

@@ -86,7 +86,7 @@ fn stream(mut typist: SimulatedTypist) -> Vec<u8> {
 
 #[test]
 fn moving_and_auto_recentering_boards_do_not_allocate() {
-    let text = "Layout(name: \"a\", boards: [(drift: (after_ms: 100), place: (anchor: elbow, \
+    let text = "Layout(name: \"a\", boards: [(auto_recenter: (delay_ms: 100), pose: (anchor: elbow, \
                 bearing_deg: 35, forward_mm: 300, height_mm: -145), \
                 rows: [(at_mm: (0, 0), keys: \"A B C\")])])";
     let mut setup = Setup::default().load_files().expect("the default setup");
@@ -295,10 +295,10 @@ fn release_all(
 
 #[test]
 fn every_option_of_a_key_is_free_of_allocation() {
-    let text = r#"Layout(name: "t", boards: [(place: (anchor: elbow), repress_ms: 20, keys: [
-        (code: "A", fires: Release, at_mm: (0, 0)),
-        (code: "B", hold: (code: "ShiftLeft"), hold_ms: 60, at_mm: (20, 0)),
-        (code: "C", hold: (layer: "l"), hold_ms: 2000, at_mm: (40, 0)),
+    let text = r#"Layout(name: "t", boards: [(pose: (anchor: elbow), debounce_ms: 20, keys: [
+        (code: "A", activate_on: Release, at_mm: (0, 0)),
+        (code: "B", hold: (code: "ShiftLeft"), hold_after_ms: 60, at_mm: (20, 0)),
+        (code: "C", hold: (layer: "l"), hold_after_ms: 2000, at_mm: (40, 0)),
         (code: "AltLeft", latch: Lock, at_mm: (60, 0)),
         (layer: "l", latch: Lock, at_mm: (80, 0)),
     ])], layers: [(name: "l", keys: {"A": "1"})])"#;
@@ -341,20 +341,20 @@ fn every_option_of_a_key_is_free_of_allocation() {
 
 #[test]
 fn controls_and_gestures_do_not_allocate() {
-    let text = r#"Layout(name: "t", boards: [(place: (anchor: elbow),
+    let text = r#"Layout(name: "t", boards: [(pose: (anchor: elbow),
         keys: [(code: "A", at_mm: (0, 0)), (code: "B", at_mm: (20, 0)), (code: "C", dwell_ms: 50, at_mm: (40, 0))],
         radios: [(name: "R", options: [
-            (name: "r0", at_mm: (0, 20), holds: Key("F1")), (name: "r1", at_mm: (20, 20), taps: Key("F2")),
+            (name: "r0", at_mm: (0, 20), hold: Key("F1")), (name: "r1", at_mm: (20, 20), tap: Key("F2")),
         ])],
         touch_surfaces: [
-            (name: "pad", at_mm: (0, 60), size_mm: Box(40, 40), mode: Pad),
-            (name: "screen", at_mm: (50, 60), size_mm: Box(40, 40), mode: Screen),
+            (name: "pad", at_mm: (0, 60), size_mm: Box(40, 40), mode: Touchpad),
+            (name: "screen", at_mm: (50, 60), size_mm: Box(40, 40), mode: Touchscreen),
         ],
-    )], chords: [(keys: "A B", does: Write("ñandú"))],
+    )], chords: [(keys: "A B", action: Text("ñandú"))],
     triggers: [
-        (name: "claw", does: Key("X"), drives: Axis("LeftX"),
-         when: Angle(of: "index-mcp-flexion", on_deg: 50, off_deg: 40, from_deg: 0, full_deg: 90)),
-        (name: "pinch", does: Key("MouseLeft"), when: Pinch(of: "index")),
+        (name: "claw", action: Key("X"), output: Axis("LeftX"),
+         when: Angle(dof: "index-mcp-flexion", on_deg: 50, off_deg: 40, zero_deg: 0, full_deg: 90)),
+        (name: "pinch", action: Key("MouseLeft"), when: Pinch(finger: "index")),
     ])"#;
     let layout = Keys::parse(text, "t.ron").expect("a layout");
     let targets = layout.scene.len() as u64;
@@ -502,15 +502,15 @@ fn the_session_loop_does_not_allocate() {
 /// no key is pressed.
 #[test]
 fn handles_do_not_allocate_and_return_to_rest() {
-    let text = r#"Layout(name: "t", boards: [(place: (anchor: world),
-        sliders: [(name: "a", at_mm: (0, 0), length_mm: 80, drives: Axis("LeftTrigger"))],
-        levers: [(name: "b", at_mm: (0, 40), length_mm: 80, springs: true, drives: Axis("MoveX"))],
-        knobs: [(name: "c", at_mm: (0, 90), diameter_mm: 50, drives: Axis("TurnZ"))],
+    let text = r#"Layout(name: "t", boards: [(pose: (anchor: world),
+        sliders: [(name: "a", at_mm: (0, 0), length_mm: 80, output: Axis("LeftTrigger"))],
+        levers: [(name: "b", at_mm: (0, 40), length_mm: 80, springs_back: true, output: Axis("MoveX"))],
+        knobs: [(name: "c", at_mm: (0, 90), diameter_mm: 50, output: Axis("TurnZ"))],
         valves: [(name: "d", at_mm: (0, 150), diameter_mm: 50,
-            drives: Taps(more: Key("A"), less: Key("B"), steps: 30))],
+            output: Taps(increase: Key("A"), decrease: Key("B"), steps: 30))],
         joysticks: [(name: "e", at_mm: (0, 210), diameter_mm: 50, travel_mm: 20, axes: ("LeftX", "LeftY"),
-            keys: (up: Key("W"), down: Key("S"), left: Key("A"), right: Key("D")),
-            press: Key("E"), moves_px_per_s: 500)])])"#;
+            direction_keys: (up: Key("W"), down: Key("S"), left: Key("A"), right: Key("D")),
+            push_action: Key("E"), pointer_px_per_s: 500)])])"#;
     let layout = Keys::parse(text, "t.ron").expect("a layout");
     let mut devices = layout.devices();
     let mut arbiter = KeyArbiter::default();
@@ -610,17 +610,17 @@ fn a_pointer_and_targets_in_space_do_not_allocate() {
         .map(|number| {
             let (x, y, z) = (number % 10, number / 10 % 10, number / 100);
             let at = format!("({}, {}, {})", x * 20 - 100, y * 20 - 100, z * 20 - 100);
-            format!("(name: \"t{number}\", at_mm: {at}, form: Ball(24), does: Key(\"A\")),")
+            format!("(name: \"t{number}\", at_mm: {at}, shape: Ball(24), action: Key(\"A\")),")
         })
         .collect();
     let text = format!(
         r#"Layout(name: "t", pointer: Pointer(
-            mode: Direct(place: (anchor: world), size_mm: (200, 200, 200)),
+            mode: Direct(pose: (anchor: world), size_mm: (200, 200, 200)),
             dead_zone_px: 1, precision: Pinch("ring"), clutch: Flexion("wrist-flexion", 30),
-            clicks: [(by: Pinch("index"), does: Key("MouseLeft")), (by: Push(15), does: Key("B"))],
-            scroll: (by: Pinch("little"), px_per_click: 30), z_drives: Axis("MoveZ"),
-            dwell: (ms: 50, radius_px: 400, does: Key("MouseMiddle")),
-        ), spaces: [(place: (anchor: world), targets: [{targets}])])"#
+            clicks: [(gesture: Pinch("index"), action: Key("MouseLeft")), (gesture: Push(15), action: Key("B"))],
+            scroll: (gesture: Pinch("little"), px_per_detent: 30), z_output: Axis("MoveZ"),
+            dwell: (time_ms: 50, radius_px: 400, action: Key("MouseMiddle")),
+        ), spaces: [(pose: (anchor: world), targets: [{targets}])])"#
     );
     let layout = Keys::parse(&text, "t.ron").expect("a layout");
     let mut devices = layout.devices();

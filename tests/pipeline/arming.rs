@@ -162,7 +162,7 @@ fn a_hand_on_a_key_at_the_start_presses_nothing() {
 #[test]
 fn with_start_armed_the_first_press_is_typed() {
     let setup = Setup {
-        start_armed: true,
+        arm_immediately: true,
         ..Setup::default()
     };
     let mut wearer = Wearer::new(&setup);
@@ -174,7 +174,7 @@ fn with_start_armed_the_first_press_is_typed() {
 #[test]
 fn with_start_armed_a_finger_on_a_key_must_leave_it_first() {
     let setup = Setup {
-        start_armed: true,
+        arm_immediately: true,
         ..Setup::default()
     };
     let mut wearer = Wearer::new(&setup);
@@ -467,7 +467,7 @@ fn a_pause_outlasts_a_new_layout_and_ends_with_stop() {
 #[test]
 fn a_pause_before_the_first_reading_overrides_start_armed() {
     let setup = Setup {
-        start_armed: true,
+        arm_immediately: true,
         ..Setup::default()
     };
     let mut wearer = Wearer::new(&setup);

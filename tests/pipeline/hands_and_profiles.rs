@@ -5,9 +5,9 @@ use std::fs;
 use crate::support::checked::Judged;
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::device::{EventKind, Events};
+use ademan::document::Document;
 use ademan::estimate::{ChannelMap, Estimate, JointAngles};
 use ademan::hand::Side;
-use ademan::layout::Document;
 use ademan::pipeline::PipelineState;
 use ademan::pipeline::SourceRole;
 use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
@@ -229,7 +229,7 @@ fn what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen() {
     let board = board
         .text
         .replace(row, "at_mm: (-23.75, -19), keys: \"M Comma");
-    let keys = "keys: [\n (code: \"N\", hold: (code: \"ControlRight\"), hold_ms: 250, at_mm: (-42.75, -19)),
+    let keys = "keys: [\n (code: \"N\", hold: (code: \"ControlRight\"), hold_after_ms: 250, at_mm: (-42.75, -19)),
                 (code: \"ShiftRight\"";
     let board = board.replace("keys: [\n                (code: \"ShiftRight\"", keys);
     fs::write(&path, board).expect("room on the disk");
@@ -283,7 +283,7 @@ fn setup_of(main: &str, other: &str) -> (tempfile::TempDir, Setup) {
     let layout = |name: &str, keys: &str| {
         let path = folder.path().join(name);
         let text = format!(
-            "Layout(name: \"{name}\", boards: [(place: (anchor: elbow, bearing_deg: 35, \
+            "Layout(name: \"{name}\", boards: [(pose: (anchor: elbow, bearing_deg: 35, \
              forward_mm: 300, height_mm: -45), keys: [{keys}])])"
         );
         std::fs::write(&path, text).expect("a file");
@@ -300,9 +300,9 @@ fn setup_of(main: &str, other: &str) -> (tempfile::TempDir, Setup) {
     (folder, setup)
 }
 
-const MAIN: &str = r#"(code: "A", at_mm: (-20, 0)), (does: Profile("other"), at_mm: (0, 0)),
-    (does: NextProfile, name: "next", at_mm: (20, 0))"#;
-const OTHER: &str = r#"(code: "B", at_mm: (0, 0)), (does: Profile("main"), at_mm: (20, 0))"#;
+const MAIN: &str = r#"(code: "A", at_mm: (-20, 0)), (action: Profile("other"), at_mm: (0, 0)),
+    (action: NextProfile, name: "next", at_mm: (20, 0))"#;
+const OTHER: &str = r#"(code: "B", at_mm: (0, 0)), (action: Profile("main"), at_mm: (20, 0))"#;
 
 #[test]
 fn a_key_puts_another_layout_in_force_and_the_finger_has_to_leave_first() {
@@ -387,7 +387,7 @@ fn a_setup_with_two_hands_and_profiles_comes_back_out_of_a_recording() {
 
 #[test]
 fn a_key_pauses_and_the_same_key_ends_that_and_nothing_of_the_pause_is_left() {
-    let keys = r#"(code: "A", at_mm: (-20, 0)), (does: Pause, name: "pause", at_mm: (0, 0)),
+    let keys = r#"(code: "A", at_mm: (-20, 0)), (action: TogglePause, name: "pause", at_mm: (0, 0)),
         (code: "ShiftLeft", latch: OneShot, at_mm: (20, 0))"#;
     let (_folder, setup) = setup_of(keys, OTHER);
     let mut wearer = Wearer::of(setup);

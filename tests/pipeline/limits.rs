@@ -5,7 +5,8 @@ use std::fs;
 
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::device::{EventKind, Events};
-use ademan::layout::{Document, Layout};
+use ademan::document::Document;
+use ademan::layout::Layout;
 use ademan::pipeline::{Pipeline, SourceRole};
 use ademan::pipeline::{PipelineState, Suppressed};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
@@ -171,7 +172,7 @@ fn a_limit_that_makes_no_sense_is_refused() {
             .to_string();
         assert_eq!(
             error,
-            format!("`presses_per_second` is 1 to 1000, not {wrong}")
+            format!("`max_presses_per_second` is 1 to 1000, not {wrong}")
         );
     }
 }
@@ -194,7 +195,7 @@ fn a_layout_with_keys_of_the_system_is_used_only_by_a_setup_that_allows_them() {
         error.to_string(),
         format!(
             "{file}: its key `MetaLeft` acts on the system and not just on one program; take it out, or allow \
-             such keys with `system_keys: true` in the setup"
+             such keys with `allow_system_keys: true` in the setup"
         )
     );
     // Also when it takes the place of one that is in force.

@@ -27,7 +27,7 @@ struct Wearer {
 /// The text of a layout with one board of this form and with these keys.
 fn text(board: &str, keys: &str) -> String {
     format!(
-        "Layout(name: \"a\", boards: [(place: (anchor: elbow, bearing_deg: 35, forward_mm: 300, \
+        "Layout(name: \"a\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, \
          height_mm: -45), {board} rows: [(at_mm: (-38, 0), keys: \"{keys}\")])])"
     )
 }
@@ -261,7 +261,7 @@ fn a_board_comes_below_the_index_fingertip_of_a_hand_that_went_elsewhere() {
 fn boards_of_one_hand_keep_their_arrangement_when_they_are_brought_to_it() {
     let two = text("", "A B C D E").replace(
         "boards: [",
-        "boards: [(place: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: 100), \
+        "boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: 100), \
          keys: [(code: \"Z\", at_mm: (0, 0))]), ",
     );
     let mut wearer = Wearer::of(&text("", "A B C D E"));
@@ -301,7 +301,7 @@ fn a_board_comes_to_no_hand_that_is_not_seen() {
 fn a_key_brings_its_board_to_the_finger_that_presses_it() {
     let with_key = text("", "A B C D E").replace(
         "rows:",
-        "keys: [(does: Recentre, name: \"here\", at_mm: (0, 19))], rows:",
+        "keys: [(action: Recenter, name: \"here\", at_mm: (0, 19))], rows:",
     );
     let mut wearer = Wearer::of(&with_key);
     wearer.hover("here");
@@ -377,7 +377,7 @@ fn crept(wearer: &Wearer) -> f32 {
 
 #[test]
 fn a_board_drifts_under_a_resting_hand_and_stops_there() {
-    let drift = "drift: (speed_mm_s: 5, after_ms: 2000),";
+    let drift = "auto_recenter: (speed_mm_per_s: 5, delay_ms: 2000),";
     let mut wearer = Wearer::of(&text(drift, "A B C D E"));
     rest(&mut wearer, 0.012, 0.03);
     wearer.stay(1_900);
@@ -405,7 +405,7 @@ fn a_board_drifts_under_a_resting_hand_and_stops_there() {
 
 #[test]
 fn a_drifting_board_stays_within_its_limit() {
-    let drift = "drift: (speed_mm_s: 50, after_ms: 100, limit_mm: 6),";
+    let drift = "auto_recenter: (speed_mm_per_s: 50, delay_ms: 100, max_offset_mm: 6),";
     let mut wearer = Wearer::of(&text(drift, "A B C D E"));
     for right in [0.03, -0.03, 0.02] {
         rest(&mut wearer, right, 0.03);
@@ -420,7 +420,7 @@ fn a_drifting_board_stays_within_its_limit() {
 
 #[test]
 fn a_board_drifts_under_no_finger_that_is_on_or_near_a_key() {
-    let drift = "drift: (speed_mm_s: 50, after_ms: 100),";
+    let drift = "auto_recenter: (speed_mm_per_s: 50, delay_ms: 100),";
     let mut wearer = Wearer::of(&text(drift, "A B C D E"));
     wearer.push("A");
     wearer.stay(3_000);
@@ -440,7 +440,7 @@ fn a_board_drifts_under_no_finger_that_is_on_or_near_a_key() {
 #[test]
 fn keys_of_a_cylinder_face_its_axis_and_are_typed() {
     for (bends, axis) in [("Rows", Vec3::Y), ("Columns", Vec3::X)] {
-        let form = format!("form: Cylinder(radius_mm: 120, bends: {bends}),");
+        let form = format!("shape: Cylinder(radius_mm: 120, curved: {bends}),");
         let keys = text(&form, "A B C D E").replace(
             "rows: [",
             "rows: [(at_mm: (-38, 38), keys: \"Q W E R T\"), ",
@@ -454,7 +454,7 @@ fn keys_of_a_cylinder_face_its_axis_and_are_typed() {
             let facing = on_axis - pose.translation;
             assert!((facing.length() - 0.12).abs() < 1e-6);
             assert!((facing.normalize() - pose.rotation * Vec3::Z).length() < 1e-5);
-            let over = board.unbend(pose.transform_point(Vec3::Z * 0.01));
+            let over = board.shape.unbend(pose.transform_point(Vec3::Z * 0.01));
             assert!(
                 (over - key.face.row_position.extend(0.01)).length() < 1e-6,
                 "{over}"
@@ -471,7 +471,7 @@ fn keys_of_a_cylinder_face_its_axis_and_are_typed() {
 
 #[test]
 fn a_key_stands_out_of_its_board_and_turns_as_it_says() {
-    let own = "keys: [(code: \"Z\", at_mm: (0, 60), lift_mm: 12, turn_deg: (30, 0, 90)), \
+    let own = "keys: [(code: \"Z\", at_mm: (0, 60), lift_mm: 12, rotation_deg: (30, 0, 90)), \
                (code: \"Y\", at_mm: (0, 60))], rows:";
     let layout = parsed(&text("", "A B C D E").replace("rows:", own));
     let target = layout.key("Z").unwrap().face.target;
@@ -488,7 +488,7 @@ fn a_key_stands_out_of_its_board_and_turns_as_it_says() {
 
 #[test]
 fn a_scale_makes_what_is_on_a_board_larger_and_leaves_the_board_where_it_is() {
-    let once = parsed(&text("form: Arc(radius_mm: 300),", "A B C D E"));
+    let once = parsed(&text("shape: Arc(radius_mm: 300),", "A B C D E"));
     let larger = once
         .text
         .replace("anchor: elbow,", "anchor: elbow, scale: 1.5,");
@@ -506,8 +506,8 @@ fn a_scale_makes_what_is_on_a_board_larger_and_leaves_the_board_where_it_is() {
 
 #[test]
 fn keys_move_and_tilt_the_boards_too() {
-    let keys = r#"keys: [(does: Nudge(0, -5, 0), name: "down", at_mm: (0, -30)),
-        (does: Tilt(-2), name: "tilt", at_mm: (30, -30))],"#;
+    let keys = r#"keys: [(action: Nudge(0, -5, 0), name: "down", at_mm: (0, -30)),
+        (action: Tilt(-2), name: "tilt", at_mm: (30, -30))],"#;
     let mut wearer = Wearer::of(&text(keys, "A B"));
     let before = wearer.place();
     wearer.tap("tilt");

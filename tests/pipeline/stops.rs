@@ -6,10 +6,10 @@ use crate::support::checked::Judged;
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::command::Command;
 use ademan::device::{EventKind, Events, OutputEvent};
+use ademan::document::Document;
 use ademan::estimate::{ChannelMap, JointAngles, Rejection};
 use ademan::hand::{Dof, Side};
 use ademan::kinematics::ArmModel;
-use ademan::layout::Document;
 use ademan::pipeline::PipelineState;
 use ademan::setup::{LoadedSetup, OtherHand, Setup, SmoothingSetup};
 use ademan::sim::TypingHand;
@@ -17,8 +17,8 @@ use ademan::time::Timestamp;
 use arrayvec::ArrayVec;
 
 /// Bending the left ring finger pauses; the hand holds it up.
-const GESTURE: &str = "triggers: [(name: \"Stop\", hand: \"left\", does: Pause, \
-                       when: Angle(of: \"ring-mcp-flexion\", on_deg: -5, off_deg: -15))],";
+const GESTURE: &str = "triggers: [(name: \"Stop\", hand: \"left\", action: TogglePause, \
+                       when: Angle(dof: \"ring-mcp-flexion\", on_deg: -5, off_deg: -15))],";
 
 /// How far it is bent from there, in radians.
 const BENT: f64 = 0.6;

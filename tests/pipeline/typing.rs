@@ -155,7 +155,7 @@ fn typing_works_with_recursive_averages_and_without_smoothing() {
     let text = "Recursive averages.";
     // At 14.5 packets per second, recursive averages follow a tap only after half a second.
     let cases = [
-        (SmoothingSetup::Thesis, 115_200),
+        (SmoothingSetup::RecursiveAverage, 115_200),
         (SmoothingSetup::Off, 115_200),
         (SmoothingSetup::Off, 9_600),
     ];

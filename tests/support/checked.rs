@@ -35,7 +35,7 @@ impl Judged {
     /// The pipeline of a setup, and an oracle for it.
     pub fn of(assembly: &LoadedSetup) -> Self {
         let arming = PipelineSettings {
-            arm_immediately: assembly.setup.start_armed,
+            arm_immediately: assembly.setup.arm_immediately,
             ..PipelineSettings::default()
         };
         Self {

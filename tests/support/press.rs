@@ -27,7 +27,7 @@ impl Press {
     /// Of the last character of `text` on the default layout.
     pub fn of(text: &str) -> Self {
         let setup = Setup {
-            start_armed: true,
+            arm_immediately: true,
             ..Setup::default()
         };
         let assembly = setup.load_files().expect("the default setup");

@@ -75,7 +75,7 @@ impl Run {
     /// On the layout `qwerty-flat`, with the key H held.
     pub fn with_held_key(arguments: &[&str]) -> Self {
         // A machine that holds the hand up for a moment shall not end the press.
-        let run = Self::of("role: Both, stall_ms: 10000", arguments);
+        let run = Self::of("role: Both, stall_timeout_ms: 10000", arguments);
         run.wait_until_told(ARMED);
         run.push_down();
         assert_eq!(run.typed(), "down H");

@@ -48,7 +48,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     let mut setup = args.flags.read_setup(args.setup.as_deref())?;
     setup.output = args.output.unwrap_or(setup.output);
-    setup.start_armed |= args.armed;
+    setup.arm_immediately |= args.armed;
     let control_socket = match &args.control {
         Some(off) if off.as_os_str() == "off" => None,
         Some(path) => Some(path.clone()),

@@ -45,8 +45,8 @@ pub fn line(stats: &Stats) -> String {
 /// Suppressed events with the setup field that suppressed them; empty if there are none.
 fn suppressed(suppressed: &Suppressed) -> String {
     let reasons = [
-        (suppressed.rate_limited, "beyond `presses_per_second`"),
-        (suppressed.system_keys, "without `system_keys`"),
+        (suppressed.rate_limited, "beyond `max_presses_per_second`"),
+        (suppressed.system_keys, "without `allow_system_keys`"),
         (
             suppressed.keys_by_role + suppressed.pointing_by_role,
             "by `role`",

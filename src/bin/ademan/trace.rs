@@ -31,7 +31,7 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), Failure> {
     let mut setup = args.flags.read_setup(args.setup.as_deref())?;
     // Nothing is typed, so that the trace may begin with the first reading.
-    setup.start_armed = true;
+    setup.arm_immediately = true;
     let setup = setup.load_files()?;
     signals::install()?;
     let options = SessionOptions {

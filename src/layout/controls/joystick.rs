@@ -1,180 +1,179 @@
-//! Joysticks as written → checked.
+//! Joysticks.
 
 use serde::Deserialize;
 
-use super::{Control, ControlKind};
+use super::value_output::axis;
 use crate::contact::surface::DRAG_MARGIN;
-use crate::device::joystick;
+use crate::device::joystick::Joystick;
 use crate::device::{Axis, KeyAction};
-use crate::document::DocumentError;
-use crate::layout::builder::{Checked, Spot};
-use crate::layout::model::metres2;
-use crate::layout::ranged::{Curve, DeadZone, Distance, PointerSpeed, Reach, Size, Travel};
-use crate::layout::schema::{Board, Does, Outline};
-use crate::layout::text::{Label, Spanned};
+use crate::document::{DocumentError, Spanned};
+use crate::layout::builder::{FaceSpec, LayoutBuilder};
+use crate::layout::model::{Control, ControlKind};
+use crate::layout::quantity::{
+    MaxDeflection, Offset, Size, StickDeadZone, StickExponent, StickSpeed, Travel,
+};
+use crate::layout::schema::{Action, Label, OutlineSchema};
 
-/// The least travel of a joystick that can be pushed in, in millimetres: with less, every touch would be
-/// a push.
-const LEAST_PUSH_MM: f64 = 10.0;
+/// The minimum travel of a joystick with a push action, in millimetres. With less, every touch would be a push.
+const MIN_PUSH_TRAVEL_MM: f64 = 10.0;
 
-/// A joystick as it stands in the file.
+/// A joystick that springs back to its center.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Joystick<'a> {
-    /// What it is called.
+#[serde(rename = "Joystick", deny_unknown_fields)]
+pub(in crate::layout) struct JoystickSchema<'a> {
+    /// Name.
     #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// What is drawn on it; else its name.
+    name: Spanned<'a>,
+    /// Text drawn on it. Default: the name.
     #[serde(default)]
-    pub label: Option<Label>,
-    /// The middle of its cap.
-    pub at_mm: (Distance, Distance),
-    /// The diameter of its cap.
-    pub diameter_mm: Size,
-    /// How far it goes down; else as the board says.
+    label: Option<Label>,
+    /// Center of the cap.
+    at_mm: (Offset, Offset),
+    /// Diameter of the cap.
+    diameter_mm: Size,
+    /// Travel. Default: that of the board.
     #[serde(default)]
-    pub travel_mm: Option<Travel>,
-    /// How far it goes to each side.
+    travel_mm: Option<Travel>,
+    /// Deflection to each side at which the axes reach ±1.
     #[serde(default)]
-    pub reach_mm: Reach,
-    /// The share of that within which it stands in the middle.
+    max_deflection_mm: MaxDeflection,
+    /// Dead zone, as a fraction of the maximum deflection.
     #[serde(default)]
-    pub dead_zone: DeadZone,
-    /// The exponent of the way from there to the end.
+    dead_zone: StickDeadZone,
+    /// Exponent of the response curve outside the dead zone.
     #[serde(default)]
-    pub curve: Curve,
-    /// What it drives to the right and away from the wearer.
+    exponent: StickExponent,
+    /// Axes to the right and away from the wearer.
     #[serde(borrow, default)]
-    pub axes: Option<(Spanned<'a>, Spanned<'a>)>,
-    /// What is pressed while it points to a side.
+    axes: Option<(Spanned<'a>, Spanned<'a>)>,
+    /// Actions while it points in a direction.
     #[serde(borrow, default)]
-    pub keys: Option<Sides<'a>>,
-    /// What is pressed while it is pushed in.
+    direction_keys: Option<DirectionKeys<'a>>,
+    /// Action while it is pushed in.
     #[serde(borrow, default)]
-    pub press: Option<Does<'a>>,
-    /// How fast it moves the pointer.
+    push_action: Option<Action<'a>>,
+    /// Speed of the pointer at full deflection.
     #[serde(default)]
-    pub moves_px_per_s: Option<PointerSpeed>,
+    pointer_px_per_s: Option<StickSpeed>,
 }
 
-/// What is pressed while a joystick points to a side.
+/// Actions while a joystick points in a direction.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Sides<'a> {
+struct DirectionKeys<'a> {
     /// Away from the wearer.
     #[serde(borrow)]
-    pub up: Does<'a>,
+    up: Action<'a>,
     /// Towards the wearer.
     #[serde(borrow)]
-    pub down: Does<'a>,
+    down: Action<'a>,
     /// To the left.
     #[serde(borrow)]
-    pub left: Does<'a>,
+    left: Action<'a>,
     /// To the right.
     #[serde(borrow)]
-    pub right: Does<'a>,
+    right: Action<'a>,
 }
 
-impl<'a> Checked<'a> {
-    /// Adds a joystick to the board that is being added.
-    pub(in crate::layout) fn add_joystick(
-        &mut self,
-        board: &Board<'a>,
-        written: &Joystick<'a>,
-    ) -> Result<(), DocumentError> {
-        let name = written.name;
-        let axes = self.stick_axes(written)?;
-        let keys = self.sides(written.keys)?;
-        let press = match written.press {
-            Some(does) => Some(self.action(does, None)?),
-            None => None,
-        };
-        let speed = written.moves_px_per_s;
-        let travel = written.travel_mm.unwrap_or(board.travel_mm);
-        let refuse = |message: String| Err(self.document.error_at(name.0, message));
-        if axes.is_none() && keys.is_none() && press.is_none() && speed.is_none() {
-            return refuse(format!(
-                "the joystick `{}` does nothing, give it `axes`, `keys`, `press` or `moves_px_per_s`",
-                name.0
-            ));
+impl<'a> JoystickSchema<'a> {
+    /// Adds the joystick to the current board.
+    pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        let axes = self.axes(builder)?;
+        let direction_keys = self.direction_keys(builder)?;
+        let push_action = self
+            .push_action
+            .map(|action| builder.action(action, None))
+            .transpose()?;
+        let travel = self.travel_mm.unwrap_or(builder.board().travel);
+        if let Some(message) = self.conflict(travel) {
+            return Err(builder.error(self.name.text, message));
         }
-        if press.is_some() && travel.get() < LEAST_PUSH_MM {
-            return refuse(format!(
-                "the joystick `{}` has a `press` and needs a `travel_mm` of at least {LEAST_PUSH_MM}, not {}: \
-                 else every touch is a push",
-                name.0,
-                travel.get()
-            ));
-        }
-        let reach = board.metres(written.reach_mm.get());
-        let front = self.put(
-            &board.form,
-            Spot {
-                what: "joystick",
-                word: name,
-                name: name.0,
-                label: Label::or_name(&written.label, name),
-                at: metres2(written.at_mm),
-                turn: 0.0,
-                size: Outline::Disc(written.diameter_mm),
-                travel,
-                press: board.press_share,
-                release: board.release_share,
-                margin: reach + DRAG_MARGIN,
-            },
-        )?;
-        let joystick = joystick::Joystick {
-            target: front.target,
-            max_deflection: reach,
-            dead_zone: written.dead_zone.get() as f32,
-            curve: written.curve.get() as f32,
+        let max_deflection = builder.board().metres(self.max_deflection_mm.get());
+        let face = builder.add_face(FaceSpec {
+            size: OutlineSchema::Disc(self.diameter_mm),
+            travel,
+            margin: max_deflection + DRAG_MARGIN,
+            ..builder.face_spec("joystick", self.name, &self.label, self.at_mm)
+        })?;
+        let joystick = Joystick {
+            target: face.target,
+            max_deflection,
+            dead_zone: self.dead_zone.get() as f32,
+            curve: self.exponent.get() as f32,
             axes,
-            direction_keys: keys,
-            push_action: press,
-            pointer_speed_px_s: speed.map_or(0.0, |speed| speed.get() as f32),
+            direction_keys,
+            push_action,
+            pointer_speed_px_s: self
+                .pointer_px_per_s
+                .map_or(0.0, |speed| speed.get() as f32),
         };
-        self.controls.push(Control {
-            faces: vec![front],
+        builder.add_control(Control {
+            faces: vec![face],
             kind: ControlKind::Joystick(joystick),
         });
         Ok(())
     }
 
-    fn stick_axes(&self, written: &Joystick<'a>) -> Result<Option<[Axis; 2]>, DocumentError> {
-        let Some((x, y)) = written.axes else {
+    /// Returns the message for a joystick without any output, or with too short a travel for its push action.
+    fn conflict(&self, travel: Travel) -> Option<String> {
+        let name = self.name.text;
+        let has_push_action = self.push_action.is_some();
+        let has_output = self.axes.is_some()
+            || self.direction_keys.is_some()
+            || self.pointer_px_per_s.is_some()
+            || has_push_action;
+        if !has_output {
+            return Some(format!(
+                "the joystick `{name}` has no output, add `axes`, `direction_keys`, `push_action` or `pointer_px_per_s`"
+            ));
+        }
+        (has_push_action && travel.get() < MIN_PUSH_TRAVEL_MM).then(|| {
+            format!(
+                "the joystick `{name}` has a `push_action` and needs a `travel_mm` of at least {MIN_PUSH_TRAVEL_MM}, not {}: \
+                 otherwise every touch is a push",
+                travel.get()
+            )
+        })
+    }
+
+    fn axes(&self, builder: &LayoutBuilder<'a>) -> Result<Option<[Axis; 2]>, DocumentError> {
+        let Some((x, y)) = self.axes else {
             return Ok(None);
         };
-        let axes = [self.axis(x)?, self.axis(y)?];
-        let refuse = |word: Spanned, what: &str| {
-            let message = format!("the joystick `{}` {what}", written.name.0);
-            Err(self.document.error_at(word.0, message))
+        let axes = [axis(builder, x)?, axis(builder, y)?];
+        let error = |source: &str, what: &str| {
+            let message = format!("the joystick `{}` {what}", self.name.text);
+            Err(builder.error(source, message))
         };
-        for (word, axis) in [x, y].into_iter().zip(axes) {
+        for (source, axis) in [x, y].into_iter().zip(axes) {
             if axis.is_trigger() {
-                return refuse(word, "goes to both sides of 0, which a trigger cannot");
+                return error(
+                    source.text,
+                    "has values on both sides of 0, a trigger does not",
+                );
             }
         }
         match axes[0] == axes[1] {
-            true => refuse(y, "has the same axis to the side and up, name two"),
+            true => error(
+                y.text,
+                "has the same axis in both directions, name two axes",
+            ),
             false => Ok(Some(axes)),
         }
     }
 
-    fn sides(&mut self, sides: Option<Sides<'a>>) -> Result<Option<[KeyAction; 4]>, DocumentError> {
-        let Some(Sides {
-            up,
-            down,
-            left,
-            right,
-        }) = sides
-        else {
+    fn direction_keys(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+    ) -> Result<Option<[KeyAction; 4]>, DocumentError> {
+        let Some(keys) = self.direction_keys else {
             return Ok(None);
         };
         Ok(Some([
-            self.action(up, None)?,
-            self.action(down, None)?,
-            self.action(left, None)?,
-            self.action(right, None)?,
+            builder.action(keys.up, None)?,
+            builder.action(keys.down, None)?,
+            builder.action(keys.left, None)?,
+            builder.action(keys.right, None)?,
         ]))
     }
 }

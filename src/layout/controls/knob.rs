@@ -1,135 +1,124 @@
-//! Knobs as written → checked.
+//! Knobs, and the dials of knobs and valves.
 
 use serde::Deserialize;
 
-use super::{Control, ControlKind, Drives};
+use super::value_output::{ValueOutputSchema, value_output};
 use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
-use crate::device::knob::{self, KnobRange};
+use crate::device::knob::{self, Knob};
 use crate::device::value_output::ValueOutput;
-use crate::document::DocumentError;
-use crate::layout::builder::{Checked, Spot};
-use crate::layout::model::metres2;
-use crate::layout::ranged::{Distance, KnobRangeDegrees, Share, Size, Steps};
-use crate::layout::schema::{Board, Outline};
-use crate::layout::text::{Label, Spanned};
+use crate::document::{DocumentError, Spanned};
+use crate::layout::builder::{FaceSpec, LayoutBuilder};
+use crate::layout::model::{Control, ControlKind};
+use crate::layout::quantity::{Fraction, KnobRange, Offset, Size, Steps};
+use crate::layout::schema::{Label, OutlineSchema};
 
-/// A knob as it stands in the file.
+/// A knob, limited or endless.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Knob<'a> {
-    /// What it is called.
+#[serde(rename = "Knob", deny_unknown_fields)]
+pub(in crate::layout) struct KnobSchema<'a> {
+    /// Name.
     #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// What is drawn on it; else its name.
+    name: Spanned<'a>,
+    /// Text drawn on it. Default: the name.
     #[serde(default)]
-    pub label: Option<Label>,
-    /// Its middle.
-    pub at_mm: (Distance, Distance),
-    /// Its diameter.
-    pub diameter_mm: Size,
-    /// How far it turns between its ends; else by the default.
+    label: Option<Label>,
+    /// Center.
+    at_mm: (Offset, Offset),
+    /// Diameter.
+    diameter_mm: Size,
+    /// Angle between its ends.
     #[serde(default)]
-    pub range_deg: Option<KnobRangeDegrees>,
-    /// Whether it has no ends.
+    range_deg: Option<KnobRange>,
+    /// The knob has no ends.
     #[serde(default)]
-    pub endless: bool,
-    /// Its value is on one of so many steps of the range, or of a turn when it is endless.
+    endless: bool,
+    /// Number of steps of the range, or of a turn if it is endless. Default: continuous.
     #[serde(default)]
-    pub steps: Option<Steps>,
-    /// Where it stands at first; else at the beginning.
+    steps: Option<Steps>,
+    /// Initial value. Default: 0.
     #[serde(default)]
-    pub start: Option<Share>,
-    /// What its value drives.
+    initial: Option<Fraction>,
+    /// Output of the value.
     #[serde(borrow, default)]
-    pub drives: Option<Drives<'a>>,
+    output: Option<ValueOutputSchema<'a>>,
 }
 
-/// The front of a knob or valve on its board.
-pub(super) struct RoundSpot<'a> {
-    pub(super) what: &'static str,
-    pub(super) name: Spanned<'a>,
-    pub(super) label: String,
-    pub(super) at_mm: (Distance, Distance),
-    pub(super) diameter_mm: Size,
+/// The dial of a knob or valve.
+pub(super) struct DialSpec<'s, 'a> {
+    /// For messages.
+    pub kind: &'static str,
+    pub name: Spanned<'a>,
+    pub label: &'s Option<Label>,
+    pub at_mm: (Offset, Offset),
+    pub diameter_mm: Size,
 }
 
-impl<'a> Checked<'a> {
-    /// Adds a knob to the board that is being added.
-    pub(in crate::layout) fn add_knob(
-        &mut self,
-        board: &Board<'a>,
-        written: &Knob<'a>,
-    ) -> Result<(), DocumentError> {
-        let drive = self.drive(written.drives)?;
-        if written.endless {
-            self.refuse_ends(written, drive)?;
-        }
-        let range = match written.endless {
-            true => KnobRange::Endless,
+impl<'a> KnobSchema<'a> {
+    /// Adds the knob to the current board.
+    pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        let output = value_output(builder, self.output)?;
+        let range = match self.endless {
+            true => {
+                self.reject_range(builder, output)?;
+                knob::KnobRange::Endless
+            }
             false => {
-                let degrees = written.range_deg.unwrap_or_default().get();
-                KnobRange::Limited(degrees.to_radians() as f32)
+                let degrees = self.range_deg.unwrap_or_default().get();
+                knob::KnobRange::Limited(degrees.to_radians() as f32)
             }
         };
-        let spot = RoundSpot {
-            what: "knob",
-            name: written.name,
-            label: Label::or_name(&written.label, written.name),
-            at_mm: written.at_mm,
-            diameter_mm: written.diameter_mm,
+        let dial = DialSpec {
+            kind: "knob",
+            name: self.name,
+            label: &self.label,
+            at_mm: self.at_mm,
+            diameter_mm: self.diameter_mm,
         };
-        self.add_round(board, spot, |target| knob::Knob {
+        add_dial(builder, dial, |target, radius| Knob {
             target,
-            radius: board.metres(written.diameter_mm.get()) / 2.0,
+            radius,
             range,
-            steps: written.steps.map(|steps| steps.get() as u16),
-            initial: written.start.map_or(0.0, |start| start.get() as f32),
-            output: drive,
+            steps: self.steps.map(|steps| steps.get() as u16),
+            initial: self.initial.map_or(0.0, |initial| initial.get() as f32),
+            output,
         })
     }
 
-    /// Refuses what needs ends on a knob that has none.
-    fn refuse_ends(&self, written: &Knob<'a>, drive: ValueOutput) -> Result<(), DocumentError> {
-        let name = written.name.0;
-        let what = match (drive, written.range_deg, written.start) {
-            (ValueOutput::Axis(_), ..) => "drive an axis, which has ends",
+    /// Rejects settings of an endless knob that need a range.
+    fn reject_range(
+        &self,
+        builder: &LayoutBuilder<'a>,
+        output: ValueOutput,
+    ) -> Result<(), DocumentError> {
+        let name = self.name.text;
+        let what = match (output, self.range_deg, self.initial) {
+            (ValueOutput::Axis(_), ..) => "output an axis, which has ends",
             (_, Some(_), _) => "have a `range_deg`",
-            (_, _, Some(_)) => "have a `start`: it counts its turns from there",
+            (_, _, Some(_)) => "have an `initial` value: it counts turns from 0",
             _ => return Ok(()),
         };
         let message = format!("the knob `{name}` is endless and cannot {what}");
-        Err(self.document.error_at(name, message))
+        Err(builder.error(name, message))
     }
+}
 
-    /// Puts the front of a knob on the board that is being added, and the knob itself.
-    pub(super) fn add_round(
-        &mut self,
-        board: &Board<'a>,
-        spot: RoundSpot<'a>,
-        knob: impl FnOnce(TargetId) -> knob::Knob,
-    ) -> Result<(), DocumentError> {
-        let front = self.put(
-            &board.form,
-            Spot {
-                what: spot.what,
-                word: spot.name,
-                name: spot.name.0,
-                label: spot.label,
-                at: metres2(spot.at_mm),
-                turn: 0.0,
-                size: Outline::Disc(spot.diameter_mm),
-                travel: board.travel_mm,
-                press: board.press_share,
-                release: board.release_share,
-                margin: DRAG_MARGIN,
-            },
-        )?;
-        let target = front.target;
-        self.controls.push(Control {
-            faces: vec![front],
-            kind: ControlKind::Knob(knob(target)),
-        });
-        Ok(())
-    }
+/// Adds a dial to the current board, and the knob, which gets the radius in metres.
+pub(super) fn add_dial<'a>(
+    builder: &mut LayoutBuilder<'a>,
+    dial: DialSpec<'_, 'a>,
+    knob: impl FnOnce(TargetId, f32) -> Knob,
+) -> Result<(), DocumentError> {
+    let radius = builder.board().metres(dial.diameter_mm.get()) / 2.0;
+    let face = builder.add_face(FaceSpec {
+        size: OutlineSchema::Disc(dial.diameter_mm),
+        margin: DRAG_MARGIN,
+        ..builder.face_spec(dial.kind, dial.name, dial.label, dial.at_mm)
+    })?;
+    let target = face.target;
+    builder.add_control(Control {
+        faces: vec![face],
+        kind: ControlKind::Knob(knob(target, radius)),
+    });
+    Ok(())
 }

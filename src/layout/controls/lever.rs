@@ -1,116 +1,110 @@
-//! Levers as written → checked.
+//! Levers.
 
 use serde::Deserialize;
 
-use super::Drives;
-use super::slider::TrackSpot;
+use super::slider::{TrackSpec, add_track};
+use super::value_output::{ValueOutputSchema, value_output};
 use crate::device::slider::{GrabMode, Slider, Track};
 use crate::device::value_output::ValueOutput;
-use crate::document::DocumentError;
-use crate::layout::builder::Checked;
-use crate::layout::ranged::{Distance, Share, Size, Steps, Throw, Turn};
-use crate::layout::schema::Board;
-use crate::layout::text::{Label, Spanned};
+use crate::document::{DocumentError, Spanned};
+use crate::layout::builder::LayoutBuilder;
+use crate::layout::quantity::{Fraction, Offset, Rotation, Size, Steps, Throw};
+use crate::layout::schema::Label;
 
-/// A lever as it stands in the file.
+/// A lever about a hinge at the center of its track.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Lever<'a> {
-    /// What it is called.
+#[serde(rename = "Lever", deny_unknown_fields)]
+pub(in crate::layout) struct LeverSchema<'a> {
+    /// Name.
     #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// What is drawn on it; else its name.
+    name: Spanned<'a>,
+    /// Text drawn on it. Default: the name.
     #[serde(default)]
-    pub label: Option<Label>,
-    /// Where its hinge is: the middle of the way of its handle.
-    pub at_mm: (Distance, Distance),
-    /// How far its handle goes from one end to the other.
-    pub length_mm: Size,
-    /// The width of its handle's way.
+    label: Option<Label>,
+    /// Position of the hinge, the center of the track.
+    at_mm: (Offset, Offset),
+    /// Distance of the handle from one end to the other.
+    length_mm: Size,
+    /// Width of the track.
     #[serde(default)]
-    pub width_mm: Size,
-    /// How far that lies turned, counter-clockwise: 0 runs to the right, 90 away from the wearer.
+    width_mm: Size,
+    /// Direction of the track, counter-clockwise: 0 points to the right, 90 away from the wearer.
     #[serde(default)]
-    pub turn_deg: Turn,
-    /// How far it turns about its hinge from one end to the other.
+    rotation_deg: Rotation,
+    /// Angle about the hinge from one end to the other.
     #[serde(default)]
-    pub throw_deg: Throw,
-    /// It catches in one of so many notches beside the first.
+    throw_deg: Throw,
+    /// Number of detents after the first. Default: continuous.
     #[serde(default)]
-    pub notches: Option<Steps>,
-    /// Where it stands at first, and where it springs back to; else upright.
+    detents: Option<Steps>,
+    /// Initial value and rest position of the spring. Default: 0.5, upright.
     #[serde(default)]
-    pub rest: Option<Share>,
-    /// Whether it springs back when it is let go of.
+    rest: Option<Fraction>,
+    /// The lever returns to `rest` when it is released.
     #[serde(default)]
-    pub springs: bool,
-    /// What its value drives.
+    springs_back: bool,
+    /// Output of the value.
     #[serde(borrow, default)]
-    pub drives: Option<Drives<'a>>,
+    output: Option<ValueOutputSchema<'a>>,
 }
 
-impl<'a> Checked<'a> {
-    /// Adds a lever to the board that is being added.
-    pub(in crate::layout) fn add_lever(
-        &mut self,
-        board: &Board<'a>,
-        written: &Lever<'a>,
-    ) -> Result<(), DocumentError> {
-        let drive = self.drive(written.drives)?;
-        let notches = written.notches.map(|notches| notches.get() as u16);
-        let rest = written.rest.map_or(0.5, |rest| rest.get() as f32);
-        if written.springs {
-            self.refuse_spring(written.name, rest, notches, drive)?;
+impl<'a> LeverSchema<'a> {
+    /// Adds the lever to the current board.
+    pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        let output = value_output(builder, self.output)?;
+        let detents = self.detents.map(|detents| detents.get() as u16);
+        let rest = self.rest.map_or(0.5, |rest| rest.get() as f32);
+        if self.springs_back
+            && let Some(message) = self.rest_conflict(rest, detents, output)
+        {
+            return Err(builder.error(self.name.text, message));
         }
-        let spot = TrackSpot {
-            what: "lever",
-            name: written.name,
-            label: Label::or_name(&written.label, written.name),
-            at_mm: written.at_mm,
-            length_mm: written.length_mm,
-            width_mm: written.width_mm,
-            turn_deg: written.turn_deg,
+        let half_length = builder.board().metres(self.length_mm.get()) / 2.0;
+        let track = TrackSpec {
+            kind: "lever",
+            name: self.name,
+            label: &self.label,
+            at_mm: self.at_mm,
+            length_mm: self.length_mm,
+            width_mm: self.width_mm,
+            rotation_deg: self.rotation_deg,
         };
-        self.add_track(board, spot, |target| Slider {
+        add_track(builder, track, |target| Slider {
             target,
-            half_length: board.metres(written.length_mm.get()) / 2.0,
-            track: Track::Hinged(written.throw_deg.get().to_radians() as f32),
+            half_length,
+            track: Track::Hinged(self.throw_deg.get().to_radians() as f32),
             grab: GrabMode::Relative,
-            steps: notches,
+            steps: detents,
             initial: rest,
-            springs_back: written.springs,
-            output: drive,
+            springs_back: self.springs_back,
+            output,
         })
     }
 
-    /// A spring brings an axis back to 0, so that is where the lever has to rest.
-    fn refuse_spring(
+    /// Returns the message if a spring-loaded lever cannot rest at this value: between detents, or with its axis off 0.
+    fn rest_conflict(
         &self,
-        name: Spanned<'a>,
         rest: f32,
-        notches: Option<u16>,
-        drive: ValueOutput,
-    ) -> Result<(), DocumentError> {
-        let refuse = |message: String| Err(self.document.error_at(name.0, message));
-        if let Some(notches) = notches {
-            let notch = rest * f32::from(notches);
-            if (notch - notch.round()).abs() > 1e-3 {
-                return refuse(format!(
-                    "the lever `{}` springs back to {rest}, where none of its {notches} notches is",
-                    name.0
+        detents: Option<u16>,
+        output: ValueOutput,
+    ) -> Option<String> {
+        let name = self.name.text;
+        if let Some(detents) = detents {
+            let detent = rest * f32::from(detents);
+            if (detent - detent.round()).abs() > 1e-3 {
+                return Some(format!(
+                    "the lever `{name}` springs back to {rest}, which is at none of its {detents} detents"
                 ));
             }
         }
-        let ValueOutput::Axis(axis) = drive else {
-            return Ok(());
+        let ValueOutput::Axis(axis) = output else {
+            return None;
         };
         let at_zero = if axis.is_trigger() { 0.0 } else { 0.5 };
-        if rest == at_zero {
-            return Ok(());
-        }
-        refuse(format!(
-            "the lever `{}` springs back to {rest}, where the axis `{axis}` is not at 0, give it `rest: {at_zero}`",
-            name.0
-        ))
+        (rest != at_zero).then(|| {
+            format!(
+                "the lever `{name}` springs back to {rest}, where the axis `{axis}` is not at 0, set `rest: {at_zero}`"
+            )
+        })
     }
 }

@@ -1,129 +1,106 @@
-//! Radio groups as written → checked.
+//! Radio groups.
 
 use serde::Deserialize;
 
-use super::{Control, ControlKind};
-use crate::contact::surface::TREMOR_MARGIN;
-use crate::device::radio;
+use super::toggle::toggle_output;
+use crate::device::radio::{Radio, RadioOption};
 use crate::device::toggle::ToggleOutput;
-use crate::document::DocumentError;
-use crate::layout::builder::{Checked, Spot};
-use crate::layout::model::metres2;
-use crate::layout::ranged::Distance;
-use crate::layout::schema::{Board, Does, Outline};
-use crate::layout::text::{Label, Spanned};
+use crate::document::{DocumentError, Spanned};
+use crate::layout::builder::{FaceSpec, LayoutBuilder};
+use crate::layout::model::{Control, ControlKind};
+use crate::layout::quantity::Offset;
+use crate::layout::schema::{Action, Label, OutlineSchema};
 use crate::names::UnknownName;
 
-/// A radio group as it stands in the file.
+/// A group of options, of which at most one is on.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Radio<'a> {
-    /// What messages call it.
+#[serde(rename = "Radio", deny_unknown_fields)]
+pub(in crate::layout) struct RadioSchema<'a> {
+    /// Name in messages.
     #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// What it can be switched to; at least two.
+    name: Spanned<'a>,
+    /// The options, at least two.
     #[serde(borrow)]
-    pub options: Vec<RadioOption<'a>>,
-    /// The option that is on at the start.
+    options: Vec<RadioOptionSchema<'a>>,
+    /// Name of the option that is on at the start.
     #[serde(borrow, default)]
-    pub starts: Option<Spanned<'a>>,
+    initial: Option<Spanned<'a>>,
 }
 
-/// An option as it stands in the file.
+/// An option of a radio group.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct RadioOption<'a> {
-    /// What it is called.
+#[serde(rename = "RadioOption", deny_unknown_fields)]
+struct RadioOptionSchema<'a> {
+    /// Name.
     #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// What is drawn on it; else its name.
+    name: Spanned<'a>,
+    /// Text drawn on it. Default: the name.
     #[serde(default)]
-    pub label: Option<Label>,
-    /// Its middle.
-    pub at_mm: (Distance, Distance),
-    /// Its outline; else as the board says.
+    label: Option<Label>,
+    /// Center.
+    at_mm: (Offset, Offset),
+    /// Outline. Default: that of the board.
     #[serde(default)]
-    pub size_mm: Option<Outline>,
-    /// What is pressed as long as it is on.
+    size_mm: Option<OutlineSchema>,
+    /// Action that lasts while it is on.
     #[serde(borrow, default)]
-    pub holds: Option<Does<'a>>,
-    /// What is tapped when it goes on.
+    hold: Option<Action<'a>>,
+    /// Action that is tapped when it turns on.
     #[serde(borrow, default)]
-    pub taps: Option<Does<'a>>,
+    tap: Option<Action<'a>>,
 }
 
-impl<'a> Checked<'a> {
-    /// Adds a radio group to the board that is being added.
-    pub(in crate::layout) fn add_radio(
-        &mut self,
-        board: &Board<'a>,
-        written: &Radio<'a>,
-    ) -> Result<(), DocumentError> {
-        if written.options.len() < 2 {
+impl<'a> RadioSchema<'a> {
+    /// Adds the group to the current board.
+    pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        if self.options.len() < 2 {
             let message = format!(
-                "the radio group `{}` needs at least two options to switch between",
-                written.name.0
+                "the radio group `{}` needs at least two options",
+                self.name.text
             );
-            return Err(self.document.error_at(written.name.0, message));
+            return Err(builder.error(self.name.text, message));
         }
-        let (mut fronts, mut options) = (Vec::new(), Vec::new());
-        for option in &written.options {
-            let name = option.name;
-            let output = self.toggle_output("radio option", name, option.holds, option.taps)?;
-            let front = self.put(
-                &board.form,
-                Spot {
-                    what: "radio option",
-                    word: name,
-                    name: name.0,
-                    label: Label::or_name(&option.label, name),
-                    at: metres2(option.at_mm),
-                    turn: 0.0,
-                    size: option.size_mm.unwrap_or(board.size_mm),
-                    travel: board.travel_mm,
-                    press: board.press_share,
-                    release: board.release_share,
-                    margin: TREMOR_MARGIN,
-                },
-            )?;
-            let target = front.target;
-            options.push(radio::RadioOption { target, output });
-            fronts.push(front);
+        let (mut faces, mut options) = (Vec::new(), Vec::new());
+        for option in &self.options {
+            let kind = "radio option";
+            let output = toggle_output(builder, kind, option.name, option.hold, option.tap)?;
+            let face = builder.add_face(FaceSpec {
+                size: option.size_mm.unwrap_or(builder.board().size),
+                ..builder.face_spec(kind, option.name, &option.label, option.at_mm)
+            })?;
+            let target = face.target;
+            options.push(RadioOption { target, output });
+            faces.push(face);
         }
-        let starts = written
-            .starts
-            .map(|name| self.start_of(written, name, &options))
+        let initial = self
+            .initial
+            .map(|name| self.initial_index(builder, name, &options))
             .transpose()?;
-        self.controls.push(Control {
-            faces: fronts,
-            kind: ControlKind::Radio(radio::Radio {
-                options,
-                initial: starts,
-            }),
+        builder.add_control(Control {
+            faces,
+            kind: ControlKind::Radio(Radio { options, initial }),
         });
         Ok(())
     }
 
-    /// The place of the option that is on at the start: one that holds nothing, as no finger has
-    /// pressed it yet.
-    fn start_of(
+    /// Returns the index of the option that is on at the start. It cannot hold an action, because only a finger can press.
+    fn initial_index(
         &self,
-        written: &Radio<'a>,
+        builder: &LayoutBuilder<'a>,
         name: Spanned<'a>,
-        options: &[radio::RadioOption],
+        options: &[RadioOption],
     ) -> Result<usize, DocumentError> {
-        let names = || written.options.iter().map(|option| option.name.0);
-        let Some(place) = names().position(|other| other == name.0) else {
-            let error = UnknownName::new("option", name.0, names());
-            return Err(self.document.error_at(name.0, error));
+        let name = name.text;
+        let names = || self.options.iter().map(|option| option.name.text);
+        let Some(index) = names().position(|other| other == name) else {
+            return Err(builder.error(name, UnknownName::new("option", name, names())));
         };
-        if let ToggleOutput::Hold(_) = options[place].output {
+        if let ToggleOutput::Hold(_) = options[index].output {
             let message = format!(
-                "the radio option `{}` cannot be on at the start: what it holds is pressed by a finger only",
-                name.0
+                "the radio option `{name}` has a `hold` and cannot be on at the start: only a finger can press"
             );
-            return Err(self.document.error_at(name.0, message));
+            return Err(builder.error(name, message));
         }
-        Ok(place)
+        Ok(index)
     }
 }

@@ -1,133 +1,120 @@
-//! Sliders as written → checked.
+//! Sliders, and the tracks of sliders and levers.
 
 use serde::Deserialize;
 
-use super::{Control, ControlKind, Drives};
+use super::value_output::{ValueOutputSchema, value_output};
 use crate::contact::TargetId;
 use crate::contact::surface::DRAG_MARGIN;
-use crate::device::slider::{self, Track};
-use crate::document::DocumentError;
-use crate::layout::builder::{Checked, Spot};
-use crate::layout::model::metres2;
-use crate::layout::ranged::{Distance, Share, Size, Steps, Turn};
-use crate::layout::schema::{Board, Outline};
-use crate::layout::text::{Label, Spanned};
+use crate::device::slider::{GrabMode, Slider, Track};
+use crate::document::{DocumentError, Spanned};
+use crate::layout::builder::{FaceSpec, LayoutBuilder};
+use crate::layout::model::{Control, ControlKind};
+use crate::layout::quantity::{Fraction, Offset, Rotation, Size, Steps};
+use crate::layout::schema::{Label, OutlineSchema};
 
-/// A slider as it stands in the file.
+/// A slider along a straight track.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Slider<'a> {
-    /// What it is called.
+#[serde(rename = "Slider", deny_unknown_fields)]
+pub(in crate::layout) struct SliderSchema<'a> {
+    /// Name.
     #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// What is drawn on it; else its name.
+    name: Spanned<'a>,
+    /// Text drawn on it. Default: the name.
     #[serde(default)]
-    pub label: Option<Label>,
-    /// The middle of its track.
-    pub at_mm: (Distance, Distance),
-    /// The length of its track.
-    pub length_mm: Size,
-    /// The width of its track.
+    label: Option<Label>,
+    /// Center of the track.
+    at_mm: (Offset, Offset),
+    /// Length of the track.
+    length_mm: Size,
+    /// Width of the track.
     #[serde(default)]
-    pub width_mm: Size,
-    /// How far the track lies turned, counter-clockwise: 0 runs to the right, 90 away from the wearer.
+    width_mm: Size,
+    /// Direction of the track, counter-clockwise: 0 points to the right, 90 away from the wearer.
     #[serde(default)]
-    pub turn_deg: Turn,
-    /// What a press does to the handle.
+    rotation_deg: Rotation,
+    /// Reaction of the handle to a press.
     #[serde(default)]
-    pub grab: Grab,
-    /// Its value is on one of so many steps.
+    grab: GrabModeSchema,
+    /// Number of steps. Default: continuous.
     #[serde(default)]
-    pub steps: Option<Steps>,
-    /// Where it stands at first; else at the beginning.
+    steps: Option<Steps>,
+    /// Initial value. Default: 0.
     #[serde(default)]
-    pub start: Option<Share>,
-    /// What its value drives.
+    initial: Option<Fraction>,
+    /// Output of the value.
     #[serde(borrow, default)]
-    pub drives: Option<Drives<'a>>,
+    output: Option<ValueOutputSchema<'a>>,
 }
 
-/// What a press does to the handle.
+/// The reaction of a handle to a press.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-pub enum Grab {
-    /// It comes to the fingertip.
+#[serde(rename = "GrabMode")]
+enum GrabModeSchema {
+    /// The handle jumps to the fingertip.
     #[default]
-    Anywhere,
-    /// It stays where it is.
+    Absolute,
+    /// The handle moves as far as the fingertip.
     Relative,
 }
 
-/// The track of a slider or lever on its board.
-pub(super) struct TrackSpot<'a> {
-    pub(super) what: &'static str,
-    pub(super) name: Spanned<'a>,
-    pub(super) label: String,
-    pub(super) at_mm: (Distance, Distance),
-    pub(super) length_mm: Size,
-    pub(super) width_mm: Size,
-    pub(super) turn_deg: Turn,
+/// The track of a slider or lever.
+pub(super) struct TrackSpec<'s, 'a> {
+    /// For messages.
+    pub kind: &'static str,
+    pub name: Spanned<'a>,
+    pub label: &'s Option<Label>,
+    pub at_mm: (Offset, Offset),
+    pub length_mm: Size,
+    pub width_mm: Size,
+    pub rotation_deg: Rotation,
 }
 
-impl<'a> Checked<'a> {
-    /// Adds a slider to the board that is being added.
-    pub(in crate::layout) fn add_slider(
-        &mut self,
-        board: &Board<'a>,
-        written: &Slider<'a>,
-    ) -> Result<(), DocumentError> {
-        let drive = self.drive(written.drives)?;
-        let spot = TrackSpot {
-            what: "slider",
-            name: written.name,
-            label: Label::or_name(&written.label, written.name),
-            at_mm: written.at_mm,
-            length_mm: written.length_mm,
-            width_mm: written.width_mm,
-            turn_deg: written.turn_deg,
+impl<'a> SliderSchema<'a> {
+    /// Adds the slider to the current board.
+    pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        let output = value_output(builder, self.output)?;
+        let half_length = builder.board().metres(self.length_mm.get()) / 2.0;
+        let track = TrackSpec {
+            kind: "slider",
+            name: self.name,
+            label: &self.label,
+            at_mm: self.at_mm,
+            length_mm: self.length_mm,
+            width_mm: self.width_mm,
+            rotation_deg: self.rotation_deg,
         };
-        self.add_track(board, spot, |target| slider::Slider {
+        add_track(builder, track, |target| Slider {
             target,
-            half_length: board.metres(written.length_mm.get()) / 2.0,
+            half_length,
             track: Track::Straight,
-            grab: match written.grab {
-                Grab::Anywhere => slider::GrabMode::Absolute,
-                Grab::Relative => slider::GrabMode::Relative,
+            grab: match self.grab {
+                GrabModeSchema::Absolute => GrabMode::Absolute,
+                GrabModeSchema::Relative => GrabMode::Relative,
             },
-            steps: written.steps.map(|steps| steps.get() as u16),
-            initial: written.start.map_or(0.0, |start| start.get() as f32),
+            steps: self.steps.map(|steps| steps.get() as u16),
+            initial: self.initial.map_or(0.0, |initial| initial.get() as f32),
             springs_back: false,
-            output: drive,
+            output,
         })
     }
+}
 
-    /// Puts a track on the board that is being added, and what moves along it.
-    pub(super) fn add_track(
-        &mut self,
-        board: &Board<'a>,
-        spot: TrackSpot<'a>,
-        slider: impl FnOnce(TargetId) -> slider::Slider,
-    ) -> Result<(), DocumentError> {
-        let front = self.put(
-            &board.form,
-            Spot {
-                what: spot.what,
-                word: spot.name,
-                name: spot.name.0,
-                label: spot.label,
-                at: metres2(spot.at_mm),
-                turn: spot.turn_deg.get().to_radians() as f32,
-                size: Outline::Box(spot.length_mm, spot.width_mm),
-                travel: board.travel_mm,
-                press: board.press_share,
-                release: board.release_share,
-                margin: DRAG_MARGIN,
-            },
-        )?;
-        let target = front.target;
-        self.controls.push(Control {
-            faces: vec![front],
-            kind: ControlKind::Slider(slider(target)),
-        });
-        Ok(())
-    }
+/// Adds a track to the current board, and the slider or lever on it.
+pub(super) fn add_track<'a>(
+    builder: &mut LayoutBuilder<'a>,
+    track: TrackSpec<'_, 'a>,
+    slider: impl FnOnce(TargetId) -> Slider,
+) -> Result<(), DocumentError> {
+    let face = builder.add_face(FaceSpec {
+        rotation: track.rotation_deg.get().to_radians() as f32,
+        size: OutlineSchema::Box(track.length_mm, track.width_mm),
+        margin: DRAG_MARGIN,
+        ..builder.face_spec(track.kind, track.name, track.label, track.at_mm)
+    })?;
+    let target = face.target;
+    builder.add_control(Control {
+        faces: vec![face],
+        kind: ControlKind::Slider(slider(target)),
+    });
+    Ok(())
 }

@@ -1,102 +1,125 @@
-//! Targets in space as written → checked.
+//! Targets in space.
 
 use parry3d::math::Vec3;
 use serde::Deserialize;
 
-use super::pointer::Frame;
 use crate::contact::TargetId;
 use crate::contact::volume::{Volume, VolumeSet, VolumeShape};
-use crate::device::pointer;
-use crate::document::DocumentError;
-use crate::layout::builder::Checked;
-use crate::layout::model::metres;
-use crate::layout::ranged::{Distance, Extent};
-use crate::layout::schema::{Does, Place};
-use crate::layout::text::Spanned;
+use crate::device::pointer::{AnchoredFrame, SelectionSpace};
+use crate::document::{DocumentError, Spanned};
+use crate::layout::builder::LayoutBuilder;
+use crate::layout::model::SpaceTargets;
+use crate::layout::quantity::{Extent, Offset, metres};
+use crate::layout::schema::{Action, PoseSchema};
 
-/// Targets that move as one, as they stand in the file.
+/// Targets in space that move as one.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Space<'a> {
-    /// Where (0, 0, 0) is.
-    pub place: Place,
-    /// What there is.
+#[serde(rename = "Space", deny_unknown_fields)]
+pub(in crate::layout) struct SpaceSchema<'a> {
+    /// Pose of the frame of the targets.
+    pose: PoseSchema,
+    /// The targets, at least one.
     #[serde(borrow)]
-    pub targets: Vec<Target<'a>>,
+    targets: Vec<TargetSchema<'a>>,
 }
 
 /// A target in space.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Target<'a> {
-    /// What it is called.
+#[serde(rename = "Target", deny_unknown_fields)]
+struct TargetSchema<'a> {
+    /// Name.
     #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// Its middle: to the right, up, towards the wearer.
-    pub at_mm: (Distance, Distance, Distance),
-    /// What it looks like.
-    pub form: Solid,
-    /// What is pressed while it is selected.
+    name: Spanned<'a>,
+    /// Center: to the right, up, towards the wearer.
+    at_mm: (Offset, Offset, Offset),
+    /// Shape and size.
+    shape: VolumeShapeSchema,
+    /// Action while it is selected.
     #[serde(borrow, default)]
-    pub does: Option<Does<'a>>,
+    action: Option<Action<'a>>,
 }
 
-/// What a target in space looks like.
+/// The shape and size of a target in space.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-pub enum Solid {
-    /// A ball of this diameter.
+#[serde(rename = "VolumeShape")]
+enum VolumeShapeSchema {
+    /// Diameter.
     Ball(Extent),
-    /// A box of this width, height and depth.
+    /// Width, height and depth.
     Box(Extent, Extent, Extent),
 }
 
-/// Targets in space, checked.
-#[derive(Clone, Debug)]
-pub struct SpaceTargets {
-    /// What they are called, in order.
-    pub names: Vec<String>,
-    /// Where they are and what they do.
-    pub space: pointer::SelectionSpace,
-}
-
-impl<'a> Checked<'a> {
-    /// Checks targets in space, of which `first` is the first.
-    pub(in crate::layout) fn space(
-        &mut self,
-        written: &Space<'a>,
-        first: TargetId,
-    ) -> Result<SpaceTargets, DocumentError> {
+impl<'a> SpaceSchema<'a> {
+    /// Adds the targets. `number` counts the spaces of the layout from 1.
+    pub fn build(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        number: usize,
+    ) -> Result<(), DocumentError> {
+        let mut first_target: Option<TargetId> = None;
         let (mut names, mut volumes, mut actions) = (Vec::new(), Vec::new(), Vec::new());
-        for target in &written.targets {
-            self.refuse_target(target.name.0, target.name, first.0 as usize + names.len())?;
+        for target in &self.targets {
+            let name = target.name.text;
+            let id = builder.add_target("target", name, name)?;
+            first_target.get_or_insert(id);
             let action = target
-                .does
-                .map(|does| self.action(does, None))
+                .action
+                .map(|action| builder.action(action, None))
                 .transpose()?;
-            names.push(target.name.0.to_owned());
+            names.push(name.to_owned());
             actions.push(action);
             volumes.push(target.volume());
         }
-        let space = pointer::SelectionSpace {
-            frame: Frame::of(&written.place),
-            first_target: first,
+        let Some(first_target) = first_target else {
+            let message = format!("space {number} has no targets");
+            return Err(builder.error(builder.name().text, message));
+        };
+        let space = SelectionSpace {
+            frame: AnchoredFrame {
+                anchor: self.pose.anchor.into(),
+                anchor_from_frame: self.pose.anchor_from_volume(),
+            },
+            first_target,
             volumes: VolumeSet::new(volumes),
             actions,
         };
-        Ok(SpaceTargets { names, space })
+        builder.add_space(SpaceTargets { names, space });
+        Ok(())
     }
 }
 
-impl Target<'_> {
+impl TargetSchema<'_> {
     fn volume(&self) -> Volume {
         let (x, y, z) = self.at_mm;
-        let half = |length: Extent| metres(length.get()) / 2.0;
+        let half = |extent: Extent| metres(extent.get()) / 2.0;
         Volume {
             center: Vec3::new(metres(x.get()), metres(y.get()), metres(z.get())),
-            shape: match self.form {
-                Solid::Ball(diameter) => VolumeShape::Ball(half(diameter)),
-                Solid::Box(x, y, z) => VolumeShape::Box(Vec3::new(half(x), half(y), half(z))),
+            shape: match self.shape {
+                VolumeShapeSchema::Ball(diameter) => VolumeShape::Ball(half(diameter)),
+                VolumeShapeSchema::Box(x, y, z) => {
+                    VolumeShape::Box(Vec3::new(half(x), half(y), half(z)))
+                }
             },
         }
     }
+}
+
+/// Describes targets in space, one per line: name, shape and center.
+pub(in crate::layout) fn describe(targets: &SpaceTargets) -> String {
+    let volumes = targets.space.volumes.iter();
+    let lines = targets.names.iter().zip(volumes).map(|(name, volume)| {
+        let center = volume.center * 1e3;
+        let shape = match volume.shape {
+            VolumeShape::Ball(radius) => format!("ball {:.0} mm", radius * 2e3),
+            VolumeShape::Box(half) => {
+                let size = half * 2e3;
+                format!("box {:.0} × {:.0} × {:.0} mm", size.x, size.y, size.z)
+            }
+        };
+        format!(
+            "{name}: {shape} at ({:.0}, {:.0}, {:.0}) mm\n",
+            center.x, center.y, center.z
+        )
+    });
+    lines.collect()
 }

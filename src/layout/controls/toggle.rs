@@ -1,92 +1,75 @@
-//! Toggle switches as written → checked.
+//! Toggle switches.
 
 use serde::Deserialize;
 
-use super::{Control, ControlKind};
-use crate::contact::surface::TREMOR_MARGIN;
-use crate::device::toggle::{self, ToggleOutput};
-use crate::document::DocumentError;
-use crate::layout::builder::{Checked, Spot};
-use crate::layout::model::metres2;
-use crate::layout::ranged::Distance;
-use crate::layout::schema::{Board, Does, Outline};
-use crate::layout::text::{Label, Spanned};
+use crate::device::toggle::{Toggle, ToggleOutput};
+use crate::document::{DocumentError, Spanned};
+use crate::layout::builder::{FaceSpec, LayoutBuilder};
+use crate::layout::model::{Control, ControlKind};
+use crate::layout::quantity::Offset;
+use crate::layout::schema::{Action, Label, OutlineSchema};
 
-/// A toggle switch as it stands in the file.
+/// A toggle switch: each poke turns it on or off.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Toggle<'a> {
-    /// What it is called.
+#[serde(rename = "Toggle", deny_unknown_fields)]
+pub(in crate::layout) struct ToggleSchema<'a> {
+    /// Name.
     #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// What is drawn on it; else its name.
+    name: Spanned<'a>,
+    /// Text drawn on it. Default: the name.
     #[serde(default)]
-    pub label: Option<Label>,
-    /// Its middle.
-    pub at_mm: (Distance, Distance),
-    /// Its outline; else as the board says.
+    label: Option<Label>,
+    /// Center.
+    at_mm: (Offset, Offset),
+    /// Outline. Default: that of the board.
     #[serde(default)]
-    pub size_mm: Option<Outline>,
-    /// What is pressed as long as it is on.
+    size_mm: Option<OutlineSchema>,
+    /// Action that lasts while it is on.
     #[serde(borrow, default)]
-    pub holds: Option<Does<'a>>,
-    /// What is tapped at each change.
+    hold: Option<Action<'a>>,
+    /// Action that is tapped at each change.
     #[serde(borrow, default)]
-    pub taps: Option<Does<'a>>,
+    tap: Option<Action<'a>>,
 }
 
-impl<'a> Checked<'a> {
-    /// Adds a toggle switch to the board that is being added.
-    pub(in crate::layout) fn add_toggle(
-        &mut self,
-        board: &Board<'a>,
-        written: &Toggle<'a>,
-    ) -> Result<(), DocumentError> {
-        let name = written.name;
-        let output = self.toggle_output("toggle switch", name, written.holds, written.taps)?;
-        let front = self.put(
-            &board.form,
-            Spot {
-                what: "toggle switch",
-                word: name,
-                name: name.0,
-                label: Label::or_name(&written.label, name),
-                at: metres2(written.at_mm),
-                turn: 0.0,
-                size: written.size_mm.unwrap_or(board.size_mm),
-                travel: board.travel_mm,
-                press: board.press_share,
-                release: board.release_share,
-                margin: TREMOR_MARGIN,
-            },
-        )?;
-        let target = front.target;
-        self.controls.push(Control {
-            faces: vec![front],
-            kind: ControlKind::Toggle(toggle::Toggle { target, output }),
+impl<'a> ToggleSchema<'a> {
+    /// Adds the switch to the current board.
+    pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        let output = toggle_output(builder, "toggle switch", self.name, self.hold, self.tap)?;
+        let face = builder.add_face(FaceSpec {
+            size: self.size_mm.unwrap_or(builder.board().size),
+            ..builder.face_spec("toggle switch", self.name, &self.label, self.at_mm)
+        })?;
+        let toggle = Toggle {
+            target: face.target,
+            output,
+        };
+        builder.add_control(Control {
+            faces: vec![face],
+            kind: ControlKind::Toggle(toggle),
         });
         Ok(())
     }
+}
 
-    /// What goes on with a control of the kind `what` that is on or off.
-    pub(super) fn toggle_output(
-        &mut self,
-        what: &str,
-        name: Spanned<'a>,
-        holds: Option<Does<'a>>,
-        taps: Option<Does<'a>>,
-    ) -> Result<ToggleOutput, DocumentError> {
-        Ok(match (holds, taps) {
-            (None, None) => ToggleOutput::ValueOnly,
-            (Some(does), None) => ToggleOutput::Hold(self.action(does, None)?),
-            (None, Some(does)) => ToggleOutput::Tap(self.action(does, None)?),
-            (Some(_), Some(_)) => {
-                let message = format!(
-                    "the {what} `{}` has both `holds` and `taps`, leave one of them out",
-                    name.0
-                );
-                return Err(self.document.error_at(name.0, message));
-            }
-        })
-    }
+/// Returns the output of a control that is on or off. `kind` names it in messages.
+pub(super) fn toggle_output<'a>(
+    builder: &mut LayoutBuilder<'a>,
+    kind: &str,
+    name: Spanned<'a>,
+    hold: Option<Action<'a>>,
+    tap: Option<Action<'a>>,
+) -> Result<ToggleOutput, DocumentError> {
+    Ok(match (hold, tap) {
+        (None, None) => ToggleOutput::ValueOnly,
+        (Some(action), None) => ToggleOutput::Hold(builder.action(action, None)?),
+        (None, Some(action)) => ToggleOutput::Tap(builder.action(action, None)?),
+        (Some(_), Some(_)) => {
+            let message = format!(
+                "the {kind} `{}` has both `hold` and `tap`, remove one of them",
+                name.text
+            );
+            return Err(builder.error(name.text, message));
+        }
+    })
 }

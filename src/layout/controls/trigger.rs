@@ -1,213 +1,202 @@
-//! Triggers as written → checked.
+//! Triggers: hand postures with an action or a value.
 
 use serde::Deserialize;
 
-use super::Drives;
-use crate::contact::TargetId;
-use crate::device::trigger::{self, MAX_TRIGGERS, Measure};
-use crate::document::DocumentError;
+use super::value_output::{ValueOutputSchema, value_output};
+use crate::device::trigger::{MAX_TRIGGERS, Measure, Trigger};
+use crate::document::{DocumentError, Spanned};
 use crate::hand::{Dof, Finger, Side};
-use crate::layout::builder::Checked;
-use crate::layout::model::{MAX_TARGETS, metres};
-use crate::layout::ranged::{Angle, Gap};
-use crate::layout::schema::Does;
-use crate::layout::text::Spanned;
+use crate::layout::builder::LayoutBuilder;
+use crate::layout::quantity::{FingertipGap, JointAngle, metres};
+use crate::layout::schema::Action;
 use crate::names::UnknownName;
 
-/// Where a pinch goes on and off that does not say it itself, in millimetres: the thresholds of
-/// Ultraleap's hand tracking.
+/// Default gaps at which a pinch turns on and off, in millimetres: the thresholds of Ultraleap's hand tracking.
 const PINCH_MM: (f64, f64) = (25.0, 30.0);
 
-/// A trigger as it stands in the file.
+/// A hand posture with an action or a value.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Trigger<'a> {
-    /// What it is called.
+#[serde(rename = "Trigger", deny_unknown_fields)]
+pub(in crate::layout) struct TriggerSchema<'a> {
+    /// Name.
     #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// Of which hand; else of either.
+    name: Spanned<'a>,
+    /// The hand. Default: either.
     #[serde(borrow, default)]
-    pub hand: Option<Spanned<'a>>,
-    /// What it measures.
+    hand: Option<Spanned<'a>>,
+    /// The quantity that is measured, and its thresholds.
     #[serde(borrow)]
-    pub when: When<'a>,
-    /// What is pressed as long as it is on.
+    when: MeasureSchema<'a>,
+    /// Action while it is on.
     #[serde(borrow, default)]
-    pub does: Option<Does<'a>>,
-    /// What its value drives.
+    action: Option<Action<'a>>,
+    /// Output of the value.
     #[serde(borrow, default)]
-    pub drives: Option<Drives<'a>>,
+    output: Option<ValueOutputSchema<'a>>,
 }
 
-/// What a trigger measures, where it goes on and off, and where its value is 0 and 1.
+/// The quantity that a trigger measures, the thresholds, and the range of its value.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum When<'a> {
-    /// An angle of a joint.
+#[serde(rename = "Measure", deny_unknown_fields)]
+enum MeasureSchema<'a> {
+    /// A joint angle.
     Angle {
-        /// Which: the name of a degree of freedom.
+        /// Name of the degree of freedom.
         #[serde(borrow)]
-        of: Spanned<'a>,
-        /// Where it goes on.
-        on_deg: Angle,
-        /// Where it goes off.
-        off_deg: Angle,
-        /// Where its value is 0.
+        dof: Spanned<'a>,
+        /// Turns on.
+        on_deg: JointAngle,
+        /// Turns off.
+        off_deg: JointAngle,
+        /// Value 0.
         #[serde(default)]
-        from_deg: Option<Angle>,
-        /// Where its value is 1.
+        zero_deg: Option<JointAngle>,
+        /// Value 1.
         #[serde(default)]
-        full_deg: Option<Angle>,
+        full_deg: Option<JointAngle>,
     },
-    /// How far the tip of a finger is from that of the thumb.
+    /// The distance between the fingertips of a finger and the thumb.
     Pinch {
-        /// Which finger.
+        /// Name of the finger.
         #[serde(borrow)]
-        of: Spanned<'a>,
-        /// Where it goes on.
+        finger: Spanned<'a>,
+        /// Turns on.
         #[serde(default)]
-        on_mm: Option<Gap>,
-        /// Where it goes off.
+        on_mm: Option<FingertipGap>,
+        /// Turns off.
         #[serde(default)]
-        off_mm: Option<Gap>,
-        /// Where its value is 0.
+        off_mm: Option<FingertipGap>,
+        /// Value 0.
         #[serde(default)]
-        from_mm: Option<Gap>,
-        /// Where its value is 1.
+        zero_mm: Option<FingertipGap>,
+        /// Value 1.
         #[serde(default)]
-        full_mm: Option<Gap>,
+        full_mm: Option<FingertipGap>,
     },
 }
 
-/// The numbers of a trigger in one unit of the file.
-struct Limits {
+/// The numbers of a trigger in the unit of the file.
+struct Thresholds {
     unit: &'static str,
     on: f64,
     off: f64,
-    from: Option<f64>,
+    zero: Option<f64>,
     full: Option<f64>,
 }
 
-impl<'a> Checked<'a> {
-    /// Adds a trigger; its target comes after all that are there.
-    pub(in crate::layout) fn add_trigger(
-        &mut self,
-        written: &Trigger<'a>,
-    ) -> Result<(), DocumentError> {
-        let name = written.name;
-        let document = self.document;
-        let error = |message: String| document.error_at(name.0, message);
-        self.refuse_second(name.0, name)?;
-        if self.triggers.len() == MAX_TRIGGERS {
-            return Err(error(format!(
-                "a layout has at most {MAX_TRIGGERS} triggers"
-            )));
+impl<'a> TriggerSchema<'a> {
+    /// Adds the trigger.
+    pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        let name = self.name.text;
+        let target = builder.add_target("trigger", name, name)?;
+        if builder.trigger_count() == MAX_TRIGGERS {
+            let message = format!("a layout has at most {MAX_TRIGGERS} triggers");
+            return Err(builder.error(name, message));
         }
-        let place = self.scene.len() + self.triggers.len();
-        if place >= MAX_TARGETS {
-            return Err(error(format!(
-                "a layout has at most {MAX_TARGETS} keys and other controls"
-            )));
-        }
-        let (measure, limits) = self.measure(&written.when)?;
-        let range = limits.range(name.0).map_err(error)?;
-        let into_si = |value: f64| match measure {
+        let (measure, thresholds) = self.when.check(builder)?;
+        let range = thresholds
+            .range(name)
+            .map_err(|message| builder.error(name, message))?;
+        let to_si = |value: f64| match measure {
             Measure::Angle(_) => value.to_radians() as f32,
             Measure::Pinch(_) => metres(value),
         };
-        let side = written.hand.map(|hand| self.side(hand)).transpose()?;
-        let action = written
-            .does
-            .map(|does| self.action(does, None))
+        let side = self
+            .hand
+            .map(|hand| parse::<Side>(builder, hand))
             .transpose()?;
-        let drive = self.drive(written.drives)?;
-        self.names.insert(name.0, ("trigger", name.0));
-        self.triggers.push((
-            name.0.to_owned(),
-            trigger::Trigger {
-                target: TargetId(place as u32),
-                side,
-                measure,
-                on: into_si(limits.on),
-                off: into_si(limits.off),
-                range: range.map(|(from, full)| (into_si(from), into_si(full))),
-                action,
-                output: drive,
-            },
-        ));
+        let action = self
+            .action
+            .map(|action| builder.action(action, None))
+            .transpose()?;
+        let output = value_output(builder, self.output)?;
+        let trigger = Trigger {
+            target,
+            side,
+            measure,
+            on: to_si(thresholds.on),
+            off: to_si(thresholds.off),
+            range: range.map(|(zero, full)| (to_si(zero), to_si(full))),
+            action,
+            output,
+        };
+        builder.add_trigger(name, trigger);
         Ok(())
-    }
-
-    fn measure(&self, when: &When<'a>) -> Result<(Measure, Limits), DocumentError> {
-        let millimetres = |gap: Option<Gap>| gap.map(Gap::get);
-        Ok(match *when {
-            When::Angle {
-                of,
-                on_deg,
-                off_deg,
-                from_deg,
-                full_deg,
-            } => {
-                let limits = Limits {
-                    unit: "deg",
-                    on: on_deg.get(),
-                    off: off_deg.get(),
-                    from: from_deg.map(Angle::get),
-                    full: full_deg.map(Angle::get),
-                };
-                let dof: Result<Dof, UnknownName> = of.0.parse();
-                let dof = dof.map_err(|error| self.document.error_at(of.0, error))?;
-                (Measure::Angle(dof), limits)
-            }
-            When::Pinch {
-                of,
-                on_mm,
-                off_mm,
-                from_mm,
-                full_mm,
-            } => {
-                let limits = Limits {
-                    unit: "mm",
-                    on: millimetres(on_mm).unwrap_or(PINCH_MM.0),
-                    off: millimetres(off_mm).unwrap_or(PINCH_MM.1),
-                    from: millimetres(from_mm),
-                    full: millimetres(full_mm),
-                };
-                let finger: Result<Finger, UnknownName> = of.0.parse();
-                let finger = finger.map_err(|error| self.document.error_at(of.0, error))?;
-                if finger == Finger::Thumb {
-                    let message = "the thumb pinches with another finger, name that one";
-                    return Err(self.document.error_at(of.0, message));
-                }
-                (Measure::Pinch(finger), limits)
-            }
-        })
-    }
-
-    fn side(&self, hand: Spanned<'a>) -> Result<Side, DocumentError> {
-        let side: Result<Side, UnknownName> = hand.0.parse();
-        side.map_err(|error| self.document.error_at(hand.0, error))
     }
 }
 
-impl Limits {
-    /// Where the value is 0 and where it is 1; refuses numbers that do not go together.
+impl MeasureSchema<'_> {
+    fn check(&self, builder: &LayoutBuilder) -> Result<(Measure, Thresholds), DocumentError> {
+        let millimetres = |gap: Option<FingertipGap>| gap.map(FingertipGap::get);
+        Ok(match *self {
+            Self::Angle {
+                dof,
+                on_deg,
+                off_deg,
+                zero_deg,
+                full_deg,
+            } => {
+                let thresholds = Thresholds {
+                    unit: "deg",
+                    on: on_deg.get(),
+                    off: off_deg.get(),
+                    zero: zero_deg.map(JointAngle::get),
+                    full: full_deg.map(JointAngle::get),
+                };
+                (Measure::Angle(parse::<Dof>(builder, dof)?), thresholds)
+            }
+            Self::Pinch {
+                finger,
+                on_mm,
+                off_mm,
+                zero_mm,
+                full_mm,
+            } => {
+                let thresholds = Thresholds {
+                    unit: "mm",
+                    on: millimetres(on_mm).unwrap_or(PINCH_MM.0),
+                    off: millimetres(off_mm).unwrap_or(PINCH_MM.1),
+                    zero: millimetres(zero_mm),
+                    full: millimetres(full_mm),
+                };
+                let source = finger.text;
+                let finger = parse::<Finger>(builder, finger)?;
+                if finger == Finger::Thumb {
+                    let message = "the thumb pinches with another finger, name that finger";
+                    return Err(builder.error(source, message));
+                }
+                (Measure::Pinch(finger), thresholds)
+            }
+        })
+    }
+}
+
+impl Thresholds {
+    /// Returns the quantities at value 0 and 1, if the trigger has a value. Rejects thresholds that contradict each other.
     fn range(&self, name: &str) -> Result<Option<(f64, f64)>, String> {
-        let Limits { unit, on, off, .. } = *self;
+        let Thresholds { unit, on, off, .. } = *self;
         if on == off {
             return Err(format!(
-                "the trigger `{name}` goes on and off at {on}, set on_{unit} and off_{unit} apart"
+                "the trigger `{name}` turns on and off at {on}, set different values for on_{unit} and off_{unit}"
             ));
         }
-        match (self.from, self.full) {
+        match (self.zero, self.full) {
             (None, None) => Ok(None),
-            (Some(from), Some(full)) if from != full => Ok(Some((from, full))),
-            (Some(from), Some(_)) => Err(format!(
-                "the value of the trigger `{name}` is 0 and 1 at {from}, set from_{unit} and full_{unit} apart"
+            (Some(zero), Some(full)) if zero != full => Ok(Some((zero, full))),
+            (Some(zero), Some(_)) => Err(format!(
+                "the value of the trigger `{name}` is 0 and 1 at {zero}, set different values for zero_{unit} and full_{unit}"
             )),
             _ => Err(format!(
-                "the trigger `{name}` has one of from_{unit} and full_{unit}, give it both or none"
+                "the trigger `{name}` has only one of zero_{unit} and full_{unit}, set both or none"
             )),
         }
     }
+}
+
+fn parse<T: std::str::FromStr<Err = UnknownName>>(
+    builder: &LayoutBuilder,
+    name: Spanned,
+) -> Result<T, DocumentError> {
+    let parsed = name.text.parse();
+    parsed.map_err(|error| builder.error(name.text, error))
 }

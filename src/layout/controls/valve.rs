@@ -1,68 +1,63 @@
-//! Valves as written → checked.
+//! Valves.
 
 use std::f64::consts::TAU;
 
 use serde::Deserialize;
 
-use super::Drives;
-use super::knob::RoundSpot;
+use super::knob::{DialSpec, add_dial};
+use super::value_output::{ValueOutputSchema, value_output};
 use crate::device::knob::{Knob, KnobRange};
-use crate::document::DocumentError;
-use crate::layout::builder::Checked;
-use crate::layout::ranged::{Distance, Share, Size, Steps, Turns};
-use crate::layout::schema::Board;
-use crate::layout::text::{Label, Spanned};
+use crate::document::{DocumentError, Spanned};
+use crate::layout::builder::LayoutBuilder;
+use crate::layout::quantity::{Fraction, Offset, Size, Steps, Turns};
+use crate::layout::schema::Label;
 
-/// A valve as it stands in the file.
+/// A valve: a knob with several turns between its ends.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Valve<'a> {
-    /// What it is called.
+#[serde(rename = "Valve", deny_unknown_fields)]
+pub(in crate::layout) struct ValveSchema<'a> {
+    /// Name.
     #[serde(borrow)]
-    pub name: Spanned<'a>,
-    /// What is drawn on it; else its name.
+    name: Spanned<'a>,
+    /// Text drawn on it. Default: the name.
     #[serde(default)]
-    pub label: Option<Label>,
-    /// Its middle.
-    pub at_mm: (Distance, Distance),
-    /// The diameter of its wheel.
-    pub diameter_mm: Size,
-    /// How many full turns it has between its ends.
+    label: Option<Label>,
+    /// Center.
+    at_mm: (Offset, Offset),
+    /// Diameter of the wheel.
+    diameter_mm: Size,
+    /// Full turns between the ends.
     #[serde(default)]
-    pub turns: Turns,
-    /// Its value is on one of so many steps.
+    turns: Turns,
+    /// Number of steps. Default: continuous.
     #[serde(default)]
-    pub steps: Option<Steps>,
-    /// Where it stands at first; else at the beginning.
+    steps: Option<Steps>,
+    /// Initial value. Default: 0.
     #[serde(default)]
-    pub start: Option<Share>,
-    /// What its value drives.
+    initial: Option<Fraction>,
+    /// Output of the value.
     #[serde(borrow, default)]
-    pub drives: Option<Drives<'a>>,
+    output: Option<ValueOutputSchema<'a>>,
 }
 
-impl<'a> Checked<'a> {
-    /// Adds a valve to the board that is being added.
-    pub(in crate::layout) fn add_valve(
-        &mut self,
-        board: &Board<'a>,
-        written: &Valve<'a>,
-    ) -> Result<(), DocumentError> {
-        let drive = self.drive(written.drives)?;
-        let spot = RoundSpot {
-            what: "valve",
-            name: written.name,
-            label: Label::or_name(&written.label, written.name),
-            at_mm: written.at_mm,
-            diameter_mm: written.diameter_mm,
+impl<'a> ValveSchema<'a> {
+    /// Adds the valve to the current board.
+    pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        let output = value_output(builder, self.output)?;
+        let dial = DialSpec {
+            kind: "valve",
+            name: self.name,
+            label: &self.label,
+            at_mm: self.at_mm,
+            diameter_mm: self.diameter_mm,
         };
-        self.add_round(board, spot, |target| Knob {
+        add_dial(builder, dial, |target, radius| Knob {
             target,
-            radius: board.metres(written.diameter_mm.get()) / 2.0,
-            range: KnobRange::Limited((written.turns.get() * TAU) as f32),
-            steps: written.steps.map(|steps| steps.get() as u16),
-            initial: written.start.map_or(0.0, |start| start.get() as f32),
-            output: drive,
+            radius,
+            range: KnobRange::Limited((self.turns.get() * TAU) as f32),
+            steps: self.steps.map(|steps| steps.get() as u16),
+            initial: self.initial.map_or(0.0, |initial| initial.get() as f32),
+            output,
         })
     }
 }

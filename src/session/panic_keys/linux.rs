@@ -49,7 +49,7 @@ pub(super) fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Resul
     }
     let wait = move || {
         while keyboards.wait(&stop).is_ok() {}
-        tracing::error!("stop_keys: the keyboards cannot be watched any more");
+        tracing::error!("panic_keys: the keyboards cannot be watched any more");
     };
     let thread = thread::Builder::new().name("stop keys".into());
     thread

@@ -19,14 +19,14 @@ use crate::names::UnknownName;
 #[derive(Debug, thiserror::Error)]
 pub enum PanicKeysError {
     /// There is no key of this name.
-    #[error("stop_keys: {0}")]
+    #[error("panic_keys: {0}")]
     UnknownKey(#[from] UnknownName),
     /// Something else than keys was named.
-    #[error("stop_keys: `{0}` is no key of a keyboard")]
+    #[error("panic_keys: `{0}` is no key of a keyboard")]
     NotAKeyboardKey(KeyCode),
     /// No keyboard can be read.
     #[error(
-        "stop_keys: {0}; a shortcut of your desktop that calls `ademan ctl pause` does the same and takes no rights"
+        "panic_keys: {0}; a shortcut of your desktop that calls `ademan ctl pause` does the same and takes no rights"
     )]
     NoKeyboard(String),
 }
@@ -65,7 +65,7 @@ mod tests {
         let error = |name: &str| parse_keys(&[name.to_owned()]).unwrap_err().to_string();
         assert_eq!(
             error("MouseLeft"),
-            "stop_keys: `MouseLeft` is no key of a keyboard"
+            "panic_keys: `MouseLeft` is no key of a keyboard"
         );
         let text = error("ControlLef");
         assert!(text.contains("did you mean `ControlLeft`?"), "{text}");

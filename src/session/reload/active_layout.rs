@@ -179,7 +179,7 @@ mod tests {
     use std::thread;
     use std::time::Duration;
 
-    const TEXT: &str = "Layout(name: \"a\", boards: [(place: (anchor: elbow), \
+    const TEXT: &str = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), \
                         rows: [(at_mm: (0, 0), keys: \"A\")])])";
 
     fn session(path: Option<&Path>) -> TestLoop {

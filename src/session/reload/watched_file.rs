@@ -134,7 +134,7 @@ pub(super) mod tests {
     /// A layout of one key.
     pub fn text(key: &str) -> String {
         format!(
-            "Layout(name: \"{key}\", boards: [(\n    place: (anchor: elbow),\n    rows: [(at_mm: (0, 0), keys: \"{key}\")],\n)])\n"
+            "Layout(name: \"{key}\", boards: [(\n    pose: (anchor: elbow),\n    rows: [(at_mm: (0, 0), keys: \"{key}\")],\n)])\n"
         )
     }
 

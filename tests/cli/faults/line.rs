@@ -70,7 +70,7 @@ pub struct SerialRun {
 impl SerialRun {
     pub fn on(line: &PseudoTerminal, arguments: &[&str]) -> Self {
         let setup = line.folder.path().join("setup.ron");
-        fs::write(&setup, "Setup(stall_ms: 10000)").expect("a file");
+        fs::write(&setup, "Setup(stall_timeout_ms: 10000)").expect("a file");
         let source = line.source();
         let setup = setup.to_str().expect("a plain path");
         let mut command = ademan(["run", setup, "--source", &source]);

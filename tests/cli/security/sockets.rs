@@ -9,8 +9,8 @@ use crate::support::binary::ademan;
 use crate::support::process::Process;
 
 /// A 6-DoF mouse of one axis.
-const LEVER: &str = "Layout(name: \"lever\", boards: [(place: (anchor: elbow, forward_mm: 320), \
-     levers: [(name: \"Lift\", at_mm: (0, 0), length_mm: 70, springs: true, drives: Axis(\"MoveZ\"))])])";
+const LEVER: &str = "Layout(name: \"lever\", boards: [(pose: (anchor: elbow, forward_mm: 320), \
+     levers: [(name: \"Lift\", at_mm: (0, 0), length_mm: 70, springs_back: true, output: Axis(\"MoveZ\"))])])";
 
 /// The sockets that a process has open, by their inodes.
 fn sockets_of(process: u32) -> BTreeSet<String> {

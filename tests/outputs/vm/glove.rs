@@ -90,7 +90,7 @@ impl Deed {
 fn on(layout: &str) -> LoadedSetup {
     let setup = Setup {
         layout: layout.to_owned(),
-        start_armed: true,
+        arm_immediately: true,
         ..Setup::default()
     };
     setup.load_files().expect("a setup")

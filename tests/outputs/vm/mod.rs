@@ -52,8 +52,8 @@ impl Scene {
         });
         // A machine that holds the hand up for a moment shall not end a press.
         let setup = format!(
-            "Setup(source: \"serial:/dev/ttyUSB0\", output: \"uinput\", layout: \"{layout}\", stall_ms: 10000, \
-             stop_keys: [\"ControlLeft\", \"ControlRight\"])"
+            "Setup(source: \"serial:/dev/ttyUSB0\", output: \"uinput\", layout: \"{layout}\", stall_timeout_ms: 10000, \
+             panic_keys: [\"ControlLeft\", \"ControlRight\"])"
         );
         self.machine.run(&format!("echo '{setup}' >/tmp/setup.ron"));
         self.machine.run(

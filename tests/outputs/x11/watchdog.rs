@@ -44,7 +44,7 @@ fn layout_that_writes(folder: &Path) -> PathBuf {
     let row = "(at_mm: (-90.25, 0), keys: \"A S D F G H J K L Semicolon Quote Backslash\")";
     let rows = "(at_mm: (-90.25, 0), keys: \"A S D F G\"), (at_mm: (23.75, 0), keys: \"J K L\")";
     let text: String = ('ἀ'..).take(32).collect();
-    let key = format!("keys: [(does: Write(\"{text}\"), at_mm: (4.75, 0)),");
+    let key = format!("keys: [(action: Text(\"{text}\"), at_mm: (4.75, 0)),");
     let writes = board.replace(row, rows).replace("keys: [", &key);
     assert!(writes.contains(rows) && writes.contains(&key));
     fs::write(&path, writes).expect("room on the disk");

@@ -4,11 +4,11 @@ use super::simulate_layout;
 use crate::rig::Rig;
 
 const KEYS: &str = r#"rows: [(at_mm: (0, 0), keys: "J K L A", pitch_mm: 30)],
-    keys: [(name: "N", does: Nothing, at_mm: (0, 30)), (code: "F", hold: (code: "ShiftLeft"), at_mm: (30, 30))]"#;
+    keys: [(name: "N", action: NoOp, at_mm: (0, 30)), (code: "F", hold: (code: "ShiftLeft"), at_mm: (30, 30))]"#;
 const CHORDS: &str = r#"chords: [
-    (keys: "J K", does: Key("Escape")), (keys: "J K L", does: Key("Tab")),
-    (keys: "K L", does: Key("Enter")), (keys: "N J", does: Write("ñ")),
-    (keys: "N K", does: Key("ShiftLeft"), latch: OneShot), (keys: "F L", does: Key("Home")),
+    (keys: "J K", action: Key("Escape")), (keys: "J K L", action: Key("Tab")),
+    (keys: "K L", action: Key("Enter")), (keys: "N J", action: Text("ñ")),
+    (keys: "N K", action: Key("ShiftLeft"), latch: OneShot), (keys: "F L", action: Key("Home")),
 ]"#;
 /// Each finger above its own key.
 const OVER: &str = "index J up & middle K up & ring L up & little A up & thumb N up";

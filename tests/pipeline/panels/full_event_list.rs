@@ -11,8 +11,8 @@ use ademan::layout::Layout;
 use ademan::time::Timestamp;
 use parry3d::math::Vec2;
 
-const LEVER: &str = r#"levers: [(name: "Lift", at_mm: (0, 0), length_mm: 80, springs: true,
-    drives: Axis("MoveZ"))]"#;
+const LEVER: &str = r#"levers: [(name: "Lift", at_mm: (0, 0), length_mm: 80, springs_back: true,
+    output: Axis("MoveZ"))]"#;
 const STICK: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30,
     axes: ("MoveZ", "LeftY"))]"#;
 
@@ -21,7 +21,7 @@ type Step = Option<(Phase, f32)>;
 
 /// Returns the axis after each step, rounded to a thousandth. The steps in `full` start with a full event list.
 fn axis_values(controls: &str, steps: &[Step], full: &[usize]) -> Vec<f32> {
-    let text = format!("Layout(name: \"t\", boards: [(place: (anchor: world), {controls})])");
+    let text = format!("Layout(name: \"t\", boards: [(pose: (anchor: world), {controls})])");
     let layout = Layout::parse(&text, "t.ron").unwrap();
     let (mut devices, mut arbiter) = (layout.devices(), KeyArbiter::default());
     let mut axis = 0.0;

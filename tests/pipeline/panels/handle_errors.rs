@@ -4,7 +4,7 @@ use ademan::layout::Layout;
 
 /// Returns `LINE:COLUMN: message` of the error in a board with these fields in line 2.
 fn refusal(fields: &str) -> String {
-    let text = format!("Layout(name: \"t\", boards: [(place: (anchor: world),\n{fields})])");
+    let text = format!("Layout(name: \"t\", boards: [(pose: (anchor: world),\n{fields})])");
     let error = Layout::parse(&text, "t.ron").expect_err(fields);
     let (line, column) = (error.line().unwrap(), error.column().unwrap());
     format!("{line}:{column}: {}", error.message())
@@ -28,27 +28,30 @@ fn errors_of_controls_are_reported_with_their_position() {
             slider("steps: 0"),
             "out of range: a number of steps is 1 to 1000",
         ),
-        (slider("start: 1.5"), "out of range: a share is 0 to 1"),
-        (slider("start: NaN"), "out of range: a share is 0 to 1"),
+        (slider("initial: 1.5"), "out of range: a fraction is 0 to 1"),
+        (slider("initial: NaN"), "out of range: a fraction is 0 to 1"),
         (
-            slider("turn_deg: 181"),
-            "out of range: a turn is -180 to 180°",
+            slider("rotation_deg: 181"),
+            "out of range: a rotation is -180 to 180°",
         ),
         (
-            slider("grab: Anywere"),
-            "unknown value `Anywere`, did you mean `Anywhere`?",
+            slider("grab: Absolut"),
+            "unknown value `Absolut`, did you mean `Absolute`?",
         ),
         (
-            slider("drives: Axis(\"LeftZ\")"),
+            slider("output: Axis(\"LeftZ\")"),
             "unknown axis `LeftZ`, did you mean `LeftY`?",
         ),
         (
-            slider("drives: ScrolY(1)"),
+            slider("output: ScrolY(1)"),
             "unknown value `ScrolY`, did you mean `ScrollY`?",
         ),
-        (slider("drives: Taps(more: Key(\"A\"), steps: 3)"), "`less`"),
         (
-            slider("drives: Taps(more: Key(\"A\"), less: Key(\"Bee\"), steps: 3)"),
+            slider("output: Taps(increase: Key(\"A\"), steps: 3)"),
+            "`decrease`",
+        ),
+        (
+            slider("output: Taps(increase: Key(\"A\"), decrease: Key(\"Bee\"), steps: 3)"),
             "unknown key `Bee`",
         ),
         (
@@ -64,28 +67,28 @@ fn errors_of_controls_are_reported_with_their_position() {
             "the knob `K` is endless and cannot have a `range_deg`",
         ),
         (
-            knob("endless: true, start: 0.5"),
-            "the knob `K` is endless and cannot have a `start`: it counts its turns from there",
+            knob("endless: true, initial: 0.5"),
+            "the knob `K` is endless and cannot have an `initial` value: it counts turns from 0",
         ),
         (
-            knob("endless: true, drives: Axis(\"LeftX\")"),
-            "the knob `K` is endless and cannot drive an axis, which has ends",
+            knob("endless: true, output: Axis(\"LeftX\")"),
+            "the knob `K` is endless and cannot output an axis, which has ends",
         ),
         (
             lever("throw_deg: 180"),
             "out of range: a throw is 5 to 170°",
         ),
         (
-            lever("springs: true, rest: 0, drives: Axis(\"MoveX\")"),
-            "the lever `L` springs back to 0, where the axis `MoveX` is not at 0, give it `rest: 0.5`",
+            lever("springs_back: true, rest: 0, output: Axis(\"MoveX\")"),
+            "the lever `L` springs back to 0, where the axis `MoveX` is not at 0, set `rest: 0.5`",
         ),
         (
-            lever("springs: true, drives: Axis(\"LeftTrigger\")"),
-            "the lever `L` springs back to 0.5, where the axis `LeftTrigger` is not at 0, give it `rest: 0`",
+            lever("springs_back: true, output: Axis(\"LeftTrigger\")"),
+            "the lever `L` springs back to 0.5, where the axis `LeftTrigger` is not at 0, set `rest: 0`",
         ),
         (
-            lever("springs: true, notches: 3"),
-            "the lever `L` springs back to 0.5, where none of its 3 notches is",
+            lever("springs_back: true, detents: 3"),
+            "the lever `L` springs back to 0.5, which is at none of its 3 detents",
         ),
         (
             valve("turns: -1"),
@@ -93,30 +96,30 @@ fn errors_of_controls_are_reported_with_their_position() {
         ),
         (
             stick(""),
-            "the joystick `J` does nothing, give it `axes`, `keys`, `press` or `moves_px_per_s`",
+            "the joystick `J` has no output, add `axes`, `direction_keys`, `push_action` or `pointer_px_per_s`",
         ),
         (
             stick("axes: (\"LeftX\", \"LeftX\")"),
-            "the joystick `J` has the same axis to the side and up, name two",
+            "the joystick `J` has the same axis in both directions, name two axes",
         ),
         (
             stick("axes: (\"LeftX\", \"RightTrigger\")"),
-            "the joystick `J` goes to both sides of 0, which a trigger cannot",
+            "the joystick `J` has values on both sides of 0, a trigger does not",
         ),
-        (stick("curve: 5"), "out of range: a curve is 1 to 4"),
+        (stick("exponent: 5"), "out of range: an exponent is 1 to 4"),
         (
             stick("dead_zone: 1"),
             "out of range: a dead zone is 0 to 0.9",
         ),
         (
-            stick("moves_px_per_s: inf"),
-            "out of range: a speed of the pointer",
+            stick("pointer_px_per_s: inf"),
+            "out of range: a cursor speed",
         ),
         (
-            stick("press: Key(\"A\")"),
-            "the joystick `J` has a `press` and needs a `travel_mm` of at least 10, not 4: else every touch is a push",
+            stick("push_action: Key(\"A\")"),
+            "the joystick `J` has a `push_action` and needs a `travel_mm` of at least 10, not 4: otherwise every touch is a push",
         ),
-        (stick("keys: (up: Key(\"W\"))"), "`down`"),
+        (stick("direction_keys: (up: Key(\"W\"))"), "`down`"),
     ];
     for (fields, expected) in cases {
         let message = refusal(&fields);
@@ -139,7 +142,7 @@ fn controls_that_overlap_or_share_a_name_are_refused() {
         refusal(
             "levers: [(name: \"S\", at_mm: (0, 0), length_mm: 50)],\nvalves: [(name: \"S\", at_mm: (90, 0), diameter_mm: 40)]"
         ),
-        "3:18: there is a lever `S` already in line 2, give this one a `name` of its own"
+        "3:18: duplicate name `S`: there is a lever with this name in line 2, set another `name`"
     );
 }
 
@@ -147,8 +150,8 @@ fn controls_that_overlap_or_share_a_name_are_refused() {
 fn the_overlap_of_a_slider_depends_on_its_rotation() {
     let board = |turn: u32| {
         format!(
-            "Layout(name: \"t\", boards: [(place: (anchor: world), keys: [(code: \"A\", at_mm: (25, 0))],
-             sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 80, turn_deg: {turn})])])"
+            "Layout(name: \"t\", boards: [(pose: (anchor: world), keys: [(code: \"A\", at_mm: (25, 0))],
+             sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 80, rotation_deg: {turn})])])"
         )
     };
     assert!(Layout::parse(&board(0), "t.ron").is_err());

@@ -6,7 +6,7 @@ use crate::rig::Rig;
 
 /// Returns line, column and message of the error in a board with these fields.
 fn refusal(fields: &str) -> (usize, usize, String) {
-    let text = format!("Layout(name: \"t\", boards: [(\nplace: (anchor: world),\n{fields})])");
+    let text = format!("Layout(name: \"t\", boards: [(\npose: (anchor: world),\n{fields})])");
     let error = Layout::parse(&text, "t.ron").expect_err("the board is wrong");
     let position = (
         error.line().expect("a line"),
@@ -62,11 +62,11 @@ fn a_travel_of_zero_is_refused() {
 #[test]
 fn an_inverted_range_is_refused() {
     let (line, _, message) =
-        refusal("press_share: 0.2, release_share: 0.6, keys: [(code: \"A\", at_mm: (0, 0))]");
+        refusal("press_at: 0.2, release_at: 0.6, keys: [(code: \"A\", at_mm: (0, 0))]");
     assert_eq!(line, 3);
     assert_eq!(
         message,
-        "the press_share 0.2 of the key `A` must be more than its release_share 0.6"
+        "press_at 0.2 of the key `A` must be greater than release_at 0.6"
     );
 }
 
@@ -78,7 +78,7 @@ fn an_unknown_name_is_refused_with_the_nearest_known_one() {
             "unknown key `Spcae`, did you mean `Space`?",
         ),
         (
-            "sliders: [(name: \"s\", at_mm: (0, 0), length_mm: 50, drives: Axis(\"LefX\"))]",
+            "sliders: [(name: \"s\", at_mm: (0, 0), length_mm: 50, output: Axis(\"LefX\"))]",
             "unknown axis `LefX`, did you mean `LeftX`?",
         ),
     ] {
@@ -95,7 +95,7 @@ fn an_unknown_layer_is_refused() {
 
 #[test]
 fn locked_layers_are_unlocked_in_the_reverse_order() {
-    let text = r#"Layout(name: "t", boards: [(place: (anchor: world), keys: [
+    let text = r#"Layout(name: "t", boards: [(pose: (anchor: world), keys: [
         (code: "A", at_mm: (0, 0)),
         (layer: "one", latch: Lock, at_mm: (30, 0)),
         (layer: "two", latch: Lock, at_mm: (60, 0)),

@@ -5,11 +5,11 @@ use super::simulate;
 const STICK: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30, dead_zone: 0,
     axes: ("LeftX", "LeftY"))]"#;
 const KEYS: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30,
-    keys: (up: Key("W"), down: Key("S"), left: Key("A"), right: Key("D")))]"#;
+    direction_keys: (up: Key("W"), down: Key("S"), left: Key("A"), right: Key("D")))]"#;
 const PUSHED: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30, travel_mm: 16,
-    press: Key("PadL3"))]"#;
+    push_action: Key("PadL3"))]"#;
 const POINTER: &str = r#"joysticks: [(name: "Stick", at_mm: (0, 0), diameter_mm: 30,
-    moves_px_per_s: 1000)]"#;
+    pointer_px_per_s: 1000)]"#;
 
 /// All ways in which the press of a finger can end.
 const ENDS: [&str; 5] = [
@@ -48,7 +48,7 @@ fn a_stick_returns_to_0_however_its_press_ends() {
 
 #[test]
 fn a_stick_is_centered_within_its_dead_zone() {
-    let stick = STICK.replace("dead_zone: 0,", "dead_zone: 0.5, curve: 2,");
+    let stick = STICK.replace("dead_zone: 0,", "dead_zone: 0.5, exponent: 2,");
     assert_eq!(
         simulate(
             &stick,

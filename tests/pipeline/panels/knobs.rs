@@ -2,13 +2,13 @@
 
 use super::simulate;
 
-const VOLUME: &str = r#"knobs: [(name: "Volume", at_mm: (0, 0), diameter_mm: 40, start: 0.5)]"#;
+const VOLUME: &str = r#"knobs: [(name: "Volume", at_mm: (0, 0), diameter_mm: 40, initial: 0.5)]"#;
 const STEPS: &str =
-    r#"knobs: [(name: "Volume", at_mm: (0, 0), diameter_mm: 40, start: 0.5, steps: 6)]"#;
+    r#"knobs: [(name: "Volume", at_mm: (0, 0), diameter_mm: 40, initial: 0.5, steps: 6)]"#;
 const ENDLESS: &str = r#"knobs: [(name: "Volume", at_mm: (0, 0), diameter_mm: 40, endless: true,
-    drives: ScrollY(12))]"#;
-const AXIS: &str = r#"knobs: [(name: "Volume", at_mm: (0, 0), diameter_mm: 40, start: 0.5,
-    drives: Axis("LeftX"))]"#;
+    output: ScrollY(12))]"#;
+const AXIS: &str = r#"knobs: [(name: "Volume", at_mm: (0, 0), diameter_mm: 40, initial: 0.5,
+    output: Axis("LeftX"))]"#;
 
 const OPEN: &str = "tip thumb -30 20 0 & tip index 30 20 0";
 const CLOSED: &str = "tip thumb -10 20 0 & tip index 10 20 0";

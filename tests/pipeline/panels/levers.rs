@@ -2,11 +2,11 @@
 
 use super::simulate;
 
-const LIFT: &str = r#"levers: [(name: "Lift", at_mm: (0, 0), length_mm: 80, springs: true,
-    drives: Axis("MoveZ"))]"#;
-const RATCHET: &str = r#"levers: [(name: "Jack", at_mm: (0, 0), length_mm: 80, springs: true,
-    drives: ScrollY(10))]"#;
-const GEAR: &str = r#"levers: [(name: "Gear", at_mm: (0, 0), length_mm: 80, notches: 2, rest: 0)]"#;
+const LIFT: &str = r#"levers: [(name: "Lift", at_mm: (0, 0), length_mm: 80, springs_back: true,
+    output: Axis("MoveZ"))]"#;
+const RATCHET: &str = r#"levers: [(name: "Jack", at_mm: (0, 0), length_mm: 80, springs_back: true,
+    output: ScrollY(10))]"#;
+const GEAR: &str = r#"levers: [(name: "Gear", at_mm: (0, 0), length_mm: 80, detents: 2, rest: 0)]"#;
 
 #[test]
 fn a_lever_springs_back_however_its_press_ends() {
@@ -45,7 +45,7 @@ fn the_value_of_a_lever_is_its_angle_not_its_position() {
     assert_eq!(
         simulate(
             &LIFT.replace(
-                "springs: true,\n    drives: Axis(\"MoveZ\")",
+                "springs_back: true,\n    output: Axis(\"MoveZ\")",
                 "throw_deg: 120"
             ),
             "index Lift up; index Lift down; index Lift 23.1 0 down"

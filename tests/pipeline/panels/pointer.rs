@@ -4,7 +4,7 @@ use super::pointer_modes::pointer;
 use crate::rig::Rig;
 
 /// 5 pixels per millimetre; the center is at (0, 0, 0).
-const BOX: &str = "mode: Direct(place: (anchor: world), size_mm: (200, 100, 100))";
+const BOX: &str = "mode: Direct(pose: (anchor: world), size_mm: (200, 100, 100))";
 
 fn play(fields: &str, script: &str) -> String {
     pointer(&format!("{BOX}, {fields}")).run(script).events()
@@ -14,13 +14,13 @@ fn play(fields: &str, script: &str) -> String {
 fn a_relative_pointer_keeps_fractions_of_a_pixel() {
     assert_eq!(
         play(
-            "moves: By",
+            "output: Relative",
             "tip index 30 0 0; tip index 40 0 0; tip index 40 10 0"
         ),
         "move=+50,+0 move=+0,-50"
     );
     let crept = play(
-        "moves: By",
+        "output: Relative",
         "tip index 0 0 0; tip index 0.05 0 0; tip index 0.1 0 0; tip index 0.15 0 0; tip index \
              0.2 0 0; tip index 0.25 0 0; tip index 0.3 0 0; tip index 0.4 0 0",
     );
@@ -30,7 +30,7 @@ fn a_relative_pointer_keeps_fractions_of_a_pixel() {
 #[test]
 fn long_motion_is_split_into_steps_of_limited_length() {
     let stepped = play(
-        "moves: By, max_step_px: 101",
+        "output: Relative, max_step_px: 101",
         "tip index 0 0 0; tip index 50 0 0; wait 50",
     );
     assert_eq!(stepped, "move=+100,+0 move=+100,+0 move=+50,+0");
@@ -47,18 +47,18 @@ fn long_motion_is_split_into_steps_of_limited_length() {
 #[test]
 fn a_reacquired_hand_does_not_move_the_mouse_and_is_followed_in_steps() {
     let script = "tip index 0 0 0; hide index; tip index 20 0 0; wait 50";
-    assert_eq!(play("moves: By", script), "");
+    assert_eq!(play("output: Relative", script), "");
     assert_eq!(
         play("max_step_px: 51", script),
         "place=0.5000,0.5000 place=0.5500,0.5000 place=0.6000,0.5000"
     );
     let jump = "tip index 0 0 0; reacquire & tip index 20 0 0; wait 50";
-    assert_eq!(play("moves: By", jump), "");
+    assert_eq!(play("output: Relative", jump), "");
 }
 
 #[test]
 fn the_cursor_moves_only_while_the_clutch_is_on() {
-    let clutched = "moves: By, clutch: Flexion(\"ring-pip-flexion\", 60)";
+    let clutched = "output: Relative, clutch: Flexion(\"ring-pip-flexion\", 60)";
     assert_eq!(
         play(
             clutched,
@@ -96,9 +96,9 @@ fn the_offset_of_a_clutch_is_recovered_gradually() {
 fn a_key_can_be_the_clutch_or_precision() {
     let on_board = |does: &str| {
         let layout = format!(
-            "Layout(name: \"test\", boards: [(place: (anchor: world, height_mm: -200), \
-             keys: [(does: {does}, name: \"Hold\", at_mm: (0, 0))])], \
-             pointer: Pointer(smoothing: Off, screen_px: (1001, 501), moves: By, {BOX}))"
+            "Layout(name: \"test\", boards: [(pose: (anchor: world, height_mm: -200), \
+             keys: [(action: {does}, name: \"Hold\", at_mm: (0, 0))])], \
+             pointer: Pointer(smoothing: Off, screen_px: (1001, 501), output: Relative, {BOX}))"
         );
         let script = "tip index 0 0 0; thumb Hold up; thumb Hold down; tip index 20 0 0; thumb Hold up; tip index 40 0 0";
         Rig::new(&layout).run(script).events()
@@ -109,7 +109,8 @@ fn a_key_can_be_the_clutch_or_precision() {
 
 #[test]
 fn a_gesture_turns_precision_on() {
-    let slow = "moves: By, precision: Flexion(\"ring-pip-flexion\", 60), precision_factor: 0.1";
+    let slow =
+        "output: Relative, precision: Flexion(\"ring-pip-flexion\", 60), precision_factor: 0.1";
     assert_eq!(
         play(
             slow,
@@ -122,7 +123,7 @@ fn a_gesture_turns_precision_on() {
 
 #[test]
 fn acceleration_depends_on_the_speed_of_the_hand() {
-    let accelerated = "moves: By, acceleration: [(1000, 0.5), (2000, 1), (10000, 2)]";
+    let accelerated = "output: Relative, acceleration: [(1000, 0.5), (2000, 1), (10000, 2)]";
     assert_eq!(
         play(
             accelerated,

@@ -6,10 +6,10 @@ use super::pointer_modes::pointer;
 const WRIST: &str = r#"mode: Joint(
     x: (dof: "wrist-deviation", from_deg: -10, to_deg: 10),
     y: (dof: "wrist-flexion", from_deg: 10, to_deg: -10),
-), moves: By"#;
+), output: Relative"#;
 const PINCHES: &str = r#"clicks: [
-    (by: Pinch("index"), does: Key("MouseLeft")),
-    (by: Pinch("middle"), does: Key("MouseRight")),
+    (gesture: Pinch("index"), action: Key("MouseLeft")),
+    (gesture: Pinch("middle"), action: Key("MouseRight")),
 ]"#;
 /// Fingers apart, wrist straight.
 const OPEN: &str = "tip thumb 0 0 0 & tip index 80 0 0 & tip middle 0 80 0 & \
@@ -113,7 +113,8 @@ fn a_click_is_released_when_a_finger_or_the_hand_is_lost() {
 
 #[test]
 fn a_flexion_clicks() {
-    let bent = "clicks: [(by: Flexion(\"index-pip-flexion\", 60), does: Key(\"MouseLeft\"))]";
+    let bent =
+        "clicks: [(gesture: Flexion(\"index-pip-flexion\", 60), action: Key(\"MouseLeft\"))]";
     let bend = |degrees: &str| {
         let orders = degrees
             .split(' ')
@@ -127,7 +128,7 @@ fn a_flexion_clicks() {
 
 #[test]
 fn a_push_forward_clicks_and_half_its_depth_ends_it() {
-    let push = "clicks: [(by: Push(20), does: Key(\"MouseLeft\"))]";
+    let push = "clicks: [(gesture: Push(20), action: Key(\"MouseLeft\"))]";
     assert_eq!(
         play(
             push,
@@ -147,7 +148,7 @@ fn a_push_forward_clicks_and_half_its_depth_ends_it() {
 
 #[test]
 fn sideways_motion_does_not_push_and_reaching_ends_a_push() {
-    let push = "clicks: [(by: Push(20), does: Key(\"MouseLeft\"))]";
+    let push = "clicks: [(gesture: Push(20), action: Key(\"MouseLeft\"))]";
     let way = |x: i32, z: i32| {
         let step = |step: i32| format!("tip index {} 0 {}", 80 + x * step / 8, z * step / 8);
         (0..=8).map(step).collect::<Vec<_>>().join("; ")
@@ -166,7 +167,7 @@ fn sideways_motion_does_not_push_and_reaching_ends_a_push() {
 
 #[test]
 fn a_cursor_that_was_moved_and_rests_clicks_once() {
-    let dwell = "dwell: (ms: 300, radius_px: 10, does: Key(\"MouseLeft\"))";
+    let dwell = "dwell: (time_ms: 300, radius_px: 10, action: Key(\"MouseLeft\"))";
     assert_eq!(
         play(dwell, "open; wait 1000"),
         "",
@@ -192,7 +193,7 @@ fn a_cursor_that_was_moved_and_rests_clicks_once() {
 
 #[test]
 fn motion_scrolls_while_the_scroll_gesture_is_on() {
-    let scroll = "scroll: (by: Flexion(\"little-mcp-flexion\", 60), px_per_click: 50)";
+    let scroll = "scroll: (gesture: Flexion(\"little-mcp-flexion\", 60), px_per_detent: 50)";
     assert_eq!(
         play(
             scroll,

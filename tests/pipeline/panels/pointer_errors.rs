@@ -10,7 +10,7 @@ fn refusal(fields: &str) -> String {
     line.strip_prefix("t.ron:").expect("the file").to_owned()
 }
 
-const MODE: &str = "mode: Direct(place: (anchor: world), size_mm: (200, 100, 100))";
+const MODE: &str = "mode: Direct(pose: (anchor: world), size_mm: (200, 100, 100))";
 
 fn of_pointer(fields: &str) -> String {
     refusal(&format!("pointer: Pointer({MODE},\n{fields})"))
@@ -18,7 +18,7 @@ fn of_pointer(fields: &str) -> String {
 
 fn of_targets(targets: &str) -> String {
     refusal(&format!(
-        "spaces: [(place: (anchor: world), targets: [\n{targets}\n])]"
+        "spaces: [(pose: (anchor: world), targets: [\n{targets}\n])]"
     ))
 }
 
@@ -34,19 +34,19 @@ fn numbers_out_of_range_are_refused_with_their_position() {
         &[
             (
                 "max_step_px: 1e308",
-                "3:14: 1e308 is out of range: a largest step is 10 to 20000 px",
+                "3:14: 1e308 is out of range: a maximum step is 10 to 20000 px",
             ),
             (
                 "max_step_px: NaN",
-                "3:14: NaN is out of range: a largest step is 10 to 20000 px",
+                "3:14: NaN is out of range: a maximum step is 10 to 20000 px",
             ),
             (
                 "screen_px: (0, 5)",
-                "3:13: 0 is out of range: a size of a screen is 2 to 20000 px",
+                "3:13: 0 is out of range: a screen size is 2 to 20000 px",
             ),
             (
-                "clicks: [(by: Push(-3), does: Pause)]",
-                "3:20: -3 is out of range: a push is 5 to 200 mm",
+                "clicks: [(gesture: Push(-3), action: TogglePause)]",
+                "3:25: -3 is out of range: a push is 5 to 200 mm",
             ),
             (
                 "precision_factor: inf",
@@ -70,15 +70,15 @@ fn unknown_names_are_refused_with_the_nearest_known_one() {
                 "3:18: unknown degree of freedom `wrist-flexoin`, did you mean `wrist-flexion`?",
             ),
             (
-                "clicks: [(by: Pnch(\"index\"), does: Pause)]",
-                "3:15: unknown value `Pnch`, did you mean `Pinch`?",
+                "clicks: [(gesture: Pnch(\"index\"), action: TogglePause)]",
+                "3:20: unknown value `Pnch`, did you mean `Pinch`?",
             ),
             (
-                "clicks: [(by: Pinch(\"index\"), does: Key(\"MouseLeff\"))]",
-                "3:42: unknown key `MouseLeff`, did you mean `MouseLeft`?",
+                "clicks: [(gesture: Pinch(\"index\"), action: Key(\"MouseLeff\"))]",
+                "3:49: unknown key `MouseLeff`, did you mean `MouseLeft`?",
             ),
             (
-                "z_drives: Axis(\"MoveQ\")",
+                "z_output: Axis(\"MoveQ\")",
                 "3:17: unknown axis `MoveQ`, did you mean `MoveZ`?",
             ),
         ],
@@ -91,36 +91,36 @@ fn inconsistent_settings_of_a_pointer_are_refused() {
     check(
         &[
             (
-                "clicks: [(by: Pinch(\"index\"), does: Pause)], clutch: Pinch(\"index\")",
+                "clicks: [(gesture: Pinch(\"index\"), action: TogglePause)], clutch: Pinch(\"index\")",
                 "2:1: two gestures are a pinch of the index finger: both would be on together",
             ),
             (
                 "precision: Flexion(\"wrist-flexion\", 30), clutch: Flexion(\"wrist-flexion\", 50)",
-                "2:1: two gestures bend `wrist-flexion` the same way: both would be on together",
+                "2:1: two gestures bend `wrist-flexion` in the same direction: both would be on together",
             ),
             (
                 "clutch: Pinch(\"thumb\")",
-                "2:1: the thumb pinches with another finger, name that one",
+                "2:1: the thumb pinches with another finger, name that finger",
             ),
             (
                 "clutch: Flexion(\"wrist-flexion\", -4)",
-                "2:1: `Flexion` of `wrist-flexion` is 5° or more either way, so that it can go off",
+                "2:1: the angle of `Flexion` of `wrist-flexion` must be at least 5° or at most -5°, so that it can turn off",
             ),
             (
                 "acceleration: [(100, 2)]",
-                "2:1: `acceleration` is for a pointer that `moves: By` pixels",
+                "2:1: `acceleration` is for a pointer with `output: Relative`",
             ),
             (
-                "moves: By, acceleration: [(100, 2), (100, 3)]",
-                "2:1: the speeds of `acceleration` go up from knot to knot",
+                "output: Relative, acceleration: [(100, 2), (100, 3)]",
+                "2:1: the speeds of `acceleration` must increase from knot to knot",
             ),
             (
-                "pinch_mm: (on: 30, off: 25, ready: 40)",
-                "2:1: in `pinch_mm` `on` is less than `off`, and that less than `ready`",
+                "pinch_mm: (on: 30, off: 25, near: 40)",
+                "2:1: in `pinch_mm`, `on` must be less than `off`, and `off` less than `near`",
             ),
             (
-                "scroll: (by: Pinch(\"ring\"), px_per_click: 0)",
-                "2:1: `px_per_click` is 1 px or more either way",
+                "scroll: (gesture: Pinch(\"ring\"), px_per_detent: 0)",
+                "2:1: `px_per_detent` must be at least 1 or at most -1",
             ),
         ],
         of_pointer,
@@ -130,36 +130,36 @@ fn inconsistent_settings_of_a_pointer_are_refused() {
             "// pointer: this is no field\npointer: Pointer(mode: Joint(\n\
              x: (dof: \"wrist-flexion\", from_deg: 5, to_deg: 5.5), y: (dof: \"wrist-flexion\", from_deg: 5, to_deg: 9)))"
         ),
-        "3:1: the range of `wrist-flexion` is 1° or more: from_deg is 5, to_deg 5.5"
+        "3:1: the range of `wrist-flexion` must be at least 1°: from_deg is 5, to_deg is 5.5"
     );
 }
 
 #[test]
 fn targets_in_space_have_unique_names_and_a_size() {
-    let ball = "(name: \"A\", at_mm: (0, 0, 0), form: Ball(9)),";
+    let ball = "(name: \"A\", at_mm: (0, 0, 0), shape: Ball(9)),";
     check(
         &[
             (
                 &format!("{ball}\n{ball}"),
-                "4:9: there is a target `A` already in line 3, give this one a `name` of its own",
+                "4:9: duplicate name `A`: there is a target with this name in line 3, set another `name`",
             ),
             (
-                "(name: \"A\", at_mm: (0, 0, 0), form: Ball(0))",
-                "3:42: 0 is out of range: a size in space is 1 to 2000 mm",
+                "(name: \"A\", at_mm: (0, 0, 0), shape: Ball(0))",
+                "3:43: 0 is out of range: an extent is 1 to 2000 mm",
             ),
             (
-                "(name: \"A\", at_mm: (0, 0, 0), form: Ball(9), does: Layer(\"x\"))",
-                "3:59: unknown layer `x`",
+                "(name: \"A\", at_mm: (0, 0, 0), shape: Ball(9), action: Layer(\"x\"))",
+                "3:62: unknown layer `x`",
             ),
         ],
         of_targets,
     );
     assert_eq!(
         refusal(&format!(
-            "pointer: Pointer({MODE}), spaces: [(place: (anchor: world), targets: [\n{}])]",
+            "pointer: Pointer({MODE}), spaces: [(pose: (anchor: world), targets: [\n{}])]",
             ball.replace('A', "pointer")
         )),
-        "3:9: there is a target `pointer` already in line 2, give this one a `name` of its own"
+        "3:9: duplicate name `pointer`: there is a target with this name in line 2, set another `name`"
     );
 }
 
@@ -174,7 +174,7 @@ fn an_empty_layout_or_space_is_refused() {
         Some("t.ron:1:15: the layout has no keys")
     );
     assert_eq!(
-        refusal("spaces: [(place: (anchor: world), targets: [])]"),
+        refusal("spaces: [(pose: (anchor: world), targets: [])]"),
         "1:15: space 1 has no targets"
     );
 }

@@ -14,12 +14,12 @@ const JOINT: &str = r#"mode: Joint(
     y: (dof: "wrist-flexion", from_deg: 30, to_deg: -30),
 )"#;
 const DIRECT: &str = r#"mode: Direct(
-    place: (anchor: elbow, forward_mm: 300), size_mm: (200, 100, 100),
+    pose: (anchor: elbow, forward_mm: 300), size_mm: (200, 100, 100),
 )"#;
 const RAY: &str =
-    r#"mode: Ray(from: Index, place: (anchor: world, forward_mm: 500), size_mm: (200, 100))"#;
+    r#"mode: Ray(origin: Index, pose: (anchor: world, forward_mm: 500), size_mm: (200, 100))"#;
 const RATE: &str = r#"mode: Rate(
-    of: Tip(place: (anchor: world), full_mm: 100), dead_share: 0.2, top_px_s: 1000,
+    input: Fingertip(pose: (anchor: world), full_mm: 100), dead_zone: 0.2, max_px_per_s: 1000,
 ), max_step_px: 20"#;
 
 fn play(fields: &str, script: &str) -> String {
@@ -42,7 +42,7 @@ fn joint_angles_map_linearly_to_the_screen_and_are_clamped() {
 
 #[test]
 fn a_curve_above_1_is_finer_in_the_middle() {
-    let curved = JOINT.replace("to_deg: 10", "to_deg: 10, curve: 2");
+    let curved = JOINT.replace("to_deg: 10", "to_deg: 10, exponent: 2");
     let at = |degrees: &str| {
         play(
             &curved,
@@ -74,7 +74,7 @@ fn a_box_with_a_bearing_is_seen_from_its_front() {
 
 #[test]
 fn the_third_axis_drives_its_output() {
-    let driven = format!("{DIRECT}, moves: Nothing, z_drives: Axis(\"MoveZ\")");
+    let driven = format!("{DIRECT}, output: Off, z_output: Axis(\"MoveZ\")");
     assert_eq!(
         play(
             &driven,

@@ -2,16 +2,16 @@
 
 use super::simulate;
 
-const VALUE_ONLY: &str = r#"radios: [(name: "Mode", starts: "Draw", options: [
+const VALUE_ONLY: &str = r#"radios: [(name: "Mode", initial: "Draw", options: [
     (name: "Draw", at_mm: (0, 0)), (name: "Fill", at_mm: (30, 0)), (name: "Erase", at_mm: (60, 0)),
 ])]"#;
 const HOLD: &str = r#"radios: [(name: "Mode", options: [
-    (name: "Move", at_mm: (0, 0), holds: Key("ShiftLeft")),
-    (name: "Turn", at_mm: (30, 0), holds: Key("ControlLeft")),
+    (name: "Move", at_mm: (0, 0), hold: Key("ShiftLeft")),
+    (name: "Turn", at_mm: (30, 0), hold: Key("ControlLeft")),
     (name: "Off", at_mm: (60, 0)),
 ])]"#;
 const TAP: &str = r#"radios: [(name: "Tool", options: [
-    (name: "Brush", at_mm: (0, 0), taps: Key("B")), (name: "Pen", at_mm: (30, 0), taps: Key("P")),
+    (name: "Brush", at_mm: (0, 0), tap: Key("B")), (name: "Pen", at_mm: (30, 0), tap: Key("P")),
 ])]"#;
 
 #[test]

@@ -10,18 +10,18 @@ const LAST: [f64; 2] = [1000.0, 500.0];
 const MODES: [&str; 5] = [
     r#"Joint(
         x: (dof: "wrist-deviation", from_deg: -10, to_deg: 10),
-        y: (dof: "wrist-flexion", from_deg: 30, to_deg: -30, curve: 0.3),
+        y: (dof: "wrist-flexion", from_deg: 30, to_deg: -30, exponent: 0.3),
     )"#,
-    "Direct(place: (anchor: wrist, tilt_deg: 40, bearing_deg: -70), size_mm: (100, 50, 50))",
-    "Ray(from: Index, place: (anchor: elbow, forward_mm: 100), size_mm: (100, 50))",
-    "Ray(from: Hand, place: (anchor: elbow, bearing_deg: 20, forward_mm: 100), size_mm: (100, 50))",
-    "Rate(of: Tip(place: (anchor: world), full_mm: 50), dead_share: 0, top_px_s: 100000, curve: 0.2)",
+    "Direct(pose: (anchor: wrist, tilt_deg: 40, bearing_deg: -70), size_mm: (100, 50, 50))",
+    "Ray(origin: Index, pose: (anchor: elbow, forward_mm: 100), size_mm: (100, 50))",
+    "Ray(origin: Hand, pose: (anchor: elbow, bearing_deg: 20, forward_mm: 100), size_mm: (100, 50))",
+    "Rate(input: Fingertip(pose: (anchor: world), full_mm: 50), dead_zone: 0, max_px_per_s: 100000, exponent: 0.2)",
 ];
 const SETTINGS: [&str; 4] = [
-    "moves: To, smoothing: Default",
-    "moves: To, dead_zone_px: 3, precision: Flexion(\"ring-pip-flexion\", 20)",
-    "moves: By, acceleration: [(10, 0.1), (1000, 20)], scroll: (by: Pinch(\"ring\"), px_per_click: -7)",
-    "moves: By, clutch: Pinch(\"ring\")",
+    "output: Absolute, smoothing: Default",
+    "output: Absolute, dead_zone_px: 3, precision: Flexion(\"ring-pip-flexion\", 20)",
+    "output: Relative, acceleration: [(10, 0.1), (1000, 20)], scroll: (gesture: Pinch(\"ring\"), px_per_detent: -7)",
+    "output: Relative, clutch: Pinch(\"ring\")",
 ];
 
 /// A generator of script orders for a hand that moves at random.
@@ -121,9 +121,9 @@ fn random_hands_move_the_pointer_in_bounded_steps_and_leave_no_key_down() {
             };
             let fields = format!(
                 "mode: {mode}, {smoothing}{settings}, max_step_px: {MAX_STEP}, screen_px: (1001, 501), \
-                 clicks: [(by: Pinch(\"index\"), does: Key(\"MouseLeft\")), \
-                 (by: Push(10), does: Key(\"MouseRight\"))], \
-                 dwell: (ms: 50, radius_px: 5, does: Key(\"MouseMiddle\"))"
+                 clicks: [(gesture: Pinch(\"index\"), action: Key(\"MouseLeft\")), \
+                 (gesture: Push(10), action: Key(\"MouseRight\"))], \
+                 dwell: (time_ms: 50, radius_px: 5, action: Key(\"MouseMiddle\"))"
             );
             let layout = format!("Layout(name: \"test\", pointer: Pointer({fields}))");
             let mut rig = Rig::new(&layout);

@@ -2,10 +2,10 @@
 
 use crate::rig::Rig;
 
-const SCENE: &str = r#"spaces: [(place: (anchor: elbow), targets: [
-    (name: "Sun", at_mm: (0, 0, -300), form: Ball(100)),
-    (name: "Moon", at_mm: (80, 0, -300), form: Ball(100)),
-    (name: "Door", at_mm: (300, 0, -300), form: Box(20, 100, 100), does: Key("A")),
+const SCENE: &str = r#"spaces: [(pose: (anchor: elbow), targets: [
+    (name: "Sun", at_mm: (0, 0, -300), shape: Ball(100)),
+    (name: "Moon", at_mm: (80, 0, -300), shape: Ball(100)),
+    (name: "Door", at_mm: (300, 0, -300), shape: Box(20, 100, 100), action: Key("A")),
 ])]"#;
 
 fn play(fields: &str, script: &str) -> String {
@@ -88,12 +88,12 @@ fn a_fingertip_that_appears_inside_a_target_has_to_leave_all_targets_first() {
 
 #[test]
 fn joint_pointing_selects_in_every_space() {
-    let joint = r#"pointer: Pointer(smoothing: Off, moves: Nothing, mode: Joint(
-        x: (dof: "wrist-deviation", from_deg: -10, to_deg: 10, range_mm: 400),
-        y: (dof: "wrist-flexion", from_deg: 10, to_deg: -10, range_mm: 400),
-        z: (dof: "elbow-flexion", from_deg: 0, to_deg: 90, range_mm: 400),
-    )), spaces: [(place: (anchor: wrist, height_mm: 77), targets: [
-        (name: "Near", at_mm: (0, 0, 200), form: Ball(100)),
+    let joint = r#"pointer: Pointer(smoothing: Off, output: Off, mode: Joint(
+        x: (dof: "wrist-deviation", from_deg: -10, to_deg: 10, extent_mm: 400),
+        y: (dof: "wrist-flexion", from_deg: 10, to_deg: -10, extent_mm: 400),
+        z: (dof: "elbow-flexion", from_deg: 0, to_deg: 90, extent_mm: 400),
+    )), spaces: [(pose: (anchor: wrist, height_mm: 77), targets: [
+        (name: "Near", at_mm: (0, 0, 200), shape: Ball(100)),
     ])]"#;
     assert_eq!(
         play(

@@ -1,9 +1,10 @@
 //! Scripts on the shipped panels and boards.
 
+use ademan::document::Document;
 use ademan::estimate::{Estimate, JointAngles};
 use ademan::hand::{Dof, Finger, Joint};
 use ademan::kinematics::ArmModel;
-use ademan::layout::{Document, Layout};
+use ademan::layout::Layout;
 use ademan::time::Timestamp;
 
 use crate::rig::Rig;

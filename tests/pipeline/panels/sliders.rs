@@ -4,13 +4,14 @@ use super::simulate;
 
 const FADER: &str = r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100)]"#;
 const RELATIVE: &str =
-    r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100, grab: Relative, start: 0.5)]"#;
-const TURNED: &str = r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100, turn_deg: 90)]"#;
+    r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100, grab: Relative, initial: 0.5)]"#;
+const TURNED: &str =
+    r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100, rotation_deg: 90)]"#;
 const STEPS: &str = r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100, steps: 4)]"#;
 const TRIGGER: &str =
-    r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100, drives: Axis("LeftTrigger"))]"#;
-const TAPS: &str = r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100, start: 0.5,
-    drives: Taps(more: Key("AudioVolumeUp"), less: Key("AudioVolumeDown"), steps: 10))]"#;
+    r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100, output: Axis("LeftTrigger"))]"#;
+const TAPS: &str = r#"sliders: [(name: "Fader", at_mm: (0, 0), length_mm: 100, initial: 0.5,
+    output: Taps(increase: Key("AudioVolumeUp"), decrease: Key("AudioVolumeDown"), steps: 10))]"#;
 
 #[test]
 fn the_handle_jumps_to_the_finger_and_follows_it() {

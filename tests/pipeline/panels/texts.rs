@@ -4,7 +4,7 @@ use super::simulate;
 use crate::rig::Rig;
 
 fn type_text(text: &str, script: &str) -> String {
-    let key = format!("keys: [(does: Write(\"{text}\"), name: \"T\", at_mm: (0, 0))]");
+    let key = format!("keys: [(action: Text(\"{text}\"), name: \"T\", at_mm: (0, 0))]");
     simulate(&key, script)
 }
 
@@ -47,7 +47,7 @@ fn a_text_that_does_not_fit_is_dropped_as_a_whole() {
     let key = |number: i32| {
         let text: String = (0..32).map(|_| char::from(b'a' + number as u8)).collect();
         format!(
-            "(does: Write(\"{text}\"), name: \"K{number}\", at_mm: ({}, 0))",
+            "(action: Text(\"{text}\"), name: \"K{number}\", at_mm: ({}, 0))",
             number * 20
         )
     };
@@ -67,7 +67,7 @@ fn a_text_that_does_not_fit_is_dropped_as_a_whole() {
 
 #[test]
 fn a_layer_can_replace_a_text() {
-    let controls = "keys: [(does: Write(\"é\"), name: \"T\", at_mm: (0, 0)), \
+    let controls = "keys: [(action: Text(\"é\"), name: \"T\", at_mm: (0, 0)), \
                     (layer: \"x\", name: \"L\", at_mm: (30, 0))]";
     let layers = "layers: [(name: \"x\", keys: {\"T\": \"A\"})]";
     assert_eq!(
@@ -82,7 +82,7 @@ fn a_layer_can_replace_a_text() {
 
 #[test]
 fn a_text_can_fire_on_release() {
-    let key = "keys: [(does: Write(\"é\"), name: \"T\", fires: Release, at_mm: (0, 0)), \
+    let key = "keys: [(action: Text(\"é\"), name: \"T\", activate_on: Release, at_mm: (0, 0)), \
                (code: \"A\", at_mm: (40, 0))]";
     assert_eq!(simulate(key, "index T up; index T down; wait 50"), "");
     assert_eq!(simulate(key, "index T tap"), "write:é");

@@ -3,9 +3,9 @@
 use super::simulate;
 
 const VALUE_ONLY: &str = r#"toggles: [(name: "Light", at_mm: (0, 0))]"#;
-const HOLD: &str = r#"toggles: [(name: "Shift", at_mm: (0, 0), holds: Key("ShiftLeft"))],
+const HOLD: &str = r#"toggles: [(name: "Shift", at_mm: (0, 0), hold: Key("ShiftLeft"))],
     keys: [(code: "A", at_mm: (40, 0))]"#;
-const TAP: &str = r#"toggles: [(name: "Play", at_mm: (0, 0), taps: Key("MediaPlayPause"))]"#;
+const TAP: &str = r#"toggles: [(name: "Play", at_mm: (0, 0), tap: Key("MediaPlayPause"))]"#;
 
 #[test]
 fn a_switch_changes_once_per_press() {

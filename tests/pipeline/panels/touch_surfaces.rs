@@ -4,8 +4,8 @@ use super::simulate;
 use crate::rig::Rig;
 
 const SCREEN: &str =
-    r#"touch_surfaces: [(name: "S", at_mm: (0, 0), size_mm: Box(160, 100), mode: Screen)]"#;
-const PAD: &str = r#"touch_surfaces: [(name: "P", at_mm: (0, 0), size_mm: Box(200, 200), mode: Pad,
+    r#"touch_surfaces: [(name: "S", at_mm: (0, 0), size_mm: Box(160, 100), mode: Touchscreen)]"#;
+const PAD: &str = r#"touch_surfaces: [(name: "P", at_mm: (0, 0), size_mm: Box(200, 200), mode: Touchpad,
     acceleration: 0)]"#;
 
 #[test]
@@ -187,7 +187,10 @@ fn two_fingers_scroll() {
         both(0, 19)
     );
     assert_eq!(simulate(PAD, &script), "scroll=+0,+120 scroll=+0,+120");
-    let natural = PAD.replace("acceleration: 0", "natural: true, scroll_mm: 16");
+    let natural = PAD.replace(
+        "acceleration: 0",
+        "natural_scrolling: true, mm_per_detent: 16",
+    );
     assert_eq!(simulate(&natural, &script), "scroll=+0,-60 scroll=+0,-60");
 }
 

@@ -4,12 +4,12 @@ use super::simulate_layout;
 use crate::rig::Rig;
 
 const BOARD: &str = r#"keys: [(code: "A", at_mm: (0, 0))]"#;
-const CLAW: &str = r#"triggers: [(name: "Claw", does: Key("X"),
-    when: Angle(of: "index-mcp-flexion", on_deg: 60, off_deg: 50))]"#;
-const BLADE: &str = r#"triggers: [(name: "Blade", drives: Axis("RightTrigger"),
-    when: Angle(of: "index-mcp-flexion", on_deg: 60, off_deg: 50, from_deg: 20, full_deg: 70))]"#;
+const CLAW: &str = r#"triggers: [(name: "Claw", action: Key("X"),
+    when: Angle(dof: "index-mcp-flexion", on_deg: 60, off_deg: 50))]"#;
+const BLADE: &str = r#"triggers: [(name: "Blade", output: Axis("RightTrigger"),
+    when: Angle(dof: "index-mcp-flexion", on_deg: 60, off_deg: 50, zero_deg: 20, full_deg: 70))]"#;
 const PINCH: &str =
-    r#"triggers: [(name: "Pinch", does: Key("MouseLeft"), when: Pinch(of: "index"))]"#;
+    r#"triggers: [(name: "Pinch", action: Key("MouseLeft"), when: Pinch(finger: "index"))]"#;
 
 /// Returns a script that bends the index knuckle to these angles, one per step.
 fn bend(degrees: &[i32]) -> String {
@@ -159,7 +159,7 @@ fn a_pinch_trigger_ends_when_one_of_its_fingers_is_lost() {
 
 #[test]
 fn a_trigger_follows_its_hand_or_each_hand() {
-    let left = CLAW.replace("does:", r#"hand: "left", does:"#);
+    let left = CLAW.replace("action:", r#"hand: "left", action:"#);
     let bent = bend(&[0, 70]);
     assert_eq!(simulate_layout(BOARD, &left, &format!("right; {bent}")), "");
     assert_eq!(

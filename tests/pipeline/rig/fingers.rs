@@ -71,7 +71,7 @@ impl Rig {
     /// A layout of one flat board with these fields, and with further fields of the layout.
     pub fn with_fields(controls: &str, fields: &str) -> Self {
         Self::new(&format!(
-            "Layout(name: \"test\", boards: [(place: (anchor: world), {controls})], {fields})"
+            "Layout(name: \"test\", boards: [(pose: (anchor: world), {controls})], {fields})"
         ))
     }
 

@@ -62,7 +62,7 @@ fn setup(text: &str) -> Setup {
     for part in parts {
         let (word, rest) = part.split_once(' ').unwrap_or((part, ""));
         match word {
-            "armed" => setup.start_armed = true,
+            "armed" => setup.arm_immediately = true,
             "two" => setup.other_hand = Some(OtherHand::default()),
             "profile" => setup.profiles.push(ProfileSetup {
                 name: rest.trim_end_matches(".ron").into(),

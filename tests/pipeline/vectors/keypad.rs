@@ -96,7 +96,7 @@ fn is_at_an_edge(tip: &[f64], button: &[f64], half: f64, height: f64) -> bool {
 fn layout(buttons: &[Vec<f64>], half: f64, height: f64) -> Layout {
     let boards = buttons.iter().enumerate().map(|(number, xz)| {
         format!(
-            "(place: (anchor: world, height_mm: {}), travel_mm: {}, analogue: true, keys: [\
+            "(pose: (anchor: world, height_mm: {}), travel_mm: {}, reports_depth: true, keys: [\
              (code: \"F{}\", at_mm: ({}, {}), size_mm: Box({size}, {size}))])",
             height * MILLIMETRES,
             height * MILLIMETRES,

@@ -60,7 +60,7 @@ mod tests {
     #[test]
     fn a_layout_of_two_letters_gets_these_letters() {
         let text = r#"Layout(name: "Yes and no", boards: [(
-            place: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),
+            pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),
             rows: [(at_mm: (-19, 0), keys: "Y N Enter")],
         )])"#;
         let layout = Layout::parse(text, "yes-no.ron").unwrap();

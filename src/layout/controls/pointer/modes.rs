@@ -1,195 +1,194 @@
-//! The modes of a pointer, as written → checked.
+//! Pointing modes: joint angles, fingertip, ray, rate control.
 
-use parry3d::math::{Pose, Rot3, Vec2, Vec3};
+use parry3d::math::{Vec2, Vec3};
 use serde::Deserialize;
 
 use crate::device::pointer::mode::{
     AngleMapping, DirectPointing, Displacement, JointPointing, RateControl, RayOrigin, RayPointing,
 };
-use crate::device::pointer::{self, mode};
-use crate::document::DocumentError;
+use crate::device::pointer::{AnchoredFrame, PointingMode};
 use crate::hand::Dof;
-use crate::layout::builder::Checked;
-use crate::layout::model::metres;
-use crate::layout::placement;
-use crate::layout::ranged::{Angle, CursorSpeed, DeadShare, Exponent, Extent};
-use crate::layout::schema::Place;
+use crate::layout::quantity::{
+    CursorSpeed, Extent, JointAngle, PointerExponent, RateDeadZone, metres,
+};
+use crate::layout::schema::PoseSchema;
 
-/// How a hand says where to point.
+/// The relation between the hand and the position of the cursor.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Mode {
-    /// By three angles.
+#[serde(rename = "PointingMode", deny_unknown_fields)]
+pub(super) enum PointingModeSchema {
+    /// Three joint angles are three displacements.
     Joint {
         /// To the right.
-        x: Angles,
+        x: AngleMappingSchema,
         /// Up.
-        y: Angles,
+        y: AngleMappingSchema,
         /// Towards the wearer.
         #[serde(default)]
-        z: Option<Angles>,
+        z: Option<AngleMappingSchema>,
     },
-    /// By the index fingertip in a box.
+    /// The position of the index fingertip in a box.
     Direct {
-        /// The middle of the box.
-        place: Place,
+        /// Pose of the center of the box.
+        pose: PoseSchema,
         /// Width, height and depth.
         size_mm: (Extent, Extent, Extent),
     },
-    /// By a ray from the hand through a rectangle.
+    /// The intersection of a ray from the hand and a rectangle.
     Ray {
-        /// What it comes from.
+        /// Origin and direction of the ray.
         #[serde(default)]
-        from: Origin,
-        /// The middle of the rectangle.
-        place: Place,
+        origin: RayOriginSchema,
+        /// Pose of the center of the rectangle.
+        pose: PoseSchema,
         /// Width and height.
         size_mm: (Extent, Extent),
     },
-    /// By how far the hand is from its rest.
+    /// Rate control: displacement is speed.
     Rate {
-        /// What is displaced.
-        of: Of,
-        /// The share of the way that is rest.
+        /// The displacement.
+        input: DisplacementSchema,
+        /// Dead zone, as a fraction of the full displacement.
         #[serde(default)]
-        dead_share: DeadShare,
-        /// How fast the pointer goes in the end.
-        top_px_s: CursorSpeed,
-        /// How much slower it goes in the middle.
+        dead_zone: RateDeadZone,
+        /// Speed at full displacement.
+        max_px_per_s: CursorSpeed,
+        /// Exponent of the response curve.
         #[serde(default)]
-        curve: Exponent,
+        exponent: PointerExponent,
     },
 }
 
-/// An angle that is a displacement.
+/// The displacement that a joint angle stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Angles {
-    /// The angle.
-    pub dof: Dof,
-    /// Where it begins.
-    pub from_deg: Angle,
-    /// Where it ends.
-    pub to_deg: Angle,
-    /// How far that is in a space.
+#[serde(rename = "AngleMapping", deny_unknown_fields)]
+pub(super) struct AngleMappingSchema {
+    /// Degree of freedom.
+    dof: Dof,
+    /// Angle at the left, lower or far end.
+    from_deg: JointAngle,
+    /// Angle at the opposite end.
+    to_deg: JointAngle,
+    /// Distance between the ends in a space of targets.
     #[serde(default)]
-    pub range_mm: Extent,
-    /// How much finer the middle is.
+    extent_mm: Extent,
+    /// Exponent of the response curve.
     #[serde(default)]
-    pub curve: Exponent,
+    exponent: PointerExponent,
 }
 
-/// What a ray comes from.
+/// Origin and direction of a ray.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-pub enum Origin {
-    /// The knuckle, away from the wrist.
+#[serde(rename = "RayOrigin")]
+pub(super) enum RayOriginSchema {
+    /// The index knuckle, away from the wrist.
     #[default]
     Hand,
-    /// The fingertip, away from the knuckle.
+    /// The index fingertip, away from the knuckle.
     Index,
 }
 
-/// What is displaced.
+/// The displacement that controls a rate.
 #[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Of {
-    /// The index fingertip.
-    Tip {
-        /// Its rest.
-        place: Place,
-        /// How far it goes.
+#[serde(rename = "Displacement", deny_unknown_fields)]
+pub(super) enum DisplacementSchema {
+    /// The index fingertip from its rest position.
+    Fingertip {
+        /// Rest pose.
+        pose: PoseSchema,
+        /// Full displacement.
         full_mm: Extent,
     },
-    /// Two angles.
+    /// Two angles from the middle of their ranges.
     Angles {
         /// To the right.
-        x: Angles,
+        x: AngleMappingSchema,
         /// Up.
-        y: Angles,
+        y: AngleMappingSchema,
     },
 }
 
-/// A frame around an anchor, for what does not lie like a board.
-pub struct Frame;
-
-impl Frame {
-    /// +X to its right, +Y up, +Z towards the wearer.
-    pub fn of(place: &Place) -> pointer::AnchoredFrame {
-        let bearing = place.bearing_deg.get().to_radians() as f32;
-        let tilt = place.tilt_deg.get().to_radians() as f32;
-        let turn = Rot3::from_rotation_y(-bearing);
-        let forward = place.forward_mm.unwrap_or_default();
-        let origin = Vec3::new(0.0, metres(place.height_mm.get()), -metres(forward.get()));
-        pointer::AnchoredFrame {
-            anchor: placement::anchor(place.anchor),
-            anchor_from_frame: Pose::from_parts(turn * origin, turn * Rot3::from_rotation_x(tilt)),
-        }
-    }
-}
-
-impl Checked<'_> {
-    pub(super) fn mode(&self, written: &Mode) -> Result<mode::PointingMode, DocumentError> {
-        Ok(match written {
-            Mode::Joint { x, y, z } => mode::PointingMode::Joint(JointPointing {
-                x: self.axis_of(x)?,
-                y: self.axis_of(y)?,
-                z: z.as_ref().map(|z| self.axis_of(z)).transpose()?,
+impl PointingModeSchema {
+    /// Returns the checked mode.
+    pub fn check(&self) -> Result<PointingMode, String> {
+        Ok(match self {
+            Self::Joint { x, y, z } => PointingMode::Joint(JointPointing {
+                x: x.check()?,
+                y: y.check()?,
+                z: z.as_ref().map(AngleMappingSchema::check).transpose()?,
             }),
-            Mode::Direct { place, size_mm } => mode::PointingMode::Direct(DirectPointing {
-                frame: Frame::of(place),
-                size: extents(*size_mm),
+            Self::Direct { pose, size_mm } => PointingMode::Direct(DirectPointing {
+                frame: frame(pose),
+                size: size(*size_mm),
             }),
-            Mode::Ray {
-                from,
-                place,
+            Self::Ray {
+                origin,
+                pose,
                 size_mm: (width, height),
-            } => mode::PointingMode::Ray(RayPointing {
-                from: match from {
-                    Origin::Hand => RayOrigin::Hand,
-                    Origin::Index => RayOrigin::Index,
+            } => PointingMode::Ray(RayPointing {
+                from: match origin {
+                    RayOriginSchema::Hand => RayOrigin::Hand,
+                    RayOriginSchema::Index => RayOrigin::Index,
                 },
-                frame: Frame::of(place),
+                frame: frame(pose),
                 size: Vec2::new(metres(width.get()), metres(height.get())),
             }),
-            Mode::Rate {
-                of,
-                dead_share,
-                top_px_s,
-                curve,
-            } => mode::PointingMode::Rate(RateControl {
-                displacement: match of {
-                    Of::Tip { place, full_mm } => {
-                        Displacement::Fingertip(Frame::of(place), metres(full_mm.get()))
-                    }
-                    Of::Angles { x, y } => Displacement::Angles(self.axis_of(x)?, self.axis_of(y)?),
-                },
-                dead_zone: dead_share.get() as f32,
-                max_speed_px_s: top_px_s.get() as f32,
-                curve: curve.get() as f32,
+            Self::Rate {
+                input,
+                dead_zone,
+                max_px_per_s,
+                exponent,
+            } => PointingMode::Rate(RateControl {
+                displacement: input.check()?,
+                dead_zone: dead_zone.get() as f32,
+                max_speed_px_s: max_px_per_s.get() as f32,
+                curve: exponent.get() as f32,
             }),
-        })
-    }
-
-    fn axis_of(&self, written: &Angles) -> Result<AngleMapping, DocumentError> {
-        let (from, to) = (written.from_deg.get(), written.to_deg.get());
-        if (to - from).abs() < 1.0 {
-            let message = format!(
-                "the range of `{}` is 1° or more: from_deg is {from}, to_deg {to}",
-                written.dof
-            );
-            return self.wrong(message);
-        }
-        Ok(AngleMapping {
-            dof: written.dof,
-            from: from.to_radians() as f32,
-            to: to.to_radians() as f32,
-            extent: metres(written.range_mm.get()),
-            curve: written.curve.get() as f32,
         })
     }
 }
 
-/// Width, height and depth of a file in metres.
-pub(in crate::layout) fn extents((x, y, z): (Extent, Extent, Extent)) -> Vec3 {
-    Vec3::new(metres(x.get()), metres(y.get()), metres(z.get()))
+impl DisplacementSchema {
+    fn check(&self) -> Result<Displacement, String> {
+        Ok(match self {
+            Self::Fingertip { pose, full_mm } => {
+                Displacement::Fingertip(frame(pose), metres(full_mm.get()))
+            }
+            Self::Angles { x, y } => Displacement::Angles(x.check()?, y.check()?),
+        })
+    }
+}
+
+impl AngleMappingSchema {
+    fn check(&self) -> Result<AngleMapping, String> {
+        let (from, to) = (self.from_deg.get(), self.to_deg.get());
+        if (to - from).abs() < 1.0 {
+            return Err(format!(
+                "the range of `{}` must be at least 1°: from_deg is {from}, to_deg is {to}",
+                self.dof
+            ));
+        }
+        Ok(AngleMapping {
+            dof: self.dof,
+            from: from.to_radians() as f32,
+            to: to.to_radians() as f32,
+            extent: metres(self.extent_mm.get()),
+            curve: self.exponent.get() as f32,
+        })
+    }
+}
+
+fn frame(pose: &PoseSchema) -> AnchoredFrame {
+    AnchoredFrame {
+        anchor: pose.anchor.into(),
+        anchor_from_frame: pose.anchor_from_volume(),
+    }
+}
+
+fn size((width, height, depth): (Extent, Extent, Extent)) -> Vec3 {
+    Vec3::new(
+        metres(width.get()),
+        metres(height.get()),
+        metres(depth.get()),
+    )
 }

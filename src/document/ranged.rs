@@ -1,0 +1,56 @@
+//! Numbers with a valid range. A number out of range, NaN and infinity are rejected at their position.
+
+/// Declares newtypes over `f64` that deserialise only within a range, some with a default.
+///
+/// `Name = "a noun", MIN ..= MAX, "unit", or DEFAULT;`
+macro_rules! ranged_numbers {
+    ($($(#[$meta:meta])*
+       $name:ident = $noun:literal, $min:literal ..= $max:literal, $unit:literal $(, or $default:literal)?;)+) => {$(
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
+        pub struct $name(f64);
+
+        impl $name {
+            /// The valid values.
+            pub const RANGE: std::ops::RangeInclusive<f64> = $min..=$max;
+
+            /// Returns the value in the unit of the file.
+            pub const fn get(self) -> f64 {
+                self.0
+            }
+        }
+
+        $(
+            impl Default for $name {
+                fn default() -> Self {
+                    Self($default)
+                }
+            }
+        )?
+
+        impl<'de> serde::Deserialize<'de> for $name {
+            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let value = <f64 as serde::Deserialize>::deserialize(deserializer)?;
+                if Self::RANGE.contains(&value) {
+                    return Ok(Self(value));
+                }
+                Err(serde::de::Error::custom(format!(
+                    concat!("{} is out of range: ", $noun, " is {} to {}", $unit),
+                    $crate::document::format_number(value),
+                    Self::RANGE.start(),
+                    Self::RANGE.end(),
+                )))
+            }
+        }
+    )+};
+}
+pub(crate) use ranged_numbers;
+
+/// Formats a number; large ones in scientific notation, because `Display` writes 1e308 with 308 zeros.
+pub(crate) fn format_number(value: f64) -> String {
+    if value.is_finite() && value.abs() >= 1e9 {
+        format!("{value:e}")
+    } else {
+        value.to_string()
+    }
+}

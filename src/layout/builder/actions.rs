@@ -1,0 +1,139 @@
+//! Actions of presses: resolves key codes, layers, texts and profiles.
+
+use super::LayoutBuilder;
+use crate::command::{Command, ProfileName};
+use crate::device::{KeyAction, KeyCode, Latch, TextId};
+use crate::document::{DocumentError, Spanned};
+use crate::layout::model::action_label;
+use crate::layout::schema::{Action, LatchSchema};
+use crate::names::UnknownName;
+
+/// The maximum length of a text that a key types, in characters.
+const MAX_TEXT_LENGTH: usize = 32;
+
+impl<'a> LayoutBuilder<'a> {
+    /// Returns the action of a press. `latch` is allowed for modifiers and layers only.
+    pub fn action(
+        &mut self,
+        action: Action<'a>,
+        latch: Option<LatchSchema>,
+    ) -> Result<KeyAction, DocumentError> {
+        let source = action.argument().unwrap_or(self.name).text;
+        let action = match action {
+            Action::Key(code) => return self.key_action(code, latch),
+            Action::Layer(layer) => return self.layer_action(layer, latch),
+            Action::Text(text) => KeyAction::Text(self.text_id(text)?),
+            Action::Profile(name) => {
+                let name = self.profile(name)?;
+                KeyAction::Command(Command::Profile { name })
+            }
+            Action::NextProfile => KeyAction::Command(Command::NextProfile),
+            Action::TogglePause => KeyAction::Command(Command::TogglePause),
+            Action::Recenter => KeyAction::Command(Command::Recenter),
+            Action::Nudge(x, y, z) => KeyAction::Command(Command::Nudge {
+                x_mm: x.get() as f32,
+                y_mm: y.get() as f32,
+                z_mm: z.get() as f32,
+            }),
+            Action::Scale(factor) => KeyAction::Command(Command::Scale {
+                factor: factor.get() as f32,
+            }),
+            Action::Tilt(tilt) => KeyAction::Command(Command::Tilt {
+                deg: tilt.get() as f32,
+            }),
+            Action::Clutch => KeyAction::Clutch,
+            Action::Precision => KeyAction::Precision,
+            Action::NoOp => {
+                let message = "only a key that takes part in a chord can have the action `NoOp`";
+                return Err(self.error(source, message));
+            }
+        };
+        match latch {
+            None => Ok(action),
+            Some(_) => Err(self.error(source, "only modifiers and layers can have a latch")),
+        }
+    }
+
+    /// Returns the action of a key code.
+    pub fn key_action(
+        &self,
+        code: Spanned<'a>,
+        latch: Option<LatchSchema>,
+    ) -> Result<KeyAction, DocumentError> {
+        let source = code.text;
+        let code = self.key_code(code)?;
+        match latch {
+            _ if code.is_modifier() => Ok(KeyAction::Modifier(code, checked_latch(latch))),
+            None => Ok(KeyAction::Key(code)),
+            Some(_) => {
+                let message =
+                    format!("`{code}` cannot have a latch, only modifiers and layers can");
+                Err(self.error(source, message))
+            }
+        }
+    }
+
+    /// Parses a key code.
+    pub fn key_code(&self, code: Spanned) -> Result<KeyCode, DocumentError> {
+        let code = code.text;
+        code.parse()
+            .map_err(|error: UnknownName| self.error(code, error))
+    }
+
+    /// Returns the default label of a key: that of its action, or its name if it has none.
+    pub fn default_label(&self, action: Option<KeyAction>, name: &str) -> String {
+        let label = action.map_or(name, |action| {
+            action_label(action, &self.layers, &self.texts)
+        });
+        label.to_owned()
+    }
+
+    fn layer_action(
+        &self,
+        name: Spanned<'a>,
+        latch: Option<LatchSchema>,
+    ) -> Result<KeyAction, DocumentError> {
+        let name = name.text;
+        let Some(layer) = self.layers.iter().position(|layer| layer == name) else {
+            let names = self.layers.iter().map(String::as_str);
+            return Err(self.error(name, UnknownName::new("layer", name, names)));
+        };
+        Ok(KeyAction::Layer(layer, checked_latch(latch)))
+    }
+
+    fn text_id(&mut self, text: Spanned<'a>) -> Result<TextId, DocumentError> {
+        let text = text.text;
+        let length = text.chars().count();
+        if length > MAX_TEXT_LENGTH {
+            let message = format!("a key types at most {MAX_TEXT_LENGTH} characters, not {length}");
+            return Err(self.error(text, message));
+        }
+        let index = index_of_or_push(&mut self.texts, text);
+        let index = index.try_into().expect("a layout has at most 10 000 keys");
+        Ok(TextId(index))
+    }
+
+    fn profile(&mut self, name: Spanned<'a>) -> Result<ProfileName, DocumentError> {
+        let name = name.text;
+        index_of_or_push(&mut self.profiles, name);
+        ProfileName::from(name)
+            .map_err(|_| self.error(name, "the name of a profile has at most 64 bytes"))
+    }
+}
+
+/// Returns the index of `text` in the list, to which it is appended if it is new.
+fn index_of_or_push(list: &mut Vec<String>, text: &str) -> usize {
+    let index = list.iter().position(|other| other == text);
+    index.unwrap_or_else(|| {
+        list.push(text.to_owned());
+        list.len() - 1
+    })
+}
+
+fn checked_latch(latch: Option<LatchSchema>) -> Latch {
+    match latch {
+        None | Some(LatchSchema::Momentary) => Latch::Momentary,
+        Some(LatchSchema::OneShot) => Latch::OneShot,
+        Some(LatchSchema::Lock) => Latch::Lock,
+    }
+}

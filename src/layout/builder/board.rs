@@ -1,0 +1,268 @@
+//! Faces on the board that is being built.
+
+use parry3d::math::Vec2;
+
+use super::LayoutBuilder;
+use crate::contact::TargetId;
+use crate::contact::board_pose::AutoRecenter;
+use crate::contact::surface::{Anchor, TREMOR_MARGIN, Target};
+use crate::document::{DocumentError, Spanned, line_number};
+use crate::hand::Side;
+use crate::layout::board_shape::BoardShape;
+use crate::layout::model::{Board, Face};
+use crate::layout::outline::{Outline, first_overlap};
+use crate::layout::placement::KeyPose;
+use crate::layout::quantity::{Offset, PressAt, ReleaseAt, Travel, metres, position};
+use crate::layout::schema::{Label, OutlineSchema};
+
+/// The settings of a board that its keys and controls use.
+#[derive(Clone, Copy)]
+pub(in crate::layout) struct BoardSettings {
+    /// Flat or curved.
+    pub shape: BoardShape,
+    /// Scale of positions and sizes.
+    pub scale: f32,
+    /// Default outline.
+    pub size: OutlineSchema,
+    /// Default travel.
+    pub travel: Travel,
+    /// Default press point.
+    pub press_at: PressAt,
+    /// Default release point.
+    pub release_at: ReleaseAt,
+}
+
+/// The board that is being built.
+pub(super) struct BoardDraft<'a> {
+    settings: BoardSettings,
+    targets: Vec<Target>,
+    /// The faces in the plane of the board.
+    outlines: Vec<(Outline, Source<'a>)>,
+    first_key: usize,
+    first_control: usize,
+}
+
+/// A target for messages.
+#[derive(Clone, Copy)]
+struct Source<'a> {
+    kind: &'static str,
+    name: &'a str,
+    slice: &'a str,
+}
+
+/// The face of a target on the current board, as written.
+pub(in crate::layout) struct FaceSpec<'a> {
+    /// Kind of control, for messages.
+    pub kind: &'static str,
+    /// Name of the target.
+    pub name: &'a str,
+    /// Position in the file: a slice of the document.
+    pub source: &'a str,
+    /// Text drawn on it.
+    pub label: String,
+    /// Center.
+    pub at_mm: (Offset, Offset),
+    /// Offset from `at_mm` along the row, in metres before scaling.
+    pub row_offset: f32,
+    /// Rotation in the plane of the board, in radians, counter-clockwise.
+    pub rotation: f32,
+    /// Outline.
+    pub size: OutlineSchema,
+    /// Travel.
+    pub travel: Travel,
+    /// Press point.
+    pub press_at: PressAt,
+    /// Release point.
+    pub release_at: ReleaseAt,
+    /// See [`Target::margin`].
+    pub margin: f32,
+}
+
+impl BoardSettings {
+    /// Converts a length on the board from millimetres to metres, including the scale.
+    pub fn metres(&self, millimetres: f64) -> f32 {
+        (millimetres * f64::from(self.scale) * 1e-3) as f32
+    }
+}
+
+impl Default for BoardDraft<'_> {
+    fn default() -> Self {
+        let settings = BoardSettings {
+            shape: BoardShape::Flat,
+            scale: 1.0,
+            size: OutlineSchema::default(),
+            travel: Travel::default(),
+            press_at: PressAt::default(),
+            release_at: ReleaseAt::default(),
+        };
+        Self {
+            settings,
+            targets: Vec::new(),
+            outlines: Vec::new(),
+            first_key: 0,
+            first_control: 0,
+        }
+    }
+}
+
+impl<'a> LayoutBuilder<'a> {
+    /// Starts a board. Faces, keys and controls are added to it until [`end_board`](Self::end_board).
+    pub fn begin_board(&mut self, settings: BoardSettings) {
+        self.board = BoardDraft {
+            settings,
+            first_key: self.keys.len(),
+            first_control: self.controls.len(),
+            ..BoardDraft::default()
+        };
+    }
+
+    /// The settings of the board that was started last.
+    pub fn board(&self) -> BoardSettings {
+        self.board.settings
+    }
+
+    /// Completes the board. Rejects a board without keys and controls, and faces that overlap.
+    pub fn end_board(
+        &mut self,
+        side: Option<Side>,
+        anchor: Anchor,
+        anchor_from_board: parry3d::math::Pose,
+        pitch_mm: f64,
+        auto_recenter: Option<AutoRecenter>,
+    ) -> Result<(), DocumentError> {
+        self.reject_overlaps()?;
+        let draft = std::mem::take(&mut self.board);
+        let board = Board {
+            keys: draft.first_key..self.keys.len(),
+            controls: draft.first_control..self.controls.len(),
+            pitch: metres(pitch_mm) * draft.settings.scale,
+            shape: draft.settings.shape,
+            auto_recenter,
+        };
+        if board.keys.is_empty() && board.controls.is_empty() {
+            let message = format!("board {} has no keys", self.boards.len() + 1);
+            return Err(self.error(self.name.text, message));
+        }
+        self.scene
+            .add_surface_for(side, anchor, anchor_from_board, draft.targets);
+        self.boards.push(board);
+        Ok(())
+    }
+
+    /// Returns a face with the defaults of the board.
+    pub fn face_spec(
+        &self,
+        kind: &'static str,
+        name: Spanned<'a>,
+        label: &Option<Label>,
+        at_mm: (Offset, Offset),
+    ) -> FaceSpec<'a> {
+        let board = self.board();
+        FaceSpec {
+            kind,
+            name: name.text,
+            source: name.text,
+            label: Label::or_name(label, name),
+            at_mm,
+            row_offset: 0.0,
+            rotation: 0.0,
+            size: board.size,
+            travel: board.travel,
+            press_at: board.press_at,
+            release_at: board.release_at,
+            margin: TREMOR_MARGIN,
+        }
+    }
+
+    /// Adds a face in the plane of the board.
+    pub fn add_face(&mut self, spec: FaceSpec<'a>) -> Result<Face, DocumentError> {
+        self.add_posed_face(spec, KeyPose::default())
+    }
+
+    /// Adds a face that may stand out of the board or be inclined.
+    pub fn add_posed_face(
+        &mut self,
+        spec: FaceSpec<'a>,
+        pose: KeyPose,
+    ) -> Result<Face, DocumentError> {
+        let target = self.register_target(spec.kind, spec.name, spec.source)?;
+        let board = self.board();
+        let row_position = position(spec.at_mm) + Vec2::X * spec.row_offset;
+        self.check_face(&spec, row_position)?;
+        let shape = spec.size.shape(board.scale);
+        let row_position = row_position * board.scale;
+        let Some(mut outline) = board.shape.outline(row_position, shape) else {
+            return Err(self.error(spec.source, out_of_shape(&spec, board.shape)));
+        };
+        outline.rotation += spec.rotation + pose.rotation.z;
+        let target_pose = board.shape.surface_from_tangent(&outline) * pose.tangent_from_target();
+        if pose.is_in_plane() {
+            let source = Source {
+                kind: spec.kind,
+                name: spec.name,
+                slice: spec.source,
+            };
+            self.board.outlines.push((outline, source));
+        }
+        self.board.targets.push(Target {
+            shape,
+            surface_from_target: target_pose,
+            travel: metres(spec.travel.get()),
+            press_at: spec.press_at.get() as f32,
+            release_at: spec.release_at.get() as f32,
+            margin: spec.margin,
+        });
+        Ok(Face {
+            name: spec.name.to_owned(),
+            label: spec.label,
+            target: TargetId(target as u32),
+            row_position,
+            outline,
+        })
+    }
+
+    fn check_face(&self, spec: &FaceSpec, row_position: Vec2) -> Result<(), DocumentError> {
+        let FaceSpec { kind, name, .. } = spec;
+        let max = *Offset::RANGE.end();
+        if row_position.abs().max_element() > metres(max) {
+            let message =
+                format!("the {kind} `{name}` is more than {max} mm from the center of its board");
+            return Err(self.error(spec.source, message));
+        }
+        let (press_at, release_at) = (spec.press_at.get(), spec.release_at.get());
+        if press_at <= release_at {
+            let message = format!(
+                "press_at {press_at} of the {kind} `{name}` must be greater than release_at {release_at}"
+            );
+            return Err(self.error(spec.source, message));
+        }
+        Ok(())
+    }
+
+    fn reject_overlaps(&self) -> Result<(), DocumentError> {
+        let outlines: Vec<Outline> = self.board.outlines.iter().map(|(it, _)| *it).collect();
+        let Some((first, second)) = first_overlap(&outlines) else {
+            return Ok(());
+        };
+        let [(_, first), (_, second)] = [first, second].map(|index| self.board.outlines[index]);
+        let line = line_number(self.text(), first.slice);
+        let message = format!(
+            "the {} `{}` overlaps the {} `{}` of line {line}",
+            second.kind, second.name, first.kind, first.name
+        );
+        Err(self.error(second.slice, message))
+    }
+}
+
+/// Returns the message for a face that does not fit on a curved board.
+fn out_of_shape(spec: &FaceSpec, shape: BoardShape) -> String {
+    let FaceSpec { kind, name, .. } = spec;
+    match shape {
+        BoardShape::CurvedRows(_) | BoardShape::CurvedColumns(_) => {
+            format!("the {kind} `{name}` is more than half a turn around its cylinder")
+        }
+        BoardShape::Flat | BoardShape::Arc(_) => {
+            format!("the {kind} `{name}` is beyond the ends of its arc")
+        }
+    }
+}

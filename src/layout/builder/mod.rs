@@ -1,0 +1,246 @@
+//! Builds a checked layout: resolves names, places faces on boards, and reports what does not fit together at its position.
+//!
+//! The builder does not know the kinds of keys and controls. Their schemas, in [`keys`](super::keys) and
+//! [`controls`](super::controls), add themselves.
+
+mod actions;
+mod board;
+
+pub(super) use board::{BoardSettings, FaceSpec};
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use self::board::BoardDraft;
+use super::model::{
+    BASE_LAYER, Board, Control, Key, Layout, MAX_LAYERS, MAX_TARGETS, SpaceTargets,
+};
+use crate::contact::TargetId;
+use crate::contact::surface::Scene;
+use crate::device::KeyCode;
+use crate::device::keyboard::Chord;
+use crate::device::pointer::PointerSettings;
+use crate::device::trigger::Trigger;
+use crate::document::{Document, DocumentError, Spanned, line_number};
+use crate::names::UnknownName;
+
+/// A layout that is being built.
+pub(super) struct LayoutBuilder<'a> {
+    document: &'a Document,
+    name: Spanned<'a>,
+    scene: Scene,
+    boards: Vec<Board>,
+    keys: Vec<Key>,
+    controls: Vec<Control>,
+    layers: Vec<String>,
+    texts: Vec<String>,
+    profiles: Vec<String>,
+    chords: Vec<Chord>,
+    triggers: Vec<(String, Trigger)>,
+    pointer: Option<PointerSettings>,
+    spaces: Vec<SpaceTargets>,
+    /// The board that faces are added to.
+    board: BoardDraft<'a>,
+    /// Index in `keys` by name.
+    key_indices: BTreeMap<&'a str, usize>,
+    /// Kind of the target with a name, and its position in the file.
+    targets: BTreeMap<&'a str, NamedTarget<'a>>,
+}
+
+#[derive(Clone, Copy)]
+struct NamedTarget<'a> {
+    /// For messages: "key", "slider".
+    kind: &'static str,
+    /// Slice of the document.
+    source: &'a str,
+}
+
+impl<'a> LayoutBuilder<'a> {
+    /// Starts a layout with this name.
+    pub fn new(document: &'a Document, name: Spanned<'a>) -> Self {
+        Self {
+            document,
+            name,
+            scene: Scene::new(),
+            boards: Vec::new(),
+            keys: Vec::new(),
+            controls: Vec::new(),
+            layers: vec![BASE_LAYER.to_owned()],
+            texts: Vec::new(),
+            profiles: Vec::new(),
+            chords: Vec::new(),
+            triggers: Vec::new(),
+            pointer: None,
+            spaces: Vec::new(),
+            board: BoardDraft::default(),
+            key_indices: BTreeMap::new(),
+            targets: BTreeMap::new(),
+        }
+    }
+
+    /// Completes the layout.
+    pub fn finish(self, description: Option<Spanned>, chord_timeout: Duration) -> Layout {
+        let one_line = |text: Spanned| text.text.split_whitespace().collect::<Vec<_>>().join(" ");
+        Layout {
+            name: one_line(self.name),
+            description: description.map_or(String::new(), one_line),
+            file: self.document.file.clone(),
+            text: self.document.text.clone(),
+            scene: self.scene,
+            boards: self.boards,
+            keys: self.keys,
+            controls: self.controls,
+            layers: self.layers,
+            profiles: self.profiles,
+            texts: self.texts,
+            chords: self.chords,
+            chord_timeout,
+            triggers: self.triggers,
+            pointer: self.pointer,
+            spaces: self.spaces,
+        }
+    }
+
+    /// Returns an error at `source`, a slice of the document.
+    pub fn error(&self, source: &str, message: impl std::fmt::Display) -> DocumentError {
+        self.document.error_at(source, message)
+    }
+
+    /// The text of the document.
+    pub fn text(&self) -> &'a str {
+        &self.document.text
+    }
+
+    /// The name of the layout, for errors about the layout as a whole.
+    pub fn name(&self) -> Spanned<'a> {
+        self.name
+    }
+
+    /// The keys that were added.
+    pub fn keys(&self) -> &[Key] {
+        &self.keys
+    }
+
+    /// The layers that were declared, base layer first.
+    pub fn layers(&self) -> &[String] {
+        &self.layers
+    }
+
+    /// The chords that were added.
+    pub fn chords(&self) -> &[Chord] {
+        &self.chords
+    }
+
+    /// The number of triggers that were added.
+    pub fn trigger_count(&self) -> usize {
+        self.triggers.len()
+    }
+
+    /// Adds a layer, so that actions can name it.
+    pub fn declare_layer(&mut self, name: Spanned<'a>) -> Result<(), DocumentError> {
+        let name = name.text;
+        if name == BASE_LAYER {
+            let message = "`base` is the layer without a name, choose another name";
+            return Err(self.error(name, message));
+        }
+        if self.layers.iter().any(|layer| layer == name) {
+            return Err(self.error(name, format!("duplicate layer `{name}`")));
+        }
+        if self.layers.len() == MAX_LAYERS {
+            let message = format!("a layout has at most {} layers", MAX_LAYERS - 1);
+            return Err(self.error(name, message));
+        }
+        self.layers.push(name.to_owned());
+        Ok(())
+    }
+
+    /// Adds a key to the current board. Its face was added under `name`.
+    pub fn add_key(&mut self, name: &'a str, key: Key) {
+        self.key_indices.insert(name, self.keys.len());
+        self.keys.push(key);
+    }
+
+    /// Returns the index of the key with this name. Every spelling of a key code is accepted.
+    pub fn key_index(&self, name: &str) -> Result<usize, DocumentError> {
+        let code = || Some(name.parse::<KeyCode>().ok()?.name());
+        let index = self
+            .key_indices
+            .get(name)
+            .or_else(|| self.key_indices.get(code()?));
+        index.copied().ok_or_else(|| {
+            let error = UnknownName::new("key", name, self.key_indices.keys().copied());
+            self.error(name, format!("this layout has no such key: {error}"))
+        })
+    }
+
+    /// Returns the key with this index, to change it.
+    pub fn key_mut(&mut self, index: usize) -> &mut Key {
+        &mut self.keys[index]
+    }
+
+    /// Returns the position of a key in the file.
+    pub fn key_source(&self, key: &Key) -> &'a str {
+        let target = self.targets.get(key.face.name.as_str());
+        target.map_or(self.name.text, |target| target.source)
+    }
+
+    /// Adds a control to the current board.
+    pub fn add_control(&mut self, control: Control) {
+        self.controls.push(control);
+    }
+
+    /// Adds a chord.
+    pub fn add_chord(&mut self, chord: Chord) {
+        self.chords.push(chord);
+    }
+
+    /// Adds a trigger whose target is registered.
+    pub fn add_trigger(&mut self, name: &str, trigger: Trigger) {
+        self.triggers.push((name.to_owned(), trigger));
+    }
+
+    /// Adds the pointer, whose target is registered.
+    pub fn set_pointer(&mut self, pointer: PointerSettings) {
+        self.pointer = Some(pointer);
+    }
+
+    /// Adds targets in space that are registered.
+    pub fn add_space(&mut self, space: SpaceTargets) {
+        self.spaces.push(space);
+    }
+
+    /// Registers a target that is on no board, and returns its id. Rejects a name that is taken.
+    pub fn add_target(
+        &mut self,
+        kind: &'static str,
+        name: &'a str,
+        source: &'a str,
+    ) -> Result<TargetId, DocumentError> {
+        let id = self.register_target(kind, name, source)?;
+        Ok(TargetId(id as u32))
+    }
+
+    /// Returns the index of a new target.
+    fn register_target(
+        &mut self,
+        kind: &'static str,
+        name: &'a str,
+        source: &'a str,
+    ) -> Result<usize, DocumentError> {
+        let index = self.targets.len();
+        if index == MAX_TARGETS {
+            let message = format!("a layout has at most {MAX_TARGETS} keys and other controls");
+            return Err(self.error(source, message));
+        }
+        if let Some(other) = self.targets.get(name) {
+            let line = line_number(self.text(), other.source);
+            let message = format!(
+                "duplicate name `{name}`: there is a {} with this name in line {line}, set another `name`",
+                other.kind
+            );
+            return Err(self.error(source, message));
+        }
+        self.targets.insert(name, NamedTarget { kind, source });
+        Ok(index)
+    }
+}

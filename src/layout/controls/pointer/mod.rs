@@ -1,0 +1,261 @@
+//! The arm as a pointer.
+
+mod describe;
+mod gestures;
+mod modes;
+
+pub(in crate::layout) use describe::describe;
+
+use parry3d::math::Vec2;
+use serde::Deserialize;
+
+use self::gestures::{ClickSchema, DwellClickSchema, GestureSchema, PinchGapsSchema, ScrollSchema};
+use self::modes::PointingModeSchema;
+use super::value_output::{ValueOutputSchema, value_output};
+use crate::device::pointer::{CursorOutput, PointerSettings};
+use crate::device::value_output::ValueOutput;
+use crate::document::DocumentError;
+use crate::estimate::OneEuroSettings;
+use crate::hand::Side;
+use crate::layout::builder::LayoutBuilder;
+use crate::layout::model::POINTER;
+use crate::layout::quantity::{
+    Beta, CursorSpeed, Cutoff, Gain, MaxStep, PixelDistance, PrecisionFactor, ScreenSize,
+};
+
+/// Default size of the screen, in pixels.
+const SCREEN_PX: Vec2 = Vec2::new(1920.0, 1080.0);
+
+/// Default drag threshold, in pixels: 3 mm of the hand if the screen is some 200 mm wide for it.
+const DRAG_THRESHOLD_PX: f32 = 30.0;
+
+/// The maximum number of knots of an acceleration curve.
+const MAX_KNOTS: usize = 8;
+
+/// The arm as a pointer.
+#[derive(Debug, Deserialize)]
+#[serde(rename = "Pointer", deny_unknown_fields)]
+pub(in crate::layout) struct PointerSchema<'a> {
+    /// The hand that points. Default: the first that is seen.
+    #[serde(default)]
+    hand: Option<Side>,
+    /// The relation between the hand and the position of the cursor.
+    mode: PointingModeSchema,
+    /// The events that move the cursor. Default: relative in rate mode, otherwise absolute.
+    #[serde(default)]
+    output: Option<CursorOutputSchema>,
+    /// Size of the screen: the full range of the pointer.
+    #[serde(default)]
+    screen_px: Option<(ScreenSize, ScreenSize)>,
+    /// Maximum motion of the cursor per reading.
+    #[serde(default)]
+    max_step_px: MaxStep,
+    /// Smoothing of the position.
+    #[serde(default)]
+    smoothing: SmoothingSchema,
+    /// Motion of the hand before the cursor follows.
+    #[serde(default)]
+    dead_zone_px: PixelDistance,
+    /// Knots of the acceleration curve: speed and gain.
+    #[serde(default)]
+    acceleration: Vec<(CursorSpeed, Gain)>,
+    /// The gesture that slows the cursor down.
+    #[serde(default)]
+    precision: Option<GestureSchema>,
+    /// Gain while the precision gesture is held.
+    #[serde(default)]
+    precision_factor: PrecisionFactor,
+    /// The gesture that enables the cursor.
+    #[serde(default)]
+    clutch: Option<GestureSchema>,
+    /// Fingertip gaps of a pinch.
+    #[serde(default)]
+    pinch_mm: Option<PinchGapsSchema>,
+    /// Gestures with actions.
+    #[serde(borrow, default)]
+    clicks: Vec<ClickSchema<'a>>,
+    /// Action where the cursor rests.
+    #[serde(borrow, default)]
+    dwell: Option<DwellClickSchema<'a>>,
+    /// Motion of the hand during a click before the cursor follows.
+    #[serde(default)]
+    drag_threshold_px: Option<PixelDistance>,
+    /// Scrolling by motion of the hand.
+    #[serde(default)]
+    scroll: Option<ScrollSchema>,
+    /// Output of the third axis.
+    #[serde(borrow, default)]
+    z_output: Option<ValueOutputSchema<'a>>,
+}
+
+/// The events that move the cursor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename = "CursorOutput")]
+enum CursorOutputSchema {
+    /// Positions on the screen.
+    Absolute,
+    /// Motion in pixels.
+    Relative,
+    /// No events.
+    Off,
+}
+
+/// Smoothing of the position of the cursor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+#[serde(rename = "Smoothing", deny_unknown_fields)]
+enum SmoothingSchema {
+    /// A 1-Euro filter with default settings.
+    #[default]
+    Default,
+    /// None.
+    Off,
+    /// A 1-Euro filter.
+    OneEuro {
+        /// Cutoff at rest.
+        min_cutoff_hz: Cutoff,
+        /// Increase of the cutoff with speed, in Hz per px/s.
+        beta: Beta,
+    },
+}
+
+impl<'a> PointerSchema<'a> {
+    /// Adds the pointer.
+    pub fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        let source = source(builder);
+        let target = builder.add_target("target", POINTER, source)?;
+        let output = self.output.unwrap_or(match self.mode {
+            PointingModeSchema::Rate { .. } => CursorOutputSchema::Relative,
+            _ => CursorOutputSchema::Absolute,
+        });
+        if let Some(message) = self.conflict(output) {
+            return Err(builder.error(source, message));
+        }
+        let error = |message: String| builder.error(source, message);
+        let gesture = |gesture: GestureSchema| gesture.check().map_err(error);
+        let mode = self.mode.check().map_err(error)?;
+        let precision_gesture = self.precision.map(gesture).transpose()?;
+        let clutch = self.clutch.map(gesture).transpose()?;
+        let pinch = self.pinch_mm.map(|gaps| gaps.check().map_err(error));
+        let scroll = self.scroll.map(|scroll| scroll.check().map_err(error));
+        let settings = PointerSettings {
+            target,
+            side: self.hand,
+            mode,
+            output: output.into(),
+            screen_px: self.screen_px.map_or(SCREEN_PX, |(width, height)| {
+                Vec2::new(width.get() as f32, height.get() as f32)
+            }),
+            max_step_px: self.max_step_px.get() as f32,
+            smoothing: self.smoothing.into(),
+            dead_zone_px: self.dead_zone_px.get() as f32,
+            acceleration: self
+                .acceleration
+                .iter()
+                .map(|(speed, gain)| (speed.get() as f32, gain.get() as f32))
+                .collect(),
+            precision_factor: self.precision_factor.get() as f32,
+            precision_gesture,
+            clutch,
+            pinch: pinch.transpose()?.unwrap_or_default(),
+            scroll: scroll.transpose()?,
+            drag_threshold_px: self
+                .drag_threshold_px
+                .map_or(DRAG_THRESHOLD_PX, |distance| distance.get() as f32),
+            clicks: gestures::clicks(builder, source, &self.clicks)?,
+            dwell: self
+                .dwell
+                .as_ref()
+                .map(|dwell| dwell.build(builder))
+                .transpose()?,
+            depth: self.depth(builder)?,
+        };
+        builder.set_pointer(settings);
+        Ok(())
+    }
+
+    /// Returns the message for settings that contradict each other.
+    fn conflict(&self, output: CursorOutputSchema) -> Option<String> {
+        let gestures = [
+            self.clutch,
+            self.precision,
+            self.scroll.map(|scroll| scroll.gesture),
+        ];
+        gestures::duplicate(&self.clicks, gestures.into_iter().flatten())
+            .or_else(|| self.acceleration_conflict(output))
+            .or_else(|| self.z_output_conflict())
+    }
+
+    fn acceleration_conflict(&self, output: CursorOutputSchema) -> Option<String> {
+        let knots = &self.acceleration;
+        if !knots.is_empty() && output != CursorOutputSchema::Relative {
+            return Some("`acceleration` is for a pointer with `output: Relative`".into());
+        }
+        if knots.len() > MAX_KNOTS {
+            return Some(format!("`acceleration` has at most {MAX_KNOTS} knots"));
+        }
+        knots
+            .windows(2)
+            .any(|pair| pair[0].0 >= pair[1].0)
+            .then(|| "the speeds of `acceleration` must increase from knot to knot".into())
+    }
+
+    fn z_output_conflict(&self) -> Option<String> {
+        let has_z = matches!(
+            self.mode,
+            PointingModeSchema::Direct { .. } | PointingModeSchema::Joint { z: Some(_), .. }
+        );
+        (self.z_output.is_some() && !has_z)
+            .then(|| "`z_output` is for `Direct`, and for `Joint` with a `z`".into())
+    }
+
+    fn depth(&self, builder: &mut LayoutBuilder<'a>) -> Result<Option<ValueOutput>, DocumentError> {
+        match self.z_output {
+            None => Ok(None),
+            output => value_output(builder, output).map(Some),
+        }
+    }
+}
+
+/// Returns the field name `pointer` in the file, for errors about the pointer as a whole.
+fn source<'a>(builder: &LayoutBuilder<'a>) -> &'a str {
+    let text = builder.text();
+    let is_field = |offset: &usize| {
+        text[..*offset]
+            .trim_end_matches([' ', '\t'])
+            .ends_with(['\n', '(', ','])
+    };
+    let mut offsets = text.match_indices("pointer:").map(|(offset, _)| offset);
+    match offsets.find(is_field) {
+        Some(offset) => &text[offset..offset + POINTER.len()],
+        None => builder.name().text,
+    }
+}
+
+impl From<CursorOutputSchema> for CursorOutput {
+    fn from(schema: CursorOutputSchema) -> Self {
+        match schema {
+            CursorOutputSchema::Absolute => Self::Absolute,
+            CursorOutputSchema::Relative => Self::Relative,
+            CursorOutputSchema::Off => Self::None,
+        }
+    }
+}
+
+impl From<SmoothingSchema> for Option<OneEuroSettings> {
+    fn from(schema: SmoothingSchema) -> Self {
+        let (min_cutoff_hz, beta) = match schema {
+            SmoothingSchema::Off => return None,
+            // 0.01 Hz per px/s is 0.1 Hz per mm/s if 1 mm of the hand is 10 px: a lag of 12 ms.
+            SmoothingSchema::Default => (1.0, 0.01),
+            SmoothingSchema::OneEuro {
+                min_cutoff_hz,
+                beta,
+            } => (min_cutoff_hz.get(), beta.get()),
+        };
+        Some(OneEuroSettings {
+            min_cutoff_hz,
+            beta,
+            derivative_cutoff_hz: 1.0,
+        })
+    }
+}

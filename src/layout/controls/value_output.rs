@@ -1,0 +1,71 @@
+//! Outputs of controls with a value.
+
+use serde::Deserialize;
+
+use crate::device::Axis;
+use crate::device::value_output::ValueOutput;
+use crate::document::{DocumentError, Spanned};
+use crate::layout::builder::LayoutBuilder;
+use crate::layout::quantity::{FullRangeDetents, FullRangePixels, Steps};
+use crate::layout::schema::Action;
+use crate::names::UnknownName;
+
+/// The output of a control with a value, in addition to the value itself.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(rename = "Output", deny_unknown_fields)]
+pub(in crate::layout) enum ValueOutputSchema<'a> {
+    /// A gamepad or 6-DoF axis.
+    #[serde(borrow)]
+    Axis(Spanned<'a>),
+    /// Horizontal scrolling: detents to the right for the full range.
+    ScrollX(FullRangeDetents),
+    /// Vertical scrolling: detents up for the full range.
+    ScrollY(FullRangeDetents),
+    /// Pointer motion: pixels to the right for the full range.
+    MoveX(FullRangePixels),
+    /// Pointer motion: pixels up for the full range.
+    MoveY(FullRangePixels),
+    /// A tap at each step.
+    Taps {
+        /// Action at each step up.
+        #[serde(borrow)]
+        increase: Action<'a>,
+        /// Action at each step down.
+        #[serde(borrow)]
+        decrease: Action<'a>,
+        /// Steps of the full range.
+        steps: Steps,
+    },
+}
+
+/// Returns the checked output.
+pub(super) fn value_output<'a>(
+    builder: &mut LayoutBuilder<'a>,
+    output: Option<ValueOutputSchema<'a>>,
+) -> Result<ValueOutput, DocumentError> {
+    let Some(output) = output else {
+        return Ok(ValueOutput::ValueOnly);
+    };
+    Ok(match output {
+        ValueOutputSchema::Axis(name) => ValueOutput::Axis(axis(builder, name)?),
+        ValueOutputSchema::ScrollX(detents) => ValueOutput::ScrollX(detents.get() as f32),
+        ValueOutputSchema::ScrollY(detents) => ValueOutput::ScrollY(detents.get() as f32),
+        ValueOutputSchema::MoveX(pixels) => ValueOutput::MoveX(pixels.get() as f32),
+        ValueOutputSchema::MoveY(pixels) => ValueOutput::MoveY(pixels.get() as f32),
+        ValueOutputSchema::Taps {
+            increase,
+            decrease,
+            steps,
+        } => ValueOutput::Taps {
+            increase: builder.action(increase, None)?,
+            decrease: builder.action(decrease, None)?,
+            steps: steps.get() as u16,
+        },
+    })
+}
+
+/// Parses the name of an axis.
+pub(super) fn axis(builder: &LayoutBuilder, name: Spanned) -> Result<Axis, DocumentError> {
+    let axis = name.text.parse();
+    axis.map_err(|error: UnknownName| builder.error(name.text, error))
+}

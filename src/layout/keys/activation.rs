@@ -1,0 +1,154 @@
+//! The part of a press that activates a key: press, release, tap or hold, dwell.
+
+use serde::Deserialize;
+
+use super::KeySchema;
+use crate::device::keyboard::{Activation, TapHold};
+use crate::device::{KeyAction, Latch};
+use crate::document::{DocumentError, Spanned};
+use crate::layout::builder::LayoutBuilder;
+use crate::layout::model::Key;
+use crate::layout::quantity::duration;
+use crate::layout::schema::Action;
+
+/// The part of a press that activates a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename = "Activation")]
+pub(super) enum ActivationSchema {
+    /// The press; the action lasts until the release.
+    Press,
+    /// The release; the action is tapped.
+    Release,
+}
+
+/// The action of a key that is held.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(try_from = "HoldFields<'a>", bound(deserialize = "'de: 'a"))]
+pub(super) struct HoldSchema<'a>(Action<'a>);
+
+#[derive(Debug, Deserialize)]
+#[serde(rename = "Hold", deny_unknown_fields)]
+struct HoldFields<'a> {
+    #[serde(borrow, default)]
+    code: Option<Spanned<'a>>,
+    #[serde(borrow, default)]
+    layer: Option<Spanned<'a>>,
+}
+
+impl<'a> TryFrom<HoldFields<'a>> for HoldSchema<'a> {
+    type Error = &'static str;
+
+    fn try_from(fields: HoldFields<'a>) -> Result<Self, Self::Error> {
+        match (fields.code, fields.layer) {
+            (Some(code), None) => Ok(Self(Action::Key(code))),
+            (None, Some(layer)) => Ok(Self(Action::Layer(layer))),
+            (None, None) => Err("the hold has neither a `code` nor a `layer`"),
+            (Some(_), Some(_)) => Err("the hold has both a `code` and a `layer`"),
+        }
+    }
+}
+
+impl<'a> KeySchema<'a> {
+    /// Returns the activation of a key with this action in the base layer.
+    pub(super) fn activation(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        action: Option<KeyAction>,
+    ) -> Result<Activation, DocumentError> {
+        let name = self.name.text;
+        if let Some(message) = self.conflict(action) {
+            return Err(builder.error(name, message));
+        }
+        let Some(action) = action else {
+            return Ok(Activation::OnPress);
+        };
+        let fields = &self.fields;
+        let activation = match (fields.dwell_ms, fields.hold, fields.activate_on) {
+            (Some(dwell), ..) => Activation::Dwell(duration(dwell.get())),
+            (None, Some(HoldSchema(hold)), _) => Activation::TapHold(TapHold {
+                hold_action: builder.action(hold, None)?,
+                hold_after: duration(fields.hold_after_ms.unwrap_or_default().get()),
+            }),
+            (None, None, Some(ActivationSchema::Release)) => Activation::OnRelease,
+            (None, None, Some(ActivationSchema::Press) | None) => Activation::OnPress,
+        };
+        check_action(builder, name, action, activation)?;
+        Ok(activation)
+    }
+
+    /// Returns the message for fields that exclude each other.
+    fn conflict(&self, action: Option<KeyAction>) -> Option<String> {
+        let fields = &self.fields;
+        let name = self.name.text;
+        let has_hold = fields.hold.is_some();
+        let has_activate_on = fields.activate_on.is_some();
+        let has_dwell = fields.dwell_ms.is_some();
+        let has_any = has_hold || has_activate_on || has_dwell || fields.hold_after_ms.is_some();
+        if action.is_none() {
+            return has_any.then(|| {
+                format!(
+                    "the key `{name}` has no action of its own, remove `activate_on`, `hold` and `dwell_ms`"
+                )
+            });
+        }
+        if !has_hold && fields.hold_after_ms.is_some() {
+            return Some(format!(
+                "the key `{name}` has a `hold_after_ms` but no `hold`, add the action of a held key"
+            ));
+        }
+        if has_hold && has_activate_on {
+            return Some(format!(
+                "the key `{name}` cannot have both `activate_on` and `hold`: a tap activates on release"
+            ));
+        }
+        if has_dwell && (has_hold || has_activate_on) {
+            let other = if has_hold { "hold" } else { "activate_on" };
+            return Some(format!(
+                "the key `{name}` cannot have both `{other}` and `dwell_ms`: only a resting fingertip activates it"
+            ));
+        }
+        None
+    }
+}
+
+/// Rejects an action in a layer that the key cannot have.
+pub(super) fn check_layer_action<'a>(
+    builder: &LayoutBuilder<'a>,
+    key: &Key,
+    code: Spanned<'a>,
+    action: KeyAction,
+    layer: usize,
+) -> Result<(), DocumentError> {
+    if key.action(0) == Some(KeyAction::Layer(layer, Latch::Lock)) {
+        let message = format!(
+            "the key `{}` locks the layer `{}` and must unlock it too, so it cannot have another action there",
+            key.face.name,
+            builder.layers()[layer]
+        );
+        return Err(builder.error(code.text, message));
+    }
+    check_action(builder, code.text, action, key.activation)
+}
+
+/// Rejects an action that lasts as long as the press, unless the key activates on press.
+fn check_action(
+    builder: &LayoutBuilder,
+    name: &str,
+    action: KeyAction,
+    activation: Activation,
+) -> Result<(), DocumentError> {
+    let latch = match action {
+        KeyAction::Modifier(_, latch) | KeyAction::Layer(_, latch) => latch,
+        KeyAction::Clutch | KeyAction::Precision => Latch::Momentary,
+        KeyAction::Key(_) | KeyAction::Text(_) | KeyAction::Command(_) => return Ok(()),
+    };
+    let what = match activation {
+        Activation::OnPress => return Ok(()),
+        Activation::Dwell(_) if latch != Latch::Momentary => return Ok(()),
+        Activation::OnRelease => "activate on release",
+        Activation::TapHold(_) => "be the tap of a key with a `hold`",
+        Activation::Dwell(_) => "activate by dwelling",
+    };
+    let message = format!("`{name}` cannot {what}: it is active while it is pressed");
+    Err(builder.error(name, message))
+}

@@ -1,0 +1,45 @@
+//! Layers.
+
+use serde::Deserialize;
+
+use super::activation::check_layer_action;
+use crate::document::{DocumentError, Pairs, Spanned};
+use crate::layout::builder::LayoutBuilder;
+
+/// Actions of keys while a layer is active.
+#[derive(Debug, Deserialize)]
+#[serde(rename = "Layer", deny_unknown_fields)]
+pub(in crate::layout) struct LayerSchema<'a> {
+    /// Name of the layer.
+    #[serde(borrow)]
+    pub name: Spanned<'a>,
+    /// Name of a key → its key code in this layer.
+    #[serde(borrow)]
+    keys: Pairs<'a, Spanned<'a>>,
+}
+
+impl<'a> LayerSchema<'a> {
+    /// Adds the actions to the keys. `layer` is the index of the declared layer.
+    pub fn build(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        layer: usize,
+    ) -> Result<(), DocumentError> {
+        for &(name, code) in &self.keys.0 {
+            let index = builder.key_index(name.text)?;
+            let action = builder.key_action(code, None)?;
+            check_layer_action(builder, &builder.keys()[index], code, action, layer)?;
+            let actions = &mut builder.key_mut(index).actions;
+            if actions.len() > layer {
+                let message = format!(
+                    "duplicate key `{}` in the layer `{}`",
+                    name.text, self.name.text
+                );
+                return Err(builder.error(name.text, message));
+            }
+            actions.resize(layer, None);
+            actions.push(Some(action));
+        }
+        Ok(())
+    }
+}

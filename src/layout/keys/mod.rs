@@ -1,0 +1,236 @@
+//! Keys, in rows and one by one.
+
+mod activation;
+mod chords;
+mod layers;
+
+pub(super) use chords::{ChordSchema, reject_idle_keys};
+pub(super) use layers::LayerSchema;
+
+use serde::Deserialize;
+
+use self::activation::{ActivationSchema, HoldSchema};
+use super::builder::{FaceSpec, LayoutBuilder};
+use super::model::Key;
+use super::placement::KeyPose;
+use super::quantity::{
+    Debounce, DwellTime, HoldAfter, Offset, Pitch, PressAt, ReleaseAt, Rotation, Travel, duration,
+    metres,
+};
+use super::schema::{Action, Label, LatchSchema, OutlineSchema};
+use crate::device::KeyAction;
+use crate::device::keyboard::Activation;
+use crate::document::{DocumentError, Spanned};
+
+/// The settings of a board that only its keys use.
+#[derive(Clone, Copy)]
+pub(super) struct KeyDefaults {
+    /// Distance between the keys of a row.
+    pub pitch: Pitch,
+    /// Debounce time.
+    pub debounce: Debounce,
+    /// The depth of a press is reported as a value.
+    pub reports_depth: bool,
+}
+
+/// Keys in a straight row, from left to right.
+#[derive(Debug, Deserialize)]
+#[serde(rename = "Row", deny_unknown_fields)]
+pub(super) struct RowSchema<'a> {
+    /// Center of the first key.
+    at_mm: (Offset, Offset),
+    /// Key codes, separated by blanks.
+    #[serde(borrow)]
+    keys: Spanned<'a>,
+    /// Distance between the keys. Default: that of the board.
+    #[serde(default)]
+    pitch_mm: Option<Pitch>,
+    /// Outline of the keys. Default: that of the board.
+    #[serde(default)]
+    size_mm: Option<OutlineSchema>,
+}
+
+/// A key.
+#[derive(Debug, Deserialize)]
+#[serde(try_from = "KeyFields<'a>", bound(deserialize = "'de: 'a"))]
+pub(super) struct KeySchema<'a> {
+    action: Action<'a>,
+    /// Name of the key, or the name in its action.
+    name: Spanned<'a>,
+    fields: KeyFields<'a>,
+}
+
+/// The fields of a key. Optional fields default to those of the board.
+#[derive(Debug, Deserialize)]
+#[serde(rename = "Key", deny_unknown_fields)]
+struct KeyFields<'a> {
+    /// Key code.
+    #[serde(borrow, default)]
+    code: Option<Spanned<'a>>,
+    /// Layer that the key activates.
+    #[serde(borrow, default)]
+    layer: Option<Spanned<'a>>,
+    /// Any other action, instead of `code` and `layer`.
+    #[serde(borrow, default)]
+    action: Option<Action<'a>>,
+    /// Name in layers and messages. Default: the code or layer.
+    #[serde(borrow, default)]
+    name: Option<Spanned<'a>>,
+    /// Text drawn on the key.
+    #[serde(default)]
+    label: Option<Label>,
+    /// Center.
+    at_mm: (Offset, Offset),
+    /// Distance in front of the board.
+    #[serde(default)]
+    lift_mm: Offset,
+    /// Rotations about X, then Y, then Z of the board at the key.
+    #[serde(default)]
+    rotation_deg: (Rotation, Rotation, Rotation),
+    /// Outline.
+    #[serde(default)]
+    size_mm: Option<OutlineSchema>,
+    /// Travel.
+    #[serde(default)]
+    travel_mm: Option<Travel>,
+    /// Press point.
+    #[serde(default)]
+    press_at: Option<PressAt>,
+    /// Release point.
+    #[serde(default)]
+    release_at: Option<ReleaseAt>,
+    /// Debounce time.
+    #[serde(default)]
+    debounce_ms: Option<Debounce>,
+    /// The depth of a press is reported as a value.
+    #[serde(default)]
+    reports_depth: Option<bool>,
+    /// Duration of a modifier or layer.
+    #[serde(default)]
+    latch: Option<LatchSchema>,
+    /// The part of a press that activates the key.
+    #[serde(default)]
+    activate_on: Option<ActivationSchema>,
+    /// Action when the key is held instead of tapped.
+    #[serde(borrow, default)]
+    hold: Option<HoldSchema<'a>>,
+    /// Time after which a pressed key counts as held.
+    #[serde(default)]
+    hold_after_ms: Option<HoldAfter>,
+    /// Time after which a resting fingertip activates the key.
+    #[serde(default)]
+    dwell_ms: Option<DwellTime>,
+}
+
+impl<'a> TryFrom<KeyFields<'a>> for KeySchema<'a> {
+    type Error = &'static str;
+
+    fn try_from(fields: KeyFields<'a>) -> Result<Self, Self::Error> {
+        let action = match (fields.code, fields.layer, fields.action) {
+            (Some(code), None, None) => Action::Key(code),
+            (None, Some(layer), None) => Action::Layer(layer),
+            (None, None, Some(action)) => action,
+            (None, None, None) => return Err("the key has none of `code`, `layer` and `action`"),
+            (Some(_), Some(_), _) => return Err("the key has both a `code` and a `layer`"),
+            (_, _, Some(_)) => {
+                return Err("the key has an `action` in addition to its `code` or `layer`");
+            }
+        };
+        let Some(name) = fields.name.or(action.argument()) else {
+            return Err("a key with this action needs a `name`");
+        };
+        Ok(Self {
+            action,
+            name,
+            fields,
+        })
+    }
+}
+
+impl<'a> RowSchema<'a> {
+    /// Adds the keys of the row to the current board.
+    pub fn build(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        defaults: KeyDefaults,
+    ) -> Result<(), DocumentError> {
+        let pitch = metres(self.pitch_mm.unwrap_or(defaults.pitch).get());
+        for (column, code) in self.keys.text.split_whitespace().enumerate() {
+            let code = Spanned { text: code };
+            let name = builder.key_code(code)?.name();
+            let action = Some(builder.key_action(code, None)?);
+            let face = FaceSpec {
+                name,
+                label: builder.default_label(action, name),
+                row_offset: pitch * column as f32,
+                size: self.size_mm.unwrap_or(builder.board().size),
+                ..builder.face_spec("key", code, &None, self.at_mm)
+            };
+            let face = builder.add_face(face)?;
+            let key = Key {
+                face,
+                actions: vec![action],
+                reports_depth: defaults.reports_depth,
+                activation: Activation::OnPress,
+                debounce: duration(defaults.debounce.get()),
+            };
+            builder.add_key(name, key);
+        }
+        Ok(())
+    }
+}
+
+impl<'a> KeySchema<'a> {
+    /// Adds the key to the current board.
+    pub fn build(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        defaults: KeyDefaults,
+    ) -> Result<(), DocumentError> {
+        let fields = &self.fields;
+        let name = match (fields.name, self.action) {
+            (None, Action::Key(code)) => builder.key_code(code)?.name(),
+            _ => self.name.text,
+        };
+        let action = match (self.action, fields.latch) {
+            (Action::NoOp, None) => None,
+            (action, latch) => Some(builder.action(action, latch)?),
+        };
+        let activation = self.activation(builder, action)?;
+        let face = self.face_spec(builder, name, action);
+        let lift = metres(fields.lift_mm.get()) * builder.board().scale;
+        let pose = KeyPose::new(lift, fields.rotation_deg);
+        let face = builder.add_posed_face(face, pose)?;
+        let key = Key {
+            face,
+            actions: vec![action],
+            reports_depth: fields.reports_depth.unwrap_or(defaults.reports_depth),
+            activation,
+            debounce: duration(fields.debounce_ms.unwrap_or(defaults.debounce).get()),
+        };
+        builder.add_key(name, key);
+        Ok(())
+    }
+
+    fn face_spec(
+        &self,
+        builder: &LayoutBuilder<'a>,
+        name: &'a str,
+        action: Option<KeyAction>,
+    ) -> FaceSpec<'a> {
+        let fields = &self.fields;
+        let board = builder.board();
+        FaceSpec {
+            name,
+            label: match &fields.label {
+                Some(Label(text)) => text.clone(),
+                None => builder.default_label(action, name),
+            },
+            size: fields.size_mm.unwrap_or(board.size),
+            travel: fields.travel_mm.unwrap_or(board.travel),
+            press_at: fields.press_at.unwrap_or(board.press_at),
+            release_at: fields.release_at.unwrap_or(board.release_at),
+            ..builder.face_spec("key", self.name, &None, fields.at_mm)
+        }
+    }
+}

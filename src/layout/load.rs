@@ -1,0 +1,211 @@
+//! Layouts from files and texts: the schema of a whole file, and the order in which its parts are built.
+
+use serde::Deserialize;
+
+use super::builder::{BoardSettings, LayoutBuilder};
+use super::controls::pointer::PointerSchema;
+use super::controls::space::SpaceSchema;
+use super::controls::trigger::TriggerSchema;
+use super::controls::{
+    joystick, knob, lever, radio, slider, toggle, touch_surface, valve, with_control_kinds,
+};
+use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, reject_idle_keys};
+use super::model::Layout;
+use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
+use super::schema::{AutoRecenterSchema, BoardShapeSchema, Label, OutlineSchema, PoseSchema};
+use crate::document::{self, Document, DocumentError, Pairs, Spanned};
+use crate::hand::Side;
+
+/// A layout file.
+#[derive(Debug, Deserialize)]
+#[serde(rename = "Layout", deny_unknown_fields)]
+pub(super) struct LayoutSchema<'a> {
+    /// Name.
+    #[serde(borrow)]
+    name: Spanned<'a>,
+    /// One line for lists.
+    #[serde(borrow, default)]
+    description: Option<Spanned<'a>>,
+    /// Groups of keys and controls.
+    #[serde(borrow, default)]
+    pub boards: Vec<BoardSchema<'a>>,
+    /// Labels by name of the key.
+    #[serde(borrow, default)]
+    labels: Pairs<'a, Label>,
+    /// Layers other than the base layer.
+    #[serde(borrow, default)]
+    layers: Vec<LayerSchema<'a>>,
+    /// Chords.
+    #[serde(borrow, default)]
+    chords: Vec<ChordSchema<'a>>,
+    /// Maximum time between the first and the last key press of a chord.
+    #[serde(default)]
+    chord_timeout_ms: ChordTimeout,
+    /// Triggers.
+    #[serde(borrow, default)]
+    triggers: Vec<TriggerSchema<'a>>,
+    /// The arm as a pointer.
+    #[serde(borrow, default)]
+    pointer: Option<PointerSchema<'a>>,
+    /// Targets in space.
+    #[serde(borrow, default)]
+    spaces: Vec<SpaceSchema<'a>>,
+}
+
+/// Declares the schema of a board, with one list for each kind of control.
+macro_rules! board_schema {
+    ($($list:ident: $module:ident::$schema:ident,)+) => {
+        /// A group of keys and controls that moves as one.
+        #[derive(Debug, Deserialize)]
+        #[serde(rename = "Board", deny_unknown_fields)]
+        pub(super) struct BoardSchema<'a> {
+            /// Pose of the point (0, 0), and scale.
+            pub pose: PoseSchema,
+            /// The only hand that can touch the board. Default: either.
+            #[serde(default)]
+            hand: Option<Side>,
+            /// Flat or curved.
+            #[serde(default)]
+            pub shape: BoardShapeSchema,
+            /// Slow motion towards a resting hand. Default: off.
+            #[serde(default)]
+            auto_recenter: Option<AutoRecenterSchema>,
+            /// Distance between the keys of a row.
+            #[serde(default)]
+            pitch_mm: Pitch,
+            /// Default outline.
+            #[serde(default)]
+            size_mm: OutlineSchema,
+            /// Default travel.
+            #[serde(default)]
+            travel_mm: Travel,
+            /// Default press point.
+            #[serde(default)]
+            press_at: PressAt,
+            /// Default release point.
+            #[serde(default)]
+            release_at: ReleaseAt,
+            /// Default debounce time of keys.
+            #[serde(default)]
+            debounce_ms: Debounce,
+            /// Keys report the depth of a press as a value.
+            #[serde(default)]
+            reports_depth: bool,
+            /// Rows of keys.
+            #[serde(borrow, default)]
+            rows: Vec<RowSchema<'a>>,
+            /// Single keys.
+            #[serde(borrow, default)]
+            keys: Vec<KeySchema<'a>>,
+            $(
+                #[serde(borrow, default)]
+                $list: Vec<$module::$schema<'a>>,
+            )+
+        }
+
+        impl<'a> BoardSchema<'a> {
+            fn build_controls(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+                $(
+                    for control in &self.$list {
+                        control.build(builder)?;
+                    }
+                )+
+                Ok(())
+            }
+        }
+    };
+}
+with_control_kinds!(board_schema);
+
+impl Layout {
+    /// Loads the file at a path, or the shipped layout with that name: `qwerty-flat`, `keyboards/qwerty-flat`; `.ron` is optional.
+    pub fn load(name_or_path: &str) -> Result<Self, DocumentError> {
+        Self::from_document(Document::open(name_or_path)?)
+    }
+
+    /// Parses a text. `file` names it in errors.
+    pub fn parse(text: &str, file: &str) -> Result<Self, DocumentError> {
+        Self::from_document(Document::new(file, text))
+    }
+
+    /// Parses and checks a document.
+    pub fn from_document(document: Document) -> Result<Self, DocumentError> {
+        let schema: LayoutSchema = document.parse()?;
+        schema.build(&document)
+    }
+
+    /// Returns the shipped layouts with their names, folder by folder.
+    pub fn shipped() -> Result<Vec<(&'static str, Self)>, DocumentError> {
+        document::shipped_layouts()
+            .map(|name| Ok((name, Self::from_document(Document::shipped(name)?)?)))
+            .collect()
+    }
+}
+
+impl<'a> LayoutSchema<'a> {
+    fn build(&self, document: &'a Document) -> Result<Layout, DocumentError> {
+        let mut builder = LayoutBuilder::new(document, self.name);
+        for layer in &self.layers {
+            builder.declare_layer(layer.name)?;
+        }
+        for board in &self.boards {
+            board.build(&mut builder)?;
+        }
+        if self.boards.is_empty() && self.pointer.is_none() && self.spaces.is_empty() {
+            return Err(builder.error(self.name.text, "the layout has no keys"));
+        }
+        for (name, label) in &self.labels.0 {
+            let index = builder.key_index(name.text)?;
+            builder.key_mut(index).face.label.clone_from(&label.0);
+        }
+        for (index, layer) in self.layers.iter().enumerate() {
+            layer.build(&mut builder, index + 1)?;
+        }
+        for chord in &self.chords {
+            chord.build(&mut builder)?;
+        }
+        reject_idle_keys(&builder)?;
+        for trigger in &self.triggers {
+            trigger.build(&mut builder)?;
+        }
+        if let Some(pointer) = &self.pointer {
+            pointer.build(&mut builder)?;
+        }
+        for (index, space) in self.spaces.iter().enumerate() {
+            space.build(&mut builder, index + 1)?;
+        }
+        Ok(builder.finish(self.description, duration(self.chord_timeout_ms.get())))
+    }
+}
+
+impl<'a> BoardSchema<'a> {
+    fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        builder.begin_board(BoardSettings {
+            shape: self.shape.into(),
+            scale: self.pose.scale.get() as f32,
+            size: self.size_mm,
+            travel: self.travel_mm,
+            press_at: self.press_at,
+            release_at: self.release_at,
+        });
+        let defaults = KeyDefaults {
+            pitch: self.pitch_mm,
+            debounce: self.debounce_ms,
+            reports_depth: self.reports_depth,
+        };
+        for row in &self.rows {
+            row.build(builder, defaults)?;
+        }
+        for key in &self.keys {
+            key.build(builder, defaults)?;
+        }
+        self.build_controls(builder)?;
+        builder.end_board(
+            self.hand,
+            self.pose.anchor.into(),
+            self.pose.anchor_from_board(self.shape),
+            self.pitch_mm.get(),
+            self.auto_recenter.map(Into::into),
+        )
+    }
+}

@@ -1,0 +1,6 @@
+//! Drawings of a layout: text for a terminal, and SVG.
+
+mod svg;
+mod terminal;
+
+pub use terminal::{Cell, Grid};

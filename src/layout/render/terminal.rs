@@ -1,0 +1,185 @@
+//! Drawings with box characters.
+
+use parry3d::math::Vec2;
+
+use crate::contact::TargetId;
+use crate::contact::surface::Shape;
+use crate::layout::controls::{pointer, space};
+use crate::layout::model::{Board, Face, Layout};
+
+/// Width and height, in characters, of a key as large as the pitch of its board.
+const KEY_COLUMNS: f32 = 5.0;
+const KEY_ROWS: f32 = 3.0;
+
+/// The maximum size of a drawing, in characters. A larger board is drawn at a smaller scale.
+const MAX_COLUMNS: f32 = 200.0;
+const MAX_ROWS: f32 = 80.0;
+
+/// A board on a grid of characters, with straight rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Width in characters.
+    pub columns: usize,
+    /// Height in characters.
+    pub rows: usize,
+    /// The keys, then the other controls, in file order.
+    pub cells: Vec<Cell>,
+    /// The left far corner in row coordinates, in metres.
+    corner: Vec2,
+    /// Metres per character.
+    character_size: Vec2,
+}
+
+/// A key or other control on a [`Grid`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cell {
+    /// The target.
+    pub target: TargetId,
+    /// Characters from the left of the grid.
+    pub column: usize,
+    /// Characters from the top of the grid.
+    pub row: usize,
+    /// Width in characters including the border, at least 1.
+    pub width: usize,
+    /// Height in characters including the border, at least 1.
+    pub height: usize,
+    /// It has round corners.
+    pub round: bool,
+}
+
+impl Grid {
+    fn new(board: &Board, faces: &[&Face]) -> Self {
+        let half = |face: &Face| board.row_half_extents(face);
+        let min_half_width = faces
+            .iter()
+            .map(|face| half(face).x)
+            .fold(f32::INFINITY, f32::min);
+        // Keys are enlarged by half of the gap between them, so that neighbours touch on the grid.
+        let gap = (board.pitch / 2.0 - min_half_width).max(0.0);
+        let min = faces
+            .iter()
+            .map(|face| face.row_position - half(face) - gap)
+            .reduce(Vec2::min);
+        let max = faces
+            .iter()
+            .map(|face| face.row_position + half(face) + gap)
+            .reduce(Vec2::max);
+        let (min, max) = (min.unwrap_or_default(), max.unwrap_or_default());
+        let size = max - min;
+        let character_size = Vec2::new(
+            (board.pitch / KEY_COLUMNS).max(size.x / MAX_COLUMNS),
+            (board.pitch / KEY_ROWS).max(size.y / MAX_ROWS),
+        );
+        let mut grid = Self {
+            columns: 0,
+            rows: 0,
+            cells: Vec::with_capacity(faces.len()),
+            corner: Vec2::new(min.x, max.y),
+            character_size,
+        };
+        for face in faces {
+            grid.add(face, half(face) + gap);
+        }
+        grid
+    }
+
+    fn add(&mut self, face: &Face, half: Vec2) {
+        let count = |length: f32| length.round().max(0.0) as usize;
+        let in_characters =
+            |corner: Vec2| (face.row_position + corner - self.corner) / self.character_size;
+        let from = in_characters(Vec2::new(-half.x, half.y));
+        let to = in_characters(Vec2::new(half.x, -half.y));
+        let (column, row) = (count(from.x), count(-from.y));
+        let cell = Cell {
+            target: face.target,
+            column,
+            row,
+            width: count(to.x).saturating_sub(column).max(1),
+            height: count(-to.y).saturating_sub(row).max(1),
+            round: matches!(face.outline.shape, Shape::Disc(_)),
+        };
+        self.columns = self.columns.max(cell.column + cell.width);
+        self.rows = self.rows.max(cell.row + cell.height);
+        self.cells.push(cell);
+    }
+
+    /// Returns the column and row of the character at a position in row coordinates, in metres. Returns `None` beyond the edges.
+    pub fn cell_at(&self, row_position: Vec2) -> Option<(usize, usize)> {
+        let position = (row_position - self.corner) / self.character_size;
+        if position.x < 0.0 || position.y > 0.0 {
+            return None;
+        }
+        let (column, row) = (position.x as usize, -position.y as usize);
+        (column < self.columns && row < self.rows).then_some((column, row))
+    }
+
+    fn to_text(&self, layout: &Layout) -> String {
+        let mut canvas = vec![vec![' '; self.columns]; self.rows];
+        for cell in &self.cells {
+            let label = layout.face(cell.target).map_or("", |face| &face.label);
+            cell.draw(label, &mut canvas);
+        }
+        let line =
+            |row: Vec<char>| row.into_iter().collect::<String>().trim_end().to_owned() + "\n";
+        canvas.into_iter().map(line).collect()
+    }
+}
+
+impl Cell {
+    fn draw(&self, label: &str, canvas: &mut [Vec<char>]) {
+        let corners = if self.round {
+            ['╭', '╮', '╰', '╯']
+        } else {
+            ['┌', '┐', '└', '┘']
+        };
+        let (right, bottom) = (self.width - 1, self.height - 1);
+        for row in 0..self.height {
+            for column in 0..self.width {
+                canvas[self.row + row][self.column + column] = match (column, row) {
+                    (0, 0) => corners[0],
+                    (column, 0) if column == right => corners[1],
+                    (0, row) if row == bottom => corners[2],
+                    (column, row) if column == right && row == bottom => corners[3],
+                    (_, row) if row == 0 || row == bottom => '─',
+                    (column, _) if column == 0 || column == right => '│',
+                    _ => ' ',
+                };
+            }
+        }
+        let max_length = self.width.saturating_sub(2).max(1);
+        let length = label.chars().count().min(max_length);
+        let start = self.column + (self.width - length) / 2;
+        for (column, character) in label.chars().take(max_length).enumerate() {
+            canvas[self.row + bottom / 2][start + column] = character;
+        }
+    }
+}
+
+impl Layout {
+    /// Returns the boards on grids of characters, for displays that draw keys themselves.
+    pub fn grids(&self) -> Vec<Grid> {
+        self.boards
+            .iter()
+            .map(|board| Grid::new(board, &self.faces(board).collect::<Vec<_>>()))
+            .collect()
+    }
+
+    /// Returns a drawing for a terminal, which ends with a line break: the boards to scale with straight rows, descriptions of
+    /// the pointer and of targets in space, and the changes of each layer.
+    pub fn to_text(&self) -> String {
+        let mut parts: Vec<String> = self.grids().iter().map(|grid| grid.to_text(self)).collect();
+        parts.extend(self.pointer.as_ref().map(pointer::describe));
+        parts.extend(self.spaces.iter().map(space::describe));
+        let mut text = parts.join("\n");
+        for (layer, name) in self.layers.iter().enumerate().skip(1) {
+            let keys = self.keys.iter();
+            let changes = keys.filter_map(|key| {
+                let label = self.label_in_layer(key, layer)?;
+                Some(format!("{} {label}", key.face.label))
+            });
+            let changes = changes.collect::<Vec<_>>().join(", ");
+            text.push_str(&format!("\n{name}: {changes}\n"));
+        }
+        text
+    }
+}
