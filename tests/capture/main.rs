@@ -8,3 +8,5 @@ mod commands;
 mod serial;
 mod statistics;
 mod tcp;
+#[cfg(unix)]
+mod text_line;

@@ -20,6 +20,7 @@ mod roles;
 mod security;
 mod signals;
 mod terminal;
+mod text_line;
 mod traces;
 mod writes;
 mod wrong_use;

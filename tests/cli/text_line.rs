@@ -1,0 +1,60 @@
+//! Text lines of joint angles as the source of the program, without a glove.
+
+use std::io::Write;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use crate::support::source::text_lines;
+use crate::{ademan, file, run, text};
+
+const TYPED: &str = "Hola";
+
+/// Keys that are pressed to type [`TYPED`].
+const KEYS: [&str; 5] = ["ShiftLeft", "H", "O", "L", "A"];
+
+/// Returns the keys that a transcript presses, in order.
+fn pressed_keys(transcript: &str) -> Vec<&str> {
+    let lines = transcript.lines();
+    lines
+        .filter_map(|line| line.split_once("down "))
+        .map(|(_, key)| key)
+        .collect()
+}
+
+#[test]
+fn a_file_of_text_lines_is_typed_recorded_and_replayed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = file(&folder, "angles.txt", text_lines(TYPED).concat());
+    let source = format!("file:{path}?protocol=text-line&rate_hz=170");
+    let typed = run(["run", "--source", &source, "--output", "transcript"]).done();
+    assert_eq!(pressed_keys(&typed.out), KEYS, "{}", typed.err);
+
+    let recording = folder.path().join("angles.mcap");
+    run(["record", text(&recording), "--source", &source]).done();
+    let replayed = run(["replay", text(&recording)]).done();
+    assert_eq!(pressed_keys(&replayed.out), KEYS, "{}", replayed.err);
+}
+
+#[test]
+fn text_lines_on_the_standard_input_are_typed() {
+    let source = "stdin:?protocol=text-line";
+    let mut program = ademan(["run", "--source", source, "--output", "transcript"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let mut stdin = program.stdin.take().expect("it is piped");
+    let start = Instant::now();
+    for (index, line) in text_lines(TYPED).iter().enumerate() {
+        let due = Duration::from_micros(5_729 * index as u64);
+        std::thread::sleep(due.saturating_sub(start.elapsed()));
+        stdin.write_all(line.as_bytes()).expect("it is read");
+    }
+    drop(stdin);
+    let output = program.wait_with_output().expect("the program ends");
+    let transcript = String::from_utf8(output.stdout).unwrap();
+    let messages = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(pressed_keys(&transcript), KEYS, "{messages}");
+    assert_eq!(output.status.code(), Some(0), "{messages}");
+}
