@@ -1,57 +1,59 @@
-//! Why something of the system cannot be used, and the commands that change that: told by whoever meets it,
-//! and by the [doctor](crate::doctor) before anybody does.
+//! Advice for missing permissions and services: the reason and the shell commands that help.
+//!
+//! Sources and outputs add it to their errors; the [doctor](crate::doctor) gives it in advance.
 
 use std::fmt;
 use std::path::Path;
 
-/// Lets the new rules count without a start of the machine.
-const RULES_COUNT: &str = "sudo udevadm control --reload && sudo udevadm trigger";
+/// Applies new udev rules without a reboot.
+const RELOAD_UDEV: &str = "sudo udevadm control --reload && sudo udevadm trigger";
 
-/// Gives the nodes of uinput and of USB serial adapters to groups.
-const RULES: &str = "ademan setup --print udev | sudo tee /etc/udev/rules.d/60-ademan.rules";
+/// Installs the rules that give the nodes of uinput and of USB serial adapters to groups.
+const INSTALL_RULES: &str = "ademan system-files udev | sudo tee /etc/udev/rules.d/60-ademan.rules";
 
-/// The protocol through which a program is a keyboard.
+/// Wayland protocol of virtual keyboards.
 pub const KEYBOARD_PROTOCOL: &str = "zwp_virtual_keyboard_manager_v1";
 
-/// The protocol through which a program is a pointer.
+/// Wayland protocol of virtual pointers.
 pub const POINTER_PROTOCOL: &str = "zwlr_virtual_pointer_manager_v1";
 
-/// A compositor whose program is not known.
-const A_COMPOSITOR: &str = "the compositor";
+/// Name of a compositor whose program is not known.
+const UNKNOWN_COMPOSITOR: &str = "the compositor";
 
-/// What members of a new group have to do.
+/// Next step of a new member of a group.
 const LOG_IN_AGAIN: &str = "log in again";
 
-/// Why something cannot be used, and what to do about it.
+/// The reason why something cannot be used, and the steps that help.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Advice {
-    /// What is the matter, in lower case and without a full stop.
+    /// Reason, in lower case and without a full stop.
     pub reason: String,
-    /// Lines for a shell, one after the other; there may be none.
+    /// Shell commands, in order; may be empty.
     pub commands: Vec<String>,
-    /// What is to be done after that, or instead where there are no commands; may be empty.
+    /// Step after the commands, or instead of them; may be empty.
     pub next_step: String,
 }
 
 impl Advice {
-    /// Something that no command mends: only what to do.
-    pub fn new(reason: impl Into<String>, then: impl Into<String>) -> Self {
+    /// Creates advice without commands.
+    pub fn new(reason: impl Into<String>, next_step: impl Into<String>) -> Self {
         Self {
             reason: reason.into(),
             commands: Vec::new(),
-            next_step: then.into(),
+            next_step: next_step.into(),
         }
     }
 
-    fn with(reason: impl Into<String>, commands: &[&str], then: &str) -> Self {
+    fn with_commands(reason: impl Into<String>, commands: &[&str], next_step: &str) -> Self {
         Self {
             reason: reason.into(),
             commands: commands.iter().map(|line| (*line).to_owned()).collect(),
-            next_step: then.into(),
+            next_step: next_step.into(),
         }
     }
 }
 
+/// The reason, then the commands and the next step, in one line.
 impl fmt::Display for Advice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut steps: Vec<_> = self
@@ -67,88 +69,80 @@ impl fmt::Display for Advice {
     }
 }
 
-/// Who may read and write a device, seen from a user who may not.
+/// Reason why the user may not open a device.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum AccessDenied {
-    /// The members of this group, and this user is none.
+    /// The device belongs to this group, and the user is not a member.
     NotInGroup(String),
-    /// The members of this group; this user has become one and has not logged in since.
+    /// The device belongs to this group, and the user became a member after the login.
     LoginRequired(String),
-    /// Its owner only.
+    /// Only the owner may open the device.
     OwnerOnly,
-    /// Nobody has looked.
+    /// The reason is not known.
     Unknown,
 }
 
-/// There is no `/dev/uinput`, or nothing behind it: the module is not loaded.
+/// Returns the advice for a kernel without a loaded `uinput` module.
 pub fn uinput_not_loaded() -> Advice {
-    Advice::with(
-        "/dev/uinput is not there; load the kernel module",
+    Advice::with_commands(
+        "/dev/uinput does not exist: the kernel module `uinput` is not loaded",
         &[
             "sudo modprobe uinput",
-            "ademan setup --print modules | sudo tee /etc/modules-load.d/ademan.conf",
+            "ademan system-files modules | sudo tee /etc/modules-load.d/ademan.conf",
         ],
         "",
     )
 }
 
-/// The running kernel has no module `uinput` that could be loaded.
+/// Returns the advice for a kernel that has no `uinput` module.
 pub fn uinput_not_in_kernel() -> Advice {
     Advice::new(
-        "/dev/uinput is not there, and the running kernel has no module `uinput`",
+        "/dev/uinput does not exist, and the running kernel has no module `uinput`",
         "use a kernel that has it (CONFIG_INPUT_UINPUT; Debian: linux-image-amd64), or the output `desktop`",
     )
 }
 
-/// The module is loaded and the node is not there.
+/// Returns the advice for a loaded module without a device node.
 pub fn uinput_node_missing() -> Advice {
     Advice::new(
-        "the module `uinput` is loaded, and /dev/uinput is not there: this is a container",
+        "the kernel module `uinput` is loaded, but /dev/uinput does not exist, as in a container",
         "start the container with `--device /dev/uinput`",
     )
 }
 
-/// This user may not write to `/dev/uinput`.
+/// Returns the advice for a user who may not write to `/dev/uinput`.
 pub fn uinput_denied(denied: &AccessDenied) -> Advice {
-    const WHAT: &str = "no permission to use /dev/uinput";
+    const REASON: &str = "no permission to open /dev/uinput";
     match denied {
-        AccessDenied::NotInGroup(group) => Advice::with(
-            format!("{WHAT}, which is for the group `{group}`"),
-            &[&join(group)],
-            LOG_IN_AGAIN,
-        ),
-        AccessDenied::LoginRequired(group) => not_yet(WHAT, group),
-        AccessDenied::OwnerOnly | AccessDenied::Unknown => Advice::with(
-            format!("{WHAT}; give it to a group of its own"),
+        AccessDenied::NotInGroup(group) => not_in_group(REASON, group),
+        AccessDenied::LoginRequired(group) => login_required(REASON, group),
+        AccessDenied::OwnerOnly | AccessDenied::Unknown => Advice::with_commands(
+            format!("{REASON}; give it to a group of its own"),
             &[
                 "sudo groupadd --system --force uinput",
                 &join("uinput"),
-                RULES,
-                RULES_COUNT,
+                INSTALL_RULES,
+                RELOAD_UDEV,
             ],
             LOG_IN_AGAIN,
         ),
     }
 }
 
-/// This user may not open a serial port.
+/// Returns the advice for a user who may not open a serial port.
 pub fn serial_port_denied(port: &str, denied: &AccessDenied) -> Advice {
-    let what = format!("this user may not open {port}");
+    let reason = format!("no permission to open {port}");
     match denied {
-        AccessDenied::NotInGroup(group) => Advice::with(
-            format!("{what}, which is for the group `{group}`"),
-            &[&join(group)],
+        AccessDenied::NotInGroup(group) => not_in_group(&reason, group),
+        AccessDenied::LoginRequired(group) => login_required(&reason, group),
+        AccessDenied::OwnerOnly => Advice::with_commands(
+            format!("{reason}, which only its owner may open"),
+            &[&join("dialout"), INSTALL_RULES, RELOAD_UDEV],
             LOG_IN_AGAIN,
         ),
-        AccessDenied::LoginRequired(group) => not_yet(&what, group),
-        AccessDenied::OwnerOnly => Advice::with(
-            format!("{what}, which is for its owner only"),
-            &[&join("dialout"), RULES, RULES_COUNT],
-            LOG_IN_AGAIN,
-        ),
-        AccessDenied::Unknown => Advice::with(
+        AccessDenied::Unknown => Advice::with_commands(
             format!(
-                "{what}; `ls -l {port}` shows the group that may (usually `dialout` or `uucp`): join it"
+                "{reason}; `ls -l {port}` shows its group (usually `dialout` or `uucp`), which you can join"
             ),
             &[&join("dialout")],
             "log in again; `ademan doctor` says more",
@@ -156,16 +150,16 @@ pub fn serial_port_denied(port: &str, denied: &AccessDenied) -> Advice {
     }
 }
 
-/// No X server answers at this `DISPLAY`, or none is named.
+/// Returns the advice for a missing X server; `display` is the value of `DISPLAY`.
 pub fn no_display(display: Option<&str>) -> Advice {
-    let what_to_do = "start this from a graphical session, or use the output `uinput`";
+    let next_step = "start this from a graphical session, or use the output `uinput`";
     match display {
-        Some(display) => Advice::new(format!("no display answers at `{display}`"), what_to_do),
-        None => Advice::new("DISPLAY is not set", what_to_do),
+        Some(display) => Advice::new(format!("no X server answers at `{display}`"), next_step),
+        None => Advice::new("DISPLAY is not set", next_step),
     }
 }
 
-/// Nobody speaks Wayland at this socket.
+/// Returns the advice for a Wayland socket without a compositor.
 pub fn no_compositor(socket: &Path, reason: &str) -> Advice {
     Advice::new(
         format!("no compositor answers at {}: {reason}", socket.display()),
@@ -173,52 +167,62 @@ pub fn no_compositor(socket: &Path, reason: &str) -> Advice {
     )
 }
 
-/// The compositor, by the name of its program where that is known, lets no program be a keyboard.
+/// Returns the advice for a compositor without virtual keyboards; `program` is its name, if known.
 pub fn no_virtual_keyboard(program: Option<&str>) -> Advice {
-    let program = program.unwrap_or(A_COMPOSITOR);
+    let program = program.unwrap_or(UNKNOWN_COMPOSITOR);
     Advice::new(
-        format!("{program} has no {KEYBOARD_PROTOCOL}: it lets no program press keys so"),
+        format!("{program} does not support {KEYBOARD_PROTOCOL}, so programs cannot press keys"),
         "use the output `uinput`",
     )
 }
 
-/// The compositor, by the name of its program where that is known, lets no program be a pointer.
+/// Returns the advice for a compositor without virtual pointers; `program` is its name, if known.
 pub fn no_virtual_pointer(program: Option<&str>) -> Advice {
-    let program = program.unwrap_or(A_COMPOSITOR);
+    let program = program.unwrap_or(UNKNOWN_COMPOSITOR);
     Advice::new(
-        format!("{program} has no {POINTER_PROTOCOL}: it lets no program move the pointer so"),
-        "let the output `uinput` move the pointer",
+        format!(
+            "{program} does not support {POINTER_PROTOCOL}, so programs cannot move the pointer"
+        ),
+        "use the output `uinput` for the pointer",
     )
 }
 
-/// There is a compositor, and this program does not know its language.
+/// Returns the advice for a Wayland session if this program was built without Wayland support.
 pub fn built_without_wayland() -> Advice {
     Advice::new(
-        "WAYLAND_DISPLAY is set, and this program was built for X11: its keys would reach no program of Wayland",
-        "build it with `--features wayland`, or use the output `uinput`; for programs of X11 only, unset \
+        "WAYLAND_DISPLAY is set, but this program was built for X11, whose keys do not reach Wayland programs",
+        "build it with `--features wayland`, or use the output `uinput`; to type only in X11 programs, unset \
          WAYLAND_DISPLAY",
     )
 }
 
-/// There is no folder for the control socket.
+/// Returns the advice for a missing runtime directory.
 pub fn no_runtime_dir() -> Advice {
     Advice::new(
-        "no control socket: XDG_RUNTIME_DIR names no folder",
-        "--control PATH makes one",
+        "no control socket: XDG_RUNTIME_DIR is not a directory",
+        "name a path with --control PATH",
     )
 }
 
-/// The user of this program may do everything.
+/// Returns the advice for root.
 pub fn running_as_root() -> Advice {
     Advice::new(
-        "root is not the one to type with a glove: whatever reaches this program could do everything",
-        "start it as yourself (`ademan doctor` says what is missing for that), or insist with --allow-root",
+        "refusing to run as root: whatever reaches this program could type as root",
+        "start it as a normal user (`ademan doctor` lists missing permissions), or pass --allow-root",
     )
 }
 
-fn not_yet(what: &str, group: &str) -> Advice {
+fn not_in_group(reason: &str, group: &str) -> Advice {
+    Advice::with_commands(
+        format!("{reason}, which belongs to the group `{group}`"),
+        &[&join(group)],
+        LOG_IN_AGAIN,
+    )
+}
+
+fn login_required(reason: &str, group: &str) -> Advice {
     Advice::new(
-        format!("{what} yet: you have joined its group `{group}`, and this session is older"),
+        format!("{reason} yet: you joined its group `{group}` after you logged in"),
         LOG_IN_AGAIN,
     )
 }
@@ -232,21 +236,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn advice_is_a_line_with_commands_to_copy() {
+    fn advice_is_one_line_with_commands() {
         let group = AccessDenied::NotInGroup("dialout".into());
         let later = AccessDenied::LoginRequired("dialout".into());
         let port = |denied| serial_port_denied("/dev/ttyUSB0", denied).to_string();
         let expected = [
-            "this user may not open /dev/ttyUSB0, which is for the group `dialout`; \
+            "no permission to open /dev/ttyUSB0, which belongs to the group `dialout`; \
              `sudo usermod --append --groups dialout $USER`, log in again",
-            "this user may not open /dev/ttyUSB0 yet: you have joined its group `dialout`, and this session is \
-             older; log in again",
+            "no permission to open /dev/ttyUSB0 yet: you joined its group `dialout` after you logged in; \
+             log in again",
         ];
         assert_eq!([port(&group), port(&later)], expected);
     }
 
     #[test]
-    fn nobody_is_told_to_be_root() {
+    fn advice_never_suggests_root_or_open_permissions() {
         for denied in [
             AccessDenied::NotInGroup("input".into()),
             AccessDenied::OwnerOnly,

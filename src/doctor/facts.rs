@@ -1,114 +1,114 @@
-//! What was found on a machine, without a word on whether that is good.
+//! The facts about a machine, without a judgement.
 
 use std::path::PathBuf;
 
 use crate::advice::AccessDenied;
 
-/// What was found on a machine.
+/// The facts about a machine.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Facts {
-    /// Who asks.
+    /// User of this process.
     pub user: User,
-    /// Serial ports by their names: those that are wanted, and USB adapters that are there.
+    /// Serial ports by name: those that are required, and all USB adapters.
     pub ports: Vec<(String, DeviceNode)>,
-    /// The way to make devices of the kernel.
+    /// Kernel module and device node of `uinput`.
     pub uinput: UinputFacts,
-    /// What `DISPLAY` names.
+    /// X server that `DISPLAY` names.
     pub display: XDisplay,
-    /// What `WAYLAND_DISPLAY` names.
+    /// Compositor that `WAYLAND_DISPLAY` names.
     pub compositor: Compositor,
-    /// Whether this program was built to speak with a compositor.
+    /// Whether this program was built with Wayland support.
     pub has_wayland: bool,
-    /// Where the control socket would be.
+    /// Directory of the control socket.
     pub runtime: RuntimeDir,
 }
 
-/// Who asks.
+/// A user and the groups of the session.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct User {
-    /// The login name; the number where there is none.
+    /// Login name, or the user id if there is none.
     pub name: String,
-    /// Whether the user may do everything.
+    /// Whether the user is root.
     pub is_root: bool,
-    /// The groups that count in this session.
+    /// Groups of this process.
     pub groups: Vec<String>,
 }
 
-/// A device file.
+/// The state of a device node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum DeviceNode {
-    /// It is not there.
+    /// The node does not exist.
     Absent,
-    /// It is there, and this user may not read and write it.
+    /// The user may not read and write it.
     Denied(AccessDenied),
-    /// This user may read and write it.
+    /// The user may read and write it.
     Usable,
-    /// It cannot be looked at, for this reason.
+    /// It cannot be inspected, for this reason.
     Error(String),
 }
 
-/// `/dev/uinput` and the module behind it.
+/// The kernel module `uinput` and its device node.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UinputFacts {
-    /// The device file; absent too when there is nothing behind it.
+    /// The node `/dev/uinput`; absent also if no driver is behind it.
     pub node: DeviceNode,
-    /// Whether the kernel has the module in it now.
+    /// Whether the module is loaded.
     pub is_loaded: bool,
-    /// Whether it could be loaded; `None` where the files of the kernel are not at hand, as in a container.
+    /// Whether the kernel has the module; `None` if its files are not visible, as in a container.
     pub can_be_loaded: Option<bool>,
 }
 
-/// An X server.
+/// The state of an X server.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum XDisplay {
     /// `DISPLAY` is not set.
     Unset,
-    /// It is this one, and somebody listens there.
+    /// A server listens at this display.
     Reachable(String),
-    /// It is this one, and nobody listens there.
+    /// No server listens at this display.
     Unreachable(String),
-    /// Only using it shows whether there is one, for this reason.
+    /// Only a test can tell, for this reason.
     Unknown(String),
 }
 
-/// A Wayland compositor.
+/// The state of a Wayland compositor.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Compositor {
     /// `WAYLAND_DISPLAY` is not set.
     Unset,
-    /// It is this socket, and nobody tells there what he has.
+    /// No compositor answers at this socket.
     Unreachable {
         /// The socket.
         socket: PathBuf,
-        /// What happened.
+        /// Error.
         reason: String,
     },
-    /// Somebody has told what he has.
+    /// A compositor answered.
     Reachable {
-        /// The program at the other end; `None` where it cannot be seen.
+        /// Name of its program; `None` if it is not visible.
         program: Option<String>,
-        /// The interfaces that it offers to this program, such as `zwp_virtual_keyboard_manager_v1`.
+        /// Interfaces that it offers, such as `zwp_virtual_keyboard_manager_v1`.
         globals: Vec<String>,
     },
 }
 
-/// The runtime folder of the user and the control socket in it.
+/// The runtime directory of the user, and the control socket in it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RuntimeDir {
-    /// `XDG_RUNTIME_DIR` names no folder.
+    /// `XDG_RUNTIME_DIR` is not a directory.
     Absent,
-    /// It does, and the control socket has its place in it.
+    /// The directory exists.
     Present {
-        /// Where the control socket is, or would be.
+        /// Path of the control socket.
         socket: PathBuf,
-        /// Who listens there; `None` when nobody does.
+        /// Process that listens at the socket, if any.
         run: Option<RunningInstance>,
     },
 }
 
-/// A run that listens at its control socket.
+/// A running instance of this program that listens at its control socket.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct RunningInstance {
-    /// Its process; `None` where it cannot be seen.
+    /// Process id; `None` if it is not visible.
     pub process: Option<i32>,
 }

@@ -1,9 +1,8 @@
-//! What a setup needs of the machine, what of that is there, and the lines for a shell that mend the rest.
+//! Checks of the machine: the permissions and services that a setup needs, and commands that provide missing ones.
 //!
-//! The machine is looked at once ([`look`]), without changing anything: nothing is opened that would notice,
-//! such as a serial port, whose adapter may start anew. What was found are plain [`Facts`], and [`examine`] makes
-//! [`Finding`]s of them. Reasons and remedies are those of [`access`](crate::access), which the outputs and
-//! sources use too. [`Backend::check`] uses an output without a visible effect.
+//! [`gather_facts`] inspects the machine once and changes nothing. In particular it opens no serial port, since that can
+//! reset the adapter. [`check`] turns the [`Facts`] into [`Finding`]s, with the advice of [`advice`](crate::advice), which
+//! the errors of outputs and sources contain too. [`Backend::check`] uses an output without a visible effect.
 
 mod checks;
 mod facts;
@@ -22,19 +21,19 @@ use crate::capture::SourceUri;
 use crate::output::{self, Backend};
 use crate::setup::Setup;
 
-/// What a setup needs of the machine.
+/// The permissions and services that a setup needs.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Requirements {
-    /// Serial ports that are to be read.
+    /// Serial ports to be read.
     pub ports: Vec<String>,
-    /// Keys and pointer of a desktop.
+    /// Whether the setup uses the output `desktop`.
     pub desktop: bool,
-    /// Devices of the kernel.
+    /// Whether the setup uses the output `uinput`.
     pub uinput: bool,
 }
 
 impl Requirements {
-    /// What a setup names.
+    /// Returns the requirements of a setup.
     pub fn from_setup(setup: &Setup) -> Self {
         let other = setup.other_hand.as_ref();
         let sources = [
@@ -51,62 +50,62 @@ impl Requirements {
     }
 }
 
-/// How something is.
+/// The status of a permission or service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CheckStatus {
-    /// It is there and can be used.
+    /// It exists and the user may use it.
     Ok,
-    /// It is not there, or this user may not use it.
+    /// It does not exist, or the user may not use it.
     Missing,
-    /// Nothing says so without trying it.
+    /// Only a test can tell.
     Unknown,
 }
 
 impl CheckStatus {
-    /// In words: `ok`, `missing`, `cannot tell`.
+    /// Returns `ok`, `missing` or `unknown`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ok => "ok",
             Self::Missing => "missing",
-            Self::Unknown => "cannot tell",
+            Self::Unknown => "unknown",
         }
     }
 }
 
-/// What came of one check.
+/// The result of one check.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// What was looked at: `user`, `serial port`, `uinput`, `display`, `compositor`, `sockets`.
+    /// Subject of the check: `user`, `serial port`, `uinput`, `display`, `compositor`, `sockets`.
     pub check: &'static str,
-    /// How it is.
-    pub state: CheckStatus,
+    /// Status of the subject.
+    pub status: CheckStatus,
     /// Whether the setup needs it.
     pub needed: bool,
-    /// What was found.
+    /// Explanation.
     pub text: String,
-    /// Lines for a shell that mend it, one after the other; there may be none.
-    pub fix: Vec<String>,
-    /// What is to be done after that, or instead; may be empty.
-    pub then: String,
+    /// Shell commands that provide it, in order; may be empty.
+    pub commands: Vec<String>,
+    /// Step after the commands, or instead of them; may be empty.
+    pub next_step: String,
 }
 
 impl Finding {
-    /// Whether the setup can do with it as it is.
+    /// Returns whether the setup works with this status.
     pub fn is_satisfied(&self) -> bool {
-        !self.needed || self.state == CheckStatus::Ok
+        !self.needed || self.status == CheckStatus::Ok
     }
 }
 
-/// Looks at the machine, as far as a setup with these wants has to do with it.
-pub fn gather_facts(wants: &Requirements) -> Facts {
-    probe::gather_facts(Path::new("/"), &probe::Environment::from_process(), wants)
+/// Inspects the parts of the machine that matter for these requirements.
+pub fn gather_facts(requirements: &Requirements) -> Facts {
+    let environment = probe::Environment::from_process();
+    probe::gather_facts(Path::new("/"), &environment, requirements)
 }
 
-/// Whether the user of this process may do everything, so that whatever comes in on a glove's line could.
-/// Elsewhere than on Linux nobody knows: `false`.
+/// Returns whether this process runs as root; `false` on systems other than Linux.
 pub fn is_running_as_root() -> bool {
-    probe::is_root()
+    probe::is_running_as_root()
 }
 
 #[cfg(test)]
@@ -114,29 +113,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_setup_wants_the_ports_and_outputs_that_it_names() {
+    fn the_requirements_are_the_ports_and_outputs_of_the_setup() {
         let mut setup = Setup {
             source: Some("serial:/dev/ttyUSB0?baud=9600".parse().unwrap()),
             output: "transcript, uinput".into(),
             ..Setup::default()
         };
-        let mut wants = Requirements {
+        let mut requirements = Requirements {
             ports: vec!["/dev/ttyUSB0".into()],
             desktop: false,
             uinput: true,
         };
-        assert_eq!(Requirements::from_setup(&setup), wants);
+        assert_eq!(Requirements::from_setup(&setup), requirements);
         setup.other_hand = Some(crate::setup::OtherHand {
             source: Some("serial:/dev/ttyUSB1".parse().unwrap()),
             ..Default::default()
         });
         setup.output = "desktop".into();
-        wants.ports.push("/dev/ttyUSB1".into());
-        (wants.desktop, wants.uinput) = (true, false);
-        assert_eq!(Requirements::from_setup(&setup), wants);
-        assert_eq!(
-            Requirements::from_setup(&Setup::default()),
-            Requirements::default()
-        );
+        requirements.ports.push("/dev/ttyUSB1".into());
+        (requirements.desktop, requirements.uinput) = (true, false);
+        assert_eq!(Requirements::from_setup(&setup), requirements);
+        let empty = Requirements::from_setup(&Setup::default());
+        assert_eq!(empty, Requirements::default());
     }
 }

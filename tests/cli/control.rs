@@ -415,7 +415,7 @@ fn a_stop_lets_go_and_ends_the_run_in_good_order() {
     let (code, _, err) = ctl(&run, &["state"]);
     assert_eq!(code, 2);
     assert!(
-        err.contains("nobody listens there; start `ademan run`"),
+        err.contains("no session listens there; start `ademan run`"),
         "{err}"
     );
 }
@@ -429,7 +429,7 @@ fn a_second_run_is_refused_and_the_socket_of_a_killed_one_is_taken_over() {
     let ended = ademan(&second).output().expect("it starts");
     assert_eq!(ended.status.code(), Some(2));
     let err = String::from_utf8_lossy(&ended.stderr);
-    assert!(err.contains("another run listens at"), "{err}");
+    assert!(err.contains("another session listens at"), "{err}");
     assert!(err.contains("`ademan ctl stop`"), "{err}");
     assert_eq!(ask(&mut caller(&run), r#"{"command":"state"}"#)["ok"], true);
 
@@ -518,7 +518,7 @@ fn another_user_is_not_listened_to() {
     };
     assert_eq!(ended.status.code(), Some(1));
     let err = String::from_utf8_lossy(&ended.stderr);
-    assert!(err.contains("gave no answer"), "{err}");
+    assert!(err.contains("no answer from the session"), "{err}");
     assert!(run.typed.is_empty(), "the key stays held");
     assert_eq!(
         ask(&mut caller(&run), r#"{"command":"state"}"#)["paused"],

@@ -1,4 +1,4 @@
-//! `ademan doctor`, `ademan setup`, and root, who is refused.
+//! `ademan doctor`, `ademan setup`, and the refusal of root.
 
 use std::fs;
 use std::os::unix::net::UnixListener;
@@ -9,27 +9,30 @@ use serde_json::Value;
 
 use crate::{Ended, ademan, run};
 
-/// A file of the package.
+/// Returns the path of a file of the package.
 fn root(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
 fn checks(ended: &Ended) -> Vec<Value> {
-    let read: Value = serde_json::from_str(&ended.out).expect("it is JSON");
+    let read: Value = serde_json::from_str(&ended.out).expect("the output is JSON");
     assert_eq!(read["ok"], ended.code == Some(0));
-    read["checks"].as_array().expect("a list").clone()
+    read["checks"]
+        .as_array()
+        .expect("the checks are a list")
+        .clone()
 }
 
 fn check<'a>(checks: &'a [Value], name: &str) -> &'a Value {
     let found = checks.iter().find(|check| check["check"] == name);
-    found.expect("it is checked")
+    found.expect("the check exists")
 }
 
 #[test]
-fn a_setup_that_needs_what_is_not_there_is_told_so_line_by_line() {
+fn missing_requirements_are_listed_with_their_remedy() {
     let ended = run(["doctor", "--source", "serial:/dev/no-such-glove"]);
     assert_eq!(ended.code, Some(1), "{}", ended.err);
-    let missing = "missing      serial port  needed  /dev/no-such-glove is not there\n";
+    let missing = "missing      serial port  needed  /dev/no-such-glove does not exist\n";
     assert!(ended.out.contains(missing), "{}", ended.out);
     let remedy = "\n# serial port, which is needed\n# check the cable";
     assert!(ended.out.contains(remedy), "{}", ended.out);
@@ -37,24 +40,24 @@ fn a_setup_that_needs_what_is_not_there_is_told_so_line_by_line() {
 }
 
 #[test]
-fn a_display_and_a_run_that_are_there_are_seen() {
+fn a_display_and_a_running_session_are_detected() {
     let folder = tempfile::tempdir().unwrap();
     let doctor = |arguments: &[&str]| -> Ended {
         let mut command = ademan(["doctor", "--json"]);
         command
             .args(arguments)
             .env("XDG_RUNTIME_DIR", folder.path());
-        command.output().expect("it starts").into()
+        command.output().expect("the program starts").into()
     };
     let ended = doctor(&[]);
     let free = checks(&ended);
     assert_eq!(ended.code, Some(0), "{}", ended.out);
-    assert_eq!(check(&free, "sockets")["state"], "ok");
+    assert_eq!(check(&free, "sockets")["status"], "ok");
     let ended = doctor(&["--output", "desktop"]);
     let display = &checks(&ended);
     let display = check(display, "display");
     assert_eq!(
-        (&display["state"], &display["text"]),
+        (&display["status"], &display["text"]),
         (&"missing".into(), &"DISPLAY is not set".into())
     );
 
@@ -68,7 +71,7 @@ fn a_display_and_a_run_that_are_there_are_seen() {
     assert!(text.contains(&process), "{text}");
 }
 
-/// What the doctor says of a port to a user who is a member of these groups and of no other, and his exit code.
+/// Runs the doctor for a port as the user `nobody`, with these groups only.
 #[cfg(target_os = "linux")]
 fn as_nobody(program: &Path, groups: &str, source: &str) -> Option<Ended> {
     let mut command = Command::new("setpriv");
@@ -82,17 +85,17 @@ fn as_nobody(program: &Path, groups: &str, source: &str) -> Option<Ended> {
             println!("SKIPPED: setpriv is not installed");
             None
         }
-        ended => Some(ended.expect("it starts").into()),
+        ended => Some(ended.expect("the program starts").into()),
     }
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_port_of_others_is_told_with_who_may_open_it_and_members_of_that_group_may() {
+fn a_denied_port_is_explained_and_members_of_its_group_may_open_it() {
     use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
     let folder = tempfile::tempdir().unwrap();
     if folder.path().metadata().unwrap().uid() != 0 {
-        println!("SKIPPED: only root can make a port of others");
+        println!("SKIPPED: only root can create a port that belongs to others");
         return;
     }
     let groups = fs::read_to_string("/etc/group").unwrap();
@@ -103,7 +106,7 @@ fn a_port_of_others_is_told_with_who_may_open_it_and_members_of_that_group_may()
         println!("SKIPPED: there is no group `dialout` here");
         return;
     };
-    // Where it is built not everybody may look.
+    // Other users may have no access to the build directory.
     let program = folder.path().join("ademan");
     fs::copy(env!("CARGO_BIN_EXE_ademan"), &program).unwrap();
     fs::set_permissions(folder.path(), PermissionsExt::from_mode(0o755)).unwrap();
@@ -123,14 +126,14 @@ fn a_port_of_others_is_told_with_who_may_open_it_and_members_of_that_group_may()
     let Some(ended) = as_nobody(&program, "--clear-groups", &source) else {
         return;
     };
-    let owner = format!("needed  this user may not open {port}, which is for its owner only\n");
+    let owner = format!("needed  no permission to open {port}, which only its owner may open\n");
     assert!(ended.out.contains(&owner), "{}{}", ended.out, ended.err);
     assert_eq!(ended.code, Some(1), "{}", ended.out);
 
     belongs_to(dialout, 0o660);
     let ended = as_nobody(&program, "--clear-groups", &source).unwrap();
     let group =
-        format!("needed  this user may not open {port}, which is for the group `dialout`\n");
+        format!("needed  no permission to open {port}, which belongs to the group `dialout`\n");
     assert!(ended.out.contains(&group), "{}{}", ended.out, ended.err);
     let join = "\nsudo usermod --append --groups dialout $USER\n# log in again\n";
     assert!(ended.out.contains(join), "{}", ended.out);
@@ -141,7 +144,7 @@ fn a_port_of_others_is_told_with_who_may_open_it_and_members_of_that_group_may()
 }
 
 #[test]
-fn an_output_that_cannot_be_had_fails_its_trial_with_the_reason() {
+fn the_test_of_an_unavailable_output_fails_with_the_reason() {
     let ended = run(["doctor", "--test", "desktop"]);
     assert_eq!(ended.code, Some(1));
     let reason =
@@ -151,7 +154,7 @@ fn an_output_that_cannot_be_had_fails_its_trial_with_the_reason() {
 }
 
 #[test]
-fn a_wrong_setup_is_no_matter_for_a_doctor() {
+fn an_invalid_setup_is_refused() {
     assert_eq!(run(["doctor", "no-such-setup.ron"]).code, Some(2));
     let ended = run(["doctor", "--output", "desktp"]);
     assert_eq!(ended.code, Some(2));
@@ -163,7 +166,7 @@ fn a_wrong_setup_is_no_matter_for_a_doctor() {
 }
 
 #[test]
-fn the_files_that_a_package_brings_are_those_that_are_printed() {
+fn the_printed_files_are_those_of_the_package() {
     let files = [
         ("udev", "60-ademan.rules"),
         ("udev-uaccess", "60-ademan-uaccess.rules"),
@@ -180,13 +183,15 @@ fn the_files_that_a_package_brings_are_those_that_are_printed() {
 }
 
 #[test]
-fn every_file_of_the_package_is_there() {
+fn every_file_of_the_package_exists() {
     let manifest = fs::read_to_string(root("Cargo.toml")).unwrap();
     let (_, section) = manifest
         .split_once("[package.metadata.deb]")
-        .expect("it says what the package is");
-    let (_, assets) = section.split_once("assets = [").expect("and what is in it");
-    let (assets, _) = assets.split_once("\n]").expect("the list ends");
+        .expect("the manifest describes the package");
+    let (_, assets) = section
+        .split_once("assets = [")
+        .expect("the package has assets");
+    let (assets, _) = assets.split_once("\n]").expect("the list is closed");
     let sources: Vec<_> = assets
         .lines()
         .filter_map(|line| line.trim().strip_prefix("[\"")?.split('"').next())
@@ -199,49 +204,52 @@ fn every_file_of_the_package_is_there() {
 }
 
 #[test]
-fn a_unit_and_a_launcher_are_what_their_own_tools_take() {
+fn the_unit_the_launcher_and_the_rules_pass_their_validators() {
     let unit = root("packaging/ademan.service");
     let launcher = root("packaging/ademan.desktop");
     let rules = ["60-ademan.rules", "60-ademan-uaccess.rules"];
-    is_taken_by(Command::new("desktop-file-validate").arg(launcher));
+    check_with(Command::new("desktop-file-validate").arg(launcher));
     for rules in rules {
         let path = root("packaging").join(rules);
         let knows = Command::new("udevadm").args(["verify", "--help"]).output();
         match knows {
             Ok(help) if help.status.success() => {
-                is_taken_by(Command::new("udevadm").arg("verify").arg(path));
+                check_with(Command::new("udevadm").arg("verify").arg(path));
             }
-            _ => println!("SKIPPED: this udevadm has no `verify`, or there is none"),
+            _ => println!("SKIPPED: udevadm is not installed or has no `verify`"),
         }
     }
-    // Exposure goes from 0 to 10; the threshold is ten times that.
+    // The threshold is ten times the exposure, which ranges from 0 to 10.
     let security = ["security", "--offline=true", "--threshold=25"];
-    is_taken_by(Command::new("systemd-analyze").args(security).arg(unit));
+    check_with(Command::new("systemd-analyze").args(security).arg(unit));
 }
 
-/// A tool that is there finds nothing wrong.
-fn is_taken_by(tool: &mut Command) {
+/// Runs a validator, which must find no error; skipped if it is not installed.
+fn check_with(tool: &mut Command) {
     let name = Path::new(tool.get_program()).display().to_string();
     match tool.output() {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
             println!("SKIPPED: {name} is not installed");
         }
         ended => {
-            let ended = Ended::from(ended.expect("it starts"));
+            let ended = Ended::from(ended.expect("the program starts"));
             assert_eq!(ended.code, Some(0), "{name}: {}{}", ended.out, ended.err);
         }
     }
 }
 
 #[test]
-fn root_does_not_type_unless_he_insists_and_may_do_all_the_rest() {
+fn root_is_refused_without_allow_root_but_may_use_other_commands() {
     let program = env!("CARGO_BIN_EXE_ademan");
     let run = |arguments: &[&str]| -> Ended {
         let mut command = Command::new(program);
         command.args(arguments).env_remove("XDG_RUNTIME_DIR");
-        command.output().expect("it starts").into()
+        command.output().expect("the program starts").into()
     };
-    let is_root = Command::new("id").arg("-u").output().expect("it starts");
+    let is_root = Command::new("id")
+        .arg("-u")
+        .output()
+        .expect("the program starts");
     if is_root.stdout != b"0\n" {
         println!("SKIPPED: only root is refused");
         return;
@@ -249,7 +257,7 @@ fn root_does_not_type_unless_he_insists_and_may_do_all_the_rest() {
     let refused = run(&["run", "--source", "typist:hi"]);
     assert_eq!(refused.code, Some(2), "{}", refused.err);
     assert_eq!(refused.out, "");
-    for part in ["root is not the one to type", "--allow-root"] {
+    for part in ["refusing to run as root", "--allow-root"] {
         assert!(refused.err.contains(part), "{}", refused.err);
     }
     run(&["run", "--source", "typist:hi", "--allow-root"]).done();

@@ -50,7 +50,7 @@ fn a_program_built_for_x11_does_not_type_past_a_wayland_desktop() {
     let ended = Ended::from(run.output().expect("it starts"));
     let words = match ademan::output::SUPPORTS_WAYLAND {
         false => {
-            "was built for X11: its keys would reach no program of Wayland; build it with \
+            "was built for X11, whose keys do not reach Wayland programs; build it with \
                   `--features wayland`, or use the output `uinput`; for programs of X11 only, unset \
                   WAYLAND_DISPLAY"
         }

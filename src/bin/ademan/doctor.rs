@@ -86,7 +86,7 @@ fn as_text(findings: &[Finding], tests: &[TestResult]) -> String {
         let needed = if finding.needed { "needed" } else { "" };
         text += &format!(
             "{:12} {:12} {:7} {}\n",
-            finding.state.name(),
+            finding.status.name(),
             finding.check,
             needed,
             finding.text
@@ -107,20 +107,20 @@ fn as_text(findings: &[Finding], tests: &[TestResult]) -> String {
 
 /// Commands to copy; empty if there is nothing to do.
 fn remedy(finding: &Finding) -> String {
-    if finding.fix.is_empty() && finding.then.is_empty() {
+    if finding.commands.is_empty() && finding.next_step.is_empty() {
         return String::new();
     }
-    let relevance = match (finding.needed, finding.state) {
+    let relevance = match (finding.needed, finding.status) {
         (true, CheckStatus::Missing) => ", which is needed",
         (false, CheckStatus::Missing) => ", if you want it",
         _ => "",
     };
     let mut text = format!("\n# {}{relevance}\n", finding.check);
-    for line in &finding.fix {
+    for line in &finding.commands {
         text += &format!("{line}\n");
     }
-    if !finding.then.is_empty() {
-        text += &format!("# {}\n", finding.then);
+    if !finding.next_step.is_empty() {
+        text += &format!("# {}\n", finding.next_step);
     }
     text
 }

@@ -1,8 +1,10 @@
+//! Tests of the checks.
+
 use super::*;
 use crate::advice::AccessDenied;
 use crate::doctor::facts::{RunningInstance, User};
 
-fn wants_all() -> Requirements {
+fn all_requirements() -> Requirements {
     Requirements {
         ports: vec!["/dev/ttyUSB0".into()],
         desktop: true,
@@ -10,8 +12,8 @@ fn wants_all() -> Requirements {
     }
 }
 
-/// A session on X11 with a glove in it.
-fn everything() -> Facts {
+/// An X11 session with a connected glove and all permissions.
+fn complete() -> Facts {
     Facts {
         user: User {
             name: "ana".into(),
@@ -34,8 +36,8 @@ fn everything() -> Facts {
     }
 }
 
-/// A machine that nobody has set up.
-fn nothing() -> Facts {
+/// A machine without any setup.
+fn bare() -> Facts {
     Facts {
         user: User {
             name: "ana".into(),
@@ -55,28 +57,28 @@ fn nothing() -> Facts {
     }
 }
 
-/// One line for each check: what it is, how it is, whether that suffices, and the first remedy.
-fn told(facts: &Facts, wants: &Requirements) -> Vec<String> {
+/// Returns one line per check: subject, status, and the first command or step.
+fn lines(facts: &Facts, requirements: &Requirements) -> Vec<String> {
     let line = |finding: Finding| {
         let needed = if finding.needed { "needed, " } else { "" };
-        let remedy = finding.fix.first().unwrap_or(&finding.then);
+        let step = finding.commands.first().unwrap_or(&finding.next_step);
         let line = format!(
             "{}: {needed}{}: {}",
             finding.check,
-            finding.state.name(),
-            remedy
+            finding.status.name(),
+            step
         );
         line.trim_end_matches([':', ' ']).to_owned()
     };
-    check(facts, wants).into_iter().map(line).collect()
+    check(facts, requirements).into_iter().map(line).collect()
 }
 
-fn suffices(facts: &Facts, wants: &Requirements) -> bool {
-    check(facts, wants).iter().all(Finding::is_satisfied)
+fn is_satisfied(facts: &Facts, requirements: &Requirements) -> bool {
+    check(facts, requirements).iter().all(Finding::is_satisfied)
 }
 
 #[test]
-fn a_machine_with_everything_is_told_to_do_nothing() {
+fn a_complete_machine_needs_no_step() {
     let expected = [
         "user: ok",
         "serial port: needed, ok",
@@ -85,13 +87,13 @@ fn a_machine_with_everything_is_told_to_do_nothing() {
         "compositor: ok",
         "sockets: needed, ok",
     ];
-    assert_eq!(told(&everything(), &wants_all()), expected);
-    assert!(suffices(&everything(), &wants_all()));
+    assert_eq!(lines(&complete(), &all_requirements()), expected);
+    assert!(is_satisfied(&complete(), &all_requirements()));
 }
 
 #[test]
-fn a_machine_with_nothing_is_told_what_each_thing_takes() {
-    let mut facts = nothing();
+fn a_bare_machine_gets_a_step_for_each_check() {
+    let mut facts = bare();
     facts.ports = vec![("/dev/ttyUSB0".into(), DeviceNode::Absent)];
     let session = "start this from a graphical session, or use the output `uinput`";
     let expected = [
@@ -101,58 +103,61 @@ fn a_machine_with_nothing_is_told_what_each_thing_takes() {
         "uinput: needed, missing: sudo modprobe uinput".into(),
         format!("display: needed, missing: {session}"),
         "compositor: ok".into(),
-        "sockets: missing: --control PATH makes one".into(),
+        "sockets: missing: name a path with --control PATH".into(),
     ];
-    assert_eq!(told(&facts, &wants_all()), expected);
-    assert!(!suffices(&facts, &wants_all()));
+    assert_eq!(lines(&facts, &all_requirements()), expected);
+    assert!(!is_satisfied(&facts, &all_requirements()));
 }
 
 #[test]
-fn what_a_setup_does_not_name_may_be_missing() {
-    assert!(suffices(&nothing(), &Requirements::default()));
-    let transcript = told(&nothing(), &Requirements::default());
+fn only_the_requirements_of_the_setup_must_be_met() {
+    assert!(is_satisfied(&bare(), &Requirements::default()));
+    let lines = lines(&bare(), &Requirements::default());
     assert_eq!(
-        transcript[1],
-        "serial port: missing: plug the glove in; `ademan demo` needs none"
+        lines[1],
+        "serial port: missing: connect the glove; `ademan demo` needs none"
     );
 }
 
 #[test]
-fn who_has_no_permission_is_told_the_group_the_rule_or_to_log_in_again() {
+fn denied_access_leads_to_a_group_a_rule_or_a_login() {
     let of_port = |denied: AccessDenied| {
-        let mut facts = everything();
+        let mut facts = complete();
         facts.ports[0].1 = DeviceNode::Denied(denied);
-        check(&facts, &wants_all()).remove(1)
+        check(&facts, &all_requirements()).remove(1)
     };
     let dialout = of_port(AccessDenied::NotInGroup("dialout".into()));
-    assert_eq!(dialout.state, CheckStatus::Missing);
+    assert_eq!(dialout.status, CheckStatus::Missing);
     let join = "sudo usermod --append --groups dialout $USER";
     assert_eq!(
-        (dialout.fix, dialout.then.as_str()),
+        (dialout.commands, dialout.next_step.as_str()),
         (vec![join.to_owned()], "log in again")
     );
     let older = of_port(AccessDenied::LoginRequired("dialout".into()));
-    assert_eq!((older.fix, older.then.as_str()), (vec![], "log in again"));
+    assert_eq!(
+        (older.commands, older.next_step.as_str()),
+        (vec![], "log in again")
+    );
 
-    let mut facts = everything();
+    let mut facts = complete();
     facts.uinput.node = DeviceNode::Denied(AccessDenied::OwnerOnly);
-    let uinput = check(&facts, &wants_all()).remove(2);
+    let uinput = check(&facts, &all_requirements()).remove(2);
     let expected = [
         "sudo groupadd --system --force uinput",
         "sudo usermod --append --groups uinput $USER",
-        "ademan setup --print udev | sudo tee /etc/udev/rules.d/60-ademan.rules",
+        "ademan system-files udev | sudo tee /etc/udev/rules.d/60-ademan.rules",
         "sudo udevadm control --reload && sudo udevadm trigger",
     ];
-    assert_eq!(uinput.fix, expected);
+    assert_eq!(uinput.commands, expected);
 }
 
 #[test]
-fn a_module_that_cannot_be_loaded_and_a_node_that_is_hidden_are_told_apart() {
+fn a_missing_module_and_a_missing_node_have_different_advice() {
     let of_uinput = |is_loaded, can_be_loaded| {
-        let mut facts = nothing();
+        let mut facts = bare();
         facts.uinput.is_loaded = is_loaded;
         facts.uinput.can_be_loaded = can_be_loaded;
-        told(&facts, &wants_all())[2].clone()
+        lines(&facts, &all_requirements())[2].clone()
     };
     let hidden = "uinput: needed, missing: start the container with `--device /dev/uinput`";
     assert_eq!(of_uinput(true, Some(true)), hidden);
@@ -162,7 +167,7 @@ fn a_module_that_cannot_be_loaded_and_a_node_that_is_hidden_are_told_apart() {
 }
 
 #[test]
-fn a_compositor_counts_by_what_it_offers_and_by_what_this_program_speaks() {
+fn a_compositor_needs_the_protocols_and_this_program_wayland_support() {
     let of_compositor = |globals: &[&str], speaks_wayland| {
         let facts = Facts {
             compositor: Compositor::Reachable {
@@ -170,15 +175,15 @@ fn a_compositor_counts_by_what_it_offers_and_by_what_this_program_speaks() {
                 globals: globals.iter().map(|name| (*name).to_owned()).collect(),
             },
             has_wayland: speaks_wayland,
-            ..everything()
+            ..complete()
         };
-        told(&facts, &wants_all())[4].clone()
+        lines(&facts, &all_requirements())[4].clone()
     };
     let both = [KEYBOARD_PROTOCOL, POINTER_PROTOCOL];
     assert_eq!(of_compositor(&both, true), "compositor: needed, ok");
     assert_eq!(
         of_compositor(&both[..1], true),
-        "compositor: needed, ok: let the output `uinput` move the pointer"
+        "compositor: needed, ok: use the output `uinput` for the pointer"
     );
     assert_eq!(
         of_compositor(&both, false),
@@ -191,35 +196,35 @@ fn a_compositor_counts_by_what_it_offers_and_by_what_this_program_speaks() {
 }
 
 #[test]
-fn a_display_is_not_needed_where_a_compositor_is_spoken_with() {
-    let mut facts = everything();
+fn a_display_is_not_needed_with_a_compositor() {
+    let mut facts = complete();
     facts.display = XDisplay::Unset;
-    assert!(!suffices(&facts, &wants_all()));
+    assert!(!is_satisfied(&facts, &all_requirements()));
     facts.has_wayland = true;
     facts.compositor = Compositor::Reachable {
         program: None,
         globals: vec![KEYBOARD_PROTOCOL.into()],
     };
-    assert!(suffices(&facts, &wants_all()));
+    assert!(is_satisfied(&facts, &all_requirements()));
     facts.compositor = Compositor::Unreachable {
         socket: "/run/user/1000/wayland-0".into(),
         reason: "connection refused".into(),
     };
-    assert!(!suffices(&facts, &wants_all()));
+    assert!(!is_satisfied(&facts, &all_requirements()));
 }
 
 #[test]
-fn what_only_a_trial_shows_is_not_taken_for_granted() {
-    let mut facts = everything();
+fn an_unknown_status_does_not_satisfy() {
+    let mut facts = complete();
     facts.display = XDisplay::Unknown("`far:0` is on the network".into());
-    let display = "display: needed, cannot tell: try it: `ademan doctor --test desktop`";
-    assert_eq!(told(&facts, &wants_all())[3], display);
-    assert!(!suffices(&facts, &wants_all()));
+    let display = "display: needed, unknown: test it: `ademan doctor --test desktop`";
+    assert_eq!(lines(&facts, &all_requirements())[3], display);
+    assert!(!is_satisfied(&facts, &all_requirements()));
 }
 
 #[test]
-fn a_second_run_and_a_path_that_is_too_long_are_known_beforehand() {
-    let mut facts = everything();
+fn a_second_session_and_a_long_path_are_reported() {
+    let mut facts = complete();
     let socket = std::path::PathBuf::from("/run/user/1000/ademan/control.sock");
     facts.runtime = RuntimeDir::Present {
         socket: socket.clone(),
@@ -228,9 +233,13 @@ fn a_second_run_and_a_path_that_is_too_long_are_known_beforehand() {
     let taken = check(&facts, &Requirements::default()).remove(5);
     assert_eq!(
         taken.text,
-        "another run listens at /run/user/1000/ademan/control.sock (process 42)"
+        "another session listens at /run/user/1000/ademan/control.sock (process 42)"
     );
-    assert!(taken.then.contains("ademan ctl stop"), "{}", taken.then);
+    assert!(
+        taken.next_step.contains("ademan ctl stop"),
+        "{}",
+        taken.next_step
+    );
     assert!(!taken.is_satisfied());
 
     facts.runtime = RuntimeDir::Present {
@@ -238,15 +247,18 @@ fn a_second_run_and_a_path_that_is_too_long_are_known_beforehand() {
         run: None,
     };
     let long = check(&facts, &Requirements::default()).remove(5);
-    assert!(long.text.contains("107 at most"), "{}", long.text);
-    assert!(long.then.contains("--control"), "{}", long.then);
+    assert!(long.text.contains("at most 107"), "{}", long.text);
+    assert!(long.next_step.contains("--control"), "{}", long.next_step);
 }
 
 #[test]
-fn root_learns_that_nothing_of_this_is_about_the_user() {
-    let mut facts = everything();
+fn as_root_the_checks_say_nothing_about_the_user() {
+    let mut facts = complete();
     facts.user.is_root = true;
-    let root = &told(&facts, &wants_all())[0];
-    assert!(root.starts_with("user: cannot tell: ask again"), "{root}");
-    assert!(suffices(&facts, &wants_all()));
+    let root = &lines(&facts, &all_requirements())[0];
+    assert!(
+        root.starts_with("user: unknown: run this as the user"),
+        "{root}"
+    );
+    assert!(is_satisfied(&facts, &all_requirements()));
 }

@@ -1,4 +1,4 @@
-//! The look at a Linux machine. Every file is seen from a root folder, `/` but in tests.
+//! Inspection of a Linux machine. All paths are relative to a root directory, which is `/` except in tests.
 
 use std::ffi::OsString;
 use std::fs::{self, OpenOptions};
@@ -20,56 +20,56 @@ use crate::advice::AccessDenied;
 use crate::output::SUPPORTS_WAYLAND;
 use crate::output::uinput::is_missing;
 
-/// How the device files of USB serial adapters begin.
+/// Prefixes of the device nodes of USB serial adapters.
 const ADAPTERS: [&str; 2] = ["ttyUSB", "ttyACM"];
 
-/// The environment variables that say where things are.
+/// The environment variables that name displays and directories.
 #[derive(Clone, Debug, Default)]
 pub(in crate::doctor) struct Environment {
     pub display: Option<String>,
     pub wayland_display: Option<OsString>,
-    pub runtime_folder: Option<PathBuf>,
+    pub runtime_dir: Option<PathBuf>,
 }
 
 impl Environment {
-    /// Those of this process; an empty one counts as not set.
+    /// Reads the variables of this process. An empty variable counts as not set.
     pub fn from_process() -> Self {
         let set = |name| std::env::var_os(name).filter(|value| !value.is_empty());
         Self {
             display: set("DISPLAY").map(|value| value.to_string_lossy().into_owned()),
             wayland_display: set("WAYLAND_DISPLAY"),
-            runtime_folder: set("XDG_RUNTIME_DIR").map(PathBuf::from),
+            runtime_dir: set("XDG_RUNTIME_DIR").map(PathBuf::from),
         }
     }
 }
 
-/// Looks at everything.
+/// Inspects the machine.
 pub(in crate::doctor) fn gather_facts(
     root: &Path,
     environment: &Environment,
-    wants: &Requirements,
+    requirements: &Requirements,
 ) -> Facts {
     let machine = Machine::new(root);
     Facts {
         user: machine.user(),
-        ports: machine.ports(wants),
+        ports: machine.ports(requirements),
         uinput: machine.uinput(),
         display: machine.display(environment.display.as_deref()),
         compositor: machine.compositor(environment),
         has_wayland: SUPPORTS_WAYLAND,
-        runtime: runtime(environment.runtime_folder.as_deref()),
+        runtime: runtime_dir(environment.runtime_dir.as_deref()),
     }
 }
 
-/// Whether the user of this process may do everything.
-pub(in crate::doctor) fn is_root() -> bool {
+/// Returns whether this process runs as root.
+pub(in crate::doctor) fn is_running_as_root() -> bool {
     geteuid().is_root()
 }
 
-/// A machine below a root folder, and its lists of people.
+/// A machine below a root directory, and its groups.
 struct Machine<'a> {
     root: &'a Path,
-    /// Lines of `/etc/group`: name, number, members.
+    /// Entries of `/etc/group`: name, id, members.
     groups: Vec<(String, u32, Vec<String>)>,
 }
 
@@ -88,23 +88,23 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Where an absolute path is, seen from the root.
+    /// Returns an absolute path below the root directory.
     fn at(&self, path: impl AsRef<Path>) -> PathBuf {
         let path = path.as_ref();
         self.root.join(path.strip_prefix("/").unwrap_or(path))
     }
 
     fn user(&self) -> User {
-        let number = geteuid().as_raw();
-        let people = fs::read_to_string(self.at("/etc/passwd")).unwrap_or_default();
-        let name = people.lines().find_map(|line| {
+        let id = geteuid().as_raw();
+        let passwd = fs::read_to_string(self.at("/etc/passwd")).unwrap_or_default();
+        let name = passwd.lines().find_map(|line| {
             let mut parts = line.split(':');
             let name = parts.next()?;
-            (parts.nth(1)?.parse() == Ok(number)).then(|| name.to_owned())
+            (parts.nth(1)?.parse() == Ok(id)).then(|| name.to_owned())
         });
         User {
-            name: name.unwrap_or_else(|| number.to_string()),
-            is_root: is_root(),
+            name: name.unwrap_or_else(|| id.to_string()),
+            is_root: is_running_as_root(),
             groups: own_groups()
                 .into_iter()
                 .map(|group| self.group_name(group))
@@ -117,8 +117,8 @@ impl<'a> Machine<'a> {
         found.map_or_else(|| number.to_string(), |(name, ..)| name.clone())
     }
 
-    fn ports(&self, wants: &Requirements) -> Vec<(String, DeviceNode)> {
-        let mut names = wants.ports.clone();
+    fn ports(&self, requirements: &Requirements) -> Vec<(String, DeviceNode)> {
+        let mut names = requirements.ports.clone();
         let entries = fs::read_dir(self.at("/dev")).into_iter().flatten();
         let mut adapters: Vec<_> = entries
             .flatten()
@@ -130,20 +130,20 @@ impl<'a> Machine<'a> {
         names.extend(adapters);
         let mut seen = Vec::new();
         names.retain(|name| {
-            let place = fs::canonicalize(self.at(name)).unwrap_or_else(|_| self.at(name));
-            let is_new = !seen.contains(&place);
-            seen.push(place);
+            let path = fs::canonicalize(self.at(name)).unwrap_or_else(|_| self.at(name));
+            let is_new = !seen.contains(&path);
+            seen.push(path);
             is_new
         });
         let node = |name: String| {
-            let node = self.node(&self.at(&name));
+            let node = self.inspect_node(&self.at(&name));
             (name, node)
         };
         names.into_iter().map(node).collect()
     }
 
-    /// A device file, without opening it.
-    fn node(&self, path: &Path) -> DeviceNode {
+    /// Inspects a device node without opening it.
+    fn inspect_node(&self, path: &Path) -> DeviceNode {
         match accessat(
             CWD,
             path,
@@ -157,13 +157,13 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// To whom a file is open, when not to this user.
+    /// Returns the reason why the user may not open a file.
     fn denied(&self, path: &Path) -> AccessDenied {
         let Ok(metadata) = fs::metadata(path) else {
             return AccessDenied::Unknown;
         };
-        let is_for_group = metadata.mode() & 0o060 == 0o060;
-        if !is_for_group || metadata.gid() == 0 || own_groups().contains(&metadata.gid()) {
+        let is_open_to_group = metadata.mode() & 0o060 == 0o060;
+        if !is_open_to_group || metadata.gid() == 0 || own_groups().contains(&metadata.gid()) {
             return AccessDenied::OwnerOnly;
         }
         let group = self.group_name(metadata.gid());
@@ -179,8 +179,7 @@ impl<'a> Machine<'a> {
 
     fn uinput(&self) -> UinputFacts {
         let path = self.at("/dev/uinput");
-        // A device comes of it by a request only: opening it does nothing, but shows whether there is something
-        // behind it.
+        // Opening the node creates no device, and fails if no driver is behind it.
         let mut options = OpenOptions::new();
         let options = options
             .write(true)
@@ -200,11 +199,11 @@ impl<'a> Machine<'a> {
         }
     }
 
-    /// Whether the running kernel could load a module.
+    /// Returns whether the running kernel has a module; `None` if its files are not visible.
     fn has_module(&self, name: &str) -> Option<bool> {
         let release = fs::read_to_string(self.at("/proc/sys/kernel/osrelease")).ok()?;
-        let folder = self.at("/lib/modules").join(release.trim_end());
-        let list = |file: &str| fs::read_to_string(folder.join(file)).ok();
+        let dir = self.at("/lib/modules").join(release.trim_end());
+        let list = |file: &str| fs::read_to_string(dir.join(file)).ok();
         let lists = [list("modules.dep"), list("modules.builtin")];
         let has = |list: &String| list.contains(&format!("/{name}.ko"));
         lists[0].as_ref()?;
@@ -231,8 +230,8 @@ impl<'a> Machine<'a> {
         let Some(name) = &environment.wayland_display else {
             return Compositor::Unset;
         };
-        let folder = environment.runtime_folder.as_deref();
-        let socket = folder.unwrap_or(Path::new("/")).join(name);
+        let dir = environment.runtime_dir.as_deref();
+        let socket = dir.unwrap_or(Path::new("/")).join(name);
         match wayland::globals(&socket) {
             Ok((process, globals)) => Compositor::Reachable {
                 program: process.and_then(|process| self.program(process)),
@@ -251,7 +250,7 @@ impl<'a> Machine<'a> {
     }
 }
 
-/// The numbers of the groups that count for this process.
+/// Returns the group ids of this process.
 fn own_groups() -> Vec<u32> {
     let mut groups = vec![getegid().as_raw()];
     groups.extend(
@@ -265,15 +264,15 @@ fn own_groups() -> Vec<u32> {
     groups
 }
 
-fn runtime(folder: Option<&Path>) -> RuntimeDir {
-    let Some(folder) = folder.filter(|folder| folder.is_absolute() && folder.is_dir()) else {
+fn runtime_dir(dir: Option<&Path>) -> RuntimeDir {
+    let Some(dir) = dir.filter(|dir| dir.is_absolute() && dir.is_dir()) else {
         return RuntimeDir::Absent;
     };
-    let socket = folder.join("ademan").join("control.sock");
+    let socket = dir.join("ademan").join("control.sock");
     let run = UnixStream::connect(&socket)
         .ok()
         .map(|stream| RunningInstance {
-            process: wayland::peer(&stream),
+            process: wayland::peer_process(&stream),
         });
     RuntimeDir::Present { socket, run }
 }

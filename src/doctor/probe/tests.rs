@@ -1,3 +1,5 @@
+//! Tests of the inspection of a Linux machine.
+
 use std::fs::{Permissions, create_dir_all, set_permissions, write};
 use std::os::unix::fs::{PermissionsExt, chown};
 use std::os::unix::net::UnixListener;
@@ -12,15 +14,15 @@ use crate::doctor::Requirements;
 use crate::doctor::facts::*;
 use std::path::PathBuf;
 
-/// A person who is in no group but his own, and one of whom the list of groups says more.
+/// User id and group id of a normal user.
 const BEA: u32 = 65_101;
-const PEOPLE: &str = "root:x:0:0::/root:/bin/sh\nbea:x:65101:65101::/:/bin/sh\n";
+const PASSWD: &str = "root:x:0:0::/root:/bin/sh\nbea:x:65101:65101::/:/bin/sh\n";
 const GROUPS: &str =
     "root:x:0:\nbea:x:65101:\ndialout:x:65020:ana\nuinput:x:65021:ana,bea\nbroken\n";
 const DIALOUT: u32 = 65_020;
 const UINPUT: u32 = 65_021;
 
-/// A machine of files; plain ones stand for devices.
+/// A root directory with plain files instead of device nodes.
 struct Root(tempfile::TempDir);
 
 impl Root {
@@ -28,7 +30,7 @@ impl Root {
         let folder = tempfile::tempdir().unwrap();
         set_permissions(folder.path(), Permissions::from_mode(0o755)).unwrap();
         let root = Self(folder);
-        root.file("etc/passwd", PEOPLE);
+        root.file("etc/passwd", PASSWD);
         root.file("etc/group", GROUPS);
         root
     }
@@ -43,31 +45,31 @@ impl Root {
     fn device(&self, path: &str, group: u32, mode: u32) {
         let path = self.file(path, "");
         set_permissions(&path, Permissions::from_mode(mode)).unwrap();
-        if is_root() {
+        if is_running_as_root() {
             chown(&path, Some(0), Some(group)).unwrap();
         }
     }
 
-    fn look(&self, wants: &Requirements) -> Facts {
-        gather_facts(self.0.path(), &Environment::default(), wants)
+    fn facts(&self, requirements: &Requirements) -> Facts {
+        gather_facts(self.0.path(), &Environment::default(), requirements)
     }
 
-    /// What somebody sees who is in these groups and nobody else's; `None` where only root can be another.
-    fn as_bea(&self, groups: &[u32], wants: &Requirements) -> Option<Facts> {
-        if !is_root() {
+    /// Gathers the facts as a user with these groups; `None` unless this process runs as root.
+    fn as_bea(&self, groups: &[u32], requirements: &Requirements) -> Option<Facts> {
+        if !is_running_as_root() {
             println!("SKIPPED: only root can be another user");
             return None;
         }
         let groups: Vec<_> = groups.iter().map(|group| Gid::from_raw(*group)).collect();
-        let look = || {
-            // These are of this thread alone.
+        let gather = || {
+            // Credentials set this way apply to this thread only.
             let (user, group) = (Uid::from_raw(BEA), Gid::from_raw(BEA));
             set_thread_groups(&groups).unwrap();
             set_thread_res_gid(group, group, group).unwrap();
             set_thread_res_uid(user, user, user).unwrap();
-            self.look(wants)
+            self.facts(requirements)
         };
-        Some(thread::scope(|scope| scope.spawn(look).join().unwrap()))
+        Some(thread::scope(|scope| scope.spawn(gather).join().unwrap()))
     }
 }
 
@@ -79,9 +81,9 @@ fn port(name: &str) -> Requirements {
 }
 
 #[test]
-fn a_machine_with_nothing_has_nothing() {
+fn an_empty_machine_has_no_devices() {
     let root = Root::new();
-    let facts = root.look(&port("/dev/ttyUSB0"));
+    let facts = root.facts(&port("/dev/ttyUSB0"));
     assert_eq!(facts.ports, [("/dev/ttyUSB0".into(), DeviceNode::Absent)]);
     let uinput = UinputFacts {
         node: DeviceNode::Absent,
@@ -92,11 +94,11 @@ fn a_machine_with_nothing_has_nothing() {
     assert_eq!(facts.display, XDisplay::Unset);
     assert_eq!(facts.compositor, Compositor::Unset);
     assert_eq!(facts.runtime, RuntimeDir::Absent);
-    assert_eq!(root.look(&Requirements::default()).ports, []);
+    assert_eq!(root.facts(&Requirements::default()).ports, []);
 }
 
 #[test]
-fn ports_are_found_and_a_link_to_one_is_not_told_twice() {
+fn usb_adapters_are_found_and_links_to_them_are_not_listed_twice() {
     let root = Root::new();
     for name in ["ttyUSB1", "ttyACM0", "ttyS0", "null"] {
         root.device(&format!("dev/{name}"), 0, 0o666);
@@ -104,8 +106,8 @@ fn ports_are_found_and_a_link_to_one_is_not_told_twice() {
     create_dir_all(root.0.path().join("dev/serial/by-id")).unwrap();
     let link = root.0.path().join("dev/serial/by-id/glove");
     std::os::unix::fs::symlink("../../ttyUSB1", link).unwrap();
-    let names = |wants: &Requirements| {
-        let ports = root.look(wants).ports;
+    let names = |requirements: &Requirements| {
+        let ports = root.facts(requirements).ports;
         let usable = |(name, node)| (node == DeviceNode::Usable).then_some(name);
         ports.into_iter().filter_map(usable).collect::<Vec<_>>()
     };
@@ -118,7 +120,7 @@ fn ports_are_found_and_a_link_to_one_is_not_told_twice() {
 }
 
 #[test]
-fn whom_a_device_is_for_is_seen_by_its_modes_and_the_lists_of_groups() {
+fn denied_access_is_explained_by_the_mode_and_the_groups() {
     let root = Root::new();
     root.device("dev/ttyUSB0", DIALOUT, 0o660);
     root.device("dev/ttyUSB1", 0, 0o600);
@@ -146,7 +148,7 @@ fn whom_a_device_is_for_is_seen_by_its_modes_and_the_lists_of_groups() {
 }
 
 #[test]
-fn what_is_advised_opens_the_device() {
+fn members_of_the_groups_may_open_the_devices() {
     let root = Root::new();
     root.device("dev/ttyUSB0", DIALOUT, 0o660);
     root.device("dev/uinput", UINPUT, 0o660);
@@ -159,9 +161,9 @@ fn what_is_advised_opens_the_device() {
 }
 
 #[test]
-fn a_module_is_loaded_can_be_loaded_or_is_not_there() {
+fn a_module_is_loaded_loadable_or_missing() {
     let root = Root::new();
-    let uinput = || root.look(&Requirements::default()).uinput;
+    let uinput = || root.facts(&Requirements::default()).uinput;
     root.file("proc/sys/kernel/osrelease", "6.1.0-test\n");
     assert_eq!(uinput().can_be_loaded, None);
     let list = "lib/modules/6.1.0-test/modules.dep";
@@ -178,7 +180,7 @@ fn a_module_is_loaded_can_be_loaded_or_is_not_there() {
 }
 
 #[test]
-fn a_display_is_there_when_somebody_listens() {
+fn a_display_is_reachable_if_a_server_listens() {
     let root = Root::new();
     let display = |name: &str| {
         let environment = Environment {
@@ -196,17 +198,17 @@ fn a_display_is_there_when_somebody_listens() {
 }
 
 #[test]
-fn a_compositor_that_says_nothing_and_a_run_that_listens_are_found_in_the_runtime_folder() {
+fn an_unreachable_compositor_and_a_running_session_are_found() {
     let root = Root::new();
     let environment = Environment {
         wayland_display: Some("wayland-0".into()),
-        runtime_folder: Some(root.0.path().into()),
+        runtime_dir: Some(root.0.path().into()),
         ..Environment::default()
     };
     let facts = || gather_facts(root.0.path(), &environment, &Requirements::default());
     let socket = root.0.path().join("ademan/control.sock");
     let Compositor::Unreachable { reason, .. } = facts().compositor else {
-        panic!("there is none");
+        panic!("no compositor listens");
     };
     assert!(reason.contains("No such file"), "{reason}");
     let free = RuntimeDir::Present {

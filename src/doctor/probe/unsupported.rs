@@ -1,47 +1,48 @@
-//! What stands in for the look at a machine where nobody has written one: only what the environment says.
+//! Stand-in for systems without an inspection: only what the build and the environment tell.
 
 use std::path::Path;
 
-use super::super::facts::{Compositor, Display, Facts, Node, Runtime, Uinput, User};
-use super::Wants;
+use super::super::Requirements;
+use super::super::facts::{Compositor, DeviceNode, Facts, RuntimeDir, UinputFacts, User, XDisplay};
 use crate::output::SUPPORTS_WAYLAND;
 
-/// Nothing is asked of it here.
+/// The environment variables, none of which is used here.
 pub(in crate::doctor) struct Environment;
 
 impl Environment {
-    /// Nothing.
-    pub fn of_process() -> Self {
+    /// Reads no variable.
+    pub fn from_process() -> Self {
         Self
     }
 }
 
-/// What can be said of any machine.
-pub(in crate::doctor) fn look(_: &Path, _: &Environment, wants: &Wants) -> Facts {
-    let unseen = || Node::Odd("this system is not looked at yet; start the run and see".into());
+/// Returns facts of which most are unknown.
+pub(in crate::doctor) fn gather_facts(
+    _: &Path,
+    _: &Environment,
+    requirements: &Requirements,
+) -> Facts {
+    let unknown = || DeviceNode::Error("not checked on this system; start a session to see".into());
+    let ports = requirements.ports.iter();
     Facts {
         user: User {
-            name: "whoever that is".into(),
+            name: "unknown user".into(),
             ..User::default()
         },
-        ports: wants
-            .ports
-            .iter()
-            .map(|port| (port.clone(), unseen()))
-            .collect(),
-        uinput: Uinput {
-            node: Node::Odd("it is a part of Linux; use the output `desktop`".into()),
+        ports: ports.map(|port| (port.clone(), unknown())).collect(),
+        uinput: UinputFacts {
+            node: DeviceNode::Error("exists only on Linux; use the output `desktop`".into()),
             is_loaded: false,
             can_be_loaded: None,
         },
-        display: Display::Unseen("the desktop of this system is seen only by using it".into()),
+        display: XDisplay::Unknown("the desktop is not checked on this system".into()),
         compositor: Compositor::Unset,
         has_wayland: SUPPORTS_WAYLAND,
-        runtime: Runtime::Absent,
+        runtime: RuntimeDir::Absent,
     }
 }
 
-/// Nobody knows.
-pub(in crate::doctor) fn is_root() -> bool {
+/// Returns `false`.
+pub(in crate::doctor) fn is_running_as_root() -> bool {
     false
 }

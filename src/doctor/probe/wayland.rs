@@ -1,4 +1,4 @@
-//! Asks a Wayland compositor what it has. Of the protocol that takes two requests and one kind of answer:
+//! Query of the globals of a Wayland compositor. It needs two requests and one event of the protocol:
 //! <https://wayland.freedesktop.org/docs/html/ch04.html#sect-Protocol-Wire-Format>.
 
 use std::io::{self, Read, Write};
@@ -8,51 +8,51 @@ use std::time::Duration;
 
 use rustix::net::sockopt::socket_peercred;
 
-/// How long a compositor may take for a message.
-const LIMIT: Duration = Duration::from_secs(1);
+/// Time-out of one message.
+const TIMEOUT: Duration = Duration::from_secs(1);
 
-/// More than any compositor has to say.
-const MOST_MESSAGES: usize = 4096;
+/// Largest number of messages; more than any compositor sends.
+const MAX_MESSAGES: usize = 4096;
 
-/// The object that every conversation begins with.
+/// Id of the object that exists from the start.
 const DISPLAY: u32 = 1;
 const REGISTRY: u32 = 2;
 const CALLBACK: u32 = 3;
 
-/// The process at the other end, where it can be seen, and the names of the interfaces that it offers.
+/// Returns the process id of the compositor, if visible, and the names of its interfaces.
 pub(super) fn globals(socket: &Path) -> io::Result<(Option<i32>, Vec<String>)> {
     let mut stream = UnixStream::connect(socket)?;
-    stream.set_read_timeout(Some(LIMIT))?;
-    stream.set_write_timeout(Some(LIMIT))?;
+    stream.set_read_timeout(Some(TIMEOUT))?;
+    stream.set_write_timeout(Some(TIMEOUT))?;
     let get_registry = message(DISPLAY, 1, REGISTRY);
     let sync = message(DISPLAY, 0, CALLBACK);
     stream.write_all(&[get_registry, sync].concat())?;
     let mut globals = Vec::new();
-    for _ in 0..MOST_MESSAGES {
+    for _ in 0..MAX_MESSAGES {
         match read_message(&mut stream)? {
             (REGISTRY, 0, body) => globals.extend(interface(&body)),
-            (CALLBACK, ..) => return Ok((peer(&stream), globals)),
-            (DISPLAY, 0, _) => return Err(io::Error::other("it refuses this program")),
+            (CALLBACK, ..) => return Ok((peer_process(&stream), globals)),
+            (DISPLAY, 0, _) => return Err(io::Error::other("the compositor reported an error")),
             _ => {}
         }
     }
-    Err(io::Error::other("it does not come to an end"))
+    Err(io::Error::other("the list of interfaces is too long"))
 }
 
-/// The process at the other end of a socket; `None` where it is in another world, as in a container.
-pub(super) fn peer(stream: &UnixStream) -> Option<i32> {
+/// Returns the process id of the peer of a socket; `None` if it is not visible, as in a container.
+pub(super) fn peer_process(stream: &UnixStream) -> Option<i32> {
     let process = socket_peercred(stream).ok()?.pid;
     Some(process.as_raw_nonzero().get())
 }
 
-/// A request with one number.
-fn message(object: u32, request: u16, number: u32) -> Vec<u8> {
+/// Returns a request with one argument.
+fn message(object: u32, opcode: u16, argument: u32) -> Vec<u8> {
     const SIZE: u32 = 12;
-    let head = SIZE << 16 | u32::from(request);
-    [object, head, number].map(u32::to_ne_bytes).concat()
+    let head = SIZE << 16 | u32::from(opcode);
+    [object, head, argument].map(u32::to_ne_bytes).concat()
 }
 
-/// Object, kind and body of the next message.
+/// Reads the next message: object id, opcode and body.
 fn read_message(stream: &mut impl Read) -> io::Result<(u32, u16, Vec<u8>)> {
     let mut head = [0; 8];
     stream.read_exact(&mut head)?;
@@ -61,13 +61,13 @@ fn read_message(stream: &mut impl Read) -> io::Result<(u32, u16, Vec<u8>)> {
     let size = (rest >> 16) as usize;
     let length = size
         .checked_sub(head.len())
-        .ok_or_else(|| io::Error::other("it does not speak Wayland"))?;
+        .ok_or_else(|| io::Error::other("not a Wayland message"))?;
     let mut body = vec![0; length];
     stream.read_exact(&mut body)?;
     Ok((object, rest as u16, body))
 }
 
-/// The name in the body of a `global`: its number, the length of the name with its end, the name, its version.
+/// Returns the interface of a `global` event: numeric name, length with the final NUL, interface, version.
 fn interface(body: &[u8]) -> Option<String> {
     let length = word(body, 4)? as usize;
     let name = body.get(8..8 + length.checked_sub(1)?)?;
@@ -86,20 +86,20 @@ mod tests {
 
     use super::*;
 
-    fn global(number: u32, name: &str) -> Vec<u8> {
+    fn global(id: u32, name: &str) -> Vec<u8> {
         let mut text = name.as_bytes().to_vec();
         text.push(0);
         let length = text.len() as u32;
         text.resize(text.len().next_multiple_of(4), 0);
         let size = 8 + 4 + 4 + text.len() as u32 + 4;
-        let head = [REGISTRY, size << 16, number, length].map(u32::to_ne_bytes);
+        let head = [REGISTRY, size << 16, id, length].map(u32::to_ne_bytes);
         [head.concat(), text, 1u32.to_ne_bytes().to_vec()].concat()
     }
 
-    /// Somebody who answers the two requests with these bytes and hangs up.
-    fn answered(bytes: Vec<u8>) -> io::Result<(Option<i32>, Vec<String>)> {
-        let folder = tempfile::tempdir().unwrap();
-        let socket = folder.path().join("wayland-0");
+    /// Queries a compositor that answers with these bytes and closes the connection.
+    fn query(bytes: Vec<u8>) -> io::Result<(Option<i32>, Vec<String>)> {
+        let dir = tempfile::tempdir().unwrap();
+        let socket = dir.path().join("wayland-0");
         let listener = UnixListener::bind(&socket).unwrap();
         let compositor = thread::spawn(move || {
             let (mut stream, _) = listener.accept().unwrap();
@@ -108,33 +108,36 @@ mod tests {
             stream.write_all(&bytes).unwrap();
             requests
         });
-        let told = globals(&socket);
+        let result = globals(&socket);
         let requests = compositor.join().unwrap();
         let words: Vec<_> = (0..6).filter_map(|at| word(&requests, 4 * at)).collect();
         assert_eq!(words, [1, 12 << 16 | 1, 2, 1, 12 << 16, 3]);
-        told
+        result
     }
 
     #[test]
-    fn a_compositor_is_asked_for_what_it_has() {
+    fn the_interfaces_and_the_process_of_a_compositor_are_returned() {
         let names = ["wl_seat", "zwp_virtual_keyboard_manager_v1"];
         let mut bytes = [global(1, names[0]), global(2, names[1])].concat();
         bytes.extend(message(CALLBACK, 0, 7));
-        let (process, globals) = answered(bytes).unwrap();
+        let (process, globals) = query(bytes).unwrap();
         assert_eq!(globals, names);
         assert_eq!(process, Some(std::process::id() as i32));
     }
 
     #[test]
-    fn who_speaks_otherwise_is_not_believed() {
-        let refused = |bytes| answered(bytes).unwrap_err().to_string();
-        assert_eq!(refused(vec![0; 8]), "it does not speak Wayland");
-        assert_eq!(refused(message(DISPLAY, 0, 1)), "it refuses this program");
+    fn invalid_messages_are_errors() {
+        let error = |bytes| query(bytes).unwrap_err().to_string();
+        assert_eq!(error(vec![0; 8]), "not a Wayland message");
+        assert_eq!(
+            error(message(DISPLAY, 0, 1)),
+            "the compositor reported an error"
+        );
         let cut = global(1, "wl_seat")[..20].to_vec();
-        assert_eq!(refused(cut), "failed to fill whole buffer");
-        let mut odd = global(1, "wl_seat");
-        odd[12..16].copy_from_slice(&u32::MAX.to_ne_bytes());
-        odd.extend(message(CALLBACK, 0, 7));
-        assert_eq!(answered(odd).unwrap().1, [""; 0]);
+        assert_eq!(error(cut), "failed to fill whole buffer");
+        let mut wrong_length = global(1, "wl_seat");
+        wrong_length[12..16].copy_from_slice(&u32::MAX.to_ne_bytes());
+        wrong_length.extend(message(CALLBACK, 0, 7));
+        assert_eq!(query(wrong_length).unwrap().1, [""; 0]);
     }
 }

@@ -316,6 +316,6 @@ fn without_a_display_the_error_contains_the_remedy() {
     let error = Desktop::open(Some(":59000"), &Capabilities::default())
         .err()
         .unwrap();
-    let start = "cannot open the output `desktop`: no display answers at `:59000`";
+    let start = "cannot open the output `desktop`: no X server answers at `:59000`";
     assert!(error.to_string().starts_with(start), "{error}");
 }

@@ -1,4 +1,4 @@
-//! The client's end, for `ademan ctl` and programs like it.
+//! A client of the control socket, for `ademan ctl` and similar programs.
 
 use std::io::{self, BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
@@ -7,21 +7,21 @@ use std::time::Duration;
 use super::ControlError;
 use crate::output::socket::{self, Stream};
 
-/// How long an answer may take; a run gives one within 2 s.
-const ANSWER_LIMIT: Duration = Duration::from_secs(5);
+/// Time-out of a response. A session answers within 2 s.
+const RESPONSE_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// A conversation with a run.
+/// A connection to a session.
 pub struct Client {
     reader: BufReader<Stream>,
     path: PathBuf,
 }
 
 impl Client {
-    /// Connects to the run whose socket is at `path`.
+    /// Connects to the session whose socket is at `path`.
     pub fn connect(path: &Path) -> Result<Self, ControlError> {
         let connected = socket::connect(path).and_then(|stream| {
-            stream.set_read_timeout(Some(ANSWER_LIMIT))?;
-            stream.set_write_timeout(Some(ANSWER_LIMIT))?;
+            stream.set_read_timeout(Some(RESPONSE_TIMEOUT))?;
+            stream.set_write_timeout(Some(RESPONSE_TIMEOUT))?;
             Ok(stream)
         });
         match connected {
@@ -33,7 +33,7 @@ impl Client {
                 path: path.into(),
                 reason: match error.kind() {
                     io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused => {
-                        "nobody listens there".into()
+                        "no session listens there".into()
                     }
                     _ => error.to_string(),
                 },
@@ -41,31 +41,33 @@ impl Client {
         }
     }
 
-    /// Says `request`, one line of JSON without its end, and gives the answer, one without its end.
+    /// Sends a request and returns the response. Both are one line of JSON without the newline.
     pub fn request(&mut self, request: &str) -> Result<String, ControlError> {
-        // A run that refuses a client says why without having heard a word.
+        // A server without a free slot sends its response before it reads anything.
         let _ = self
             .reader
             .get_mut()
             .write_all(format!("{request}\n").as_bytes());
-        match self.line() {
-            Ok(Some(answer)) => Ok(answer),
-            Ok(None) => Err(self.no_answer("it went away")),
-            Err(error) => Err(self.no_answer(&error.to_string())),
+        match self.read_line() {
+            Ok(Some(response)) => Ok(response),
+            Ok(None) => Err(self.no_response("the connection was closed")),
+            Err(error) => Err(self.no_response(&error.to_string())),
         }
     }
 
-    /// Waits for the next line of news, however long that takes; `None` when the run is over.
+    /// Waits for the next notification, without a time-out. Returns `None` when the session has ended.
     pub fn next_notification(&mut self) -> Result<Option<String>, ControlError> {
         let stream = self.reader.get_mut();
-        let waited = stream.set_read_timeout(None).and_then(|()| self.line());
-        waited.map_err(|error| self.no_answer(&error.to_string()))
+        let line = stream
+            .set_read_timeout(None)
+            .and_then(|()| self.read_line());
+        line.map_err(|error| self.no_response(&error.to_string()))
     }
 
-    /// Waits until the run has gone away; whether it has within 5 s.
+    /// Waits up to 5 s until the session has ended. Returns whether it has.
     pub fn wait_until_closed(mut self) -> bool {
         loop {
-            match self.line() {
+            match self.read_line() {
                 Ok(Some(_)) => {}
                 Ok(None) => return true,
                 Err(error) => return error.kind() == io::ErrorKind::ConnectionReset,
@@ -73,13 +75,13 @@ impl Client {
         }
     }
 
-    fn line(&mut self) -> io::Result<Option<String>> {
+    fn read_line(&mut self) -> io::Result<Option<String>> {
         let mut line = String::new();
         self.reader.read_line(&mut line)?;
         Ok(line.strip_suffix('\n').map(str::to_owned))
     }
 
-    fn no_answer(&self, reason: &str) -> ControlError {
+    fn no_response(&self, reason: &str) -> ControlError {
         ControlError::NoResponse {
             path: self.path.clone(),
             reason: reason.into(),

@@ -48,57 +48,63 @@ pub struct ProfileInfo {
     pub file: String,
 }
 
-/// Why there is no control socket, or nobody at it. Each text says what to do.
+/// An error of the control socket.
 #[derive(Debug, thiserror::Error)]
 pub enum ControlError {
-    /// The path is longer than that of a socket can be.
+    /// The path is longer than a socket path may be.
     #[error(
-        "cannot listen at {}: the path has {length} bytes, that of a socket {most} at most; name a shorter one with --control", path.display()
+        "cannot listen at {}: the path has {length} bytes, a socket path at most {most}; name a shorter one with \
+         --control PATH", path.display()
     )]
     PathTooLong {
-        /// The path.
+        /// Path of the socket.
         path: PathBuf,
-        /// Its length, in bytes.
+        /// Length of the path in bytes.
         length: usize,
-        /// The longest that there can be.
+        /// Largest length in bytes.
         most: usize,
     },
-    /// A run that is alive listens there.
+    /// Another session listens at the path.
     #[error(
-        "another run listens at {}: end it with `ademan ctl stop`, or give this one a socket of its own with --control PATH, or none with --control off", path.display()
+        "another session listens at {}; end it with `ademan ctl stop`, or start this one with --control PATH or \
+         --control off", path.display()
     )]
     InUse {
-        /// The path.
+        /// Path of the socket.
         path: PathBuf,
     },
-    /// The socket cannot be made.
-    #[error("cannot listen at {}: {reason}; name another path with --control, or do without: --control off", path.display())]
+    /// The socket cannot be created.
+    #[error(
+        "cannot listen at {}: {reason}; name another path with --control PATH, or use --control off", path.display()
+    )]
     Bind {
-        /// The path.
+        /// Path of the socket.
         path: PathBuf,
-        /// What happened.
+        /// Error.
         reason: String,
     },
-    /// Nobody listens there.
-    #[error("cannot reach a run at {}: {reason}; start `ademan run`, or name its socket with --socket", path.display())]
+    /// The client cannot connect.
+    #[error(
+        "cannot connect to {}: {reason}; start `ademan run`, or name its socket with --socket PATH", path.display()
+    )]
     Connect {
-        /// The path.
+        /// Path of the socket.
         path: PathBuf,
-        /// What happened.
+        /// Error.
         reason: String,
     },
-    /// A run was there and is not any more, or does not answer.
-    #[error("the run at {} gave no answer: {reason}", path.display())]
+    /// The session closed the connection, or did not answer in time.
+    #[error("no answer from the session at {}: {reason}", path.display())]
     NoResponse {
-        /// The path.
+        /// Path of the socket.
         path: PathBuf,
-        /// What happened.
+        /// Error.
         reason: String,
     },
 }
 
 impl ControlError {
-    fn open(path: &Path, error: SocketError) -> Self {
+    fn bind(path: &Path, error: SocketError) -> Self {
         let path = path.into();
         match error {
             SocketError::PathTooLong { length, max } => Self::PathTooLong {
@@ -112,13 +118,12 @@ impl ControlError {
     }
 }
 
-/// Where the socket is unless somebody says so: `ademan/control.sock` in `$XDG_RUNTIME_DIR`; `None` where
-/// that is not a folder.
+/// Returns the default path, `ademan/control.sock` in `$XDG_RUNTIME_DIR`; `None` if that is not a directory.
 pub fn default_path() -> Option<PathBuf> {
     socket::default_path("control.sock")
 }
 
-/// Whether a socket can have this path: it is not too long, and the system has such sockets.
+/// Checks that a socket may have this path: the system has such sockets, and the path is short enough.
 pub fn check_path(path: &Path) -> Result<(), ControlError> {
-    socket::check_path(path).map_err(|error| ControlError::open(path, error))
+    socket::check_path(path).map_err(|error| ControlError::bind(path, error))
 }

@@ -41,7 +41,7 @@ impl ControlServer {
     /// It is its owner's alone from the first instant on. One that a dead owner has left is taken over; one
     /// of a run that is alive is refused.
     pub fn bind(path: &Path) -> Result<Self, ControlError> {
-        let listener = Listener::open(path).map_err(|error| ControlError::open(path, error))?;
+        let listener = Listener::open(path).map_err(|error| ControlError::bind(path, error))?;
         let (reporter, untold) = Notifier::new();
         Ok(Self {
             listener: Arc::new(listener),

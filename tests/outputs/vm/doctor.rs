@@ -25,23 +25,23 @@ pub fn all(scene: &mut Scene) {
 
     let first = follow(scene);
     for part in [
-        "/dev/uinput is not there; load the kernel module",
+        "/dev/uinput does not exist: the kernel module `uinput` is not loaded",
         "sudo modprobe uinput",
-        "which is for the group `dialout`",
+        "which belongs to the group `dialout`",
         "sudo usermod --append --groups dialout $USER",
     ] {
         assert!(first.contains(part), "{part}: {first}");
     }
     let second = follow(scene);
     for part in [
-        "no permission to use /dev/uinput; give it to a group of its own",
+        "no permission to open /dev/uinput; give it to a group of its own",
         "sudo udevadm control --reload && sudo udevadm trigger",
     ] {
         assert!(second.contains(part), "{part}: {second}");
     }
     scene.machine.run("udevadm settle --timeout=30");
     let (is_well, said) = ask(scene, LOGGED_IN_BEFORE);
-    let part = "you have joined its group `uinput`, and this session is older";
+    let part = "you joined its group `uinput` after you logged in";
     assert!(!is_well && said.contains(part), "{said}");
     let (is_well, said) = ask(scene, LOGGED_IN);
     assert!(is_well, "{said}");

@@ -20,7 +20,7 @@ fn a_compositor_that_lets_no_program_press_keys_is_refused_and_the_doctor_knows(
     };
     let run = compositor.ademan(["run", "--output", "desktop", "--source", "typist:hi"]);
     let (code, _, told) = ended(run);
-    let why = "has no zwp_virtual_keyboard_manager_v1: it lets no program press keys so";
+    let why = "does not support zwp_virtual_keyboard_manager_v1, so programs cannot press keys";
     let expected = format!(
         "error: cannot open the output `desktop`: the compositor {why}; use the output `uinput`\n"
     );

@@ -37,7 +37,7 @@ fn a_display_that_is_there_is_found_and_left_as_it_was() {
     assert_eq!(server.keys_down(), [0; 0]);
 
     let (code, out) = doctor(":65000");
-    let silent = "missing      display      needed  no display answers at `:65000`\n";
+    let silent = "missing      display      needed  no X server answers at `:65000`\n";
     assert!(out.contains(silent), "{out}");
     assert!(out.contains("fails        desktop      tested"), "{out}");
     assert_eq!(code, Some(1), "{out}");
