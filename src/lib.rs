@@ -36,24 +36,36 @@
 //! **World frame**: right-handed, metres, +X to the wearer's right, +Y up, −Z forward. Angles are in
 //! radians, times in microseconds.
 
+// Types shared by every stage.
 pub mod time;
 pub mod names;
 pub mod hand;
 pub mod document;
 pub mod command;
 pub mod advice;
+
+// Stages, in the order of the data flow. A browser has no devices, files and threads: outputs and sessions are not built
+// for WebAssembly.
 pub mod capture;
 pub mod estimate;
 pub mod kinematics;
 pub mod contact;
 pub mod device;
+#[cfg(not(target_family = "wasm"))]
 pub mod output;
 pub mod layout;
 pub mod pipeline;
 pub mod snapshot;
+
+// Parts around the pipeline.
+#[cfg(not(target_family = "wasm"))]
 pub mod trace;
+#[cfg(not(target_family = "wasm"))]
 pub mod recorder;
 pub mod sim;
+#[cfg(not(target_family = "wasm"))]
 pub mod setup;
+#[cfg(not(target_family = "wasm"))]
 pub mod session;
+#[cfg(not(target_family = "wasm"))]
 pub mod doctor;

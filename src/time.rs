@@ -9,7 +9,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 /// The time-out of a thread that waits without a deadline: it wakes once an hour and waits again.
-pub(crate) const NO_DEADLINE: Duration = Duration::from_secs(3600);
+pub const NO_DEADLINE: Duration = Duration::from_secs(3600);
 
 /// Microseconds on the monotonic clock of a source; 0 is the start of the source.
 #[derive(

@@ -13,6 +13,7 @@ use crate::names::named_enum;
 use crate::time::Timestamp;
 
 pub mod keycode;
+pub mod pressed_keys;
 pub mod capabilities;
 pub mod key_arbiter;
 mod target_index;

@@ -17,7 +17,6 @@ mod axis_state;
 pub mod desktop;
 mod null;
 mod open;
-pub mod pressed_keys;
 pub mod router;
 pub(crate) mod socket;
 pub mod spacenav;

@@ -15,9 +15,9 @@ use std::fs::OpenOptions;
 use std::io::{self, BufWriter, Write};
 
 use super::axis_state::AxisState;
-use super::pressed_keys::PressedKeys;
 use super::{Backend, OpenRequest, OutputError, Sink, owner_only};
 use crate::contact::TargetNames;
+use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Capabilities, EventKind, OutputEvent, TimedCommand, TimedCommands};
 use crate::time::Timestamp;
 

@@ -6,8 +6,8 @@
 use super::Suppressed;
 use super::permissions::{EventClass, SourcePermissions, SourceRole};
 use super::rate_limit::TokenBucket;
+use crate::device::pressed_keys::PressedKeys;
 use crate::device::{EventKind, Events, KeyCode};
-use crate::output::pressed_keys::PressedKeys;
 use crate::time::Timestamp;
 
 /// The permissions of a source and its remaining presses.

@@ -124,7 +124,7 @@ impl StreamFormat {
     }
 
     /// Returns the time at which packet number `packets` (from 1) of a file is complete at the nominal rate.
-    pub(super) fn nominal_time(&self, packets: u64) -> Timestamp {
+    pub fn nominal_time(&self, packets: u64) -> Timestamp {
         if let Some(rate_hz) = (self.protocol.nominal_rate_hz)(&self.options) {
             return Timestamp::from_seconds(packets as f64 / rate_hz);
         }

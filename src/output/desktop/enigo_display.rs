@@ -11,8 +11,8 @@ use enigo::{
 use super::pending_motion::StatelessAction;
 use super::system;
 use super::worker::Injector;
+use crate::device::pressed_keys::KeyDirection;
 use crate::device::{KeyCode, KeyKind};
-use crate::output::pressed_keys::KeyDirection;
 
 /// Minimum time between a character and the end of its connection. On X11 a character that the keymap lacks is in the
 /// keymap only as long as the connection, and the receiver of the key looks it up there.

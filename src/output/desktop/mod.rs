@@ -11,9 +11,9 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
-use super::pressed_keys::PressedKeys;
 use super::watchdog::{WatchdogClient, WatchdogSettings};
 use super::{Backend, OpenRequest, OutputError, Sink};
+use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Capabilities, Capability, EventKind, KeyCode, KeyKind, OutputEvent};
 use crate::time::Timestamp;
 pub(super) use connect::connect;

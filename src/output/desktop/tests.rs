@@ -1,8 +1,8 @@
 //! Requests to a display that records them.
 
 use super::*;
+use crate::device::pressed_keys::KeyDirection;
 use crate::output::RETRIES;
-use crate::output::pressed_keys::KeyDirection;
 use crate::output::tests::{down, event, up};
 use std::sync::Mutex;
 use std::time::Instant;

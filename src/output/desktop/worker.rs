@@ -11,7 +11,7 @@ use crossbeam_channel::{Receiver, never, select};
 
 use super::pending_motion::StatelessAction;
 use crate::device::KeyCode;
-use crate::output::pressed_keys::{KeyDirection, PressedKeys};
+use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::output::watchdog::{HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient, WatchdogLost};
 use crate::output::{RETRIES, RETRY_DELAY};
 use crate::time::NO_DEADLINE;

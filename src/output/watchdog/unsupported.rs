@@ -6,7 +6,7 @@ use crossbeam_channel::Receiver;
 
 use super::WatchdogSettings;
 use crate::device::KeyCode;
-use crate::output::pressed_keys::KeyDirection;
+use crate::device::pressed_keys::KeyDirection;
 
 /// No handle is passed to another process.
 #[derive(Debug, Default)]

@@ -11,7 +11,7 @@ use evdev::{
 };
 
 use super::spec::{DeviceKind, DeviceSpec};
-use crate::output::pressed_keys::PressedKeys;
+use crate::device::pressed_keys::PressedKeys;
 
 /// Maximum number of events in a report: a press and a release of every key.
 pub const MAX_EVENTS: usize = 2 * PressedKeys::CAPACITY;

@@ -6,7 +6,7 @@ use std::time::Instant;
 use crossbeam_channel::{Receiver, TryRecvError, bounded, never};
 
 use crate::device::KeyCode;
-use crate::output::pressed_keys::{KeyDirection, PressedKeys};
+use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::output::watchdog::{
     HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient, WatchdogLost, WatchdogSettings,
 };

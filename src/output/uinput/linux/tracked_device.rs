@@ -7,9 +7,9 @@ use evdev::{AbsoluteAxisCode, EventType, InputEvent, RelativeAxisCode};
 
 use super::node::{DeviceNode, MAX_EVENTS};
 use super::spec::{DeviceKind, DeviceSpec, POINTER_MAX, STICK_MAX, TRIGGER_MAX, axis_range};
+use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Axis, EventKind, KeyCode};
 use crate::output::axis_state::AxisState;
-use crate::output::pressed_keys::PressedKeys;
 use crate::output::watchdog::DeviceHandle;
 use crate::output::{RETRIES, RETRY_DELAY};
 

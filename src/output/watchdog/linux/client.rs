@@ -13,7 +13,7 @@ use rustix::net::{SendFlags, send};
 
 use super::{READY, ReleaseTarget, WatchdogMessage};
 use crate::device::KeyCode;
-use crate::output::pressed_keys::KeyDirection;
+use crate::device::pressed_keys::KeyDirection;
 use crate::output::watchdog::WatchdogSettings;
 
 /// Longest time in which a watchdog connects to the display.

@@ -1,7 +1,7 @@
 //! Messages to the watchdog.
 
 use crate::device::KeyCode;
-use crate::output::pressed_keys::KeyDirection;
+use crate::device::pressed_keys::KeyDirection;
 
 /// The byte that the watchdog sends when it is ready. Any other data is the reason why it cannot work.
 pub const READY: u8 = b'.';

@@ -7,8 +7,8 @@ use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::time::{Duration, Instant};
 
+use crate::device::pressed_keys::PressedKeys;
 use crate::output::desktop::worker::{Worker, WorkerStatus};
-use crate::output::pressed_keys::PressedKeys;
 use crate::output::watchdog::{HEARTBEAT_TIMEOUT, READY, ReleaseTarget, WatchdogMessage};
 use releaser::KeyReleaser;
 

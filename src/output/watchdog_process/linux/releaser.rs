@@ -5,11 +5,11 @@ use std::io::{self, Write};
 use std::time::Instant;
 
 use super::stuck_keys;
+use crate::device::pressed_keys::KeyDirection;
 use crate::device::{KeyCode, KeyKind};
 use crate::output::desktop::connect;
 use crate::output::desktop::pending_motion::StatelessAction;
 use crate::output::desktop::worker::Injector;
-use crate::output::pressed_keys::KeyDirection;
 use crate::output::uinput::{UinputNode, center_axes, release_key};
 use crate::output::watchdog::ReleaseTarget;
 

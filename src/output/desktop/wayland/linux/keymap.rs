@@ -8,7 +8,7 @@ use rustix::fs::{MemfdFlags, memfd_create};
 use xkbcommon::xkb;
 
 use crate::device::KeyCode;
-use crate::output::pressed_keys::KeyDirection;
+use crate::device::pressed_keys::KeyDirection;
 
 /// The keymap format `XKB_V1`: text with a NUL at its end.
 pub const FORMAT: u32 = 1;

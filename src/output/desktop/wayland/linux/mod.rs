@@ -19,10 +19,10 @@ use wayland_client::protocol::wl_pointer::{Axis, AxisSource, ButtonState};
 use wayland_protocols_misc::zwp_virtual_keyboard_v1::client::zwp_virtual_keyboard_v1::ZwpVirtualKeyboardV1;
 use wayland_protocols_wlr::virtual_pointer::v1::client::zwlr_virtual_pointer_v1::ZwlrVirtualPointerV1;
 
+use crate::device::pressed_keys::KeyDirection;
 use crate::device::{KeyCode, KeyKind};
 use crate::output::desktop::pending_motion::StatelessAction;
 use crate::output::desktop::worker::Injector;
-use crate::output::pressed_keys::KeyDirection;
 use crate::output::watchdog::ReleaseTarget;
 use connection::CompositorConnection;
 use keymap::{CHARACTER_KEY, Keymap};

@@ -2,7 +2,7 @@
 
 use arrayvec::ArrayVec;
 
-use crate::device::KeyCode;
+use super::KeyCode;
 
 /// The direction of a key or button event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
