@@ -19,7 +19,7 @@ use ademan::setup::Setup;
 use crate::panics;
 use crate::place::Place;
 use crate::signals;
-use crate::support::hand::Hand;
+use crate::support::hand::HoldingHand;
 use crate::support::press::Press;
 use crate::support::program::Program;
 use crate::support::x11::wait_for;
@@ -38,17 +38,17 @@ pub fn release_after(place: &Place, thread: &str) -> Duration {
     let mut this = Command::new(std::env::current_exe().expect("this program"));
     this.args([COMMAND, place.output(), thread]).arg(&fuse);
     place.show_to(&mut this);
-    let program = Program::of(this);
-    program.wait_until_it_says("ready", 1);
+    let program = Program::from_command(this);
+    program.wait_for_line("ready", 1);
     place.watch();
-    assert!(wait_for(|| place.holds()), "{:#?}", program.said());
+    assert!(wait_for(|| place.holds()), "{:#?}", program.stderr_lines());
     let start = Instant::now();
     UnixStream::connect(&fuse).expect("it waits for this");
     while !place.is_free() {
         assert!(start.elapsed() < Duration::from_secs(20), "keys stay down");
     }
     let took = start.elapsed();
-    program.wait_until_it_says("panicked", 1);
+    program.wait_for_line("panicked", 1);
     took
 }
 
@@ -72,7 +72,10 @@ pub fn run_if_asked(arguments: &[String]) {
     let mut sink = output::open(output, &assembly.required_capabilities()).expect("it is there");
     let [source, of_loop, _] = THREADS.map(|name| light(Path::new(fuse), name, thread));
     eprintln!("ready");
-    let source = Fused(Hand::that_holds(&Press::of("h"), Duration::MAX), source);
+    let source = Fused(
+        HoldingHand::new(&Press::for_text("h"), Duration::MAX),
+        source,
+    );
     let mut pipeline = assembly.pipeline();
     let mut observe = |_: &_| check(&of_loop);
     let drive =
@@ -105,7 +108,7 @@ fn check(is_lit: &AtomicBool) {
 }
 
 /// A hand whose thread panics when it is told to.
-struct Fused(Hand, Arc<AtomicBool>);
+struct Fused(HoldingHand, Arc<AtomicBool>);
 
 impl Source for Fused {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {

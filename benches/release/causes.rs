@@ -55,7 +55,7 @@ pub fn main() {
     let Some(place) = Place::open(name) else {
         return;
     };
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let title = format!("nothing is down on {name} after, in ms, {times} times");
     println!("{title:50} {:>10} {:>10} {:>6}", "median", "worst", "goal");
     for &(name, cause, is_loaded, goal) in ROWS {

@@ -11,7 +11,7 @@ use evdev::{Device, KeyCode};
 #[cfg(feature = "wayland")]
 use crate::compositor::Compositor;
 use crate::support::binary::ademan;
-use crate::support::press::code;
+use crate::support::press::x11_code;
 use crate::support::program::Program;
 use crate::support::x11::XServer;
 #[cfg(feature = "wayland")]
@@ -60,7 +60,7 @@ impl Place {
     pub fn run(&self, arguments: &[&str]) -> Program {
         let mut command = ademan(arguments);
         self.show_to(&mut command);
-        Program::of(command)
+        Program::from_command(command)
     }
 
     /// Lets a program find this place, and no other.
@@ -102,7 +102,7 @@ impl Place {
     /// Whether H is down, and nothing else.
     pub fn holds(&self) -> bool {
         match self {
-            Self::X11(server) => server.keys_down() == [code("H")],
+            Self::X11(server) => server.pressed_keys() == [x11_code("H")],
             #[cfg(feature = "wayland")]
             Self::Wayland(_, window) => heard(window).last().is_some_and(|line| line == "down h"),
             Self::Kernel(device) => keys(device) == [KeyCode::KEY_H],
@@ -112,7 +112,7 @@ impl Place {
     /// Whether nothing is down any more, once H was.
     pub fn is_free(&self) -> bool {
         match self {
-            Self::X11(server) => server.keys_down().is_empty(),
+            Self::X11(server) => server.pressed_keys().is_empty(),
             #[cfg(feature = "wayland")]
             Self::Wayland(_, window) => {
                 thread::sleep(PAUSE);

@@ -13,7 +13,7 @@ use crate::place::Place;
 use crate::support::glove::Glove;
 use crate::support::press::{Posture, Press};
 use crate::support::program::Program;
-use crate::support::x11::{wait_for, wait_up_to};
+use crate::support::x11::{wait_at_most, wait_for};
 
 /// So many postures before the key is down the finger is above it.
 const STROKE: usize = 40;
@@ -37,7 +37,7 @@ impl Scene {
             scene.load = is_loaded.then(|| Load::start(&scene.control));
             scene.glove.play(stroke(press));
             // A machine that holds this up for 200 ms on the way makes a stall of it.
-            if wait_up_to(PATIENCE, || place.holds()) {
+            if wait_at_most(PATIENCE, || place.holds()) {
                 return scene;
             }
             drop(scene);
@@ -63,7 +63,7 @@ impl Scene {
             "--control",
             &socket,
         ]);
-        program.wait_until_it_says("armed", 1);
+        program.wait_for_line("armed", 1);
         place.watch();
         Self {
             program,
@@ -82,7 +82,7 @@ impl Scene {
         let mut client = UnixStream::connect(&self.control).expect("the run listens");
         let start = Instant::now();
         match cause {
-            Cause::Silence => self.glove.fall_silent(),
+            Cause::Silence => self.glove.stop_sending(),
             Cause::Unplugged => self.glove.unplug(),
             Cause::Sent(signal) => kill_process(program, signal).expect("it runs"),
             Cause::Pause => client
@@ -96,7 +96,7 @@ impl Scene {
         let took = start.elapsed();
         self.load = None;
         let _ = kill_process(program, Signal::KILL);
-        self.program.status();
+        self.program.wait_for_exit();
         drop(self.folder);
         took
     }

@@ -226,7 +226,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/panics.rs", "nothing_is_down_after_a_panic_of_the_source"),
         ("tests/outputs/x11/panics.rs", "nothing_is_down_after_a_panic_of_a_device"),
         ("tests/outputs/x11/panics.rs", "nothing_is_down_after_a_panic_of_the_observer"),
-        ("src/output/desktop/tests.rs", "a_panic_on_the_way_to_the_display_lets_go_of_everything"),
+        ("src/output/desktop/tests.rs", "a_panic_of_the_connection_releases_all_keys"),
         ("src/bin/ademan/panics.rs", "a_panic_of_a_thread_that_nobody_waits_for_asks_for_the_end_and_is_a_failure"),
     ])),
     fault(48, "a panic while panicking, a poisoned lock", Tests(&[
@@ -258,7 +258,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(53, "the watchdog is killed", Tests(&[
         ("tests/outputs/x11/watchdog.rs", "a_guardian_that_is_killed_is_replaced_once_and_the_run_pauses"),
-        ("src/output/uinput/tests.rs", "without_a_guardian_nothing_stays_down_and_nothing_goes_down_until_there_is_another_one"),
+        ("src/output/uinput/linux/tests.rs", "when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_restarted"),
     ])),
     fault(54, "the system is suspended while a key is held", Tests(&[
         ("src/capture/thread/tests.rs", "a_machine_that_slept_loses_its_live_sources_before_the_next_reading"),
@@ -267,24 +267,24 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(55, "no uinput, or no permission for it", Tests(&[
         ("tests/cli/faults/disks.rs", "without_a_node_or_the_right_to_it_uinput_is_refused_with_the_way_to_get_it"),
-        ("src/output/uinput/tests.rs", "an_error_at_opening_says_what_to_do"),
+        ("src/output/uinput/linux/tests.rs", "an_open_error_contains_the_remedy"),
     ])),
     fault(56, "the system accepts no more events", Tests(&[
-        ("src/output/uinput/tests.rs", "a_frame_is_tried_four_times_and_a_release_that_failed_is_not_forgotten"),
-        ("src/output/uinput/tests.rs", "a_press_that_failed_is_let_go_of_because_nobody_knows_whether_it_arrived"),
-        ("src/output/desktop/tests.rs", "a_display_that_is_busy_three_times_loses_nothing"),
-        ("src/output/desktop/tests.rs", "after_a_failure_nothing_is_pressed_and_what_may_be_down_is_let_go_of"),
+        ("src/output/uinput/linux/tests.rs", "a_report_is_tried_four_times_and_a_failed_release_is_repeated_on_closing"),
+        ("src/output/uinput/linux/tests.rs", "a_failed_press_is_released_as_it_may_have_arrived"),
+        ("src/output/desktop/tests.rs", "a_call_that_fails_three_times_is_repeated"),
+        ("src/output/desktop/tests.rs", "after_a_failure_nothing_is_pressed_and_keys_that_may_be_pressed_are_released"),
         ("tests/outputs/x11/ends.rs", "a_display_that_died_ends_it_with_an_error_at_the_next_key"),
         ("tests/outputs/x11/sink.rs", "a_server_that_dies_is_an_error_and_not_a_hang"),
     ])),
     fault(57, "two sessions at once", Tests(&[
         ("tests/cli/control.rs", "a_second_run_is_refused_and_the_socket_of_a_killed_one_is_taken_over"),
         ("tests/cli/faults/lines.rs", "a_second_run_on_the_same_port_is_refused_at_once_and_the_first_goes_on"),
-        ("src/output/socket.rs", "a_second_owner_is_refused_and_a_dead_ones_socket_taken_over"),
+        ("src/output/socket/linux.rs", "a_socket_in_use_is_an_error_and_that_of_a_dead_process_is_replaced"),
     ])),
     fault(58, "the queue to the output is full", Tests(&[
-        ("src/output/desktop/tests.rs", "when_the_queue_fills_presses_are_refused_and_no_release_is"),
-        ("src/output/desktop/tests.rs", "when_the_queue_fills_motion_waits_as_one_and_releases_still_find_room"),
+        ("src/output/desktop/tests.rs", "a_full_queue_drops_presses_but_no_release"),
+        ("src/output/desktop/tests.rs", "a_full_queue_coalesces_motion_and_drops_no_release"),
     ])),
     fault(59, "a client of the joint-angle server stops reading", Missing("there is no joint-angle server")),
     fault(60, "disk full, log closed", Tests(&[

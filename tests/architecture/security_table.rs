@@ -119,8 +119,8 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "keys_that_act_on_the_system_do_not_go_out_unless_they_may",
             ),
             (
-                "src/output/uinput/spec.rs",
-                "a_device_is_made_when_it_is_needed_and_has_what_is_needed",
+                "src/output/uinput/linux/spec.rs",
+                "each_device_has_the_required_capabilities_only",
             ),
         ]),
     ),
@@ -278,7 +278,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
             ),
             (
                 "src/output/tests.rs",
-                "only_its_owner_can_read_a_transcript",
+                "a_transcript_is_readable_by_its_owner_only",
             ),
         ]),
     ),

@@ -11,7 +11,7 @@ use std::thread::sleep;
 use std::time::Duration;
 
 use crate::support::binary::ademan;
-use crate::support::process::{Process, no_program_starts};
+use crate::support::process::{Process, lock_spawning};
 use crate::support::run::{PATIENCE, lines, postures, shipped};
 use crate::support::x11::XServer;
 use ademan::capture::hc11::{Framing, encode};
@@ -41,7 +41,7 @@ impl Idle {
         )
         .expect("a file");
         let mut wire = {
-            let _alone = no_program_starts();
+            let _alone = lock_spawning();
             open_loopback(Hc11Format::default()).expect("a line")
         };
         let source = wire.uri.to_string();

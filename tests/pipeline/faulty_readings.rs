@@ -7,7 +7,7 @@ use ademan::estimate::{
 use ademan::hand::{Dof, Finger, FingerSet};
 use ademan::setup::LoadedSetup;
 
-use crate::support::press::{Posture, Press, line};
+use crate::support::press::{Posture, Press, glove_format};
 use crate::support::wearer::{GloveWearer, assembly, pipeline_with, stream};
 
 /// Channels of the shipped glove.
@@ -17,7 +17,7 @@ const ELBOW: usize = 17;
 fn holding(press: &Press) -> GloveWearer {
     let mut wearer = GloveWearer::on(&assembly());
     wearer.play(&press.approach);
-    wearer.play(&[press.held(); 20]);
+    wearer.play(&[press.pressed(); 20]);
     assert_eq!(wearer.typed(), "down H");
     wearer
 }
@@ -30,7 +30,7 @@ fn with(posture: &Posture, channel: usize, count: u8) -> Posture {
 
 /// What the glove says while the hand plays a script.
 fn postures(assembly: &LoadedSetup, script: &str) -> Vec<Posture> {
-    let typist = assembly.scripted(script, &line(), 0.0, 0);
+    let typist = assembly.scripted(script, &glove_format(), 0.0, 0);
     let mut typist = typist.unwrap_or_else(|error| panic!("{error}"));
     std::iter::from_fn(|| {
         let counts = typist.next_counts()?;
@@ -41,7 +41,7 @@ fn postures(assembly: &LoadedSetup, script: &str) -> Vec<Posture> {
 
 #[test]
 fn a_stream_that_is_entered_in_the_middle_of_a_frame_types_the_same() {
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let assembly = assembly();
     let whole = [&press.approach[..], &press.lift[..]].concat();
     let bytes = stream(&whole);
@@ -60,14 +60,14 @@ fn a_stream_that_is_entered_in_the_middle_of_a_frame_types_the_same() {
 
 #[test]
 fn one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most() {
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let assembly = assembly();
-    let frames = [press.held(); 12];
+    let frames = [press.pressed(); 12];
     let clean = stream(&frames);
     for bit in 0..PACKET_BYTES * 8 {
         let mut wearer = GloveWearer::on(&assembly);
         wearer.play(&press.approach);
-        wearer.play(&[press.held(); 20]);
+        wearer.play(&[press.pressed(); 20]);
         let before = wearer.readings();
         let mut bytes = clean.clone();
         bytes[3 * PACKET_BYTES + bit / 8] ^= 1 << (bit % 8);
@@ -82,7 +82,7 @@ fn one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most() 
 
 #[test]
 fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on() {
-    let h = Press::of("h");
+    let h = Press::for_text("h");
     let assembly = assembly();
     let deed = postures(
         &assembly,
@@ -103,7 +103,7 @@ fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on()
         .flat_map(|&channel| [(channel, 0), (channel, 255)])
     {
         let mut wearer = holding(&h);
-        let broken = with(&h.held(), channel, end);
+        let broken = with(&h.pressed(), channel, end);
         // A second of 175 readings, and the few in which a jump is not believed yet.
         wearer.play(&[broken; 185]);
         assert_eq!(wearer.typed(), "up H", "channel {channel} at {end}");
@@ -113,7 +113,7 @@ fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on()
         wearer.play(&hang(&[deed[0]; 60]));
         wearer.play(&hang(&deed));
         assert_eq!(wearer.typed(), "down 8, up 8", "channel {channel} at {end}");
-        wearer.play(&[h.off(); 60]);
+        wearer.play(&[h.clear(); 60]);
         wearer.play(&h.approach);
         wearer.play(&h.lift);
         assert_eq!(wearer.typed(), "down H, up H", "mended: channel {channel}");
@@ -122,16 +122,16 @@ fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on()
 
 #[test]
 fn a_hand_that_is_here_and_there_lets_go_at_the_third_reading_and_presses_nothing() {
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let mut wearer = holding(&press);
-    let elbow = press.held()[ELBOW];
+    let elbow = press.pressed()[ELBOW];
     for (number, away) in [120, 60, 120, 60, 120, 60].into_iter().enumerate() {
-        let elsewhere = with(&press.held(), ELBOW, elbow + away);
+        let elsewhere = with(&press.pressed(), ELBOW, elbow + away);
         let rejection = wearer.see_after(5_729, &elsewhere);
         assert_eq!(rejection, Some(Rejection::TooFast));
         assert_eq!(wearer.typed(), if number == 2 { "up H" } else { "" });
     }
-    wearer.play(&[press.held(); 60]);
+    wearer.play(&[press.pressed(); 60]);
     assert_eq!(wearer.typed(), "", "the finger has not left the key");
     wearer.play(&press.lift);
     wearer.play(&press.approach);
@@ -141,7 +141,7 @@ fn a_hand_that_is_here_and_there_lets_go_at_the_third_reading_and_presses_nothin
 #[test]
 fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
     const SPARE: usize = 63;
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let assembly = assembly();
     let mut rows = assembly.glove.map.rows().to_vec();
     assert!(rows.iter().all(|row| row.channel != SPARE));
@@ -169,7 +169,10 @@ fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
     };
     wearer.play(&sane(&press.approach));
     assert_eq!(wearer.typed(), "down H");
-    let (held, endless) = (sane(&[press.held()])[0], with(&press.held(), SPARE, 255));
+    let (held, endless) = (
+        sane(&[press.pressed()])[0],
+        with(&press.pressed(), SPARE, 255),
+    );
     for _ in 0..2 {
         for _ in 0..2 {
             let rejection = wearer.see_after(5_729, &endless);
@@ -189,9 +192,9 @@ fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
 #[test]
 fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_counted() {
     const HOUR: u64 = 3_600_000_000;
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let mut ahead = holding(&press);
-    ahead.see_after(HOUR, &press.held());
+    ahead.see_after(HOUR, &press.pressed());
     assert_eq!(ahead.typed(), "up H");
     assert_eq!(ahead.pipeline.stalls(), 1);
     assert!(!ahead.runs(), "it has to be armed again");
@@ -202,11 +205,11 @@ fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_count
         wearer
             .pipeline
             .set_stall_timeout(std::time::Duration::from_secs(7_200));
-        wearer.see(&press.held());
+        wearer.see(&press.pressed());
         let stale = || Rejection::OutOfOrder;
         wearer.now -= back;
         for _ in 0..3 {
-            assert_eq!(wearer.see(&press.held()), Some(stale()));
+            assert_eq!(wearer.see(&press.pressed()), Some(stale()));
         }
         assert_eq!(wearer.typed(), "up H", "{back} µs back");
         assert_eq!(wearer.pipeline.rejected()[stale().index()], 3);
@@ -215,7 +218,7 @@ fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_count
 
 #[test]
 fn a_million_readings_a_second_press_no_more_than_is_allowed() {
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let assembly = assembly();
     let stroke = [&press.approach[..], &press.lift[..]].concat();
     // Without a filter, which slows down such a hand by itself.

@@ -1,12 +1,12 @@
-//! The program of this package.
+//! The binary of this package.
 
 use std::env;
 use std::ffi::OsStr;
 use std::process::Command;
 
-/// `ademan` with these arguments. A run gets leave to be root's, as tests are in containers.
+/// Returns the command `ademan` with these arguments. A run is allowed as root, as containers run tests as root.
 pub fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
-    // Named where it is not where it was built: in a machine of its own.
+    // Set in a virtual machine, where the binary is not at the path at which it was built.
     let program = env::var_os("ADEMAN_PROGRAM");
     let program = program.unwrap_or_else(|| env!("CARGO_BIN_EXE_ademan").into());
     let mut command = Command::new(program);

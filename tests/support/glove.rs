@@ -1,4 +1,4 @@
-//! A glove on a real serial device whose wearer does what the test says.
+//! A glove on a serial port, whose postures a test determines.
 
 use std::io::Write;
 use std::os::unix::fs::symlink;
@@ -10,69 +10,67 @@ use ademan::capture::hc11::{Framing, encode};
 use ademan::capture::open_loopback;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
-use super::press::{Posture, line};
-use super::process::no_program_starts;
+use super::press::{Posture, glove_format};
+use super::process::lock_spawning;
 
-/// A glove that is plugged in.
-///
-/// It sends packets at the pace of its line, the last posture again and again.
+/// A connected glove, which sends packets at the rate of its line. It repeats its last posture.
 pub struct Glove {
     link: PathBuf,
-    orders: Option<Sender<Order>>,
+    messages: Option<Sender<Message>>,
     player: Option<JoinHandle<()>>,
 }
 
-enum Order {
+enum Message {
     Play(Vec<Posture>),
-    FallSilent,
-    TalkNonsense,
+    StopSending,
+    SendNoise,
 }
 
 impl Glove {
-    /// Plugs it in; `link` becomes the name of its port, until it is unplugged.
+    /// Connects a glove. `link` is the name of its port until it is disconnected.
     pub fn plug_in(link: &Path, posture: Posture) -> Self {
-        let wire = {
-            let _alone = no_program_starts();
-            open_loopback(line()).expect("a pseudo terminal")
+        let loopback = {
+            let _lock = lock_spawning();
+            open_loopback(glove_format()).expect("a pseudo terminal")
         };
-        let port = wire.uri.serial_port().expect("a serial port");
-        symlink(port, link).expect("a link to it");
-        let (orders, received) = unbounded();
-        let player = thread::spawn(move || play(wire.writer, &received, posture));
+        let port = loopback.uri.serial_port().expect("a serial port");
+        symlink(port, link).expect("a link to the port");
+        let (messages, received) = unbounded();
+        let player = thread::spawn(move || play(loopback.writer, &received, posture));
         Self {
             link: link.to_owned(),
-            orders: Some(orders),
+            messages: Some(messages),
             player: Some(player),
         }
     }
 
-    /// Takes these postures, one after the other, and stays in the last one.
+    /// Sends these postures, one per packet, and repeats the last.
     pub fn play(&self, postures: &[Posture]) {
-        self.order(Order::Play(postures.to_vec()));
+        self.send(Message::Play(postures.to_vec()));
     }
 
-    /// Sends nothing more, as a glove that is switched off behind an adapter that is still plugged in.
-    pub fn fall_silent(&self) {
-        self.order(Order::FallSilent);
+    /// Stops sending, like a glove that is switched off while its adapter is connected.
+    pub fn stop_sending(&self) {
+        self.send(Message::StopSending);
     }
 
     /// Sends random bytes from now on.
-    pub fn talk_nonsense(&self) {
-        self.order(Order::TalkNonsense);
+    pub fn send_noise(&self) {
+        self.send(Message::SendNoise);
     }
 
-    /// Pulls the cable; so does dropping it.
+    /// Disconnects the glove, as dropping it does.
     pub fn unplug(&mut self) {
         let _ = std::fs::remove_file(&self.link);
-        self.orders = None;
+        self.messages = None;
         if let Some(player) = self.player.take() {
             let _ = player.join();
         }
     }
 
-    fn order(&self, order: Order) {
-        let orders = self.orders.as_ref().expect("it is plugged in");
-        orders.send(order).expect("the player is there");
+    fn send(&self, message: Message) {
+        let messages = self.messages.as_ref().expect("the glove is connected");
+        messages.send(message).expect("the player runs");
     }
 }
 
@@ -82,29 +80,29 @@ impl Drop for Glove {
     }
 }
 
-fn play(mut line_end: Box<dyn Write + Send>, orders: &Receiver<Order>, posture: Posture) {
+fn play(mut line: Box<dyn Write + Send>, messages: &Receiver<Message>, posture: Posture) {
     let mut random = fastrand::Rng::with_seed(3);
-    let mut playing = vec![posture];
-    let mut place = 0;
-    let mut is_nonsense = false;
+    let mut postures = vec![posture];
+    let mut index = 0;
+    let mut is_noise = false;
     let mut due = Instant::now();
     loop {
-        match orders.recv_deadline(due) {
-            Ok(Order::Play(postures)) => (playing, place) = (postures, 0),
-            Ok(Order::FallSilent) => playing.clear(),
-            Ok(Order::TalkNonsense) => is_nonsense = true,
+        match messages.recv_deadline(due) {
+            Ok(Message::Play(new)) => (postures, index) = (new, 0),
+            Ok(Message::StopSending) => postures.clear(),
+            Ok(Message::SendNoise) => is_noise = true,
             Err(RecvTimeoutError::Disconnected) => return,
             Err(RecvTimeoutError::Timeout) => {
-                if let Some(posture) = playing.get(place) {
+                if let Some(posture) = postures.get(index) {
                     let mut packet = encode(Framing::Double06, posture);
-                    if is_nonsense {
+                    if is_noise {
                         random.fill(&mut packet);
                     }
-                    // A program that has ended does not listen.
-                    let _ = line_end.write_all(&packet);
-                    place = (place + 1).min(playing.len() - 1);
+                    // A program that has exited does not read.
+                    let _ = line.write_all(&packet);
+                    index = (index + 1).min(postures.len() - 1);
                 }
-                due = Instant::now() + line().packet_period();
+                due = Instant::now() + glove_format().packet_period();
             }
         }
     }

@@ -1,32 +1,32 @@
-//! A hand that presses one key, as a source.
+//! A source that presses one key.
 
 use std::time::{Duration, Instant};
 
 use ademan::capture::{CaptureError, Source, SourceEvent};
 use ademan::time::Timestamp;
 
-use super::press::{Posture, Press, line, reading};
+use super::press::{Posture, Press, glove_format, reading};
 
-/// A hand that presses a key, holds it and lets go, as a source.
-pub struct Hand {
+/// A source that presses a key, holds it, and releases it.
+pub struct HoldingHand {
     approach: std::vec::IntoIter<Posture>,
-    held: Posture,
+    pressed: Posture,
     lift: std::vec::IntoIter<Posture>,
     hold: Duration,
     start: Instant,
-    pressed: Option<Instant>,
+    pressed_at: Option<Instant>,
 }
 
-impl Hand {
-    /// The hand that holds the key of a press down for `hold`.
-    pub fn that_holds(press: &Press, hold: Duration) -> Self {
+impl HoldingHand {
+    /// Creates a source that holds the key of `press` for the duration `hold`.
+    pub fn new(press: &Press, hold: Duration) -> Self {
         Self {
             approach: press.approach.clone().into_iter(),
-            held: press.held(),
+            pressed: press.pressed(),
             lift: press.lift.clone().into_iter(),
             hold,
             start: Instant::now(),
-            pressed: None,
+            pressed_at: None,
         }
     }
 
@@ -34,17 +34,17 @@ impl Hand {
         if let Some(posture) = self.approach.next() {
             return Some(posture);
         }
-        let pressed = *self.pressed.get_or_insert_with(Instant::now);
-        if pressed.elapsed() < self.hold {
-            return Some(self.held);
+        let pressed_at = *self.pressed_at.get_or_insert_with(Instant::now);
+        if pressed_at.elapsed() < self.hold {
+            return Some(self.pressed);
         }
         self.lift.next()
     }
 }
 
-impl Source for Hand {
+impl Source for HoldingHand {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        std::thread::sleep(line().packet_period());
+        std::thread::sleep(glove_format().packet_period());
         let time = Timestamp(0) + self.start.elapsed();
         let posture = self.next_posture();
         Ok(posture.map_or(SourceEvent::End, |posture| {

@@ -1,4 +1,4 @@
-//! One key that a simulated hand presses, as the postures of the glove.
+//! One key press of a simulated hand, as postures of the glove.
 
 use ademan::capture::hc11::BODY_BYTES;
 use ademan::capture::{Channels, Hc11Format, Reading, Sample};
@@ -7,33 +7,33 @@ use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
 use ademan::time::Timestamp;
 
-/// What the glove says in one packet.
+/// The channel values of one packet.
 pub type Posture = [u8; BODY_BYTES];
 
-/// The pace at which postures follow each other.
-pub fn line() -> Hc11Format {
+/// Returns the format of the packets, which determines their period.
+pub fn glove_format() -> Hc11Format {
     Hc11Format::default()
 }
 
-/// A simulated hand that types a text, cut where its last key is at the bottom.
+/// The movement of a simulated hand that types a text, split where its last key is at the end of its travel.
 pub struct Press {
-    /// From the hand off all keys to the finger on the last key.
+    /// From the hand clear of all keys to the finger on the last key.
     pub approach: Vec<Posture>,
-    /// From there to the hand off all keys.
+    /// From there to the hand clear of all keys.
     pub lift: Vec<Posture>,
 }
 
 impl Press {
-    /// Of the last character of `text` on the default layout.
-    pub fn of(text: &str) -> Self {
+    /// Returns the press of the last character of `text` on the default layout.
+    pub fn for_text(text: &str) -> Self {
         let setup = Setup {
             arm_immediately: true,
             ..Setup::default()
         };
-        let assembly = setup.load_files().expect("the default setup");
-        let typist = assembly.typist(text, &line(), 0.0, 0);
-        let postures = postures(typist.expect("the hand can type it"));
-        let (down, up) = last_stroke(&assembly, &postures);
+        let setup = setup.load_files().expect("the default setup");
+        let typist = setup.typist(text, &glove_format(), 0.0, 0);
+        let postures = postures(typist.expect("the hand can type the text"));
+        let (down, up) = last_press(&setup, &postures);
         let (approach, lift) = postures.split_at((down + up) / 2);
         Self {
             approach: approach.to_vec(),
@@ -41,24 +41,24 @@ impl Press {
         }
     }
 
-    /// The finger on the key.
-    pub fn held(&self) -> Posture {
-        *self.approach.last().expect("the hand has come to the key")
+    /// Returns the posture in which the key is pressed.
+    pub fn pressed(&self) -> Posture {
+        *self.approach.last().expect("the approach reaches the key")
     }
 
-    /// The hand off all keys.
-    pub fn off(&self) -> Posture {
+    /// Returns a posture in which the hand is clear of all keys.
+    pub fn clear(&self) -> Posture {
         self.approach[0]
     }
 }
 
-/// The X11 code of a key.
-pub fn code(name: &str) -> u16 {
+/// Returns the X11 key code of a key.
+pub fn x11_code(name: &str) -> u16 {
     let key: KeyCode = name.parse().expect("the name of a key");
     key.x11_code()
 }
 
-/// What a source makes of a posture.
+/// Returns the reading of a posture.
 pub fn reading(time: Timestamp, posture: &Posture) -> Reading {
     Reading {
         time,
@@ -82,24 +82,24 @@ fn postures(mut typist: SimulatedTypist) -> Vec<Posture> {
     postures
 }
 
-/// At which postures the last key goes down and comes up.
-fn last_stroke(assembly: &LoadedSetup, postures: &[Posture]) -> (usize, usize) {
-    let mut pipeline = assembly.pipeline();
+/// Returns the indices of the postures at which the last key is pressed and released.
+fn last_press(setup: &LoadedSetup, postures: &[Posture]) -> (usize, usize) {
+    let mut pipeline = setup.pipeline();
     let (mut down, mut up) = (0, 0);
-    for (place, posture) in postures.iter().enumerate() {
-        let time = Timestamp(0) + line().packet_period() * place as u32;
+    for (index, posture) in postures.iter().enumerate() {
+        let time = Timestamp(0) + glove_format().packet_period() * index as u32;
         let mut events = Events::new();
         pipeline
             .step(&reading(time, posture), &mut events)
-            .expect("an able hand");
+            .expect("a reading with all channels");
         for event in &events {
             match event.kind {
-                EventKind::KeyDown(_) => down = place,
-                EventKind::KeyUp(_) => up = place,
+                EventKind::KeyDown(_) => down = index,
+                EventKind::KeyUp(_) => up = index,
                 _ => {}
             }
         }
     }
-    assert!(0 < down && down < up, "the last key goes down and comes up");
+    assert!(0 < down && down < up, "a key is pressed and released");
     (down, up)
 }

@@ -1,17 +1,17 @@
-//! Other programs, started and ended by a test.
+//! Child processes of a test.
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::process::{Child, Command};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-/// A process that ends with its owner.
+/// A child process that is killed when this is dropped.
 pub struct Process(pub Child);
 
 impl Process {
-    /// Starts it.
+    /// Starts the process.
     pub fn start(command: &mut Command) -> io::Result<Self> {
-        let _alone = no_program_starts();
+        let _lock = lock_spawning();
         command.spawn().map(Self)
     }
 }
@@ -23,23 +23,23 @@ impl Drop for Process {
     }
 }
 
-/// The lines of a stream, as they come.
-pub fn overheard(stream: impl Read + Send + 'static) -> Arc<Mutex<Vec<String>>> {
-    let heard = Arc::new(Mutex::new(Vec::new()));
-    let listener = Arc::clone(&heard);
+/// Collects the lines of a stream in a thread.
+pub fn collect_lines(stream: impl Read + Send + 'static) -> Arc<Mutex<Vec<String>>> {
+    let lines = Arc::new(Mutex::new(Vec::new()));
+    let collected = Arc::clone(&lines);
     thread::spawn(move || {
         for line in BufReader::new(stream).lines().map_while(Result::ok) {
-            listener.lock().unwrap().push(line);
+            collected.lock().unwrap().push(line);
         }
     });
-    heard
+    lines
 }
 
-/// While this is held, no program is started.
+/// Prevents the start of processes while the guard exists.
 ///
-/// A program gets a copy of all that is open at that moment and not marked otherwise; with the end of a pseudo
-/// terminal that is just being made it would keep a line alive that a test unplugs.
-pub fn no_program_starts() -> MutexGuard<'static, ()> {
-    static STARTING: Mutex<()> = Mutex::new(());
-    STARTING.lock().unwrap_or_else(PoisonError::into_inner)
+/// A child inherits all file descriptors that are not close-on-exec at that moment. With the end of a pseudo terminal
+/// that is being opened, it would keep a line alive that a test disconnects.
+pub fn lock_spawning() -> MutexGuard<'static, ()> {
+    static SPAWNING: Mutex<()> = Mutex::new(());
+    SPAWNING.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! The program itself, as a child that the test can talk to as a system does.
+//! The binary as a child process with a display.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -6,17 +6,17 @@ use std::process::{Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex};
 
 use super::binary::ademan;
-use super::process::{Process, overheard};
+use super::process::{Process, collect_lines};
 use super::x11::{XServer, wait_for};
 
-/// `ademan`, running on a display.
+/// A running `ademan`.
 pub struct Program {
     process: Process,
-    said: Arc<Mutex<Vec<String>>>,
+    stderr_lines: Arc<Mutex<Vec<String>>>,
 }
 
 impl Program {
-    /// Starts it with these arguments.
+    /// Starts `ademan` with these arguments on an X server.
     pub fn start<S: AsRef<OsStr>>(
         server: &XServer,
         arguments: impl IntoIterator<Item = S>,
@@ -26,81 +26,85 @@ impl Program {
             .env("DISPLAY", server.display())
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("XDG_RUNTIME_DIR");
-        Self::of(command)
+        Self::from_command(command)
     }
 
-    /// Starts it as this says.
-    pub fn of(mut command: Command) -> Self {
+    /// Starts a command.
+    pub fn from_command(mut command: Command) -> Self {
         command
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
         let mut process = Process::start(&mut command).expect("the program starts");
-        let stderr = process.0.stderr.take().expect("it is piped");
-        let said = overheard(stderr);
-        Self { process, said }
+        let stderr = process.0.stderr.take().expect("stderr is piped");
+        Self {
+            process,
+            stderr_lines: collect_lines(stderr),
+        }
     }
 
-    /// What it has said on standard error so far.
-    pub fn said(&self) -> Vec<String> {
-        self.said.lock().unwrap().clone()
+    /// Returns the lines on the standard error so far.
+    pub fn stderr_lines(&self) -> Vec<String> {
+        self.stderr_lines.lock().unwrap().clone()
     }
 
-    /// How many lines with `part` in them it has said so far.
-    pub fn times_said(&self, part: &str) -> usize {
-        let said = self.said.lock().unwrap();
-        said.iter().filter(|line| line.contains(part)).count()
+    /// Returns the number of lines so far that contain `part`.
+    pub fn count_lines(&self, part: &str) -> usize {
+        let lines = self.stderr_lines.lock().unwrap();
+        lines.iter().filter(|line| line.contains(part)).count()
     }
 
-    /// Waits until it has said a line with `part` in it for the `times`th time.
-    pub fn wait_until_it_says(&self, part: &str, times: usize) {
+    /// Waits for the `count`th line that contains `part`.
+    pub fn wait_for_line(&self, part: &str, count: usize) {
         assert!(
-            wait_for(|| self.times_said(part) >= times),
-            "it does not say {part:?}: {:#?}",
-            self.said()
+            wait_for(|| self.count_lines(part) >= count),
+            "no line with {part:?}: {:#?}",
+            self.stderr_lines()
         );
     }
 
-    /// Sends it these signals in one go, by their names: `INT`, `TERM`, `HUP`.
+    /// Sends signals without a delay between them. Their names are those of `kill -s`: `INT`, `TERM`, `HUP`.
     pub fn signal(&self, signals: &[&str]) {
-        let process = self.process.0.id();
-        let kills: Vec<_> = signals
+        let process = self.id();
+        let commands: Vec<_> = signals
             .iter()
             .map(|signal| format!("kill -s {signal} {process}"))
             .collect();
         let mut shell = Command::new("sh");
-        let mut shell = Process::start(shell.args(["-c", &kills.join("; ")])).expect("a shell");
-        shell.0.wait().expect("it ends");
+        let mut shell = Process::start(shell.args(["-c", &commands.join("; ")])).expect("a shell");
+        shell.0.wait().expect("the shell exits");
     }
 
-    /// The number of its process.
+    /// Returns the process id.
     pub fn id(&self) -> u32 {
         self.process.0.id()
     }
 
-    /// The processes that it has started (Linux).
+    /// Returns the ids of its child processes (Linux).
     pub fn children(&self) -> Vec<u32> {
         let threads = fs::read_dir(format!("/proc/{}/task", self.id()));
-        let of_thread = |thread: fs::DirEntry| {
+        let threads = threads.expect("the program runs").flatten();
+        let children = |thread: fs::DirEntry| {
             fs::read_to_string(thread.path().join("children")).unwrap_or_default()
         };
-        let lists: String = threads.expect("it runs").flatten().map(of_thread).collect();
-        let numbers = lists.split_whitespace();
-        numbers.filter_map(|child| child.parse().ok()).collect()
+        let lists: String = threads.map(children).collect();
+        let ids = lists.split_whitespace();
+        ids.filter_map(|id| id.parse().ok()).collect()
     }
 
-    /// Whether it still runs.
-    pub fn runs(&mut self) -> bool {
-        self.process.0.try_wait().expect("it is a child").is_none()
+    /// Returns `true` if the program has not exited.
+    pub fn is_running(&mut self) -> bool {
+        let status = self.process.0.try_wait().expect("a child process");
+        status.is_none()
     }
 
-    /// How it ended, once it has.
-    pub fn status(&mut self) -> ExitStatus {
+    /// Waits until the program exits.
+    pub fn wait_for_exit(&mut self) -> ExitStatus {
         assert!(
-            wait_for(|| !self.runs()),
-            "it does not end: {:#?}",
-            self.said()
+            wait_for(|| !self.is_running()),
+            "the program does not exit: {:#?}",
+            self.stderr_lines()
         );
-        self.process.0.wait().expect("it has ended")
+        self.process.0.wait().expect("the program has exited")
     }
 }

@@ -11,7 +11,7 @@ use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::time::Timestamp;
 
-use super::press::{Posture, line};
+use super::press::{Posture, glove_format};
 
 /// The default setup.
 pub fn assembly() -> LoadedSetup {
@@ -64,7 +64,8 @@ impl GloveWearer {
         let mut bodies = Vec::new();
         for byte in bytes {
             self.bytes += 1;
-            let time = self.silence + line().transmission_time(self.bytes).as_micros() as u64;
+            let time =
+                self.silence + glove_format().transmission_time(self.bytes).as_micros() as u64;
             let push = &mut |packet: Packet| {
                 bodies.push((time, body(&packet.sample).expect("channels")));
             };

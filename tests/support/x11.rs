@@ -1,5 +1,4 @@
-//! An X server of the test's own, a program that takes keys, a window that takes what a mouse does, and
-//! somebody who watches keyboard and pointer.
+//! An X server for one test, a terminal and a window that receive input, and queries of the state of keyboard and pointer.
 
 use std::fs;
 use std::io::{BufRead, BufReader, ErrorKind};
@@ -19,19 +18,19 @@ use x11rb::rust_connection::RustConnection;
 
 use super::process::Process;
 
-/// How long anything on a busy machine may take before the test gives up.
-const PATIENCE: Duration = Duration::from_secs(60);
+/// Longest time for anything on a busy machine.
+const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// Asks `done` until it says yes; whether it did in time.
-pub fn wait_for(done: impl FnMut() -> bool) -> bool {
-    wait_up_to(PATIENCE, done)
+/// Polls `condition` until it is `true`. Returns `false` after 60 s.
+pub fn wait_for(condition: impl FnMut() -> bool) -> bool {
+    wait_at_most(TIMEOUT, condition)
 }
 
-/// Asks `done` until it says yes, up to a limit; whether it did in time.
-pub fn wait_up_to(limit: Duration, mut done: impl FnMut() -> bool) -> bool {
+/// Polls `condition` until it is `true`. Returns `false` after the time-out.
+pub fn wait_at_most(timeout: Duration, mut condition: impl FnMut() -> bool) -> bool {
     let start = Instant::now();
-    while start.elapsed() < limit {
-        if done() {
+    while start.elapsed() < timeout {
+        if condition() {
             return true;
         }
         thread::sleep(Duration::from_millis(5));
@@ -39,17 +38,17 @@ pub fn wait_up_to(limit: Duration, mut done: impl FnMut() -> bool) -> bool {
     false
 }
 
-/// `Xvfb` with a watcher connected.
+/// `Xvfb` with a client that queries it.
 ///
-/// It does not reset when its last client leaves: that would let go of stuck keys and hide the fault.
+/// The server does not reset when its last client disconnects: a reset would release stuck keys and hide the fault.
 pub struct XServer {
-    watcher: RustConnection,
+    client: RustConnection,
     display: String,
     process: Process,
 }
 
 impl XServer {
-    /// Starts a server on a free display, or says why not and gives `None`.
+    /// Starts a server on a free display. Returns `None` with a message if Xvfb is not installed.
     pub fn start() -> Option<Self> {
         let arguments = "-displayfd 1 -noreset -nolisten tcp -screen 0 800x600x24";
         let mut command = Command::new("Xvfb");
@@ -64,117 +63,118 @@ impl XServer {
             }
             started => started.expect("Xvfb starts"),
         };
-        let stdout = process.0.stdout.take().expect("it is piped");
+        let stdout = process.0.stdout.take().expect("stdout is piped");
         let mut number = String::new();
         BufReader::new(stdout)
             .read_line(&mut number)
             .expect("Xvfb writes the number of its display");
         let display = format!(":{}", number.trim());
-        let (watcher, _) = x11rb::connect(Some(&display)).expect("the server answers");
+        let (client, _) = x11rb::connect(Some(&display)).expect("the server answers");
         Some(Self {
-            watcher,
+            client,
             display,
             process,
         })
     }
 
-    /// The name of the display.
+    /// Returns the name of the display.
     pub fn display(&self) -> &str {
         &self.display
     }
 
-    /// The X11 codes of the keys that are down, as the server sees it.
-    pub fn keys_down(&self) -> Vec<u16> {
-        let reply = self.watcher.query_keymap().expect("the server is there");
+    /// Returns the X11 key codes of the pressed keys.
+    pub fn pressed_keys(&self) -> Vec<u16> {
+        let reply = self.client.query_keymap().expect("the server runs");
         let bits = reply.reply().expect("the server answers").keys;
-        let is_down = |code: &u16| bits[usize::from(code / 8)] & (1 << (code % 8)) != 0;
-        (0..256).filter(is_down).collect()
+        let is_pressed = |code: &u16| bits[usize::from(code / 8)] & (1 << (code % 8)) != 0;
+        (0..256).filter(is_pressed).collect()
     }
 
-    /// Waits until just these keys are down; whether that came about.
+    /// Waits until exactly these keys are pressed. Returns `false` after the time-out.
     pub fn wait_for_keys(&self, codes: &[u16]) -> bool {
-        wait_for(|| self.keys_down() == codes)
+        wait_for(|| self.pressed_keys() == codes)
     }
 
-    /// Where the pointer is, in pixels from the left and from the top.
+    /// Returns the position of the pointer, in pixels from the left and from the top.
     pub fn pointer(&self) -> (i16, i16) {
         let reply = self.query_pointer();
         (reply.root_x, reply.root_y)
     }
 
-    /// Waits until the pointer is there; whether it came.
-    pub fn wait_for_pointer(&self, place: (i16, i16)) -> bool {
-        wait_for(|| self.pointer() == place)
+    /// Waits until the pointer is at this position. Returns `false` after the time-out.
+    pub fn wait_for_pointer(&self, position: (i16, i16)) -> bool {
+        wait_for(|| self.pointer() == position)
     }
 
-    /// Which of the buttons left (1), middle (2) and right (3) are down, as the server sees it.
-    pub fn buttons_down(&self) -> Vec<u8> {
+    /// Returns the pressed buttons among left (1), middle (2) and right (3).
+    pub fn pressed_buttons(&self) -> Vec<u8> {
         let mask = u16::from(self.query_pointer().mask);
-        let is_down = |button: &u8| mask & (u16::from(KeyButMask::BUTTON1) << (button - 1)) != 0;
-        (1..=3).filter(is_down).collect()
+        let is_pressed = |button: &u8| mask & (u16::from(KeyButMask::BUTTON1) << (button - 1)) != 0;
+        (1..=3).filter(is_pressed).collect()
     }
 
     fn query_pointer(&self) -> QueryPointerReply {
-        let root = self.watcher.setup().roots[0].root;
-        let reply = self.watcher.query_pointer(root);
-        let reply = reply.expect("the server is there").reply();
+        let root = self.client.setup().roots[0].root;
+        let reply = self.client.query_pointer(root);
+        let reply = reply.expect("the server runs").reply();
         reply.expect("the server answers")
     }
 
-    /// Ends the server as a crash would.
+    /// Kills the server.
     pub fn kill(&mut self) {
-        self.process.0.kill().expect("it runs");
-        self.process.0.wait().expect("it ends");
+        self.process.0.kill().expect("the server runs");
+        self.process.0.wait().expect("the server exits");
     }
 
     fn windows(&self) -> Vec<Window> {
-        let root = self.watcher.setup().roots[0].root;
-        let tree = self.watcher.query_tree(root).expect("the server is there");
+        let root = self.client.setup().roots[0].root;
+        let tree = self.client.query_tree(root).expect("the server runs");
         tree.reply().expect("the server answers").children
     }
 
-    fn is_seen(&self, window: Window) -> bool {
-        self.watcher
+    fn is_visible(&self, window: Window) -> bool {
+        self.client
             .get_window_attributes(window)
             .ok()
             .and_then(|attributes| attributes.reply().ok())
             .is_some_and(|attributes| attributes.map_state == MapState::VIEWABLE)
     }
 
-    /// Waits until there is a window, and gives it the focus.
-    pub fn focus_what_is_seen(&self) {
-        let seen = || {
+    /// Waits until a window is visible, and gives it the focus.
+    pub fn focus_visible_window(&self) {
+        let visible = || {
             let mut windows = self.windows().into_iter();
-            windows.rfind(|window| self.is_seen(*window))
+            windows.rfind(|window| self.is_visible(*window))
         };
-        assert!(wait_for(|| seen().is_some()), "a program shows a window");
-        self.focus(seen().expect("it has been seen"));
+        assert!(wait_for(|| visible().is_some()), "no visible window");
+        self.focus(visible().expect("a visible window"));
     }
 
     fn focus(&self, window: Window) {
         let time = x11rb::CURRENT_TIME;
-        self.watcher
+        self.client
             .set_input_focus(InputFocus::PARENT, window, time)
-            .expect("the server is there")
+            .expect("the server runs")
             .check()
-            .expect("a window that is seen can have the focus");
+            .expect("a visible window can have the focus");
     }
 }
 
 /// A window over the whole screen that has the focus and receives all events of keyboard and mouse.
 ///
-/// The server sends every event. A key that is down for less than the interval between two looks at the keymap is
-/// received all the same.
+/// The server sends every event. Polling the keymap would miss a key that is pressed for less than the
+/// interval.
 pub struct InputWindow {
     connection: RustConnection,
 }
 
 impl InputWindow {
-    /// Opens one on the server.
+    /// Opens a window.
     pub fn open(server: &XServer) -> Self {
-        let (connection, screen) = x11rb::connect(Some(server.display())).expect("it answers");
+        let (connection, screen) =
+            x11rb::connect(Some(server.display())).expect("the server answers");
         let root = &connection.setup().roots[screen];
-        let window = connection.generate_id().expect("a number for it");
+        let window = connection.generate_id().expect("an id for it");
         let received = EventMask::KEY_PRESS
             | EventMask::KEY_RELEASE
             | EventMask::BUTTON_PRESS
@@ -198,10 +198,13 @@ impl InputWindow {
                 x11rb::COPY_FROM_PARENT,
                 &settings,
             )
-            .expect("the server is there");
-        connection.map_window(window).expect("the server is there");
-        connection.flush().expect("the server is there");
-        assert!(wait_for(|| server.is_seen(window)), "the window is seen");
+            .expect("the server runs");
+        connection.map_window(window).expect("the server runs");
+        connection.flush().expect("the server runs");
+        assert!(
+            wait_for(|| server.is_visible(window)),
+            "the window is visible"
+        );
         server.focus(window);
         Self { connection }
     }
@@ -214,20 +217,21 @@ impl InputWindow {
         })
     }
 
-    /// What it has heard since it was last asked, once it has heard `last` or no more comes: `down 1 at 3,4`, `up 1 at 3,4`, `move to 3,4` and, with the left button down, `drag to 3,4`.
-    pub fn heard(&self, last: &str) -> Vec<String> {
-        let mut heard = Vec::new();
+    /// Waits for the event `last` and returns all events since the previous call: `down 1 at 3,4`, `up 1 at 3,4`,
+    /// `move to 3,4` and, with the left button pressed, `drag to 3,4`.
+    pub fn events_until(&self, last: &str) -> Vec<String> {
+        let mut events = Vec::new();
         wait_for(|| {
-            while let Some(event) = self.connection.poll_for_event().expect("it is there") {
-                heard.extend(line(&event));
+            while let Some(event) = self.connection.poll_for_event().expect("the server runs") {
+                events.extend(describe(&event));
             }
-            heard.last().is_some_and(|line| line == last)
+            events.last().is_some_and(|line| line == last)
         });
-        heard
+        events
     }
 }
 
-fn line(event: &Event) -> Option<String> {
+fn describe(event: &Event) -> Option<String> {
     let button = |what: &str, event: &ButtonPressEvent| {
         let (x, y) = (event.event_x, event.event_y);
         Some(format!("{what} {} at {x},{y}", event.detail))
@@ -244,16 +248,16 @@ fn line(event: &Event) -> Option<String> {
     }
 }
 
-/// An `xterm` that has the focus and writes the bytes that are typed into a file.
-pub struct Typewriter {
+/// An `xterm` that has the focus and writes the typed bytes to a file.
+pub struct TerminalWindow {
     folder: TempDir,
     _process: Process,
 }
 
-impl Typewriter {
-    /// Starts one on the server, or says why not and gives `None`.
+impl TerminalWindow {
+    /// Starts a terminal. Returns `None` with a message if xterm is not installed.
     pub fn start(server: &XServer) -> Option<Self> {
-        let folder = tempfile::tempdir().expect("a folder can be made");
+        let folder = tempfile::tempdir().expect("a folder");
         let script = "stty -icanon -echo; exec cat > typed";
         let mut command = Command::new("xterm");
         command
@@ -269,19 +273,19 @@ impl Typewriter {
             }
             started => started.expect("xterm starts"),
         };
-        let typewriter = Self {
+        let terminal = Self {
             folder,
             _process: process,
         };
         assert!(
-            wait_for(|| typewriter.path("typed").exists()),
+            wait_for(|| terminal.path("typed").exists()),
             "xterm runs its script"
         );
-        server.focus_what_is_seen();
-        Some(typewriter)
+        server.focus_visible_window();
+        Some(terminal)
     }
 
-    /// What has been typed, once it is as long as `expected` or no more comes.
+    /// Waits until as many bytes as in `expected` are typed, and returns the typed text.
     pub fn typed(&self, expected: &str) -> String {
         let typed = || fs::read(self.path("typed")).unwrap_or_default();
         wait_for(|| typed().len() >= expected.len());

@@ -12,8 +12,8 @@ use serialport::{SerialPort, TTYPort};
 use tempfile::TempDir;
 
 use crate::support::binary::ademan;
-use crate::support::press::{Posture, line};
-use crate::support::process::{Process, no_program_starts};
+use crate::support::press::{Posture, glove_format};
+use crate::support::process::{Process, lock_spawning};
 use crate::support::run::{PATIENCE, lines, next_event};
 use crate::support::wearer::stream;
 
@@ -26,7 +26,7 @@ pub struct PseudoTerminal {
 
 impl PseudoTerminal {
     pub fn plugged_in() -> Self {
-        let _alone = no_program_starts();
+        let _alone = lock_spawning();
         let (mut far_end, near_end) = TTYPort::pair().expect("a pseudo terminal");
         far_end.set_timeout(PATIENCE).expect("it waits for room");
         let folder = tempfile::tempdir().expect("a folder");
@@ -55,7 +55,7 @@ impl PseudoTerminal {
     pub fn play(&mut self, postures: &[Posture]) {
         for posture in postures {
             self.send(&stream(&[*posture]));
-            thread::sleep(line().packet_period());
+            thread::sleep(glove_format().packet_period());
         }
     }
 }

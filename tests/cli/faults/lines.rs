@@ -15,7 +15,7 @@ use crate::support::wearer::stream;
 #[test]
 fn a_second_run_on_the_same_port_is_refused_at_once_and_the_first_goes_on() {
     let mut line = PseudoTerminal::plugged_in();
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let mut first = SerialRun::on(&line, &["--armed", "--control", "off"]);
     let source = line.source();
     let second = ademan(["run", "--source", &source, "--control", "off"])
@@ -72,7 +72,7 @@ fn a_port_that_may_not_be_opened_names_the_group_and_never_asks_for_root() {
 
 #[test]
 fn a_minute_of_noise_at_the_wrong_baud_types_nothing_says_so_and_takes_no_memory() {
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let mut line = PseudoTerminal::plugged_in();
     let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
     let glove = stream(&[&press.approach[..], &press.lift[..]].concat());
@@ -111,7 +111,7 @@ fn a_minute_of_noise_at_the_wrong_baud_types_nothing_says_so_and_takes_no_memory
 
 #[test]
 fn bytes_without_a_delimiter_take_no_memory_and_the_glove_is_understood_after_them() {
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let mut line = PseudoTerminal::plugged_in();
     let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
     line.send(&[0x55; 100_000]);
@@ -131,22 +131,22 @@ fn bytes_without_a_delimiter_take_no_memory_and_the_glove_is_understood_after_th
 
 #[test]
 fn a_board_that_starts_anew_lets_go_and_has_to_be_armed_again() {
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let mut line = PseudoTerminal::plugged_in();
     let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
     line.play(&press.approach);
     assert_eq!(run.typed(), "down H");
     // In the middle of a frame it resets, and says who it is.
-    line.send(&stream(&[press.held()])[..30]);
+    line.send(&stream(&[press.pressed()])[..30]);
     line.send(b"\r\nBUFFALO 3.4 (ext) - Bit User Fast Friendly Aid to Logical Operation\r\n");
-    line.play(&[press.held(); 20]);
+    line.play(&[press.pressed(); 20]);
     assert_eq!(run.typed(), "up H");
     run.wait_until_told("starts anew");
     run.wait_until_told("stalled");
-    line.play(&[press.held(); 60]);
+    line.play(&[press.pressed(); 60]);
     assert!(run.typed.is_empty(), "the finger has not left the key");
     line.play(&press.lift);
-    line.play(&[press.off(); 60]);
+    line.play(&[press.clear(); 60]);
     run.wait_until_told("armed");
     line.play(&press.approach);
     assert_eq!(run.typed(), "down H");
@@ -156,12 +156,12 @@ fn a_board_that_starts_anew_lets_go_and_has_to_be_armed_again() {
 #[test]
 fn a_wire_that_breaks_is_told_with_its_finger() {
     const INDEX_MCP: usize = 12;
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let mut line = PseudoTerminal::plugged_in();
     let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
     line.play(&press.approach);
     assert_eq!(run.typed(), "down H");
-    let mut broken = press.held();
+    let mut broken = press.pressed();
     broken[INDEX_MCP] = 0;
     line.play(&[broken; 240]);
     assert_eq!(run.typed(), "up H");

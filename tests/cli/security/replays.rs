@@ -3,14 +3,14 @@
 use std::process::Stdio;
 
 use crate::support::binary::ademan;
-use crate::support::x11::{Typewriter, XServer};
+use crate::support::x11::{TerminalWindow, XServer};
 
 #[test]
 fn a_recording_that_is_replayed_presses_nothing_unless_the_desktop_is_named() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let Some(typewriter) = Typewriter::start(&server) else {
+    let Some(typewriter) = TerminalWindow::start(&server) else {
         return;
     };
     let folder = tempfile::tempdir().expect("a folder");
@@ -36,5 +36,5 @@ fn a_recording_that_is_replayed_presses_nothing_unless_the_desktop_is_named() {
     replay(&["--output", "desktop"]);
     // Once: by the second, and not by the first.
     assert_eq!(typewriter.typed("hello"), "hello");
-    assert_eq!(server.keys_down(), [0; 0]);
+    assert_eq!(server.pressed_keys(), [0; 0]);
 }

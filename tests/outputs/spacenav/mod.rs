@@ -183,7 +183,7 @@ fn the_socket_is_its_owners_and_a_second_server_is_refused_with_the_reason() {
         "{refused}"
     );
     assert!(
-        refused.contains("name another path: spacenav:PATH"),
+        refused.contains("use another path: spacenav:PATH"),
         "{refused}"
     );
     drop(sink);
@@ -192,7 +192,7 @@ fn the_socket_is_its_owners_and_a_second_server_is_refused_with_the_reason() {
     open(&path).expect("it is taken over");
     let long = folder.path().join("x".repeat(108));
     let refused = open(&long).err().expect("it is too long").to_string();
-    assert!(refused.contains("107 at most"), "{refused}");
+    assert!(refused.contains("at most 107"), "{refused}");
 }
 
 /// How the hand moves the lever of the layout `workshop`.

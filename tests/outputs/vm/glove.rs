@@ -125,7 +125,7 @@ impl Glove {
     }
 
     /// Sends nothing more: what is sent while the cable is out would wait for the next one.
-    pub fn fall_silent(&self) {
+    pub fn stop_sending(&self) {
         self.play(Vec::new());
     }
 }

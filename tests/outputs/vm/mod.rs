@@ -64,7 +64,7 @@ impl Scene {
 
     /// Ends the program as Ctrl-C does.
     fn end_program(&mut self) {
-        self.glove.fall_silent();
+        self.glove.stop_sending();
         self.machine.run("killall -INT ademan");
         self.machine.wait_for("the end of the program", |machine| {
             machine.run("pidof ademan").is_empty().then_some(())

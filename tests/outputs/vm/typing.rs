@@ -33,7 +33,7 @@ pub fn all(scene: &mut Scene) {
     scene.arm(&text, 2);
 
     hold(scene, &evtest, &press);
-    scene.glove.fall_silent();
+    scene.glove.stop_sending();
     scene.machine.unplug("glove");
     released(scene, &evtest);
     scene.report("a cable that is pulled while a key is held lets go of it");
@@ -45,7 +45,7 @@ pub fn all(scene: &mut Scene) {
     scene.report("plugged in again, it types on");
 
     hold(scene, &evtest, &press);
-    scene.glove.fall_silent();
+    scene.glove.stop_sending();
     scene.machine.unplug("glove");
     released(scene, &evtest);
     scene.machine.plug_in("other");
@@ -64,7 +64,7 @@ pub fn all(scene: &mut Scene) {
     hold(scene, &evtest, &press);
     scene.machine.run("kill -STOP $(cat /tmp/ademan.pid)");
     released(scene, &evtest);
-    scene.wait_until_said("no sign of life; letting go of its keys (1)", 1);
+    scene.wait_until_said("does not respond; released its keys (1)", 1);
     scene.machine.run("kill -CONT $(cat /tmp/ademan.pid)");
     scene.report("a guardian lets go of what a stopped program holds");
     types(scene, &evtest, &text);
@@ -77,7 +77,7 @@ pub fn all(scene: &mut Scene) {
         .libinput
         .wait_for(&mut scene.machine, &[&evtest.node, "DEVICE_REMOVED"]);
     scene.report("what a killed program held is let go of, and its device goes away");
-    scene.glove.fall_silent();
+    scene.glove.stop_sending();
     scene.machine.unplug("other");
     scene.machine.unplug("glove");
     scene.machine.plug_in("glove");

@@ -119,7 +119,7 @@ impl Compositor {
 
     /// The same, running.
     pub fn run<S: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Program {
-        Program::of(self.ademan(arguments))
+        Program::from_command(self.ademan(arguments))
     }
 
     /// The output `desktop` at this compositor, with a pointer.

@@ -10,7 +10,7 @@ use super::window::Window;
 use crate::support::glove::Glove;
 use crate::support::press::Press;
 use crate::support::program::Program;
-use crate::support::x11::{wait_for, wait_up_to};
+use crate::support::x11::{wait_at_most, wait_for};
 
 /// A program with a glove.
 struct Worn {
@@ -24,11 +24,11 @@ impl Worn {
     fn start(compositor: &Compositor, press: &Press, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let port = folder.path().join("glove");
-        let glove = Glove::plug_in(&port, press.off());
+        let glove = Glove::plug_in(&port, press.clear());
         let source = format!("serial:{}", port.display());
         let run = ["run", "--output", "desktop", "--source", &source];
         let program = compositor.run([&run, arguments].concat());
-        program.wait_until_it_says("armed", 1);
+        program.wait_for_line("armed", 1);
         Self {
             program,
             glove,
@@ -40,7 +40,7 @@ impl Worn {
     fn hold(&self, press: &Press, window: &Window, line: &str) {
         let is_held = || {
             self.glove.play(&press.approach);
-            wait_up_to(Duration::from_secs(5), || {
+            wait_at_most(Duration::from_secs(5), || {
                 window.heard().last().is_some_and(|last| last == line)
             })
         };
@@ -61,7 +61,7 @@ impl Typing {
     fn start() -> Option<Self> {
         let compositor = Compositor::sway()?;
         let window = Window::open(&compositor)?;
-        let press = Press::of("H");
+        let press = Press::for_text("H");
         let other = Worn::start(&compositor, &press, &[]);
         let typing = Worn::start(&compositor, &press, &[]);
         typing.hold(&press, &window, "down H");
@@ -77,7 +77,7 @@ impl Typing {
     fn end_by(&mut self, signal: &str) -> (Vec<String>, Option<i32>) {
         let before = self.window.heard().len();
         self.typing.program.signal(&[signal]);
-        let code = self.typing.program.status().code();
+        let code = self.typing.program.wait_for_exit().code();
         let since = || self.window.heard()[before..].to_vec();
         let is_free = || {
             ["up H", "up Shift_L"]
@@ -111,7 +111,9 @@ fn nothing_is_down_after_it_was_killed_and_shift_does_not_count_for_the_next_key
     };
     let (_, code) = typing.end_by("KILL");
     assert_eq!(code, None);
-    typing.other.hold(&Press::of("h"), &typing.window, "down h");
+    typing
+        .other
+        .hold(&Press::for_text("h"), &typing.window, "down h");
     let heard = typing.window.heard();
     assert!(
         heard.ends_with(&["held -", "down h"].map(String::from)),
@@ -131,16 +133,21 @@ fn nothing_is_down_while_it_is_stopped_and_afterwards_it_types_on() {
         "{:#?}",
         typing.window.heard()
     );
-    typing.typing.program.wait_until_it_says("its keys (2)", 1);
+    typing
+        .typing
+        .program
+        .wait_for_line("released its keys (2)", 1);
     // Shift does not count for the next key, though its keyboard is still there.
-    typing.other.hold(&Press::of("h"), &typing.window, "down h");
-    typing.other.glove.play(&Press::of("h").lift);
+    typing
+        .other
+        .hold(&Press::for_text("h"), &typing.window, "down h");
+    typing.other.glove.play(&Press::for_text("h").lift);
     assert!(typing.window.hears("up h"), "{:#?}", typing.window.heard());
     typing.typing.program.signal(&["CONT"]);
-    typing.typing.program.wait_until_it_says("stalled", 1);
-    let press = Press::of("H");
+    typing.typing.program.wait_for_line("stalled", 1);
+    let press = Press::for_text("H");
     typing.typing.glove.play(&press.lift);
-    typing.typing.program.wait_until_it_says("armed", 2);
+    typing.typing.program.wait_for_line("armed", 2);
     typing.typing.hold(&press, &typing.window, "down H");
     let (_, code) = typing.end_by("TERM");
     assert_eq!(code, Some(0));
@@ -162,7 +169,7 @@ fn with_a_held_button() -> Option<(Compositor, Window, Worn)> {
     let window = Window::open(&compositor)?;
     let folder = tempfile::tempdir().expect("a folder");
     let layout = layout_with_a_button(&folder).display().to_string();
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let typing = Worn::start(&compositor, &press, &["--layout", &layout]);
     typing.hold(&press, &window, "button 272 down");
     Some((compositor, window, typing))
@@ -174,7 +181,7 @@ fn no_button_is_down_after_the_system_asked_it_to_end() {
         return;
     };
     typing.program.signal(&["TERM"]);
-    assert_eq!(typing.program.status().code(), Some(0));
+    assert_eq!(typing.program.wait_for_exit().code(), Some(0));
     assert!(window.hears("button 272 up"), "{:#?}", window.heard());
 }
 
@@ -186,7 +193,7 @@ fn no_button_is_down_while_it_is_stopped() {
     typing.program.signal(&["STOP"]);
     assert!(window.hears("button 272 up"), "{:#?}", window.heard());
     typing.program.signal(&["CONT", "TERM"]);
-    assert_eq!(typing.program.status().code(), Some(0));
+    assert_eq!(typing.program.wait_for_exit().code(), Some(0));
 }
 
 #[test]
@@ -195,6 +202,6 @@ fn no_button_is_down_after_it_was_killed() {
         return;
     };
     typing.program.signal(&["KILL"]);
-    assert_eq!(typing.program.status().code(), None);
+    assert_eq!(typing.program.wait_for_exit().code(), None);
     assert!(window.hears("button 272 up"), "{:#?}", window.heard());
 }

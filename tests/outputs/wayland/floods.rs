@@ -7,7 +7,7 @@ use ademan::output::{Desktop, Sink};
 
 use super::compositor::{Compositor, event};
 use super::window::Window;
-use crate::support::x11::{wait_for, wait_up_to};
+use crate::support::x11::{wait_at_most, wait_for};
 
 fn key(name: &str) -> KeyCode {
     name.parse().expect("the name of a key")
@@ -92,7 +92,7 @@ fn a_compositor_that_does_not_come_back_is_an_error_and_what_is_down_comes_up_wh
     };
     assert!(wait_for(fails), "it goes on");
     let error = error.expect("it has come").to_string();
-    assert!(error.contains("it reads nothing"), "{error}");
+    assert!(error.contains("it does not read"), "{error}");
     let start = Instant::now();
     sink.close().expect_err("it cannot say that all is well");
     assert!(
@@ -101,6 +101,6 @@ fn a_compositor_that_does_not_come_back_is_an_error_and_what_is_down_comes_up_wh
     );
     compositor.go_on();
     let comes_up = || count(&window.heard(), "up a") > 0;
-    assert!(wait_up_to(Duration::from_secs(30), comes_up));
+    assert!(wait_at_most(Duration::from_secs(30), comes_up));
     other.close().expect("it has nothing to do");
 }

@@ -21,12 +21,12 @@ fn the_demo_types(text: &str) {
             return;
         };
         let mut program = compositor.run(["demo", "--output", "desktop", "--text", text]);
-        let status = program.status();
-        if program.times_said(HELD_UP) > 0 {
-            println!("held up: {:?}", program.said());
+        let status = program.wait_for_exit();
+        if program.count_lines(HELD_UP) > 0 {
+            println!("held up: {:?}", program.stderr_lines());
             continue;
         }
-        assert_eq!(status.code(), Some(0), "{:#?}", program.said());
+        assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
         assert_eq!(terminal.typed(text), text);
         return;
     }

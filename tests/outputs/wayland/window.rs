@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::sync::{Arc, Mutex};
 
 use super::compositor::Compositor;
-use crate::support::process::{Process, overheard};
+use crate::support::process::{Process, collect_lines};
 use crate::support::x11::wait_for;
 
 /// A window of `wev`, which tells what reaches it. It has the focus.
@@ -23,7 +23,7 @@ impl Window {
         command.args(["-oL", "wev"]).stdout(Stdio::piped());
         let mut process = start("wev", &mut command)?;
         let stdout = process.0.stdout.take().expect("it is piped");
-        let told = overheard(stdout);
+        let told = collect_lines(stdout);
         let window = Self {
             _process: process,
             told,

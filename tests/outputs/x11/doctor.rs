@@ -34,7 +34,7 @@ fn a_display_that_is_there_is_found_and_left_as_it_was() {
     assert_eq!(code, Some(0), "{out}");
     let after = server.pointer();
     assert_eq!(after, before);
-    assert_eq!(server.keys_down(), [0; 0]);
+    assert_eq!(server.pressed_keys(), [0; 0]);
 
     let (code, out) = doctor(":65000");
     let silent = "missing      display      needed  no X server answers at `:65000`\n";

@@ -9,9 +9,9 @@ use tempfile::TempDir;
 
 use super::{hold, wait_for_release};
 use crate::support::glove::Glove;
-use crate::support::press::{Press, code};
+use crate::support::press::{Press, x11_code};
 use crate::support::program::Program;
-use crate::support::x11::{XServer, wait_for, wait_up_to};
+use crate::support::x11::{XServer, wait_at_most, wait_for};
 
 /// The program with a glove whose wearer holds Shift and H down.
 pub struct Typing {
@@ -23,19 +23,19 @@ pub struct Typing {
 
 /// What it holds down.
 pub fn held_keys() -> [u16; 2] {
-    [code("H"), code("ShiftLeft")]
+    [x11_code("H"), x11_code("ShiftLeft")]
 }
 
 impl Typing {
     /// Starts all of it; `None` where there is no X server.
     pub fn start() -> Option<Self> {
         let server = XServer::start()?;
-        let press = Press::of("H");
+        let press = Press::for_text("H");
         let (folder, port) = new_file("glove");
-        let glove = Glove::plug_in(&port, press.off());
+        let glove = Glove::plug_in(&port, press.clear());
         let source = format!("serial:{}", port.display());
         let program = run(&server, &source);
-        program.wait_until_it_says("armed", 1);
+        program.wait_for_line("armed", 1);
         hold(&server, &glove, &press, &held_keys());
         Some(Self {
             server,
@@ -50,19 +50,23 @@ impl Typing {
         let start = Instant::now();
         self.program.signal(signals);
         wait_for_release(&self.server, start, &signals.join(" "));
-        let status = self.program.status();
-        assert_eq!(self.server.keys_down(), [0; 0]);
+        let status = self.program.wait_for_exit();
+        assert_eq!(self.server.pressed_keys(), [0; 0]);
         status.code()
     }
 
     /// Whatever has happened to the glove: everything is let go of, and the program waits for it.
     fn stalls(mut self, start: Instant, what: &str) {
         wait_for_release(&self.server, start, what);
-        self.program.wait_until_it_says("stalled", 1);
-        assert!(self.program.runs(), "{:#?}", self.program.said());
+        self.program.wait_for_line("stalled", 1);
+        assert!(
+            self.program.is_running(),
+            "{:#?}",
+            self.program.stderr_lines()
+        );
         self.program.signal(&["TERM"]);
-        assert_eq!(self.program.status().code(), Some(0));
-        assert_eq!(self.server.keys_down(), [0; 0]);
+        assert_eq!(self.program.wait_for_exit().code(), Some(0));
+        assert_eq!(self.server.pressed_keys(), [0; 0]);
     }
 }
 
@@ -79,10 +83,10 @@ fn run(server: &XServer, source: &str) -> Program {
 
 /// A file with what a glove sends until the key has been down for a second.
 fn file_that_ends_in_a_press() -> (TempDir, PathBuf) {
-    let press = Press::of("H");
+    let press = Press::for_text("H");
     let (folder, path) = new_file("glove.bytes");
     let mut file = std::fs::File::create(&path).expect("a file");
-    let still = std::iter::repeat_n(press.held(), 175);
+    let still = std::iter::repeat_n(press.pressed(), 175);
     for posture in press.approach.iter().copied().chain(still) {
         file.write_all(&encode(Framing::Double06, &posture))
             .expect("room on the disk");
@@ -97,10 +101,14 @@ fn nothing_is_down_after_the_end_of_the_stream() {
     };
     let (_folder, path) = file_that_ends_in_a_press();
     let mut program = run(&server, &format!("file:{}", path.display()));
-    assert!(server.wait_for_keys(&held_keys()), "{:#?}", program.said());
-    let status = program.status();
-    assert_eq!(server.keys_down(), [0; 0]);
-    assert_eq!(status.code(), Some(0), "{:#?}", program.said());
+    assert!(
+        server.wait_for_keys(&held_keys()),
+        "{:#?}",
+        program.stderr_lines()
+    );
+    let status = program.wait_for_exit();
+    assert_eq!(server.pressed_keys(), [0; 0]);
+    assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
 }
 
 #[test]
@@ -162,7 +170,7 @@ fn nothing_is_down_after_the_glove_fell_silent() {
         return;
     };
     let start = Instant::now();
-    typing.glove.fall_silent();
+    typing.glove.stop_sending();
     typing.stalls(start, "silent");
 }
 
@@ -172,7 +180,7 @@ fn nothing_is_down_after_the_bytes_made_no_sense_any_more() {
         return;
     };
     let start = Instant::now();
-    typing.glove.talk_nonsense();
+    typing.glove.send_noise();
     typing.stalls(start, "nonsense");
 }
 
@@ -182,12 +190,12 @@ fn a_display_that_died_ends_it_with_an_error_at_the_next_key() {
         return;
     };
     typing.server.kill();
-    typing.glove.play(&Press::of("H").lift);
-    let status = typing.program.status();
+    typing.glove.play(&Press::for_text("H").lift);
+    let status = typing.program.wait_for_exit();
     assert_eq!(status.code(), Some(1));
     typing
         .program
-        .wait_until_it_says("error: the output `desktop` failed", 1);
+        .wait_for_line("error: the output `desktop` failed", 1);
 }
 
 /// The default layout with the left mouse button in the place of H.
@@ -207,8 +215,8 @@ fn no_button_is_down_after_the_system_asked_it_to_end() {
     };
     let (folder, layout) = layout_with_a_button();
     let port = folder.path().join("glove");
-    let press = Press::of("h");
-    let glove = Glove::plug_in(&port, press.off());
+    let press = Press::for_text("h");
+    let glove = Glove::plug_in(&port, press.clear());
     let (source, layout) = (format!("serial:{}", port.display()), layout.display());
     let outputs = format!("transcript:{}/record,desktop", folder.path().display());
     let layout = layout.to_string();
@@ -216,15 +224,15 @@ fn no_button_is_down_after_the_system_asked_it_to_end() {
         "run", "--output", &outputs, "--source", &source, "--layout", &layout,
     ];
     let mut program = Program::start(&server, arguments);
-    program.wait_until_it_says("armed", 1);
+    program.wait_for_line("armed", 1);
     let is_held = || {
         glove.play(&press.approach);
-        wait_up_to(Duration::from_secs(5), || server.buttons_down() == [1])
+        wait_at_most(Duration::from_secs(5), || server.pressed_buttons() == [1])
     };
-    assert!(wait_for(is_held), "{:#?}", program.said());
+    assert!(wait_for(is_held), "{:#?}", program.stderr_lines());
     program.signal(&["TERM"]);
-    assert_eq!(program.status().code(), Some(0));
-    assert_eq!(server.buttons_down(), [0; 0]);
+    assert_eq!(program.wait_for_exit().code(), Some(0));
+    assert_eq!(server.pressed_buttons(), [0; 0]);
     let record = std::fs::read_to_string(folder.path().join("record")).expect("a transcript");
     let events: Vec<_> = record.lines().map(|line| &line[13..]).collect();
     assert_eq!(events.last(), Some(&"up   MouseLeft"), "{events:?}");

@@ -6,16 +6,16 @@ use ademan::output::{Desktop, Router, open};
 use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::Setup;
 
-use crate::support::hand::Hand;
+use crate::support::hand::HoldingHand;
 use crate::support::press::Press;
-use crate::support::x11::{Typewriter, XServer};
+use crate::support::x11::{TerminalWindow, XServer};
 
 #[test]
 fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let Some(typewriter) = Typewriter::start(&server) else {
+    let Some(terminal) = TerminalWindow::start(&server) else {
         return;
     };
     let folder = tempfile::tempdir().expect("a folder");
@@ -26,7 +26,7 @@ fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
         Box::new(Desktop::open(Some(server.display()), &needs).expect("the server is there")),
         open(&format!("transcript:{}", path.display()), &needs).expect("a new file"),
     ]);
-    let hand = Hand::that_holds(&Press::of("h"), Duration::from_millis(1500));
+    let hand = HoldingHand::new(&Press::for_text("h"), Duration::from_millis(1500));
     let mut pipeline = assembly.pipeline();
     run_pipeline(
         hand,
@@ -40,8 +40,8 @@ fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
     let transcript = std::fs::read_to_string(&path).expect("the transcript");
     let events: Vec<_> = transcript.lines().map(|line| &line[13..]).collect();
     assert_eq!(events, ["down H", "up   H"]);
-    assert_eq!(server.keys_down(), [0; 0]);
-    let typed = typewriter.typed("h");
+    assert_eq!(server.pressed_keys(), [0; 0]);
+    let typed = terminal.typed("h");
     println!(
         "held for 1.5 s: the terminal made {} characters of it",
         typed.len()

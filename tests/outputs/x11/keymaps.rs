@@ -8,7 +8,7 @@ use ademan::output::{Desktop, Sink};
 use ademan::time::Timestamp;
 
 use crate::support::program::Program;
-use crate::support::x11::{Typewriter, XServer};
+use crate::support::x11::{TerminalWindow, XServer};
 
 /// A server with this keymap, or `None` where it cannot be set.
 fn server_with(keymap: &str) -> Option<XServer> {
@@ -38,19 +38,19 @@ fn the_demo_types(keymap: &str, arguments: &[&str], expected: &str) {
         let Some(server) = server_with(keymap) else {
             return;
         };
-        let Some(typewriter) = Typewriter::start(&server) else {
+        let Some(terminal) = TerminalWindow::start(&server) else {
             return;
         };
         let demo = ["demo", "--output", "desktop"];
         let mut program = Program::start(&server, [&demo, arguments].concat());
-        let status = program.status();
-        assert_eq!(server.keys_down(), [0; 0]);
-        if program.times_said(HELD_UP) > 0 {
-            println!("held up: {:?}", program.said());
+        let status = program.wait_for_exit();
+        assert_eq!(server.pressed_keys(), [0; 0]);
+        if program.count_lines(HELD_UP) > 0 {
+            println!("held up: {:?}", program.stderr_lines());
             continue;
         }
-        assert_eq!(status.code(), Some(0), "{:#?}", program.said());
-        assert_eq!(typewriter.typed(expected), expected);
+        assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
+        assert_eq!(terminal.typed(expected), expected);
         return;
     }
     panic!("the machine has no time for a hand that types");
@@ -91,7 +91,7 @@ fn characters_arrive_under_every_keymap() {
         let Some(server) = server_with(keymap) else {
             return;
         };
-        let Some(typewriter) = Typewriter::start(&server) else {
+        let Some(terminal) = TerminalWindow::start(&server) else {
             return;
         };
         let text = "zy[ß] @€ é ñ λ";
@@ -105,6 +105,6 @@ fn characters_arrive_under_every_keymap() {
             sink.send(&[event]).expect("there is room");
         }
         sink.close().expect("it takes everything");
-        assert_eq!(typewriter.typed(text), text, "under {keymap}");
+        assert_eq!(terminal.typed(text), text, "under {keymap}");
     }
 }

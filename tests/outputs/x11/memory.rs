@@ -56,25 +56,25 @@ fn nothing_is_down_after_it_was_killed_for_want_of_memory() {
     let Some(group) = Group::with_limit(64 << 10) else {
         return;
     };
-    let press = Press::of("H");
+    let press = Press::for_text("H");
     let folder = tempfile::tempdir().expect("a folder");
     let (port, file) = (folder.path().join("glove"), folder.path().join("my.ron"));
     let text = Layout::load("qwerty-flat").expect("it is shipped").text;
     fs::write(&file, &text).expect("room");
-    let glove = Glove::plug_in(&port, press.off());
+    let glove = Glove::plug_in(&port, press.clear());
     let source = format!("serial:{}", port.display());
     let layout = file.to_str().expect("a plain path");
     let arguments = [
         "run", "--output", "desktop", "--source", &source, "--layout", layout,
     ];
     let mut program = Program::start(&server, arguments);
-    program.wait_until_it_says("armed", 1);
+    program.wait_for_line("armed", 1);
     hold(&server, &glove, &press, &held_keys());
 
     group.take(program.id());
     // A file that takes memory to be read.
     fs::write(&file, format!("/*{}*/{text}", "-".repeat(900_000))).expect("room");
-    assert_eq!(program.status().code(), None, "it was killed");
+    assert_eq!(program.wait_for_exit().code(), None, "it was killed");
     wait_for_release(&server, Instant::now(), "out of memory");
-    program.wait_until_it_says("its keys are up (2)", 1);
+    program.wait_for_line("released its keys (2)", 1);
 }

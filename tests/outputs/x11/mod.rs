@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 
 use crate::support::glove::Glove;
 use crate::support::press::Press;
-use crate::support::x11::{XServer, wait_for, wait_up_to};
+use crate::support::x11::{XServer, wait_at_most, wait_for};
 
 /// Lets the wearer of a glove press until just these keys are down.
 ///
@@ -29,9 +29,9 @@ use crate::support::x11::{XServer, wait_for, wait_up_to};
 fn hold(server: &XServer, glove: &Glove, press: &Press, keys: &[u16]) {
     let is_held = || {
         glove.play(&press.approach);
-        wait_up_to(Duration::from_secs(5), || server.keys_down() == keys)
+        wait_at_most(Duration::from_secs(5), || server.pressed_keys() == keys)
     };
-    assert!(wait_for(is_held), "{:?} are down", server.keys_down());
+    assert!(wait_for(is_held), "{:?} are down", server.pressed_keys());
 }
 
 /// Waits until no key is down, and prints the time since `start`. `benches/release.rs` measures such times; here a busy
@@ -40,7 +40,7 @@ fn wait_for_release(server: &XServer, start: Instant, what: &str) {
     assert!(
         server.wait_for_keys(&[]),
         "{what}: {:?} stay down",
-        server.keys_down()
+        server.pressed_keys()
     );
     println!("{what}: no key is down after {:.1?}", start.elapsed());
 }

@@ -17,8 +17,8 @@ use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
 use super::wait_for_release;
-use crate::support::hand::Hand;
-use crate::support::press::{Press, code};
+use crate::support::hand::HoldingHand;
+use crate::support::press::{Press, x11_code};
 use crate::support::x11::XServer;
 
 /// Panics at the moment that the test says.
@@ -38,7 +38,7 @@ impl Fuse {
 /// Something that panics when its fuse has blown.
 struct Fused<T>(T, Fuse);
 
-impl Source for Fused<Hand> {
+impl Source for Fused<HoldingHand> {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         self.1.check();
         self.0.next()
@@ -96,7 +96,7 @@ fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
     let mut sink = Desktop::open(Some(server.display()), &Capabilities::default())
         .expect("the server is there");
     let source = Fused(
-        Hand::that_holds(&Press::of("H"), Duration::MAX),
+        HoldingHand::new(&Press::for_text("H"), Duration::MAX),
         fuses.source.clone(),
     );
     let mut pipeline = pipeline(fuses.device.clone());
@@ -116,7 +116,7 @@ fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
         let outcome = catch_unwind(AssertUnwindSafe(run));
         (outcome, sink)
     });
-    assert!(server.wait_for_keys(&[code("H"), code("ShiftLeft")]));
+    assert!(server.wait_for_keys(&[x11_code("H"), x11_code("ShiftLeft")]));
     running
 }
 
@@ -129,7 +129,7 @@ fn outcome_of(what: &str, fuse: fn(&Fuses) -> &Fuse) -> Option<Ended> {
     fuse(&fuses).blow();
     wait_for_release(&server, start, what);
     let ended = running.join().expect("the panic was caught");
-    assert_eq!(server.keys_down(), [0; 0]);
+    assert_eq!(server.pressed_keys(), [0; 0]);
     Some(ended)
 }
 

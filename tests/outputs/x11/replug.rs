@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::{hold, wait_for_release};
 use crate::support::glove::Glove;
-use crate::support::press::{Press, code};
+use crate::support::press::{Press, x11_code};
 use crate::support::program::Program;
 use crate::support::x11::XServer;
 
@@ -16,34 +16,34 @@ fn a_finger_that_is_still_on_the_key_presses_nothing_until_the_hand_was_off_all_
     let Some(server) = XServer::start() else {
         return;
     };
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     let folder = tempfile::tempdir().expect("a folder");
     let port = folder.path().join("glove");
     let source = format!("serial:{}", port.display());
-    let mut glove = Glove::plug_in(&port, press.off());
+    let mut glove = Glove::plug_in(&port, press.clear());
     let arguments = ["run", "--output", "desktop", "--source", &source];
     let program = Program::start(&server, arguments);
-    program.wait_until_it_says("armed", 1);
-    hold(&server, &glove, &press, &[code("H")]);
+    program.wait_for_line("armed", 1);
+    hold(&server, &glove, &press, &[x11_code("H")]);
 
     let start = Instant::now();
     glove.unplug();
     wait_for_release(&server, start, "unplugged");
-    let glove = Glove::plug_in(&port, press.held());
-    program.wait_until_it_says("reconnected to", 1);
+    let glove = Glove::plug_in(&port, press.pressed());
+    program.wait_for_line("reconnected to", 1);
     let start = Instant::now();
     while start.elapsed() < Duration::from_secs(1) {
-        assert_eq!(server.keys_down(), [0; 0]);
+        assert_eq!(server.pressed_keys(), [0; 0]);
     }
 
-    let times_armed = program.times_said("armed");
+    let times_armed = program.count_lines("armed");
     let start = Instant::now();
-    glove.play(&[press.off()]);
-    program.wait_until_it_says("armed", times_armed + 1);
+    glove.play(&[press.clear()]);
+    program.wait_for_line("armed", times_armed + 1);
     let took = start.elapsed();
     println!("off all keys: armed after {took:.1?}");
     assert!(took >= NEUTRAL, "{took:?}");
-    hold(&server, &glove, &press, &[code("H")]);
+    hold(&server, &glove, &press, &[x11_code("H")]);
     glove.play(&press.lift);
     assert!(server.wait_for_keys(&[]));
 }

@@ -2,7 +2,7 @@
 
 use std::thread;
 
-use crate::support::x11::{InputWindow, Typewriter, XServer, wait_for};
+use crate::support::x11::{InputWindow, TerminalWindow, XServer, wait_for};
 use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan::output::{Desktop, OutputError, Sink};
 use ademan::time::Timestamp;
@@ -61,7 +61,7 @@ fn a_text_arrives_byte_for_byte_in_a_terminal() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let Some(typewriter) = Typewriter::start(&server) else {
+    let Some(terminal) = TerminalWindow::start(&server) else {
         return;
     };
     let text = "Hello, World! 1+1=2 (a;b) {x} ~";
@@ -70,9 +70,9 @@ fn a_text_arrives_byte_for_byte_in_a_terminal() {
         sink.send(&frame).unwrap();
     }
     sink.close().unwrap();
-    assert_eq!(typewriter.typed(text), text);
+    assert_eq!(terminal.typed(text), text);
     assert_eq!(sink.dropped_presses(), 0);
-    assert_eq!(server.keys_down(), NO_KEYS);
+    assert_eq!(server.pressed_keys(), NO_KEYS);
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn nothing_is_down_after_closing() {
     };
     let mut sink = holding_two_keys(&server);
     sink.close().unwrap();
-    assert_eq!(server.keys_down(), NO_KEYS);
+    assert_eq!(server.pressed_keys(), NO_KEYS);
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn nothing_is_down_after_a_drop_without_closing() {
         return;
     };
     drop(holding_two_keys(&server));
-    assert_eq!(server.keys_down(), NO_KEYS);
+    assert_eq!(server.pressed_keys(), NO_KEYS);
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn nothing_is_down_after_the_thread_that_held_the_sink_panicked() {
         panic!("meant to happen");
     });
     assert!(holder.join().is_err());
-    assert_eq!(server.keys_down(), NO_KEYS);
+    assert_eq!(server.pressed_keys(), NO_KEYS);
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn characters_that_no_key_has_arrive_in_a_terminal() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let Some(typewriter) = Typewriter::start(&server) else {
+    let Some(terminal) = TerminalWindow::start(&server) else {
         return;
     };
     let text = "é ñß Łж€ aé!";
@@ -154,8 +154,8 @@ fn characters_that_no_key_has_arrive_in_a_terminal() {
     sink.send(&[down("A"), up("A")]).unwrap();
     sink.close().unwrap();
     let expected = format!("{text}a");
-    assert_eq!(typewriter.typed(&expected), expected);
-    assert_eq!(server.keys_down(), NO_KEYS);
+    assert_eq!(terminal.typed(&expected), expected);
+    assert_eq!(server.pressed_keys(), NO_KEYS);
 }
 
 #[test]
@@ -206,7 +206,7 @@ fn buttons_a_drag_and_the_wheel_arrive_in_order() {
     sink.send(&turns.map(|(x, y)| event(EventKind::Scroll(x, y))))
         .unwrap();
     sink.close().unwrap();
-    let heard: Vec<_> = field.heard("up 6 at 25,15");
+    let heard: Vec<_> = field.events_until("up 6 at 25,15");
     let start = heard.iter().position(|line| line == "move to 20,10");
     let clicks = [2, 3, 8, 9, 4, 5, 7, 7, 6];
     let clicked =
@@ -228,12 +228,12 @@ fn no_button_is_down_after_closing_nor_after_a_drop() {
         let mut sink = open(&server);
         sink.send(&[down("MouseLeft"), down("MouseRight"), down("A")])
             .unwrap();
-        assert!(wait_for(|| server.buttons_down() == [1, 3]));
+        assert!(wait_for(|| server.pressed_buttons() == [1, 3]));
         if closes {
             sink.close().unwrap();
         }
         drop(sink);
-        assert_eq!(server.buttons_down(), NO_BUTTONS);
-        assert_eq!(server.keys_down(), NO_KEYS);
+        assert_eq!(server.pressed_buttons(), NO_BUTTONS);
+        assert_eq!(server.pressed_keys(), NO_KEYS);
     }
 }

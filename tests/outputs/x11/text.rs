@@ -1,24 +1,24 @@
 //! The text of the demo in a terminal of the desktop.
 
 use crate::support::program::Program;
-use crate::support::x11::{Typewriter, XServer};
+use crate::support::x11::{TerminalWindow, XServer};
 
 /// Lets the demo type into a terminal, with these arguments.
 fn the_demo_types(text: &str, arguments: &[&str]) {
     let Some(server) = XServer::start() else {
         return;
     };
-    let Some(typewriter) = Typewriter::start(&server) else {
+    let Some(terminal) = TerminalWindow::start(&server) else {
         return;
     };
     let mut program = Program::start(
         &server,
         [&["demo", "--output", "desktop"], arguments].concat(),
     );
-    let status = program.status();
-    assert_eq!(status.code(), Some(0), "{:#?}", program.said());
-    assert_eq!(server.keys_down(), [0; 0]);
-    assert_eq!(typewriter.typed(text), text);
+    let status = program.wait_for_exit();
+    assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
+    assert_eq!(server.pressed_keys(), [0; 0]);
+    assert_eq!(terminal.typed(text), text);
 }
 
 #[test]

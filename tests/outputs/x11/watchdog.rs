@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::ends::{Typing, held_keys};
 use super::{hold, wait_for_release};
 use crate::support::glove::Glove;
-use crate::support::press::{Press, code};
+use crate::support::press::{Press, x11_code};
 use crate::support::program::Program;
 use crate::support::x11::{InputWindow, XServer, wait_for};
 
@@ -32,8 +32,8 @@ impl Typing {
         let start = Instant::now();
         self.program.signal(&[signal]);
         wait_for_release(&self.server, start, signal);
-        assert_eq!(self.program.status().code(), None, "it was killed");
-        self.program.wait_until_it_says("its keys are up (2)", 1);
+        assert_eq!(self.program.wait_for_exit().code(), None, "it was killed");
+        self.program.wait_for_line("released its keys (2)", 1);
     }
 }
 
@@ -57,30 +57,30 @@ fn no_character_stays_down_that_was_being_written_when_it_was_killed() {
         return;
     };
     let window = InputWindow::open(&server);
-    let press = Press::of("h");
+    let press = Press::for_text("h");
     for round in 0..8 {
         let folder = tempfile::tempdir().expect("a folder");
         let port = folder.path().join("glove");
         let layout = layout_that_writes(folder.path()).display().to_string();
-        let glove = Glove::plug_in(&port, press.off());
+        let glove = Glove::plug_in(&port, press.clear());
         let source = format!("serial:{}", port.display());
         let run = [
             "run", "--output", "desktop", "--source", &source, "--layout", &layout,
         ];
         let mut program = Program::start(&server, run);
-        program.wait_until_it_says("armed", 1);
+        program.wait_for_line("armed", 1);
         glove.play(&press.approach);
         assert!(window.receives_a_key(), "it writes nothing");
         program.signal(&["KILL"]);
-        assert_eq!(program.status().code(), None);
+        assert_eq!(program.wait_for_exit().code(), None);
         assert!(
             server.wait_for_keys(&[]),
             "{round}: {:?}",
-            server.keys_down()
+            server.pressed_keys()
         );
         // The server may still be busy with what it was sent.
         std::thread::sleep(Duration::from_millis(200));
-        assert_eq!(server.keys_down(), [0; 0], "{round}");
+        assert_eq!(server.pressed_keys(), [0; 0], "{round}");
     }
 }
 
@@ -121,20 +121,20 @@ fn nothing_is_down_while_it_is_stopped_and_it_has_to_be_armed_again() {
     let start = Instant::now();
     typing.program.signal(&["STOP"]);
     wait_for_release(&typing.server, start, "STOP");
-    typing.program.wait_until_it_says("no sign of life", 1);
+    typing.program.wait_for_line("does not respond", 1);
     std::thread::sleep(Duration::from_secs(1));
     typing.program.signal(&["CONT"]);
-    typing.program.wait_until_it_says("stalled", 1);
+    typing.program.wait_for_line("stalled", 1);
     // The finger is still on the key: that arms nothing, and presses nothing.
     std::thread::sleep(Duration::from_millis(700));
-    assert_eq!(typing.server.keys_down(), [0; 0]);
-    let press = Press::of("H");
+    assert_eq!(typing.server.pressed_keys(), [0; 0]);
+    let press = Press::for_text("H");
     typing.glove.play(&press.lift);
-    typing.program.wait_until_it_says("armed", 2);
+    typing.program.wait_for_line("armed", 2);
     hold(&typing.server, &typing.glove, &press, &held_keys());
     typing.program.signal(&["TERM"]);
-    assert_eq!(typing.program.status().code(), Some(0));
-    assert_eq!(typing.server.keys_down(), [0; 0]);
+    assert_eq!(typing.program.wait_for_exit().code(), Some(0));
+    assert_eq!(typing.server.pressed_keys(), [0; 0]);
 }
 
 #[test]
@@ -146,24 +146,24 @@ fn a_guardian_that_is_killed_is_replaced_once_and_the_run_pauses() {
     let start = Instant::now();
     kill(first);
     wait_for_release(&typing.server, start, "guardian killed");
-    typing.program.wait_until_it_says("paused", 2);
+    typing.program.wait_for_line("paused", 2);
     assert!(wait_for(|| !is_alive(first)), "the first one is gone");
     let second = typing.guardian();
     std::thread::sleep(Duration::from_millis(500));
     kill(second);
-    let status = typing.program.status();
+    let status = typing.program.wait_for_exit();
     assert_eq!(status.code(), Some(1));
     // A busy machine: the second one was killed before it was ready.
     let (again, early) = (
-        "the guardian that lets go of keys was ended a second time",
-        "no guardian",
+        "the watchdog exited a second time",
+        "cannot start the watchdog",
     );
-    let said = typing.program.said();
+    let said = typing.program.stderr_lines();
     let tells = said
         .iter()
         .any(|line| line.contains(again) || line.contains(early));
     assert!(tells, "{said:#?}");
-    assert_eq!(typing.server.keys_down(), [0; 0]);
+    assert_eq!(typing.server.pressed_keys(), [0; 0]);
 }
 
 #[test]
@@ -181,12 +181,12 @@ fn ctrl_z_lets_go_before_it_stops_and_the_hand_has_to_leave_after_it_is_continue
             .contains(") T ")
     };
     assert!(wait_for(is_stopped), "it does not stop");
-    assert_eq!(typing.program.times_said("no sign of life"), 0);
+    assert_eq!(typing.program.count_lines("does not respond"), 0);
     typing.program.signal(&["CONT"]);
-    typing.glove.play(&Press::of("H").lift);
-    typing.program.wait_until_it_says("armed", 2);
+    typing.glove.play(&Press::for_text("H").lift);
+    typing.program.wait_for_line("armed", 2);
     typing.program.signal(&["TERM"]);
-    assert_eq!(typing.program.status().code(), Some(0));
+    assert_eq!(typing.program.wait_for_exit().code(), Some(0));
 }
 
 #[test]
@@ -199,12 +199,12 @@ fn a_signal_pauses_until_somebody_resumes() {
     wait_for_release(&typing.server, start, "USR1");
     typing
         .program
-        .wait_until_it_says("paused: everything is released", 1);
-    typing.glove.play(&Press::of("H").lift);
+        .wait_for_line("paused: everything is released", 1);
+    typing.glove.play(&Press::for_text("H").lift);
     std::thread::sleep(Duration::from_millis(800));
-    assert_eq!(typing.program.times_said("armed"), 1);
+    assert_eq!(typing.program.count_lines("armed"), 1);
     typing.program.signal(&["TERM"]);
-    assert_eq!(typing.program.status().code(), Some(0));
+    assert_eq!(typing.program.wait_for_exit().code(), Some(0));
 }
 
 fn kill(process: u32) {
@@ -228,12 +228,12 @@ fn requests_to_end_that_reach_the_guardian_too_do_not_end_it_first() {
     std::thread::sleep(Duration::from_millis(200));
     assert!(is_alive(guardian));
     assert_eq!(
-        typing.server.keys_down(),
-        [code("H"), code("ShiftLeft")],
+        typing.server.pressed_keys(),
+        [x11_code("H"), x11_code("ShiftLeft")],
         "{:#?}",
-        typing.program.said()
+        typing.program.stderr_lines()
     );
     typing.program.signal(&["KILL"]);
     assert!(typing.server.wait_for_keys(&[]));
-    assert_eq!(typing.program.status().code(), None);
+    assert_eq!(typing.program.wait_for_exit().code(), None);
 }

@@ -8,7 +8,7 @@ use ademan::device::{Capabilities, EventKind, KeyCode, OutputEvent};
 use ademan::output::{Desktop, Sink};
 use ademan::time::Timestamp;
 
-use crate::support::process::{Process, overheard};
+use crate::support::process::{Process, collect_lines};
 use crate::support::x11::{XServer, wait_for};
 
 /// A window of `xev` over the whole screen. It has the focus.
@@ -36,8 +36,8 @@ impl Window {
         }
         let mut process = Process::start(&mut command).expect("it starts");
         let stdout = process.0.stdout.take().expect("it is piped");
-        let told = overheard(stdout);
-        server.focus_what_is_seen();
+        let told = collect_lines(stdout);
+        server.focus_visible_window();
         Some(Self {
             _process: process,
             told,

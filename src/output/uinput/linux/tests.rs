@@ -280,7 +280,7 @@ fn an_open_error_contains_the_remedy() {
     assert!(message(io::ErrorKind::NotFound).contains("modprobe uinput"));
     assert!(open_message(&io::Error::from_raw_os_error(19)).contains("modprobe uinput"));
     let denied = message(io::ErrorKind::PermissionDenied);
-    assert!(denied.contains("ademan setup --print udev"), "{denied}");
+    assert!(denied.contains("ademan system-files udev"), "{denied}");
     assert_eq!(message(io::ErrorKind::TimedOut), "/dev/uinput: timed out");
 }
 
