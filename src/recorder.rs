@@ -1,8 +1,8 @@
-//! Writes what an observer sees into a recording.
+//! The writer of recordings.
 //!
-//! The file is an MCAP file as [`capture::recording`](crate::capture::recording) describes it, with one
-//! channel per [`Stage`] and its values in JSON with a JSON Schema, so that Foxglove and rerun open
-//! it. The time of a message is the source's, in nanoseconds.
+//! A recording is an MCAP file as described in [`capture::recording`](crate::capture::recording), with one channel per
+//! [`Stage`]. Messages are JSON with a JSON Schema, so that Foxglove and rerun can open the file. Their time is that of the
+//! source, in nanoseconds.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions};
@@ -20,34 +20,34 @@ use crate::snapshot::Snapshot;
 use crate::time::Timestamp;
 use crate::trace::Stage;
 
-/// The program that a recording says it comes from.
+/// Library name in the header of the file.
 const LIBRARY: &str = concat!("ademan ", env!("CARGO_PKG_VERSION"));
 
-/// Why a recording cannot be written. Each text says what was tried and what happened.
+/// Reason why a recording cannot be written.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum RecordError {
-    /// The file cannot be made.
-    #[error("cannot start a recording at {path}: {reason}", path = .path.display())]
+    /// The file cannot be created.
+    #[error("cannot create the recording {path}: {reason}", path = .path.display())]
     Create {
-        /// Where.
+        /// Path of the file.
         path: PathBuf,
-        /// What happened and what to do.
+        /// Cause and remedy.
         reason: String,
     },
-    /// The file does not take more; what was written before stays readable.
-    #[error("the recording stopped at {path}: {reason}", path = .path.display())]
+    /// A write failed. Everything written before stays readable.
+    #[error("the recording {path} is incomplete: {reason}", path = .path.display())]
     Write {
-        /// Where.
+        /// Path of the file.
         path: PathBuf,
-        /// What happened.
+        /// Cause.
         reason: String,
     },
 }
 
-/// A recording that is being written.
+/// A recording in progress.
 ///
-/// After each snapshot everything is with the operating system, so that a crash of the program loses
-/// nothing of it. Dropping it ends the file properly; [`finish`](Self::finish) also says whether that worked.
+/// Each snapshot is handed to the operating system at once, so that a crash of the program loses none. Dropping the
+/// recorder completes the file; [`finish`](Self::finish) also returns errors.
 pub struct Recorder {
     path: PathBuf,
     writer: Option<Writer<BufWriter<File>>>,
@@ -62,24 +62,23 @@ struct Channel {
 }
 
 impl Recorder {
-    /// Starts a recording at `path`, readable for its owner only, where there must be no file yet.
-    /// `setup` is written at its start.
+    /// Creates a recording that only its owner can read. Fails if the file exists. `setup` is written at its start.
     pub fn create(path: &Path, setup: &RecordedSetup) -> Result<Self, RecordError> {
-        let refuse = |reason: String| RecordError::Create {
+        let cannot_create = |reason: String| RecordError::Create {
             path: path.to_owned(),
             reason,
         };
-        check(setup).map_err(refuse)?;
+        check(setup).map_err(cannot_create)?;
         let file = output::owner_only(OpenOptions::new().write(true).create_new(true)).open(path);
         let file = file.map_err(|error| {
-            refuse(match error.kind() {
+            cannot_create(match error.kind() {
                 io::ErrorKind::AlreadyExists => {
-                    "there is a file already; choose another name or remove it".into()
+                    "the file exists; choose another name or remove it".into()
                 }
                 _ => error.to_string(),
             })
         })?;
-        let (writer, channels) = start(file, setup).map_err(|error| refuse(told(error)))?;
+        let (writer, channels) = start(file, setup).map_err(|error| cannot_create(describe(error)))?;
         Ok(Self {
             path: path.to_owned(),
             writer: Some(writer),
@@ -88,26 +87,25 @@ impl Recorder {
         })
     }
 
-    /// Writes what every stage made of a frame. After an error nothing more is written, and every
-    /// call is an error.
+    /// Writes the results of all stages for one step. After an error every call fails and writes nothing.
     pub fn write(&mut self, snapshot: &Snapshot) -> Result<(), RecordError> {
         let outcome = self.write_stages(snapshot);
         if outcome.is_err() {
             self.abandon();
         }
-        outcome.map_err(|error| self.stopped(error))
+        outcome.map_err(|error| self.write_error(error))
     }
 
-    /// Writes the end of the file.
+    /// Completes the file.
     pub fn finish(mut self) -> Result<(), RecordError> {
         let Some(mut writer) = self.writer.take() else {
-            return Err(self.stopped(McapError::AttemptedWriteAfterFailure));
+            return Err(self.write_error(McapError::AttemptedWriteAfterFailure));
         };
         let outcome = writer.finish();
         let flushed = writer.into_inner().flush();
         outcome
             .and(flushed.map_err(McapError::Io))
-            .map_err(|error| self.stopped(error))
+            .map_err(|error| self.write_error(error))
     }
 
     fn write_stages(&mut self, snapshot: &Snapshot) -> Result<(), McapError> {
@@ -123,17 +121,17 @@ impl Recorder {
         writer.flush()
     }
 
-    /// Leaves the file as it is: an end written after half a record would not be found.
+    /// Closes the file without its footer: after half a record a reader would not find it.
     fn abandon(&mut self) {
         if let Some(writer) = self.writer.take() {
             let (_, _unwritten) = writer.into_inner().into_parts();
         }
     }
 
-    fn stopped(&self, error: McapError) -> RecordError {
+    fn write_error(&self, error: McapError) -> RecordError {
         RecordError::Write {
             path: self.path.clone(),
-            reason: told(error),
+            reason: describe(error),
         }
     }
 }
@@ -151,16 +149,16 @@ impl Channel {
     }
 }
 
-/// Refuses what the reader would not take back.
+/// Checks that the reader will accept the records of the setup.
 fn check(setup: &RecordedSetup) -> Result<(), String> {
-    // The record's own lengths and keys take less than 1 KiB.
-    let room = MAX_RECORD_BYTES - 1024;
+    // Lengths and keys of a record take less than 1 KiB.
+    let limit = MAX_RECORD_BYTES - 1024;
     for entry in &setup.entries {
         let size = entry.kind.len() + entry.name.len() + entry.text.len();
-        if size > room {
+        if size > limit {
             let (kind, name) = (&entry.kind, &entry.name);
             return Err(format!(
-                "the {kind} {name} has {size} bytes and the limit is {room}"
+                "the {kind} {name} has {size} bytes, more than the limit of {limit}"
             ));
         }
     }
@@ -202,10 +200,10 @@ fn metadata<const N: usize>(name: &str, fields: [(&str, &str); N]) -> Metadata {
     }
 }
 
-fn told(error: McapError) -> String {
+fn describe(error: McapError) -> String {
     match error {
         McapError::Io(error) => error.to_string(),
-        McapError::AttemptedWriteAfterFailure => "it failed before".into(),
+        McapError::AttemptedWriteAfterFailure => "an earlier write failed".into(),
         other => other.to_string(),
     }
 }

@@ -1,23 +1,24 @@
-//! What each stage made of a frame, as JSON: the lines of `ademan trace` and the messages of a
-//! recording.
+//! The results of each stage as JSON: the lines of `ademan trace` and the messages of a recording.
 //!
-//! | stage | one object for each | form |
+//! | stage | one object per | form |
 //! |---|---|---|
-//! | `readings` | reading | `{"time_us":12500,"full_scale":255,"channels":[3,141]}` |
-//! | `angles` | frame | `{"time_us":12500,"angles":{"index-mcp-flexion":0.12}}` |
-//! | `pose` | frame | `{"time_us":12500,"side":"right","positions":{"wrist":[x,y,z]},"orientations":{"wrist":[x,y,z,w]}}` |
-//! | `touches` | touch | `{"time_us":12400,"side":"right","finger":"index","target":"Q","phase":"pressed","depth":0.5,"at":[0.001,-0.002]}` |
+//! | `readings` | reading | `{"time_us":12500,"full_scale":255,"channels":[3,141]}` or `{"time_us":12500,"angles_rad":{"index-mcp-flexion":0.12}}` |
+//! | `angles` | accepted reading | `{"time_us":12500,"angles":{"index-mcp-flexion":0.12}}` |
+//! | `pose` | accepted reading | `{"time_us":12500,"side":"right","positions":{"wrist":[x,y,z]},"orientations":{"wrist":[x,y,z,w]}}` |
+//! | `touches` | touch | `{"time_us":12400,"side":"right","finger":"index","target":"Q","phase":"pressed","depth":0.5,"position":[0.001,-0.002]}` |
 //! | `events` | event | `{"time_us":12400,"event":"key-down","key":"Q"}`, `{"time_us":12400,"event":"depth","target":"ArrowUp","depth":0.5}` |
+//! | `commands` | command | `{"time_us":12400,"command":"nudge","x_mm":0.0,"y_mm":0.0,"z_mm":-5.0}` |
 //!
-//! Times are microseconds, channels in wire order, angles radians of the joints that the source
-//! measures, positions metres and orientations unit quaternions in the world of the joints that the arm
-//! model has, targets the names that the layout gives them (their number where it gives none). Objects keep their order, numbers their full precision.
+//! Times are in microseconds, channels in wire order, angles in radians for the joints that the source measures. Positions
+//! are in metres and orientations are unit quaternions in the world frame, for the joints of the arm model. A target has the
+//! name from the layout, or its index if it has none. Objects keep their order and numbers their full precision.
 
 use serde::{Serialize, Serializer};
 
 use crate::capture::recording;
+use crate::command::Command;
 use crate::contact::{Phase, TargetName, TargetNames, Touch};
-use crate::device::{Axis, EventKind, KeyCode, OutputEvent};
+use crate::device::{Axis, EventKind, KeyCode, OutputEvent, TimedCommand};
 use crate::estimate::JointAngles;
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
@@ -26,34 +27,37 @@ use crate::snapshot::Snapshot;
 use crate::time::Timestamp;
 
 named_enum! {
-    /// A stage whose values can be seen, in the order of flow.
+    /// A stage with observable results, in the order of the data flow.
     pub enum Stage ("stage") {
-        /// What the sensor saw.
+        /// Readings of the sensor.
         Readings = "readings",
-        /// The angles of the joints.
+        /// Joint angles.
         Angles = "angles",
-        /// Where arm and hand are.
+        /// Poses of arm and hand.
         Pose = "pose",
-        /// What the fingertips did.
+        /// Touches of the fingertips.
         Touches = "touches",
-        /// What went out.
+        /// Events sent to the output.
         Events = "events",
+        /// Commands that the layout issued.
+        Commands = "commands",
     }
 }
 
 impl Stage {
-    /// The channel of a recording that its values are on.
+    /// Topic of its channel in a recording.
     pub const fn topic(self) -> &'static str {
         match self {
-            Self::Readings => recording::READINGS_TOPIC,
+            Self::Readings => recording::TOPIC,
             Self::Angles => "/angles",
             Self::Pose => "/pose",
             Self::Touches => "/touches",
             Self::Events => "/events",
+            Self::Commands => "/commands",
         }
     }
 
-    /// What the form of its values is called in a recording.
+    /// Name of its JSON Schema in a recording.
     pub const fn schema_name(self) -> &'static str {
         match self {
             Self::Readings => "ademan.Reading",
@@ -61,10 +65,11 @@ impl Stage {
             Self::Pose => "ademan.HandPose",
             Self::Touches => "ademan.Touch",
             Self::Events => "ademan.OutputEvent",
+            Self::Commands => "ademan.Command",
         }
     }
 
-    /// The form of its values, as a JSON Schema (draft 2020-12).
+    /// JSON Schema (draft 2020-12) of its objects.
     pub const fn schema(self) -> &'static str {
         match self {
             Self::Readings => include_str!("reading.schema.json"),
@@ -72,70 +77,83 @@ impl Stage {
             Self::Pose => include_str!("pose.schema.json"),
             Self::Touches => include_str!("touch.schema.json"),
             Self::Events => include_str!("event.schema.json"),
+            Self::Commands => include_str!("command.schema.json"),
         }
     }
 
-    /// Hands each of the stage's values in `snapshot` to `take`: its time, and its JSON without a
-    /// line end. `buffer` is room to write in; what is in it is lost.
+    /// Calls `write` with the time and the JSON of each result in `snapshot`, without line ends. `buffer` is overwritten.
     pub fn for_each_json<E>(
         self,
         snapshot: &Snapshot,
         buffer: &mut Vec<u8>,
-        mut take: impl FnMut(Timestamp, &[u8]) -> Result<(), E>,
+        mut write: impl FnMut(Timestamp, &[u8]) -> Result<(), E>,
     ) -> Result<(), E> {
         let names = &snapshot.target_names;
         match self {
             Self::Readings => snapshot
                 .reading
                 .iter()
-                .try_for_each(|reading| take(reading.time, json(reading, buffer))),
+                .try_for_each(|reading| write(reading.time, json(reading, buffer))),
             Self::Angles => snapshot.angles.iter().zip(&snapshot.pose).try_for_each(
-                |(angles, HandPose { time, .. })| {
-                    take(*time, json(&AnglesForm::of(*time, angles), buffer))
+                |(angles, &HandPose { time, .. })| {
+                    write(time, json(&AnglesJson::new(time, angles), buffer))
                 },
             ),
             Self::Pose => snapshot
                 .pose
                 .iter()
-                .try_for_each(|pose| take(pose.time, json(&PoseForm::of(pose), buffer))),
-            Self::Touches => snapshot
-                .touches
-                .iter()
-                .try_for_each(|touch| take(touch.time, json(&TouchForm::of(touch, names), buffer))),
+                .try_for_each(|pose| write(pose.time, json(&PoseJson::new(pose), buffer))),
+            Self::Touches => snapshot.touches.iter().try_for_each(|touch| {
+                write(touch.time, json(&TouchJson::new(touch, names), buffer))
+            }),
             Self::Events => snapshot
                 .events
                 .iter()
-                .try_for_each(|event| take(event.time, event_json(event, names, buffer))),
+                .try_for_each(|event| write(event.time, event_json(event, names, buffer))),
+            Self::Commands => snapshot
+                .commands
+                .iter()
+                .try_for_each(|issued| write(issued.time, command_json(issued, buffer))),
         }
     }
 }
 
-/// One object of the stage [`Stage::Events`], without a line end. `names` are those of the targets,
-/// `buffer` is room to write in; what is in it is lost.
+/// Returns one object of [`Stage::Events`] without a line end. `names` are those of the targets; `buffer` is overwritten.
 pub fn event_json<'a>(
     event: &OutputEvent,
     names: &TargetNames,
     buffer: &'a mut Vec<u8>,
 ) -> &'a [u8] {
-    json(&EventForm::of(event, names), buffer)
+    json(&EventJson::new(event, names), buffer)
+}
+
+/// Returns one object of [`Stage::Commands`] without a line end. `buffer` is overwritten.
+pub fn command_json<'a>(issued: &TimedCommand, buffer: &'a mut Vec<u8>) -> &'a [u8] {
+    json(
+        &CommandJson {
+            time_us: issued.time,
+            command: issued.command,
+        },
+        buffer,
+    )
 }
 
 fn json<'a>(value: &impl Serialize, buffer: &'a mut Vec<u8>) -> &'a [u8] {
     buffer.clear();
     serde_json::to_writer(&mut *buffer, value)
-        .expect("memory takes what is written, and every key is a string");
+        .expect("a vector accepts all bytes, and every key is a string");
     buffer
 }
 
 #[derive(Serialize)]
-struct AnglesForm<'a> {
+struct AnglesJson<'a> {
     time_us: Timestamp,
     #[serde(serialize_with = "known_angles")]
     angles: &'a JointAngles,
 }
 
-impl<'a> AnglesForm<'a> {
-    fn of(time: Timestamp, angles: &'a JointAngles) -> Self {
+impl<'a> AnglesJson<'a> {
+    fn new(time: Timestamp, angles: &'a JointAngles) -> Self {
         Self {
             time_us: time,
             angles,
@@ -148,7 +166,7 @@ fn known_angles<S: Serializer>(angles: &&JointAngles, serializer: S) -> Result<S
 }
 
 #[derive(Serialize)]
-struct PoseForm<'a> {
+struct PoseJson<'a> {
     time_us: Timestamp,
     side: Side,
     #[serde(serialize_with = "positions")]
@@ -157,8 +175,8 @@ struct PoseForm<'a> {
     orientations: &'a HandPose,
 }
 
-impl<'a> PoseForm<'a> {
-    fn of(pose: &'a HandPose) -> Self {
+impl<'a> PoseJson<'a> {
+    fn new(pose: &'a HandPose) -> Self {
         Self {
             time_us: pose.time,
             side: pose.side,
@@ -179,18 +197,18 @@ fn orientations<S: Serializer>(pose: &&HandPose, serializer: S) -> Result<S::Ok,
 }
 
 #[derive(Serialize)]
-struct TouchForm<'a> {
+struct TouchJson<'a> {
     time_us: Timestamp,
     side: Side,
     finger: Finger,
     target: TargetName<'a>,
     phase: Phase,
     depth: f32,
-    at: [f32; 2],
+    position: [f32; 2],
 }
 
-impl<'a> TouchForm<'a> {
-    fn of(touch: &Touch, names: &'a TargetNames) -> Self {
+impl<'a> TouchJson<'a> {
+    fn new(touch: &Touch, names: &'a TargetNames) -> Self {
         Self {
             time_us: touch.time,
             side: touch.side,
@@ -198,24 +216,33 @@ impl<'a> TouchForm<'a> {
             target: names.get(touch.target),
             phase: touch.phase,
             depth: touch.depth,
-            at: touch.position.to_array(),
+            position: touch.position.to_array(),
         }
     }
 }
 
 #[derive(Serialize)]
-struct EventForm<'a> {
+struct EventJson<'a> {
     time_us: Timestamp,
     #[serde(flatten)]
-    action: ActionForm<'a>,
+    kind: EventKindJson<'a>,
+}
+
+impl<'a> EventJson<'a> {
+    fn new(event: &OutputEvent, names: &'a TargetNames) -> Self {
+        Self {
+            time_us: event.time,
+            kind: EventKindJson::new(event.kind, names),
+        }
+    }
 }
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
-enum ActionForm<'a> {
+enum EventKindJson<'a> {
     KeyDown { key: KeyCode },
     KeyUp { key: KeyCode },
-    Write { character: char },
+    Character { character: char },
     MoveBy { x: i32, y: i32 },
     MoveTo { x: f32, y: f32 },
     Scroll { x: i32, y: i32 },
@@ -226,12 +253,12 @@ enum ActionForm<'a> {
     Unselect { target: TargetName<'a> },
 }
 
-impl<'a> ActionForm<'a> {
-    fn of(action: EventKind, names: &'a TargetNames) -> Self {
-        match action {
+impl<'a> EventKindJson<'a> {
+    fn new(kind: EventKind, names: &'a TargetNames) -> Self {
+        match kind {
             EventKind::KeyDown(key) => Self::KeyDown { key },
             EventKind::KeyUp(key) => Self::KeyUp { key },
-            EventKind::Character(character) => Self::Write { character },
+            EventKind::Character(character) => Self::Character { character },
             EventKind::MoveBy(x, y) => Self::MoveBy { x, y },
             EventKind::MoveTo(x, y) => Self::MoveTo { x, y },
             EventKind::Scroll(x, y) => Self::Scroll { x, y },
@@ -254,13 +281,11 @@ impl<'a> ActionForm<'a> {
     }
 }
 
-impl<'a> EventForm<'a> {
-    fn of(event: &OutputEvent, names: &'a TargetNames) -> Self {
-        Self {
-            time_us: event.time,
-            action: ActionForm::of(event.kind, names),
-        }
-    }
+#[derive(Serialize)]
+struct CommandJson {
+    time_us: Timestamp,
+    #[serde(flatten)]
+    command: Command,
 }
 
 #[cfg(test)]
@@ -329,12 +354,19 @@ mod tests {
                 event(EventKind::Value(TargetId(7), 0.25)),
                 event(EventKind::Select(TargetId(8))),
             ]),
-            commands: TimedCommands::new(),
+            commands: TimedCommands::from_iter([TimedCommand {
+                time: Timestamp(12_400),
+                command: Command::Nudge {
+                    x_mm: 0.0,
+                    y_mm: -1.5,
+                    z_mm: 2.0,
+                },
+            }]),
             stats: Stats::default(),
         }
     }
 
-    /// Target 7 has a name, those after it have none.
+    /// Target 7 has a name, the following ones have none.
     fn names() -> TargetNames {
         TargetNames::new((0..8).map(|number| format!("key {number}")))
     }
@@ -352,7 +384,7 @@ mod tests {
     }
 
     #[test]
-    fn every_stage_has_its_line_with_keys_in_order_of_flow_and_full_precision() {
+    fn objects_keep_the_order_of_their_fields_and_full_precision() {
         let expected: [&[&str]; Stage::COUNT] = [
             &[r#"{"time_us":12500,"full_scale":255,"channels":[3,141]}"#],
             &[
@@ -362,13 +394,13 @@ mod tests {
                 r#"{"time_us":12500,"side":"right","positions":{"wrist":[0.1,-0.25,1e-7]},"orientations":{"wrist":[0.0,0.0,0.0,1.0]}}"#,
             ],
             &[
-                r#"{"time_us":12400,"side":"left","finger":"index","target":"key 7","phase":"pressed","depth":0.5,"at":[0.25,-0.5]}"#,
+                r#"{"time_us":12400,"side":"left","finger":"index","target":"key 7","phase":"pressed","depth":0.5,"position":[0.25,-0.5]}"#,
             ],
             &[
                 r#"{"time_us":12400,"event":"key-up","key":"Q"}"#,
                 r#"{"time_us":12400,"event":"key-down","key":"Q"}"#,
                 r#"{"time_us":12400,"event":"depth","target":"key 7","depth":0.1}"#,
-                r#"{"time_us":12400,"event":"write","character":"é"}"#,
+                r#"{"time_us":12400,"event":"character","character":"é"}"#,
                 r#"{"time_us":12400,"event":"move-by","x":-3,"y":4}"#,
                 r#"{"time_us":12400,"event":"move-to","x":0.5,"y":1.0}"#,
                 r#"{"time_us":12400,"event":"scroll","x":0,"y":120}"#,
@@ -376,6 +408,7 @@ mod tests {
                 r#"{"time_us":12400,"event":"value","target":"key 7","value":0.25}"#,
                 r#"{"time_us":12400,"event":"select","target":8}"#,
             ],
+            &[r#"{"time_us":12400,"command":"nudge","x_mm":0.0,"y_mm":-1.5,"z_mm":2.0}"#],
         ];
         for (stage, expected) in Stage::ALL.iter().zip(expected) {
             assert_eq!(lines(*stage, &snapshot()), expected, "{stage}");
@@ -383,8 +416,8 @@ mod tests {
     }
 
     #[test]
-    fn a_stage_that_made_nothing_has_no_line() {
-        let nothing = Snapshot {
+    fn a_stage_without_results_gives_no_json() {
+        let empty = Snapshot {
             reading: None,
             angles: None,
             pose: None,
@@ -394,12 +427,12 @@ mod tests {
             ..snapshot()
         };
         for stage in Stage::ALL {
-            assert_eq!(lines(*stage, &nothing), [""; 0], "{stage}");
+            assert_eq!(lines(*stage, &empty), [""; 0], "{stage}");
         }
     }
 
     #[test]
-    fn schemas_name_the_keys_that_the_lines_have() {
+    fn schemas_list_all_fields_of_the_objects() {
         for &stage in Stage::ALL {
             let schema: Value = serde_json::from_str(stage.schema()).unwrap();
             for line in lines(stage, &snapshot()) {
@@ -416,7 +449,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_of_whoever_takes_the_lines_comes_back() {
+    fn an_error_of_the_writer_is_returned() {
         let outcome = Stage::Events.for_each_json(&snapshot(), &mut Vec::new(), |_, _| Err("full"));
         assert_eq!(outcome, Err("full"));
     }

@@ -158,7 +158,7 @@ fn every_wrong_name_is_answered_with_the_right_ones() {
         ),
         (
             "run --source typist:a --record /no/x.mcap",
-            &["cannot start a recording at /no/x.mcap"],
+            &["cannot create the recording /no/x.mcap"],
         ),
         ("run no.ron", &["no.ron: there is no such file"]),
         ("replay /nope", &["cannot open recording:/nope"]),
@@ -244,7 +244,7 @@ fn files_that_are_no_recordings_are_refused() {
     refused_with(3, &format!("replay {empty}"), &["the file is empty"]);
     refused(
         &format!("record {empty} --source typist:a"),
-        &["there is a file already"],
+        &["the file exists"],
     );
     let text = file(&folder, "text.mcap", "this is a letter, not a recording");
     refused_with(3, &format!("replay {text}"), &["it is not an MCAP file"]);

@@ -357,7 +357,7 @@ fn a_file_that_is_there_is_not_written_over() {
     let path = folder.path().join("a.mcap");
     fs::write(&path, "mine").unwrap();
     let error = Recorder::create(&path, &setup()).err().unwrap().to_string();
-    assert!(error.ends_with("there is a file already; choose another name or remove it"));
+    assert!(error.ends_with("the file exists; choose another name or remove it"));
     assert_eq!(fs::read(&path).unwrap(), b"mine");
 }
 
