@@ -1,40 +1,50 @@
-//! **Ademán** turns a captured hand into any input device.
+//! **Ademán** turns a captured hand into any input device: sensor readings in, key and pointer events out.
 //!
-//! Data flows one way. A stage owns the type that it produces, imports what comes before it and
-//! nothing after it:
+//! Data flows in one direction. A stage owns the type that it produces and imports only earlier stages:
 //!
 //! ```text
-//!  Source ──Reading──▶ Estimator ──JointAngles──▶ ArmModel ──HandPose──▶ ContactTracker ──Touches──▶ VirtualDevice ──Events──▶ Sink
-//!  capture             estimate                   kinematics             contact                     device                    output
-//!  └ own thread ┘└─bounded channel─┘└────────────── one loop thread: Pipeline::step, then Sink::send ───────────────────────────┘
-//!                                                           └──Snapshot, try_send, dropped when full──▶ display, recorder, trace
+//!  Source ──Reading──▶ Estimator ──Estimate──▶ ArmModel ──HandPose──▶ ContactTracker ──Touches──▶ Devices ──Events──▶ OutputGate ──▶ Sink
+//!  capture             estimate                kinematics             contact                     device              pipeline       output
+//!  └ own thread ┘└─ bounded channel ─┘└───────────────────────── session loop: Pipeline::step, then Sink::send ──────────────────────────┘
+//!
+//!  keys, gestures, control socket, panic keys, library ──Command──▶ Session ──Snapshot──▶ recorder, trace, control socket, observers
 //! ```
 //!
-//! The modules below stand in the order of that flow. What changes while a run is on, such as a layout
-//! that is saved, is built outside the loop and put in force between two frames: [`reload`]. Other programs ask
-//! a run for things, and hear what happens in it, on a socket: [`control`]. Keys of a real keyboard can stop it at
-//! once: [`emergency`]. What a setup needs of the machine is looked up
-//! beforehand: [`doctor`].
+//! - [`capture`] decodes the bytes of a glove or another sensor into [`Reading`](capture::Reading)s.
+//! - [`estimate`] derives joint angles and rejects implausible readings.
+//! - [`kinematics`] computes the positions of the fingertips.
+//! - [`contact`] detects presses of the fingertips on the targets of virtual boards.
+//! - [`device`] turns touches into events and [`command`]s: keyboards, sliders, joysticks, pointers.
+//! - [`pipeline`] runs these stages for one reading. It neither allocates nor blocks, and it reads no clock.
+//! - [`output`] sends events to the desktop, the kernel or another program.
+//! - [`session`] owns the threads around the pipeline: capture, layouts that are edited while they are used, the control
+//!   socket, panic keys and recordings.
+//! - [`layout`] and [`setup`] read the RON files of users; [`doctor`] checks the machine against a setup.
+//! - [`sim`] simulates hands that type and play scripts, for demos and tests.
 //!
-//! All of it in a few lines, with a simulated hand in place of a glove:
+//! # Example
+//!
+//! A simulated hand types "hi" in place of a glove:
 //!
 //! ```
-//! use ademan::{output, runtime::drive, settings::Setup};
+//! use ademan::session::{Session, SessionOptions};
+//! use ademan::setup::Setup;
 //!
-//! let assembly = Setup::default().assemble()?;
-//! let hand = assembly.open(&"typist:hi".parse()?)?;
-//! let mut sink = output::open("transcript", &assembly.needs())?;
-//! let stop = crossbeam_channel::never();
-//! let mut readings = 0;
-//! drive(hand, &mut assembly.pipeline(), &mut *sink, &stop, &mut |frame| {
-//!     readings += u64::from(frame.reading.is_some());
-//! })?;
-//! assert!(readings > 100);
+//! let setup = Setup {
+//!     source: Some("typist:hi".parse()?),
+//!     output: "transcript".into(),
+//!     ..Setup::default()
+//! };
+//! let session = Session::start(setup.load_files()?, SessionOptions::default())?;
+//! let summary = session.join()?;
+//! assert!(summary.stats.accepted > 100);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! **World frame**: right-handed, metres, +X to the wearer's right, +Y up, −Z forward. Angles are in
-//! radians, times in microseconds.
+//! # Units and frames
+//!
+//! The world frame is right-handed: +X to the wearer's right, +Y up, −Z forward. Lengths are in metres, angles in radians,
+//! times in microseconds. Files for users have their units in the names of their fields, such as `pitch_mm`.
 
 // Types shared by every stage.
 pub mod time;

@@ -78,7 +78,8 @@ impl Recorder {
                 _ => error.to_string(),
             })
         })?;
-        let (writer, channels) = start(file, setup).map_err(|error| cannot_create(describe(error)))?;
+        let (writer, channels) =
+            start(file, setup).map_err(|error| cannot_create(describe(error)))?;
         Ok(Self {
             path: path.to_owned(),
             writer: Some(writer),

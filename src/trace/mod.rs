@@ -48,7 +48,7 @@ impl Stage {
     /// Topic of its channel in a recording.
     pub const fn topic(self) -> &'static str {
         match self {
-            Self::Readings => recording::TOPIC,
+            Self::Readings => recording::READINGS_TOPIC,
             Self::Angles => "/angles",
             Self::Pose => "/pose",
             Self::Touches => "/touches",
