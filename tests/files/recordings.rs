@@ -1,4 +1,4 @@
-//! Recordings: what is written comes back, whatever became of the file in between.
+//! Recordings: readings are replayed as they were recorded, also from truncated and damaged files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -91,8 +91,10 @@ fn recorded() -> Vec<u8> {
     fs::read(path).unwrap()
 }
 
-/// All readings of a replay, and the error that ended it.
-fn readings(mut replay: Replay<impl Read + Send>) -> (Vec<Reading>, Option<CaptureError>) {
+/// Returns all readings of a replay, and the error that ended it.
+fn readings_and_error(
+    mut replay: Replay<impl Read + Send>,
+) -> (Vec<Reading>, Option<CaptureError>) {
     let mut readings = Vec::new();
     loop {
         match replay.next() {
@@ -107,15 +109,15 @@ fn readings(mut replay: Replay<impl Read + Send>) -> (Vec<Reading>, Option<Captu
     }
 }
 
-/// How many readings a replay has, and what it tells of its end: an error, or a cut.
-fn all_of(mut replay: Replay<impl Read + Send>) -> (u64, Option<String>) {
+/// Returns the number of readings of a replay and its abnormal end: an error or a truncation.
+fn count_and_end(mut replay: Replay<impl Read + Send>) -> (u64, Option<String>) {
     let mut readings = 0;
     loop {
         match replay.next() {
             Ok(SourceEvent::Reading(_)) => readings += 1,
             Ok(SourceEvent::Idle) => {}
             Ok(SourceEvent::End) => {
-                return (readings, replay.truncation().map(|cut| format!("{cut:?}")));
+                return (readings, replay.truncation().map(|end| format!("{end:?}")));
             }
             Err(error) => return (readings, Some(error.to_string())),
         }
@@ -130,8 +132,8 @@ fn error(bytes: &[u8]) -> String {
     replay(bytes).err().unwrap().to_string()
 }
 
-/// Where the records of a file start, each with its kind; by the layout that the specification
-/// gives: 8 bytes of magic, then 1 byte of kind, 8 of length, and the contents.
+/// Returns opcode, start and end of each record. MCAP: 8 bytes of magic, then per record 1 byte of opcode, 8 of
+/// length, and the content.
 fn records(bytes: &[u8]) -> Vec<(u8, usize, usize)> {
     let mut records = Vec::new();
     let mut start = 8;
@@ -146,18 +148,18 @@ fn records(bytes: &[u8]) -> Vec<(u8, usize, usize)> {
 
 const MESSAGE: u8 = 5;
 
-/// Where the messages of the channel of readings start and end.
-fn messages_of_readings(bytes: &[u8]) -> Vec<(usize, usize)> {
-    let of_readings = |start: usize| bytes[start + 9..start + 11] == [1, 0];
+/// Returns start and end of each message on the channel of readings.
+fn reading_messages(bytes: &[u8]) -> Vec<(usize, usize)> {
+    let is_reading = |start: usize| bytes[start + 9..start + 11] == [1, 0];
     records(bytes)
         .into_iter()
-        .filter(|&(kind, start, _)| kind == MESSAGE && of_readings(start))
+        .filter(|&(kind, start, _)| kind == MESSAGE && is_reading(start))
         .map(|(_, start, end)| (start, end))
         .collect()
 }
 
 #[test]
-fn what_is_recorded_comes_back_as_it_was() {
+fn readings_and_setup_are_replayed_as_recorded() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     record(&path);
@@ -169,13 +171,13 @@ fn what_is_recorded_comes_back_as_it_was() {
         replay.setup().get("layout").unwrap().text,
         "(keys: [\"ñ\"])"
     );
-    let (readings, error) = readings(replay);
+    let (readings, error) = readings_and_error(replay);
     assert!(error.is_none());
     assert_eq!(readings, (0..READINGS).map(reading).collect::<Vec<_>>());
 }
 
 #[test]
-fn a_whole_recording_is_not_cut_and_its_bytes_are_accounted_for() {
+fn a_complete_recording_is_not_truncated_and_all_bytes_are_counted() {
     let bytes = recorded();
     let mut replay = replay(&bytes).unwrap();
     while replay.next().unwrap() != SourceEvent::End {}
@@ -189,75 +191,70 @@ fn a_whole_recording_is_not_cut_and_its_bytes_are_accounted_for() {
 }
 
 #[test]
-fn the_setup_is_at_the_start_and_needs_nothing_of_what_follows() {
+fn the_setup_is_readable_without_the_readings() {
     let bytes = recorded();
-    let (first, _) = messages_of_readings(&bytes)[0];
+    let (first, _) = reading_messages(&bytes)[0];
     assert_eq!(*replay(&bytes[..first]).unwrap().setup(), setup());
 }
 
 #[test]
-fn a_recording_cut_anywhere_gives_every_whole_reading_before_the_cut() {
+fn a_truncated_recording_gives_every_complete_reading() {
     let bytes = recorded();
-    let messages = messages_of_readings(&bytes);
+    let messages = reading_messages(&bytes);
     assert_eq!(messages.len() as u64, READINGS);
     let ends: Vec<_> = records(&bytes).iter().map(|&(_, _, end)| end).collect();
-    let of_last_messages = messages[messages.len() - 3].0..bytes.len();
-    let cuts = (1..bytes.len()).step_by(97).chain(of_last_messages);
-    for cut in cuts {
-        let mut replay = replay(&bytes[..cut]).unwrap_or_else(|error| panic!("{cut}: {error}"));
+    let last_messages = messages[messages.len() - 3].0..bytes.len();
+    let lengths = (1..bytes.len()).step_by(97).chain(last_messages);
+    for length in lengths {
+        let mut replay =
+            replay(&bytes[..length]).unwrap_or_else(|error| panic!("{length}: {error}"));
         let mut count = 0;
-        while let SourceEvent::Reading(found) = replay.next().unwrap() {
-            assert_eq!(found, reading(count), "cut at {cut}");
+        while let SourceEvent::Reading(replayed) = replay.next().unwrap() {
+            assert_eq!(replayed, reading(count), "cut at {length}");
             count += 1;
         }
-        let whole = messages.iter().filter(|(_, end)| *end <= cut).count();
-        assert_eq!(count, whole as u64, "cut at {cut}");
+        let complete = messages.iter().filter(|(_, end)| *end <= length).count();
+        assert_eq!(count, complete as u64, "cut at {length}");
 
-        let told = replay
+        let truncation = replay
             .truncation()
-            .unwrap_or_else(|| panic!("cut at {cut}"));
-        let before = ends.iter().rfind(|end| **end <= cut).copied();
-        let before = before.unwrap_or(if cut < 8 { 0 } else { 8 }) as u64;
-        assert_eq!(told.offset, before, "cut at {cut}");
-        assert_eq!(replay.stats().skipped_bytes, cut as u64 - before);
+            .unwrap_or_else(|| panic!("cut at {length}"));
+        let before = ends.iter().rfind(|end| **end <= length).copied();
+        let before = before.unwrap_or(if length < 8 { 0 } else { 8 }) as u64;
+        assert_eq!(truncation.offset, before, "cut at {length}");
+        assert_eq!(replay.stats().skipped_bytes, length as u64 - before);
     }
 }
 
 #[test]
-fn a_damaged_recording_never_panics_and_never_gives_more_than_there_was() {
+fn every_flipped_bit_of_a_recording_is_detected() {
     let bytes = recorded();
-    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut next = || {
-        seed ^= seed << 13;
-        seed ^= seed >> 7;
-        seed ^= seed << 17;
-        seed as usize
-    };
+    let mut random = fastrand::Rng::with_seed(1);
     let end_of_data = records(&bytes)
         .iter()
         .find(|(kind, ..)| *kind == 0x0f)
         .map(|&(_, start, _)| start)
         .unwrap();
-    let mut noticed = 0;
+    let mut detected = 0;
     let rounds = 4_000;
     for round in 0..rounds {
         let mut damaged = bytes.clone();
-        // Half of them at the start, where the declarations are.
+        // Half of the bits are at the start, where the declarations are.
         let range = if round % 2 == 0 { 4_096 } else { end_of_data };
-        damaged[next() % range] ^= 1 << (next() % 8);
+        damaged[random.usize(..range)] ^= 1 << random.u8(..8);
         let Ok(replay) = replay(&damaged) else {
-            noticed += 1;
+            detected += 1;
             continue;
         };
-        let (found, ending) = all_of(replay);
-        assert!(found <= READINGS);
-        noticed += u32::from(ending.is_some());
+        let (count, end) = count_and_end(replay);
+        assert!(count <= READINGS);
+        detected += u32::from(end.is_some());
     }
-    assert_eq!(noticed, rounds, "every flipped bit is told");
+    assert_eq!(detected, rounds, "every flipped bit is detected");
 }
 
 #[test]
-fn what_is_no_recording_is_refused_with_the_place() {
+fn other_files_are_rejected_with_their_offset() {
     let start = "cannot use recording:a.mcap: at byte ";
     assert_eq!(error(b""), format!("{start}0, the file is empty"));
     assert_eq!(
@@ -271,7 +268,7 @@ fn what_is_no_recording_is_refused_with_the_place() {
 }
 
 #[test]
-fn a_file_without_readings_and_one_of_another_format_are_refused() {
+fn files_without_readings_and_of_another_format_are_rejected() {
     let file = |name: &str, format: &str| {
         let mut bytes = Cursor::new(Vec::new());
         let options = mcap::WriteOptions::new().use_chunks(false);
@@ -291,38 +288,38 @@ fn a_file_without_readings_and_one_of_another_format_are_refused() {
 }
 
 #[test]
-fn a_reading_that_no_sensor_gives_ends_the_replay_at_its_place() {
+fn an_impossible_reading_ends_the_replay_with_its_offset() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let mut recorder = Recorder::create(&path, &setup()).unwrap();
     let mut impossible = snapshot(1);
-    let mut reading_of_it = reading(1);
-    let Sample::Channels(channels) = &mut reading_of_it.sample else {
-        panic!("it has channels");
+    let mut impossible_reading = reading(1);
+    let Sample::Channels(channels) = &mut impossible_reading.sample else {
+        panic!("not channels");
     };
     channels.counts[3] = 256;
-    impossible.reading = Some(reading_of_it);
+    impossible.reading = Some(impossible_reading);
     for snapshot in [&snapshot(0), &impossible, &snapshot(2)] {
         recorder.write(snapshot).unwrap();
     }
     recorder.finish().unwrap();
-    let (second, _) = messages_of_readings(&fs::read(&path).unwrap())[1];
-    let (found, error) = readings(Replay::open(&path).unwrap());
-    assert_eq!(found, [reading(0)]);
+    let (second, _) = reading_messages(&fs::read(&path).unwrap())[1];
+    let (replayed, error) = readings_and_error(Replay::open(&path).unwrap());
+    assert_eq!(replayed, [reading(0)]);
     let end = format!("at byte {second}, a count is larger than its full scale");
     assert!(error.unwrap().to_string().ends_with(&end));
 }
 
 #[test]
-fn a_missing_file_is_named() {
+fn a_missing_file_is_named_in_the_error() {
     let error = Replay::open(Path::new("/nowhere/a.mcap")).err().unwrap();
     let start = "cannot open recording:/nowhere/a.mcap: ";
     assert!(error.to_string().starts_with(start), "{error}");
 }
 
 #[test]
-fn an_endless_recording_is_read_piece_by_piece() {
-    /// The messages of a recording over and over.
+fn an_endless_recording_is_read_in_pieces() {
+    /// Reader of a recording whose messages repeat endlessly.
     struct Endless {
         head: Cursor<Vec<u8>>,
         body: Vec<u8>,
@@ -340,7 +337,7 @@ fn an_endless_recording_is_read_piece_by_piece() {
     }
 
     let bytes = recorded();
-    let (start, end) = messages_of_readings(&bytes)[0];
+    let (start, end) = reading_messages(&bytes)[0];
     let endless = Endless {
         head: Cursor::new(bytes[..end].to_vec()),
         body: bytes[start..end].to_vec(),
@@ -352,7 +349,7 @@ fn an_endless_recording_is_read_piece_by_piece() {
 }
 
 #[test]
-fn a_file_that_is_there_is_not_written_over() {
+fn an_existing_file_is_not_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     fs::write(&path, "mine").unwrap();
@@ -362,13 +359,13 @@ fn a_file_that_is_there_is_not_written_over() {
 }
 
 #[test]
-fn a_recording_that_is_not_finished_is_readable_up_to_the_last_frame() {
+fn an_unfinished_recording_is_readable_up_to_its_last_step() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let mut recorder = Recorder::create(&path, &setup()).unwrap();
     recorder.write(&snapshot(0)).unwrap();
-    let (found, _) = readings(Replay::open(&path).unwrap());
-    assert_eq!(found, [reading(0)]);
+    let (replayed, _) = readings_and_error(Replay::open(&path).unwrap());
+    assert_eq!(replayed, [reading(0)]);
     drop(recorder);
     let mut replay = Replay::open(&path).unwrap();
     while replay.next().unwrap() != SourceEvent::End {}
@@ -376,7 +373,7 @@ fn a_recording_that_is_not_finished_is_readable_up_to_the_last_frame() {
 }
 
 #[test]
-fn a_setup_that_could_not_be_read_back_is_refused() {
+fn a_setup_text_that_exceeds_the_record_limit_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let setup = RecordedSetup::default().with("layout", "huge", &"x".repeat(5 << 20));
@@ -390,7 +387,7 @@ fn a_setup_that_could_not_be_read_back_is_refused() {
 
 #[cfg(unix)]
 #[test]
-fn only_its_owner_can_read_a_recording() {
+fn only_the_owner_can_read_a_recording() {
     use std::os::unix::fs::PermissionsExt;
 
     let folder = tempfile::tempdir().unwrap();
@@ -401,7 +398,7 @@ fn only_its_owner_can_read_a_recording() {
 }
 
 #[test]
-fn a_recording_keeps_the_pace_of_its_source() {
+fn a_recording_keeps_the_packet_period_of_its_source() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("slow.mcap");
     let period = Duration::from_micros(68_750);

@@ -1,4 +1,4 @@
-//! The ways to stop that lead through the hand: a gesture that pauses, and the arm that is not seen any more.
+//! Stops caused by the hand: a gesture that pauses, and an arm that is no longer measured.
 
 use std::fs;
 
@@ -16,61 +16,62 @@ use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
 use arrayvec::ArrayVec;
 
-/// Bending the left ring finger pauses; the hand holds it up.
+/// A trigger that toggles the pause when the left ring finger bends. At rest it is straight.
 const GESTURE: &str = "triggers: [(name: \"Stop\", hand: \"left\", action: TogglePause, \
                        when: Angle(dof: \"ring-mcp-flexion\", on_deg: -5, off_deg: -15))],";
 
-/// How far it is bent from there, in radians.
-const BENT: f64 = 0.6;
+/// Flexion of the bent ring finger, in radians.
+const BENT_RAD: f64 = 0.6;
 
-/// In which it is bent, in readings of a millisecond each.
-const READINGS: u64 = 60;
+/// Duration of bending the finger, in readings of 1 ms.
+const BENDING_READINGS: u64 = 60;
 
-/// Two hands over a board in two halves, a reading of each in a millisecond: far more than any line brings.
-struct Wearer {
-    assembly: LoadedSetup,
-    engine: Judged,
-    /// Of the hand of each side over its key and on it.
+/// Two hands above a split board, with a reading of each per millisecond.
+struct TwoHands {
+    setup: LoadedSetup,
+    pipeline: Judged,
+    /// Angles of each hand above its key and pressing it, by side.
     angles: Vec<(JointAngles, JointAngles)>,
     milliseconds: u64,
-    /// Whether the right hand holds J down, and how far the left ring finger is bent.
+    /// The right hand presses J.
     is_down: bool,
+    /// Flexion of the left ring finger, in radians.
     bent: f64,
-    /// How many events wait already when a reading comes.
-    waiting: usize,
-    /// The commands of the devices since the last look.
+    /// Number of events in the list before each step.
+    queued_events: usize,
+    /// Commands of the devices since the last check.
     commands: Vec<Command>,
-    /// What went out since it was asked for.
+    /// Events since the last call of [`Self::take_events`].
     out: Vec<EventKind>,
 }
 
-/// The arm and the channels of a side.
-fn worn(assembly: &LoadedSetup, side: Side) -> (&ArmModel, &ChannelMap) {
-    let other = assembly.other_hand.as_ref().expect("two hands");
+/// Returns the arm and the channel map of a side.
+fn arm_and_map(setup: &LoadedSetup, side: Side) -> (&ArmModel, &ChannelMap) {
+    let other = setup.other_hand.as_ref().expect("two hands");
     match side {
         Side::Left => (&other.arm, &other.glove.map),
-        Side::Right => (&assembly.arm, &assembly.glove.map),
+        Side::Right => (&setup.arm, &setup.glove.map),
     }
 }
 
-/// The hand of a side over F or J, and with that key pushed in.
-fn strokes(assembly: &LoadedSetup, side: Side) -> (JointAngles, JointAngles) {
-    let (arm, map) = worn(assembly, side);
-    let layout = &assembly.layout;
+/// Returns the angles of a hand above F (left) or J (right), and pressing it fully.
+fn tap_angles(setup: &LoadedSetup, side: Side) -> (JointAngles, JointAngles) {
+    let (arm, map) = arm_and_map(setup, side);
+    let layout = &setup.layout;
     let key = if side == Side::Left { "F" } else { "J" };
     let target = layout.key(key).expect("a key").face.target;
     let hand = TypingHand::new(arm, map);
-    let stroke = hand.tap_path(&layout.scene, target).expect("within reach");
+    let path = hand.tap_path(&layout.scene, target).expect("within reach");
     let angles = |tip| {
         let mut values = hand.rest_values();
         hand.reach(tip, &mut values, &[]);
         hand.angles(&values)
     };
-    (angles(stroke.hover), angles(stroke.bottom))
+    (angles(path.hover), angles(path.bottom))
 }
 
-impl Wearer {
-    /// Armed.
+impl TwoHands {
+    /// Creates armed hands at rest.
     fn new() -> Self {
         let board = Document::shipped("qwerty-two-flat").expect("it is shipped");
         let with_gesture = format!("{GESTURE}\n    boards: [\n");
@@ -84,53 +85,53 @@ impl Wearer {
             smoothing: SmoothingSetup::Off,
             ..Setup::default()
         };
-        let assembly = setup.load_files().expect("a setup");
-        let mut wearer = Self {
-            engine: Judged::of(&assembly),
+        let setup = setup.load_files().expect("a setup");
+        let mut hands = Self {
+            pipeline: Judged::of(&setup),
             angles: Side::ALL
                 .iter()
-                .map(|&side| strokes(&assembly, side))
+                .map(|&side| tap_angles(&setup, side))
                 .collect(),
-            assembly,
+            setup,
             milliseconds: 0,
             is_down: false,
             bent: 0.0,
-            waiting: 0,
+            queued_events: 0,
             commands: Vec::new(),
             out: Vec::new(),
         };
-        wearer.stay(400);
-        assert_eq!(wearer.engine.state(), PipelineState::Running);
-        wearer
+        hands.hold_still(400);
+        assert_eq!(hands.pipeline.state(), PipelineState::Running);
+        hands
     }
 
-    /// The glove of a side as it is now.
+    /// Returns the channels of a glove in the current posture.
     fn posture(&self, side: Side) -> Channels {
         let is_down = self.is_down && side == Side::Right;
-        let (over, down) = &self.angles[side.index()];
-        let angles = if is_down { down } else { over };
+        let (hover, pressed) = &self.angles[side.index()];
+        let angles = if is_down { pressed } else { hover };
         let bent = if side == Side::Left { self.bent } else { 0.0 };
-        let (_, map) = worn(&self.assembly, side);
+        let (_, map) = arm_and_map(&self.setup, side);
         let full_scale = map.full_scale();
         let mut counts: ArrayVec<u16, MAX_CHANNELS> =
             (0..MAX_CHANNELS).map(|_| full_scale / 2).collect();
         for row in map.rows().iter().rev() {
-            let more = if row.dof == Dof::RingMcpFlexion {
+            let flexion = if row.dof == Dof::RingMcpFlexion {
                 bent
             } else {
                 0.0
             };
-            let exact = row
+            let count = row
                 .calibration
-                .apply_inverse(angles.get(row.dof) + more)
+                .apply_inverse(angles.get(row.dof) + flexion)
                 .round();
-            counts[row.channel] = exact.clamp(1.0, f64::from(full_scale - 1)) as u16;
+            counts[row.channel] = count.clamp(1.0, f64::from(full_scale - 1)) as u16;
         }
         Channels { full_scale, counts }
     }
 
-    /// One reading of a hand; what goes out because of it.
-    fn see(&mut self, side: Side, channels: &Channels) -> (Vec<EventKind>, Option<Rejection>) {
+    /// Steps the pipeline with a reading of one hand. Returns its events and the rejection, if any.
+    fn step(&mut self, side: Side, channels: &Channels) -> (Vec<EventKind>, Option<Rejection>) {
         let reading = Reading {
             time: Timestamp(self.milliseconds * 1_000),
             side: Some(side),
@@ -140,57 +141,58 @@ impl Wearer {
             time: reading.time,
             kind: EventKind::MoveBy(0, 0),
         };
-        let mut events: Events = std::iter::repeat_n(other, self.waiting).collect();
-        let step = self.engine.step(&reading, &mut events);
+        let mut events: Events = std::iter::repeat_n(other, self.queued_events).collect();
+        let step = self.pipeline.step(&reading, &mut events);
         let rejection = step.map(|step| {
             let commands = step.commands.iter().map(|issued| issued.command);
             self.commands.extend(commands);
         });
         let rejection = rejection.err();
-        let new = events.iter().skip(self.waiting);
+        let new = events.iter().skip(self.queued_events);
         let out: Vec<EventKind> = new.map(|event| event.kind).collect();
         self.out.extend(&out);
         (out, rejection)
     }
 
-    /// Both hands stay as they are.
-    fn stay(&mut self, milliseconds: u64) {
+    /// Holds both hands still.
+    fn hold_still(&mut self, milliseconds: u64) {
         let postures = [Side::Left, Side::Right].map(|side| (side, self.posture(side)));
         for _ in 0..milliseconds {
             self.milliseconds += 1;
             for (side, posture) in &postures {
-                let (_, rejection) = self.see(*side, posture);
+                let (_, rejection) = self.step(*side, posture);
                 assert_eq!(rejection, None);
             }
         }
     }
 
-    fn push_j(&mut self, is_down: bool) {
+    fn press_j(&mut self, is_down: bool) {
         self.is_down = is_down;
-        self.stay(100);
+        self.hold_still(100);
     }
 
-    /// Bends the ring finger, or holds it up again; what goes out in each reading that lets something out.
+    /// Bends or straightens the ring finger. Returns the events of each step that emits any.
     fn bend(&mut self, is_bent: bool) -> Vec<Vec<EventKind>> {
-        let mut frames = Vec::new();
+        let mut steps = Vec::new();
         let right = self.posture(Side::Right);
-        for number in 1..=READINGS {
+        for number in 1..=BENDING_READINGS {
             self.milliseconds += 1;
-            let share = number as f64 / READINGS as f64;
-            self.bent = BENT * if is_bent { share } else { 1.0 - share };
+            let fraction = number as f64 / BENDING_READINGS as f64;
+            self.bent = BENT_RAD * if is_bent { fraction } else { 1.0 - fraction };
             let left = self.posture(Side::Left);
             for (side, posture) in [(Side::Left, &left), (Side::Right, &right)] {
-                frames.push(self.see(side, posture).0);
+                steps.push(self.step(side, posture).0);
             }
         }
-        frames.retain(|frame| !frame.is_empty());
-        frames
+        steps.retain(|events| !events.is_empty());
+        steps
     }
 
-    fn said(&mut self) -> Vec<EventKind> {
+    /// Returns the events since the last call, except values.
+    fn take_events(&mut self) -> Vec<EventKind> {
         self.out
             .drain(..)
-            .filter(|action| !matches!(action, EventKind::Value(..)))
+            .filter(|kind| !matches!(kind, EventKind::Value(..)))
             .collect()
     }
 }
@@ -205,73 +207,79 @@ fn j(down: bool) -> EventKind {
 }
 
 #[test]
-fn a_gesture_of_one_hand_lets_go_of_what_the_other_holds_in_that_very_frame_and_pauses() {
-    let mut wearer = Wearer::new();
+fn a_gesture_of_one_hand_pauses_and_releases_the_keys_of_the_other_hand_in_the_same_step() {
+    let mut hands = TwoHands::new();
     for round in 0..200 {
-        wearer.push_j(true);
-        assert_eq!(wearer.said(), [j(true)], "round {round}");
-        // In every second round there is room left for the pause and a release, and for no press.
+        hands.press_j(true);
+        assert_eq!(hands.take_events(), [j(true)], "round {round}");
+        // In every second round the event list has room for a release, but not for a press.
         let is_crowded = round % 2 == 1;
-        wearer.waiting = if is_crowded {
+        hands.queued_events = if is_crowded {
             Events::new().capacity() - 3
         } else {
             0
         };
-        let frames = wearer.bend(true);
-        wearer.waiting = 0;
-        let pause = std::mem::take(&mut wearer.commands);
+        let steps = hands.bend(true);
+        hands.queued_events = 0;
+        let pause = std::mem::take(&mut hands.commands);
         assert_eq!(pause, [Command::TogglePause], "round {round}");
-        assert_eq!(frames.len(), 1, "round {round}: {frames:?}");
-        assert_eq!(wearer.engine.state(), PipelineState::Paused);
-        assert!(!wearer.engine.holds());
-        assert_eq!(wearer.said(), [j(false)], "round {round}");
+        assert_eq!(steps.len(), 1, "round {round}: {steps:?}");
+        assert_eq!(hands.pipeline.state(), PipelineState::Paused);
+        assert!(!hands.pipeline.holds());
+        assert_eq!(hands.take_events(), [j(false)], "round {round}");
 
         for is_down in [false, true, false] {
-            wearer.push_j(is_down);
+            hands.press_j(is_down);
         }
-        assert_eq!(wearer.bend(false), [[]; 0], "it is held up again");
-        wearer.push_j(true);
-        wearer.push_j(false);
-        wearer.stay(500);
-        assert_eq!(wearer.said(), [], "round {round}: it is paused");
-        assert_eq!(wearer.engine.state(), PipelineState::Paused);
-
-        wearer.bend(true);
-        wearer.bend(false);
-        wearer.stay(400);
+        assert_eq!(hands.bend(false), [[]; 0], "the finger straightens");
+        hands.press_j(true);
+        hands.press_j(false);
+        hands.hold_still(500);
         assert_eq!(
-            wearer.engine.state(),
-            PipelineState::Running,
-            "the same ends it"
+            hands.take_events(),
+            [],
+            "round {round}: the pipeline is paused"
         );
-        assert_eq!(wearer.said(), []);
+        assert_eq!(hands.pipeline.state(), PipelineState::Paused);
+
+        hands.bend(true);
+        hands.bend(false);
+        hands.hold_still(400);
+        assert_eq!(
+            hands.pipeline.state(),
+            PipelineState::Running,
+            "the gesture ends the pause"
+        );
+        assert_eq!(hands.take_events(), []);
     }
 }
 
 #[test]
-fn a_hand_whose_elbow_is_not_told_any_more_lets_go_at_the_third_reading() {
-    let mut wearer = Wearer::new();
-    wearer.push_j(true);
-    assert_eq!(wearer.said(), [j(true)]);
-    let (left, mut armless) = (wearer.posture(Side::Left), wearer.posture(Side::Right));
-    let map = &wearer.assembly.glove.map;
+fn a_hand_whose_elbow_is_no_longer_measured_releases_at_the_third_reading() {
+    let mut hands = TwoHands::new();
+    hands.press_j(true);
+    assert_eq!(hands.take_events(), [j(true)]);
+    let (left, mut without_elbow) = (hands.posture(Side::Left), hands.posture(Side::Right));
+    let map = &hands.setup.glove.map;
     let elbow = map.rows().iter().find(|row| row.dof == Dof::ElbowFlexion);
-    // A reading ends before the channel of the elbow.
-    armless.counts.truncate(elbow.expect("it has one").channel);
+    // The readings end before the channel of the elbow.
+    without_elbow
+        .counts
+        .truncate(elbow.expect("a row for the elbow").channel);
     for expected in [&[][..], &[], &[j(false)]] {
-        wearer.milliseconds += 1;
-        assert_eq!(wearer.see(Side::Left, &left), (Vec::new(), None));
-        let (out, rejection) = wearer.see(Side::Right, &armless);
+        hands.milliseconds += 1;
+        assert_eq!(hands.step(Side::Left, &left), (Vec::new(), None));
+        let (out, rejection) = hands.step(Side::Right, &without_elbow);
         assert_eq!(
             (&out[..], rejection),
             (expected, Some(Rejection::WrongShape))
         );
     }
-    assert!(!wearer.engine.holds());
-    wearer.said();
-    wearer.stay(300);
-    assert_eq!(wearer.said(), [], "the finger has not left the key");
-    wearer.push_j(false);
-    wearer.push_j(true);
-    assert_eq!(wearer.said(), [j(true)]);
+    assert!(!hands.pipeline.holds());
+    hands.take_events();
+    hands.hold_still(300);
+    assert_eq!(hands.take_events(), [], "the finger has not left the key");
+    hands.press_j(false);
+    hands.press_j(true);
+    assert_eq!(hands.take_events(), [j(true)]);
 }
