@@ -1,4 +1,4 @@
-//! 1 · A sensor → [`Reading`].
+//! Stage 1: A sensor → [`Reading`].
 //!
 //! A [`SourceUri`] names a source, [`open`] opens it as a [`Source`], and [`spawn`] runs that on its own thread:
 //!

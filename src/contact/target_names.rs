@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::TargetId;
 
-/// The names of the targets of a scene, in the order of their ids. Clones share the list.
+/// The names of the targets of a scene, in the order of their ids. Cloning is cheap: clones share the list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TargetNames(Arc<[String]>);
 

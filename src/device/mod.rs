@@ -1,4 +1,4 @@
-//! 5 · [`HandPose`] + [`Touches`](crate::contact::Touches) → [`OutputEvent`], [`TimedCommand`].
+//! Stage 5: [`HandPose`] + [`Touches`](crate::contact::Touches) → [`OutputEvent`], [`TimedCommand`].
 //!
 //! One file or folder per kind of control. All devices of a layout share one [`KeyArbiter`].
 

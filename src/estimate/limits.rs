@@ -3,8 +3,7 @@
 use super::JointAngles;
 use crate::hand::Dof;
 
-/// How far outside its range an angle may be and still be attributed to a calibration error, as a fraction of the
-/// range.
+/// The largest excess over a range that a calibration error explains, as a fraction of the range.
 const TOLERANCE: f64 = 0.1;
 
 /// The range of motion of every degree of freedom, in radians.

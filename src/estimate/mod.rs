@@ -34,7 +34,7 @@ pub struct Estimate {
     pub angles: JointAngles,
     /// Fingers with a sensor fault. They press nothing.
     pub untrusted: FingerSet,
-    /// Whether the hand was re-acquired at another position. The movement in between was not seen.
+    /// `true` if the hand was re-acquired at another position. The movement in between was not seen.
     pub jumped: bool,
     /// The pose of the arm's root in the world (metres), or `None` if the sensor does not measure it.
     pub root: Option<Pose>,

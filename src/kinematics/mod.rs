@@ -23,7 +23,7 @@ pub struct HandPose {
     pub side: Side,
     /// Fingers with a sensor fault. They press nothing.
     pub untrusted: FingerSet,
-    /// Whether the hand was re-acquired at another position. The movement in between was not seen.
+    /// `true` if the hand was re-acquired at another position. The movement in between was not seen.
     pub jumped: bool,
     /// The radius of the fingertip spheres, in metres.
     pub tip_radius: f32,

@@ -1,4 +1,4 @@
-//! 6 · [`OutputEvent`]s → the operating system or a peer.
+//! Stage 6: [`OutputEvent`]s → the operating system or a peer.
 //!
 //! A [`Backend`] is a kind of output; [`BACKENDS`] lists all of them. [`open`] turns a list of names, as written after
 //! `--output`, into a [`Sink`].

@@ -46,7 +46,7 @@ struct RecenteredBoard {
 struct RestDetector {
     last: Option<(Timestamp, Vec3)>,
     resting_since: Option<Timestamp>,
-    /// Whether a fingertip is near a front.
+    /// `true` if a fingertip is near a front.
     is_near: bool,
 }
 

@@ -20,7 +20,7 @@ pub(super) struct HandPipeline {
     pub(super) output: StepOutput,
     /// The time of the last accepted reading; `None` if none is expected.
     pub(super) last_accepted: Option<Timestamp>,
-    /// Whether the latest pose was clear of every control.
+    /// `true` if the latest pose was clear of every control.
     pub(super) is_clear: bool,
     consecutive_rejections: u8,
 }

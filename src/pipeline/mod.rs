@@ -66,7 +66,7 @@ pub struct Pipeline {
     state: PipelineState,
     /// The latest time of an accepted reading.
     time: Timestamp,
-    /// Whether a pause was requested. `state` changes meanwhile, but not to `Running`.
+    /// `true` if a pause was requested. `state` changes meanwhile, but not to `Running`.
     is_paused: bool,
     clear_since: Option<Timestamp>,
     accepted: u64,

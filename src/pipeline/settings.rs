@@ -7,7 +7,7 @@ use super::SourcePermissions;
 /// Settings of a [`Pipeline`](super::Pipeline): arming, stall detection and permissions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PipelineSettings {
-    /// Whether output is armed at the first reading, without waiting for a hand that is clear of every control.
+    /// `true` to arm output at the first reading, without waiting for a hand that is clear of every control.
     pub arm_immediately: bool,
     /// The time for which the hand must be clear of every control before output is armed.
     pub arm_delay: Duration,
@@ -16,7 +16,7 @@ pub struct PipelineSettings {
     /// The permissions of the source, or of the first one if each hand has its own. If the rate limit is exceeded,
     /// everything is released and the pipeline pauses.
     pub permissions: SourcePermissions,
-    /// Whether keys that act on the system are allowed; see [`KeyCode::is_system_key`](crate::device::KeyCode::is_system_key).
+    /// `true` to allow keys that act on the system; see [`KeyCode::is_system_key`](crate::device::KeyCode::is_system_key).
     pub allow_system_keys: bool,
 }
 
