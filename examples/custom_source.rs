@@ -29,11 +29,8 @@ impl Source for NoddingHand {
         let seconds = self.readings as f64 / READINGS_PER_SECOND as f64;
         self.readings += 1;
         let mut angles = JointAngles::default();
-        for &dof in Dof::ALL {
-            angles.set(dof, 0.0);
-        }
-        // From 0 to 1 rad and back.
-        angles.set(Dof::IndexMcpFlexion, 0.5 - 0.5 * (TAU * seconds).cos());
+        // From 0 to 1.2 rad and back.
+        angles.set(Dof::IndexMcpFlexion, 0.6 - 0.6 * (TAU * seconds).cos());
         Ok(SourceEvent::Reading(Reading {
             time: Timestamp::from_seconds(seconds),
             side: None,
