@@ -156,11 +156,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
             &[
                 (
                     "tests/outputs/vm/typing.rs",
-                    "two keys of the machine's own keyboard let go of what the hand holds, and pause",
+                    "panic keys release all keys and pause",
                 ),
                 (
                     "tests/outputs/x11/watchdog.rs",
-                    "a_signal_pauses_until_somebody_resumes",
+                    "sigusr1_pauses_until_a_resume",
                 ),
                 (
                     "tests/cli/control.rs",
@@ -180,7 +180,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 ),
                 (
                     "tests/outputs/x11/ends.rs",
-                    "nothing_is_down_after_the_glove_fell_silent",
+                    "all_keys_are_released_after_the_glove_stops_sending",
                 ),
             ],
             "200 times at full load: `cargo bench --bench release` for the signal and the socket, the pipeline alone for the gesture; the layout defines the gesture",

@@ -1,12 +1,11 @@
-/* A 3D program: asks for the sensitivity that its argument says, tells what Debian's libspnav makes of the
- * device and of the settings of a driver, then of its events, until nobody is at the other end or nothing
- * has come for ten seconds. */
+/* A client that sets the sensitivity of its argument, prints the properties of the device and of the driver as
+ * Debian's libspnav returns them, and then its events, until the server disconnects or sends nothing for 10 s. */
 #include <poll.h>
 #include <spnav.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-/* libspnav 1.0 sends the lower half of a double in place of a float: here both say the same. */
+/* libspnav 1.0 sends the lower half of a double instead of a float: here both have the same value. */
 static double sensitivity(float value)
 {
 	union {

@@ -1,74 +1,72 @@
-//! A client in plain words: numbers over the socket.
+//! A client of the spacenav protocol.
 
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
 
-/// How long anything on a busy machine may take before the test gives up.
-pub const PATIENCE: Duration = Duration::from_secs(20);
+/// Longest time for anything on a busy machine.
+pub const TIMEOUT: Duration = Duration::from_secs(20);
 
 pub type Packet = [i32; 8];
 
 pub struct Client(pub UnixStream);
 
 impl Client {
-    /// One that says nothing at first: version 0.
+    /// Connects with protocol version 0.
     pub fn connect(path: &Path) -> Self {
         let stream = UnixStream::connect(path).expect("the server listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a socket");
+        stream.set_read_timeout(Some(TIMEOUT)).expect("a socket");
         Self(stream)
     }
 
-    /// One that has changed to version 1.
-    pub fn of_version_1(path: &Path) -> Self {
+    /// Connects with protocol version 1.
+    pub fn connect_version_1(path: &Path) -> Self {
         let mut client = Self::connect(path);
-        client.say(&[0x7faa_5501]);
-        assert_eq!(client.hear::<1>(), [0x7faa_5501]);
+        client.send(&[0x7faa_5501]);
+        assert_eq!(client.receive::<1>(), [0x7faa_5501]);
         client
     }
 
-    pub fn say(&mut self, numbers: &[i32]) {
+    pub fn send(&mut self, numbers: &[i32]) {
         let bytes: Vec<u8> = numbers
             .iter()
             .flat_map(|number| number.to_ne_bytes())
             .collect();
-        self.0.write_all(&bytes).expect("the server hears");
+        self.0.write_all(&bytes).expect("the server reads");
     }
 
-    pub fn hear<const COUNT: usize>(&mut self) -> [i32; COUNT] {
+    pub fn receive<const COUNT: usize>(&mut self) -> [i32; COUNT] {
         [(); COUNT].map(|()| {
             let mut bytes = [0; 4];
-            self.0
-                .read_exact(&mut bytes)
-                .expect("the server says something");
+            self.0.read_exact(&mut bytes).expect("the server sends");
             i32::from_ne_bytes(bytes)
         })
     }
 
-    /// The answer to a request of version 1, less its type: a value first, the status last.
-    pub fn ask(&mut self, kind: i32, value: i32) -> [i32; 7] {
+    /// Sends a request of version 1 and returns the reply without its type: the value is first, the status last.
+    pub fn request(&mut self, kind: i32, value: i32) -> [i32; 7] {
         let kind = 0x7faa_0000 | kind;
-        self.say(&[kind, value, 0, 0, 0, 0, 0, 0]);
-        let [answered, data @ ..] = self.hear::<8>();
-        assert_eq!(answered, kind);
+        self.send(&[kind, value, 0, 0, 0, 0, 0, 0]);
+        let [reply_kind, data @ ..] = self.receive::<8>();
+        assert_eq!(reply_kind, kind);
         data
     }
 
-    /// Waits until the server has heard all that was said: a client of version 0 by changing to it again.
-    pub fn settle(&mut self) {
-        self.say(&[0x7faa_5500]);
-        assert_eq!(self.hear::<1>(), [0x7faa_5500]);
+    /// Waits until the server has handled all requests of a client of version 0, by requesting version 0 again.
+    pub fn sync(&mut self) {
+        self.send(&[0x7faa_5500]);
+        assert_eq!(self.receive::<1>(), [0x7faa_5500]);
     }
 
-    /// Whether it is answered, and not sent away.
-    pub fn is_welcome(&mut self) -> bool {
-        let asked = self.0.write_all(&0x7faa_5500_i32.to_ne_bytes());
-        asked.is_ok() && self.0.read_exact(&mut [0; 4]).is_ok()
+    /// Returns `true` if the server replies instead of disconnecting.
+    pub fn is_accepted(&mut self) -> bool {
+        let sent = self.0.write_all(&0x7faa_5500_i32.to_ne_bytes());
+        sent.is_ok() && self.0.read_exact(&mut [0; 4]).is_ok()
     }
 
-    /// Everything until the server goes away.
-    pub fn rest(mut self) -> Vec<Packet> {
+    /// Returns all packets until the server disconnects.
+    pub fn read_to_end(mut self) -> Vec<Packet> {
         let mut bytes = Vec::new();
         match self.0.read_to_end(&mut bytes) {
             Err(error) if error.kind() != ErrorKind::ConnectionReset => panic!("{error}"),

@@ -1,17 +1,17 @@
-//! Every device that the program makes, and what a hand does with it.
+//! The devices of the output `uinput`, with and without all their capabilities.
 
 use super::Scene;
-use super::glove::Deed;
-use super::witness::{Evtest, Heard};
+use super::glove::HandMotion;
+use super::witness::{EvdevEvent, Evtest};
 
-/// A control for each device.
+/// A layout with a control for each device.
 const DEVICES: &str = "devices.ron";
 const ON_DEVICES: &str = "tap H; press Pad -20 0; slide 40 0 600; slide 0 15 300; lift; tap MouseRight; \
                           press Wheel; slide 20 0 600; slide -20 0 600; lift; \
                           press Screen -20 -15; slide 40 30 600; lift; \
                           press Stick; slide 12 0 400; slide -12 12 400; lift; tap PadSouth";
 
-/// Devices with as little as they can have.
+/// A layout with as few capabilities as possible.
 const FEW: &str = "few.ron";
 const ON_FEW: &str = "press Screen 40 -20; slide -80 40 600; lift; tap PadSouth";
 
@@ -29,18 +29,18 @@ pub fn all(scene: &mut Scene) {
     assert_eq!(keyboard.keys(&mut scene.machine), [(35, true), (35, false)]);
     moves_and_scrolls(scene, &mouse);
     points(scene, &pointer);
-    scene.report("libinput takes the pointer for one, and a touch moves it before it presses");
+    scene.report("libinput recognizes the pointer, and a touch moves it before the press");
     steers(scene, &gamepad);
     scene.end_program();
 
     let [pointer, gamepad] = play(scene, FEW, ON_FEW, ["pointer", "gamepad"]);
     points(scene, &pointer);
     is_joystick(scene, &gamepad);
-    scene.report("a pointer alone and a gamepad of one button are taken for what they are");
+    scene.report("a pointer without a mouse and a gamepad with one button are recognized");
     scene.end_program();
 }
 
-/// Lets the hand play a script, which ends with a tap on the gamepad, on a layout of this folder.
+/// Plays a script, which ends with a tap on the gamepad, on a layout of this folder.
 fn play<const N: usize>(
     scene: &mut Scene,
     layout: &str,
@@ -48,13 +48,13 @@ fn play<const N: usize>(
     devices: [&str; N],
 ) -> [Evtest; N] {
     let here = format!("{}/tests/outputs/vm/{layout}", env!("CARGO_MANIFEST_DIR"));
-    let deed = Deed::playing(&here, script);
+    let motion = HandMotion::scripted(&here, script);
     scene.start_program(&format!("/etc/{layout}"));
     let evtests = devices.map(|device| scene.evtest(&format!("Ademan {device}")));
-    scene.arm(&deed, 1);
-    scene.glove.play(deed.whole());
+    scene.arm(&motion, 1);
+    scene.glove.play(motion.all());
     let gamepad = &evtests[N - 1];
-    scene.machine.wait_for("the tap at the end", |machine| {
+    scene.machine.wait_for("the last tap", |machine| {
         gamepad
             .keys(machine)
             .contains(&(SOUTH, false))
@@ -64,20 +64,21 @@ fn play<const N: usize>(
 }
 
 fn moves_and_scrolls(scene: &mut Scene, mouse: &Evtest) {
-    let heard = mouse.heard(&mut scene.machine);
+    let events = mouse.events(&mut scene.machine);
     assert!(
-        sum(&heard, "REL_X") > 40 && sum(&heard, "REL_Y") < -15,
-        "{heard:?}"
+        sum(&events, "REL_X") > 40 && sum(&events, "REL_Y") < -15,
+        "{events:?}"
     );
     for click in [1, -1] {
-        let is_click = |event: &Heard| event.name == "REL_WHEEL" && event.value.signum() == click;
-        assert!(heard.iter().any(is_click), "{heard:?}");
+        let is_click =
+            |event: &EvdevEvent| event.name == "REL_WHEEL" && event.value.signum() == click;
+        assert!(events.iter().any(is_click), "{events:?}");
     }
     assert_eq!(
         mouse.keys(&mut scene.machine),
         [(RIGHT, true), (RIGHT, false)]
     );
-    for said in [
+    for part in [
         "DEVICE_ADDED Ademan mouse",
         "POINTER_MOTION",
         "POINTER_SCROLL_WHEEL",
@@ -86,40 +87,40 @@ fn moves_and_scrolls(scene: &mut Scene, mouse: &Evtest) {
     ] {
         scene
             .libinput
-            .wait_for(&mut scene.machine, &[&mouse.node, said]);
+            .wait_for(&mut scene.machine, &[&mouse.node, part]);
     }
-    scene.report("libinput takes the mouse for one, with motion, wheel and buttons");
+    scene.report("libinput recognizes the mouse with motion, wheel and buttons");
 }
 
-/// The button goes down where the finger came down, which is near a corner on the near side.
+/// Checks that the button is pressed at the position of the touch, near a corner on the near side.
 fn points(scene: &mut Scene, pointer: &Evtest) {
     assert_eq!(
         pointer.keys(&mut scene.machine),
         [(LEFT, true), (LEFT, false)]
     );
-    let heard = pointer.heard(&mut scene.machine);
-    let press = heard.iter().position(|event| event.name == "BTN_LEFT");
-    let place = |axis: &str| {
-        let mut before = heard.iter().take(press.unwrap_or(0));
+    let events = pointer.events(&mut scene.machine);
+    let press = events.iter().position(|event| event.name == "BTN_LEFT");
+    let position = |axis: &str| {
+        let mut before = events.iter().take(press.unwrap_or(0));
         before
             .rfind(|event| event.name == axis)
             .map(|event| event.value)
     };
-    let (x, y) = (place("ABS_X"), place("ABS_Y"));
+    let (x, y) = (position("ABS_X"), position("ABS_Y"));
     assert!(x.is_some() && y > Some(65_535 / 2), "{x:?} {y:?}");
     let added = scene.libinput.wait_for(
         &mut scene.machine,
         &[&pointer.node, "DEVICE_ADDED Ademan pointer"],
     );
     assert!(added.contains(" cap:p "), "{added}");
-    for said in [
+    for part in [
         "POINTER_MOTION_ABSOLUTE",
         "BTN_LEFT (272) pressed",
         "BTN_LEFT (272) released",
     ] {
         scene
             .libinput
-            .wait_for(&mut scene.machine, &[&pointer.node, said]);
+            .wait_for(&mut scene.machine, &[&pointer.node, part]);
     }
     let lines = scene.libinput.lines(&mut scene.machine);
     let first = |part: &str| lines.iter().position(|line| line.contains(part));
@@ -130,15 +131,15 @@ fn points(scene: &mut Scene, pointer: &Evtest) {
 }
 
 fn steers(scene: &mut Scene, gamepad: &Evtest) {
-    let heard = gamepad.heard(&mut scene.machine);
-    let of = |axis: &'static str| heard.iter().filter(move |event| event.name == axis);
+    let events = gamepad.events(&mut scene.machine);
+    let of = |axis: &'static str| events.iter().filter(move |event| event.name == axis);
     let farthest = |axis| {
         of(axis)
             .map(|event| event.value)
             .max_by_key(|value| value.abs())
     };
-    assert!(farthest("ABS_X") > Some(20_000), "to the right: {heard:?}");
-    assert!(farthest("ABS_Y") < Some(-20_000), "up: {heard:?}");
+    assert!(farthest("ABS_X") > Some(20_000), "to the right: {events:?}");
+    assert!(farthest("ABS_Y") < Some(-20_000), "up: {events:?}");
     for axis in ["ABS_X", "ABS_Y"] {
         assert_eq!(
             of(axis).next_back().map(|event| event.value),
@@ -151,10 +152,10 @@ fn steers(scene: &mut Scene, gamepad: &Evtest) {
         [(SOUTH, true), (SOUTH, false)]
     );
     is_joystick(scene, gamepad);
-    scene.report("udev takes the gamepad for a joystick, its stick comes back to the middle");
+    scene.report("udev recognizes the gamepad as a joystick, and its stick returns to the center");
 }
 
-/// For udev, which games ask; `libinput` leaves those alone.
+/// Checks that udev, which games query, recognizes a joystick, and that libinput ignores it.
 fn is_joystick(scene: &mut Scene, gamepad: &Evtest) {
     let node = &gamepad.node;
     let known = scene
@@ -168,7 +169,7 @@ fn is_joystick(scene: &mut Scene, gamepad: &Evtest) {
     );
 }
 
-fn sum(heard: &[Heard], axis: &str) -> i32 {
-    let of_axis = heard.iter().filter(|event| event.name == axis);
+fn sum(events: &[EvdevEvent], axis: &str) -> i32 {
+    let of_axis = events.iter().filter(|event| event.name == axis);
     of_axis.map(|event| event.value).sum()
 }

@@ -1,27 +1,27 @@
-//! The doctor on a machine with everything, and for an ordinary user on one where the module is not loaded and
-//! no device is for him: what he is told to do is done to the letter.
+//! `ademan doctor` on a machine with full access, and for an ordinary user on one without the kernel module and without
+//! access to devices, whose advice the test follows.
 
 use super::Scene;
 
-/// As whoever logs in now: with the groups that the user has by then.
+/// Runs a command as a user who logs in now, with all current groups.
 const LOGGED_IN: &str = "/usr/bin/setpriv --reuid=1000 --regid=1000 --init-groups";
 
-/// As whoever logged in before he joined any group.
+/// Runs a command as a user who logged in before joining any group.
 const LOGGED_IN_BEFORE: &str = "/usr/bin/setpriv --reuid=1000 --regid=1000 --clear-groups";
 
-/// What is asked of the doctor.
-const QUESTION: &str =
+/// The command.
+const DOCTOR: &str =
     "ademan doctor --source serial:$(ls /dev/ttyUSB* | head -n 1) --output uinput --test uinput";
 
-/// Takes the commands from what the doctor says: all after the table that is no comment.
+/// Extracts the commands from the output: all lines after the table that are no comments.
 const COMMANDS: &str = "sed '1,/^$/d; /^#/d; /^$/d' /tmp/said >/tmp/commands";
 
-/// Examines a machine on which no program runs.
+/// Runs all checks on a machine on which no `ademan` runs.
 pub fn all(scene: &mut Scene) {
-    let (is_well, _) = ask(scene, "");
-    assert!(is_well, "on a machine with everything");
+    let (succeeds, _) = examine(scene, "");
+    assert!(succeeds, "with full access");
     scene.report("the doctor finds nothing missing");
-    take_everything_away(scene);
+    remove_access(scene);
 
     let first = follow(scene);
     for part in [
@@ -40,18 +40,16 @@ pub fn all(scene: &mut Scene) {
         assert!(second.contains(part), "{part}: {second}");
     }
     scene.machine.run("udevadm settle --timeout=30");
-    let (is_well, said) = ask(scene, LOGGED_IN_BEFORE);
+    let (succeeds, output) = examine(scene, LOGGED_IN_BEFORE);
     let part = "you joined its group `uinput` after you logged in";
-    assert!(!is_well && said.contains(part), "{said}");
-    let (is_well, said) = ask(scene, LOGGED_IN);
-    assert!(is_well, "{said}");
-    scene.report(
-        "an ordinary user who does what the doctor says can make devices and open the port",
-    );
+    assert!(!succeeds && output.contains(part), "{output}");
+    let (succeeds, output) = examine(scene, LOGGED_IN);
+    assert!(succeeds, "{output}");
+    scene.report("an ordinary user who follows the advice can create devices and open the port");
 }
 
-/// There is an ordinary user; the module is out, and is where `modprobe` looks for it.
-fn take_everything_away(scene: &mut Scene) {
+/// Adds an ordinary user, unloads the module, and moves it to where `modprobe` finds it.
+fn remove_access(scene: &mut Scene) {
     let done = scene.machine.run(
         "rmmod uinput && echo 'ada:x:1000:1000::/tmp:/bin/sh' >>/etc/passwd && echo 'ada:x:1000:' >>/etc/group && \
          mkdir -p /lib/modules/$(uname -r)/kernel /etc/udev/rules.d /etc/modules-load.d && \
@@ -61,25 +59,24 @@ fn take_everything_away(scene: &mut Scene) {
     assert_eq!(done, "done\n");
 }
 
-/// Asks the doctor as somebody; whether all is well, and what he says.
-fn ask(scene: &mut Scene, who: &str) -> (bool, String) {
-    let said = scene.machine.run(&format!(
+/// Runs the doctor as a user. Returns whether it succeeds, and its output.
+fn examine(scene: &mut Scene, who: &str) -> (bool, String) {
+    let output = scene.machine.run(&format!(
         "export XDG_RUNTIME_DIR=/tmp/runtime; mkdir -m 700 -p $XDG_RUNTIME_DIR; \
-         {who} {QUESTION} >/tmp/said 2>/tmp/error; code=$?; cat /tmp/said /tmp/error; echo exit $code"
+         {who} {DOCTOR} >/tmp/said 2>/tmp/error; code=$?; cat /tmp/said /tmp/error; echo exit $code"
     ));
-    println!("{said}");
-    (said.trim_end().ends_with("exit 0"), said)
+    println!("{output}");
+    (output.trim_end().ends_with("exit 0"), output)
 }
 
-/// Asks as whoever logs in now, and does what he is told to, line by line. Whoever owns the machine does it: `sudo`
-/// is there for the name.
+/// Runs the doctor as a user who logs in now, and executes its commands. They run as root; `sudo` is a stand-in.
 fn follow(scene: &mut Scene) -> String {
-    let (is_well, said) = ask(scene, LOGGED_IN);
-    assert!(!is_well, "there is something to do: {said}");
+    let (succeeds, output) = examine(scene, LOGGED_IN);
+    assert!(!succeeds, "something is missing: {output}");
     let done = scene.machine.run(&format!(
         "{COMMANDS}; USER=ada sh -ex /tmp/commands 2>&1; echo exit $?"
     ));
     println!("{done}");
     assert!(done.trim_end().ends_with("exit 0"), "{done}");
-    said
+    output
 }

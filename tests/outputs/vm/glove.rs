@@ -1,4 +1,4 @@
-//! The wearer of the glove: what the hand does, and what the program is to make of it.
+//! The glove, its movements, and the events that they must cause.
 
 use std::io::Write;
 use std::os::unix::net::UnixStream;
@@ -15,85 +15,90 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, unbounded};
 
 type Posture = [u8; BODY_BYTES];
 
-/// Something that a hand does, from off all keys to off all keys.
-pub struct Deed {
+/// A movement of the hand, which starts and ends clear of all keys.
+pub struct HandMotion {
     postures: Vec<Posture>,
-    /// What comes of it, and at which posture.
-    actions: Vec<(usize, EventKind)>,
+    /// The events, each with the index of its posture.
+    events: Vec<(usize, EventKind)>,
 }
 
-impl Deed {
-    /// Types a text on a layout.
+impl HandMotion {
+    /// Returns the movement that types a text on a layout.
     pub fn typing(layout: &str, text: &str) -> Self {
-        let assembly = on(layout);
-        let typist = assembly.typist(text, &Hc11Format::default(), 0.0, 0);
-        Self::of(&assembly, typist.expect("the hand can type it"))
+        let setup = load_setup(layout);
+        let typist = setup.typist(text, &Hc11Format::default(), 0.0, 0);
+        Self::new(&setup, typist.expect("the hand can type the text"))
     }
 
-    /// Plays a script on a layout.
-    pub fn playing(layout: &str, script: &str) -> Self {
-        let assembly = on(layout);
-        let typist = assembly.scripted(script, &Hc11Format::default(), 0.0, 0);
+    /// Returns the movement of a script on a layout.
+    pub fn scripted(layout: &str, script: &str) -> Self {
+        let setup = load_setup(layout);
+        let typist = setup.scripted(script, &Hc11Format::default(), 0.0, 0);
         let typist = typist.unwrap_or_else(|error| panic!("{error}"));
-        Self::of(&assembly, typist)
+        Self::new(&setup, typist)
     }
 
-    fn of(assembly: &LoadedSetup, typist: SimulatedTypist) -> Self {
+    fn new(setup: &LoadedSetup, typist: SimulatedTypist) -> Self {
         let postures = postures(typist);
-        let mut pipeline = assembly.pipeline();
-        let mut actions = Vec::new();
-        for (place, posture) in postures.iter().enumerate() {
+        let mut pipeline = setup.pipeline();
+        let mut all_events = Vec::new();
+        for (index, posture) in postures.iter().enumerate() {
             let reading = Reading {
-                time: Timestamp(0) + Hc11Format::default().packet_period() * place as u32,
+                time: Timestamp(0) + Hc11Format::default().packet_period() * index as u32,
                 side: None,
                 sample: Sample::Channels(channels(posture)),
             };
             let mut events = Events::new();
-            pipeline.step(&reading, &mut events).expect("an able hand");
-            actions.extend(events.iter().map(|event| (place, event.kind)));
+            pipeline
+                .step(&reading, &mut events)
+                .expect("a reading with all channels");
+            all_events.extend(events.iter().map(|event| (index, event.kind)));
         }
-        Self { postures, actions }
+        Self {
+            postures,
+            events: all_events,
+        }
     }
 
-    /// The keys that go down (`true`) and come up, by their codes in the kernel.
+    /// Returns the keys that are pressed (`true`) and released, as event codes.
     pub fn keys(&self) -> Vec<(u16, bool)> {
-        let key = |(_, action): &(usize, EventKind)| match action {
+        let key = |(_, event): &(usize, EventKind)| match event {
             EventKind::KeyDown(key) => Some((key.event_code(), true)),
             EventKind::KeyUp(key) => Some((key.event_code(), false)),
             _ => None,
         };
-        self.actions.iter().filter_map(key).collect()
+        self.events.iter().filter_map(key).collect()
     }
 
-    /// The hand off all keys.
-    pub fn off(&self) -> Vec<Posture> {
+    /// Returns the posture in which the hand is clear of all keys.
+    pub fn clear(&self) -> Vec<Posture> {
         vec![self.postures[0]]
     }
 
-    /// All of it.
-    pub fn whole(&self) -> Vec<Posture> {
+    /// Returns all postures.
+    pub fn all(&self) -> Vec<Posture> {
         self.postures.clone()
     }
 
-    /// Up to where the last key is at the bottom.
-    pub fn until_held(&self) -> Vec<Posture> {
+    /// Returns the postures up to the middle of the last press.
+    pub fn until_pressed(&self) -> Vec<Posture> {
         let last = |is_it: fn(&EventKind) -> bool| {
-            let found = self.actions.iter().rfind(|(_, action)| is_it(action));
-            found.expect("a key goes down and comes up").0
+            let found = self.events.iter().rfind(|(_, event)| is_it(event));
+            found.expect("a key is pressed and released").0
         };
-        let down = last(|action| matches!(action, EventKind::KeyDown(_)));
-        let up = last(|action| matches!(action, EventKind::KeyUp(_)));
+        let down = last(|event| matches!(event, EventKind::KeyDown(_)));
+        let up = last(|event| matches!(event, EventKind::KeyUp(_)));
         self.postures[..down.midpoint(up)].to_vec()
     }
 }
 
-fn on(layout: &str) -> LoadedSetup {
+fn load_setup(layout: &str) -> LoadedSetup {
     let setup = Setup {
         layout: layout.to_owned(),
         arm_immediately: true,
         ..Setup::default()
     };
-    setup.load_files().expect("a setup")
+    setup.load_files().expect("a valid setup")
 }
 
 fn postures(mut typist: SimulatedTypist) -> Vec<Posture> {
@@ -108,42 +113,42 @@ fn postures(mut typist: SimulatedTypist) -> Vec<Posture> {
     postures
 }
 
-/// A glove that sends packets at the pace of its line, the last posture again and again.
+/// A glove that sends packets at the rate of its line and repeats its last posture.
 pub struct Glove(Sender<Vec<Posture>>);
 
 impl Glove {
-    /// On this line; silent until something is played.
-    pub fn on(line: UnixStream) -> Self {
-        let (orders, received) = unbounded();
+    /// Creates a glove on this line. It sends nothing until a movement is played.
+    pub fn new(line: UnixStream) -> Self {
+        let (messages, received) = unbounded();
         thread::spawn(move || play(line, &received));
-        Self(orders)
+        Self(messages)
     }
 
-    /// Takes these postures, one after the other, and stays in the last one.
+    /// Sends these postures, one per packet, and repeats the last.
     pub fn play(&self, postures: Vec<Posture>) {
-        self.0.send(postures).expect("the player is there");
+        self.0.send(postures).expect("the player runs");
     }
 
-    /// Sends nothing more: what is sent while the cable is out would wait for the next one.
+    /// Stops sending: bytes sent while the cable is unplugged would arrive after it is plugged in.
     pub fn stop_sending(&self) {
         self.play(Vec::new());
     }
 }
 
-fn play(mut line: UnixStream, orders: &Receiver<Vec<Posture>>) {
+fn play(mut line: UnixStream, messages: &Receiver<Vec<Posture>>) {
     let period = Hc11Format::default().packet_period();
-    let mut playing = Vec::new();
-    let mut place = 0;
+    let mut postures = Vec::new();
+    let mut index = 0;
     let mut due = Instant::now();
     loop {
-        match orders.recv_deadline(due) {
-            Ok(postures) => (playing, place) = (postures, 0),
+        match messages.recv_deadline(due) {
+            Ok(new) => (postures, index) = (new, 0),
             Err(RecvTimeoutError::Disconnected) => return,
             Err(RecvTimeoutError::Timeout) => {
-                if let Some(posture) = playing.get(place) {
-                    // A machine that has ended does not listen.
+                if let Some(posture) = postures.get(index) {
+                    // A machine that has exited does not read.
                     let _ = line.write_all(&encode(Framing::Double06, posture));
-                    place = (place + 1).min(playing.len() - 1);
+                    index = (index + 1).min(postures.len() - 1);
                 }
                 due = Instant::now() + period;
             }

@@ -1,4 +1,4 @@
-//! A machine in QEMU: its shell, the cable of its glove, and its log.
+//! A virtual machine in QEMU: its shell, the line of its glove, and its log.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
@@ -13,22 +13,22 @@ use tempfile::TempDir;
 
 use crate::support::process::Process;
 
-/// How long anything in a machine without hardware support may take on a busy one.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+/// Longest time for anything in an emulated machine on a busy host.
+pub const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// How often a machine is asked whether something has come about.
+/// Polling interval.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// The processor is emulated in any case: where `/dev/kvm` is, it need not work.
+/// The processor is always emulated: `/dev/kvm` may exist and not work.
 const MACHINE: &str = "-accel tcg -machine q35 -m 512 -smp 2 -nodefaults -no-user-config -no-reboot -display none \
                        -device qemu-xhci";
 
-/// A machine that runs until this is dropped.
+/// A virtual machine that runs until this is dropped.
 pub struct Machine {
     shell: Lines,
     monitor: Lines,
-    /// What QEMU has told that nobody asked for.
-    told: Vec<Value>,
+    /// Events from QEMU that no command has consumed.
+    events: Vec<Value>,
     folder: PathBuf,
     line: UnixStream,
     _process: Process,
@@ -36,7 +36,7 @@ pub struct Machine {
 }
 
 impl Machine {
-    /// Starts one on `vmlinuz` and `initrd` in this folder, in which the log of its kernel will be.
+    /// Starts a machine with `vmlinuz` and `initrd` of this folder. The kernel log is written to it.
     pub fn start(folder: &Path) -> Self {
         let sockets = tempfile::tempdir().expect("a folder");
         let socket = |name: &str| sockets.path().join(name);
@@ -68,23 +68,23 @@ impl Machine {
         let mut machine = Self {
             shell: Lines::of(connect("shell")),
             monitor: Lines::of(connect("monitor")),
-            told: Vec::new(),
+            events: Vec::new(),
             folder: folder.to_owned(),
             line: connect("glove"),
             _process: process,
             _sockets: sockets,
         };
-        machine.order(json!({ "execute": "qmp_capabilities" }));
+        machine.execute(json!({ "execute": "qmp_capabilities" }));
         while machine.shell.next() != "ready" {}
         machine
     }
 
-    /// The far end of the glove's line.
+    /// Returns the far end of the glove's line.
     pub fn line(&self) -> UnixStream {
-        self.line.try_clone().expect("a second handle")
+        self.line.try_clone().expect("a duplicate")
     }
 
-    /// Does a line of shell commands in the machine and gives what they print.
+    /// Runs a line of shell commands in the machine and returns their output.
     pub fn run(&mut self, commands: &str) -> String {
         assert!(!commands.contains('\n'), "one line: {commands}");
         self.shell.send(commands);
@@ -97,27 +97,27 @@ impl Machine {
         }
     }
 
-    /// Asks `look` until it finds something; panics with what the program and the kernel said when it does not.
+    /// Polls `look` until it returns a value. Panics with the logs of the program and the kernel after the time-out.
     pub fn wait_for<T>(&mut self, what: &str, mut look: impl FnMut(&mut Self) -> Option<T>) -> T {
         let start = Instant::now();
-        while start.elapsed() < PATIENCE {
+        while start.elapsed() < TIMEOUT {
             if let Some(found) = look(self) {
                 return found;
             }
             thread::sleep(INTERVAL);
         }
-        let said = self.run("tail -n 40 /tmp/*.log; dmesg | tail -n 20");
-        panic!("{what}: that did not come about\n{said}");
+        let logs = self.run("tail -n 40 /tmp/*.log; dmesg | tail -n 20");
+        panic!("time-out: {what}\n{logs}");
     }
 
-    /// Plugs in a USB serial adapter with this serial number: that of the glove, or any other with nothing behind it.
+    /// Connects a USB serial adapter with this serial number: `glove`, or another one without a device behind it.
     pub fn plug_in(&mut self, adapter: &str) {
         let chardev = match adapter {
             "glove" => adapter.to_owned(),
             other => {
                 let backend = json!({ "type": "null", "data": {} });
                 let chardev = format!("behind-{other}");
-                self.order(json!({
+                self.execute(json!({
                     "execute": "chardev-add",
                     "arguments": { "id": chardev, "backend": backend },
                 }));
@@ -127,29 +127,30 @@ impl Machine {
         let device = json!({
             "driver": "usb-serial", "id": adapter, "serial": adapter, "chardev": chardev, "always-plugged": true,
         });
-        self.order(json!({ "execute": "device_add", "arguments": device }));
+        self.execute(json!({ "execute": "device_add", "arguments": device }));
     }
 
-    /// Presses these keys on the machine's own keyboard, all at once, and lets go of them.
+    /// Presses these keys on the keyboard of the machine, all at once, and releases them.
     pub fn press(&mut self, keys: &[&str]) {
         let key = |name: &&str| json!({ "type": "qcode", "data": name });
         let keys: Vec<_> = keys.iter().map(key).collect();
-        self.order(json!({ "execute": "send-key", "arguments": { "keys": keys } }));
+        self.execute(json!({ "execute": "send-key", "arguments": { "keys": keys } }));
     }
 
-    /// Pulls the cable of an adapter.
+    /// Disconnects an adapter.
     pub fn unplug(&mut self, adapter: &str) {
-        self.told.clear();
-        self.order(json!({ "execute": "device_del", "arguments": { "id": adapter } }));
-        let is_gone =
-            |told: &Value| told["event"] == "DEVICE_DELETED" && told["data"]["device"] == *adapter;
-        while !self.told.iter().any(is_gone) {
-            let told = self.hear();
-            self.told.push(told);
+        self.events.clear();
+        self.execute(json!({ "execute": "device_del", "arguments": { "id": adapter } }));
+        let is_gone = |message: &Value| {
+            message["event"] == "DEVICE_DELETED" && message["data"]["device"] == *adapter
+        };
+        while !self.events.iter().any(is_gone) {
+            let message = self.receive();
+            self.events.push(message);
         }
     }
 
-    /// Copies a file of the machine, or several to one, into the folder that it was started from, and gives the text.
+    /// Copies a file of the machine, or several into one, to the folder of its kernel, and returns the text.
     pub fn keep(&mut self, path: &str) -> String {
         let text = self.run(&format!("cat {path}"));
         let name = path.rsplit('/').next().unwrap_or(path).replace('*', "all");
@@ -157,31 +158,31 @@ impl Machine {
         text
     }
 
-    /// Gives QEMU an order, and waits until it is done.
-    fn order(&mut self, order: Value) {
-        self.monitor.send(&order.to_string());
+    /// Executes a QMP command.
+    fn execute(&mut self, command: Value) {
+        self.monitor.send(&command.to_string());
         loop {
-            let told = self.hear();
-            assert!(told.get("error").is_none(), "{order}: {told}");
-            match told.get("return") {
+            let message = self.receive();
+            assert!(message.get("error").is_none(), "{command}: {message}");
+            match message.get("return") {
                 Some(_) => return,
-                None => self.told.push(told),
+                None => self.events.push(message),
             }
         }
     }
 
-    fn hear(&mut self) -> Value {
-        serde_json::from_str(&self.monitor.next()).expect("the monitor speaks JSON")
+    fn receive(&mut self) -> Value {
+        serde_json::from_str(&self.monitor.next()).expect("QMP is JSON")
     }
 }
 
-/// Lines to and from a socket of QEMU.
+/// A connection to a socket of QEMU, line by line.
 struct Lines(BufReader<UnixStream>);
 
 impl Lines {
     fn of(stream: UnixStream) -> Self {
-        let limit = stream.set_read_timeout(Some(PATIENCE));
-        limit.expect("a socket has a limit");
+        let result = stream.set_read_timeout(Some(TIMEOUT));
+        result.expect("a read time-out");
         Self(BufReader::new(stream))
     }
 
@@ -194,23 +195,23 @@ impl Lines {
         let mut line = Vec::new();
         let read = self.0.read_until(b'\n', &mut line);
         assert!(
-            read.expect("the machine answers") > 0,
-            "the machine has ended"
+            read.expect("the machine replies") > 0,
+            "the machine has exited"
         );
         String::from_utf8_lossy(&line).trim_end().to_owned()
     }
 }
 
-/// Connects to a socket that QEMU is about to make.
+/// Connects to a socket that QEMU creates.
 fn connect(socket: &Path, qemu: &mut Process) -> UnixStream {
     let start = Instant::now();
     loop {
         match UnixStream::connect(socket) {
             Ok(stream) => return stream,
-            Err(error) if start.elapsed() > PATIENCE => panic!("QEMU makes no socket: {error}"),
+            Err(error) if start.elapsed() > TIMEOUT => panic!("QEMU creates no socket: {error}"),
             Err(_) => thread::sleep(INTERVAL),
         }
-        let ended = qemu.0.try_wait().expect("it is a child");
-        assert!(ended.is_none(), "QEMU has ended");
+        let ended = qemu.0.try_wait().expect("a child process");
+        assert!(ended.is_none(), "QEMU has exited");
     }
 }

@@ -1,7 +1,7 @@
-//! The program on a kernel of its own: what goes in through a USB serial adapter comes out of the kernel's devices,
-//! and `libinput`, through which Wayland and X11 hear of devices, takes them for what they are.
+//! The program in a virtual machine with a stock Linux kernel: bytes from a USB serial adapter become events of uinput
+//! devices, which udev and libinput, and with it Wayland and X11, recognize.
 //!
-//! `tests/outputs/vm/run` makes the machine and starts this; by itself it says that it is skipped.
+//! `tests/outputs/vm/run` builds the machine and starts these tests; otherwise they are skipped.
 mod devices;
 mod doctor;
 mod glove;
@@ -14,11 +14,11 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use glove::{Deed, Glove};
+use glove::{Glove, HandMotion};
 use machine::Machine;
 use witness::{Evtest, Libinput};
 
-/// What happens in the machine, and who sees it.
+/// The machine with the programs that observe it.
 struct Scene {
     machine: Machine,
     glove: Glove,
@@ -33,7 +33,7 @@ impl Scene {
         let mut machine = Machine::start(folder);
         let libinput = Libinput::start(&mut machine);
         Self {
-            glove: Glove::on(machine.line()),
+            glove: Glove::new(machine.line()),
             machine,
             libinput,
             evtests: 0,
@@ -41,7 +41,7 @@ impl Scene {
         }
     }
 
-    /// Starts the program, which finds the glove's adapter plugged in.
+    /// Starts the program after the adapter of the glove is connected.
     fn start_program(&mut self, layout: &str) {
         self.libinput.forget(&mut self.machine);
         self.machine.wait_for("a serial port", |machine| {
@@ -50,7 +50,7 @@ impl Scene {
                 .starts_with('/')
                 .then_some(())
         });
-        // A machine that holds the hand up for a moment shall not end a press.
+        // A busy machine must not cause a stall.
         let setup = format!(
             "Setup(source: \"serial:/dev/ttyUSB0\", output: \"uinput\", layout: \"{layout}\", stall_timeout_ms: 10000, \
              panic_keys: [\"ControlLeft\", \"ControlRight\"])"
@@ -59,10 +59,10 @@ impl Scene {
         self.machine.run(
             "ademan run --allow-root /tmp/setup.ron --control /tmp/control >/tmp/ademan.log 2>&1 & echo $! >/tmp/ademan.pid",
         );
-        self.wait_until_said("listening to", 1);
+        self.wait_for_line("listening to", 1);
     }
 
-    /// Ends the program as Ctrl-C does.
+    /// Ends the program with SIGINT.
     fn end_program(&mut self) {
         self.glove.stop_sending();
         self.machine.run("killall -INT ademan");
@@ -73,22 +73,22 @@ impl Scene {
 
     fn evtest(&mut self, device: &str) -> Evtest {
         self.evtests += 1;
-        Evtest::on(&mut self.machine, device, self.evtests)
+        Evtest::start(&mut self.machine, device, self.evtests)
     }
 
-    fn wait_until_said(&mut self, part: &str, times: usize) {
-        let count = format!("grep -c '{part}' /tmp/ademan.log");
+    fn wait_for_line(&mut self, part: &str, count: usize) {
+        let command = format!("grep -c '{part}' /tmp/ademan.log");
         self.machine
-            .wait_for(&format!("the program says `{part}`"), |machine| {
-                let said: usize = machine.run(&count).trim().parse().unwrap_or(0);
-                (said >= times).then_some(())
+            .wait_for(&format!("a line with `{part}`"), |machine| {
+                let lines: usize = machine.run(&command).trim().parse().unwrap_or(0);
+                (lines >= count).then_some(())
             });
     }
 
-    /// Holds the hand off all keys until the program has armed itself, for the `times`th time.
-    fn arm(&mut self, deed: &Deed, times: usize) {
-        self.glove.play(deed.off());
-        self.wait_until_said("armed", times);
+    /// Keeps the hand clear of all keys until the program is armed for the `count`th time.
+    fn arm(&mut self, motion: &HandMotion, count: usize) {
+        self.glove.play(motion.clear());
+        self.wait_for_line("armed", count);
     }
 
     fn report(&self, what: &str) {
@@ -100,7 +100,7 @@ impl Scene {
 }
 
 #[test]
-fn a_kernel_and_libinput_hear_the_hand() {
+fn kernel_and_libinput_receive_the_events() {
     let Some(folder) = env::var_os("ADEMAN_VM") else {
         println!("SKIPPED: `tests/outputs/vm/run` starts this with a machine");
         return;
@@ -113,14 +113,14 @@ fn a_kernel_and_libinput_hear_the_hand() {
     for log in ["/tmp/ademan.log", "/tmp/evtest-*.log"] {
         scene.machine.keep(log);
     }
-    println!("what libinput said:");
+    println!("log of libinput:");
     Libinput::log(&mut scene.machine)
         .iter()
         .for_each(|line| println!("{line}"));
 }
 
 #[test]
-fn how_long_keys_stay_down() {
+fn release_times() {
     let (Some(folder), Ok(times)) = (env::var_os("ADEMAN_VM"), env::var("ADEMAN_VM_TIMES")) else {
         println!("SKIPPED: `tests/outputs/vm/run release` starts this with a machine");
         return;
@@ -130,19 +130,19 @@ fn how_long_keys_stay_down() {
     machine.run(&format!(
         "({bench} {times}; echo over) >/tmp/release.log 2>&1 &"
     ));
-    let mut told = 0;
+    let mut printed = 0;
     loop {
         let log = machine.run("cat /tmp/release.log");
         let lines: Vec<_> = log.lines().collect();
-        // The serial port of a machine that is that busy may lose what it is asked; the log only grows.
-        for line in lines.iter().skip(told) {
+        // The serial port of a busy machine may lose a command; the log only grows.
+        for line in lines.iter().skip(printed) {
             println!("{line}");
         }
-        told = told.max(lines.len());
+        printed = printed.max(lines.len());
         if lines.last() == Some(&"over") {
             break;
         }
         thread::sleep(Duration::from_secs(1));
     }
-    assert_eq!(told, 19, "a title and a row for each cause");
+    assert_eq!(printed, 19, "a title and a row per cause");
 }

@@ -1,23 +1,23 @@
-//! Who sees in the machine what the kernel's devices do: `evtest` reads one device, `libinput` all of them.
+//! Observers of the devices in the machine: `evtest` reads one device, `libinput` all of them.
 
 use super::machine::Machine;
 
-/// An event as `evtest` read it from the kernel.
+/// An input event, as printed by `evtest`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Heard {
-    /// The name of its type: `EV_KEY`.
+pub struct EvdevEvent {
+    /// The name of the type: `EV_KEY`.
     pub kind: String,
-    /// The number of its code in the type.
+    /// The code.
     pub code: u16,
-    /// The name of its code: `KEY_H`.
+    /// The name of the code: `KEY_H`.
     pub name: String,
-    /// Its value: 1 for a key that goes down, 0 for one that comes up.
+    /// The value: 1 for a press, 0 for a release.
     pub value: i32,
 }
 
-impl Heard {
-    /// Of `Event: time 1.5, type 1 (EV_KEY), code 35 (KEY_H), value 1`; none of any other line.
-    fn of(line: &str) -> Option<Self> {
+impl EvdevEvent {
+    /// Parses `Event: time 1.5, type 1 (EV_KEY), code 35 (KEY_H), value 1`. Returns `None` for any other line.
+    fn parse(line: &str) -> Option<Self> {
         let (_, event) = line.split_once(", type ")?;
         let words: Vec<&str> = event
             .split([' ', ',', '(', ')'])
@@ -35,16 +35,16 @@ impl Heard {
     }
 }
 
-/// `evtest` on a device.
+/// A running `evtest`.
 pub struct Evtest {
-    /// The device, as in `event3`.
+    /// The device node: `event3`.
     pub node: String,
     log: String,
 }
 
 impl Evtest {
-    /// On the device of this name, once there is one.
-    pub fn on(machine: &mut Machine, name: &str, number: usize) -> Self {
+    /// Starts `evtest` on the device of this name as soon as it exists.
+    pub fn start(machine: &mut Machine, name: &str, number: usize) -> Self {
         let node = machine.wait_for(&format!("a device {name}"), |machine| {
             let found = machine.run(&format!(
                 "grep -lx '{name}' /sys/class/input/event*/device/name"
@@ -55,7 +55,7 @@ impl Evtest {
             node.map(str::to_owned)
         });
         let log = format!("/tmp/evtest-{number}-{}.log", name.replace(' ', "-"));
-        // At a priority above all else: what a device that goes away says last is for who reads it at once.
+        // With real-time priority, to read the last events of a device before it is removed.
         machine.run(&format!(
             "chrt -f 50 evtest /dev/input/{node} >{log} 2>&1 &"
         ));
@@ -68,23 +68,23 @@ impl Evtest {
         Self { node, log }
     }
 
-    /// What it has read so far.
-    pub fn heard(&self, machine: &mut Machine) -> Vec<Heard> {
+    /// Returns the events so far.
+    pub fn events(&self, machine: &mut Machine) -> Vec<EvdevEvent> {
         let lines = machine.run(&format!("grep ', type ' {}", self.log));
-        lines.lines().filter_map(Heard::of).collect()
+        lines.lines().filter_map(EvdevEvent::parse).collect()
     }
 
-    /// The keys that it has read, with whether they went down.
+    /// Returns the keys so far that were pressed (`true`) and released.
     pub fn keys(&self, machine: &mut Machine) -> Vec<(u16, bool)> {
-        let heard = self.heard(machine).into_iter();
-        let keys = heard.filter(|event| event.kind == "EV_KEY");
+        let events = self.events(machine).into_iter();
+        let keys = events.filter(|event| event.kind == "EV_KEY");
         keys.map(|event| (event.code, event.value != 0)).collect()
     }
 }
 
-/// `libinput debug-events`, on all devices that come and go.
+/// A running `libinput debug-events`.
 pub struct Libinput {
-    /// Lines that belong to what was before.
+    /// Number of lines to ignore.
     past: usize,
 }
 
@@ -100,12 +100,12 @@ impl Libinput {
         Self { past: 0 }
     }
 
-    /// From now on, only new lines count.
+    /// Ignores all lines so far.
     pub fn forget(&mut self, machine: &mut Machine) {
         self.past += self.lines(machine).len();
     }
 
-    /// What it says about devices and their events: `event3 KEYBOARD_KEY +1.52s KEY_H (35) pressed`.
+    /// Returns the lines about devices and their events: `event3 KEYBOARD_KEY +1.52s KEY_H (35) pressed`.
     pub fn lines(&self, machine: &mut Machine) -> Vec<String> {
         let log = machine.run(&format!("tail -n +{} {}", self.past + 1, Self::LOG));
         let words = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -116,14 +116,13 @@ impl Libinput {
 
     /// Waits for a line with all these parts.
     pub fn wait_for(&self, machine: &mut Machine, parts: &[&str]) -> String {
-        machine.wait_for(&format!("libinput says {parts:?}"), |machine| {
+        machine.wait_for(&format!("libinput prints {parts:?}"), |machine| {
             let mut lines = self.lines(machine).into_iter();
             lines.find(|line| parts.iter().all(|part| line.contains(part)))
         })
     }
 
-    /// What it has said from the start; of many lines about the same, such as motion, the first. All of it is kept
-    /// beside the log of the kernel.
+    /// Returns all lines; of successive motion or scroll lines, only the first. The complete log is copied to the host.
     pub fn log(machine: &mut Machine) -> Vec<String> {
         let log = machine.keep(Self::LOG);
         let mut lines: Vec<String> = log.lines().map(str::to_owned).collect();

@@ -1,4 +1,4 @@
-//! A Wayland compositor of the test's own, without a screen.
+//! A headless Wayland compositor for one test.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -17,13 +17,14 @@ use crate::support::process::Process;
 use crate::support::program::Program;
 use crate::support::x11::wait_for;
 
-/// The user and the group that own nothing.
+/// User and group id of `nobody`.
 const NOBODY: u32 = 65534;
 
-/// The one window covers the whole screen, and no program of X11 is expected.
-const SWAY: &str = "output HEADLESS-1 resolution 1024x768\nxwayland disable\ndefault_border none\n";
+/// Configuration: one full-screen window and no XWayland.
+const SWAY_CONFIG: &str =
+    "output HEADLESS-1 resolution 1024x768\nxwayland disable\ndefault_border none\n";
 
-/// A compositor that runs.
+/// A running compositor.
 pub struct Compositor {
     folder: TempDir,
     socket: PathBuf,
@@ -31,16 +32,16 @@ pub struct Compositor {
 }
 
 impl Compositor {
-    /// Starts `sway`, which lets programs be keyboards and pointers, or says why not and gives `None`.
+    /// Starts `sway`, which supports virtual keyboards and pointers. Returns `None` with a message if it is not installed.
     pub fn sway() -> Option<Self> {
         Self::sway_with("")
     }
 
-    /// The same with more lines of configuration.
+    /// Starts `sway` with additional configuration.
     pub fn sway_with(lines: &str) -> Option<Self> {
         let folder = new_folder();
         let settings = folder.path().join("settings");
-        fs::write(&settings, format!("{SWAY}{lines}")).expect("room on the disk");
+        fs::write(&settings, format!("{SWAY_CONFIG}{lines}")).expect("space on the disk");
         let mut command = as_nobody("sway", folder.path());
         command
             .arg("-c")
@@ -51,7 +52,7 @@ impl Compositor {
         Self::start(folder, command)
     }
 
-    /// Starts `weston`, which lets no program be a keyboard, or says why not and gives `None`.
+    /// Starts `weston`, which supports no virtual keyboards. Returns `None` with a message if it is not installed.
     pub fn weston() -> Option<Self> {
         let folder = new_folder();
         let mut command = as_nobody("weston", folder.path());
@@ -62,40 +63,40 @@ impl Compositor {
     fn start(folder: TempDir, mut command: Command) -> Option<Self> {
         let name = command.get_args().chain([command.get_program()]);
         let name = name.into_iter().find(|word| is_a_compositor(word));
-        let name = name.expect("it is one of two").to_owned();
+        let name = name.expect("one of two compositors").to_owned();
         if let Err(error) = Command::new(&name).arg("--version").output() {
             assert_eq!(error.kind(), ErrorKind::NotFound, "{name:?}: {error}");
             println!("SKIPPED: {} is not installed", name.display());
             return None;
         }
-        let log = fs::File::create(folder.path().join("log")).expect("room on the disk");
+        let log = fs::File::create(folder.path().join("log")).expect("space on the disk");
         command.stdout(Stdio::null()).stderr(log);
-        let process = Process::start(&mut command).expect("it starts");
+        let process = Process::start(&mut command).expect("the compositor starts");
         let mut socket = None;
-        let told = || fs::read_to_string(folder.path().join("log")).unwrap_or_default();
+        let log = || fs::read_to_string(folder.path().join("log")).unwrap_or_default();
         let is_up = || {
             socket = socket_in(folder.path());
             socket.is_some()
         };
-        assert!(wait_for(is_up), "no socket: {}", told());
+        assert!(wait_for(is_up), "no socket: {}", log());
         Some(Self {
-            socket: socket.expect("it is there"),
+            socket: socket.expect("it exists"),
             folder,
             process,
         })
     }
 
-    /// The path of its socket.
+    /// Returns the path of the socket.
     pub fn socket(&self) -> &str {
-        self.socket.to_str().expect("a plain name")
+        self.socket.to_str().expect("a UTF-8 path")
     }
 
-    /// A folder that goes with it.
+    /// Returns the runtime folder.
     pub fn folder(&self) -> &Path {
         self.folder.path()
     }
 
-    /// A program for this compositor, and for no X server.
+    /// Returns a command of another program, with this compositor and without an X server.
     pub fn client(&self, program: &str) -> Command {
         let mut command = Command::new(program);
         command
@@ -107,7 +108,7 @@ impl Compositor {
         command
     }
 
-    /// `ademan` with these arguments, for this compositor and for no X server.
+    /// Returns the command `ademan` with these arguments, with this compositor and without an X server.
     pub fn ademan<S: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Command {
         let mut command = ademan(arguments);
         command
@@ -117,36 +118,38 @@ impl Compositor {
         command
     }
 
-    /// The same, running.
+    /// Starts `ademan` with these arguments.
     pub fn run<S: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Program {
         Program::from_command(self.ademan(arguments))
     }
 
-    /// The output `desktop` at this compositor, with a pointer.
+    /// Opens the output `desktop` on this compositor, with a pointer.
     pub fn desktop(&self) -> Desktop {
         let needs: Capabilities = [Capability::RelativeMotion].into_iter().collect();
-        Desktop::open(Some(self.socket()), &needs).expect("the compositor is there")
+        Desktop::open(Some(self.socket()), &needs).expect("the compositor runs")
     }
 
-    /// What `sway` answers to a question of this kind.
-    pub fn tell(&self, kind: &str) -> String {
-        let entries = fs::read_dir(self.folder()).expect("it is there").flatten();
-        let is_for_questions = |path: &PathBuf| path.to_string_lossy().contains("sway-ipc.");
-        let socket = entries.map(|entry| entry.path()).find(is_for_questions);
+    /// Returns the reply of `sway` to an IPC message of this type.
+    pub fn query(&self, kind: &str) -> String {
+        let entries = fs::read_dir(self.folder()).expect("it exists").flatten();
+        let is_ipc_socket = |path: &PathBuf| path.to_string_lossy().contains("sway-ipc.");
+        let socket = entries.map(|entry| entry.path()).find(is_ipc_socket);
         let mut command = Command::new("swaymsg");
-        command.arg("-s").arg(socket.expect("sway has made it"));
-        let answer = command.args(["-r", "-t", kind]).output();
-        let answer = answer.expect("it comes with sway").stdout;
-        String::from_utf8_lossy(&answer).into_owned()
+        command
+            .arg("-s")
+            .arg(socket.expect("the IPC socket of sway"));
+        let output = command.args(["-r", "-t", kind]).output();
+        let output = output.expect("swaymsg is part of sway").stdout;
+        String::from_utf8_lossy(&output).into_owned()
     }
 
-    /// Lets it do nothing until it is told to go on.
+    /// Stops the process with SIGSTOP.
     pub fn stop(&self) {
         self.signal("STOP");
     }
 
-    /// Lets it go on.
-    pub fn go_on(&self) {
+    /// Continues the process.
+    pub fn resume(&self) {
         self.signal("CONT");
     }
 
@@ -155,11 +158,11 @@ impl Compositor {
         let mut kill = Command::new("sh");
         kill.args(["-c", &format!("kill -s {name} {process}")]);
         let mut kill = Process::start(&mut kill).expect("a shell");
-        assert!(kill.0.wait().expect("it ends").success());
+        assert!(kill.0.wait().expect("the shell exits").success());
     }
 }
 
-/// An event that an output takes.
+/// Returns an event at time 0.
 pub fn event(action: EventKind) -> OutputEvent {
     OutputEvent {
         time: Timestamp(0),
@@ -171,24 +174,24 @@ fn is_a_compositor(word: &OsStr) -> bool {
     word == "sway" || word == "weston"
 }
 
-/// A runtime folder; nobody's where this is root, because `sway` refuses to be root's.
+/// Creates a runtime folder. As root, it belongs to `nobody`, because `sway` refuses to run as root.
 fn new_folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     if is_root(folder.path()) {
-        chown(folder.path(), Some(NOBODY), Some(NOBODY)).expect("root may");
+        chown(folder.path(), Some(NOBODY), Some(NOBODY)).expect("root may change the owner");
     }
     let only_the_owner = fs::Permissions::from_mode(0o700);
-    fs::set_permissions(folder.path(), only_the_owner).expect("its owner may");
+    fs::set_permissions(folder.path(), only_the_owner).expect("the owner may change the mode");
     folder
 }
 
 fn is_root(folder: &Path) -> bool {
-    fs::metadata(folder).expect("it is there").uid() == 0
+    fs::metadata(folder).expect("it exists").uid() == 0
 }
 
-/// A program that does not run as root. It is the process that is started, so a signal reaches it.
+/// Returns the command of a program that does not run as root. It has no parent in between, so it receives signals.
 fn as_nobody(program: &str, folder: &Path) -> Command {
-    let owner = fs::metadata(folder).expect("it is there").uid();
+    let owner = fs::metadata(folder).expect("it exists").uid();
     let mut command = match owner {
         NOBODY => {
             let mut command = Command::new("setpriv");
@@ -205,7 +208,7 @@ fn as_nobody(program: &str, folder: &Path) -> Command {
     command
 }
 
-/// The socket that a compositor has made in a folder.
+/// Returns the socket that a compositor has created in a folder.
 fn socket_in(folder: &Path) -> Option<PathBuf> {
     let entries = fs::read_dir(folder).ok()?.flatten();
     entries.map(|entry| entry.path()).find(|path| {

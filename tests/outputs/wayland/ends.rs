@@ -1,4 +1,4 @@
-//! However it ends while a key is held: nothing stays down.
+//! Release of keys and buttons at the end of a run, however it ends.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -12,15 +12,15 @@ use crate::support::press::Press;
 use crate::support::program::Program;
 use crate::support::x11::{wait_at_most, wait_for};
 
-/// A program with a glove.
-struct Worn {
+/// A run with a glove.
+struct GloveRun {
     program: Program,
     glove: Glove,
     _folder: TempDir,
 }
 
-impl Worn {
-    /// A run whose wearer holds the hand still, above the keys.
+impl GloveRun {
+    /// Starts a run whose wearer keeps the hand clear of all keys.
     fn start(compositor: &Compositor, press: &Press, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let port = folder.path().join("glove");
@@ -36,24 +36,23 @@ impl Worn {
         }
     }
 
-    /// Lets the wearer press until the window has heard it.
+    /// Repeats a press until the last event of the window is `line`.
     fn hold(&self, press: &Press, window: &Window, line: &str) {
-        let is_held = || {
+        let is_pressed = || {
             self.glove.play(&press.approach);
             wait_at_most(Duration::from_secs(5), || {
-                window.heard().last().is_some_and(|last| last == line)
+                window.events().last().is_some_and(|last| last == line)
             })
         };
-        assert!(wait_for(is_held), "{:#?}", window.heard());
+        assert!(wait_for(is_pressed), "{:#?}", window.events());
     }
 }
 
-/// A run whose wearer holds Shift and H, a second one, whose wearer does nothing, as the user at another
-/// keyboard, and a window that hears them.
+/// A run whose wearer holds Shift and H, a second one as another keyboard, and a window that receives their events.
 struct Typing {
     window: Window,
-    typing: Worn,
-    other: Worn,
+    typing: GloveRun,
+    other: GloveRun,
     _compositor: Compositor,
 }
 
@@ -62,8 +61,8 @@ impl Typing {
         let compositor = Compositor::sway()?;
         let window = Window::open(&compositor)?;
         let press = Press::for_text("H");
-        let other = Worn::start(&compositor, &press, &[]);
-        let typing = Worn::start(&compositor, &press, &[]);
+        let other = GloveRun::start(&compositor, &press, &[]);
+        let typing = GloveRun::start(&compositor, &press, &[]);
         typing.hold(&press, &window, "down H");
         Some(Self {
             window,
@@ -73,39 +72,39 @@ impl Typing {
         })
     }
 
-    /// What the window hears once the run has ended by a signal, and its exit code.
+    /// Ends the run by a signal. Returns the later events of the window and the exit code.
     fn end_by(&mut self, signal: &str) -> (Vec<String>, Option<i32>) {
-        let before = self.window.heard().len();
+        let before = self.window.events().len();
         self.typing.program.signal(&[signal]);
         let code = self.typing.program.wait_for_exit().code();
-        let since = || self.window.heard()[before..].to_vec();
-        let is_free = || {
+        let since = || self.window.events()[before..].to_vec();
+        let are_released = || {
             ["up H", "up Shift_L"]
                 .iter()
                 .all(|up| since().contains(&(*up).to_owned()))
         };
-        assert!(wait_for(is_free), "{:#?}", self.window.heard());
+        assert!(wait_for(are_released), "{:#?}", self.window.events());
         println!("{signal}: {:?}", since());
         (since(), code)
     }
 }
 
 #[test]
-fn nothing_is_down_after_the_system_asked_it_to_end() {
+fn all_keys_are_released_after_sigterm() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
     let (_, code) = typing.end_by("TERM");
     assert_eq!(code, Some(0));
-    let heard = typing.window.heard_until("held -");
+    let events = typing.window.events_until("held -");
     assert!(
-        heard.ends_with(&["up H", "up Shift_L", "held -"].map(String::from)),
-        "{heard:#?}"
+        events.ends_with(&["up H", "up Shift_L", "held -"].map(String::from)),
+        "{events:#?}"
     );
 }
 
 #[test]
-fn nothing_is_down_after_it_was_killed_and_shift_does_not_count_for_the_next_key() {
+fn all_keys_are_released_after_a_kill_and_shift_does_not_affect_the_next_key() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
@@ -114,35 +113,43 @@ fn nothing_is_down_after_it_was_killed_and_shift_does_not_count_for_the_next_key
     typing
         .other
         .hold(&Press::for_text("h"), &typing.window, "down h");
-    let heard = typing.window.heard();
+    let events = typing.window.events();
     assert!(
-        heard.ends_with(&["held -", "down h"].map(String::from)),
-        "{heard:#?}"
+        events.ends_with(&["held -", "down h"].map(String::from)),
+        "{events:#?}"
     );
 }
 
 #[test]
-fn nothing_is_down_while_it_is_stopped_and_afterwards_it_types_on() {
+fn all_keys_are_released_while_the_program_is_stopped_and_it_types_again_afterwards() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
     typing.typing.program.signal(&["STOP"]);
-    assert!(typing.window.hears("up H"), "{:#?}", typing.window.heard());
     assert!(
-        typing.window.hears("held -"),
+        typing.window.receives("up H"),
         "{:#?}",
-        typing.window.heard()
+        typing.window.events()
+    );
+    assert!(
+        typing.window.receives("held -"),
+        "{:#?}",
+        typing.window.events()
     );
     typing
         .typing
         .program
         .wait_for_line("released its keys (2)", 1);
-    // Shift does not count for the next key, though its keyboard is still there.
+    // Shift does not affect the next key, although its keyboard still exists.
     typing
         .other
         .hold(&Press::for_text("h"), &typing.window, "down h");
     typing.other.glove.play(&Press::for_text("h").lift);
-    assert!(typing.window.hears("up h"), "{:#?}", typing.window.heard());
+    assert!(
+        typing.window.receives("up h"),
+        "{:#?}",
+        typing.window.events()
+    );
     typing.typing.program.signal(&["CONT"]);
     typing.typing.program.wait_for_line("stalled", 1);
     let press = Press::for_text("H");
@@ -153,55 +160,55 @@ fn nothing_is_down_while_it_is_stopped_and_afterwards_it_types_on() {
     assert_eq!(code, Some(0));
 }
 
-/// The default layout with the left mouse button in the place of H.
+/// Writes the default layout with the left mouse button instead of H.
 fn layout_with_a_button(folder: &TempDir) -> PathBuf {
     let path = folder.path().join("button.ron");
     let board = include_str!("../../../layouts/keyboards/qwerty-flat.ron");
     let with_button = board.replace(" G H J ", " G MouseLeft J ");
     assert_ne!(board, with_button);
-    std::fs::write(&path, with_button).expect("room on the disk");
+    std::fs::write(&path, with_button).expect("space on the disk");
     path
 }
 
-/// A window, and a run whose wearer holds the left mouse button.
-fn with_a_held_button() -> Option<(Compositor, Window, Worn)> {
+/// Starts a window, and a run whose wearer holds the left mouse button.
+fn start_with_button() -> Option<(Compositor, Window, GloveRun)> {
     let compositor = Compositor::sway()?;
     let window = Window::open(&compositor)?;
     let folder = tempfile::tempdir().expect("a folder");
     let layout = layout_with_a_button(&folder).display().to_string();
     let press = Press::for_text("h");
-    let typing = Worn::start(&compositor, &press, &["--layout", &layout]);
+    let typing = GloveRun::start(&compositor, &press, &["--layout", &layout]);
     typing.hold(&press, &window, "button 272 down");
     Some((compositor, window, typing))
 }
 
 #[test]
-fn no_button_is_down_after_the_system_asked_it_to_end() {
-    let Some((_compositor, window, mut typing)) = with_a_held_button() else {
+fn all_buttons_are_released_after_sigterm() {
+    let Some((_compositor, window, mut typing)) = start_with_button() else {
         return;
     };
     typing.program.signal(&["TERM"]);
     assert_eq!(typing.program.wait_for_exit().code(), Some(0));
-    assert!(window.hears("button 272 up"), "{:#?}", window.heard());
+    assert!(window.receives("button 272 up"), "{:#?}", window.events());
 }
 
 #[test]
-fn no_button_is_down_while_it_is_stopped() {
-    let Some((_compositor, window, mut typing)) = with_a_held_button() else {
+fn all_buttons_are_released_while_the_program_is_stopped() {
+    let Some((_compositor, window, mut typing)) = start_with_button() else {
         return;
     };
     typing.program.signal(&["STOP"]);
-    assert!(window.hears("button 272 up"), "{:#?}", window.heard());
+    assert!(window.receives("button 272 up"), "{:#?}", window.events());
     typing.program.signal(&["CONT", "TERM"]);
     assert_eq!(typing.program.wait_for_exit().code(), Some(0));
 }
 
 #[test]
-fn no_button_is_down_after_it_was_killed() {
-    let Some((_compositor, window, mut typing)) = with_a_held_button() else {
+fn all_buttons_are_released_after_a_kill() {
+    let Some((_compositor, window, mut typing)) = start_with_button() else {
         return;
     };
     typing.program.signal(&["KILL"]);
     assert_eq!(typing.program.wait_for_exit().code(), None);
-    assert!(window.hears("button 272 up"), "{:#?}", window.heard());
+    assert!(window.receives("button 272 up"), "{:#?}", window.events());
 }

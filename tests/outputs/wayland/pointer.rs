@@ -1,4 +1,4 @@
-//! What a mouse does, in a window.
+//! Pointer events in a window.
 
 use ademan::device::{EventKind, KeyCode};
 use ademan::output::Sink;
@@ -10,38 +10,38 @@ fn key(name: &str) -> KeyCode {
     name.parse().expect("the name of a key")
 }
 
-/// What a window over the whole screen of 1024 by 768 hears of these actions, until `last`.
-fn heard(actions: &[EventKind], last: &str) -> Option<Vec<String>> {
+/// Sends events and returns those that a full-screen window of 1024 × 768 pixels receives, up to `last`.
+fn received(events: &[EventKind], last: &str) -> Option<Vec<String>> {
     let compositor = Compositor::sway()?;
     let window = Window::open(&compositor)?;
     let mut sink = compositor.desktop();
-    // It hears of motion once the pointer is there.
+    // The window receives motion only while it has the pointer.
     sink.send(&[
         event(EventKind::MoveTo(0.5, 0.5)),
         event(EventKind::MoveBy(1, 0)),
     ])
-    .expect("there is room");
-    assert!(window.hears("move to 513,384"), "{:#?}", window.heard());
-    for action in actions {
-        sink.send(&[event(*action)]).expect("there is room");
+    .expect("the queue has room");
+    assert!(window.receives("move to 513,384"), "{:#?}", window.events());
+    for kind in events {
+        sink.send(&[event(*kind)]).expect("the queue has room");
     }
-    let heard = window.heard_until(last);
-    sink.close().expect("it takes everything");
-    let first = heard.iter().position(|line| line == "move to 513,384");
-    let first = first.expect("it has been heard");
-    Some(heard[first + 1..].to_vec())
+    let received = window.events_until(last);
+    sink.close().expect("everything is sent");
+    let first = received.iter().position(|line| line == "move to 513,384");
+    let first = first.expect("the first motion");
+    Some(received[first + 1..].to_vec())
 }
 
 #[test]
-fn motion_by_a_way_and_to_a_place_arrives() {
-    let actions = [
+fn relative_and_absolute_motion_arrive() {
+    let events = [
         EventKind::MoveBy(-13, 16),
         EventKind::MoveTo(0.25, 0.125),
         EventKind::MoveTo(1.0, 1.0),
         EventKind::MoveTo(0.0, 0.0),
         EventKind::MoveBy(3, 4),
     ];
-    let Some(heard) = heard(&actions, "move to 3,4") else {
+    let Some(received) = received(&events, "move to 3,4") else {
         return;
     };
     let expected = [
@@ -51,7 +51,7 @@ fn motion_by_a_way_and_to_a_place_arrives() {
         "move to 0,0",
         "move to 3,4",
     ];
-    let rounded: Vec<_> = heard
+    let rounded: Vec<_> = received
         .iter()
         .map(|line| line.replace(".99609375", ""))
         .collect();
@@ -60,7 +60,7 @@ fn motion_by_a_way_and_to_a_place_arrives() {
 
 #[test]
 fn buttons_and_a_drag_arrive() {
-    let actions = [
+    let events = [
         EventKind::KeyDown(key("MouseLeft")),
         EventKind::MoveBy(20, 0),
         EventKind::MoveBy(0, 10),
@@ -72,7 +72,7 @@ fn buttons_and_a_drag_arrive() {
         EventKind::KeyDown(key("MouseBack")),
         EventKind::KeyUp(key("MouseBack")),
     ];
-    let Some(heard) = heard(&actions, "button 275 up") else {
+    let Some(received) = received(&events, "button 275 up") else {
         return;
     };
     let expected = [
@@ -87,12 +87,12 @@ fn buttons_and_a_drag_arrive() {
         "button 275 down",
         "button 275 up",
     ];
-    assert_eq!(heard, expected);
+    assert_eq!(received, expected);
 }
 
 #[test]
-fn a_click_of_the_wheel_arrives_as_a_click_of_the_wheel() {
-    let actions = [
+fn a_wheel_detent_arrives_as_a_detent() {
+    let events = [
         EventKind::Scroll(0, 120),
         EventKind::Scroll(0, -360),
         EventKind::Scroll(240, 0),
@@ -100,11 +100,11 @@ fn a_click_of_the_wheel_arrives_as_a_click_of_the_wheel() {
         EventKind::KeyDown(key("MouseLeft")),
         EventKind::KeyUp(key("MouseLeft")),
     ];
-    let Some(heard) = heard(&actions, "button 272 up") else {
+    let Some(received) = received(&events, "button 272 up") else {
         return;
     };
     let of_axis = |axis: &str| -> Vec<_> {
-        let lines = heard.iter().filter(|line| line.contains(axis));
+        let lines = received.iter().filter(|line| line.contains(axis));
         lines.cloned().collect()
     };
     let upright = [
@@ -113,7 +113,7 @@ fn a_click_of_the_wheel_arrives_as_a_click_of_the_wheel() {
         "clicks 0 by 3",
         "axis 0 by 45",
     ];
-    assert_eq!(of_axis(" 0 by "), upright, "{heard:#?}");
+    assert_eq!(of_axis(" 0 by "), upright, "{received:#?}");
     let across = ["clicks 1 by 2", "axis 1 by 30"];
-    assert_eq!(of_axis(" 1 by "), across, "{heard:#?}");
+    assert_eq!(of_axis(" 1 by "), across, "{received:#?}");
 }

@@ -1,54 +1,58 @@
-//! Where there is no way in: what a run and the doctor say.
+//! Messages of `ademan run` and `ademan doctor` for displays that cannot be used.
 
 use std::process::Command;
 
 use super::compositor::Compositor;
 
-/// Exit code, standard output and standard error.
-fn ended(mut command: Command) -> (Option<i32>, String, String) {
-    let ended = command.output().expect("it starts");
-    let text = |bytes| String::from_utf8(bytes).expect("it writes UTF-8");
-    (ended.status.code(), text(ended.stdout), text(ended.stderr))
+/// Returns the exit code, the standard output and the standard error.
+fn run_to_end(mut command: Command) -> (Option<i32>, String, String) {
+    let output = command.output().expect("the program starts");
+    let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
+    (
+        output.status.code(),
+        text(output.stdout),
+        text(output.stderr),
+    )
 }
 
 const DOCTOR: [&str; 5] = ["doctor", "--output", "desktop", "--test", "desktop"];
 
 #[test]
-fn a_compositor_that_lets_no_program_press_keys_is_refused_and_the_doctor_knows() {
+fn a_compositor_without_virtual_keyboards_is_an_error_and_the_doctor_reports_it() {
     let Some(compositor) = Compositor::weston() else {
         return;
     };
     let run = compositor.ademan(["run", "--output", "desktop", "--source", "typist:hi"]);
-    let (code, _, told) = ended(run);
+    let (code, _, text) = run_to_end(run);
     let why = "does not support zwp_virtual_keyboard_manager_v1, so programs cannot press keys";
     let expected = format!(
         "error: cannot open the output `desktop`: the compositor {why}; use the output `uinput`\n"
     );
-    assert!(told.ends_with(&expected), "{told}");
+    assert!(text.ends_with(&expected), "{text}");
     assert_eq!(code, Some(2));
-    let (code, told, _) = ended(compositor.ademan(DOCTOR));
+    let (code, text, _) = run_to_end(compositor.ademan(DOCTOR));
     let expected = format!("missing      compositor   needed  weston {why}\n");
-    assert!(told.contains(&expected), "{told}");
-    assert!(told.contains("use the output `uinput`"), "{told}");
-    assert!(told.contains("fails        desktop      tested"), "{told}");
+    assert!(text.contains(&expected), "{text}");
+    assert!(text.contains("use the output `uinput`"), "{text}");
+    assert!(text.contains("fails        desktop      tested"), "{text}");
     assert_eq!(code, Some(1));
 }
 
 #[test]
-fn a_compositor_with_everything_is_found_and_the_doctor_tries_it() {
+fn the_doctor_finds_and_tests_a_compositor_with_virtual_devices() {
     let Some(compositor) = Compositor::sway() else {
         return;
     };
-    let (code, told, _) = ended(compositor.ademan(DOCTOR));
+    let (code, text, _) = run_to_end(compositor.ademan(DOCTOR));
     let found = "ok           compositor   needed  sway has virtual keyboard and pointer\n";
-    assert!(told.contains(found), "{told}");
+    assert!(text.contains(found), "{text}");
     let tried = "works        desktop      tested  connected";
-    assert!(told.contains(tried), "{told}");
-    assert_eq!(code, Some(0), "{told}");
+    assert!(text.contains(tried), "{text}");
+    assert_eq!(code, Some(0), "{text}");
 }
 
 #[test]
-fn an_x_server_beside_a_compositor_that_does_not_answer_is_not_taken_for_it() {
+fn there_is_no_fallback_to_an_x_server_if_the_compositor_does_not_answer() {
     let Some(server) = crate::support::x11::XServer::start() else {
         return;
     };
@@ -57,10 +61,10 @@ fn an_x_server_beside_a_compositor_that_does_not_answer_is_not_taken_for_it() {
     run.env("DISPLAY", server.display())
         .env("WAYLAND_DISPLAY", "/nowhere/wayland-0")
         .env_remove("XDG_RUNTIME_DIR");
-    let (code, _, told) = ended(run);
+    let (code, _, text) = run_to_end(run);
     let expected = "error: cannot open the output `desktop`: no compositor answers at \
                     /nowhere/wayland-0: No such file or directory (os error 2); start this from a \
                     graphical session, or use the output `uinput`\n";
-    assert!(told.ends_with(expected), "{told}");
+    assert!(text.ends_with(expected), "{text}");
     assert_eq!(code, Some(2));
 }

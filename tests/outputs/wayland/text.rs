@@ -1,4 +1,4 @@
-//! The text of the demo in a terminal, and characters that no key writes.
+//! The demo types into a terminal, and characters that are not in the keymap.
 
 use ademan::device::EventKind;
 use ademan::output::Sink;
@@ -6,13 +6,12 @@ use ademan::output::Sink;
 use super::compositor::{Compositor, event};
 use super::window::{Terminal, Window};
 
-/// What the demo says when the hand was not let type as it meant to.
-const HELD_UP: &str = "the text did not come out right";
+/// The message of the demo after a stall.
+const STALLED: &str = "the text did not come out right";
 
-/// Lets the demo type into a terminal of a desktop.
-///
-/// A machine that is busy with other things for 200 ms on the way makes a stall of it; then it is tried again.
-fn the_demo_types(text: &str) {
+/// Runs the demo in front of a terminal and checks what is typed. A busy machine may cause a stall; then the demo is
+/// repeated.
+fn assert_demo_types(text: &str) {
     for _ in 0..3 {
         let Some(compositor) = Compositor::sway() else {
             return;
@@ -22,29 +21,29 @@ fn the_demo_types(text: &str) {
         };
         let mut program = compositor.run(["demo", "--output", "desktop", "--text", text]);
         let status = program.wait_for_exit();
-        if program.count_lines(HELD_UP) > 0 {
-            println!("held up: {:?}", program.stderr_lines());
+        if program.count_lines(STALLED) > 0 {
+            println!("stalled: {:?}", program.stderr_lines());
             continue;
         }
         assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
         assert_eq!(terminal.typed(text), text);
         return;
     }
-    panic!("the machine has no time for a hand that types");
+    panic!("the machine is too busy");
 }
 
 #[test]
 fn a_text_arrives_byte_for_byte() {
-    the_demo_types("Hola! Typed by a hand, 1 tap each.");
+    assert_demo_types("Hola! Typed by a hand, 1 tap each.");
 }
 
 #[test]
-fn the_punctuation_of_ascii_arrives_byte_for_byte() {
-    the_demo_types("!\"#$%&'()*+,-./:;<=>?@[\\]^_`{|}~");
+fn ascii_punctuation_arrives_byte_for_byte() {
+    assert_demo_types("!\"#$%&'()*+,-./:;<=>?@[\\]^_`{|}~");
 }
 
 #[test]
-fn characters_that_no_key_writes_arrive_byte_for_byte() {
+fn characters_that_are_not_in_the_keymap_arrive_byte_for_byte() {
     let Some(compositor) = Compositor::sway() else {
         return;
     };
@@ -55,14 +54,14 @@ fn characters_that_no_key_writes_arrive_byte_for_byte() {
     let mut sink = compositor.desktop();
     for character in text.chars() {
         sink.send(&[event(EventKind::Character(character))])
-            .expect("there is room");
+            .expect("the queue has room");
     }
-    sink.close().expect("it takes everything");
+    sink.close().expect("everything is sent");
     assert_eq!(terminal.typed(text), text);
 }
 
 #[test]
-fn keys_and_characters_take_turns() {
+fn keys_and_characters_can_alternate() {
     let Some(compositor) = Compositor::sway() else {
         return;
     };
@@ -71,7 +70,7 @@ fn keys_and_characters_take_turns() {
     };
     let key = |name: &str| name.parse().expect("the name of a key");
     let mut sink = compositor.desktop();
-    let actions = [
+    let events = [
         EventKind::KeyDown(key("ShiftLeft")),
         EventKind::KeyDown(key("A")),
         EventKind::Character('ß'),
@@ -80,10 +79,10 @@ fn keys_and_characters_take_turns() {
         EventKind::KeyDown(key("B")),
         EventKind::KeyUp(key("B")),
     ];
-    sink.send(&actions.map(event)).expect("there is room");
-    sink.close().expect("it takes everything");
-    let heard = window.heard_until("up b");
-    let keys: Vec<_> = heard
+    sink.send(&events.map(event)).expect("the queue has room");
+    sink.close().expect("everything is sent");
+    let received = window.events_until("up b");
+    let keys: Vec<_> = received
         .iter()
         .filter(|line| !line.starts_with("held"))
         .collect();
@@ -97,5 +96,5 @@ fn keys_and_characters_take_turns() {
         "down b",
         "up b",
     ];
-    assert_eq!(keys, expected, "{heard:#?}");
+    assert_eq!(keys, expected, "{received:#?}");
 }

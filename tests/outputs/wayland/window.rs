@@ -1,4 +1,4 @@
-//! Windows of programs that know nothing of this one.
+//! Windows of other programs.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -9,74 +9,74 @@ use super::compositor::Compositor;
 use crate::support::process::{Process, collect_lines};
 use crate::support::x11::wait_for;
 
-/// A window of `wev`, which tells what reaches it. It has the focus.
+/// A window of `wev`, which prints its events. It has the focus.
 pub struct Window {
     _process: Process,
-    told: Arc<Mutex<Vec<String>>>,
+    lines: Arc<Mutex<Vec<String>>>,
 }
 
 impl Window {
-    /// Opens one, or says why not and gives `None`.
+    /// Opens a window. Returns `None` with a message if wev is not installed.
     pub fn open(compositor: &Compositor) -> Option<Self> {
-        // Without it, the lines would come when there are many.
+        // Disables the buffering of lines.
         let mut command = compositor.client("stdbuf");
         command.args(["-oL", "wev"]).stdout(Stdio::piped());
         let mut process = start("wev", &mut command)?;
-        let stdout = process.0.stdout.take().expect("it is piped");
-        let told = collect_lines(stdout);
+        let stdout = process.0.stdout.take().expect("stdout is piped");
+        let lines = collect_lines(stdout);
         let window = Self {
             _process: process,
-            told,
+            lines,
         };
-        let is_seen = || window.lines().iter().any(|line| line.contains("activated"));
-        assert!(wait_for(is_seen), "wev shows no window");
+        let is_visible = || window.lines().iter().any(|line| line.contains("activated"));
+        assert!(wait_for(is_visible), "wev shows no window");
         Some(window)
     }
 
     fn lines(&self) -> Vec<String> {
-        self.told.lock().unwrap().clone()
+        self.lines.lock().unwrap().clone()
     }
 
-    /// What has reached it so far: `down h`, `up h`, `held Shift` or `held -`, `button 272 down`, `move to 3,4`,
+    /// Returns the events so far: `down h`, `up h`, `held Shift` or `held -`, `button 272 down`, `move to 3,4`,
     /// `axis 0 by 15`, `clicks 0 by 1`.
-    pub fn heard(&self) -> Vec<String> {
+    pub fn events(&self) -> Vec<String> {
         let lines = self.lines();
-        // It makes a second keyboard whenever there is one more to choose from; both hear the same.
+        // With a further keyboard, wev creates another object that receives the same events.
         let first = |kind: &str| lines.iter().filter_map(|line| number(line, kind)).min();
         let numbers = [first("wl_keyboard"), first("wl_pointer")];
-        let mut heard = Vec::new();
-        for (place, line) in lines.iter().enumerate() {
+        let mut events = Vec::new();
+        for (index, line) in lines.iter().enumerate() {
             let number = number(line, "wl_keyboard").or(number(line, "wl_pointer"));
             if number.is_some() && numbers.contains(&number) {
-                let next = lines.get(place + 1).map_or("", String::as_str);
-                heard.extend(event(line, next));
+                let next = lines.get(index + 1).map_or("", String::as_str);
+                events.extend(event(line, next));
             }
         }
-        heard
+        events
     }
 
-    /// The same, once the last is `last` or no more comes.
-    pub fn heard_until(&self, last: &str) -> Vec<String> {
-        let is_there = || self.heard().last().is_some_and(|line| line == last);
-        let came = wait_for(is_there);
-        println!("heard up to {last:?}: {came}");
-        self.heard()
+    /// Waits for the event `last` and returns all events.
+    pub fn events_until(&self, last: &str) -> Vec<String> {
+        let is_there = || self.events().last().is_some_and(|line| line == last);
+        let is_received = wait_for(is_there);
+        println!("received {last:?}: {is_received}");
+        self.events()
     }
 
-    /// Waits until it has heard this; whether it has.
-    pub fn hears(&self, line: &str) -> bool {
-        wait_for(|| self.heard().iter().any(|heard| heard == line))
+    /// Waits for an event. Returns `false` after the time-out.
+    pub fn receives(&self, line: &str) -> bool {
+        wait_for(|| self.events().iter().any(|events| events == line))
     }
 }
 
-/// The number of the object that a line is about, if it is of this kind.
+/// Returns the id of the object in a line if it has this interface.
 fn number(line: &str, kind: &str) -> Option<u32> {
     let (number, rest) = line.strip_prefix('[')?.split_once(':')?;
     let (found, _) = rest.split_once(']')?;
     (found.trim() == kind).then(|| number.parse().ok())?
 }
 
-/// An event in one line; its second line comes with it.
+/// Returns the event of a line and its continuation.
 fn event(line: &str, next: &str) -> Option<String> {
     let (_, text) = line.split_once("] ")?;
     let (kind, values) = text.split_once(':')?;
@@ -100,8 +100,8 @@ fn event(line: &str, next: &str) -> Option<String> {
         }
         "button" => format!("button {} {}", value("button")?, way()),
         "motion" => {
-            let (_, place) = text.split_once("x, y: ")?;
-            let mut numbers = place.split(", ").map(|word| word.trim().parse::<f64>());
+            let (_, position) = text.split_once("x, y: ")?;
+            let mut numbers = position.split(", ").map(|word| word.trim().parse::<f64>());
             let (x, y) = (numbers.next()?.ok()?, numbers.next()?.ok()?);
             format!("move to {x},{y}")
         }
@@ -109,7 +109,7 @@ fn event(line: &str, next: &str) -> Option<String> {
             let by: f64 = value("value")?.parse().ok()?;
             format!("axis {} by {by}", value("axis")?)
         }
-        // Some versions of it call them so.
+        // The name depends on the version of wev.
         "axis_discrete" | "axis_stop" => {
             format!("clicks {} by {}", value("axis")?, value("discrete")?)
         }
@@ -117,14 +117,14 @@ fn event(line: &str, next: &str) -> Option<String> {
     })
 }
 
-/// A terminal `foot` that has the focus and writes the bytes that are typed into a file.
+/// A terminal `foot` that has the focus and writes the typed bytes to a file.
 pub struct Terminal<'a> {
     compositor: &'a Compositor,
     _process: Process,
 }
 
 impl<'a> Terminal<'a> {
-    /// Starts one, or says why not and gives `None`.
+    /// Starts a terminal. Returns `None` with a message if foot is not installed.
     pub fn start(compositor: &'a Compositor) -> Option<Self> {
         let script = "stty -icanon -echo; exec cat > typed";
         let mut command = compositor.client("foot");
@@ -141,12 +141,12 @@ impl<'a> Terminal<'a> {
     }
 
     fn has_focus(&self) -> bool {
-        let tree = self.compositor.tell("get_tree");
+        let tree = self.compositor.query("get_tree");
         let node = tree.split("\"focused\": true").nth(1);
         node.is_some_and(|node| node.contains("\"app_id\": \"foot\""))
     }
 
-    /// What has been typed, once it is as long as `expected` or no more comes.
+    /// Waits until as many bytes as in `expected` are typed, and returns the typed text.
     pub fn typed(&self, expected: &str) -> String {
         let typed = || fs::read(self.compositor.folder().join("typed")).unwrap_or_default();
         wait_for(|| typed().len() >= expected.len());

@@ -1,4 +1,4 @@
-//! The doctor, where there is a display.
+//! `ademan doctor` with a display.
 
 use ademan::output::uinput;
 
@@ -6,7 +6,7 @@ use crate::support::binary::ademan;
 use crate::support::x11::XServer;
 
 #[test]
-fn a_display_that_is_there_is_found_and_left_as_it_was() {
+fn the_doctor_finds_a_display_and_leaves_it_unchanged() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -17,9 +17,9 @@ fn a_display_that_is_there_is_found_and_left_as_it_was() {
             .env("DISPLAY", display)
             .env_remove("WAYLAND_DISPLAY")
             .env_remove("XDG_RUNTIME_DIR");
-        let ended = command.output().expect("it starts");
-        let out = String::from_utf8(ended.stdout).expect("it writes UTF-8");
-        (ended.status.code(), out)
+        let output = command.output().expect("the program starts");
+        let out = String::from_utf8(output.stdout).expect("UTF-8");
+        (output.status.code(), out)
     };
     let (code, out) = doctor(server.display());
     let found = format!(
@@ -37,19 +37,20 @@ fn a_display_that_is_there_is_found_and_left_as_it_was() {
     assert_eq!(server.pressed_keys(), [0; 0]);
 
     let (code, out) = doctor(":65000");
-    let silent = "missing      display      needed  no X server answers at `:65000`\n";
-    assert!(out.contains(silent), "{out}");
+    let missing = "missing      display      needed  no X server answers at `:65000`\n";
+    assert!(out.contains(missing), "{out}");
     assert!(out.contains("fails        desktop      tested"), "{out}");
     assert_eq!(code, Some(1), "{out}");
 }
 
 #[test]
-fn a_keyboard_of_the_kernel_is_tried_where_there_is_one() {
+fn the_uinput_check_finds_the_node_of_its_keyboard() {
     let node = std::fs::OpenOptions::new().write(true).open("/dev/uinput");
     if let Err(error) = node {
-        println!("SKIPPED: /dev/uinput cannot be written here: {error}");
+        println!("SKIPPED: cannot write to /dev/uinput: {error}");
         return;
     }
-    let told = uinput::BACKEND.check.expect("it has a check")().expect("the kernel takes it");
-    assert!(told.contains("its node appeared"), "{told}");
+    let check = uinput::BACKEND.check.expect("a check");
+    let result = check().expect("the kernel creates a keyboard");
+    assert!(result.contains("its node appeared"), "{result}");
 }

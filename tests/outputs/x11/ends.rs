@@ -1,4 +1,4 @@
-//! However it ends while a key is held: nothing stays down.
+//! Release of keys and buttons at the end of a run, however it ends.
 
 use std::io::Write;
 use std::path::PathBuf;
@@ -13,7 +13,7 @@ use crate::support::press::{Press, x11_code};
 use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_at_most, wait_for};
 
-/// The program with a glove whose wearer holds Shift and H down.
+/// A run with a glove whose wearer holds Shift and H.
 pub struct Typing {
     pub server: XServer,
     pub program: Program,
@@ -21,13 +21,13 @@ pub struct Typing {
     _folder: TempDir,
 }
 
-/// What it holds down.
+/// Returns the codes of these keys.
 pub fn held_keys() -> [u16; 2] {
     [x11_code("H"), x11_code("ShiftLeft")]
 }
 
 impl Typing {
-    /// Starts all of it; `None` where there is no X server.
+    /// Starts a run and waits until the keys are pressed. Returns `None` without an X server.
     pub fn start() -> Option<Self> {
         let server = XServer::start()?;
         let press = Press::for_text("H");
@@ -45,7 +45,7 @@ impl Typing {
         })
     }
 
-    /// Ends it with these signals, one right after the other; its exit code.
+    /// Ends the run with these signals and returns its exit code.
     fn end_by(mut self, signals: &[&str]) -> Option<i32> {
         let start = Instant::now();
         self.program.signal(signals);
@@ -55,7 +55,7 @@ impl Typing {
         status.code()
     }
 
-    /// Whatever has happened to the glove: everything is let go of, and the program waits for it.
+    /// Checks that all keys are released and that the program waits for the glove.
     fn stalls(mut self, start: Instant, what: &str) {
         wait_for_release(&self.server, start, what);
         self.program.wait_for_line("stalled", 1);
@@ -70,7 +70,7 @@ impl Typing {
     }
 }
 
-/// The name of a file that is not there yet.
+/// Returns a temporary folder and the path of a new file in it.
 fn new_file(name: &str) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join(name);
@@ -81,7 +81,7 @@ fn run(server: &XServer, source: &str) -> Program {
     Program::start(server, ["run", "--output", "desktop", "--source", source])
 }
 
-/// A file with what a glove sends until the key has been down for a second.
+/// Creates a file with the bytes of a glove until the key has been pressed for 1 s.
 fn file_that_ends_in_a_press() -> (TempDir, PathBuf) {
     let press = Press::for_text("H");
     let (folder, path) = new_file("glove.bytes");
@@ -89,13 +89,13 @@ fn file_that_ends_in_a_press() -> (TempDir, PathBuf) {
     let still = std::iter::repeat_n(press.pressed(), 175);
     for posture in press.approach.iter().copied().chain(still) {
         file.write_all(&encode(Framing::Double06, &posture))
-            .expect("room on the disk");
+            .expect("space on the disk");
     }
     (folder, path)
 }
 
 #[test]
-fn nothing_is_down_after_the_end_of_the_stream() {
+fn all_keys_are_released_at_the_end_of_the_stream() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -112,7 +112,7 @@ fn nothing_is_down_after_the_end_of_the_stream() {
 }
 
 #[test]
-fn nothing_is_down_after_ctrl_c() {
+fn all_keys_are_released_after_ctrl_c() {
     let Some(typing) = Typing::start() else {
         return;
     };
@@ -120,7 +120,7 @@ fn nothing_is_down_after_ctrl_c() {
 }
 
 #[test]
-fn nothing_is_down_after_the_system_asked_it_to_end() {
+fn all_keys_are_released_after_sigterm() {
     let Some(typing) = Typing::start() else {
         return;
     };
@@ -128,7 +128,7 @@ fn nothing_is_down_after_the_system_asked_it_to_end() {
 }
 
 #[test]
-fn nothing_is_down_after_its_terminal_was_closed() {
+fn all_keys_are_released_after_the_terminal_is_closed() {
     let Some(typing) = Typing::start() else {
         return;
     };
@@ -136,7 +136,7 @@ fn nothing_is_down_after_its_terminal_was_closed() {
 }
 
 #[test]
-fn nothing_is_down_after_ctrl_c_in_a_hurry() {
+fn all_keys_are_released_after_ctrl_c_twice() {
     let Some(typing) = Typing::start() else {
         return;
     };
@@ -145,17 +145,17 @@ fn nothing_is_down_after_ctrl_c_in_a_hurry() {
 }
 
 #[test]
-fn nothing_is_down_after_two_requests_in_the_same_moment() {
+fn all_keys_are_released_after_two_signals_at_once() {
     let Some(typing) = Typing::start() else {
         return;
     };
-    // While it is stopped, both wait for it.
+    // Both signals are pending while the program is stopped.
     let code = typing.end_by(&["STOP", "INT", "TERM", "CONT"]);
     assert!(matches!(code, Some(0 | 130)), "{code:?}");
 }
 
 #[test]
-fn nothing_is_down_after_the_cable_was_pulled() {
+fn all_keys_are_released_after_the_cable_is_pulled() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
@@ -165,7 +165,7 @@ fn nothing_is_down_after_the_cable_was_pulled() {
 }
 
 #[test]
-fn nothing_is_down_after_the_glove_fell_silent() {
+fn all_keys_are_released_after_the_glove_stops_sending() {
     let Some(typing) = Typing::start() else {
         return;
     };
@@ -175,7 +175,7 @@ fn nothing_is_down_after_the_glove_fell_silent() {
 }
 
 #[test]
-fn nothing_is_down_after_the_bytes_made_no_sense_any_more() {
+fn all_keys_are_released_when_the_glove_sends_noise() {
     let Some(typing) = Typing::start() else {
         return;
     };
@@ -185,7 +185,7 @@ fn nothing_is_down_after_the_bytes_made_no_sense_any_more() {
 }
 
 #[test]
-fn a_display_that_died_ends_it_with_an_error_at_the_next_key() {
+fn a_dead_display_ends_the_run_with_an_error_at_the_next_key() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
@@ -198,18 +198,18 @@ fn a_display_that_died_ends_it_with_an_error_at_the_next_key() {
         .wait_for_line("error: the output `desktop` failed", 1);
 }
 
-/// The default layout with the left mouse button in the place of H.
+/// Writes the default layout with the left mouse button instead of H.
 fn layout_with_a_button() -> (TempDir, PathBuf) {
     let (folder, path) = new_file("button.ron");
     let board = include_str!("../../../layouts/keyboards/qwerty-flat.ron");
     let with_button = board.replace(" G H J ", " G MouseLeft J ");
     assert_ne!(board, with_button);
-    std::fs::write(&path, with_button).expect("room on the disk");
+    std::fs::write(&path, with_button).expect("space on the disk");
     (folder, path)
 }
 
 #[test]
-fn no_button_is_down_after_the_system_asked_it_to_end() {
+fn all_buttons_are_released_after_sigterm() {
     let Some(server) = XServer::start() else {
         return;
     };

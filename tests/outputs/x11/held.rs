@@ -1,4 +1,4 @@
-//! A key that is held for a while.
+//! A key that is held for 1.5 s.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use crate::support::press::Press;
 use crate::support::x11::{TerminalWindow, XServer};
 
 #[test]
-fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
+fn a_held_key_is_pressed_once_and_repeated_by_the_receiver() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -23,7 +23,7 @@ fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
     let assembly = Setup::default().load_files().expect("the default setup");
     let needs = assembly.required_capabilities();
     let mut sink = Router::new(vec![
-        Box::new(Desktop::open(Some(server.display()), &needs).expect("the server is there")),
+        Box::new(Desktop::open(Some(server.display()), &needs).expect("the server runs")),
         open(&format!("transcript:{}", path.display()), &needs).expect("a new file"),
     ]);
     let hand = HoldingHand::new(&Press::for_text("h"), Duration::from_millis(1500));
@@ -35,7 +35,7 @@ fn a_held_key_goes_down_once_and_it_is_the_receiver_that_repeats() {
         &CommandReceiver::disconnected(),
         &mut |_| {},
     )
-    .expect("a run to its end");
+    .expect("the source ends");
 
     let transcript = std::fs::read_to_string(&path).expect("the transcript");
     let events: Vec<_> = transcript.lines().map(|line| &line[13..]).collect();

@@ -1,4 +1,4 @@
-//! Keys are places: what they write is up to the keymap of the desktop. Characters are not.
+//! Keymaps: a key is a position, to which the keymap of the desktop assigns a character. Characters are independent of it.
 
 use std::io::ErrorKind;
 use std::process::Command;
@@ -10,7 +10,7 @@ use ademan::time::Timestamp;
 use crate::support::program::Program;
 use crate::support::x11::{TerminalWindow, XServer};
 
-/// A server with this keymap, or `None` where it cannot be set.
+/// Starts a server with this keymap. Returns `None` with a message if setxkbmap is not installed.
 fn server_with(keymap: &str) -> Option<XServer> {
     let server = XServer::start()?;
     let mut command = Command::new("setxkbmap");
@@ -21,19 +21,18 @@ fn server_with(keymap: &str) -> Option<XServer> {
             None
         }
         status => {
-            assert!(status.expect("it starts").success());
+            assert!(status.expect("setxkbmap starts").success());
             Some(server)
         }
     }
 }
 
-/// What the demo says when the hand was not let play as it meant to.
-const HELD_UP: &str = "did not come out right";
+/// The message of the demo after a stall.
+const STALLED: &str = "did not come out right";
 
-/// Lets the demo play on a board in front of a terminal under a keymap; what the terminal takes in.
-///
-/// A machine that is busy with other things for 200 ms on the way makes a stall of it; then it is tried again.
-fn the_demo_types(keymap: &str, arguments: &[&str], expected: &str) {
+/// Runs the demo in front of a terminal with a keymap and checks what is typed. A busy machine may cause a stall; then
+/// the demo is repeated.
+fn assert_demo_types(keymap: &str, arguments: &[&str], expected: &str) {
     for _ in 0..3 {
         let Some(server) = server_with(keymap) else {
             return;
@@ -45,48 +44,48 @@ fn the_demo_types(keymap: &str, arguments: &[&str], expected: &str) {
         let mut program = Program::start(&server, [&demo, arguments].concat());
         let status = program.wait_for_exit();
         assert_eq!(server.pressed_keys(), [0; 0]);
-        if program.count_lines(HELD_UP) > 0 {
-            println!("held up: {:?}", program.stderr_lines());
+        if program.count_lines(STALLED) > 0 {
+            println!("stalled: {:?}", program.stderr_lines());
             continue;
         }
         assert_eq!(status.code(), Some(0), "{:#?}", program.stderr_lines());
         assert_eq!(terminal.typed(expected), expected);
         return;
     }
-    panic!("the machine has no time for a hand that types");
+    panic!("the machine is too busy");
 }
 
-/// A script that taps these keys.
+/// Returns a script that taps these keys.
 fn taps(keys: &str) -> String {
     let taps: Vec<_> = keys.split(' ').map(|key| format!("tap {key}")).collect();
     taps.join("; ")
 }
 
 #[test]
-fn the_american_board_writes_what_is_drawn_on_it_under_an_american_keymap() {
+fn the_us_layout_types_its_labels_with_a_us_keymap() {
     let text = "Yes: z {1} @ [2]; a-b 'c' / ~d";
-    the_demo_types("us", &["--text", text], text);
+    assert_demo_types("us", &["--text", text], text);
 }
 
 #[test]
-fn the_german_board_writes_what_is_drawn_on_it_under_a_german_keymap() {
+fn the_german_layout_types_its_labels_with_a_german_keymap() {
     let keys = "Y Z Minus BracketLeft Semicolon Quote Backslash Slash IntlBackslash";
     let script = taps(keys);
     let arguments = ["--layout", "qwertz-flat", "--script", &script];
-    the_demo_types("de", &arguments, "zyßüöä#-<");
+    assert_demo_types("de", &arguments, "zyßüöä#-<");
 }
 
 #[test]
-fn the_german_board_reaches_the_second_and_the_third_level_of_a_german_keymap() {
+fn the_german_layout_reaches_levels_two_and_three_of_a_german_keymap() {
     let keys = "ShiftLeft Semicolon ShiftLeft 7 AltRight Q AltRight E AltRight 7 AltRight BracketRight \
                 AltRight IntlBackslash";
     let script = taps(keys);
     let arguments = ["--layout", "qwertz-flat", "--script", &script];
-    the_demo_types("de", &arguments, "Ö/@€{~|");
+    assert_demo_types("de", &arguments, "Ö/@€{~|");
 }
 
 #[test]
-fn characters_arrive_under_every_keymap() {
+fn characters_arrive_with_every_keymap() {
     for keymap in ["us", "de"] {
         let Some(server) = server_with(keymap) else {
             return;
@@ -96,15 +95,15 @@ fn characters_arrive_under_every_keymap() {
         };
         let text = "zy[ß] @€ é ñ λ";
         let mut sink = Desktop::open(Some(server.display()), &Capabilities::default());
-        let sink = sink.as_mut().expect("the server is there");
+        let sink = sink.as_mut().expect("the server runs");
         for character in text.chars() {
             let event = OutputEvent {
                 time: Timestamp(0),
                 kind: EventKind::Character(character),
             };
-            sink.send(&[event]).expect("there is room");
+            sink.send(&[event]).expect("the queue has room");
         }
-        sink.close().expect("it takes everything");
-        assert_eq!(terminal.typed(text), text, "under {keymap}");
+        sink.close().expect("everything is sent");
+        assert_eq!(terminal.typed(text), text, "keymap {keymap}");
     }
 }

@@ -1,4 +1,4 @@
-//! The system kills it for want of memory while a key is held.
+//! The out-of-memory killer ends the program while a key is pressed.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,11 +13,11 @@ use crate::support::press::Press;
 use crate::support::program::Program;
 use crate::support::x11::XServer;
 
-/// A group of processes that may have no more memory than a limit.
-struct Group(PathBuf);
+/// A control group with a memory limit.
+struct ControlGroup(PathBuf);
 
-impl Group {
-    /// Makes one; `None`, and says why, where that cannot be.
+impl ControlGroup {
+    /// Creates a control group. Returns `None` with a message if that is not possible.
     fn with_limit(bytes: u64) -> Option<Self> {
         let name = format!("ademan-test-{}", std::process::id());
         for (root, limit) in [
@@ -33,34 +33,35 @@ impl Group {
                 return Some(group);
             }
         }
-        println!("SKIPPED: no group of processes can be given a limit here");
+        println!("SKIPPED: cannot create a control group with a limit");
         None
     }
 
-    fn take(&self, process: u32) {
-        fs::write(self.0.join("cgroup.procs"), process.to_string()).expect("it takes a process");
+    fn add(&self, process: u32) {
+        fs::write(self.0.join("cgroup.procs"), process.to_string())
+            .expect("the group accepts a process");
     }
 }
 
-impl Drop for Group {
+impl Drop for ControlGroup {
     fn drop(&mut self) {
         let _ = fs::remove_dir(&self.0);
     }
 }
 
 #[test]
-fn nothing_is_down_after_it_was_killed_for_want_of_memory() {
+fn all_keys_are_released_after_the_out_of_memory_killer() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let Some(group) = Group::with_limit(64 << 10) else {
+    let Some(group) = ControlGroup::with_limit(64 << 10) else {
         return;
     };
     let press = Press::for_text("H");
     let folder = tempfile::tempdir().expect("a folder");
     let (port, file) = (folder.path().join("glove"), folder.path().join("my.ron"));
-    let text = Layout::load("qwerty-flat").expect("it is shipped").text;
-    fs::write(&file, &text).expect("room");
+    let text = Layout::load("qwerty-flat").expect("a shipped layout").text;
+    fs::write(&file, &text).expect("space on the disk");
     let glove = Glove::plug_in(&port, press.clear());
     let source = format!("serial:{}", port.display());
     let layout = file.to_str().expect("a plain path");
@@ -71,10 +72,10 @@ fn nothing_is_down_after_it_was_killed_for_want_of_memory() {
     program.wait_for_line("armed", 1);
     hold(&server, &glove, &press, &held_keys());
 
-    group.take(program.id());
-    // A file that takes memory to be read.
-    fs::write(&file, format!("/*{}*/{text}", "-".repeat(900_000))).expect("room");
-    assert_eq!(program.wait_for_exit().code(), None, "it was killed");
+    group.add(program.id());
+    // Reading this file exceeds the limit.
+    fs::write(&file, format!("/*{}*/{text}", "-".repeat(900_000))).expect("space on the disk");
+    assert_eq!(program.wait_for_exit().code(), None, "killed by a signal");
     wait_for_release(&server, Instant::now(), "out of memory");
     program.wait_for_line("released its keys (2)", 1);
 }

@@ -1,8 +1,7 @@
-//! The whole way onto a real desktop: what is typed arrives in a program that knows nothing of this one, and nothing
-//! stays down, however it ends.
+//! X11: events arrive in other programs, and no key stays pressed, however the program ends.
 //!
-//! An X server keeps a key down when whoever pressed it is gone. Each test has a server of its own, with a watcher
-//! connected all the time, and asks it what is down.
+//! An X server keeps a key pressed after its client is gone. Each test has a server of its own and queries its state.
+
 mod doctor;
 mod ends;
 #[cfg(target_os = "linux")]
@@ -23,24 +22,24 @@ use crate::support::glove::Glove;
 use crate::support::press::Press;
 use crate::support::x11::{XServer, wait_at_most, wait_for};
 
-/// Lets the wearer of a glove press until just these keys are down.
+/// Repeats a press until exactly these keys are pressed.
 ///
-/// A machine that is busy with other things for 200 ms on the way makes a stall of it; then it is tried again.
+/// A busy machine may cause a stall; then the press is repeated.
 fn hold(server: &XServer, glove: &Glove, press: &Press, keys: &[u16]) {
-    let is_held = || {
+    let is_pressed = || {
         glove.play(&press.approach);
         wait_at_most(Duration::from_secs(5), || server.pressed_keys() == keys)
     };
-    assert!(wait_for(is_held), "{:?} are down", server.pressed_keys());
+    assert!(wait_for(is_pressed), "pressed: {:?}", server.pressed_keys());
 }
 
-/// Waits until no key is down, and prints the time since `start`. `benches/release.rs` measures such times; here a busy
+/// Waits until no key is pressed, and prints the time since `start`. `benches/release.rs` measures such times; here a busy
 /// machine may take any.
 fn wait_for_release(server: &XServer, start: Instant, what: &str) {
     assert!(
         server.wait_for_keys(&[]),
-        "{what}: {:?} stay down",
+        "{what}: {:?} stay pressed",
         server.pressed_keys()
     );
-    println!("{what}: no key is down after {:.1?}", start.elapsed());
+    println!("{what}: no key is pressed after {:.1?}", start.elapsed());
 }

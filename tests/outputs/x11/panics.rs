@@ -1,4 +1,4 @@
-//! A panic anywhere while a key is held: nothing stays down, and it is told.
+//! Panics of a source, a device and an observer while keys are pressed.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::support::hand::HoldingHand;
 use crate::support::press::{Press, x11_code};
 use crate::support::x11::XServer;
 
-/// Panics at the moment that the test says.
+/// A flag that makes a thread panic.
 #[derive(Clone, Default)]
 struct Fuse(Arc<AtomicBool>);
 
@@ -35,7 +35,7 @@ impl Fuse {
     }
 }
 
-/// Something that panics when its fuse has blown.
+/// A value whose methods panic when its fuse has blown.
 struct Fused<T>(T, Fuse);
 
 impl Source for Fused<HoldingHand> {
@@ -65,7 +65,7 @@ impl VirtualDevice for Fused<Keyboard> {
     }
 }
 
-/// Where the fault is.
+/// The fuses of a run.
 #[derive(Default)]
 struct Fuses {
     source: Fuse,
@@ -88,13 +88,13 @@ fn pipeline(fuse: Fuse) -> Pipeline {
     )
 }
 
-/// How a run ended, and the sink that it had: still there, so that it is not its end that lets go.
+/// The result of a run, and its sink, so that dropping the sink does not release the keys.
 type Ended = (thread::Result<Result<(), SessionError>>, Desktop);
 
-/// A run in a thread of its own, with a hand that holds Shift and H down.
+/// Starts a run in a thread, with a hand that holds Shift and H.
 fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
-    let mut sink = Desktop::open(Some(server.display()), &Capabilities::default())
-        .expect("the server is there");
+    let mut sink =
+        Desktop::open(Some(server.display()), &Capabilities::default()).expect("the server runs");
     let source = Fused(
         HoldingHand::new(&Press::for_text("H"), Duration::MAX),
         fuses.source.clone(),
@@ -120,7 +120,7 @@ fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
     running
 }
 
-/// Blows a fuse while keys are down, and says how the run ended.
+/// Blows a fuse while keys are pressed and returns the result of the run.
 fn outcome_of(what: &str, fuse: fn(&Fuses) -> &Fuse) -> Option<Ended> {
     let server = XServer::start()?;
     let fuses = Fuses::default();
@@ -134,7 +134,7 @@ fn outcome_of(what: &str, fuse: fn(&Fuses) -> &Fuse) -> Option<Ended> {
 }
 
 #[test]
-fn nothing_is_down_after_a_panic_of_the_source() {
+fn all_keys_are_released_after_a_panic_of_the_source() {
     let Some((outcome, _sink)) = outcome_of("the source panicked", |fuses| &fuses.source) else {
         return;
     };
@@ -145,7 +145,7 @@ fn nothing_is_down_after_a_panic_of_the_source() {
 }
 
 #[test]
-fn nothing_is_down_after_a_panic_of_a_device() {
+fn all_keys_are_released_after_a_panic_of_a_device() {
     let Some((outcome, _sink)) = outcome_of("the device panicked", |fuses| &fuses.device) else {
         return;
     };
@@ -153,7 +153,7 @@ fn nothing_is_down_after_a_panic_of_a_device() {
 }
 
 #[test]
-fn nothing_is_down_after_a_panic_of_the_observer() {
+fn all_keys_are_released_after_a_panic_of_the_observer() {
     let Some((outcome, _sink)) = outcome_of("the observer panicked", |fuses| &fuses.observer)
     else {
         return;

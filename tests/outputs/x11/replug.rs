@@ -1,4 +1,4 @@
-//! A glove that is unplugged in the middle of a press and plugged in again.
+//! A glove that is disconnected while a key is pressed, and connected again.
 
 use std::time::{Duration, Instant};
 
@@ -8,11 +8,11 @@ use crate::support::press::{Press, x11_code};
 use crate::support::program::Program;
 use crate::support::x11::XServer;
 
-/// The wearer has to be seen off all keys for so long; less the time of one packet, by which times are uncertain.
+/// Time for which the hand must be clear of all keys, less the period of one packet.
 const NEUTRAL: Duration = Duration::from_millis(300 - 6);
 
 #[test]
-fn a_finger_that_is_still_on_the_key_presses_nothing_until_the_hand_was_off_all_keys() {
+fn after_a_reconnection_a_finger_on_a_key_presses_nothing_until_the_hand_is_clear_of_all_keys() {
     let Some(server) = XServer::start() else {
         return;
     };

@@ -1,4 +1,4 @@
-//! Keys, characters and a pointer on a real X server, seen by programs that know nothing of this one.
+//! The output `desktop` on an X server: keys, characters and a pointer, as other programs receive them.
 
 use std::thread;
 
@@ -30,7 +30,7 @@ fn up(name: &str) -> OutputEvent {
     event(EventKind::KeyUp(key(name)))
 }
 
-/// The key presses that write `text` on a US keymap, one frame per character.
+/// Returns the key events that type `text` with a US keymap, one list per character.
 fn strokes(text: &str) -> Vec<Vec<OutputEvent>> {
     let stroke = |character| {
         let (key, shifted) = KeyCode::for_us_character(character).next().unwrap();
@@ -48,11 +48,11 @@ fn open(server: &XServer) -> Desktop {
     Desktop::open(Some(server.display()), &Capabilities::default()).unwrap()
 }
 
-/// A sink that holds Shift and A down, seen by the server.
+/// Opens a sink that holds Shift and A.
 fn holding_two_keys(server: &XServer) -> Desktop {
     let mut sink = open(server);
     sink.send(&[down("ShiftLeft"), down("A")]).unwrap();
-    assert!(server.wait_for_keys(&[38, 50]), "the server sees the keys");
+    assert!(server.wait_for_keys(&[38, 50]), "the keys are pressed");
     sink
 }
 
@@ -66,8 +66,8 @@ fn a_text_arrives_byte_for_byte_in_a_terminal() {
     };
     let text = "Hello, World! 1+1=2 (a;b) {x} ~";
     let mut sink = open(&server);
-    for frame in strokes(text) {
-        sink.send(&frame).unwrap();
+    for events in strokes(text) {
+        sink.send(&events).unwrap();
     }
     sink.close().unwrap();
     assert_eq!(terminal.typed(text), text);
@@ -76,7 +76,7 @@ fn a_text_arrives_byte_for_byte_in_a_terminal() {
 }
 
 #[test]
-fn nothing_is_down_after_closing() {
+fn all_keys_are_released_after_closing() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -86,7 +86,7 @@ fn nothing_is_down_after_closing() {
 }
 
 #[test]
-fn nothing_is_down_after_a_drop_without_closing() {
+fn all_keys_are_released_after_a_drop() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -95,7 +95,7 @@ fn nothing_is_down_after_a_drop_without_closing() {
 }
 
 #[test]
-fn nothing_is_down_after_the_thread_that_held_the_sink_panicked() {
+fn all_keys_are_released_after_a_panic_of_the_owning_thread() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -109,7 +109,7 @@ fn nothing_is_down_after_the_thread_that_held_the_sink_panicked() {
 }
 
 #[test]
-fn a_key_is_held_until_it_is_let_go_of_and_other_keys_stay() {
+fn a_release_affects_its_key_only() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -121,7 +121,7 @@ fn a_key_is_held_until_it_is_let_go_of_and_other_keys_stay() {
 }
 
 #[test]
-fn a_server_that_dies_is_an_error_and_not_a_hang() {
+fn a_dead_server_is_an_error() {
     let Some(mut server) = XServer::start() else {
         return;
     };
@@ -138,7 +138,7 @@ fn a_server_that_dies_is_an_error_and_not_a_hang() {
 }
 
 #[test]
-fn characters_that_no_key_has_arrive_in_a_terminal() {
+fn characters_that_are_not_in_the_keymap_arrive_in_a_terminal() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -159,7 +159,7 @@ fn characters_that_no_key_has_arrive_in_a_terminal() {
 }
 
 #[test]
-fn the_pointer_goes_by_ways_and_to_places() {
+fn relative_and_absolute_pointer_motion_arrive() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -206,8 +206,8 @@ fn buttons_a_drag_and_the_wheel_arrive_in_order() {
     sink.send(&turns.map(|(x, y)| event(EventKind::Scroll(x, y))))
         .unwrap();
     sink.close().unwrap();
-    let heard: Vec<_> = field.events_until("up 6 at 25,15");
-    let start = heard.iter().position(|line| line == "move to 20,10");
+    let events: Vec<_> = field.events_until("up 6 at 25,15");
+    let start = events.iter().position(|line| line == "move to 20,10");
     let clicks = [2, 3, 8, 9, 4, 5, 7, 7, 6];
     let clicked =
         clicks.map(|button| ["down", "up"].map(|what| format!("{what} {button} at 25,15")));
@@ -216,11 +216,11 @@ fn buttons_a_drag_and_the_wheel_arrive_in_order() {
         .into_iter()
         .chain(clicked.into_iter().flatten())
         .collect();
-    assert_eq!(heard[start.expect("it moved there") + 1..], expected);
+    assert_eq!(events[start.expect("the pointer moved") + 1..], expected);
 }
 
 #[test]
-fn no_button_is_down_after_closing_nor_after_a_drop() {
+fn all_buttons_are_released_after_closing_and_after_a_drop() {
     let Some(server) = XServer::start() else {
         return;
     };

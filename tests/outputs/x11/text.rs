@@ -1,10 +1,10 @@
-//! The text of the demo in a terminal of the desktop.
+//! The demo types into a terminal.
 
 use crate::support::program::Program;
 use crate::support::x11::{TerminalWindow, XServer};
 
-/// Lets the demo type into a terminal, with these arguments.
-fn the_demo_types(text: &str, arguments: &[&str]) {
+/// Runs the demo with these arguments in front of a terminal and checks what is typed.
+fn assert_demo_types(text: &str, arguments: &[&str]) {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -22,24 +22,24 @@ fn the_demo_types(text: &str, arguments: &[&str]) {
 }
 
 #[test]
-fn the_text_of_the_demo_arrives_byte_for_byte() {
-    the_demo_types("Hola! Typed by a hand, 1 tap each.", &[]);
+fn the_demo_text_arrives_byte_for_byte() {
+    assert_demo_types("Hola! Typed by a hand, 1 tap each.", &[]);
 }
 
 #[test]
-fn the_punctuation_of_ascii_before_the_letters_arrives_byte_for_byte() {
+fn ascii_punctuation_before_the_letters_arrives_byte_for_byte() {
     let text = "!\"#$%&'()*+,-./:;<=>?@";
-    the_demo_types(text, &["--text", text]);
+    assert_demo_types(text, &["--text", text]);
 }
 
 #[test]
-fn the_punctuation_of_ascii_after_the_letters_arrives_byte_for_byte() {
+fn ascii_punctuation_after_the_letters_arrives_byte_for_byte() {
     let text = "[\\]^_`{|}~";
-    the_demo_types(text, &["--text", text]);
+    assert_demo_types(text, &["--text", text]);
 }
 
 #[test]
-fn a_text_in_two_layers_arrives_byte_for_byte() {
+fn a_text_on_two_layers_arrives_byte_for_byte() {
     let text = "Hi 5! (ok)";
-    the_demo_types(text, &["--layout", "qwerty-arc", "--text", text]);
+    assert_demo_types(text, &["--layout", "qwerty-arc", "--text", text]);
 }

@@ -1,4 +1,4 @@
-//! What no program can do for itself: its guardian lets go when it is killed, stopped or broken.
+//! Release by the watchdog, when the program is killed, stopped or broken.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,10 +12,10 @@ use crate::support::program::Program;
 use crate::support::x11::{InputWindow, XServer, wait_for};
 
 impl Typing {
-    /// The process that the program has started.
-    fn guardian(&self) -> u32 {
+    /// Returns the process id of the watchdog.
+    fn watchdog(&self) -> u32 {
         let mut found = None;
-        let is_there = || {
+        let is_running = || {
             found = self
                 .program
                 .children()
@@ -23,36 +23,40 @@ impl Typing {
                 .find(|child| is_alive(*child));
             found.is_some()
         };
-        assert!(wait_for(is_there), "there is no guardian");
-        found.expect("it is there")
+        assert!(wait_for(is_running), "no watchdog");
+        found.expect("a watchdog")
     }
 
-    /// Ends the program so that it can do nothing any more.
-    fn dies_by(mut self, signal: &str) {
+    /// Ends the program by a signal that it cannot handle.
+    fn is_killed_by(mut self, signal: &str) {
         let start = Instant::now();
         self.program.signal(&[signal]);
         wait_for_release(&self.server, start, signal);
-        assert_eq!(self.program.wait_for_exit().code(), None, "it was killed");
+        assert_eq!(
+            self.program.wait_for_exit().code(),
+            None,
+            "killed by a signal"
+        );
         self.program.wait_for_line("released its keys (2)", 1);
     }
 }
 
-/// The default layout with a text of characters that no keymap has in the place of H.
-fn layout_that_writes(folder: &Path) -> PathBuf {
-    let path = folder.join("writes.ron");
+/// Writes the default layout with a text instead of the key H. No keymap has its characters.
+fn layout_with_text(folder: &Path) -> PathBuf {
+    let path = folder.join("text.ron");
     let board = include_str!("../../../layouts/keyboards/qwerty-flat.ron");
     let row = "(at_mm: (-90.25, 0), keys: \"A S D F G H J K L Semicolon Quote Backslash\")";
     let rows = "(at_mm: (-90.25, 0), keys: \"A S D F G\"), (at_mm: (23.75, 0), keys: \"J K L\")";
     let text: String = ('ἀ'..).take(32).collect();
     let key = format!("keys: [(action: Text(\"{text}\"), at_mm: (4.75, 0)),");
-    let writes = board.replace(row, rows).replace("keys: [", &key);
-    assert!(writes.contains(rows) && writes.contains(&key));
-    fs::write(&path, writes).expect("room on the disk");
+    let layout = board.replace(row, rows).replace("keys: [", &key);
+    assert!(layout.contains(rows) && layout.contains(&key));
+    fs::write(&path, layout).expect("space on the disk");
     path
 }
 
 #[test]
-fn no_character_stays_down_that_was_being_written_when_it_was_killed() {
+fn no_key_stays_pressed_after_a_kill_while_a_character_is_typed() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -61,7 +65,7 @@ fn no_character_stays_down_that_was_being_written_when_it_was_killed() {
     for round in 0..8 {
         let folder = tempfile::tempdir().expect("a folder");
         let port = folder.path().join("glove");
-        let layout = layout_that_writes(folder.path()).display().to_string();
+        let layout = layout_with_text(folder.path()).display().to_string();
         let glove = Glove::plug_in(&port, press.clear());
         let source = format!("serial:{}", port.display());
         let run = [
@@ -70,7 +74,7 @@ fn no_character_stays_down_that_was_being_written_when_it_was_killed() {
         let mut program = Program::start(&server, run);
         program.wait_for_line("armed", 1);
         glove.play(&press.approach);
-        assert!(window.receives_a_key(), "it writes nothing");
+        assert!(window.receives_a_key(), "no key arrives");
         program.signal(&["KILL"]);
         assert_eq!(program.wait_for_exit().code(), None);
         assert!(
@@ -78,7 +82,7 @@ fn no_character_stays_down_that_was_being_written_when_it_was_killed() {
             "{round}: {:?}",
             server.pressed_keys()
         );
-        // The server may still be busy with what it was sent.
+        // The server may still execute requests.
         std::thread::sleep(Duration::from_millis(200));
         assert_eq!(server.pressed_keys(), [0; 0], "{round}");
     }
@@ -90,31 +94,31 @@ fn is_alive(process: u32) -> bool {
 }
 
 #[test]
-fn nothing_is_down_after_it_was_killed() {
+fn all_keys_are_released_after_a_kill() {
     let Some(typing) = Typing::start() else {
         return;
     };
-    let guardian = typing.guardian();
-    typing.dies_by("KILL");
-    assert!(wait_for(|| !is_alive(guardian)), "the guardian stays");
+    let watchdog = typing.watchdog();
+    typing.is_killed_by("KILL");
+    assert!(wait_for(|| !is_alive(watchdog)), "the watchdog still runs");
 }
 
 #[test]
-fn nothing_is_down_after_it_aborted() {
+fn all_keys_are_released_after_an_abort() {
     if let Some(typing) = Typing::start() {
-        typing.dies_by("ABRT");
+        typing.is_killed_by("ABRT");
     }
 }
 
 #[test]
-fn nothing_is_down_after_it_crashed() {
+fn all_keys_are_released_after_a_crash() {
     if let Some(typing) = Typing::start() {
-        typing.dies_by("ILL");
+        typing.is_killed_by("ILL");
     }
 }
 
 #[test]
-fn nothing_is_down_while_it_is_stopped_and_it_has_to_be_armed_again() {
+fn all_keys_are_released_while_the_program_is_stopped_and_it_must_be_armed_again() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
@@ -125,7 +129,7 @@ fn nothing_is_down_while_it_is_stopped_and_it_has_to_be_armed_again() {
     std::thread::sleep(Duration::from_secs(1));
     typing.program.signal(&["CONT"]);
     typing.program.wait_for_line("stalled", 1);
-    // The finger is still on the key: that arms nothing, and presses nothing.
+    // The finger on the key keeps the run from being armed.
     std::thread::sleep(Duration::from_millis(700));
     assert_eq!(typing.server.pressed_keys(), [0; 0]);
     let press = Press::for_text("H");
@@ -138,36 +142,39 @@ fn nothing_is_down_while_it_is_stopped_and_it_has_to_be_armed_again() {
 }
 
 #[test]
-fn a_guardian_that_is_killed_is_replaced_once_and_the_run_pauses() {
+fn a_killed_watchdog_is_restarted_once_and_the_run_pauses() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
-    let first = typing.guardian();
+    let first = typing.watchdog();
     let start = Instant::now();
     kill(first);
-    wait_for_release(&typing.server, start, "guardian killed");
+    wait_for_release(&typing.server, start, "watchdog killed");
     typing.program.wait_for_line("paused", 2);
-    assert!(wait_for(|| !is_alive(first)), "the first one is gone");
-    let second = typing.guardian();
+    assert!(
+        wait_for(|| !is_alive(first)),
+        "the first watchdog still runs"
+    );
+    let second = typing.watchdog();
     std::thread::sleep(Duration::from_millis(500));
     kill(second);
     let status = typing.program.wait_for_exit();
     assert_eq!(status.code(), Some(1));
-    // A busy machine: the second one was killed before it was ready.
+    // On a busy machine the second watchdog is killed before it is ready.
     let (again, early) = (
         "the watchdog exited a second time",
         "cannot start the watchdog",
     );
-    let said = typing.program.stderr_lines();
-    let tells = said
+    let lines = typing.program.stderr_lines();
+    let is_reported = lines
         .iter()
         .any(|line| line.contains(again) || line.contains(early));
-    assert!(tells, "{said:#?}");
+    assert!(is_reported, "{lines:#?}");
     assert_eq!(typing.server.pressed_keys(), [0; 0]);
 }
 
 #[test]
-fn ctrl_z_lets_go_before_it_stops_and_the_hand_has_to_leave_after_it_is_continued() {
+fn ctrl_z_releases_keys_before_the_stop_and_the_hand_must_leave_them_after_it() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
@@ -177,10 +184,10 @@ fn ctrl_z_lets_go_before_it_stops_and_the_hand_has_to_leave_after_it_is_continue
     let stat = format!("/proc/{}/stat", typing.program.id());
     let is_stopped = || {
         fs::read_to_string(&stat)
-            .expect("it is there")
+            .expect("the program exists")
             .contains(") T ")
     };
-    assert!(wait_for(is_stopped), "it does not stop");
+    assert!(wait_for(is_stopped), "the program does not stop");
     assert_eq!(typing.program.count_lines("does not respond"), 0);
     typing.program.signal(&["CONT"]);
     typing.glove.play(&Press::for_text("H").lift);
@@ -190,7 +197,7 @@ fn ctrl_z_lets_go_before_it_stops_and_the_hand_has_to_leave_after_it_is_continue
 }
 
 #[test]
-fn a_signal_pauses_until_somebody_resumes() {
+fn sigusr1_pauses_until_a_resume() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
@@ -215,18 +222,18 @@ fn send(signal: &str, process: u32) {
     let status = std::process::Command::new("kill")
         .args([signal, &process.to_string()])
         .status();
-    assert!(status.expect("kill is there").success());
+    assert!(status.expect("kill is installed").success());
 }
 
 #[test]
-fn requests_to_end_that_reach_the_guardian_too_do_not_end_it_first() {
+fn sigterm_does_not_end_the_watchdog() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
-    let guardian = typing.guardian();
-    send("-TERM", guardian);
+    let watchdog = typing.watchdog();
+    send("-TERM", watchdog);
     std::thread::sleep(Duration::from_millis(200));
-    assert!(is_alive(guardian));
+    assert!(is_alive(watchdog));
     assert_eq!(
         typing.server.pressed_keys(),
         [x11_code("H"), x11_code("ShiftLeft")],

@@ -1,4 +1,4 @@
-//! What reaches a window, in the words of `xev`.
+//! Events that a window receives, as printed by `xev`.
 
 use std::io::ErrorKind;
 use std::process::{Command, Stdio};
@@ -11,16 +11,16 @@ use ademan::time::Timestamp;
 use crate::support::process::{Process, collect_lines};
 use crate::support::x11::{XServer, wait_for};
 
-/// A window of `xev` over the whole screen. It has the focus.
+/// A full-screen window of `xev` that has the focus.
 struct Window {
     _process: Process,
-    told: Arc<Mutex<Vec<String>>>,
+    lines: Arc<Mutex<Vec<String>>>,
 }
 
 impl Window {
-    /// Opens one, or says why not and gives `None`.
+    /// Opens a window. Returns `None` with a message if xev is not installed.
     fn open(server: &XServer) -> Option<Self> {
-        // Without it, the lines would come when there are many.
+        // Disables the buffering of lines.
         let mut command = Command::new("stdbuf");
         command
             .args(["-oL", "xev", "-geometry", "800x600+0+0"])
@@ -34,25 +34,25 @@ impl Window {
             println!("SKIPPED: xev is not installed");
             return None;
         }
-        let mut process = Process::start(&mut command).expect("it starts");
-        let stdout = process.0.stdout.take().expect("it is piped");
-        let told = collect_lines(stdout);
+        let mut process = Process::start(&mut command).expect("xev starts");
+        let stdout = process.0.stdout.take().expect("stdout is piped");
+        let lines = collect_lines(stdout);
         server.focus_visible_window();
         Some(Self {
             _process: process,
-            told,
+            lines,
         })
     }
 
-    /// What has reached it: `KeyPress 38 a with 0x1`, `ButtonPress 1 with 0x0`, `MotionNotify 3,4 with 0x100`.
-    fn heard(&self) -> Vec<String> {
-        let lines = self.told.lock().unwrap();
+    /// Returns the events so far: `KeyPress 38 a with 0x1`, `ButtonPress 1 with 0x0`, `MotionNotify 3,4 with 0x100`.
+    fn events(&self) -> Vec<String> {
+        let lines = self.lines.lock().unwrap();
         let events = lines.split(|line| line.is_empty());
         events.filter_map(event).collect()
     }
 }
 
-/// An event of three lines or more, in one.
+/// Returns an event, which has three or more lines, in one line.
 fn event(lines: &[String]) -> Option<String> {
     let (kind, _) = lines.first()?.split_once(" event")?;
     let text = lines.join(" ");
@@ -81,7 +81,7 @@ fn key(name: &str) -> KeyCode {
 }
 
 #[test]
-fn keys_modifiers_buttons_wheel_and_a_drag_are_told_by_xev() {
+fn xev_receives_keys_modifiers_buttons_wheel_and_a_drag() {
     let Some(server) = XServer::start() else {
         return;
     };
@@ -107,18 +107,18 @@ fn keys_modifiers_buttons_wheel_and_a_drag_are_told_by_xev() {
         EventKind::KeyUp(key("MouseRight")),
     ];
     let mut sink = Desktop::open(Some(server.display()), &Capabilities::default());
-    let sink = sink.as_mut().expect("the server is there");
+    let sink = sink.as_mut().expect("the server runs");
     for action in actions {
         let time = Timestamp(0);
         sink.send(&[OutputEvent { time, kind: action }])
-            .expect("room");
+            .expect("the queue has room");
     }
-    sink.close().expect("it takes everything");
+    sink.close().expect("everything is sent");
     let last = "ButtonRelease 3 with 0x400";
-    let is_there = || window.heard().last().is_some_and(|line| line == last);
-    assert!(wait_for(is_there), "{:#?}", window.heard());
-    let heard = window.heard();
-    let start = heard.iter().position(|line| line.starts_with("Key"));
+    let is_there = || window.events().last().is_some_and(|line| line == last);
+    assert!(wait_for(is_there), "{:#?}", window.events());
+    let events = window.events();
+    let start = events.iter().position(|line| line.starts_with("Key"));
     let expected = [
         "KeyPress 50 Shift_L with 0x0",
         "KeyPress 38 A with 0x1",
@@ -138,5 +138,5 @@ fn keys_modifiers_buttons_wheel_and_a_drag_are_told_by_xev() {
         "ButtonPress 3 with 0x0",
         last,
     ];
-    assert_eq!(heard[start.expect("a key")..], expected);
+    assert_eq!(events[start.expect("a key")..], expected);
 }
