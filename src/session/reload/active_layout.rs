@@ -1,4 +1,4 @@
-//! A layout in force and the file that it is from.
+//! An active layout and its file.
 
 use std::fs;
 use std::io::{self, Write};
@@ -16,7 +16,7 @@ use crate::session::layout_link::{LayoutLink, SessionEnded};
 const SHIPPED: &str =
     "the layout comes with the program and has no file; create one with `ademan layout new`";
 
-/// Builds a layout for the session loop, or refuses it with a reason.
+/// A function that builds a layout for the session loop, or returns the reason why the session cannot use it.
 pub(super) type Build<'a> = &'a dyn Fn(&Layout) -> Result<LayoutInstance, String>;
 
 /// One layout of the setup as the session loop uses it, and its file.
@@ -30,7 +30,7 @@ pub(super) struct ActiveLayout {
 }
 
 impl ActiveLayout {
-    /// A layout that the session loop has already activated.
+    /// Creates the entry of a layout that is active already.
     pub fn new(file: Option<WatchedFile>, layout: Layout, profile: usize) -> Self {
         Self {
             file,
@@ -39,7 +39,7 @@ impl ActiveLayout {
         }
     }
 
-    /// Whether the layout has a file.
+    /// Returns whether the layout has a file.
     pub fn has_file(&self) -> bool {
         self.file.is_some()
     }
@@ -49,7 +49,7 @@ impl ActiveLayout {
         self.file.as_mut().and_then(|file| file.poll(now))
     }
 
-    /// Whether every change of the file was handled.
+    /// Returns whether every change of the file was handled.
     pub fn is_settled(&self) -> bool {
         self.file.as_ref().is_none_or(WatchedFile::is_settled)
     }
@@ -142,8 +142,8 @@ impl ActiveLayout {
     }
 }
 
-/// Puts a text in the place of a file: whoever reads it sees the old one or the new one, also when the
-/// machine stops halfway. Who may read and write it stays, and so does a link to it.
+/// Replaces the content of a file atomically: a reader sees the old or the new text, also after a crash. Permissions and
+/// symbolic links are kept.
 fn write(path: &Path, text: &str) -> io::Result<()> {
     let path = fs::canonicalize(path)?;
     let permissions = fs::metadata(&path)?.permissions();
@@ -154,19 +154,19 @@ fn write(path: &Path, text: &str) -> io::Result<()> {
         ));
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let beside = path.with_file_name(format!(".{name}.{}", std::process::id()));
+    let temporary = path.with_file_name(format!(".{name}.{}", std::process::id()));
     let written = fs::File::options()
         .write(true)
         .create_new(true)
-        .open(&beside)
+        .open(&temporary)
         .and_then(|mut file| {
             file.set_permissions(permissions)?;
             file.write_all(text.as_bytes())?;
             file.sync_all()
         })
-        .and_then(|()| fs::rename(&beside, &path));
+        .and_then(|()| fs::rename(&temporary, &path));
     if written.is_err() {
-        let _ = fs::remove_file(&beside);
+        let _ = fs::remove_file(&temporary);
     }
     written
 }
@@ -190,7 +190,7 @@ mod tests {
         TestLoop::start(layout, path, |_| Ok(()))
     }
 
-    fn up(height: f32) -> LayoutOperation {
+    fn save_at(height: f32) -> LayoutOperation {
         LayoutOperation::Save(vec![BoardPose {
             height,
             ..BoardPose::default()
@@ -200,7 +200,7 @@ mod tests {
     #[test]
     fn a_shipped_layout_is_scaled_but_neither_saved_nor_reloaded() {
         let session = session(None);
-        assert_eq!(session.request(up(0.1)), Err(SHIPPED.into()));
+        assert_eq!(session.request(save_at(0.1)), Err(SHIPPED.into()));
         let error = session.request(LayoutOperation::Reload).unwrap_err();
         assert!(error.contains("no file"), "{error}");
         assert!(session.activated.is_empty());
@@ -222,14 +222,14 @@ mod tests {
 
     #[test]
     fn saving_is_not_detected_as_a_change_of_the_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.ron");
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.ron");
         fs::write(&path, TEXT).unwrap();
         let session = session(Some(&path));
-        assert!(session.request(up(0.1)).is_ok());
+        assert!(session.request(save_at(0.1)).is_ok());
         let saved = fs::read_to_string(&path).unwrap();
         assert_eq!(saved, TEXT.replace("elbow", "elbow, height_mm: 100"));
-        let again = session.request(up(0.1)).unwrap_err();
+        let again = session.request(save_at(0.1)).unwrap_err();
         assert!(
             again.ends_with("not saved, as no board was moved or scaled"),
             "{again}"
@@ -240,30 +240,30 @@ mod tests {
 
     #[test]
     fn a_file_that_was_changed_or_is_read_only_is_not_overwritten() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.ron");
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.ron");
         fs::write(&path, TEXT).unwrap();
         let session = session(Some(&path));
         let writable = fs::metadata(&path).unwrap().permissions();
         let mut readonly = writable.clone();
         readonly.set_readonly(true);
         fs::set_permissions(&path, readonly).unwrap();
-        let error = session.request(up(0.1)).unwrap_err();
+        let error = session.request(save_at(0.1)).unwrap_err();
         assert!(
             error.ends_with("cannot write the file: it is read-only"),
             "{error}"
         );
         fs::set_permissions(&path, writable).unwrap();
         fs::write(&path, "no layout").unwrap();
-        let error = session.request(up(0.1)).unwrap_err();
+        let error = session.request(save_at(0.1)).unwrap_err();
         assert!(
             error.contains("not saved, as the file differs from the active layout"),
             "{error}"
         );
         assert_eq!(fs::read_to_string(&path).unwrap(), "no layout");
         fs::remove_file(&path).unwrap();
-        let error = session.request(up(0.1)).unwrap_err();
+        let error = session.request(save_at(0.1)).unwrap_err();
         assert!(error.ends_with("there is no such file"), "{error}");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
     }
 }

@@ -1,11 +1,7 @@
-//! A layout that is saved while a run is on: read, checked and built outside the loop.
+//! The layout manager: reads, checks and builds changed layouts outside the session loop.
 
 mod active_layout;
-#[cfg(target_os = "linux")]
-mod notice;
-#[cfg(not(target_os = "linux"))]
-#[path = "no_notice.rs"]
-mod notice;
+mod file_watcher;
 #[cfg(test)]
 mod test_loop;
 mod watched_file;
@@ -123,12 +119,12 @@ mod tests {
         TestLoop::start(layout, Some(path), accept)
     }
 
-    /// A folder with a layout file of one key.
+    /// Creates a directory with a layout file of one key.
     fn layout_file() -> (tempfile::TempDir, std::path::PathBuf) {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.ron");
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.ron");
         fs::write(&path, text("A")).unwrap();
-        (folder, path)
+        (directory, path)
     }
 
     fn assert_ended(reports: &Receiver<LayoutReport>) {
@@ -138,7 +134,7 @@ mod tests {
 
     #[test]
     fn of_many_fast_saves_the_last_is_activated_and_few_others() {
-        let (_folder, path) = layout_file();
+        let (_directory, path) = layout_file();
         let session = session(&path, |_| Ok(()));
         for save in 0..100 {
             fs::write(&path, text("B").replace("\"B\",", &format!("\"{save}\","))).unwrap();
@@ -163,8 +159,8 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn a_layout_is_activated_for_every_way_of_saving() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
+        let directory = tempfile::tempdir().unwrap();
+        let at = |name: &str| directory.path().join(name);
         for (version, key) in [("one", "A"), ("two", "B")] {
             fs::create_dir(at(version)).unwrap();
             fs::write(at(version).join("a.ron"), text(key)).unwrap();
@@ -204,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_layout_that_the_session_cannot_use_is_reported_and_not_activated() {
-        let (_folder, path) = layout_file();
+        let (_directory, path) = layout_file();
         let session = session(&path, |layout| match layout.name.as_str() {
             "C" => Ok(()),
             name => Err(format!("no {name}")),
@@ -219,7 +215,7 @@ mod tests {
 
     #[test]
     fn reload_reads_the_file_even_if_it_was_not_saved_and_replies_with_the_outcome() {
-        let (_folder, path) = layout_file();
+        let (_directory, path) = layout_file();
         let session = session(&path, |layout| match layout.name.as_str() {
             "C" => Err("no C".into()),
             _ => Ok(()),
@@ -245,7 +241,7 @@ mod tests {
 
     #[test]
     fn the_manager_ends_with_the_session() {
-        let (_folder, path) = layout_file();
+        let (_directory, path) = layout_file();
         let session = session(&path, |_| Ok(()));
         let reports = session.reports.clone();
         drop(session);
@@ -254,7 +250,7 @@ mod tests {
 
     #[test]
     fn the_manager_ends_with_a_session_that_does_not_activate_a_layout() {
-        let (_folder, path) = layout_file();
+        let (_directory, path) = layout_file();
         let layout = Layout::load(path.to_str().unwrap()).unwrap();
         let session = TestLoop::paused(layout, Some(&path), |_| Ok(()));
         fs::write(&path, text("B")).unwrap();

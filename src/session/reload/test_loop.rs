@@ -46,7 +46,7 @@ impl TestLoop {
         }
     }
 
-    /// As [`start`](Self::start), but no layout is ever activated.
+    /// Like [`start`](Self::start), but activates no layout.
     pub fn paused(
         layout: Layout,
         path: Option<&Path>,
@@ -72,7 +72,7 @@ impl TestLoop {
         }
     }
 
-    /// Whether a layout waits for its activation.
+    /// Returns whether a layout waits for its activation.
     pub fn has_swap(&self) -> bool {
         !self.commands.layouts().unwrap().swaps().is_empty()
     }

@@ -1,4 +1,4 @@
-//! A layout file that may be saved at any time.
+//! A layout file that an editor may save at any time.
 
 use std::fs;
 use std::time::{Duration, Instant, SystemTime};
@@ -6,29 +6,29 @@ use std::time::{Duration, Instant, SystemTime};
 use crate::document::{Document, DocumentError};
 use crate::layout::Layout;
 
-/// How long the file has to be left alone before it is read, as saving may take several writes.
+/// Time without changes before the file is read, since saving may take several writes.
 const SETTLE_TIME: Duration = Duration::from_millis(50);
 
-/// How long it has to be left alone before it is said to be wrong: some editors empty the file or take
-/// it away before they write it.
+/// Time without changes before the file is reported as invalid: some editors empty or remove the file before they write
+/// it.
 const ERROR_SETTLE_TIME: Duration = Duration::from_millis(150);
 
-/// A file that is never left alone is read all the same, so often.
+/// Time after which a file that keeps changing is read anyway.
 const MAX_PENDING_TIME: Duration = Duration::from_secs(2);
 
-/// A file, and what was seen of it so far.
+/// A file and its detected changes.
 pub(super) struct WatchedFile {
     path: String,
-    /// What was in it when it was put in force.
+    /// Content of the active layout.
     text: String,
     stamp: Option<Stamp>,
     pending: Option<PendingChange>,
 }
 
-/// What a save changes: the length in bytes, the time of the last change, and whether it is a file.
+/// The metadata that a save changes: length in bytes, modification time, and whether it is a file.
 type Stamp = (u64, Option<SystemTime>, bool);
 
-/// A time in which the file was changed and not yet dealt with.
+/// A series of changes that was not handled yet: the times of the first and the last one.
 #[derive(Clone, Copy)]
 struct PendingChange {
     first: Instant,
@@ -36,7 +36,7 @@ struct PendingChange {
 }
 
 impl WatchedFile {
-    /// The file may have been changed since `text` was read from it.
+    /// Creates the entry of a file from which `text` was read. The file may have changed since.
     pub fn new(path: &str, text: &str, now: Instant) -> Self {
         Self {
             path: path.into(),
@@ -49,55 +49,54 @@ impl WatchedFile {
         }
     }
 
-    /// Where it is.
+    /// Returns the path.
     pub fn path(&self) -> &str {
         &self.path
     }
 
-    /// What was in it when it was put in force.
+    /// Returns the content of the active layout.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// This content is not found again until another one is in force.
+    /// Sets the content of the active layout, which [`poll`](Self::poll) does not return.
     pub fn set_active_text(&mut self, text: &str) {
         self.text = text.into();
     }
 
-    /// Something has happened to the file, so that it has to be read again.
+    /// Notes that the file may have changed.
     pub fn mark_changed(&mut self, now: Instant) {
-        let first = self.pending.map_or(now, |unrest| unrest.first);
+        let first = self.pending.map_or(now, |pending| pending.first);
         self.pending = Some(PendingChange { first, last: now });
     }
 
-    /// Whether all that was seen to happen to the file was dealt with.
+    /// Returns whether every change was handled.
     pub fn is_settled(&self) -> bool {
         self.pending.is_none()
     }
 
-    /// Looks at the file; what is in it once it is left alone, if that is something else than what is in
-    /// force.
+    /// Checks the file. Returns its content once it has settled, if it differs from the active layout.
     pub fn poll(&mut self, now: Instant) -> Option<Result<Layout, DocumentError>> {
         let stamp = stamp(&self.path);
         if stamp != self.stamp {
             self.stamp = stamp;
             self.mark_changed(now);
         }
-        let unrest = self.pending?;
-        let rest = now - unrest.last;
-        let is_overdue = now - unrest.first >= MAX_PENDING_TIME;
-        if rest < SETTLE_TIME && !is_overdue {
+        let pending = self.pending?;
+        let settled_for = now - pending.last;
+        let is_overdue = now - pending.first >= MAX_PENDING_TIME;
+        if settled_for < SETTLE_TIME && !is_overdue {
             return None;
         }
         let found = self.read();
-        if matches!(found, Some(Err(_))) && rest < ERROR_SETTLE_TIME && !is_overdue {
+        if matches!(found, Some(Err(_))) && settled_for < ERROR_SETTLE_TIME && !is_overdue {
             return None;
         }
         self.pending = None;
         found
     }
 
-    /// What is in the file, whether it is left alone or not.
+    /// Reads the file, settled or not.
     pub fn read_now(&self) -> Result<Layout, DocumentError> {
         Document::from_path(&self.path).and_then(Layout::from_document)
     }
@@ -122,53 +121,53 @@ pub(super) mod tests {
     use std::path::PathBuf;
     use tempfile::TempDir;
 
-    /// A file that is watched by a clock of the test's own.
-    struct Bench {
-        folder: TempDir,
+    /// A file that is checked at the times of a simulated clock.
+    struct TestFile {
+        directory: TempDir,
         file: WatchedFile,
         start: Instant,
         now_ms: u64,
         saves: u64,
     }
 
-    /// A layout of one key.
+    /// Returns a layout with one key, whose name is that of the key.
     pub fn text(key: &str) -> String {
         format!(
             "Layout(name: \"{key}\", boards: [(\n    pose: (anchor: elbow),\n    rows: [(at_mm: (0, 0), keys: \"{key}\")],\n)])\n"
         )
     }
 
-    /// What was found: the name of the layout, or the error.
+    /// The contents that were returned, by time in ms: the name of the layout, or the error.
     type Found = Vec<(u64, Result<String, String>)>;
 
-    impl Bench {
-        /// The layout of the key A is in force and in the file.
+    impl TestFile {
+        /// Creates a file with the layout of the key A, which is active.
         fn new() -> Self {
-            let folder = tempfile::tempdir().unwrap();
-            let path = folder.path().join("a.ron");
+            let directory = tempfile::tempdir().unwrap();
+            let path = directory.path().join("a.ron");
             let start = Instant::now();
             fs::write(&path, text("A")).unwrap();
             let file = WatchedFile::new(path.to_str().unwrap(), &text("A"), start);
-            let mut bench = Self {
-                folder,
+            let mut test = Self {
+                directory,
                 file,
                 start,
                 now_ms: 0,
                 saves: 0,
             };
-            assert_eq!(bench.look_for(1_000), []);
-            bench
+            assert_eq!(test.check_for(1_000), []);
+            test
         }
 
         fn path(&self) -> PathBuf {
-            self.folder.path().join("a.ron")
+            self.directory.path().join("a.ron")
         }
 
         fn save(&mut self, text: &str) {
             self.write(&self.path(), text);
         }
 
-        /// Each write has a time of its own, however fast the test is.
+        /// Writes a file with a modification time of its own, however fast the test is.
         fn write(&mut self, path: &std::path::Path, text: &str) {
             fs::write(path, text).unwrap();
             self.saves += 1;
@@ -177,8 +176,8 @@ pub(super) mod tests {
             file.set_modified(time).unwrap();
         }
 
-        /// Looks every 50 ms for so long; what was found and when, in ms from now.
-        fn look_for(&mut self, milliseconds: u64) -> Found {
+        /// Checks the file every 50 ms. Returns the contents with their times.
+        fn check_for(&mut self, milliseconds: u64) -> Found {
             let from = self.now_ms;
             let mut found = Found::new();
             while self.now_ms < from + milliseconds {
@@ -199,131 +198,131 @@ pub(super) mod tests {
         }
     }
 
-    fn in_force(after_ms: u64, name: &str) -> Found {
+    fn active(after_ms: u64, name: &str) -> Found {
         vec![(after_ms, Ok(name.into()))]
     }
 
-    /// The only thing that was found: an error, without the folder.
-    fn error(found: Found, folder: &TempDir) -> (u64, String) {
+    /// Returns the only result, an error, without the directory.
+    fn error(found: Found, directory: &TempDir) -> (u64, String) {
         let [(after_ms, Err(error))] = found.as_slice() else {
             panic!("{found:?}");
         };
-        let folder = format!("{}/", folder.path().display());
-        (*after_ms, error.replace(&folder, ""))
+        let directory = format!("{}/", directory.path().display());
+        (*after_ms, error.replace(&directory, ""))
     }
 
     #[test]
-    fn a_file_that_is_saved_is_found_at_the_second_look() {
-        let mut bench = Bench::new();
-        bench.save(&text("B"));
-        assert_eq!(bench.look_for(1_000), in_force(100, "B"));
+    fn a_saved_file_is_returned_at_the_second_check() {
+        let mut test = TestFile::new();
+        test.save(&text("B"));
+        assert_eq!(test.check_for(1_000), active(100, "B"));
     }
 
     #[test]
-    fn a_file_that_takes_the_place_of_the_old_one_is_found() {
-        let mut bench = Bench::new();
-        let other = bench.folder.path().join("a.ron.tmp");
-        bench.write(&other, &text("B"));
-        assert_eq!(bench.look_for(500), []);
-        fs::rename(other, bench.path()).unwrap();
-        assert_eq!(bench.look_for(1_000), in_force(100, "B"));
+    fn a_replaced_file_is_returned() {
+        let mut test = TestFile::new();
+        let other = test.directory.path().join("a.ron.tmp");
+        test.write(&other, &text("B"));
+        assert_eq!(test.check_for(500), []);
+        fs::rename(other, test.path()).unwrap();
+        assert_eq!(test.check_for(1_000), active(100, "B"));
     }
 
     #[test]
-    fn the_same_content_saved_again_does_nothing() {
-        let mut bench = Bench::new();
-        bench.save(&text("A"));
-        assert_eq!(bench.look_for(1_000), []);
+    fn saving_the_same_content_has_no_effect() {
+        let mut test = TestFile::new();
+        test.save(&text("A"));
+        assert_eq!(test.check_for(1_000), []);
     }
 
     #[test]
-    fn a_change_between_reading_the_file_and_watching_it_is_found() {
-        let mut bench = Bench::new();
-        let path = bench.path();
-        bench.file = WatchedFile::new(path.to_str().unwrap(), &text("Z"), bench.start);
-        bench.now_ms = 0;
-        assert_eq!(bench.look_for(1_000), in_force(50, "A"));
+    fn a_change_before_the_first_check_is_returned() {
+        let mut test = TestFile::new();
+        let path = test.path();
+        test.file = WatchedFile::new(path.to_str().unwrap(), &text("Z"), test.start);
+        test.now_ms = 0;
+        assert_eq!(test.check_for(1_000), active(50, "A"));
     }
 
     #[test]
-    fn a_file_that_is_emptied_or_half_written_for_a_moment_is_not_said_to_be_wrong() {
-        let mut bench = Bench::new();
-        bench.save("");
-        assert_eq!(bench.look_for(100), []);
-        bench.save(&text("B")[..40]);
-        assert_eq!(bench.look_for(150), []);
-        bench.save(&text("B"));
-        assert_eq!(bench.look_for(1_000), in_force(100, "B"));
+    fn a_file_that_is_empty_or_incomplete_for_a_moment_is_not_reported() {
+        let mut test = TestFile::new();
+        test.save("");
+        assert_eq!(test.check_for(100), []);
+        test.save(&text("B")[..40]);
+        assert_eq!(test.check_for(150), []);
+        test.save(&text("B"));
+        assert_eq!(test.check_for(1_000), active(100, "B"));
     }
 
     #[test]
-    fn a_file_that_stays_wrong_is_told_once_with_its_place() {
-        let mut bench = Bench::new();
-        bench.save(&text("Entre"));
-        let found = bench.look_for(3_000);
-        let (after_ms, message) = error(found, &bench.folder);
+    fn an_invalid_file_is_reported_once_with_its_position() {
+        let mut test = TestFile::new();
+        test.save(&text("Entre"));
+        let found = test.check_for(3_000);
+        let (after_ms, message) = error(found, &test.directory);
         assert_eq!(after_ms, 200);
         assert_eq!(
             message,
             "a.ron:3:35: unknown key `Entre`, did you mean `Enter`?\n 3 |     rows: [(at_mm: (0, 0), keys: \"Entre\")],\n   |                                   ^^^^^"
         );
-        bench.save(&text("Enter"));
-        assert_eq!(bench.look_for(1_000), in_force(100, "Enter"));
+        test.save(&text("Enter"));
+        assert_eq!(test.check_for(1_000), active(100, "Enter"));
     }
 
     #[test]
-    fn a_file_that_is_gone_is_told_and_found_when_it_is_back() {
-        let mut bench = Bench::new();
-        fs::remove_file(bench.path()).unwrap();
-        assert_eq!(bench.look_for(100), []);
-        let found = bench.look_for(3_000);
-        let (after_ms, message) = error(found, &bench.folder);
+    fn a_removed_file_is_reported_and_returned_when_it_is_back() {
+        let mut test = TestFile::new();
+        fs::remove_file(test.path()).unwrap();
+        assert_eq!(test.check_for(100), []);
+        let found = test.check_for(3_000);
+        let (after_ms, message) = error(found, &test.directory);
         assert_eq!(
             (after_ms, message.as_str()),
             (100, "a.ron: there is no such file")
         );
-        bench.save(&text("A"));
-        assert_eq!(bench.look_for(1_000), [], "that is in force");
-        bench.save(&text("B"));
-        assert_eq!(bench.look_for(1_000), in_force(100, "B"));
+        test.save(&text("A"));
+        assert_eq!(test.check_for(1_000), [], "that content is active");
+        test.save(&text("B"));
+        assert_eq!(test.check_for(1_000), active(100, "B"));
     }
 
     #[test]
-    fn a_directory_in_the_place_of_the_file_is_told() {
-        let mut bench = Bench::new();
-        fs::remove_file(bench.path()).unwrap();
-        fs::create_dir(bench.path()).unwrap();
-        let found = bench.look_for(3_000);
-        let (_, message) = error(found, &bench.folder);
+    fn a_directory_instead_of_the_file_is_reported() {
+        let mut test = TestFile::new();
+        fs::remove_file(test.path()).unwrap();
+        fs::create_dir(test.path()).unwrap();
+        let found = test.check_for(3_000);
+        let (_, message) = error(found, &test.directory);
         assert_eq!(message, "a.ron: this is a directory, name a file in it");
     }
 
     #[test]
-    fn a_shipped_layout_does_not_take_the_place_of_a_file_that_is_gone() {
+    fn a_shipped_layout_does_not_replace_a_removed_file() {
         let message = Document::from_path("numpad").unwrap_err().to_string();
         assert_eq!(message, "numpad: there is no such file");
     }
 
     #[test]
-    fn a_hundred_saves_in_a_second_are_found_as_the_last_of_them() {
-        let mut bench = Bench::new();
+    fn of_a_hundred_saves_in_a_second_the_last_is_returned() {
+        let mut test = TestFile::new();
         for save in 0..20 {
-            // Five saves between two looks, each time with another name.
+            // Five saves between two checks, each with another name.
             for part in 0..5 {
-                bench.save(&text("B").replace("\"B\",", &format!("\"{save} {part}\",")));
+                test.save(&text("B").replace("\"B\",", &format!("\"{save} {part}\",")));
             }
-            assert_eq!(bench.look_for(50), []);
+            assert_eq!(test.check_for(50), []);
         }
-        assert_eq!(bench.look_for(1_000), in_force(50, "19 4"));
+        assert_eq!(test.check_for(1_000), active(50, "19 4"));
     }
 
     #[test]
-    fn a_file_that_never_comes_to_rest_is_found_every_two_seconds() {
-        let mut bench = Bench::new();
+    fn a_file_that_keeps_changing_is_returned_every_two_seconds() {
+        let mut test = TestFile::new();
         let mut found = Found::new();
         for save in 0..100 {
-            bench.save(&text("B").replace("\"B\",", &format!("\"{save}\",")));
-            found.extend(bench.look_for(50));
+            test.save(&text("B").replace("\"B\",", &format!("\"{save}\",")));
+            found.extend(test.check_for(50));
         }
         let found: Vec<_> = found.into_iter().map(|(_, name)| name.unwrap()).collect();
         assert_eq!(found, ["40", "81"]);

@@ -1,12 +1,13 @@
-//! What the thread does that looks after a layout: it waits for orders, and for the file to be saved.
+//! The thread of the layout manager: requests, and changes of layout files.
 
+use std::io;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, Select, never};
 
 use super::LayoutReport;
 use super::active_layout::ActiveLayout;
-use super::notice::FileWatcher;
+use super::file_watcher::FileWatcher;
 use crate::document::DocumentError;
 use crate::layout::Layout;
 use crate::pipeline::LayoutInstance;
@@ -14,83 +15,83 @@ use crate::session::command_channel::{Reply, RequestError};
 use crate::session::layout_link::{LayoutLink, LayoutOperation, LayoutRequest, SessionEnded};
 use crate::time::NO_DEADLINE;
 
-/// How often the file is looked at while it is being saved, and always where a change of it is not told. One look
-/// costs a few microseconds, works on every file system, and sees a file that an editor puts in the place of the old
-/// one as well as one that is written to.
+/// Time between two checks of a file that is being saved, or that is on a file system without events. One check takes a
+/// few microseconds, and also detects a file that was replaced.
 const POLL_PERIOD: Duration = Duration::from_millis(50);
 
-/// Who says that the file has changed.
+/// The way in which changes of a layout file are detected.
 pub(super) enum ChangeDetection {
-    /// There is no file.
+    /// The layout has no file, or the file is not watched.
     None,
-    /// It is looked at all the time.
+    /// The file is checked every [`POLL_PERIOD`].
     Polling,
-    /// The system does, once after each time that it was asked to.
+    /// The operating system reports changes.
     Events {
-        notices: FileWatcher,
-        is_asked: bool,
+        path: String,
+        /// `None` from a change until the file has settled.
+        watcher: Option<FileWatcher>,
     },
 }
 
 impl ChangeDetection {
-    /// To the file at `path`, if there is one, by notices where they can be had.
+    /// Detects changes of the file at `path`, with events if possible.
     pub fn new(path: Option<&str>) -> Self {
         let Some(path) = path else {
             return Self::None;
         };
-        let asked = FileWatcher::start(path).and_then(|notices| notices.arm().map(|()| notices));
-        match asked {
-            Ok(notices) => Self::Events {
-                notices,
-                is_asked: true,
+        match FileWatcher::new(path) {
+            Ok(watcher) => Self::Events {
+                path: path.into(),
+                watcher: Some(watcher),
             },
-            Err(error) => Self::looking(&error),
+            Err(error) => Self::polling(&error),
         }
     }
 
-    fn looking(error: &std::io::Error) -> Self {
-        let looks = Duration::from_secs(1).div_duration_f32(POLL_PERIOD);
-        tracing::info!(
-            "no notice when the layout is saved, it is looked at {looks} times a second: {error}"
-        );
+    fn polling(error: &io::Error) -> Self {
+        let rate = Duration::from_secs(1).div_duration_f32(POLL_PERIOD);
+        tracing::info!("polling the layout file {rate} times per second: no events: {error}");
         Self::Polling
     }
 
-    /// Sees to it that the next change is told. Whether the file has to be looked at once more: what came before
-    /// may have been missed.
+    /// Waits for events again. Returns whether the file has to be checked once, as changes before that had no event.
     fn arm(&mut self) -> bool {
-        let Self::Events { notices, is_asked } = self else {
+        let Self::Events { path, watcher } = self else {
             return false;
         };
-        if *is_asked {
+        if watcher.is_some() {
             return false;
         }
-        match notices.arm() {
-            Ok(()) => *is_asked = true,
-            Err(error) => *self = Self::looking(&error),
+        match FileWatcher::new(path) {
+            Ok(new) => *watcher = Some(new),
+            Err(error) => *self = Self::polling(&error),
         }
         true
     }
 
+    /// Returns the channel that receives changes.
     fn changes(&self) -> Receiver<()> {
         match self {
-            Self::Events { notices, .. } => notices.noticed().clone(),
+            Self::Events {
+                watcher: Some(watcher),
+                ..
+            } => watcher.changes().clone(),
             _ => never(),
         }
     }
 
-    /// Takes a notice, or that there will be no more.
-    fn handle(&mut self, is_notice: bool) {
+    /// Handles a change, or the end of the events.
+    fn handle(&mut self, is_change: bool) {
         match self {
-            Self::Events { is_asked, .. } if is_notice => *is_asked = false,
-            _ => *self = Self::looking(&std::io::Error::other("the system tells no more")),
+            Self::Events { watcher, .. } if is_change => *watcher = None,
+            _ => *self = Self::polling(&io::Error::other("the file watcher ended")),
         }
     }
 
-    /// How long the file need not be looked at.
-    fn period(&self, is_at_rest: bool) -> Duration {
+    /// Returns the time until the next check.
+    fn period(&self, is_settled: bool) -> Duration {
         match self {
-            Self::Events { .. } if !is_at_rest => POLL_PERIOD,
+            Self::Events { .. } if !is_settled => POLL_PERIOD,
             Self::Polling => POLL_PERIOD,
             _ => NO_DEADLINE,
         }
@@ -105,7 +106,7 @@ pub(super) struct ManagedLayout {
 
 /// The thread of the layout manager.
 pub(super) struct Worker<B, R> {
-    /// In the order of the profiles.
+    /// Layouts in the order of the profiles.
     pub layouts: Vec<ManagedLayout>,
     pub link: LayoutLink,
     pub is_recorded: bool,
@@ -116,7 +117,7 @@ pub(super) struct Worker<B, R> {
 /// An input of the worker.
 enum Input {
     Request(LayoutRequest),
-    /// The system reports a change of this layout's file (`true`), or can report no more.
+    /// A change of the file of a layout, by index; `false` if its events ended.
     Change(usize, bool),
     Timeout,
 }
@@ -128,10 +129,10 @@ where
 {
     /// Runs until the session ends.
     pub fn run(mut self) {
-        while self.turn().is_ok() {}
+        while self.handle_next().is_ok() {}
     }
 
-    fn turn(&mut self) -> Result<(), SessionEnded> {
+    fn handle_next(&mut self) -> Result<(), SessionEnded> {
         for index in 0..self.layouts.len() {
             let managed = &mut self.layouts[index];
             if managed.layout.is_settled() && managed.detection.arm() {
@@ -268,7 +269,7 @@ mod tests {
     use std::{fs, thread};
 
     #[test]
-    fn a_save_is_found_without_events_of_the_system() {
+    fn a_save_is_detected_by_polling() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.ron");
         fs::write(&path, text("A")).unwrap();
