@@ -78,15 +78,15 @@ pub const REQUIREMENTS: &[Requirement] = &[
         Status::Met(&[
             (
                 "src/pipeline/output_gate.rs",
-                "a_pointer_presses_no_keys_and_what_is_for_keys_does_not_point",
+                "a_pointer_source_presses_no_keys_and_a_key_source_does_not_point",
             ),
             (
                 "src/pipeline/output_gate.rs",
-                "each_source_has_a_role_of_its_own_and_releases_have_none",
+                "each_source_has_its_own_role_and_releases_need_none",
             ),
             (
                 "tests/pipeline/limits.rs",
-                "a_source_on_the_network_is_a_pointer_unless_the_setup_says_more_and_any_other_is_both",
+                "the_default_role_is_both_and_pointer_on_the_network",
             ),
             (
                 "tests/pipeline/hands_and_profiles.rs",
@@ -98,11 +98,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
             ),
             (
                 "tests/cli/roles.rs",
-                "key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_to_allow_them",
+                "a_source_on_the_network_presses_no_keys_and_the_message_explains_how_to_allow_them",
             ),
             (
                 "tests/cli/roles.rs",
-                "with_the_role_both_they_do_and_nothing_is_told_of_it",
+                "a_source_on_the_network_types_with_a_role_that_allows_it",
             ),
         ]),
     ),
@@ -112,11 +112,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
         Status::Met(&[
             (
                 "tests/pipeline/limits.rs",
-                "a_layout_with_keys_of_the_system_is_used_only_by_a_setup_that_allows_them",
+                "system_keys_need_the_permission_of_the_setup",
             ),
             (
                 "src/pipeline/output_gate.rs",
-                "keys_that_act_on_the_system_do_not_go_out_unless_they_may",
+                "system_keys_are_suppressed_unless_they_are_allowed",
             ),
             (
                 "src/output/uinput/linux/spec.rs",
@@ -130,15 +130,15 @@ pub const REQUIREMENTS: &[Requirement] = &[
         Status::Met(&[
             (
                 "tests/pipeline/limits.rs",
-                "after_more_presses_than_may_be_everything_is_let_go_of_and_the_run_pauses",
+                "presses_beyond_the_rate_limit_release_everything_and_pause",
             ),
             (
                 "tests/pipeline/limits.rs",
-                "a_source_at_this_machine_may_press_as_fast_as_anybody_types_and_one_on_the_network_may_not",
+                "the_rate_limit_is_60_for_a_local_source_and_20_on_the_network",
             ),
             (
                 "src/pipeline/output_gate.rs",
-                "half_a_second_of_presses_may_come_at_once_and_then_they_drip",
+                "a_burst_of_half_a_second_passes_and_then_the_sustained_rate",
             ),
         ]),
     ),
@@ -168,11 +168,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 ),
                 (
                     "tests/pipeline/stops.rs",
-                    "a_gesture_of_one_hand_lets_go_of_what_the_other_holds_in_that_very_frame_and_pauses",
+                    "a_gesture_of_one_hand_pauses_and_releases_the_keys_of_the_other_hand_in_the_same_step",
                 ),
                 (
                     "tests/pipeline/stops.rs",
-                    "a_hand_whose_elbow_is_not_told_any_more_lets_go_at_the_third_reading",
+                    "a_hand_whose_elbow_is_no_longer_measured_releases_at_the_third_reading",
                 ),
                 (
                     "tests/pipeline/hands_and_profiles.rs",
@@ -192,11 +192,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
         Status::Met(&[
             (
                 "tests/pipeline/arming.rs",
-                "it_starts_paused_and_arms_when_the_hand_was_off_all_keys_for_300_ms",
+                "output_is_armed_after_the_hand_has_been_clear_of_every_key_for_300_ms",
             ),
             (
                 "tests/pipeline/arming.rs",
-                "a_hand_that_lies_on_a_key_at_the_start_presses_nothing",
+                "a_hand_on_a_key_at_the_start_presses_nothing",
             ),
         ]),
     ),
@@ -206,7 +206,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
         Status::Met(&[
             (
                 "tests/cli/doctor.rs",
-                "root_does_not_type_unless_he_insists_and_may_do_all_the_rest",
+                "root_is_refused_without_allow_root_but_may_use_other_commands",
             ),
             (
                 "tests/architecture/security_sources.rs",
@@ -244,7 +244,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
         Status::Partly(
             &[(
                 "tests/cli/doctor.rs",
-                "a_unit_and_a_launcher_are_what_their_own_tools_take",
+                "the_unit_the_launcher_and_the_rules_pass_their_validators",
             )],
             "DevicePolicy= and IPAddressDeny= do not apply to user units",
         ),
@@ -267,10 +267,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
         18,
         "typed text is in no message, and recordings are private",
         Status::Met(&[
-            ("tests/cli/files.rs", "what_is_typed_is_in_no_message"),
+            ("tests/cli/files.rs", "messages_do_not_contain_typed_text"),
             (
                 "tests/cli/files.rs",
-                "a_run_that_is_recorded_gives_the_transcript_that_was_printed",
+                "a_replay_of_a_recorded_run_gives_its_transcript",
             ),
             (
                 "tests/cli/control.rs",

@@ -13,7 +13,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::support::process::Process;
-use crate::support::run::{MOVE, PATIENCE, Run, lines, shipped};
+use crate::support::run::{MOVE_TIME, Run, TIMEOUT, line_receiver, shipped};
 use ademan::session::control_socket::Client;
 use serde_json::Value;
 
@@ -38,7 +38,7 @@ fn ask(caller: &mut Client, request: &str) -> Value {
 /// Somebody who says what no caller would.
 fn stranger(run: &Run) -> (UnixStream, BufReader<UnixStream>) {
     let stream = UnixStream::connect(socket(run)).expect("the run listens");
-    stream.set_read_timeout(Some(PATIENCE)).expect("a limit");
+    stream.set_read_timeout(Some(TIMEOUT)).expect("a limit");
     let reader = BufReader::new(stream.try_clone().expect("a second end"));
     (stream, reader)
 }
@@ -74,7 +74,7 @@ fn ctl(run: &Run, arguments: &[&str]) -> (i32, String, String) {
 fn wait_until(mut done: impl FnMut() -> bool) {
     let start = Instant::now();
     while !done() {
-        assert!(start.elapsed() < PATIENCE, "it does not come about");
+        assert!(start.elapsed() < TIMEOUT, "it does not come about");
         thread::sleep(Duration::from_millis(2));
     }
 }
@@ -85,7 +85,7 @@ fn a_pause_lets_go_and_nothing_is_typed_until_it_is_ended_and_the_hand_was_off()
     let mut caller = caller(&run);
     let asked = Instant::now();
     assert_eq!(ask(&mut caller, r#"{"command":"pause"}"#)["ok"], true);
-    assert_eq!(run.typed(), "up H");
+    assert_eq!(run.next_event(), "up H");
     println!("from the request to the release: {:?}", asked.elapsed());
     let state = ask(&mut caller, r#"{"command":"state"}"#);
     assert_eq!(
@@ -93,18 +93,18 @@ fn a_pause_lets_go_and_nothing_is_typed_until_it_is_ended_and_the_hand_was_off()
         (&"paused".into(), &true.into())
     );
     run.lift();
-    thread::sleep(MOVE);
-    run.push_down();
-    thread::sleep(MOVE);
-    assert!(run.typed.is_empty(), "it is paused");
+    thread::sleep(MOVE_TIME);
+    run.press();
+    thread::sleep(MOVE_TIME);
+    assert!(run.events.is_empty(), "it is paused");
 
     assert_eq!(ask(&mut caller, r#"{"command":"resume"}"#)["ok"], true);
-    thread::sleep(MOVE);
-    assert!(run.typed.is_empty(), "the finger has not left the key");
+    thread::sleep(MOVE_TIME);
+    assert!(run.events.is_empty(), "the finger has not left the key");
     run.lift();
     wait_until(|| ask(&mut caller, r#"{"command":"state"}"#)["state"] == "running");
-    run.push_down();
-    assert_eq!(run.typed(), "down H");
+    run.press();
+    assert_eq!(run.next_event(), "down H");
 }
 
 #[test]
@@ -137,7 +137,7 @@ fn a_reload_says_what_came_of_it_also_when_the_file_was_not_saved() {
     let run = run();
     let (code, out, _) = ctl(&run, &["reload"]);
     assert_eq!((code, out.as_str()), (0, "my.ron: active from now on\n"));
-    assert_eq!(run.typed(), "up H");
+    assert_eq!(run.next_event(), "up H");
 
     run.save("Layout(\n    nmae: \"My board\",\n)\n");
     let (code, out, err) = ctl(&run, &["reload"]);
@@ -148,9 +148,9 @@ fn a_reload_says_what_came_of_it_also_when_the_file_was_not_saved() {
     let answer = ask(&mut caller(&run), r#"{"command":"reload"}"#);
     assert_eq!(answer["text"], "my.ron: active from now on");
     run.lift();
-    thread::sleep(MOVE);
-    run.push_down();
-    assert_eq!(run.typed(), "down D");
+    thread::sleep(MOVE_TIME);
+    run.press();
+    assert_eq!(run.next_event(), "down D");
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn a_reload_that_a_run_cannot_use_is_refused_with_the_reason() {
         answer["error"],
         "my.ron: not used, as a recording holds one version of a layout; start again to use it"
     );
-    assert!(run.typed.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays held");
 }
 
 #[test]
@@ -199,7 +199,7 @@ fn what_is_not_a_request_is_refused_and_the_conversation_goes_on() {
         .expect("the run reads on");
     stream.write_all(b"\"state\"}\n").expect("the run reads on");
     assert_eq!(answer(&mut reader)["state"], "running");
-    assert!(run.typed.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays held");
 }
 
 #[test]
@@ -212,20 +212,20 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     let (code, _, err) = ctl(&run, &["save"]);
     let expected = "error: my.ron: not saved, as no board was moved or scaled\n";
     assert_eq!((code, err.as_str()), (1, expected));
-    assert!(run.typed.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays held");
 
     // One key to the left: the rows run 35 degrees to the right of straight to the right.
     let by = 35.0_f64.to_radians();
     let (x, z) = (-19.0 * by.cos(), -19.0 * by.sin());
     let (code, out, err) = ctl(&run, &["nudge", &x.to_string(), "0", &z.to_string()]);
     assert_eq!((code, out.as_str(), err.as_str()), (0, "done\n", ""));
-    assert_eq!(run.typed(), "up H");
-    thread::sleep(MOVE);
-    assert!(run.typed.is_empty(), "the finger has not left the key");
+    assert_eq!(run.next_event(), "up H");
+    thread::sleep(MOVE_TIME);
+    assert!(run.events.is_empty(), "the finger has not left the key");
     run.lift();
-    thread::sleep(MOVE);
-    run.push_down();
-    assert_eq!(run.typed(), "down J");
+    thread::sleep(MOVE_TIME);
+    run.press();
+    assert_eq!(run.next_event(), "down J");
 
     let (code, out, err) = ctl(&run, &["save"]);
     assert_eq!(
@@ -245,14 +245,14 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
             .expect("it is there")
             .is_symlink()
     );
-    thread::sleep(MOVE);
-    assert!(run.typed.is_empty(), "a save lets go of nothing");
+    thread::sleep(MOVE_TIME);
+    assert!(run.events.is_empty(), "a save lets go of nothing");
 
     let (code, _, err) = ctl(&run, &["scale", "3"]);
     let expected = "error: `factor` is 0.5 to 2, not 3\n";
     assert_eq!((code, err.as_str()), (1, expected));
     assert_eq!(ctl(&run, &["nudge", "0", "-1", "0"]).0, 0);
-    assert_eq!(run.typed(), "up J");
+    assert_eq!(run.next_event(), "up J");
     let (code, out, _) = ctl(&run, &["scale", "1.5"]);
     assert_eq!((code, out.as_str()), (0, "scaled by 1.5\n"));
     let (code, _, _) = ctl(&run, &["save"]);
@@ -263,7 +263,7 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     assert_eq!(saved, moved.replace("height_mm: -45", "height_mm: -46"));
 
     run.save(&format!("// mine\n{saved}"));
-    run.wait_until_told("my.ron: active from now on");
+    run.wait_for_message("my.ron: active from now on");
     let (code, _, _) = ctl(&run, &["tilt", "-5"]);
     assert_eq!(code, 0);
     fs::write(&path, "no layout").expect("it can be written");
@@ -285,7 +285,7 @@ fn what_cannot_be_moved_says_why_and_lets_go_of_nothing() {
     let run = run();
     let (code, _, err) = ctl(&run, &["tilt", "-80"]);
     assert_eq!(code, 0, "{err}");
-    assert_eq!(run.typed(), "up H");
+    assert_eq!(run.next_event(), "up H");
     let (code, _, err) = ctl(&run, &["tilt", "-80"]);
     let expected =
         "error: the tilt of board 1 would be outside -90 to 90 degrees; no board was moved\n";
@@ -309,7 +309,7 @@ fn the_seventeenth_client_is_refused_and_a_place_that_is_free_again_is_given() {
             "16 clients are here already, come back later"
         );
     }
-    assert!(run.typed.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays held");
     drop(clients.pop());
     wait_until(|| ask(&mut caller(&run), r#"{"command":"state"}"#)["ok"] == true);
 }
@@ -335,7 +335,7 @@ fn a_client_that_never_reads_is_cut_off_and_nobody_else_notices() {
             while !is_over.load(Ordering::Relaxed) {
                 run.lift();
                 thread::sleep(Duration::from_millis(14));
-                run.push_down();
+                run.press();
                 thread::sleep(Duration::from_millis(14));
             }
         });
@@ -348,18 +348,18 @@ fn a_client_that_never_reads_is_cut_off_and_nobody_else_notices() {
     });
     let state = ask(&mut caller(&run), r#"{"command":"pause"}"#);
     assert_eq!(state["ok"], true);
-    thread::sleep(MOVE);
+    thread::sleep(MOVE_TIME);
 
-    let typed: Vec<String> = run.typed.try_iter().collect();
+    let typed: Vec<String> = run.events.try_iter().collect();
     assert!(typed.len() > 20, "{} events", typed.len());
     for line in typed {
-        let told = news.recv_timeout(PATIENCE).expect("it is told");
+        let told = news.recv_timeout(TIMEOUT).expect("it is told");
         let told: Value = serde_json::from_str(&told).expect("it is JSON");
         let words: Vec<&str> = line.split_whitespace().collect();
         assert_eq!(told["event"], format!("key-{}", words[1]), "{told}");
         assert_eq!(told["key"], words[2]);
     }
-    let told = news.recv_timeout(PATIENCE).expect("it is told");
+    let told = news.recv_timeout(TIMEOUT).expect("it is told");
     let paused = r#"{"event":"state","state":"paused","paused":true}"#;
     assert_eq!(told, paused);
 }
@@ -368,17 +368,17 @@ fn a_client_that_never_reads_is_cut_off_and_nobody_else_notices() {
 fn a_client_that_asks_for_ever_and_never_reads_is_cut_off_too() {
     let run = run();
     let (mut deaf, _) = stranger(&run);
-    deaf.set_write_timeout(Some(PATIENCE)).expect("a limit");
+    deaf.set_write_timeout(Some(TIMEOUT)).expect("a limit");
     let start = Instant::now();
     while deaf.write_all(b"{\"command\":\"state\"}\n").is_ok() {
-        assert!(start.elapsed() < PATIENCE, "it is still listened to");
+        assert!(start.elapsed() < TIMEOUT, "it is still listened to");
     }
     assert_eq!(
         ask(&mut caller(&run), r#"{"command":"state"}"#)["state"],
         "running"
     );
     run.lift();
-    assert_eq!(run.typed(), "up H");
+    assert_eq!(run.next_event(), "up H");
 }
 
 #[test]
@@ -386,9 +386,9 @@ fn who_has_not_subscribed_hears_nothing_of_what_is_typed() {
     let run = run();
     let (mut stream, mut reader) = stranger(&run);
     run.lift();
-    assert_eq!(run.typed(), "up H");
-    run.push_down();
-    assert_eq!(run.typed(), "down H");
+    assert_eq!(run.next_event(), "up H");
+    run.press();
+    assert_eq!(run.next_event(), "down H");
     stream
         .write_all(b"{\"command\":\"state\"}\n")
         .expect("the run reads");
@@ -408,7 +408,7 @@ fn a_stop_lets_go_and_ends_the_run_in_good_order() {
     let mut run = run();
     let (code, out, _) = ctl(&run, &["stop"]);
     assert_eq!((code, out.as_str()), (0, "ended\n"));
-    assert_eq!(run.typed(), "up H");
+    assert_eq!(run.next_event(), "up H");
     let ended = run.program.0.wait().expect("it ends");
     assert_eq!(ended.code(), Some(0));
     assert!(!socket(&run).exists());
@@ -466,7 +466,7 @@ fn the_socket_is_its_owners_alone_from_the_first_instant_on() {
         let mut is_there = false;
         let start = Instant::now();
         while !is_there {
-            assert!(start.elapsed() < PATIENCE, "there is no socket");
+            assert!(start.elapsed() < TIMEOUT, "there is no socket");
             is_there = path.exists();
             assert!(!wider(&folder, 0o700), "others may enter");
             assert!(!wider(&path, 0o600), "others may connect");
@@ -519,7 +519,7 @@ fn another_user_is_not_listened_to() {
     assert_eq!(ended.status.code(), Some(1));
     let err = String::from_utf8_lossy(&ended.stderr);
     assert!(err.contains("no answer from the session"), "{err}");
-    assert!(run.typed.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays held");
     assert_eq!(
         ask(&mut caller(&run), r#"{"command":"state"}"#)["paused"],
         false
@@ -532,9 +532,9 @@ fn a_run_that_waits_for_its_glove_can_be_stopped() {
     let path = folder.path().join("c.sock");
     let mut command = ademan(&["run", "--wait", "--source", "serial:/dev/no-such-glove"]);
     let mut run = Process::start(command.arg("--control").arg(&path)).expect("it starts");
-    let told = lines(run.0.stderr.take().expect("it is piped"));
+    let told = line_receiver(run.0.stderr.take().expect("it is piped"));
     assert!(
-        told.recv_timeout(PATIENCE)
+        told.recv_timeout(TIMEOUT)
             .expect("it waits")
             .starts_with("waiting: ")
     );

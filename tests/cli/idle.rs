@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use crate::support::binary::ademan;
 use crate::support::process::{Process, lock_spawning};
-use crate::support::run::{PATIENCE, lines, postures, shipped};
+use crate::support::run::{TIMEOUT, line_receiver, postures, shipped};
 use crate::support::x11::XServer;
 use ademan::capture::hc11::{Framing, encode};
 use ademan::capture::{Hc11Format, Loopback, open_loopback};
@@ -55,9 +55,9 @@ impl Idle {
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
         let mut program = Process::start(&mut command).expect("it starts");
-        let told = lines(program.0.stderr.take().expect("it is piped"));
+        let told = line_receiver(program.0.stderr.take().expect("it is piped"));
         let wait_for = |part: &str| {
-            while !told.recv_timeout(PATIENCE).expect(part).contains(part) {}
+            while !told.recv_timeout(TIMEOUT).expect(part).contains(part) {}
         };
         wait_for("listening to");
         let hand = encode(Framing::Double06, &postures().0);

@@ -3,22 +3,22 @@
 use std::thread;
 use std::time::Duration;
 
-use crate::support::run::{MOVE, Run, shipped};
+use crate::support::run::{MOVE_TIME, Run, shipped};
 
 #[test]
 fn a_saved_layout_lets_go_of_the_held_key_and_is_typed_on() {
     let run = Run::with_held_key(&[]);
     let saved = run.save(&shipped("dvorak-flat"));
-    assert_eq!(run.typed(), "up H");
+    assert_eq!(run.next_event(), "up H");
     println!("from the save to the release: {:?}", saved.elapsed());
-    assert_eq!(run.told(), "my.ron: active from now on");
+    assert_eq!(run.next_message(), "my.ron: active from now on");
 
-    thread::sleep(MOVE);
-    assert!(run.typed.is_empty(), "the finger has not left the key");
+    thread::sleep(MOVE_TIME);
+    assert!(run.events.is_empty(), "the finger has not left the key");
     run.lift();
-    thread::sleep(MOVE);
-    run.push_down();
-    assert_eq!(run.typed(), "down D");
+    thread::sleep(MOVE_TIME);
+    run.press();
+    assert_eq!(run.next_event(), "down D");
 }
 
 #[test]
@@ -26,24 +26,24 @@ fn a_broken_file_is_told_with_its_place_and_the_held_key_stays_held() {
     let run = Run::with_held_key(&[]);
     run.save("Layout(\n    nmae: \"My board\",\n)\n");
     assert_eq!(
-        run.told(),
+        run.next_message(),
         "my.ron:2:5: unknown field `nmae`, did you mean `name`?"
     );
-    assert_eq!(run.told(), " 2 |     nmae: \"My board\",");
-    assert_eq!(run.told(), "   |     ^^^^");
-    assert_eq!(run.told(), "the active layout stays");
+    assert_eq!(run.next_message(), " 2 |     nmae: \"My board\",");
+    assert_eq!(run.next_message(), "   |     ^^^^");
+    assert_eq!(run.next_message(), "the active layout stays");
     std::fs::remove_file(run.path()).expect("the file is there");
-    assert_eq!(run.told(), "my.ron: there is no such file");
-    assert_eq!(run.told(), "the active layout stays");
-    assert!(run.typed.is_empty(), "the key stays held");
+    assert_eq!(run.next_message(), "my.ron: there is no such file");
+    assert_eq!(run.next_message(), "the active layout stays");
+    assert!(run.events.is_empty(), "the key stays held");
     run.lift();
-    assert_eq!(run.typed(), "up H");
+    assert_eq!(run.next_event(), "up H");
 
     run.save(&shipped("dvorak-flat"));
-    assert_eq!(run.told(), "my.ron: active from now on");
-    thread::sleep(MOVE);
-    run.push_down();
-    assert_eq!(run.typed(), "down D");
+    assert_eq!(run.next_message(), "my.ron: active from now on");
+    thread::sleep(MOVE_TIME);
+    run.press();
+    assert_eq!(run.next_event(), "down D");
 }
 
 #[test]
@@ -54,15 +54,15 @@ fn a_hundred_saves_in_a_second_end_on_the_last_one_and_no_key_is_stuck() {
         run.save(&format!("// {save}\n{}", [&qwerty, &dvorak][save % 2]));
         thread::sleep(Duration::from_millis(8));
     }
-    assert_eq!(run.typed(), "up H");
+    assert_eq!(run.next_event(), "up H");
     // A machine that holds the test up between two saves sees more than one new layout.
-    while run.told.recv_timeout(Duration::from_secs(2)).is_ok() {}
+    while run.messages.recv_timeout(Duration::from_secs(2)).is_ok() {}
     run.lift();
-    thread::sleep(MOVE);
-    run.push_down();
-    assert_eq!(run.typed(), "down D");
+    thread::sleep(MOVE_TIME);
+    run.press();
+    assert_eq!(run.next_event(), "down D");
     run.lift();
-    assert_eq!(run.typed(), "up D");
+    assert_eq!(run.next_event(), "up D");
 }
 
 #[test]
@@ -70,12 +70,12 @@ fn a_run_that_is_recorded_keeps_its_layout_and_says_so() {
     let run = Run::with_held_key(&["--record", "hand.mcap"]);
     run.save(&shipped("dvorak-flat"));
     assert_eq!(
-        run.told(),
+        run.next_message(),
         "my.ron: not used, as a recording holds one version of a layout; start again to use it"
     );
-    assert!(run.typed.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays held");
     run.lift();
-    assert_eq!(run.typed(), "up H");
+    assert_eq!(run.next_event(), "up H");
 }
 
 #[test]
@@ -91,11 +91,11 @@ fn a_key_makes_the_boards_larger() {
         .replace("(code: \"ShiftLeft\"", grow);
     assert_ne!(changed, text);
     run.save(&changed);
-    assert_eq!(run.typed(), "up H");
-    run.wait_until_told("my.ron: active from now on");
+    assert_eq!(run.next_event(), "up H");
+    run.wait_for_message("my.ron: active from now on");
     run.lift();
-    thread::sleep(MOVE);
-    run.push_down();
-    assert_eq!(run.typed(), "scale 1.500");
-    run.wait_until_told("scaled by 1.5");
+    thread::sleep(MOVE_TIME);
+    run.press();
+    assert_eq!(run.next_event(), "scale 1.500");
+    run.wait_for_message("scaled by 1.5");
 }

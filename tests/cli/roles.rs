@@ -4,7 +4,7 @@
 use std::thread;
 
 use crate::support::binary::ademan;
-use crate::support::run::{ARMED, MOVE, Run};
+use crate::support::run::{ARMED, MOVE_TIME, Run};
 use ademan::session::control_socket::Client;
 use serde_json::Value;
 
@@ -21,7 +21,7 @@ fn ask(run: &Run, request: &str) -> Value {
 /// The next line of this kind.
 fn told(run: &Run, is_meant: impl Fn(&str) -> bool) -> String {
     loop {
-        let line = run.told();
+        let line = run.next_message();
         if is_meant(&line) {
             return line;
         }
@@ -30,8 +30,8 @@ fn told(run: &Run, is_meant: impl Fn(&str) -> bool) -> String {
 
 #[test]
 fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_to_allow_them() {
-    let run = Run::of(SILENT, &["--control", "c.sock"]);
-    let hint = run.told();
+    let run = Run::with_setup(SILENT, &["--control", "c.sock"]);
+    let hint = run.next_message();
     assert!(hint.starts_with("tcp:127.0.0.1:"), "{hint}");
     let (_, hint) = hint.split_once(" is ").expect("what it is");
     assert_eq!(
@@ -39,12 +39,12 @@ fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_t
         "on the network and only a pointer: it presses no keys of the layout; `role: Both` next to this source in \
          the setup or `--role both` lets it type"
     );
-    run.wait_until_told(ARMED);
+    run.wait_for_message(ARMED);
     for _ in 0..3 {
-        run.push_down();
-        thread::sleep(MOVE);
+        run.press();
+        thread::sleep(MOVE_TIME);
         run.lift();
-        thread::sleep(MOVE);
+        thread::sleep(MOVE_TIME);
     }
     let state = ask(&run, r#"{"command":"state"}"#);
     assert_eq!(state["state"], "running");
@@ -68,7 +68,7 @@ fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_t
     assert_eq!(ask(&run, r#"{"command":"stop"}"#)["ok"], true);
     let account = told(&run, |line| line.contains(" readings: "));
     assert!(account.ends_with("; suppressed: 3 by `role`"), "{account}");
-    assert!(run.typed.is_empty(), "no key went out");
+    assert!(run.events.is_empty(), "no key went out");
 }
 
 #[test]
@@ -81,13 +81,13 @@ fn with_the_role_both_they_do_and_nothing_is_told_of_it() {
             &["--role", "keys"],
         ),
     ] {
-        let run = Run::of(fields, arguments);
-        let told = run.told();
+        let run = Run::with_setup(fields, arguments);
+        let told = run.next_message();
         assert!(told.starts_with("listening to tcp:"), "{told}");
-        run.wait_until_told(ARMED);
-        run.push_down();
-        assert_eq!(run.typed(), "down H");
+        run.wait_for_message(ARMED);
+        run.press();
+        assert_eq!(run.next_event(), "down H");
         run.lift();
-        assert_eq!(run.typed(), "up H");
+        assert_eq!(run.next_event(), "up H");
     }
 }

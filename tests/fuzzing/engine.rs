@@ -11,7 +11,7 @@ use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
-use super::support::checked::Judged;
+use super::support::checked::CheckedPipeline;
 
 /// What happened in a run.
 #[derive(Clone, Copy, Debug, Default)]
@@ -200,7 +200,7 @@ const LEAPS: [i64; 6] = [
 
 struct Play<'a> {
     world: &'a World,
-    engine: Judged,
+    engine: CheckedPipeline,
     events: Events,
     time: u64,
     place: usize,
@@ -218,7 +218,7 @@ pub fn engine(data: &[u8]) -> Ran {
     let world = &WORLDS[usize::from(bytes.byte()) % WORLDS.len()];
     let mut play = Play {
         world,
-        engine: Judged::of(&world.assembly),
+        engine: CheckedPipeline::new(&world.assembly),
         events: Events::new(),
         time: 0,
         place: 0,
@@ -231,8 +231,11 @@ pub fn engine(data: &[u8]) -> Ran {
     while let Some(&order) = bytes.0.next() {
         play.obey(order, &mut bytes);
     }
-    play.ask(Judged::stop);
-    assert!(!play.engine.holds(), "something is down after the end");
+    play.ask(CheckedPipeline::stop);
+    assert!(
+        !play.engine.has_pressed(),
+        "something is down after the end"
+    );
     play.ran.accepted = play.engine.accepted();
     play.ran
 }
@@ -258,8 +261,8 @@ impl Play<'_> {
             }
             226..=227 => self.read_anything(bytes),
             228..=231 => self.side = Side::ALL.get(usize::from(bytes.byte()) % 3).copied(),
-            232 => self.ask(Judged::stall),
-            233 => self.ask(Judged::pause),
+            232 => self.ask(CheckedPipeline::stall),
+            233 => self.ask(CheckedPipeline::pause),
             234..=238 => {
                 self.engine.resume();
                 self.ran.steps += 1;
@@ -267,7 +270,7 @@ impl Play<'_> {
             239 => self.replace(bytes),
             240..=241 => {
                 let profile = usize::from(bytes.byte()) % 5;
-                self.ask(|engine, events| engine.switch_to(profile, events));
+                self.ask(|engine, events| engine.switch_profile(profile, events));
             }
             242..=244 => {
                 let by = Vec3::new(bytes.float(), bytes.float(), bytes.float());
@@ -282,9 +285,9 @@ impl Play<'_> {
                 });
             }
             248..=250 => self.ask(|engine, events| {
-                let _ = engine.recentre(events);
+                let _ = engine.recenter(events);
             }),
-            251 if bytes.byte() < 4 => self.ask(Judged::stop),
+            251 if bytes.byte() < 4 => self.ask(CheckedPipeline::stop),
             _ => self.read_next(5_729),
         }
     }
@@ -344,11 +347,11 @@ impl Play<'_> {
             self.engine.keep_board_poses(place, &mut controls);
         }
         if place < self.engine.profile_count() {
-            self.ask(|engine, events| engine.replace(place, &mut controls, layout, events));
+            self.ask(|engine, events| engine.replace_profile(place, &mut controls, layout, events));
         }
     }
 
-    fn ask(&mut self, ask: impl FnOnce(&mut Judged, &mut Events)) {
+    fn ask(&mut self, ask: impl FnOnce(&mut CheckedPipeline, &mut Events)) {
         self.events.clear();
         ask(&mut self.engine, &mut self.events);
         self.count(true);

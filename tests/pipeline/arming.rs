@@ -1,7 +1,7 @@
 //! Arming, stalls, pauses and layout changes of the pipeline: events are emitted only while it is running, and
 //! everything is released in time.
 
-use crate::support::checked::Judged;
+use crate::support::checked::CheckedPipeline;
 use ademan::capture::{Channels, Hc11Format, Reading, Sample, Source, SourceEvent};
 use ademan::contact::Phase;
 use ademan::device::{EventKind, Events, KeyCode};
@@ -14,7 +14,7 @@ use parry3d::math::Vec3;
 
 /// A hand above the H key that presses it on request, with 100 readings per second.
 struct Wearer {
-    pipeline: Judged,
+    pipeline: CheckedPipeline,
     time_ms: u64,
     hover: Channels,
     pressed: Channels,
@@ -55,7 +55,7 @@ impl Wearer {
         let (hover, pressed) = postures(setup);
         let loaded = setup.clone().load_files().expect("the default setup");
         Self {
-            pipeline: Judged::of(&loaded),
+            pipeline: CheckedPipeline::new(&loaded),
             time_ms: 0,
             hover,
             pressed,
@@ -117,7 +117,7 @@ impl Wearer {
         let layout = Layout::load("dvorak-flat").expect("the shipped layout");
         let mut events = Events::new();
         self.pipeline
-            .replace(0, &mut controls(&layout), &layout, &mut events);
+            .replace_profile(0, &mut controls(&layout), &layout, &mut events);
         self.write(&events);
     }
 

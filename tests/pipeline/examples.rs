@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::support::checked::Judged;
+use crate::support::checked::CheckedPipeline;
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::contact::TargetNames;
 use ademan::device::{EventKind, Events};
@@ -83,7 +83,7 @@ fn played(layout: &str, script: &Path) -> String {
     let path = script.to_str().expect("a path of letters");
     let hand = assembly.scripted(path, &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
-    let mut pipeline = Judged::of(&assembly);
+    let mut pipeline = CheckedPipeline::new(&assembly);
     let (mut lines, mut ways, mut events) = (Vec::new(), Ways::default(), Events::new());
     while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         events.clear();

@@ -8,17 +8,17 @@ use ademan::hand::{Dof, Finger, FingerSet};
 use ademan::setup::LoadedSetup;
 
 use crate::support::press::{Posture, Press, glove_format};
-use crate::support::wearer::{GloveWearer, assembly, pipeline_with, stream};
+use crate::support::wearer::{GloveWearer, default_setup, packets, pipeline_with};
 
 /// Channels of the shipped glove.
 const ELBOW: usize = 17;
 
 /// A wearer who holds H down.
 fn holding(press: &Press) -> GloveWearer {
-    let mut wearer = GloveWearer::on(&assembly());
+    let mut wearer = GloveWearer::new(&default_setup());
     wearer.play(&press.approach);
     wearer.play(&[press.pressed(); 20]);
-    assert_eq!(wearer.typed(), "down H");
+    assert_eq!(wearer.take_events(), "down H");
     wearer
 }
 
@@ -42,14 +42,14 @@ fn postures(assembly: &LoadedSetup, script: &str) -> Vec<Posture> {
 #[test]
 fn a_stream_that_is_entered_in_the_middle_of_a_frame_types_the_same() {
     let press = Press::for_text("h");
-    let assembly = assembly();
+    let assembly = default_setup();
     let whole = [&press.approach[..], &press.lift[..]].concat();
-    let bytes = stream(&whole);
+    let bytes = packets(&whole);
     for missing in 1..PACKET_BYTES {
-        let mut wearer = GloveWearer::on(&assembly);
+        let mut wearer = GloveWearer::new(&assembly);
         wearer.send(&bytes[missing..]);
         assert_eq!(
-            wearer.typed(),
+            wearer.take_events(),
             "down H, up H",
             "{missing} bytes are missing"
         );
@@ -61,11 +61,11 @@ fn a_stream_that_is_entered_in_the_middle_of_a_frame_types_the_same() {
 #[test]
 fn one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most() {
     let press = Press::for_text("h");
-    let assembly = assembly();
+    let assembly = default_setup();
     let frames = [press.pressed(); 12];
-    let clean = stream(&frames);
+    let clean = packets(&frames);
     for bit in 0..PACKET_BYTES * 8 {
-        let mut wearer = GloveWearer::on(&assembly);
+        let mut wearer = GloveWearer::new(&assembly);
         wearer.play(&press.approach);
         wearer.play(&[press.pressed(); 20]);
         let before = wearer.readings();
@@ -76,22 +76,22 @@ fn one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most() 
         // A broken mark is the end of the frame before it and the start of its own.
         assert!(came as usize >= frames.len() - 2, "bit {bit}: {came}");
         wearer.play(&press.lift);
-        assert_eq!(wearer.typed(), "down H, up H", "bit {bit}");
+        assert_eq!(wearer.take_events(), "down H, up H", "bit {bit}");
     }
 }
 
 #[test]
 fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on() {
     let h = Press::for_text("h");
-    let assembly = assembly();
+    let assembly = default_setup();
     let deed = postures(
         &assembly,
         "press J; set middle-pip-flexion 40 & bend middle 20; wait 200; bend middle 45; wait 200; \
          bend middle 20; wait 200; lift",
     );
-    let mut healthy = GloveWearer::on(&assembly);
+    let mut healthy = GloveWearer::new(&assembly);
     healthy.play(&deed);
-    assert_eq!(healthy.typed(), "down J, down 8, up 8, up J");
+    assert_eq!(healthy.take_events(), "down J, down 8, up 8, up J");
     let index = FingerSet::NONE.with(Finger::Index);
     let map = &assembly.glove.map;
     let channels: Vec<usize> = (0..BODY_BYTES)
@@ -106,17 +106,25 @@ fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on()
         let broken = with(&h.pressed(), channel, end);
         // A second of 175 readings, and the few in which a jump is not believed yet.
         wearer.play(&[broken; 185]);
-        assert_eq!(wearer.typed(), "up H", "channel {channel} at {end}");
+        assert_eq!(wearer.take_events(), "up H", "channel {channel} at {end}");
         let broken = |posture: &Posture| with(posture, channel, end);
         let hang = |postures: &[Posture]| postures.iter().map(broken).collect::<Vec<_>>();
         wearer.play(&hang(&h.lift));
         wearer.play(&hang(&[deed[0]; 60]));
         wearer.play(&hang(&deed));
-        assert_eq!(wearer.typed(), "down 8, up 8", "channel {channel} at {end}");
+        assert_eq!(
+            wearer.take_events(),
+            "down 8, up 8",
+            "channel {channel} at {end}"
+        );
         wearer.play(&[h.clear(); 60]);
         wearer.play(&h.approach);
         wearer.play(&h.lift);
-        assert_eq!(wearer.typed(), "down H, up H", "mended: channel {channel}");
+        assert_eq!(
+            wearer.take_events(),
+            "down H, up H",
+            "mended: channel {channel}"
+        );
     }
 }
 
@@ -127,22 +135,22 @@ fn a_hand_that_is_here_and_there_lets_go_at_the_third_reading_and_presses_nothin
     let elbow = press.pressed()[ELBOW];
     for (number, away) in [120, 60, 120, 60, 120, 60].into_iter().enumerate() {
         let elsewhere = with(&press.pressed(), ELBOW, elbow + away);
-        let rejection = wearer.see_after(5_729, &elsewhere);
+        let rejection = wearer.show_after(5_729, &elsewhere);
         assert_eq!(rejection, Some(Rejection::TooFast));
-        assert_eq!(wearer.typed(), if number == 2 { "up H" } else { "" });
+        assert_eq!(wearer.take_events(), if number == 2 { "up H" } else { "" });
     }
     wearer.play(&[press.pressed(); 60]);
-    assert_eq!(wearer.typed(), "", "the finger has not left the key");
+    assert_eq!(wearer.take_events(), "", "the finger has not left the key");
     wearer.play(&press.lift);
     wearer.play(&press.approach);
-    assert_eq!(wearer.typed(), "down H");
+    assert_eq!(wearer.take_events(), "down H");
 }
 
 #[test]
 fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
     const SPARE: usize = 63;
     let press = Press::for_text("h");
-    let assembly = assembly();
+    let assembly = default_setup();
     let mut rows = assembly.glove.map.rows().to_vec();
     assert!(rows.iter().all(|row| row.channel != SPARE));
     rows.push(ChannelRow {
@@ -159,7 +167,7 @@ fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
         rail_timeout: None,
         ..EstimatorSettings::default()
     };
-    let mut wearer = GloveWearer::with(pipeline_with(
+    let mut wearer = GloveWearer::with_pipeline(pipeline_with(
         &assembly,
         Estimator::new(settings).with_channels(&map),
     ));
@@ -168,25 +176,29 @@ fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
         sane.collect()
     };
     wearer.play(&sane(&press.approach));
-    assert_eq!(wearer.typed(), "down H");
+    assert_eq!(wearer.take_events(), "down H");
     let (held, endless) = (
         sane(&[press.pressed()])[0],
         with(&press.pressed(), SPARE, 255),
     );
     for _ in 0..2 {
         for _ in 0..2 {
-            let rejection = wearer.see_after(5_729, &endless);
+            let rejection = wearer.show_after(5_729, &endless);
             assert_eq!(rejection, Some(Rejection::NotFinite));
         }
-        assert_eq!(wearer.see_after(5_729, &held), None);
+        assert_eq!(wearer.show_after(5_729, &held), None);
     }
-    assert_eq!(wearer.typed(), "", "two in a row are two that are dropped");
+    assert_eq!(
+        wearer.take_events(),
+        "",
+        "two in a row are two that are dropped"
+    );
     for _ in 0..3 {
-        wearer.see_after(5_729, &endless);
+        wearer.show_after(5_729, &endless);
     }
-    assert_eq!(wearer.typed(), "up H");
-    wearer.see_after(5_729, &held);
-    assert_eq!(wearer.typed(), "", "the finger has not left the key");
+    assert_eq!(wearer.take_events(), "up H");
+    wearer.show_after(5_729, &held);
+    assert_eq!(wearer.take_events(), "", "the finger has not left the key");
 }
 
 #[test]
@@ -194,10 +206,10 @@ fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_count
     const HOUR: u64 = 3_600_000_000;
     let press = Press::for_text("h");
     let mut ahead = holding(&press);
-    ahead.see_after(HOUR, &press.pressed());
-    assert_eq!(ahead.typed(), "up H");
+    ahead.show_after(HOUR, &press.pressed());
+    assert_eq!(ahead.take_events(), "up H");
     assert_eq!(ahead.pipeline.stalls(), 1);
-    assert!(!ahead.runs(), "it has to be armed again");
+    assert!(!ahead.is_running(), "it has to be armed again");
 
     for back in [HOUR, 0] {
         let mut wearer = holding(&press);
@@ -205,13 +217,13 @@ fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_count
         wearer
             .pipeline
             .set_stall_timeout(std::time::Duration::from_secs(7_200));
-        wearer.see(&press.pressed());
+        wearer.show(&press.pressed());
         let stale = || Rejection::OutOfOrder;
         wearer.now -= back;
         for _ in 0..3 {
-            assert_eq!(wearer.see(&press.pressed()), Some(stale()));
+            assert_eq!(wearer.show(&press.pressed()), Some(stale()));
         }
-        assert_eq!(wearer.typed(), "up H", "{back} µs back");
+        assert_eq!(wearer.take_events(), "up H", "{back} µs back");
         assert_eq!(wearer.pipeline.rejected()[stale().index()], 3);
     }
 }
@@ -219,7 +231,7 @@ fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_count
 #[test]
 fn a_million_readings_a_second_press_no_more_than_is_allowed() {
     let press = Press::for_text("h");
-    let assembly = assembly();
+    let assembly = default_setup();
     let stroke = [&press.approach[..], &press.lift[..]].concat();
     // Without a filter, which slows down such a hand by itself.
     let settings = EstimatorSettings {
@@ -228,11 +240,11 @@ fn a_million_readings_a_second_press_no_more_than_is_allowed() {
     };
     for interval in [1, 20, 100, 1_000] {
         let estimator = Estimator::new(settings).with_channels(&assembly.glove.map);
-        let mut wearer = GloveWearer::with(pipeline_with(&assembly, estimator));
+        let mut wearer = GloveWearer::with_pipeline(pipeline_with(&assembly, estimator));
         for posture in stroke.iter().cycle().take(100 * stroke.len()) {
-            wearer.see_after(interval, posture);
+            wearer.show_after(interval, posture);
         }
-        let typed = wearer.typed();
+        let typed = wearer.take_events();
         let presses = typed.matches("down").count();
         println!("a reading every {interval} µs: {presses} presses");
         let allowed = 30 + wearer.now * 60 / 1_000_000;

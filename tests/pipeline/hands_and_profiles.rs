@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::checked::Judged;
+use crate::support::checked::CheckedPipeline;
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::device::{EventKind, Events};
 use ademan::document::Document;
@@ -17,7 +17,7 @@ use ademan::time::Timestamp;
 /// People whose hands are over keys or push them in; a reading every 10 ms of each hand.
 struct Wearer {
     assembly: LoadedSetup,
-    pipeline: Judged,
+    pipeline: CheckedPipeline,
     time_ms: u64,
     /// What each hand shows; `None` for one that is not seen.
     shown: [Option<Channels>; Side::COUNT],
@@ -28,7 +28,7 @@ impl Wearer {
     fn of(setup: Setup) -> Self {
         let assembly = setup.load_files().expect("a setup");
         Self {
-            pipeline: Judged::of(&assembly),
+            pipeline: CheckedPipeline::new(&assembly),
             assembly,
             time_ms: 0,
             shown: [None, None],
@@ -338,11 +338,11 @@ fn what_is_held_when_another_layout_is_put_in_force_comes_up_first() {
     wearer.go(Side::Right, "A", true);
     wearer.stay(150);
     let mut events = Events::new();
-    wearer.pipeline.switch_to(1, &mut events);
+    wearer.pipeline.switch_profile(1, &mut events);
     wearer.write(&events);
     wearer.stay(500);
     assert_eq!(wearer.said(), "+A -A");
-    wearer.pipeline.switch_to(7, &mut events);
+    wearer.pipeline.switch_profile(7, &mut events);
     assert_eq!(
         wearer.pipeline.active_profile(),
         1,

@@ -1,6 +1,6 @@
 //! Scripts of the simulated hand: each kind of movement through the whole pipeline, script in, transcript out.
 
-use crate::support::checked::Judged;
+use crate::support::checked::CheckedPipeline;
 use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::device::Events;
 use ademan::hand::Finger;
@@ -26,7 +26,7 @@ fn hand(setup: &LoadedSetup, script: &str) -> Result<SimulatedTypist, String> {
 /// Plays a script. Returns the poses of the hand and the lines of the transcript.
 fn play(setup: &LoadedSetup, script: &str) -> (Vec<HandPose>, Vec<String>) {
     let mut hand = hand(setup, script).unwrap_or_else(|error| panic!("{error}"));
-    let mut pipeline = Judged::of(setup);
+    let mut pipeline = CheckedPipeline::new(setup);
     let mut lines = Vec::new();
     let mut transcript = Transcript::new("test", &mut lines);
     transcript.set_target_names(&setup.layout.target_names());

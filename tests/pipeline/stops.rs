@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use crate::support::checked::Judged;
+use crate::support::checked::CheckedPipeline;
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::command::Command;
 use ademan::device::{EventKind, Events, OutputEvent};
@@ -29,7 +29,7 @@ const BENDING_READINGS: u64 = 60;
 /// Two hands above a split board, with a reading of each per millisecond.
 struct TwoHands {
     setup: LoadedSetup,
-    pipeline: Judged,
+    pipeline: CheckedPipeline,
     /// Angles of each hand above its key and pressing it, by side.
     angles: Vec<(JointAngles, JointAngles)>,
     milliseconds: u64,
@@ -87,7 +87,7 @@ impl TwoHands {
         };
         let setup = setup.load_files().expect("a setup");
         let mut hands = Self {
-            pipeline: Judged::of(&setup),
+            pipeline: CheckedPipeline::new(&setup),
             angles: Side::ALL
                 .iter()
                 .map(|&side| tap_angles(&setup, side))
@@ -225,7 +225,7 @@ fn a_gesture_of_one_hand_pauses_and_releases_the_keys_of_the_other_hand_in_the_s
         assert_eq!(pause, [Command::TogglePause], "round {round}");
         assert_eq!(steps.len(), 1, "round {round}: {steps:?}");
         assert_eq!(hands.pipeline.state(), PipelineState::Paused);
-        assert!(!hands.pipeline.holds());
+        assert!(!hands.pipeline.has_pressed());
         assert_eq!(hands.take_events(), [j(false)], "round {round}");
 
         for is_down in [false, true, false] {
@@ -275,7 +275,7 @@ fn a_hand_whose_elbow_is_no_longer_measured_releases_at_the_third_reading() {
             (expected, Some(Rejection::WrongShape))
         );
     }
-    assert!(!hands.pipeline.holds());
+    assert!(!hands.pipeline.has_pressed());
     hands.take_events();
     hands.hold_still(300);
     assert_eq!(hands.take_events(), [], "the finger has not left the key");

@@ -1,4 +1,4 @@
-//! An engine under an oracle: whatever it is asked for, a broken invariant is a panic.
+//! A pipeline that is checked by the oracle after every step: a broken invariant is a panic.
 
 use std::ops::Deref;
 use std::time::Duration;
@@ -7,22 +7,22 @@ use ademan::capture::Reading;
 use ademan::device::Events;
 use ademan::estimate::Rejection;
 use ademan::layout::Layout;
-use ademan::pipeline::{CommandError, LayoutInstance, Pipeline, PipelineSettings, StepOutput};
+use ademan::pipeline::{
+    CommandError, LayoutInstance, Pipeline, PipelineSettings, PipelineState, StepOutput,
+};
 use ademan::setup::LoadedSetup;
-
-use ademan::pipeline::PipelineState;
 use parry3d::math::Vec3;
 
 use super::oracle::{Cause, Observation, Oracle, OutputRules};
 
-/// A pipeline with an oracle beside it; what only asks goes to the pipeline itself.
-pub struct Judged {
+/// A pipeline with an oracle. Methods that only read are those of the pipeline.
+pub struct CheckedPipeline {
     pipeline: Pipeline,
     oracle: Oracle,
-    frame: Option<StepOutput>,
+    output: Option<StepOutput>,
 }
 
-impl Deref for Judged {
+impl Deref for CheckedPipeline {
     type Target = Pipeline;
 
     fn deref(&self) -> &Pipeline {
@@ -30,29 +30,28 @@ impl Deref for Judged {
     }
 }
 
-#[allow(dead_code, reason = "not every test asks for everything")]
-impl Judged {
-    /// The pipeline of a setup, and an oracle for it.
-    pub fn of(assembly: &LoadedSetup) -> Self {
-        let arming = PipelineSettings {
-            arm_immediately: assembly.setup.arm_immediately,
+impl CheckedPipeline {
+    /// Creates the pipeline of a setup, and an oracle for it.
+    pub fn new(setup: &LoadedSetup) -> Self {
+        let settings = PipelineSettings {
+            arm_immediately: setup.setup.arm_immediately,
             ..PipelineSettings::default()
         };
         Self {
-            pipeline: assembly.pipeline(),
-            oracle: Oracle::new(assembly.layouts().map(OutputRules::from_layout), arming),
-            frame: None,
+            pipeline: setup.pipeline(),
+            oracle: Oracle::new(setup.layouts().map(OutputRules::from_layout), settings),
+            output: None,
         }
     }
 
-    /// Gives a line that is slow the time that a run gives it before it counts as stalled.
-    pub fn expect_frames_every(&mut self, period: Duration) {
+    /// Raises the stall timeout for a source with this packet period, as a session does.
+    pub fn tolerate_packet_period(&mut self, period: Duration) {
         let limit = self.pipeline.stall_timeout().max(3 * period);
         self.pipeline.set_stall_timeout(limit);
     }
 
-    /// Whether something is down, or off its rest.
-    pub fn holds(&self) -> bool {
+    /// Returns `true` if a key is pressed or an axis is off zero.
+    pub fn has_pressed(&self) -> bool {
         self.oracle.has_pressed()
     }
 
@@ -65,56 +64,56 @@ impl Judged {
         let (first, profile) = (events.len(), self.pipeline.active_profile());
         let outcome = self.pipeline.step(reading, events).cloned();
         let rejection = outcome.as_ref().err().copied();
-        self.frame = outcome.ok();
-        self.judge(Cause::Reading(reading.time), profile, events, first);
-        match (&self.frame, rejection) {
-            (Some(frame), _) => Ok(frame),
-            (None, rejection) => Err(rejection.expect("a frame or a rejection")),
+        self.output = outcome.ok();
+        self.check(Cause::Reading(reading.time), profile, events, first);
+        match (&self.output, rejection) {
+            (Some(output), _) => Ok(output),
+            (None, rejection) => Err(rejection.expect("an output or a rejection")),
         }
     }
 
     #[track_caller]
     pub fn stall(&mut self, events: &mut Events) {
-        let lets_go = self.pipeline.expects_readings();
-        self.ask(lets_go, events, Pipeline::stall);
+        let releases = self.pipeline.expects_readings();
+        self.command(releases, events, Pipeline::stall);
     }
 
     #[track_caller]
     pub fn pause(&mut self, events: &mut Events) {
-        let lets_go = !self.is_paused() && self.state() != PipelineState::Stopped;
-        self.ask(lets_go, events, Pipeline::pause);
+        let releases = !self.is_paused() && self.state() != PipelineState::Stopped;
+        self.command(releases, events, Pipeline::pause);
     }
 
     #[track_caller]
     pub fn resume(&mut self) {
-        self.ask(false, &mut Events::new(), |pipeline, _| pipeline.resume());
+        self.command(false, &mut Events::new(), |pipeline, _| pipeline.resume());
     }
 
     #[track_caller]
     pub fn stop(&mut self, events: &mut Events) {
-        self.ask(true, events, Pipeline::stop);
+        self.command(true, events, Pipeline::stop);
     }
 
     #[track_caller]
-    pub fn switch_to(&mut self, profile: usize, events: &mut Events) {
-        let lets_go = profile != self.active_profile() && profile < self.profile_count();
-        self.ask(lets_go, events, |pipeline, events| {
+    pub fn switch_profile(&mut self, profile: usize, events: &mut Events) {
+        let releases = profile != self.active_profile() && profile < self.profile_count();
+        self.command(releases, events, |pipeline, events| {
             pipeline.switch_profile(profile, events);
         });
     }
 
-    /// Puts other controls, made of `layout`, in a place of the setup.
+    /// Replaces a layout of the setup by an instance of `layout`.
     #[track_caller]
-    pub fn replace(
+    pub fn replace_profile(
         &mut self,
         profile: usize,
-        controls: &mut LayoutInstance,
+        instance: &mut LayoutInstance,
         layout: &Layout,
         events: &mut Events,
     ) {
-        let lets_go = profile == self.active_profile();
-        self.ask(lets_go, events, |pipeline, events| {
-            pipeline.replace_profile(profile, controls, events);
+        let releases = profile == self.active_profile();
+        self.command(releases, events, |pipeline, events| {
+            pipeline.replace_profile(profile, instance, events);
         });
         self.oracle
             .replace(profile, OutputRules::from_layout(layout));
@@ -122,67 +121,67 @@ impl Judged {
 
     #[track_caller]
     pub fn nudge(&mut self, by: Vec3, events: &mut Events) -> Result<(), CommandError> {
-        self.shift(events, |pipeline, events| pipeline.nudge(by, events))
+        self.move_boards(events, |pipeline, events| pipeline.nudge(by, events))
     }
 
     #[track_caller]
     pub fn tilt(&mut self, by: f32, events: &mut Events) -> Result<(), CommandError> {
-        self.shift(events, |pipeline, events| pipeline.tilt(by, events))
+        self.move_boards(events, |pipeline, events| pipeline.tilt(by, events))
     }
 
     #[track_caller]
-    pub fn recentre(&mut self, events: &mut Events) -> Result<(), CommandError> {
-        self.shift(events, Pipeline::recenter)
+    pub fn recenter(&mut self, events: &mut Events) -> Result<(), CommandError> {
+        self.move_boards(events, Pipeline::recenter)
     }
 
     #[track_caller]
-    fn shift(
+    fn move_boards(
         &mut self,
         events: &mut Events,
-        shift: impl FnOnce(&mut Pipeline, &mut Events) -> Result<(), CommandError>,
+        command: impl FnOnce(&mut Pipeline, &mut Events) -> Result<(), CommandError>,
     ) -> Result<(), CommandError> {
         let (first, profile) = (events.len(), self.pipeline.active_profile());
-        let shifted = shift(&mut self.pipeline, events);
-        self.frame = None;
-        let cause = if shifted.is_ok() {
+        let outcome = command(&mut self.pipeline, events);
+        self.output = None;
+        let cause = if outcome.is_ok() {
             Cause::ReleaseAll
         } else {
             Cause::Other
         };
-        self.judge(cause, profile, events, first);
-        shifted
+        self.check(cause, profile, events, first);
+        outcome
     }
 
     #[track_caller]
-    fn ask(
+    fn command(
         &mut self,
-        lets_go: bool,
+        releases: bool,
         events: &mut Events,
-        ask: impl FnOnce(&mut Pipeline, &mut Events),
+        command: impl FnOnce(&mut Pipeline, &mut Events),
     ) {
         let (first, profile) = (events.len(), self.pipeline.active_profile());
-        ask(&mut self.pipeline, events);
-        self.frame = None;
-        let cause = if lets_go {
+        command(&mut self.pipeline, events);
+        self.output = None;
+        let cause = if releases {
             Cause::ReleaseAll
         } else {
             Cause::Other
         };
-        self.judge(cause, profile, events, first);
+        self.check(cause, profile, events, first);
     }
 
     #[track_caller]
-    fn judge(&mut self, cause: Cause, profile: usize, events: &Events, first: usize) {
-        let judgement = self.oracle.check(Observation {
+    fn check(&mut self, cause: Cause, profile: usize, events: &Events, first: usize) {
+        let outcome = self.oracle.check(Observation {
             cause,
             state: self.pipeline.state(),
             is_paused: self.pipeline.is_paused(),
             profile,
-            output: self.frame.as_ref().map(Into::into),
+            output: self.output.as_ref().map(Into::into),
             events: &events[first..],
-            commands: self.frame.as_ref().map_or(&[], |frame| &frame.commands),
+            commands: self.output.as_ref().map_or(&[], |output| &output.commands),
         });
-        if let Err(violation) = judgement {
+        if let Err(violation) = outcome {
             panic!("{violation}, after {cause:?}: {:?}", &events[first..]);
         }
     }

@@ -1,4 +1,4 @@
-//! `ademan run` on a layout file of its own, and somebody who wears the glove.
+//! `ademan run` with a layout file of its own and a simulated glove on the network.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpListener;
@@ -21,15 +21,15 @@ use tempfile::TempDir;
 use super::binary::ademan;
 use super::process::Process;
 
-/// How long anything on a busy machine may take before the test gives up.
-pub const PATIENCE: Duration = Duration::from_secs(30);
+/// The time after which a test gives up. Nothing takes as long, even on a busy machine.
+pub const TIMEOUT: Duration = Duration::from_secs(60);
 
-/// How long the hand takes to be seen in another posture.
-pub const MOVE: Duration = Duration::from_millis(500);
+/// The time for the filters to follow a change of posture.
+pub const MOVE_TIME: Duration = Duration::from_millis(500);
 
 type Posture = [u8; BODY_BYTES];
 
-/// The glove with the index finger over the H key, and with the key pushed in.
+/// Returns two postures of the glove: the index finger over the H key, and on the pressed key.
 pub fn postures() -> (Posture, Posture) {
     let assembly = Setup::default().load_files().expect("the default setup");
     let typist = assembly.typist("h", &Hc11Format::default(), 0.0, 0);
@@ -37,7 +37,7 @@ pub fn postures() -> (Posture, Posture) {
     let mut pipeline = assembly.pipeline();
     let mut over = None;
     for frame in 1.. {
-        let counts = typist.next_counts().expect("the key goes down");
+        let counts = typist.next_counts().expect("the hand presses the key");
         let posture = std::array::from_fn(|channel| counts[channel] as u8);
         over.get_or_insert(posture);
         let reading = Reading {
@@ -46,45 +46,46 @@ pub fn postures() -> (Posture, Posture) {
             sample: Sample::Channels(hc11::channels(&posture)),
         };
         let frame = pipeline.step(&reading, &mut Events::new());
-        let touches = &frame.expect("an able hand").touches;
+        let touches = &frame.expect("an accepted reading").touches;
         if touches
             .iter()
             .any(|touch| touch.phase == Phase::Moved && touch.depth == 1.0)
         {
-            return (over.expect("it began over the key"), posture);
+            return (over.expect("a first posture"), posture);
         }
     }
-    unreachable!("the loop has no end of its own");
+    unreachable!("the loop does not end");
 }
 
-/// `ademan run` with a layout file of its own, and somebody who wears the glove.
+/// A running program with a layout file of its own, and a glove that sends to it.
 pub struct Run {
     pub program: Process,
     posture: Arc<Mutex<Posture>>,
     over: Posture,
     down: Posture,
-    pub typed: Receiver<String>,
-    pub told: Receiver<String>,
+    /// The lines of the transcript, on standard output.
+    pub events: Receiver<String>,
+    /// The lines on standard error.
+    pub messages: Receiver<String>,
     pub folder: TempDir,
 }
 
-/// What a run that is ready says.
+/// The message of a session that is armed.
 pub const ARMED: &str = "armed: touches are typed, Ctrl-C ends";
 
 impl Run {
-    /// On the layout `qwerty-flat`, with the key H held.
+    /// Starts the program with the layout `qwerty-flat`, and holds the key H.
     pub fn with_held_key(arguments: &[&str]) -> Self {
-        // A machine that holds the hand up for a moment shall not end the press.
-        let run = Self::of("role: Both, stall_timeout_ms: 10000", arguments);
-        run.wait_until_told(ARMED);
-        run.push_down();
-        assert_eq!(run.typed(), "down H");
+        // A busy machine that delays packets must not end the press.
+        let run = Self::with_setup("role: Both, stall_timeout_ms: 10000", arguments);
+        run.wait_for_message(ARMED);
+        run.press();
+        assert_eq!(run.next_event(), "down H");
         run
     }
 
-    /// On the layout `qwerty-flat`, with these fields of a setup and the index finger over the key H. The source
-    /// is one on the network.
-    pub fn of(fields: &str, arguments: &[&str]) -> Self {
+    /// Starts the program with the layout `qwerty-flat` and these fields of a setup; the index finger is over the key H.
+    pub fn with_setup(fields: &str, arguments: &[&str]) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         std::fs::write(folder.path().join("my.ron"), shipped("qwerty-flat")).expect("a file");
         let setup = format!("Setup(layout: \"my.ron\", {fields})");
@@ -101,55 +102,61 @@ impl Run {
         let mut program = Process::start(&mut command).expect("it starts");
         let (over, down) = postures();
         let posture = Arc::new(Mutex::new(over));
-        let worn = posture.clone();
-        thread::spawn(move || wear(&listener, &worn));
-        let typed = lines(program.0.stdout.take().expect("it is piped"));
-        let told = lines(program.0.stderr.take().expect("it is piped"));
+        let sent = posture.clone();
+        thread::spawn(move || send(&listener, &sent));
+        let events = line_receiver(program.0.stdout.take().expect("it is piped"));
+        let messages = line_receiver(program.0.stderr.take().expect("it is piped"));
         Self {
             program,
             posture,
             over,
             down,
-            typed,
-            told,
+            events,
+            messages,
             folder,
         }
     }
 
+    /// Returns the path of the layout file.
     pub fn path(&self) -> PathBuf {
         self.folder.path().join("my.ron")
     }
 
+    /// Writes the layout file.
     pub fn save(&self, text: &str) -> Instant {
         std::fs::write(self.path(), text).expect("the file can be written");
         Instant::now()
     }
 
-    pub fn push_down(&self) {
-        *self.posture.lock().expect("nobody panics with it") = self.down;
+    /// Presses the key H.
+    pub fn press(&self) {
+        *self.posture.lock().expect("no panic while it is locked") = self.down;
     }
 
+    /// Lifts the finger off the key H.
     pub fn lift(&self) {
-        *self.posture.lock().expect("nobody panics with it") = self.over;
+        *self.posture.lock().expect("no panic while it is locked") = self.over;
     }
 
-    /// The next event, without its time.
-    pub fn typed(&self) -> String {
-        next_event(&self.typed)
+    /// Waits for the next event, and returns it without its time.
+    pub fn next_event(&self) -> String {
+        next_event(&self.events)
     }
 
-    pub fn told(&self) -> String {
-        let line = self.told.recv_timeout(PATIENCE);
-        line.expect("something is told")
+    /// Waits for the next message.
+    pub fn next_message(&self) -> String {
+        let line = self.messages.recv_timeout(TIMEOUT);
+        line.expect("a message")
     }
 
-    pub fn wait_until_told(&self, line: &str) {
-        while self.told() != line {}
+    /// Waits for a message.
+    pub fn wait_for_message(&self, line: &str) {
+        while self.next_message() != line {}
     }
 }
 
-/// Sends the posture at the pace of the line until nobody listens.
-fn wear(listener: &TcpListener, posture: &Mutex<Posture>) {
+/// Sends the posture at the pace of the line until the connection ends.
+fn send(listener: &TcpListener, posture: &Mutex<Posture>) {
     let (mut line, _) = listener.accept().expect("the program connects");
     loop {
         let packet = encode(Framing::Double06, &posture.lock().expect("no panic"));
@@ -160,16 +167,16 @@ fn wear(listener: &TcpListener, posture: &Mutex<Posture>) {
     }
 }
 
-/// The next event of a transcript, without its time.
+/// Waits for the next event of a transcript, and returns it without its time.
 pub fn next_event(transcript: &Receiver<String>) -> String {
-    let line = transcript.recv_timeout(PATIENCE);
-    let line = line.expect("something is typed");
+    let line = transcript.recv_timeout(TIMEOUT);
+    let line = line.expect("an event");
     let words: Vec<&str> = line.split_whitespace().skip(1).collect();
     words.join(" ")
 }
 
-/// The lines of a stream, as they come.
-pub fn lines(stream: impl Read + Send + 'static) -> Receiver<String> {
+/// Reads the lines of a stream in a thread of its own.
+pub fn line_receiver(stream: impl Read + Send + 'static) -> Receiver<String> {
     let (sender, lines) = unbounded();
     thread::spawn(move || {
         for line in BufReader::new(stream).lines().map_while(Result::ok) {
@@ -179,7 +186,7 @@ pub fn lines(stream: impl Read + Send + 'static) -> Receiver<String> {
     lines
 }
 
-/// The text of a layout that comes with the program.
+/// Returns the text of a shipped layout.
 pub fn shipped(name: &str) -> String {
     Layout::load(name).expect("a shipped layout").text
 }

@@ -1,4 +1,4 @@
-//! A glove whose bytes go straight through the engine: what is typed does not depend on how busy the machine is.
+//! A glove whose bytes go straight through the pipeline, so that the result does not depend on the load of the machine.
 
 use ademan::capture::hc11::{Framing, Hc11Decoder, PACKET_BYTES, body, channels, encode};
 use ademan::capture::protocol::{Decoder, Packet};
@@ -13,49 +13,51 @@ use ademan::time::Timestamp;
 
 use super::press::{Posture, glove_format};
 
-/// The default setup.
-pub fn assembly() -> LoadedSetup {
+/// Loads the default setup.
+pub fn default_setup() -> LoadedSetup {
     Setup::default().load_files().expect("the default setup")
 }
 
-/// A pipeline that the first reading arms, with an estimator of its own.
-pub fn pipeline_with(assembly: &LoadedSetup, estimator: Estimator) -> Pipeline {
-    let arm: ArmModel = assembly.arm.clone();
-    let controls: LayoutInstance = ademan::setup::controls(&assembly.layout);
-    let arming = PipelineSettings {
+/// Creates a pipeline with this estimator that the first reading arms.
+pub fn pipeline_with(setup: &LoadedSetup, estimator: Estimator) -> Pipeline {
+    let arm: ArmModel = setup.arm.clone();
+    let instance: LayoutInstance = ademan::setup::controls(&setup.layout);
+    let settings = PipelineSettings {
         arm_immediately: true,
         ..PipelineSettings::default()
     };
-    Pipeline::new(estimator, arm, controls, arming)
+    Pipeline::new(estimator, arm, instance, settings)
 }
 
-/// Somebody who wears the glove, armed by the first reading.
+/// A worn glove and its pipeline, armed by the first reading.
 pub struct GloveWearer {
     pub pipeline: Pipeline,
     decoder: Hc11Decoder,
     bytes: usize,
-    /// Time that passed without bytes, in microseconds.
+    /// The time without bytes so far, in microseconds.
     silence: u64,
-    /// In microseconds; a frame takes as long as on a line.
+    /// The current time in microseconds; bytes take as long as on a serial line.
     pub now: u64,
-    typed: Vec<String>,
+    events: Vec<String>,
 }
 
 impl GloveWearer {
-    pub fn on(assembly: &LoadedSetup) -> Self {
-        let map = assembly.glove.map.clone();
+    /// Creates the default estimator and the pipeline of a setup.
+    pub fn new(setup: &LoadedSetup) -> Self {
+        let map = setup.glove.map.clone();
         let estimator = Estimator::new(EstimatorSettings::default()).with_channels(&map);
-        Self::with(pipeline_with(assembly, estimator))
+        Self::with_pipeline(pipeline_with(setup, estimator))
     }
 
-    pub fn with(pipeline: Pipeline) -> Self {
+    /// Uses this pipeline.
+    pub fn with_pipeline(pipeline: Pipeline) -> Self {
         Self {
             pipeline,
             decoder: Hc11Decoder::new(Framing::Double06),
             bytes: 0,
             silence: 0,
             now: 0,
-            typed: Vec::new(),
+            events: Vec::new(),
         }
     }
 
@@ -73,17 +75,17 @@ impl GloveWearer {
         }
         for (time, body) in bodies {
             self.now = time;
-            let _ = self.see(&body);
+            let _ = self.show(&body);
         }
     }
 
-    /// Frames on the line.
+    /// Sends a packet for each posture.
     pub fn play(&mut self, postures: &[Posture]) {
-        self.send(&stream(postures));
+        self.send(&packets(postures));
     }
 
-    /// Takes a posture at this very moment.
-    pub fn see(&mut self, posture: &Posture) -> Option<Rejection> {
+    /// Gives the pipeline a posture at the current time.
+    pub fn show(&mut self, posture: &Posture) -> Option<Rejection> {
         let reading = Reading {
             time: Timestamp(self.now),
             side: None,
@@ -91,45 +93,47 @@ impl GloveWearer {
         };
         let mut events = Events::new();
         let rejection = self.pipeline.step(&reading, &mut events).err();
-        self.note(&events);
+        self.write(&events);
         rejection
     }
 
-    /// Takes a posture some microseconds later.
-    pub fn see_after(&mut self, microseconds: u64, posture: &Posture) -> Option<Rejection> {
+    /// Gives the pipeline a posture some microseconds later.
+    pub fn show_after(&mut self, microseconds: u64, posture: &Posture) -> Option<Rejection> {
         self.silence += microseconds;
         self.now += microseconds;
-        self.see(posture)
+        self.show(posture)
     }
 
-    fn note(&mut self, events: &Events) {
+    fn write(&mut self, events: &Events) {
         for event in events {
             match event.kind {
-                EventKind::KeyDown(key) => self.typed.push(format!("down {key}")),
-                EventKind::KeyUp(key) => self.typed.push(format!("up {key}")),
+                EventKind::KeyDown(key) => self.events.push(format!("down {key}")),
+                EventKind::KeyUp(key) => self.events.push(format!("up {key}")),
                 _ => {}
             }
         }
     }
 
-    /// What was typed since the last call.
-    pub fn typed(&mut self) -> String {
-        std::mem::take(&mut self.typed).join(", ")
+    /// Removes and returns the key events since the last call.
+    pub fn take_events(&mut self) -> String {
+        std::mem::take(&mut self.events).join(", ")
     }
 
+    /// Returns the number of packets so far.
     pub fn readings(&self) -> u64 {
         self.decoder.stats().readings
     }
 
-    pub fn runs(&self) -> bool {
+    /// Returns `true` if the pipeline is armed and running.
+    pub fn is_running(&self) -> bool {
         self.pipeline.state() == PipelineState::Running
     }
 }
 
-/// What the glove sends in these postures, one after the other.
-pub fn stream(postures: &[Posture]) -> Vec<u8> {
-    let frames = postures.iter();
-    let bytes: Vec<u8> = frames
+/// Returns the packets of these postures.
+pub fn packets(postures: &[Posture]) -> Vec<u8> {
+    let bytes: Vec<u8> = postures
+        .iter()
         .flat_map(|posture| encode(Framing::Double06, posture))
         .collect();
     assert_eq!(bytes.len(), PACKET_BYTES * postures.len());

@@ -5,7 +5,7 @@ use std::os::unix::net::UnixStream;
 
 use ademan::session::control_socket::Client;
 
-use crate::support::run::{PATIENCE, Run};
+use crate::support::run::{Run, TIMEOUT};
 
 #[test]
 fn a_thousand_connections_are_refused_and_the_one_that_was_there_is_answered() {
@@ -26,7 +26,7 @@ fn a_thousand_connections_are_refused_and_the_one_that_was_there_is_answered() {
     }
     for number in 0..1_000 {
         let stream = UnixStream::connect(&path).expect("the run listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a limit");
+        stream.set_read_timeout(Some(TIMEOUT)).expect("a limit");
         let mut reader = BufReader::new(stream);
         let mut line = String::new();
         // Whoever is refused is told so, or cut off.
@@ -42,9 +42,9 @@ fn a_thousand_connections_are_refused_and_the_one_that_was_there_is_answered() {
         }
     }
     is_answered();
-    assert!(run.typed.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays held");
     run.lift();
-    assert_eq!(run.typed(), "up H");
+    assert_eq!(run.next_event(), "up H");
     drop(seated);
     let _ = run.program.0.kill();
 }

@@ -1,4 +1,4 @@
-//! A serial line whose far end is the test's, and `ademan run` on it.
+//! A serial line whose other end the test holds, and `ademan run` on it.
 
 use std::fs;
 use std::io::Write;
@@ -14,61 +14,68 @@ use tempfile::TempDir;
 use crate::support::binary::ademan;
 use crate::support::press::{Posture, glove_format};
 use crate::support::process::{Process, lock_spawning};
-use crate::support::run::{PATIENCE, lines, next_event};
-use crate::support::wearer::stream;
+use crate::support::run::{TIMEOUT, line_receiver, next_event};
+use crate::support::wearer::packets;
 
-/// A pseudo terminal; its name is a link, so that no other test gets the same one.
+/// A pseudo-terminal. The program sees it by a link, because the system reuses device names.
 pub struct PseudoTerminal {
     pub folder: TempDir,
-    far_end: TTYPort,
-    _near_end: TTYPort,
+    remote_end: TTYPort,
+    _local_end: TTYPort,
 }
 
 impl PseudoTerminal {
-    pub fn plugged_in() -> Self {
+    /// Opens a pseudo-terminal.
+    pub fn open() -> Self {
         let _alone = lock_spawning();
-        let (mut far_end, near_end) = TTYPort::pair().expect("a pseudo terminal");
-        far_end.set_timeout(PATIENCE).expect("it waits for room");
+        let (mut remote_end, local_end) = TTYPort::pair().expect("a pseudo-terminal");
+        remote_end.set_timeout(TIMEOUT).expect("a timeout");
         let folder = tempfile::tempdir().expect("a folder");
-        let device = near_end.name().expect("it has a name");
-        symlink(device, folder.path().join("glove")).expect("a link to it");
+        let device = local_end.name().expect("a device name");
+        symlink(device, folder.path().join("glove")).expect("a link to the device");
         Self {
             folder,
-            far_end,
-            _near_end: near_end,
+            remote_end,
+            _local_end: local_end,
         }
     }
 
+    /// Returns the URI of the line as a source.
     pub fn source(&self) -> String {
         format!("serial:{}", self.folder.path().join("glove").display())
     }
 
-    /// Sends bytes as fast as they are taken.
+    /// Sends bytes as fast as the terminal accepts them.
     pub fn send(&mut self, bytes: &[u8]) {
-        // A terminal takes no more than it has room for.
+        // The buffer of a terminal is small.
         for piece in bytes.chunks(256) {
-            self.far_end.write_all(piece).expect("somebody listens");
+            self.remote_end
+                .write_all(piece)
+                .expect("the terminal accepts bytes");
         }
     }
 
-    /// Frames at the pace of a line.
+    /// Sends a packet for each posture, at the pace of a serial line.
     pub fn play(&mut self, postures: &[Posture]) {
         for posture in postures {
-            self.send(&stream(&[*posture]));
+            self.send(&packets(&[*posture]));
             thread::sleep(glove_format().packet_period());
         }
     }
 }
 
-/// `ademan run` on a line, on a machine that may hold it up for seconds without ending a press.
+/// `ademan run` on a line. A busy machine may delay packets for 10 s without ending a press.
 pub struct SerialRun {
     pub program: Process,
-    pub typed: Receiver<String>,
-    pub told: Receiver<String>,
+    /// The lines of the transcript, on standard output.
+    pub events: Receiver<String>,
+    /// The lines on standard error.
+    pub messages: Receiver<String>,
 }
 
 impl SerialRun {
-    pub fn on(line: &PseudoTerminal, arguments: &[&str]) -> Self {
+    /// Starts the program, and waits until it has opened the line.
+    pub fn start(line: &PseudoTerminal, arguments: &[&str]) -> Self {
         let setup = line.folder.path().join("setup.ron");
         fs::write(&setup, "Setup(stall_timeout_ms: 10000)").expect("a file");
         let source = line.source();
@@ -80,69 +87,69 @@ impl SerialRun {
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
-        let mut program = Process::start(&mut command).expect("it starts");
-        let typed = lines(program.0.stdout.take().expect("it is piped"));
-        let told = lines(program.0.stderr.take().expect("it is piped"));
+        let mut program = Process::start(&mut command).expect("the program starts");
+        let events = line_receiver(program.0.stdout.take().expect("a pipe"));
+        let messages = line_receiver(program.0.stderr.take().expect("a pipe"));
         let run = Self {
             program,
-            typed,
-            told,
+            events,
+            messages,
         };
-        run.wait_until_told("listening to");
+        run.wait_for_message("listening to");
         run
     }
 
-    /// Waits for a line with `part` in it, and gives it.
-    pub fn wait_until_told(&self, part: &str) -> String {
-        let mut heard = Vec::new();
+    /// Waits for a message that contains `part`, and returns it.
+    pub fn wait_for_message(&self, part: &str) -> String {
+        let mut others = Vec::new();
         let start = Instant::now();
-        while start.elapsed() < PATIENCE {
-            let Ok(line) = self.told.recv_timeout(PATIENCE) else {
+        while start.elapsed() < TIMEOUT {
+            let Ok(line) = self.messages.recv_timeout(TIMEOUT) else {
                 break;
             };
             if line.contains(part) {
                 return line;
             }
-            heard.push(line);
+            others.push(line);
         }
-        panic!("it does not say {part:?}: {heard:#?}");
+        panic!("no message contains {part:?}: {others:#?}");
     }
 
-    /// The next event, without its time.
-    pub fn typed(&self) -> String {
-        next_event(&self.typed)
+    /// Waits for the next event, and returns it without its time.
+    pub fn next_event(&self) -> String {
+        next_event(&self.events)
     }
 
-    /// What the process has in memory, in KiB.
+    /// Returns the resident memory of the process in KiB.
     pub fn memory(&self) -> u64 {
         let path = format!("/proc/{}/status", self.program.0.id());
-        let status = fs::read_to_string(path).expect("it runs");
+        let status = fs::read_to_string(path).expect("the process runs");
         let line = status.lines().find(|line| line.starts_with("VmRSS:"));
-        let words = line.expect("it has memory").split_whitespace();
+        let words = line.expect("a line about memory").split_whitespace();
         words
             .skip(1)
             .find_map(|word| word.parse().ok())
             .expect("KiB")
     }
 
-    /// Asks it to end, and waits for that; its exit code.
+    /// Sends SIGTERM, waits for the end of the process, and returns its exit code.
     pub fn end(&mut self) -> Option<i32> {
         let process = self.program.0.id().to_string();
         let mut kill = std::process::Command::new("kill");
         let sent = kill.args(["-s", "TERM", &process]).status();
-        assert!(sent.expect("kill is there").success());
-        self.code()
+        assert!(sent.expect("kill exists").success());
+        self.exit_code()
     }
 
-    /// Its exit code, once it has ended.
-    pub fn code(&mut self) -> Option<i32> {
+    /// Waits for the end of the process, and returns its exit code.
+    pub fn exit_code(&mut self) -> Option<i32> {
         let start = Instant::now();
-        while start.elapsed() < PATIENCE {
-            if let Some(status) = self.program.0.try_wait().expect("it is a child") {
+        while start.elapsed() < TIMEOUT {
+            if let Some(status) = self.program.0.try_wait().expect("a child process") {
                 return status.code();
             }
             thread::sleep(Duration::from_millis(5));
         }
-        panic!("it does not end");
+        panic!("the process does not end");
     }
 }

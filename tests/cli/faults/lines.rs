@@ -1,4 +1,4 @@
-//! A line that is not what the program expects: in use, not allowed, noisy, or of a board that starts anew.
+//! Faults of a serial line: in use, without permission, noisy, or with a microcontroller that restarts.
 
 use std::fs::{self, Permissions};
 use std::os::unix::fs::PermissionsExt;
@@ -10,43 +10,45 @@ use std::time::{Duration, Instant};
 use super::line::{PseudoTerminal, SerialRun};
 use crate::support::binary::ademan;
 use crate::support::press::Press;
-use crate::support::wearer::stream;
+use crate::support::wearer::packets;
 
 #[test]
 fn a_second_run_on_the_same_port_is_refused_at_once_and_the_first_goes_on() {
-    let mut line = PseudoTerminal::plugged_in();
+    let mut line = PseudoTerminal::open();
     let press = Press::for_text("h");
-    let mut first = SerialRun::on(&line, &["--armed", "--control", "off"]);
+    let mut first = SerialRun::start(&line, &["--armed", "--control", "off"]);
     let source = line.source();
     let second = ademan(["run", "--source", &source, "--control", "off"])
         .env_remove("XDG_RUNTIME_DIR")
         .output()
-        .expect("it starts");
+        .expect("the program starts");
     let err = String::from_utf8_lossy(&second.stderr);
     assert_eq!(second.status.code(), Some(2), "{err}");
     assert!(err.contains("in use by another program"), "{err}");
-    assert_eq!(err.lines().count(), 1, "said once: {err}");
+    assert_eq!(err.lines().count(), 1, "one message: {err}");
     line.play(&press.approach);
     line.play(&press.lift);
-    assert_eq!([first.typed(), first.typed()], ["down H", "up H"]);
+    assert_eq!([first.next_event(), first.next_event()], ["down H", "up H"]);
 
-    // A run that is killed keeps no lock.
-    first.program.0.kill().expect("it runs");
-    first.program.0.wait().expect("it ends");
-    let mut third = SerialRun::on(&line, &["--control", "off"]);
+    // A killed process keeps no lock.
+    first.program.0.kill().expect("the process runs");
+    first.program.0.wait().expect("the process ends");
+    let mut third = SerialRun::start(&line, &["--control", "off"]);
     assert_eq!(third.end(), Some(0));
 }
 
 #[test]
-fn a_port_that_may_not_be_opened_names_the_group_and_never_asks_for_root() {
+fn a_port_without_permission_names_the_group_and_never_asks_for_root() {
     const NOBODY: u32 = 65_534;
-    let line = PseudoTerminal::plugged_in();
+    let line = PseudoTerminal::open();
     let device = line.folder.path().join("glove");
-    fs::set_permissions(&device, Permissions::from_mode(0o000)).expect("the terminal is ours");
-    fs::set_permissions(line.folder.path(), Permissions::from_mode(0o755)).expect("it is ours");
-    // A copy where everybody gets at it.
+    fs::set_permissions(&device, Permissions::from_mode(0o000))
+        .expect("the test owns the terminal");
+    fs::set_permissions(line.folder.path(), Permissions::from_mode(0o755))
+        .expect("the test owns the folder");
+    // A copy that every user may run.
     let program = line.folder.path().join("ademan");
-    fs::copy(env!("CARGO_BIN_EXE_ademan"), &program).expect("there is room");
+    fs::copy(env!("CARGO_BIN_EXE_ademan"), &program).expect("disk space");
     let run = |command: &mut Command| {
         let arguments = ["run", "--control", "off", "--source", &line.source()];
         command
@@ -54,14 +56,14 @@ fn a_port_that_may_not_be_opened_names_the_group_and_never_asks_for_root() {
             .env_remove("XDG_RUNTIME_DIR")
             .output()
     };
-    // Root may open everything: somebody else tries.
+    // Root may open everything, so another user tries.
     let ended = match run(Command::new(&program).uid(NOBODY).gid(NOBODY)) {
         Err(error) if error.kind() == std::io::ErrorKind::PermissionDenied => {
             run(&mut Command::new(&program))
         }
         ended => ended,
     };
-    let ended = ended.expect("it starts");
+    let ended = ended.expect("the program starts");
     let err = String::from_utf8_lossy(&ended.stderr);
     assert_eq!(ended.status.code(), Some(2), "{err}");
     for word in ["usermod --append --groups", "$USER"] {
@@ -71,24 +73,24 @@ fn a_port_that_may_not_be_opened_names_the_group_and_never_asks_for_root() {
 }
 
 #[test]
-fn a_minute_of_noise_at_the_wrong_baud_types_nothing_says_so_and_takes_no_memory() {
+fn a_minute_of_noise_at_the_wrong_baud_types_nothing_is_reported_and_needs_no_memory() {
     let press = Press::for_text("h");
-    let mut line = PseudoTerminal::plugged_in();
-    let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
-    let glove = stream(&[&press.approach[..], &press.lift[..]].concat());
-    let heard = [
-        misheard(&glove, 9_600, 115_200),
-        misheard(&glove, 115_200, 9_600),
-        misheard(&glove, 57_600, 115_200),
+    let mut line = PseudoTerminal::open();
+    let mut run = SerialRun::start(&line, &["--armed", "--control", "off"]);
+    let glove = packets(&[&press.approach[..], &press.lift[..]].concat());
+    let received = [
+        received_at(&glove, 9_600, 115_200),
+        received_at(&glove, 115_200, 9_600),
+        received_at(&glove, 57_600, 115_200),
     ];
     let mut random = fastrand::Rng::with_seed(12);
     let mut sent = 0;
     let start = Instant::now();
     let mut memory = None;
-    // As much as comes in a minute, and for longer than it takes to be noticed.
+    // As many bytes as arrive in a minute, for longer than the warning takes.
     while sent < 60 * 115_200 / 10 || start.elapsed() < Duration::from_secs(3) {
         let noise: Vec<u8> = (0..8_192).map(|_| random.u8(..)).collect();
-        for bytes in heard.iter().chain([&noise]) {
+        for bytes in received.iter().chain([&noise]) {
             line.send(bytes);
             sent += bytes.len();
         }
@@ -97,110 +99,110 @@ fn a_minute_of_noise_at_the_wrong_baud_types_nothing_says_so_and_takes_no_memory
         }
         thread::sleep(Duration::from_millis(5));
     }
-    let before = memory.expect("there was enough of it");
+    let before = memory.expect("enough noise");
     let growth = run.memory().saturating_sub(before);
-    assert!(growth < 2_048, "{growth} KiB more than before");
-    run.wait_until_told("no valid packet");
+    assert!(growth < 2_048, "memory grows by {growth} KiB");
+    run.wait_for_message("no valid packet");
     assert_eq!(run.end(), Some(0));
-    let account = run.wait_until_told("readings:");
-    assert!(account.starts_with("0 readings: 0 accepted"), "{account}");
-    assert!(account.contains("bytes belonged to no frame"), "{account}");
-    println!("{sent} bytes of noise: {account}");
-    assert!(run.typed.is_empty(), "nothing was typed");
+    let stats = run.wait_for_message("readings:");
+    assert!(stats.starts_with("0 readings: 0 accepted"), "{stats}");
+    assert!(stats.contains("bytes belonged to no frame"), "{stats}");
+    println!("{sent} bytes of noise: {stats}");
+    assert!(run.events.is_empty(), "no event");
 }
 
 #[test]
-fn bytes_without_a_delimiter_take_no_memory_and_the_glove_is_understood_after_them() {
+fn bytes_without_a_delimiter_need_no_memory_and_the_packets_after_them_are_decoded() {
     let press = Press::for_text("h");
-    let mut line = PseudoTerminal::plugged_in();
-    let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
+    let mut line = PseudoTerminal::open();
+    let mut run = SerialRun::start(&line, &["--armed", "--control", "off"]);
     line.send(&[0x55; 100_000]);
     let before = run.memory();
     for _ in 0..40 {
         line.send(&[0x55; 100_000]);
     }
     let growth = run.memory().saturating_sub(before);
-    assert!(growth < 2_048, "{growth} KiB more than before");
+    assert!(growth < 2_048, "memory grows by {growth} KiB");
     line.play(&press.approach);
     line.play(&press.lift);
-    assert_eq!([run.typed(), run.typed()], ["down H", "up H"]);
+    assert_eq!([run.next_event(), run.next_event()], ["down H", "up H"]);
     assert_eq!(run.end(), Some(0));
-    let account = run.wait_until_told("belonged to no frame");
-    assert!(account.contains(" 4100000 of "), "{account}");
+    let stats = run.wait_for_message("belonged to no frame");
+    assert!(stats.contains(" 4100000 of "), "{stats}");
 }
 
 #[test]
-fn a_board_that_starts_anew_lets_go_and_has_to_be_armed_again() {
+fn a_microcontroller_restart_releases_everything_and_disarms() {
     let press = Press::for_text("h");
-    let mut line = PseudoTerminal::plugged_in();
-    let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
+    let mut line = PseudoTerminal::open();
+    let mut run = SerialRun::start(&line, &["--armed", "--control", "off"]);
     line.play(&press.approach);
-    assert_eq!(run.typed(), "down H");
-    // In the middle of a frame it resets, and says who it is.
-    line.send(&stream(&[press.pressed()])[..30]);
+    assert_eq!(run.next_event(), "down H");
+    // It restarts in the middle of a packet, and sends its banner.
+    line.send(&packets(&[press.pressed()])[..30]);
     line.send(b"\r\nBUFFALO 3.4 (ext) - Bit User Fast Friendly Aid to Logical Operation\r\n");
     line.play(&[press.pressed(); 20]);
-    assert_eq!(run.typed(), "up H");
-    run.wait_until_told("starts anew");
-    run.wait_until_told("stalled");
+    assert_eq!(run.next_event(), "up H");
+    run.wait_for_message("starts anew");
+    run.wait_for_message("stalled");
     line.play(&[press.pressed(); 60]);
-    assert!(run.typed.is_empty(), "the finger has not left the key");
+    assert!(run.events.is_empty(), "the finger has not left the key");
     line.play(&press.lift);
     line.play(&[press.clear(); 60]);
-    run.wait_until_told("armed");
+    run.wait_for_message("armed");
     line.play(&press.approach);
-    assert_eq!(run.typed(), "down H");
+    assert_eq!(run.next_event(), "down H");
     assert_eq!(run.end(), Some(0));
 }
 
 #[test]
-fn a_wire_that_breaks_is_told_with_its_finger() {
+fn a_broken_wire_is_reported_with_its_finger() {
     const INDEX_MCP: usize = 12;
     let press = Press::for_text("h");
-    let mut line = PseudoTerminal::plugged_in();
-    let mut run = SerialRun::on(&line, &["--armed", "--control", "off"]);
+    let mut line = PseudoTerminal::open();
+    let mut run = SerialRun::start(&line, &["--armed", "--control", "off"]);
     line.play(&press.approach);
-    assert_eq!(run.typed(), "down H");
+    assert_eq!(run.next_event(), "down H");
     let mut broken = press.pressed();
     broken[INDEX_MCP] = 0;
     line.play(&[broken; 240]);
-    assert_eq!(run.typed(), "up H");
-    let told = run.wait_until_told("ignored and released");
-    assert!(told.contains("released: index;"), "{told}");
+    assert_eq!(run.next_event(), "up H");
+    let message = run.wait_for_message("ignored and released");
+    assert!(message.contains("released: index;"), "{message}");
     assert_eq!(run.end(), Some(0));
 }
 
-/// What is heard of bytes that are sent at one baud and heard at another, bit by bit: a start bit, eight bits, the
-/// lowest first, a stop bit; a receiver samples the middle of each of its bits.
-fn misheard(bytes: &[u8], sent_at: u32, heard_at: u32) -> Vec<u8> {
+/// Returns the bytes that a receiver at one baud rate makes of bytes sent at another: a start bit, eight data bits, the
+/// lowest first, and a stop bit, each sampled in its middle.
+fn received_at(bytes: &[u8], sender_baud: u32, receiver_baud: u32) -> Vec<u8> {
     let bits: Vec<bool> = bytes
         .iter()
         .flat_map(|byte| {
-            let data = (0..8).map(move |place| byte >> place & 1 == 1);
+            let data = (0..8).map(move |bit| byte >> bit & 1 == 1);
             std::iter::once(false).chain(data).chain([true])
         })
         .collect();
-    let bit_time = f64::from(sent_at) / f64::from(heard_at);
+    let bit_time = f64::from(sender_baud) / f64::from(receiver_baud);
     let level = |time: f64| bits.get(time as usize).copied().unwrap_or(true);
-    let (mut heard, mut time) = (Vec::new(), 0.0);
+    let (mut received, mut time) = (Vec::new(), 0.0);
     while (time as usize) < bits.len() {
         if level(time) {
             time += bit_time / 8.0;
             continue;
         }
-        let sample = |place: u8| level(time + (f64::from(place) + 1.5) * bit_time);
-        heard.push((0..8).map(|place| u8::from(sample(place)) << place).sum());
+        let sample = |bit: u8| level(time + (f64::from(bit) + 1.5) * bit_time);
+        received.push((0..8).map(|bit| u8::from(sample(bit)) << bit).sum());
         time += 9.5 * bit_time;
         while (time as usize) < bits.len() && !level(time) {
             time += bit_time / 8.0;
         }
     }
-    heard
+    received
 }
 
 #[test]
-fn what_is_heard_at_the_right_baud_is_what_was_sent() {
+fn at_the_right_baud_the_received_bytes_are_the_sent_ones() {
     let bytes: Vec<u8> = (0..=255).collect();
-    assert_eq!(misheard(&bytes, 9_600, 9_600), bytes);
-    assert_ne!(misheard(&bytes, 9_600, 115_200), bytes);
+    assert_eq!(received_at(&bytes, 9_600, 9_600), bytes);
+    assert_ne!(received_at(&bytes, 9_600, 115_200), bytes);
 }

@@ -16,13 +16,13 @@ use parry3d::math::Vec3;
 use super::account::{SoakStats, resident};
 use super::hands::{Body, SoakSetup};
 use super::schedule::{FaultKind, schedule};
-use crate::support::checked::Judged;
+use crate::support::checked::CheckedPipeline;
 
 const SECOND: u64 = 1_000_000;
 
 pub struct SoakRun<'a> {
     hands: &'a SoakSetup,
-    engine: Judged,
+    engine: CheckedPipeline,
     decoder: Hc11Decoder,
     random: Rng,
     account: SoakStats,
@@ -51,8 +51,8 @@ pub struct SoakRun<'a> {
 
 impl<'a> SoakRun<'a> {
     pub fn new(hands: &'a SoakSetup, seed: u64) -> Self {
-        let mut engine = Judged::of(&hands.assembly);
-        engine.expect_frames_every(hands.line.packet_period());
+        let mut engine = CheckedPipeline::new(&hands.assembly);
+        engine.tolerate_packet_period(hands.line.packet_period());
         Self {
             engine,
             decoder: Hc11Decoder::new(hands.line.framing),
@@ -99,8 +99,11 @@ impl<'a> SoakRun<'a> {
                 quarter += 1;
             }
         }
-        self.ask(Judged::stop);
-        assert!(!self.engine.holds(), "something is down after the end");
+        self.ask(CheckedPipeline::stop);
+        assert!(
+            !self.engine.has_pressed(),
+            "something is down after the end"
+        );
         let mut account = std::mem::take(&mut self.account);
         account.hours = hours;
         account.line = self.decoder.stats();
@@ -118,7 +121,7 @@ impl<'a> SoakRun<'a> {
             FaultKind::Stall => self.be_silent(SECOND / 20, 3 * SECOND),
             FaultKind::Unplug => {
                 self.decoder.reset();
-                self.ask(Judged::stall);
+                self.ask(CheckedPipeline::stall);
                 self.be_silent(SECOND / 10, 5 * SECOND);
             }
             FaultKind::Noise => {
@@ -153,12 +156,12 @@ impl<'a> SoakRun<'a> {
             FaultKind::GoodLayout => self.reload(),
             FaultKind::BadLayout => self.read_bad_layout(),
             FaultKind::Pause => {
-                self.ask(Judged::pause);
+                self.ask(CheckedPipeline::pause);
                 self.paused = Some(now + self.random.u64(SECOND / 2..5 * SECOND));
             }
             FaultKind::Profile => {
                 let profile = self.random.usize(..self.engine.profile_count());
-                self.ask(|engine, events| engine.switch_to(profile, events));
+                self.ask(|engine, events| engine.switch_profile(profile, events));
             }
             FaultKind::Rail => {
                 let rows = self.hands.assembly.glove.map.rows();
@@ -180,7 +183,7 @@ impl<'a> SoakRun<'a> {
         let layout = &self.hands.others[self.random.usize(..self.hands.others.len())];
         let controls = self.hands.assembly.controls(layout);
         let mut controls = controls.expect("it names no other layout");
-        self.ask(|engine, events| engine.replace(0, &mut controls, layout, events));
+        self.ask(|engine, events| engine.replace_profile(0, &mut controls, layout, events));
     }
 
     /// A file that is cut off in its middle is told, and nothing becomes of it.
@@ -198,7 +201,7 @@ impl<'a> SoakRun<'a> {
         // Where it cannot be done the boards stay.
         self.ask(|engine, events| {
             let _ = match is_to_hand {
-                true => engine.recentre(events),
+                true => engine.recenter(events),
                 false => engine.nudge(Vec3::from_array(by), events),
             };
         });
@@ -305,11 +308,11 @@ impl<'a> SoakRun<'a> {
             && silence >= self.engine.stall_timeout()
             && self.now >= self.standing
         {
-            self.ask(Judged::stall);
+            self.ask(CheckedPipeline::stall);
         }
     }
 
-    fn ask(&mut self, ask: impl FnOnce(&mut Judged, &mut Events)) {
+    fn ask(&mut self, ask: impl FnOnce(&mut CheckedPipeline, &mut Events)) {
         let mut events = Events::new();
         ask(&mut self.engine, &mut events);
         self.count(&events, true);

@@ -20,7 +20,7 @@ use super::directive::Directive;
 use super::file::Scenario;
 use super::folder;
 use crate::rig::transcript::{Detail, Transcript};
-use crate::support::checked::Judged;
+use crate::support::checked::CheckedPipeline;
 
 /// When a scenario begins on the clock of its source: far enough from 0 that it can be set back.
 const START: u64 = 10_000_000_000;
@@ -98,7 +98,7 @@ struct SimulatedGlove {
 struct Rig<'a> {
     assembly: &'a LoadedSetup,
     typist: SimulatedTypist,
-    engine: Judged,
+    engine: CheckedPipeline,
     lines: Vec<SimulatedGlove>,
     settings: Hc11Format,
     transcript: Transcript,
@@ -141,7 +141,7 @@ impl<'a> Rig<'a> {
         Self {
             assembly,
             typist,
-            engine: Judged::of(assembly),
+            engine: CheckedPipeline::new(assembly),
             lines: std::iter::once(&assembly.glove)
                 .chain(other)
                 .map(line)
@@ -191,8 +191,11 @@ impl<'a> Rig<'a> {
     fn finish(&mut self) {
         self.play_until(|_| false);
         let before = self.engine.rejected();
-        self.ask(Judged::stop);
-        assert!(!self.engine.holds(), "something is down after the end");
+        self.ask(CheckedPipeline::stop);
+        assert!(
+            !self.engine.has_pressed(),
+            "something is down after the end"
+        );
         let mut account: Vec<String> = Rejection::ALL
             .iter()
             .zip(before)
@@ -240,7 +243,7 @@ impl<'a> Rig<'a> {
             }
             Directive::Unplug(milliseconds) => {
                 self.abandon();
-                self.ask(Judged::stall);
+                self.ask(CheckedPipeline::stall);
                 self.be_silent(milliseconds * 1_000);
             }
             Directive::Noise(bytes) => {
@@ -259,17 +262,19 @@ impl<'a> Rig<'a> {
             Directive::Repair => (self.rail, self.jump) = (None, 0),
             Directive::Clock(seconds) => self.clock_offset += seconds * 1_000_000,
             Directive::Swap => self.is_swapped = !self.is_swapped,
-            Directive::Pause => self.ask(Judged::pause),
+            Directive::Pause => self.ask(CheckedPipeline::pause),
             Directive::Resume => self.ask(|engine, _| engine.resume()),
-            Directive::Stop => self.ask(Judged::stop),
+            Directive::Stop => self.ask(CheckedPipeline::stop),
             Directive::Reload(name) => self.reload(&name),
-            Directive::Profile(place) => self.ask(|engine, events| engine.switch_to(place, events)),
+            Directive::Profile(place) => {
+                self.ask(|engine, events| engine.switch_profile(place, events))
+            }
             Directive::Nudge(by) => self
                 .shift(|engine, events| engine.nudge(Vec3::from_array(by) * 1e-3, events).is_ok()),
             Directive::Tilt(by) => {
                 self.shift(|engine, events| engine.tilt(by.to_radians(), events).is_ok())
             }
-            Directive::Recenter => self.shift(|engine, events| engine.recentre(events).is_ok()),
+            Directive::Recenter => self.shift(|engine, events| engine.recenter(events).is_ok()),
         }
     }
 
@@ -282,13 +287,15 @@ impl<'a> Rig<'a> {
         match controls {
             Ok((layout, mut controls)) => {
                 self.is_renamed = true;
-                self.ask(|engine, events| engine.replace(0, &mut controls, &layout, events));
+                self.ask(|engine, events| {
+                    engine.replace_profile(0, &mut controls, &layout, events)
+                });
             }
             Err(_) => self.transcript.note("(refused)".into()),
         }
     }
 
-    fn shift(&mut self, shift: impl FnOnce(&mut Judged, &mut Events) -> bool) {
+    fn shift(&mut self, shift: impl FnOnce(&mut CheckedPipeline, &mut Events) -> bool) {
         let mut is_done = true;
         self.ask(|engine, events| is_done = shift(engine, events));
         if !is_done {
@@ -322,7 +329,7 @@ impl<'a> Rig<'a> {
     fn watch(&mut self) {
         let silence = Duration::from_micros(self.now - self.fed_at);
         if self.engine.expects_readings() && silence >= self.engine.stall_timeout() {
-            self.ask(Judged::stall);
+            self.ask(CheckedPipeline::stall);
         }
     }
 
@@ -411,7 +418,7 @@ impl<'a> Rig<'a> {
         }
     }
 
-    fn ask(&mut self, ask: impl FnOnce(&mut Judged, &mut Events)) {
+    fn ask(&mut self, ask: impl FnOnce(&mut CheckedPipeline, &mut Events)) {
         let mut events = Events::new();
         ask(&mut self.engine, &mut events);
         self.write(&events, &[], self.time(self.now));
