@@ -1,18 +1,20 @@
-//! From the last byte of a frame to its event, beside the least that any program could do: read a frame, write an event.
+//! Latency from the last byte of a packet to its event, compared with the minimum: a program that reads a packet and writes
+//! an event.
 //!
-//! Every program has a pseudo terminal of its own with the settings of a serial port, and gets the same frames in turn, so that whatever
-//! else the machine does falls on all of them. One frame is under way at a time. Each frame gives one event.
+//! Each program has a pseudo terminal with the settings of a serial port. The programs receive the same packets in turn,
+//! so that other load on the machine affects all of them, and one packet is in transit at a time. Each packet causes one
+//! event.
 //!
-//! - `null` is one thread that waits in a plain read of the frame and writes the event.
-//! - `null with a hop` hands the frame from the thread that reads to the one that writes, through the channel that ours
-//!   has between capture and loop: what the second thread costs.
-//! - `ours` is the library: capture, pipeline and the loop, as `ademan run` puts them together.
-//! - `ours, loaded` is the same with a control socket at which 64 clients ask for news and never read, and another one pours
-//!   100 Mbit of junk in a second. The last column is what that adds.
+//! - `null` is one thread that blocks in a read of the packet and writes the event.
+//! - `null with a hop` passes the packet from the reading thread to a writing thread, through the kind of channel that the
+//!   library has between capture and loop. It shows the cost of the second thread.
+//! - `ours` is the library: capture, pipeline and loop, as in `ademan run`.
+//! - `ours, loaded` adds a control socket with 64 clients that subscribe and never read, and one that sends 100 Mbit/s of
+//!   noise. The last column is the added latency.
 //!
-//! Where the event goes is a pipe that takes as many bytes as the kernel's input devices do, in one system call; and
-//! an X server, where the time ends when a client of it has heard the key. Prints a table; without `--bench` (as in
-//! `cargo test --benches`) a few frames.
+//! Events go to a pipe, in one system call with as many bytes as an event of uinput, and to an X server, where the time
+//! ends when a client has received the key. Prints a table. Without `--bench` (as in `cargo test --benches`) it measures a
+//! few packets.
 
 #[cfg(target_os = "linux")]
 #[path = "../tests/support/mod.rs"]
@@ -37,5 +39,5 @@ fn main() {
 
 #[cfg(not(target_os = "linux"))]
 fn main() {
-    println!("latency: SKIPPED: it needs the pseudo terminals of Linux");
+    println!("latency: SKIPPED: it needs Linux");
 }

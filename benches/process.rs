@@ -1,7 +1,7 @@
-//! What the whole program costs: start-up to the first frame, and resident memory while it runs.
+//! Start-up time of the program up to the first line of output, and its memory during a run.
 //!
-//! Prints a table; the memory is read from the `/proc` of Linux and told as skipped where there is
-//! none. Without `--bench` (as in `cargo test --benches`) one start and a short feed.
+//! Prints a table. Memory is read from `/proc` and skipped on other systems. Without `--bench` (as in
+//! `cargo test --benches`) it measures one start and a short run.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -22,12 +22,12 @@ fn main() {
         true => (1, Duration::from_millis(300)),
         false => (21, Duration::from_secs(5)),
     };
-    let folder = tempfile::tempdir().expect("a folder for the packets");
+    let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("glove.bin");
-    std::fs::write(&path, packets().concat()).expect("the packets are written");
+    std::fs::write(&path, packets().concat()).expect("space on the disk");
 
     println!("process                              median      slowest     goal");
-    row("help (no frame at all)", starts, "", || {
+    row("help (no reading)", starts, "", || {
         time_to_first_line(&["--help"])
     });
     let source = format!("file:{}", path.display());
@@ -52,9 +52,9 @@ fn row(what: &str, times: usize, goal: &str, mut measure: impl FnMut() -> Durati
 }
 
 fn packets() -> Vec<[u8; 66]> {
-    let assembly = Setup::default().load_files().expect("the default setup");
-    let typist = assembly.typist("hello world", &Hc11Format::default(), 0.5, 1);
-    let mut typist: SimulatedTypist = typist.expect("the text is on the board");
+    let setup = Setup::default().load_files().expect("the default setup");
+    let typist = setup.typist("hello world", &Hc11Format::default(), 0.5, 1);
+    let mut typist: SimulatedTypist = typist.expect("the hand can type the text");
     std::iter::from_fn(|| typist.next_counts())
         .map(|counts| {
             let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
@@ -77,34 +77,34 @@ fn time_to_first_line(arguments: &[&str]) -> Duration {
     let begun = Instant::now();
     let mut child = start(arguments);
     let mut line = String::new();
-    let output = child.stdout.take().expect("it is piped");
+    let output = child.stdout.take().expect("stdout is piped");
     let length = BufReader::new(output).read_line(&mut line);
     let took = begun.elapsed();
     assert!(length.is_ok_and(|length| length > 0), "no line came");
-    // It may have ended by itself.
+    // It may have exited.
     let _ = child.kill();
     let _ = child.wait();
     took
 }
 
-/// Feeds `ademan run` through a line and reads how much memory it had at most.
+/// Feeds `ademan run` through a pseudo terminal and prints its memory.
 fn memory(feed: Duration) {
     if !Path::new("/proc/self/status").exists() {
-        println!("resident memory of `run`: SKIPPED: no /proc here");
+        println!("resident memory of `run`: SKIPPED: no /proc");
         return;
     }
-    let mut wire = open_loopback(Hc11Format::default()).expect("a line");
+    let mut loopback = open_loopback(Hc11Format::default()).expect("a pseudo terminal");
     let mut child = start(&[
         "run",
         "--allow-root",
         "--armed",
         "--source",
-        &wire.uri.to_string(),
+        &loopback.uri.to_string(),
     ]);
     let begun = Instant::now();
     'feeding: loop {
         for packet in packets() {
-            let written = wire.writer.write_all(&packet);
+            let written = loopback.writer.write_all(&packet);
             if written.is_err() || begun.elapsed() > feed {
                 break 'feeding;
             }
@@ -115,8 +115,8 @@ fn memory(feed: Duration) {
     let status = status.expect("the program is still running");
     for (field, what, goal) in [
         ("VmHWM:", "resident memory of `run`, peak", "12 MB"),
-        ("RssAnon:", "  of that not from files", ""),
-        ("VmData:", "  set aside", ""),
+        ("RssAnon:", "  of which anonymous", ""),
+        ("VmData:", "  data segment", ""),
     ] {
         let line = status.lines().find(|line| line.starts_with(field));
         let kilobytes = line.and_then(|line| line.split_whitespace().nth(1)?.parse::<f64>().ok());
@@ -125,7 +125,7 @@ fn memory(feed: Duration) {
                 "{what:32} {:8.2} MB                  {goal}",
                 kilobytes / 1e3
             ),
-            None => println!("{what:32} SKIPPED: no {field} here"),
+            None => println!("{what:32} SKIPPED: no {field}"),
         }
     }
     let _ = child.kill();

@@ -1,15 +1,15 @@
-//! How long keys stay down after something went wrong: the worst of many times, for each cause.
+//! Release times: how long a key stays pressed after a failure, as median and maximum per cause.
 //!
-//! The real program with a glove on a pseudo terminal holds H, and somebody who knows nothing of the program watches
-//! the keyboard until nothing is down. Each time it is another program; nothing of the last one is left. Goals are
-//! bounds that a user would notice. `cargo bench --bench release` does it 200 times for each cause on an X server,
-//! which takes some minutes; `-- wayland 20` less often at a compositor (feature `wayland`), `-- uinput` on devices of
-//! the kernel where there may be some: `tests/outputs/vm/run release 20`. As a test (`cargo test --bench release`) it is done
-//! once.
+//! The program, with a glove on a pseudo terminal, holds H, and an independent observer watches the keyboard until no key
+//! is pressed. Each measurement starts a new program. The goals are bounds that a user would notice.
+//!
+//! `cargo bench --bench release` measures each cause 200 times on an X server, which takes some minutes. `-- wayland 20`
+//! measures 20 times on a compositor (feature `wayland`), and `-- uinput` on kernel devices, where they are available:
+//! `tests/outputs/vm/run release 20`. As a test (`cargo test --bench release`) it measures each cause once.
 
 #[cfg(not(target_os = "linux"))]
 fn main() {
-    println!("SKIPPED: a guardian is there on Linux");
+    println!("SKIPPED: the watchdog needs Linux");
 }
 
 #[cfg(target_os = "linux")]
@@ -25,7 +25,7 @@ mod compositor;
 #[allow(dead_code)]
 mod window;
 
-/// As the program says what it has to say.
+/// Prints a message as the binary does.
 #[cfg(target_os = "linux")]
 macro_rules! say {
     ($($text:tt)*) => { eprintln!("ademan: {}", format!($($text)*)) };
@@ -44,8 +44,8 @@ mod panics;
 mod signals;
 
 #[cfg(target_os = "linux")]
-#[path = "release/breaking.rs"]
-mod breaking;
+#[path = "release/panic.rs"]
+mod panic;
 #[cfg(target_os = "linux")]
 #[path = "release/causes.rs"]
 mod causes;
@@ -53,11 +53,11 @@ mod causes;
 #[path = "release/load.rs"]
 mod load;
 #[cfg(target_os = "linux")]
-#[path = "release/place.rs"]
-mod place;
+#[path = "release/target.rs"]
+mod target;
 #[cfg(target_os = "linux")]
-#[path = "release/scene.rs"]
-mod scene;
+#[path = "release/scenario.rs"]
+mod scenario;
 
 #[cfg(target_os = "linux")]
 fn main() {

@@ -1,4 +1,4 @@
-//! A key on an X server, and a client that hears it.
+//! A key on an X server, and a client that receives it.
 
 use std::thread;
 use std::time::Instant;
@@ -20,14 +20,13 @@ use x11rb::rust_connection::RustConnection;
 use super::programs::{Output, Writer};
 use super::support::x11::{XServer, wait_for};
 
-/// The keys A and S, as X11 numbers the keys of Linux. A key that is down does not go down again, so that each program has
-/// one of its own.
+/// The X11 key codes of A and S. A pressed key cannot be pressed again, so each program has its own.
 const PLAIN_KEYS: [u8; 2] = [38, 39];
 
-/// An X server of its own, which ends with the program.
+/// Starts an X server and opens its writers. Returns `None` if it is not installed.
 pub fn output() -> Option<Output> {
     let server = XServer::start()?;
-    let (done, heard) = bounded(16);
+    let (done, arrivals) = bounded(16);
     listen(server.display(), done);
     let display = server.display().to_owned();
     let plain = |key| -> Box<dyn Writer> {
@@ -35,28 +34,28 @@ pub fn output() -> Option<Output> {
         Box::new(Plain {
             connection,
             key,
-            is_down: false,
+            is_pressed: false,
         })
     };
     let ours = Ours {
         desktop: Desktop::open(Some(&display), &Capabilities::default())
             .expect("the server answers"),
-        key: "D".parse().expect("there is such a key"),
-        is_down: false,
+        key: "D".parse().expect("a key"),
+        is_pressed: false,
         _server: server,
     };
     Some(Output {
         name: "a client of an X server",
         writers: vec![plain(PLAIN_KEYS[0]), plain(PLAIN_KEYS[1]), Box::new(ours)],
-        heard,
+        arrivals,
     })
 }
 
-/// Hears all keys.
+/// Reports the time of each key event.
 fn listen(display: &str, done: Sender<Instant>) {
     let (connection, screen) = x11rb::connect(Some(display)).expect("the server answers");
     let root = connection.setup().roots[screen].root;
-    let window = connection.generate_id().expect("a number for it");
+    let window = connection.generate_id().expect("an id for the window");
     let settings = CreateWindowAux::new()
         .override_redirect(1)
         .event_mask(EventMask::KEY_PRESS | EventMask::KEY_RELEASE);
@@ -64,13 +63,13 @@ fn listen(display: &str, done: Sender<Instant>) {
     let class = WindowClass::INPUT_OUTPUT;
     connection
         .create_window(depth, window, root, 0, 0, 9, 9, 0, class, visual, &settings)
-        .expect("the server is there");
-    connection.map_window(window).expect("the server is there");
+        .expect("the server runs");
+    connection.map_window(window).expect("the server runs");
     let has_focus = wait_for(|| {
         let focus = connection.set_input_focus(InputFocus::PARENT, window, x11rb::CURRENT_TIME);
-        focus.expect("the server is there").check().is_ok()
+        focus.expect("the server runs").check().is_ok()
     });
-    assert!(has_focus, "a window that is seen can have the focus");
+    assert!(has_focus, "a visible window can have the focus");
     thread::spawn(move || {
         while let Ok(event) = connection.wait_for_event() {
             let end = Instant::now();
@@ -81,17 +80,17 @@ fn listen(display: &str, done: Sender<Instant>) {
     });
 }
 
-/// The least: one request.
+/// The minimum: one request.
 struct Plain {
     connection: RustConnection,
     key: u8,
-    is_down: bool,
+    is_pressed: bool,
 }
 
 impl Writer for Plain {
     fn write(&mut self) {
-        self.is_down = !self.is_down;
-        let kind = if self.is_down {
+        self.is_pressed = !self.is_pressed;
+        let kind = if self.is_pressed {
             KEY_PRESS_EVENT
         } else {
             KEY_RELEASE_EVENT
@@ -99,29 +98,29 @@ impl Writer for Plain {
         let root = self.connection.setup().roots[0].root;
         self.connection
             .xtest_fake_input(kind, self.key, x11rb::CURRENT_TIME, root, 0, 0, 0)
-            .expect("the server is there");
-        self.connection.flush().expect("the server is there");
+            .expect("the server runs");
+        self.connection.flush().expect("the server runs");
     }
 }
 
-/// The output of the library.
+/// The output `desktop`.
 struct Ours {
     desktop: Desktop,
     key: KeyCode,
-    is_down: bool,
+    is_pressed: bool,
     _server: XServer,
 }
 
 impl Writer for Ours {
     fn write(&mut self) {
-        self.is_down = !self.is_down;
-        let action = if self.is_down {
+        self.is_pressed = !self.is_pressed;
+        let action = if self.is_pressed {
             EventKind::KeyDown(self.key)
         } else {
             EventKind::KeyUp(self.key)
         };
         let time = Timestamp(0);
         let sent = self.desktop.send(&[OutputEvent { time, kind: action }]);
-        sent.expect("the server is there");
+        sent.expect("the server runs");
     }
 }

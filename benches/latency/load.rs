@@ -1,4 +1,4 @@
-//! What others do to a run meanwhile: clients of its control socket that never read, and one that pours.
+//! Load on the control socket: clients that never read, and one that sends noise.
 
 use std::io::Write;
 use std::os::unix::net::UnixStream;
@@ -10,13 +10,13 @@ use ademan::session::control_socket::{ControlServer, Notifier, ProfileInfo, Serv
 use ademan::session::{CommandReceiver, CommandSender, command_channel};
 use tempfile::TempDir;
 
-/// Clients that ask for news and never read them.
-const DEAF: usize = 64;
+/// Number of clients that subscribe and never read.
+const SUBSCRIBERS: usize = 64;
 
-/// Bytes that mean nothing, in a second: 100 Mbit.
-const JUNK: usize = 12_500_000;
+/// Noise in bytes per second: 100 Mbit/s.
+const NOISE: usize = 12_500_000;
 
-/// A control socket with all of them.
+/// A control socket with its clients.
 pub struct Load {
     pub notifier: Notifier,
     pub commands: Option<CommandReceiver>,
@@ -32,10 +32,10 @@ impl Load {
         let (sender, commands) = command_channel();
         let mut control = ControlServer::bind(&path).expect("a socket");
         let notifier = control.notifier();
-        control.serve(context(sender)).expect("it listens");
-        let clients = (0..DEAF).map(|_| deaf(&path)).collect();
-        let to = path.clone();
-        thread::spawn(move || pour(&to));
+        control.serve(context(sender)).expect("the server starts");
+        let clients = (0..SUBSCRIBERS).map(|_| subscribe(&path)).collect();
+        let noise_path = path.clone();
+        thread::spawn(move || send_noise(&noise_path));
         Self {
             notifier,
             commands: Some(commands),
@@ -56,20 +56,20 @@ fn context(commands: CommandSender) -> ServerContext {
     }
 }
 
-fn deaf(path: &Path) -> UnixStream {
-    let mut client = UnixStream::connect(path).expect("the run listens");
-    // Those that find no place are refused and cut off.
+fn subscribe(path: &Path) -> UnixStream {
+    let mut client = UnixStream::connect(path).expect("the server listens");
+    // Clients beyond the limit are rejected.
     let _ = client.write_all(b"{\"command\":\"subscribe\"}\n");
     client
 }
 
-/// Pours until nobody listens any more; whoever is cut off for it comes back.
-fn pour(path: &Path) {
-    let junk = [b'j'; 4096];
-    let pause = Duration::from_secs_f64(junk.len() as f64 / JUNK as f64);
+/// Sends noise until the server closes. Reconnects when the server disconnects it.
+fn send_noise(path: &Path) {
+    let noise = [b'j'; 4096];
+    let pause = Duration::from_secs_f64(noise.len() as f64 / NOISE as f64);
     let mut due = Instant::now();
     while let Ok(mut client) = UnixStream::connect(path) {
-        while client.write_all(&junk).is_ok() {
+        while client.write_all(&noise).is_ok() {
             due = (due + pause).max(Instant::now() - Duration::from_millis(10));
             thread::sleep(due.saturating_duration_since(Instant::now()));
         }

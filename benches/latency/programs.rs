@@ -1,4 +1,4 @@
-//! The programs that are compared, and who feeds them.
+//! The compared programs, and their measurement.
 
 use std::fs::File;
 use std::io::{PipeWriter, Read, Write, pipe};
@@ -19,59 +19,59 @@ use serialport::{DataBits, FlowControl, Parity, SerialPort, StopBits, TTYPort};
 use super::desktop;
 use super::load::Load;
 
-/// Bytes that a program gets for a frame: a body, and the two marks after it that make it certain.
-const FRAME_BYTES: usize = BODY_BYTES + 2;
+/// Bytes per packet: a body, and the two marks after it that confirm it.
+const PACKET_BYTES: usize = BODY_BYTES + 2;
 
-/// What the kernel takes for one key and the end of its frame.
+/// Size of one key event and its `SYN_REPORT`.
 const EVENT_BYTES: usize = 48;
 
-/// A frame that has not come out by then is told as lost.
-const LIMIT: Duration = Duration::from_secs(2);
+/// Time after which a packet counts as lost.
+const TIMEOUT: Duration = Duration::from_secs(2);
 
-/// What the library is called in the table.
+/// The name of the library in the table.
 const OURS: &str = "ours";
 
-/// Starts a program that writes there, and gives the line that it reads from.
+/// Starts a program with this writer and returns the line that it reads.
 type Start = fn(Box<dyn Writer>) -> Loopback;
 
-/// Writes one event for each frame.
+/// A receiver of events.
 pub trait Writer: Send + 'static {
-    /// Writes the event of the next frame.
+    /// Writes the event of the next packet.
     fn write(&mut self);
 }
 
-/// Where events are heard, and who writes them.
+/// A kind of output with its writers.
 pub struct Output {
     pub name: &'static str,
-    /// One for each of the programs, in their order; what has no writer is left out.
+    /// One writer per program, in the order of the programs. Programs without a writer are omitted.
     pub writers: Vec<Box<dyn Writer>>,
-    /// The moments at which events were there.
-    pub heard: Receiver<Instant>,
+    /// The times at which events arrived.
+    pub arrivals: Receiver<Instant>,
 }
 
 pub fn main() {
     let is_test = !std::env::args().any(|argument| argument == "--bench");
-    let (frames, warm_up) = if is_test { (20, 5) } else { (4_000, 200) };
+    let (packets, warm_up) = if is_test { (20, 5) } else { (4_000, 200) };
     println!(
         "{:24} {:>8}  {:16} {:>8} {:>8}   p50 of null (goal 1.1)   p99 of null (goal 1.2)",
-        "byte-complete to event", "a frame", "", "p50", "p99"
+        "packet to event", "packet", "", "p50", "p99"
     );
     let millisecond = Duration::from_millis(1);
     for pace in [millisecond, Hc11Format::default().packet_period()] {
-        measure(to_pipe(), pace, frames, warm_up);
+        measure(to_pipe(), pace, packets, warm_up);
         match desktop::output() {
-            Some(output) => measure(output, pace, frames, warm_up),
-            None => println!("X server: SKIPPED, as said above"),
+            Some(output) => measure(output, pace, packets, warm_up),
+            None => println!("X server: SKIPPED, see above"),
         }
     }
 }
 
-/// Feeds all programs in turn and prints what came of it.
-fn measure(output: Output, pace: Duration, frames: usize, warm_up: usize) {
+/// Feeds all programs in turn and prints their latencies.
+fn measure(output: Output, pace: Duration, packets: usize, warm_up: usize) {
     let Output {
         name,
         writers,
-        heard,
+        arrivals,
     } = output;
     let programs: [(&str, Start); 4] = [
         ("null", |writer| start(null, writer)),
@@ -82,22 +82,22 @@ fn measure(output: Output, pace: Duration, frames: usize, warm_up: usize) {
         }),
     ];
     let begin = |((name, start), writer): ((&'static str, Start), Box<dyn Writer>)| {
-        (name, start(writer), Vec::with_capacity(frames))
+        (name, start(writer), Vec::with_capacity(packets))
     };
     let mut programs: Vec<_> = programs.into_iter().zip(writers).map(begin).collect();
     let bodies = bodies();
     let mut due = Instant::now();
     let step = pace / programs.len() as u32;
-    for number in 0..frames + warm_up {
-        for (_, wire, times) in &mut programs {
+    for number in 0..packets + warm_up {
+        for (_, loopback, times) in &mut programs {
             due = (due + step).max(Instant::now());
             thread::sleep(due.saturating_duration_since(Instant::now()));
-            // What came too late to count.
-            while heard.try_recv().is_ok() {}
+            // Events of lost packets.
+            while arrivals.try_recv().is_ok() {}
             let begun = Instant::now();
             let body = &bodies[number % bodies.len()];
-            wire.writer.write_all(body).expect("the line is open");
-            if let Ok(end) = heard.recv_timeout(LIMIT)
+            loopback.writer.write_all(body).expect("the line is open");
+            if let Ok(end) = arrivals.recv_timeout(TIMEOUT)
                 && number >= warm_up
             {
                 times.push(end.saturating_duration_since(begun));
@@ -106,7 +106,7 @@ fn measure(output: Output, pace: Duration, frames: usize, warm_up: usize) {
     }
     let (mut of_null, mut of_ours) = (None, None);
     for (program, _, times) in &mut programs {
-        let lost = frames - times.len();
+        let lost = packets - times.len();
         let found = (percentile(times, 50), percentile(times, 99));
         let (p50, p99) = *of_null.get_or_insert(found);
         let added =
@@ -131,33 +131,33 @@ fn measure(output: Output, pace: Duration, frames: usize, warm_up: usize) {
     }
 }
 
-/// In microseconds.
+/// Returns a percentile in microseconds.
 fn percentile(times: &mut [Duration], percent: usize) -> f64 {
     times.sort_unstable();
-    let place = (times.len() * percent / 100).min(times.len().saturating_sub(1));
+    let index = (times.len() * percent / 100).min(times.len().saturating_sub(1));
     times
-        .get(place)
+        .get(index)
         .map_or(f64::NAN, |time| time.as_secs_f64() * 1e6)
 }
 
-/// What somebody sends who types; each comes with the marks of the next frame.
-fn bodies() -> Vec<[u8; FRAME_BYTES]> {
-    let assembly = Setup::default().load_files().expect("the default setup");
-    let typist = assembly.typist("hello world", &Hc11Format::default(), 0.5, 1);
-    let mut typist: SimulatedTypist = typist.expect("the text is on the board");
+/// Returns the bodies of packets of a typing hand, each with the marks of the next packet.
+fn bodies() -> Vec<[u8; PACKET_BYTES]> {
+    let setup = Setup::default().load_files().expect("the default setup");
+    let typist = setup.typist("hello world", &Hc11Format::default(), 0.5, 1);
+    let mut typist: SimulatedTypist = typist.expect("the hand can type the text");
     std::iter::from_fn(|| typist.next_counts())
         .map(|counts| {
             let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
-            let mut frame = encode(Framing::Double06, &body);
-            frame.rotate_left(FRAME_BYTES - BODY_BYTES);
-            frame
+            let mut packet = encode(Framing::Double06, &body);
+            packet.rotate_left(PACKET_BYTES - BODY_BYTES);
+            packet
         })
         .collect()
 }
 
-/// A pipe that somebody reads.
+/// Returns writers to pipes.
 fn to_pipe() -> Output {
-    let (done, heard) = bounded(16);
+    let (done, arrivals) = bounded(16);
     let writer = || -> Box<dyn Writer> {
         let (mut reader, pipe) = pipe().expect("a pipe");
         thread::spawn(move || while reader.read(&mut [0; 4096]).is_ok_and(|length| length > 0) {});
@@ -167,7 +167,7 @@ fn to_pipe() -> Output {
     Output {
         name: "a pipe",
         writers: (0..4).map(|_| writer()).collect(),
-        heard,
+        arrivals,
     }
 }
 
@@ -178,15 +178,17 @@ struct ToPipe {
 
 impl Writer for ToPipe {
     fn write(&mut self) {
-        self.pipe.write_all(&[1; EVENT_BYTES]).expect("it is read");
+        self.pipe
+            .write_all(&[1; EVENT_BYTES])
+            .expect("the pipe is open");
         let _ = self.done.try_send(Instant::now());
     }
 }
 
-/// Starts a program that knows nothing of gloves.
+/// Starts a program without the library.
 fn start(program: fn(File, Box<dyn Writer>), writer: Box<dyn Writer>) -> Loopback {
-    let wire = open_loopback(Hc11Format::default()).expect("a line");
-    let port = wire.uri.serial_port().expect("a serial port");
+    let loopback = open_loopback(Hc11Format::default()).expect("a pseudo terminal");
+    let port = loopback.uri.serial_port().expect("a serial port");
     let settings = TTYPort::open(
         &serialport::new(port, Hc11Format::default().baud.get())
             .data_bits(DataBits::Eight)
@@ -205,55 +207,55 @@ fn start(program: fn(File, Box<dyn Writer>), writer: Box<dyn Writer>) -> Loopbac
         program(file, writer);
         drop(settings);
     });
-    wire
+    loopback
 }
 
 fn null(mut line: File, mut writer: Box<dyn Writer>) {
-    let mut frame = [0; FRAME_BYTES];
-    while line.read_exact(&mut frame).is_ok() {
+    let mut packet = [0; PACKET_BYTES];
+    while line.read_exact(&mut packet).is_ok() {
         writer.write();
     }
 }
 
 fn null_with_a_hop(mut line: File, mut writer: Box<dyn Writer>) {
-    let (sender, frames) = bounded::<[u8; FRAME_BYTES]>(16);
+    let (sender, packets) = bounded::<[u8; PACKET_BYTES]>(16);
     thread::spawn(move || {
-        for _ in frames {
+        for _ in packets {
             writer.write();
         }
     });
-    let mut frame = [0; FRAME_BYTES];
-    while line.read_exact(&mut frame).is_ok() && sender.send(frame).is_ok() {}
+    let mut packet = [0; PACKET_BYTES];
+    while line.read_exact(&mut packet).is_ok() && sender.send(packet).is_ok() {}
 }
 
-/// Starts the library, perhaps with others who ask for things.
+/// Starts the library, optionally with load on its control socket.
 fn start_ours(writer: Box<dyn Writer>, mut load: Option<Load>) -> Loopback {
-    let mut wire = open_loopback(Hc11Format::default()).expect("a line");
-    let source = open(&wire.uri).expect("the line opens");
-    let assembly = Setup::default().load_files().expect("the default setup");
+    let mut loopback = open_loopback(Hc11Format::default()).expect("a pseudo terminal");
+    let source = open(&loopback.uri).expect("the line opens");
+    let setup = Setup::default().load_files().expect("the default setup");
     thread::spawn(move || {
-        let mut pipeline = assembly.pipeline();
-        let mut sink = ForEachFrame(writer);
+        let mut pipeline = setup.pipeline();
+        let mut sink = ForEachStep(writer);
         let mut notifier = load.as_ref().map(|load| load.notifier.clone());
         let commands = load.as_mut().and_then(|load| load.commands.take());
         let commands = commands.unwrap_or_else(CommandReceiver::disconnected);
-        let observe = &mut |frame: &Snapshot| {
+        let observe = &mut |snapshot: &Snapshot| {
             if let Some(notifier) = &mut notifier {
-                notifier.notify_snapshot(frame);
+                notifier.notify_snapshot(snapshot);
             }
         };
-        // It ends with the program.
+        // It runs until the benchmark exits.
         let _ = run_pipeline(source, &mut pipeline, &mut sink, &commands, observe);
     });
-    let marks = &encode(Framing::Double06, &[0; BODY_BYTES])[..FRAME_BYTES - BODY_BYTES];
-    wire.writer.write_all(marks).expect("the line is open");
-    wire
+    let marks = &encode(Framing::Double06, &[0; BODY_BYTES])[..PACKET_BYTES - BODY_BYTES];
+    loopback.writer.write_all(marks).expect("the line is open");
+    loopback
 }
 
-/// Writes one event for each frame, whatever was typed.
-struct ForEachFrame(Box<dyn Writer>);
+/// A sink that writes one event per step, whichever events it has.
+struct ForEachStep(Box<dyn Writer>);
 
-impl Sink for ForEachFrame {
+impl Sink for ForEachStep {
     fn send(&mut self, _: &[OutputEvent]) -> Result<(), OutputError> {
         self.0.write();
         Ok(())

@@ -1,28 +1,28 @@
-//! What is measured, and the table.
+//! The causes and the table of release times.
 
 use std::time::Duration;
 
 use rustix::process::Signal;
 
-use crate::breaking;
-use crate::place::Place;
-use crate::scene::Scene;
+use crate::panic;
+use crate::scenario::Scenario;
 use crate::support::press::Press;
+use crate::target::InputTarget;
 
-/// What goes wrong.
+/// The cause of a release.
 #[derive(Clone, Copy)]
 pub enum Cause {
     Silence,
     Unplugged,
     Sent(Signal),
     Pause,
-    GuardianKilled,
+    WatchdogKilled,
 }
 
-/// A name, a cause, whether the program is under load, and the goal in ms.
+/// Name, cause, whether the control socket is under load, and the goal in ms.
 #[rustfmt::skip]
 const ROWS: &[(&str, Cause, bool, u32)] = &[
-    ("the glove falls silent (stall limit 200 ms)", Cause::Silence, false, 250),
+    ("the glove stops sending (stall time-out 200 ms)", Cause::Silence, false, 250),
     ("the cable is pulled", Cause::Unplugged, false, 50),
     ("SIGINT", Cause::Sent(Signal::INT), false, 50),
     ("SIGTERM", Cause::Sent(Signal::TERM), false, 50),
@@ -31,7 +31,7 @@ const ROWS: &[(&str, Cause, bool, u32)] = &[
     ("SIGKILL", Cause::Sent(Signal::KILL), false, 100),
     ("SIGABRT (abort, out of memory)", Cause::Sent(Signal::ABORT), false, 100),
     ("SIGSTOP", Cause::Sent(Signal::STOP), false, 300),
-    ("the guardian is killed", Cause::GuardianKilled, false, 100),
+    ("the watchdog is killed", Cause::WatchdogKilled, false, 100),
     ("emergency stop: SIGUSR1", Cause::Sent(Signal::USR1), false, 20),
     ("emergency stop: control socket", Cause::Pause, false, 20),
     ("emergency stop: SIGUSR1, under load", Cause::Sent(Signal::USR1), true, 20),
@@ -43,40 +43,43 @@ const AFTER_A_PANIC: u32 = 50;
 
 pub fn main() {
     let arguments: Vec<_> = std::env::args().skip(1).collect();
-    breaking::run_if_asked(&arguments);
+    panic::run_child(&arguments);
     let is_test = !arguments.iter().any(|argument| argument == "--bench");
     let times = arguments.iter().find_map(|argument| argument.parse().ok());
     let times = times.unwrap_or(if is_test { 1 } else { 200 });
-    let places = ["wayland", "uinput"];
+    let targets = ["wayland", "uinput"];
     let named = arguments
         .iter()
-        .find(|name| places.contains(&name.as_str()));
+        .find(|name| targets.contains(&name.as_str()));
     let name = named.map_or("x11", String::as_str);
-    let Some(place) = Place::open(name) else {
+    let Some(target) = InputTarget::open(name) else {
         return;
     };
     let press = Press::for_text("h");
-    let title = format!("nothing is down on {name} after, in ms, {times} times");
+    let title = format!("release times on {name} in ms, {times} times each");
     println!("{title:50} {:>10} {:>10} {:>6}", "median", "worst", "goal");
     for &(name, cause, is_loaded, goal) in ROWS {
         row(name, times, goal, || {
-            Scene::hold(&place, &press, is_loaded).release_after(&place, cause)
+            Scenario::start(&target, &press, is_loaded).measure(&target, cause)
         });
     }
-    for thread in breaking::THREADS {
+    for thread in panic::THREADS {
         row(
             &format!("a panic of a {thread}"),
             times,
             AFTER_A_PANIC,
-            || breaking::release_after(&place, thread),
+            || panic::measure(&target, thread),
         );
     }
 }
 
 fn row(name: &str, times: usize, goal: u32, measure: impl FnMut() -> Duration) {
-    let mut took: Vec<_> = std::iter::repeat_with(measure).take(times).collect();
-    took.sort_unstable();
+    let mut release_times: Vec<_> = std::iter::repeat_with(measure).take(times).collect();
+    release_times.sort_unstable();
     let millis = |time: Duration| time.as_secs_f64() * 1e3;
-    let (median, worst) = (millis(took[times / 2]), millis(took[times - 1]));
+    let (median, worst) = (
+        millis(release_times[times / 2]),
+        millis(release_times[times - 1]),
+    );
     println!("{name:50} {median:10.2} {worst:10.2} {goal:6}");
 }

@@ -1,4 +1,4 @@
-//! Clients of the control socket that ask without a pause.
+//! Load on the control socket.
 
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::net::UnixStream;
@@ -7,38 +7,38 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 
-/// How many ask at once.
+/// Number of clients.
 const CLIENTS: usize = 12;
 
-/// Clients that ask how the run is, again and again, until this is dropped.
+/// Clients that request the state continuously until this is dropped.
 pub struct Load {
-    is_over: Arc<AtomicBool>,
+    is_stopped: Arc<AtomicBool>,
     clients: Vec<JoinHandle<()>>,
 }
 
 impl Load {
-    /// On the control socket at this path.
+    /// Starts the clients on the control socket at this path.
     pub fn start(control: &Path) -> Self {
-        let is_over = Arc::new(AtomicBool::new(false));
+        let is_stopped = Arc::new(AtomicBool::new(false));
         let client = |_| {
-            let stream = UnixStream::connect(control).expect("the run listens");
-            let is_over = is_over.clone();
-            thread::spawn(move || ask(stream, &is_over))
+            let stream = UnixStream::connect(control).expect("the program listens");
+            let is_stopped = is_stopped.clone();
+            thread::spawn(move || request_state(stream, &is_stopped))
         };
         Self {
             clients: (0..CLIENTS).map(client).collect(),
-            is_over,
+            is_stopped,
         }
     }
 }
 
-fn ask(stream: UnixStream, is_over: &AtomicBool) {
-    let mut answers = BufReader::new(stream);
+fn request_state(stream: UnixStream, is_stopped: &AtomicBool) {
+    let mut replies = BufReader::new(stream);
     let mut line = String::new();
-    while !is_over.load(Ordering::Relaxed) {
-        let asked = answers.get_mut().write_all(b"{\"ask\":\"state\"}\n");
+    while !is_stopped.load(Ordering::Relaxed) {
+        let sent = replies.get_mut().write_all(b"{\"command\":\"state\"}\n");
         line.clear();
-        if asked.is_err() || !matches!(answers.read_line(&mut line), Ok(1..)) {
+        if sent.is_err() || !matches!(replies.read_line(&mut line), Ok(1..)) {
             return;
         }
     }
@@ -46,7 +46,7 @@ fn ask(stream: UnixStream, is_over: &AtomicBool) {
 
 impl Drop for Load {
     fn drop(&mut self) {
-        self.is_over.store(true, Ordering::Relaxed);
+        self.is_stopped.store(true, Ordering::Relaxed);
         for client in self.clients.drain(..) {
             let _ = client.join();
         }

@@ -1,4 +1,4 @@
-//! Where keys go down, and who watches them there.
+//! The keyboards on which release times are measured.
 
 use std::cell::RefCell;
 use std::fs;
@@ -17,23 +17,23 @@ use crate::support::x11::XServer;
 #[cfg(feature = "wayland")]
 use crate::window::Window;
 
-/// How long to wait before somebody who cannot be asked is looked at again.
-const PAUSE: Duration = Duration::from_micros(200);
+/// Polling interval of observers that cannot be queried.
+const POLL_INTERVAL: Duration = Duration::from_micros(200);
 
-/// Keyboards of a system, seen from outside.
-#[allow(clippy::large_enum_variant, reason = "there is just one")]
-pub enum Place {
-    /// An X server, asked by another client.
+/// The receiver of key events, with an observer.
+#[allow(clippy::large_enum_variant, reason = "one instance exists")]
+pub enum InputTarget {
+    /// An X server, queried by another client.
     X11(XServer),
     /// A compositor, and the window that has the focus.
     #[cfg(feature = "wayland")]
     Wayland(Compositor, RefCell<Option<Window>>),
-    /// The kernel, and the device that the program has made.
+    /// The kernel, and the device that the program has created.
     Kernel(RefCell<Option<Device>>),
 }
 
-impl Place {
-    /// The place of this name, or says why not and gives `None`.
+impl InputTarget {
+    /// Opens the target of this name. Returns `None` with a message if it is not available.
     pub fn open(name: &str) -> Option<Self> {
         match name {
             "x11" => XServer::start().map(Self::X11),
@@ -51,20 +51,20 @@ impl Place {
             {
                 Some(Self::Kernel(RefCell::default()))
             }
-            "uinput" => skip("there is no /dev/uinput for this user"),
-            _ => skip("built without it; `--features wayland`"),
+            "uinput" => skip("no access to /dev/uinput"),
+            _ => skip("built without the feature `wayland`"),
         }
     }
 
-    /// The program with these arguments, for an output at this place.
+    /// Starts the program with these arguments for this target.
     pub fn run(&self, arguments: &[&str]) -> Program {
         let mut command = ademan(arguments);
-        self.show_to(&mut command);
+        self.configure(&mut command);
         Program::from_command(command)
     }
 
-    /// Lets a program find this place, and no other.
-    pub fn show_to(&self, command: &mut Command) {
+    /// Sets the environment of a command for this target.
+    pub fn configure(&self, command: &mut Command) {
         for variable in ["DISPLAY", "WAYLAND_DISPLAY", "XDG_RUNTIME_DIR"] {
             command.env_remove(variable);
         }
@@ -78,7 +78,7 @@ impl Place {
         }
     }
 
-    /// The name of the output.
+    /// Returns the name of the output.
     pub fn output(&self) -> &'static str {
         match self {
             Self::Kernel(_) => "uinput",
@@ -86,8 +86,8 @@ impl Place {
         }
     }
 
-    /// From now on the keyboard of the program that has just been started is watched.
-    pub fn watch(&self) {
+    /// Observes the keyboard of the program that was started last.
+    pub fn observe(&self) {
         match self {
             Self::X11(_) => {}
             #[cfg(feature = "wayland")]
@@ -95,63 +95,66 @@ impl Place {
                 window.replace(None);
                 window.replace(Window::open(compositor));
             }
-            Self::Kernel(device) => _ = device.replace(Some(the_keyboard())),
+            Self::Kernel(device) => _ = device.replace(Some(find_keyboard())),
         }
     }
 
-    /// Whether H is down, and nothing else.
-    pub fn holds(&self) -> bool {
+    /// Returns `true` if H, and no other key, is pressed.
+    pub fn is_pressed(&self) -> bool {
         match self {
             Self::X11(server) => server.pressed_keys() == [x11_code("H")],
             #[cfg(feature = "wayland")]
-            Self::Wayland(_, window) => heard(window).last().is_some_and(|line| line == "down h"),
+            Self::Wayland(_, window) => events(window).last().is_some_and(|line| line == "down h"),
             Self::Kernel(device) => keys(device) == [KeyCode::KEY_H],
         }
     }
 
-    /// Whether nothing is down any more, once H was.
-    pub fn is_free(&self) -> bool {
+    /// Returns `true` if no key is pressed after H was.
+    pub fn is_released(&self) -> bool {
         match self {
             Self::X11(server) => server.pressed_keys().is_empty(),
             #[cfg(feature = "wayland")]
             Self::Wayland(_, window) => {
-                thread::sleep(PAUSE);
-                heard(window).iter().any(|line| line == "up h")
+                thread::sleep(POLL_INTERVAL);
+                events(window).iter().any(|line| line == "up h")
             }
             Self::Kernel(device) => {
-                thread::sleep(PAUSE);
+                thread::sleep(POLL_INTERVAL);
                 keys(device).is_empty()
             }
         }
     }
 }
 
-fn skip(why: &str) -> Option<Place> {
+fn skip(why: &str) -> Option<InputTarget> {
     println!("SKIPPED: {why}");
     None
 }
 
 #[cfg(feature = "wayland")]
-fn heard(window: &RefCell<Option<Window>>) -> Vec<String> {
+fn events(window: &RefCell<Option<Window>>) -> Vec<String> {
     let window = window.borrow();
-    window.as_ref().expect("it is watched").heard()
+    window.as_ref().expect("an observed keyboard").events()
 }
 
-/// The keys that are down on a device; none on one that is gone, as the kernel lets go of them.
+/// Returns the pressed keys of a device; none if it was removed, as the kernel has released them.
 fn keys(device: &RefCell<Option<Device>>) -> Vec<KeyCode> {
     let device = device.borrow();
-    let state = device.as_ref().expect("it is watched").get_key_state();
+    let state = device
+        .as_ref()
+        .expect("an observed keyboard")
+        .get_key_state();
     state.map_or_else(|_| Vec::new(), |keys| keys.iter().collect())
 }
 
-/// The program's keyboard, once there is just one: that of the last program may be on its way out.
-fn the_keyboard() -> Device {
+/// Returns the keyboard of the program as soon as there is only one: that of the previous program may still exist.
+fn find_keyboard() -> Device {
     loop {
-        let of_program = |(_, device): &(_, Device)| device.name() == Some("Ademan keyboard");
-        let mut found: Vec<_> = evdev::enumerate().filter(of_program).collect();
+        let is_own = |(_, device): &(_, Device)| device.name() == Some("Ademan keyboard");
+        let mut found: Vec<_> = evdev::enumerate().filter(is_own).collect();
         if found.len() == 1 {
             return found.remove(0).1;
         }
-        thread::sleep(PAUSE);
+        thread::sleep(POLL_INTERVAL);
     }
 }
