@@ -28,7 +28,11 @@ mod merge;
 
 // Everything below needs an operating system with devices, files and sockets.
 #[cfg(not(target_family = "wasm"))]
+mod connection;
+#[cfg(not(target_family = "wasm"))]
 mod garbage;
+#[cfg(not(target_family = "wasm"))]
+pub mod loopback;
 #[cfg(not(target_family = "wasm"))]
 mod packet_clock;
 #[cfg(not(target_family = "wasm"))]
@@ -61,9 +65,10 @@ pub use protocol::hc11::{self, Hc11Format};
 pub use thread::{CaptureEvent, CaptureThread, spawn};
 #[cfg(not(target_family = "wasm"))]
 pub use {
+    loopback::{Loopback, open_loopback},
     reconnect::BackOff,
-    transport::loopback::{self, Loopback, open_loopback},
-    uri::{SourceUri, StreamUri},
+    transport::StreamUri,
+    uri::SourceUri,
 };
 
 /// Opens the source of a byte stream.

@@ -5,7 +5,7 @@ use std::time::Duration;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, after, bounded, never, select};
 
 use super::cancel::CancelToken;
-use super::transport::{ConnectError, Connection, Connector, READ_TIMEOUT};
+use super::connection::{ConnectError, Connection, Connector, READ_TIMEOUT};
 
 /// Intervals between attempts: 0.1 s, doubling to 2 s.
 #[derive(Clone, Debug)]

@@ -228,11 +228,16 @@ fn an_unplugged_glove_is_lost_once_and_followed_to_its_next_terminal() {
 }
 
 #[test]
-fn unplugging_sends_a_loss() {
+fn a_loss_is_reported_right_after_the_last_reading() {
+    let sent = random_bodies(&mut Rng::with_seed(9), 2);
     let mut port = Port::plugged_in();
     let capture = spawn(open(&port.uri(9600)).unwrap()).unwrap();
+    let next = || capture.events().recv_timeout(TIMEOUT).expect("an event");
+    port.send(&packets(&sent));
+    let event = next();
+    assert!(matches!(event, CaptureEvent::Reading { .. }), "{event:?}");
     port.unplug();
-    let event = capture.events().recv_timeout(TIMEOUT).expect("an event");
+    let event = next();
     assert!(matches!(event, CaptureEvent::Lost(_)), "{event:?}");
 }
 

@@ -96,8 +96,6 @@ mod tests {
 
     use super::*;
     use crate::capture::cancel::cancel_token;
-    use crate::capture::loopback::open_loopback;
-    use crate::capture::{SourceUri, hc11::Hc11Format};
 
     #[test]
     fn bytes_and_cancellation_end_a_wait_without_timeout() {
@@ -122,11 +120,8 @@ mod tests {
         let link = folder.path().join("glove");
         let identity = || TerminalIdentity::read(link.to_str().unwrap());
         assert_eq!(identity(), None);
-        let loopback = open_loopback(Hc11Format::default()).unwrap();
-        let SourceUri::Stream(uri) = &loopback.uri else {
-            panic!("{}", loopback.uri);
-        };
-        let terminal = fs::canonicalize(&uri.address).unwrap();
+        let (_master, slave) = serialport::TTYPort::pair().unwrap();
+        let terminal = serialport::SerialPort::name(&slave).unwrap();
         std::os::unix::fs::symlink(&terminal, &link).unwrap();
         let first = identity();
         assert!(first.is_some());
@@ -135,7 +130,7 @@ mod tests {
         sleep(Duration::from_millis(20));
         std::os::unix::fs::symlink(&terminal, &link).unwrap();
         assert_ne!(identity(), first);
-        let own = TerminalIdentity::read(terminal.to_str().unwrap());
+        let own = TerminalIdentity::read(&terminal);
         assert_eq!(own, Some(TerminalIdentity { link: None }));
         assert_eq!(TerminalIdentity::read("/dev/null"), None);
     }

@@ -5,11 +5,11 @@ use std::io::{Error, ErrorKind};
 use std::time::{Duration, Instant};
 
 use super::cancel::CancelToken;
+use super::connection::{Connection, Connector, READ_TIMEOUT};
 use super::garbage::GarbageDetector;
 use super::packet_clock::PacketClock;
 use super::protocol::{Decoder, Packet, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
-use super::transport::{Connection, Connector, READ_TIMEOUT};
 use super::{CaptureError, Reading, Source, SourceEvent, SourceStats};
 
 /// Source that decodes the bytes of a connection.

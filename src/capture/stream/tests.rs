@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex};
 
 use super::*;
 use crate::capture::Sample;
+use crate::capture::connection::ConnectError;
 use crate::capture::hc11::{BODY_BYTES, Framing, Hc11Format, encode};
-use crate::capture::transport::ConnectError;
 
 const TIMEOUT: Duration = Duration::from_secs(20);
 

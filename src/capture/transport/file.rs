@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::path::PathBuf;
 
-use super::{ConnectError, Connection, Connector, Transport, open_stream};
-use crate::capture::uri::Scheme;
+use super::{Scheme, Transport, open_stream};
+use crate::capture::connection::{ConnectError, Connection, Connector};
 
 /// The `file` transport.
 pub const TRANSPORT: Transport = Transport {

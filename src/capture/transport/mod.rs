@@ -3,23 +3,18 @@
 //! To add a transport, write its file with a [`Transport`] constant and list the constant in [`TRANSPORTS`].
 
 mod file;
-pub mod loopback;
-#[cfg(unix)]
-mod pty;
-mod serial;
+pub(super) mod serial;
 mod stdin;
-mod tcp;
+pub(super) mod tcp;
 mod udp;
 mod usb_port;
 
-use std::io::{Error, ErrorKind, Read, Result};
+use std::fmt;
 use std::num::NonZeroU32;
-use std::time::Duration;
 
-use super::cancel::CancelToken;
-use super::poll::Readiness;
+use super::connection::Connector;
+use super::protocol::StreamFormat;
 use super::stream::StreamSource;
-use super::uri::{Scheme, StreamUri};
 use super::{CaptureError, Source};
 
 /// All transports.
@@ -45,9 +40,9 @@ pub struct Transport {
     /// Bit rate if neither the URI nor the protocol states one. `None` if the transport is not a serial line.
     pub default_baud: Option<NonZeroU32>,
     /// Checks an address; an error states what is wrong with it.
-    pub(super) check_address: fn(&str) -> std::result::Result<(), String>,
+    pub(super) check_address: fn(&str) -> Result<(), String>,
     /// Opens the source.
-    pub(super) open: fn(&StreamUri) -> std::result::Result<Box<dyn Source>, CaptureError>,
+    pub(super) open: fn(&StreamUri) -> Result<Box<dyn Source>, CaptureError>,
 }
 
 impl PartialEq for Transport {
@@ -58,84 +53,66 @@ impl PartialEq for Transport {
 
 impl Eq for Transport {}
 
+/// One form of source URI, for help texts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Scheme {
+    /// Text before the colon.
+    pub name: &'static str,
+    /// The URI with its parts in capitals.
+    pub syntax: &'static str,
+    /// One line, in lower case and without a full stop.
+    pub summary: &'static str,
+    /// A valid URI.
+    pub example: &'static str,
+}
+
+/// A transport, its address and the format of its bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StreamUri {
+    /// Carrier of the bytes.
+    pub transport: &'static Transport,
+    /// Port, host and port, or path; empty for transports without an address.
+    pub address: String,
+    /// Format of the bytes.
+    pub format: StreamFormat,
+}
+
+impl fmt::Display for StreamUri {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let scheme = self.transport.scheme.name;
+        write!(f, "{scheme}:{}{}", self.address, self.format)
+    }
+}
+
 /// Opens the source of `uri` through `connector`.
 fn open_stream(
     uri: &StreamUri,
     connector: impl Connector,
-) -> std::result::Result<Box<dyn Source>, CaptureError> {
+) -> Result<Box<dyn Source>, CaptureError> {
     let source = StreamSource::open(uri.to_string(), uri.format.clone(), connector)?;
     Ok(Box::new(source))
 }
 
-/// Longest time that one read blocks if it cannot be cancelled.
-pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
-
-/// Opens a connection, and opens it again after it was lost.
-///
-/// A clone reconnects on its own thread, because opening may block.
-pub(super) trait Connector: Clone + Send + 'static {
-    /// Bytes arrive at their own pace. Otherwise readings have nominal times and wait for the consumer.
-    const IS_LIVE: bool;
-
-    /// The end of the stream and read errors are a loss, after which the connection is opened again. Otherwise they
-    /// end the source.
-    const RECONNECTS: bool;
-
-    /// Each read returns a whole datagram, which contains whole packets.
-    const IS_DATAGRAM: bool = false;
-
-    /// Size of the read buffer. Longer datagrams are truncated.
-    const READ_BYTES: usize = 512;
-
-    /// Longest silence before the connection counts as lost. `None` for no limit.
-    const IDLE_TIMEOUT: Option<Duration> = None;
-
-    /// Opens the connection. Its reads block for [`READ_TIMEOUT`] at most; with a [`Readiness`] they do not block.
-    fn connect(&mut self) -> std::result::Result<Connection, ConnectError>;
-}
-
-/// An open connection.
-pub(super) struct Connection {
-    /// Bytes received.
-    pub bytes: Box<dyn Read + Send>,
-    /// Reports when bytes can be read. `None` if a read has to be tried.
-    pub readiness: Option<Readiness>,
-    /// Port, address or path in use.
-    pub endpoint: String,
-}
-
-impl Connection {
-    /// Reads the bytes that are available, and waits for them until `timeout` or cancellation. A timeout of `None`
-    /// blocks indefinitely. The error is [`ErrorKind::WouldBlock`] or [`ErrorKind::TimedOut`] if there are none.
-    pub fn read(
-        &mut self,
-        buffer: &mut [u8],
-        cancel: Option<&CancelToken>,
-        timeout: Option<Duration>,
-    ) -> Result<usize> {
-        if let Some(readiness) = &self.readiness
-            && !readiness.poll(cancel, timeout)?
-        {
-            return Err(Error::from(ErrorKind::WouldBlock));
-        }
-        self.bytes.read(buffer)
+/// Checks an address that cannot contain a `?`.
+fn check_no_question_mark(address: &str) -> Result<(), String> {
+    if address.contains('?') {
+        return Err("the text after `?` is not a list of options such as `baud=115200`".to_owned());
     }
+    Ok(())
 }
 
-/// Reason why a connection cannot be opened.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum ConnectError {
-    /// The device is absent, as while a cable is unplugged.
-    Absent(String),
-    /// The device is present, but its user has to do something before it can be used.
-    Unusable(String),
-}
-
-impl ConnectError {
-    /// Returns the reason as text.
-    pub fn into_reason(self) -> String {
-        match self {
-            Self::Absent(reason) | Self::Unusable(reason) => reason,
-        }
+/// Checks an address of the form `HOST:PORT`.
+fn check_socket_address(scheme: Scheme, address: &str) -> Result<(), String> {
+    check_no_question_mark(address)?;
+    let port = address
+        .rsplit_once(':')
+        .filter(|(host, _)| !host.is_empty())
+        .and_then(|(_, port)| port.parse::<u16>().ok());
+    match port {
+        Some(1..) => Ok(()),
+        _ => Err(format!(
+            "write `{}` with a port from 1 to 65535",
+            scheme.syntax
+        )),
     }
 }

@@ -9,10 +9,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
 
 use super::usb_port::{KnownDevice, Port, PortChoice, choose_port};
-use super::{ConnectError, Connection, Connector, READ_TIMEOUT, Transport, open_stream};
+use super::{Scheme, Transport, check_no_question_mark, open_stream};
 use crate::advice::{self, AccessDenied};
+use crate::capture::connection::{ConnectError, Connection, Connector, READ_TIMEOUT};
 use crate::capture::poll::{self, Readiness, TerminalIdentity};
-use crate::capture::uri::{Scheme, check_no_question_mark};
 
 /// The `serial` transport.
 pub const TRANSPORT: Transport = Transport {

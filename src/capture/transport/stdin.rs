@@ -1,8 +1,8 @@
 //! Standard input, for a program that writes a stream to a pipe.
 
-use super::{ConnectError, Connection, Connector, Transport, open_stream};
+use super::{Scheme, Transport, open_stream};
+use crate::capture::connection::{ConnectError, Connection, Connector};
 use crate::capture::poll::open_stdin;
-use crate::capture::uri::Scheme;
 
 /// The `stdin` transport.
 pub const TRANSPORT: Transport = Transport {

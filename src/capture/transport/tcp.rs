@@ -4,9 +4,9 @@ use std::io::Error;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-use super::{ConnectError, Connection, Connector, READ_TIMEOUT, Transport, open_stream};
+use super::{Scheme, Transport, check_socket_address, open_stream};
+use crate::capture::connection::{ConnectError, Connection, Connector, READ_TIMEOUT};
 use crate::capture::poll::Readiness;
-use crate::capture::uri::{Scheme, check_socket_address};
 
 /// The `tcp` transport.
 pub const TRANSPORT: Transport = Transport {

@@ -3,9 +3,9 @@
 use std::io::{Error, ErrorKind, Read, Result};
 use std::net::UdpSocket;
 
-use super::{ConnectError, Connection, Connector, READ_TIMEOUT, Transport, open_stream};
+use super::{Scheme, Transport, check_socket_address, open_stream};
+use crate::capture::connection::{ConnectError, Connection, Connector, READ_TIMEOUT};
 use crate::capture::poll::Readiness;
-use crate::capture::uri::{Scheme, check_socket_address};
 
 /// The `udp` transport.
 pub const TRANSPORT: Transport = Transport {

@@ -7,10 +7,10 @@ use std::time::Duration;
 
 use serialport::{SerialPort, TTYPort};
 
-use super::loopback::Loopback;
+use super::Loopback;
 use crate::capture::SourceUri;
 use crate::capture::protocol::StreamFormat;
-use crate::capture::uri::StreamUri;
+use crate::capture::transport::{StreamUri, serial};
 
 /// Opens a loopback over a pair of pseudo-terminals.
 ///
@@ -34,7 +34,7 @@ pub fn open_loopback(format: impl Into<StreamFormat>) -> Result<Loopback> {
     Ok(Loopback {
         writer: Box::new(writer),
         uri: SourceUri::Stream(StreamUri {
-            transport: &super::serial::TRANSPORT,
+            transport: &serial::TRANSPORT,
             address,
             format: format.into(),
         }),

@@ -1,16 +1,19 @@
 //! Loopback connections for simulated gloves: bytes written to one end arrive at a source.
 
+#[cfg(unix)]
+mod pty;
+
 use std::io::{ErrorKind, Result, Write};
 use std::net::{Ipv4Addr, TcpListener, TcpStream};
 
-use crate::capture::SourceUri;
-use crate::capture::protocol::StreamFormat;
-use crate::capture::uri::StreamUri;
+use super::SourceUri;
+use super::protocol::StreamFormat;
+use super::transport::{StreamUri, tcp};
 
 #[cfg(not(unix))]
 pub use self::open_tcp_loopback as open_loopback;
 #[cfg(unix)]
-pub use super::pty::open_loopback;
+pub use pty::open_loopback;
 
 /// A connection whose writing end is in this program.
 ///
@@ -35,7 +38,7 @@ pub fn open_tcp_loopback(format: impl Into<StreamFormat>) -> Result<Loopback> {
     Ok(Loopback {
         writer: Box::new(writer),
         uri: SourceUri::Stream(StreamUri {
-            transport: &super::tcp::TRANSPORT,
+            transport: &tcp::TRANSPORT,
             address,
             format: format.into(),
         }),

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::CaptureError;
 use super::protocol::{PROTOCOLS, Protocol, StreamFormat};
-use super::transport::{TRANSPORTS, Transport};
+use super::transport::{Scheme, StreamUri, TRANSPORTS, Transport};
 use crate::names::{UnknownName, nearest};
 
 /// Origin of readings.
@@ -53,30 +53,6 @@ pub enum SourceUri {
         /// The script file, or the script itself.
         script: String,
     },
-}
-
-/// A transport, its address and the format of its bytes.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StreamUri {
-    /// Carrier of the bytes.
-    pub transport: &'static Transport,
-    /// Port, host and port, or path; empty for transports without an address.
-    pub address: String,
-    /// Format of the bytes.
-    pub format: StreamFormat,
-}
-
-/// One form of source URI, for help texts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Scheme {
-    /// Text before the colon.
-    pub name: &'static str,
-    /// The URI with its parts in capitals.
-    pub syntax: &'static str,
-    /// One line, in lower case and without a full stop.
-    pub summary: &'static str,
-    /// A valid URI.
-    pub example: &'static str,
 }
 
 const RECORDING: Scheme = Scheme {
@@ -207,30 +183,6 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
     })
 }
 
-/// Checks an address that cannot contain a `?`.
-pub(super) fn check_no_question_mark(address: &str) -> Result<(), String> {
-    if address.contains('?') {
-        return Err("the text after `?` is not a list of options such as `baud=115200`".to_owned());
-    }
-    Ok(())
-}
-
-/// Checks an address of the form `HOST:PORT`.
-pub(super) fn check_socket_address(scheme: Scheme, address: &str) -> Result<(), String> {
-    check_no_question_mark(address)?;
-    let port = address
-        .rsplit_once(':')
-        .filter(|(host, _)| !host.is_empty())
-        .and_then(|(_, port)| port.parse::<u16>().ok());
-    match port {
-        Some(1..) => Ok(()),
-        _ => Err(format!(
-            "write `{}` with a port from 1 to 65535",
-            scheme.syntax
-        )),
-    }
-}
-
 fn are_pairs(options: &str) -> bool {
     options.split('&').all(|pair| {
         let Some((key, _)) = pair.split_once('=') else {
@@ -313,13 +265,6 @@ impl fmt::Display for SourceUri {
     }
 }
 
-impl fmt::Display for StreamUri {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let scheme = self.transport.scheme.name;
-        write!(f, "{scheme}:{}{}", self.address, self.format)
-    }
-}
-
 impl TryFrom<String> for SourceUri {
     type Error = CaptureError;
 
@@ -335,184 +280,4 @@ impl From<SourceUri> for String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::capture::hc11::{Framing, Hc11Format};
-
-    fn stream(scheme: &str, address: &str, format: impl Into<StreamFormat>) -> SourceUri {
-        let mut transports = TRANSPORTS.iter();
-        SourceUri::Stream(StreamUri {
-            transport: transports
-                .find(|transport| transport.scheme.name == scheme)
-                .unwrap(),
-            address: address.to_owned(),
-            format: format.into(),
-        })
-    }
-
-    fn hc11(framing: Framing, baud: u32) -> Hc11Format {
-        Hc11Format {
-            framing,
-            baud: NonZeroU32::new(baud).unwrap(),
-        }
-    }
-
-    #[test]
-    fn every_kind_of_source_has_a_uri() {
-        let default = Hc11Format::default();
-        let slow = hc11(Framing::Double06, 9600);
-        let text_line = StreamFormat::new(&crate::capture::protocol::text_line::PROTOCOL);
-        let text_line_at = |baud| StreamFormat {
-            baud: NonZeroU32::new(baud),
-            ..text_line.clone()
-        };
-        let table = [
-            (
-                "serial:/dev/ttyUSB0",
-                stream("serial", "/dev/ttyUSB0", default),
-            ),
-            (
-                "serial:/dev/ttyUSB0?protocol=hc11&baud=9600",
-                stream("serial", "/dev/ttyUSB0", slow),
-            ),
-            (
-                "serial:COM3?framing=hash",
-                stream("serial", "COM3", hc11(Framing::Hash, 115_200)),
-            ),
-            (
-                "serial:COM3?protocol=text-line",
-                stream("serial", "COM3", text_line_at(115_200)),
-            ),
-            (
-                "file:a b.raw?baud=1",
-                stream("file", "a b.raw", hc11(Framing::Double06, 1)),
-            ),
-            ("file:what?", stream("file", "what?", default)),
-            ("file:what?now.raw", stream("file", "what?now.raw", default)),
-            (
-                "file:what?a=b?protocol=hc11",
-                stream("file", "what?a=b", default),
-            ),
-            (
-                "tcp:glove.local:4001",
-                stream("tcp", "glove.local:4001", default),
-            ),
-            (
-                "tcp:[::1]:4001?baud=9600",
-                stream("tcp", "[::1]:4001", slow),
-            ),
-            (
-                "tcp:angles.local:10002?protocol=text-line",
-                stream("tcp", "angles.local:10002", text_line.clone()),
-            ),
-            (
-                "udp:0.0.0.0:9000?protocol=text-line",
-                stream("udp", "0.0.0.0:9000", text_line.clone()),
-            ),
-            ("stdin:", stream("stdin", "", default)),
-            (
-                "stdin:?protocol=text-line",
-                stream("stdin", "", text_line.clone()),
-            ),
-            (
-                "recording:x?baud=2.mcap",
-                SourceUri::Recording {
-                    path: "x?baud=2.mcap".into(),
-                },
-            ),
-            (
-                "typist:really? a=b & c: d",
-                SourceUri::Typist {
-                    text: "really? a=b & c: d".into(),
-                },
-            ),
-            (
-                "script:tap Q; wait 5",
-                SourceUri::Script {
-                    script: "tap Q; wait 5".into(),
-                },
-            ),
-        ];
-        for (text, expected) in table {
-            let uri: SourceUri = text.parse().unwrap();
-            assert_eq!(uri, expected, "{text}");
-            assert_eq!(uri.to_string().parse::<SourceUri>().unwrap(), uri, "{text}");
-        }
-    }
-
-    #[test]
-    fn every_example_is_a_valid_uri_of_its_scheme() {
-        for scheme in schemes() {
-            let uri: SourceUri = scheme.example.parse().unwrap();
-            let start = format!("{}:", scheme.name);
-            assert!(uri.to_string().starts_with(&start), "{}", scheme.example);
-            assert!(scheme.syntax.starts_with(&start), "{}", scheme.syntax);
-        }
-    }
-
-    #[test]
-    fn only_sources_of_joint_angles_need_no_glove() {
-        let table = [
-            ("serial:COM3", true),
-            ("udp:0.0.0.0:9000?protocol=text-line", false),
-            ("typist:hello", true),
-        ];
-        for (text, needs_glove) in table {
-            let uri: SourceUri = text.parse().unwrap();
-            assert_eq!(uri.needs_glove(), needs_glove, "{text}");
-        }
-    }
-
-    #[test]
-    fn an_invalid_uri_names_the_nearest_valid_one() {
-        let table = [
-            (
-                "seriel:/dev/ttyUSB0",
-                "unknown kind of source `seriel`, did you mean `serial`?",
-            ),
-            ("/dev/ttyUSB0", "write `serial:/dev/ttyUSB0`"),
-            ("COM3", "write `serial:COM3`"),
-            ("typst", "did you mean `typist:…`?"),
-            ("serial:", "`serial:` is followed by nothing"),
-            ("typist:", "`typist:` is followed by nothing"),
-            ("serial:?baud=9600", "the options are preceded by nothing"),
-            (
-                "serial:COM3?bauds=9600",
-                "unknown option `bauds`, did you mean `baud`?",
-            ),
-            ("serial:COM3?baud", "not a list of options"),
-            ("serial:COM3?baud=0", "`0` is not a bit rate"),
-            ("serial:COM3?baud=fast", "`fast` is not a bit rate"),
-            ("serial:COM3?baud=1&baud=2", "option `baud` is given twice"),
-            (
-                "serial:COM3?protocol=hc12",
-                "unknown protocol `hc12`, did you mean `hc11`?",
-            ),
-            (
-                "serial:COM3?framing=double6",
-                "unknown framing `double6`, did you mean `double06`?",
-            ),
-            (
-                "serial:COM3?protocol=text-line&framing=hash",
-                "unknown option `framing`",
-            ),
-            (
-                "file:a.txt?protocol=text-line&rate_hz=0",
-                "`0` is not a rate from 0.1 to 10000",
-            ),
-            ("tcp:glove", "write `tcp:HOST:PORT`"),
-            ("tcp:glove:99999", "write `tcp:HOST:PORT`"),
-            ("tcp:glove:0", "a port from 1 to 65535"),
-            ("tcp::4001", "write `tcp:HOST:PORT`"),
-            ("udp:9000", "write `udp:ADDRESS:PORT`"),
-            ("stdin:now", "`stdin:` has no address"),
-        ];
-        for (text, part) in table {
-            let error = text.parse::<SourceUri>().unwrap_err();
-            assert!(matches!(error, CaptureError::InvalidUri { .. }), "{text}");
-            let message = error.to_string();
-            assert!(message.contains(part), "{text}: {message}");
-            assert!(message.contains(text), "{text}: {message}");
-        }
-    }
-}
+mod tests;

@@ -1,0 +1,80 @@
+//! Connections that carry bytes, and how they are opened.
+
+use std::io::{Error, ErrorKind, Read, Result};
+use std::time::Duration;
+
+use super::cancel::CancelToken;
+use super::poll::Readiness;
+
+/// Longest time that one read blocks if it cannot be cancelled.
+pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
+
+/// Opens a connection, and opens it again after it was lost.
+///
+/// A clone reconnects on its own thread, because opening may block.
+pub(super) trait Connector: Clone + Send + 'static {
+    /// Bytes arrive at their own pace. Otherwise readings have nominal times and wait for the consumer.
+    const IS_LIVE: bool;
+
+    /// The end of the stream and read errors are a loss, after which the connection is opened again. Otherwise they
+    /// end the source.
+    const RECONNECTS: bool;
+
+    /// Each read returns a whole datagram, which contains whole packets.
+    const IS_DATAGRAM: bool = false;
+
+    /// Size of the read buffer. Longer datagrams are truncated.
+    const READ_BYTES: usize = 512;
+
+    /// Longest silence before the connection counts as lost. `None` for no limit.
+    const IDLE_TIMEOUT: Option<Duration> = None;
+
+    /// Opens the connection. Its reads block for [`READ_TIMEOUT`] at most; with a [`Readiness`] they do not block.
+    fn connect(&mut self) -> std::result::Result<Connection, ConnectError>;
+}
+
+/// An open connection.
+pub(super) struct Connection {
+    /// Bytes received.
+    pub bytes: Box<dyn Read + Send>,
+    /// Reports when bytes can be read. `None` if a read has to be tried.
+    pub readiness: Option<Readiness>,
+    /// Port, address or path in use.
+    pub endpoint: String,
+}
+
+impl Connection {
+    /// Reads the bytes that are available, and waits for them until `timeout` or cancellation. A timeout of `None`
+    /// blocks indefinitely. The error is [`ErrorKind::WouldBlock`] or [`ErrorKind::TimedOut`] if there are none.
+    pub fn read(
+        &mut self,
+        buffer: &mut [u8],
+        cancel: Option<&CancelToken>,
+        timeout: Option<Duration>,
+    ) -> Result<usize> {
+        if let Some(readiness) = &self.readiness
+            && !readiness.poll(cancel, timeout)?
+        {
+            return Err(Error::from(ErrorKind::WouldBlock));
+        }
+        self.bytes.read(buffer)
+    }
+}
+
+/// Reason why a connection cannot be opened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum ConnectError {
+    /// The device is absent, as while a cable is unplugged.
+    Absent(String),
+    /// The device is present, but its user has to do something before it can be used.
+    Unusable(String),
+}
+
+impl ConnectError {
+    /// Returns the reason as text.
+    pub fn into_reason(self) -> String {
+        match self {
+            Self::Absent(reason) | Self::Unusable(reason) => reason,
+        }
+    }
+}
