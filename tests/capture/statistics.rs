@@ -1,4 +1,4 @@
-//! A run accounts for every reading: received = accepted + rejected + superseded.
+//! Statistics of a session: received = accepted + rejected + dropped readings.
 
 use std::time::Duration;
 
@@ -13,30 +13,30 @@ use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
 use ademan::snapshot::{Snapshot, Stats};
 
-/// A typist whose every tenth reading is of a glove with a wrist that no wrist can have.
-struct Trembling {
+/// A typist whose every tenth reading has an impossible wrist angle.
+struct FaultyTypist {
     hand: SimulatedTypist,
-    number: u64,
+    readings: u64,
     is_live: bool,
 }
 
-impl Source for Trembling {
+impl Source for FaultyTypist {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        let mut capture = self.hand.next()?;
-        if let SourceEvent::Reading(Reading { sample, .. }) = &mut capture {
-            self.number += 1;
+        let mut event = self.hand.next()?;
+        if let SourceEvent::Reading(Reading { sample, .. }) = &mut event {
+            self.readings += 1;
             let ademan::capture::Sample::Channels(channels) = sample else {
                 panic!("a glove has channels");
             };
-            if self.number.is_multiple_of(10) {
+            if self.readings.is_multiple_of(10) {
                 channels.counts[4] = 254;
             }
         }
-        Ok(capture)
+        Ok(event)
     }
 
     fn name(&self) -> &str {
-        "trembling"
+        "faulty typist"
     }
 
     fn is_live(&self) -> bool {
@@ -45,95 +45,96 @@ impl Source for Trembling {
 
     fn stats(&self) -> SourceStats {
         SourceStats {
-            readings: self.number,
+            readings: self.readings,
             ..SourceStats::default()
         }
     }
 }
 
-fn trembling(assembly: &LoadedSetup, is_live: bool) -> Trembling {
-    let hand = assembly.typist("accounts", &Hc11Format::default(), 0.0, 0);
-    Trembling {
-        hand: hand.expect("it can be typed"),
-        number: 0,
+fn faulty_typist(setup: &LoadedSetup, is_live: bool) -> FaultyTypist {
+    let hand = setup.typist("statistics", &Hc11Format::default(), 0.0, 0);
+    FaultyTypist {
+        hand: hand.expect("the text can be typed"),
+        readings: 0,
         is_live,
     }
 }
 
-fn balance(tally: &Stats) -> (u64, u64) {
-    let rejected: u64 = tally.rejected.iter().sum();
-    let taken = tally.accepted + rejected + tally.source.dropped;
-    (tally.source.readings, taken)
+/// Returns the received readings, and the sum of those accepted, rejected and dropped.
+fn received_and_sum(stats: &Stats) -> (u64, u64) {
+    let rejected: u64 = stats.rejected.iter().sum();
+    let sum = stats.accepted + rejected + stats.source.dropped;
+    (stats.source.readings, sum)
 }
 
 fn run(is_live: bool, stop_at: Option<u64>) -> Summary {
-    let assembly = Setup::default().load_files().expect("the default setup");
-    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
+    let setup = Setup::default().load_files().expect("the default setup");
+    let mut sink = output::open("none", &setup.required_capabilities()).expect("an output");
     let (sender, commands) = command_channel();
-    let source = trembling(&assembly, is_live);
-    let mut frames = 0;
+    let source = faulty_typist(&setup, is_live);
+    let mut steps = 0;
     let observe = &mut |_: &_| {
-        frames += 1;
-        if stop_at == Some(frames) {
+        steps += 1;
+        if stop_at == Some(steps) {
             sender.send(Command::Stop).expect("the session runs");
         }
     };
     run_pipeline(
         source,
-        &mut assembly.pipeline(),
-        &mut *nowhere,
+        &mut setup.pipeline(),
+        &mut *sink,
         &commands,
         observe,
     )
-    .expect("a run")
+    .expect("a session")
 }
 
 #[test]
-fn a_source_that_waits_has_every_reading_accepted_or_rejected() {
-    let tally = run(false, None).stats;
-    let (received, taken) = balance(&tally);
-    assert_eq!(received, taken);
-    assert_eq!(tally.source.dropped, 0);
-    assert!(received > 400 && tally.rejected.iter().sum::<u64>() >= received / 10);
+fn every_reading_of_a_waiting_source_is_accepted_or_rejected() {
+    let stats = run(false, None).stats;
+    let (received, sum) = received_and_sum(&stats);
+    assert_eq!(received, sum);
+    assert_eq!(stats.source.dropped, 0);
+    assert!(received > 400 && stats.rejected.iter().sum::<u64>() >= received / 10);
 }
 
 #[test]
-fn a_live_source_that_is_too_fast_has_its_oldest_readings_superseded() {
-    let tally = run(true, None).stats;
-    let (received, taken) = balance(&tally);
-    assert_eq!(received, taken);
+fn dropped_readings_of_a_fast_live_source_are_counted() {
+    let stats = run(true, None).stats;
+    let (received, sum) = received_and_sum(&stats);
+    assert_eq!(received, sum);
 }
 
-/// An observer that stands still while a key is down, as a program that is stopped does.
+/// The observer blocks while a key is pressed, as if the program were stopped.
 #[test]
-fn readings_from_before_the_program_stood_still_press_nothing_and_are_accounted_for() {
-    let assembly = Setup::default().load_files().expect("the default setup");
-    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
-    let typist = assembly.typist("accounts", &Hc11Format::default(), 0.0, 0);
-    let source = PacedSource::new(typist.expect("it can be typed"), 1.0);
-    let mut has_stood_still = false;
+fn readings_from_before_a_stop_of_the_program_press_nothing_and_are_counted() {
+    let setup = Setup::default().load_files().expect("the default setup");
+    let mut sink = output::open("none", &setup.required_capabilities()).expect("an output");
+    let typist = setup.typist("statistics", &Hc11Format::default(), 0.0, 0);
+    let source = PacedSource::new(typist.expect("the text can be typed"), 1.0);
+    let mut has_blocked = false;
     let mut events_after = Vec::new();
-    let observe = &mut |frame: &Snapshot| {
+    let observe = &mut |snapshot: &Snapshot| {
         let is_down = |event: &OutputEvent| matches!(event.kind, EventKind::KeyDown(_));
-        if has_stood_still {
-            events_after.extend(frame.events.iter().map(|event| event.kind));
-        } else if frame.events.iter().any(is_down) {
-            has_stood_still = true;
+        if has_blocked {
+            events_after.extend(snapshot.events.iter().map(|event| event.kind));
+        } else if snapshot.events.iter().any(is_down) {
+            has_blocked = true;
             std::thread::sleep(Duration::from_millis(600));
         }
     };
-    let source = Live(source);
+    let source = LiveSource(source);
     let summary = run_pipeline(
         source,
-        &mut assembly.pipeline(),
-        &mut *nowhere,
+        &mut setup.pipeline(),
+        &mut *sink,
         &CommandReceiver::disconnected(),
         observe,
     );
-    let tally = summary.expect("a run").stats;
-    let (received, taken) = balance(&tally);
-    assert_eq!(received, taken);
-    assert!(tally.source.dropped > 0 && tally.stalls > 0, "{tally:?}");
+    let stats = summary.expect("a session").stats;
+    let (received, sum) = received_and_sum(&stats);
+    assert_eq!(received, sum);
+    assert!(stats.source.dropped > 0 && stats.stalls > 0, "{stats:?}");
     let first = events_after.first();
     assert!(
         matches!(first, Some(EventKind::KeyUp(_))),
@@ -141,10 +142,10 @@ fn readings_from_before_the_program_stood_still_press_nothing_and_are_accounted_
     );
 }
 
-/// Readings that are lost when nobody takes them.
-struct Live(PacedSource<SimulatedTypist>);
+/// A live source: its readings are dropped if the consumer is slow.
+struct LiveSource(PacedSource<SimulatedTypist>);
 
-impl Source for Live {
+impl Source for LiveSource {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         self.0.next()
     }
@@ -159,11 +160,11 @@ impl Source for Live {
 }
 
 #[test]
-fn what_still_waits_when_a_run_is_ended_is_accounted_for_too() {
+fn readings_queued_at_the_end_of_a_session_are_counted() {
     for _ in 0..20 {
-        let tally = run(false, Some(100)).stats;
-        let (received, taken) = balance(&tally);
-        assert_eq!(received, taken);
-        assert!(tally.accepted < 200, "it was ended early");
+        let stats = run(false, Some(100)).stats;
+        let (received, sum) = received_and_sum(&stats);
+        assert_eq!(received, sum);
+        assert!(stats.accepted < 200, "the session was stopped early");
     }
 }
