@@ -1,7 +1,7 @@
 //! UDP receiver: each datagram holds whole packets.
 
 use std::io::{Error, ErrorKind, Read, Result};
-use std::net::UdpSocket;
+use std::net::{SocketAddr, UdpSocket};
 
 use super::{Scheme, Transport, check_socket_address, open_stream};
 use crate::capture::connection::{ConnectError, Connection, Connector, READ_TIMEOUT};
@@ -14,7 +14,7 @@ pub const TRANSPORT: Transport = Transport {
     is_device: false,
     has_address: true,
     default_baud: None,
-    check_address: |address| check_socket_address(SCHEME, address),
+    check_address,
     open: |uri| {
         let address = uri.address.clone();
         open_stream(uri, UdpConnector { address })
@@ -24,9 +24,26 @@ pub const TRANSPORT: Transport = Transport {
 const SCHEME: Scheme = Scheme {
     name: "udp",
     syntax: "udp:ADDRESS:PORT",
-    summary: "datagrams that arrive at a local address",
-    example: "udp:0.0.0.0:9000?protocol=text-line",
+    summary: "datagrams from this machine",
+    example: "udp:127.0.0.1:9000?protocol=text-line",
 };
+
+/// Checks that the address is one of this machine that no other machine can send to: datagrams carry no credential.
+fn check_address(address: &str) -> std::result::Result<(), String> {
+    check_socket_address(SCHEME, address)?;
+    let is_loopback = match address.parse::<SocketAddr>() {
+        Ok(address) => address.ip().is_loopback(),
+        Err(_) => address.starts_with("localhost:"),
+    };
+    match is_loopback {
+        true => Ok(()),
+        false => Err(
+            "datagrams carry no credential, so `udp` receives from this machine only: write `udp:127.0.0.1:PORT` and \
+             forward the data through a tunnel"
+                .to_owned(),
+        ),
+    }
+}
 
 /// Binder of a local address.
 #[derive(Clone)]
@@ -43,9 +60,7 @@ impl Connector for UdpConnector {
 
     fn connect(&mut self) -> std::result::Result<Connection, ConnectError> {
         let socket = bind(&self.address).map_err(|error| {
-            ConnectError::Absent(format!(
-                "{error}; use an address of this machine, such as 0.0.0.0, and a free port"
-            ))
+            ConnectError::Absent(format!("{error}; use 127.0.0.1 and a free port"))
         })?;
         Ok(Connection {
             readiness: Readiness::new(&socket),

@@ -18,7 +18,7 @@ use crate::names::{UnknownName, nearest};
 /// |---|---|
 /// | `serial:PORT[?OPTIONS]` | serial port: `/dev/ttyUSB0`, `COM3`, `/dev/serial/by-id/…` |
 /// | `tcp:HOST:PORT[?OPTIONS]` | TCP server, such as an RS232-to-TCP converter |
-/// | `udp:ADDRESS:PORT[?OPTIONS]` | datagrams that arrive at a local address: `udp:0.0.0.0:9000` |
+/// | `udp:ADDRESS:PORT[?OPTIONS]` | datagrams from this machine: `udp:127.0.0.1:9000` |
 /// | `file:PATH[?OPTIONS]` | bytes of a stream in a file |
 /// | `stdin:[?OPTIONS]` | bytes of a stream on the standard input |
 /// | `recording:PATH` | recording made by `ademan record` |

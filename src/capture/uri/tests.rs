@@ -70,8 +70,8 @@ fn every_kind_of_source_has_a_uri() {
             stream("tcp", "angles.local:10002", text_line.clone()),
         ),
         (
-            "udp:0.0.0.0:9000?protocol=text-line",
-            stream("udp", "0.0.0.0:9000", text_line.clone()),
+            "udp:127.0.0.1:9000?protocol=text-line",
+            stream("udp", "127.0.0.1:9000", text_line.clone()),
         ),
         ("stdin:", stream("stdin", "", default)),
         (
@@ -118,7 +118,7 @@ fn every_example_is_a_valid_uri_of_its_scheme() {
 fn only_sources_of_joint_angles_need_no_glove() {
     let table = [
         ("serial:COM3", true),
-        ("udp:0.0.0.0:9000?protocol=text-line", false),
+        ("udp:127.0.0.1:9000?protocol=text-line", false),
         ("typist:hello", true),
     ];
     for (text, needs_glove) in table {
@@ -164,6 +164,8 @@ fn an_invalid_uri_names_the_nearest_valid_one() {
             "file:a.txt?protocol=text-line&rate_hz=0",
             "`0` is not a rate from 0.1 to 10000",
         ),
+        ("udp:0.0.0.0:9000", "datagrams carry no credential"),
+        ("udp:192.168.1.7:9000", "write `udp:127.0.0.1:PORT`"),
         ("tcp:glove", "write `tcp:HOST:PORT`"),
         ("tcp:glove:99999", "write `tcp:HOST:PORT`"),
         ("tcp:glove:0", "a port from 1 to 65535"),
