@@ -1,4 +1,4 @@
-//! Files that are written and read again: recordings, transcripts, layouts, setups, documentation.
+//! Files that the program writes and reads: recordings, transcripts, layouts, setups, documentation.
 
 use std::path::Path;
 use std::process::Command;
@@ -21,7 +21,7 @@ fn recorded(folder: &tempfile::TempDir) -> String {
 }
 
 #[test]
-fn a_recording_is_replayed_to_the_same_bytes_at_any_speed() {
+fn a_replay_gives_the_same_transcript_at_any_speed() {
     let folder = tempfile::tempdir().unwrap();
     let path = recorded(&folder);
     let first = run(["replay", &path]).done().out;
@@ -36,7 +36,7 @@ fn a_recording_is_replayed_to_the_same_bytes_at_any_speed() {
 }
 
 #[test]
-fn a_recording_that_is_cut_gives_what_came_before_the_cut_and_says_so() {
+fn a_truncated_recording_is_played_up_to_the_cut_and_fails() {
     let folder = tempfile::tempdir().unwrap();
     let path = recorded(&folder);
     let whole = run(["replay", &path]).done().out;
@@ -52,13 +52,13 @@ fn a_recording_that_is_cut_gives_what_came_before_the_cut_and_says_so() {
         .take_while(|(cut, whole)| cut == whole)
         .count();
     assert!(same > 0 && same < whole.lines().count(), "{}", ended.out);
-    // What was down at the cut is let go of there.
+    // Keys that are pressed at the cut are released there.
     let mut rest = ended.out.lines().skip(same);
     assert!(rest.all(|line| line.contains(" up ")), "{}", ended.out);
 }
 
 #[test]
-fn a_run_that_is_recorded_gives_the_transcript_that_was_printed() {
+fn a_replay_of_a_recorded_run_gives_its_transcript() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
     let live = run(["run", "--source", "typist:ok", "--record", text(&path)])
@@ -75,7 +75,7 @@ fn a_run_that_is_recorded_gives_the_transcript_that_was_printed() {
 }
 
 #[test]
-fn what_is_typed_is_in_no_message() {
+fn messages_do_not_contain_typed_text() {
     const CANARY: &str = "canary";
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.mcap");
@@ -99,7 +99,7 @@ fn what_is_typed_is_in_no_message() {
 }
 
 #[test]
-fn the_demo_writes_a_transcript_and_ends_with_its_figures() {
+fn the_demo_writes_a_transcript_and_prints_its_statistics() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("demo.txt");
     let output = format!("transcript:{}", path.display());
@@ -127,7 +127,7 @@ fn the_demo_writes_a_transcript_and_ends_with_its_figures() {
 }
 
 #[test]
-fn the_demo_finds_a_text_for_a_board_of_digits() {
+fn the_demo_has_a_text_for_a_board_of_digits() {
     let ended = run(["demo", "--layout", "numpad"]).done();
     assert!(
         ended.out.contains("typed      \"3.14159*2-0.5\""),
@@ -137,7 +137,7 @@ fn the_demo_finds_a_text_for_a_board_of_digits() {
 }
 
 #[test]
-fn the_demo_plays_a_script_and_says_what_went_out() {
+fn the_demo_plays_a_script_and_prints_its_events() {
     let folder = tempfile::tempdir().unwrap();
     let script = file(
         &folder,
@@ -164,7 +164,7 @@ fn the_demo_plays_a_script_and_says_what_went_out() {
 }
 
 #[test]
-fn a_script_is_a_source_like_a_typist() {
+fn a_script_is_a_source() {
     let source = "script:tap ArrowLeft; tap ArrowUp";
     let ended = run(["trace", "touches", "--layout", "arrows", "--source", source]).done();
     let pressed = ended
@@ -177,7 +177,7 @@ fn a_script_is_a_source_like_a_typist() {
 }
 
 #[test]
-fn the_example_of_a_setup_says_what_is_so_without_it() {
+fn the_example_setup_contains_every_field_with_its_default() {
     use ademan::setup::Setup;
     let example = Setup::load(&root("examples/setup.ron")).unwrap();
     assert!(example.source.is_some());
@@ -195,7 +195,7 @@ fn the_example_of_a_setup_says_what_is_so_without_it() {
 }
 
 #[test]
-fn a_setup_sees_its_files_from_its_own_folder_and_flags_go_before_it() {
+fn paths_in_a_setup_are_relative_to_it_and_flags_override_it() {
     let folder = tempfile::tempdir().unwrap();
     let layout = std::fs::read_to_string(root("examples/one-key.ron")).unwrap();
     file(&folder, "board.ron", layout);
@@ -212,7 +212,7 @@ fn a_setup_sees_its_files_from_its_own_folder_and_flags_go_before_it() {
 }
 
 #[test]
-fn the_layouts_of_the_readme_are_right() {
+fn the_layouts_in_the_readme_are_valid() {
     let folder = tempfile::tempdir().unwrap();
     let readme = std::fs::read_to_string(root("README.md")).unwrap();
     let layouts: Vec<&str> = readme
@@ -230,19 +230,19 @@ fn the_layouts_of_the_readme_are_right() {
 }
 
 #[test]
-fn the_picture_of_the_readme_is_that_of_the_layout() {
+fn the_drawing_in_the_readme_is_up_to_date() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("board.svg");
     run(["layout", "show", "qwerty-arc", "--svg", text(&path)]).done();
     let drawn = std::fs::read_to_string(path).unwrap();
     let shown = std::fs::read_to_string(root("docs/qwerty-arc.svg")).unwrap();
-    assert!(drawn == shown, "draw docs/qwerty-arc.svg again");
+    assert!(drawn == shown, "draw docs/qwerty-arc.svg again: ademan layout show qwerty-arc --svg docs/qwerty-arc.svg");
 }
 
 #[test]
-fn layouts_are_listed_in_columns() {
+fn layouts_are_listed_in_aligned_columns() {
     let list = run(["layout", "list"]).done().out;
-    let places: Vec<usize> = list
+    let columns: Vec<usize> = list
         .lines()
         .map(|line| {
             let (name, _) = line.split_once(' ').unwrap();
@@ -250,13 +250,13 @@ fn layouts_are_listed_in_columns() {
         })
         .collect();
     assert!(
-        places.len() >= 5 && places.iter().all(|place| *place == places[0]),
+        columns.len() >= 5 && columns.iter().all(|column| *column == columns[0]),
         "{list}"
     );
 }
 
 #[test]
-fn completions_and_manual_pages_come_out() {
+fn completions_and_manual_pages_are_generated() {
     for (shell, word) in [
         ("bash", "complete -F _ademan"),
         ("zsh", "#compdef ademan"),
@@ -287,7 +287,7 @@ fn every_help_has_an_example() {
         "layout list",
         "layout show",
         "doctor",
-        "setup",
+        "system-files",
         "completions",
         "man",
     ];
@@ -303,7 +303,7 @@ fn every_help_has_an_example() {
 }
 
 #[test]
-fn the_examples_run() {
+fn the_examples_of_the_library_run() {
     let folder = Path::new(env!("CARGO_BIN_EXE_ademan")).with_file_name("examples");
     for (example, lines) in [
         ("custom_source", 6),
@@ -321,24 +321,24 @@ fn the_examples_run() {
 }
 
 #[test]
-fn a_layout_of_ones_own_begins_as_a_copy_and_is_not_overwritten() {
+fn a_new_layout_is_a_copy_and_overwrites_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine");
-    let said = run(["layout", "new", text(&path), "--from", "numpad"])
+    let output = run(["layout", "new", text(&path), "--from", "numpad"])
         .done()
         .out;
-    assert!(said.contains("mine.ron"), "{said}");
+    assert!(output.contains("mine.ron"), "{output}");
     let written = std::fs::read_to_string(folder.path().join("mine.ron")).unwrap();
     assert!(written.contains("name: \"mine\""), "{written}");
     let mine = text(&path).to_owned() + ".ron";
-    assert!(run(["layout", "check", &mine]).done().out.contains("right"));
+    assert!(run(["layout", "check", &mine]).done().out.contains("valid"));
     let again = run(["layout", "new", &mine]);
     assert_eq!(again.code, Some(2));
     assert!(again.err.contains("File exists"), "{}", again.err);
 }
 
 #[test]
-fn keys_that_the_default_hand_cannot_reach_are_named() {
+fn keys_out_of_reach_of_the_default_hand_are_listed() {
     let folder = tempfile::tempdir().unwrap();
     let far = "Layout(name: \"far\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),\n\
                rows: [(at_mm: (0, 0), keys: \"N\"), (at_mm: (0, 200), keys: \"F\")])])";
@@ -346,7 +346,7 @@ fn keys_that_the_default_hand_cannot_reach_are_named() {
     let ended = run(["layout", "check", &path]);
     assert_eq!(ended.code, Some(0), "{}", ended.err);
     assert!(
-        ended.err.contains("cannot press `F`") && ended.err.contains("mm beyond its reach"),
+        ended.err.contains("cannot press `F`") && ended.err.contains("mm out of reach"),
         "{}",
         ended.err
     );

@@ -1,4 +1,4 @@
-//! The real binary, as a person or a script meets it: messages, exit codes, files.
+//! The `ademan` program without a display: messages, exit codes, files, control socket.
 
 #[path = "../support/mod.rs"]
 mod support;
@@ -29,7 +29,7 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::process::{Command, Output, Stdio};
 
-/// The program, on a machine without a desktop.
+/// The program on a machine without a desktop.
 fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
     let mut command = crate::support::binary::ademan(arguments);
     command
@@ -41,7 +41,7 @@ fn ademan(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Command {
     command
 }
 
-/// What was left when it had ended.
+/// Exit code and output of a program that has ended.
 struct Ended {
     code: Option<i32>,
     out: String,
@@ -49,7 +49,7 @@ struct Ended {
 }
 
 impl Ended {
-    /// It did its job.
+    /// Asserts that the program succeeded.
     fn done(self) -> Self {
         assert_eq!(self.code, Some(0), "{}{}", self.out, self.err);
         self
@@ -60,22 +60,22 @@ impl From<Output> for Ended {
     fn from(output: Output) -> Self {
         Self {
             code: output.status.code(),
-            out: String::from_utf8(output.stdout).expect("it writes UTF-8"),
-            err: String::from_utf8(output.stderr).expect("it writes UTF-8"),
+            out: String::from_utf8(output.stdout).expect("the program writes UTF-8"),
+            err: String::from_utf8(output.stderr).expect("the program writes UTF-8"),
         }
     }
 }
 
 fn run(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
-    ademan(arguments).output().expect("it starts").into()
+    ademan(arguments).output().expect("the program starts").into()
 }
 
-/// A path in words that go between other words.
+/// A path as an argument.
 fn text(path: &std::path::Path) -> &str {
     path.to_str().expect("the path is UTF-8")
 }
 
-/// A file with this in it.
+/// Creates a file and returns its path.
 fn file(folder: &tempfile::TempDir, name: &str, content: impl AsRef<[u8]>) -> String {
     let path = folder.path().join(name);
     let mut file = std::fs::File::create(&path).unwrap();

@@ -1,4 +1,4 @@
-//! The real binary with a glove behind a converter box: what its role lets out.
+//! The role of a source on the network: a glove behind a serial-to-TCP converter.
 #![cfg(target_os = "linux")]
 
 use std::thread;
@@ -8,32 +8,32 @@ use crate::support::run::{ARMED, MOVE_TIME, Run};
 use ademan::session::control_socket::Client;
 use serde_json::Value;
 
-/// A setup that says nothing of roles.
-const SILENT: &str = "stall_timeout_ms: 10000";
+/// A setup without a role.
+const NO_ROLE: &str = "stall_timeout_ms: 10000";
 
-fn ask(run: &Run, request: &str) -> Value {
+fn request(run: &Run, line: &str) -> Value {
     let socket = run.folder.path().join("c.sock");
-    let mut caller = Client::connect(&socket).expect("the run listens");
-    let answer = caller.request(request).expect("there is an answer");
-    serde_json::from_str(&answer).expect("it is JSON")
+    let mut client = Client::connect(&socket).expect("the session listens");
+    let reply = client.request(line).expect("a reply");
+    serde_json::from_str(&reply).expect("the reply is JSON")
 }
 
-/// The next line of this kind.
-fn told(run: &Run, is_meant: impl Fn(&str) -> bool) -> String {
+/// The next message that contains `text`.
+fn message_with(run: &Run, text: &str) -> String {
     loop {
         let line = run.next_message();
-        if is_meant(&line) {
+        if line.contains(text) {
             return line;
         }
     }
 }
 
 #[test]
-fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_to_allow_them() {
-    let run = Run::with_setup(SILENT, &["--control", "c.sock"]);
+fn a_source_on_the_network_presses_no_keys_and_the_message_explains_how_to_allow_them() {
+    let run = Run::with_setup(NO_ROLE, &["--control", "c.sock"]);
     let hint = run.next_message();
     assert!(hint.starts_with("tcp:127.0.0.1:"), "{hint}");
-    let (_, hint) = hint.split_once(" is ").expect("what it is");
+    let (_, hint) = hint.split_once(" is ").expect("the role of the source");
     assert_eq!(
         hint,
         "on the network and only a pointer: it presses no keys of the layout; `role: Both` next to this source in \
@@ -46,44 +46,40 @@ fn key_poses_of_a_source_on_the_network_press_no_keys_and_the_user_is_told_how_t
         run.lift();
         thread::sleep(MOVE_TIME);
     }
-    let state = ask(&run, r#"{"command":"state"}"#);
+    let state = request(&run, r#"{"command":"state"}"#);
     assert_eq!(state["state"], "running");
     let suppressed = &state["stats"]["suppressed"];
     assert_eq!(suppressed["keys_by_role"], 3, "{suppressed}");
     assert_eq!(suppressed["rate_limited"], 0, "{suppressed}");
-    let line = told(&run, |line| line.contains("suppressed"));
     assert_eq!(
-        line,
+        message_with(&run, "suppressed"),
         "1 key suppressed, as the source is only a pointer; `role: Both` next to it in the setup lets it type"
     );
-    let told_by_ctl = ademan(["ctl", "--socket", "c.sock", "state"])
+    let ctl = ademan(["ctl", "--socket", "c.sock", "state"])
         .current_dir(run.folder.path())
         .output()
-        .expect("it starts");
-    let told_by_ctl = String::from_utf8(told_by_ctl.stdout).expect("a text");
-    assert!(
-        told_by_ctl.contains("; 3 suppressed (keys by role)\n"),
-        "{told_by_ctl}"
-    );
-    assert_eq!(ask(&run, r#"{"command":"stop"}"#)["ok"], true);
-    let account = told(&run, |line| line.contains(" readings: "));
-    assert!(account.ends_with("; suppressed: 3 by `role`"), "{account}");
-    assert!(run.events.is_empty(), "no key went out");
+        .expect("the program starts");
+    let ctl = String::from_utf8(ctl.stdout).expect("the program writes UTF-8");
+    assert!(ctl.contains("; 3 suppressed (keys by role)\n"), "{ctl}");
+    assert_eq!(request(&run, r#"{"command":"stop"}"#)["ok"], true);
+    let stats = message_with(&run, " readings: ");
+    assert!(stats.ends_with("; suppressed: 3 by `role`"), "{stats}");
+    assert!(run.events.is_empty(), "no key was pressed");
 }
 
 #[test]
-fn with_the_role_both_they_do_and_nothing_is_told_of_it() {
+fn a_source_on_the_network_types_with_a_role_that_allows_it() {
     for (fields, arguments) in [
         ("role: Both, stall_timeout_ms: 10000", &[][..]),
-        (SILENT, &["--role", "both"]),
+        (NO_ROLE, &["--role", "both"]),
         (
             "role: Pointer, stall_timeout_ms: 10000",
             &["--role", "keys"],
         ),
     ] {
         let run = Run::with_setup(fields, arguments);
-        let told = run.next_message();
-        assert!(told.starts_with("listening to tcp:"), "{told}");
+        let message = run.next_message();
+        assert!(message.starts_with("listening to tcp:"), "{message}");
         run.wait_for_message(ARMED);
         run.press();
         assert_eq!(run.next_event(), "down H");

@@ -1,4 +1,4 @@
-//! Ends in good order, and waiting for a device.
+//! Signals, and sessions that wait for a device.
 #![cfg(unix)]
 
 use std::io::{BufRead, BufReader, Read, Write};
@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 
 use super::ademan;
 
-/// A program that ends with the test.
+/// A program that is killed at the end of the test.
 struct Running(Child);
 
 impl Running {
@@ -40,9 +40,9 @@ fn line(reader: &mut impl BufRead) -> String {
 }
 
 #[test]
-fn a_run_that_is_asked_to_end_lets_go_of_all_keys_and_is_done() {
+fn a_run_releases_all_keys_on_a_signal_and_succeeds() {
     for signal in ["INT", "TERM", "HUP"] {
-        let text = "typist:a text that takes longer than anybody waits";
+        let text = "typist:a text that takes longer than this test";
         let mut run = Running::start(&["run", "--source", text, "--armed"]);
         let mut out = BufReader::new(run.0.stdout.take().unwrap());
         assert!(line(&mut out).contains("down A"));
@@ -59,7 +59,7 @@ fn a_run_that_is_asked_to_end_lets_go_of_all_keys_and_is_done() {
 }
 
 #[test]
-fn a_demo_that_is_asked_to_end_has_not_done_its_job() {
+fn a_demo_that_is_interrupted_fails() {
     let mut demo = Running::start(&["demo"]);
     let mut out = BufReader::new(demo.0.stdout.take().unwrap());
     line(&mut out);
@@ -76,14 +76,23 @@ fn a_demo_that_is_asked_to_end_has_not_done_its_job() {
 }
 
 #[test]
-fn a_device_that_is_not_there_yet_is_waited_for_and_said_to_be_once() {
+fn a_run_waits_for_a_device_and_reports_it_once() {
     // A port that was free a moment ago is free now.
     let address = TcpListener::bind("127.0.0.1:0")
         .unwrap()
         .local_addr()
         .unwrap();
     let source = format!("tcp:{address}");
-    let mut run = Running::start(&["run", "--wait", "--role", "both", "--source", &source]);
+    let mut run = Running::start(&[
+        "run",
+        "--wait",
+        "--control",
+        "off",
+        "--role",
+        "both",
+        "--source",
+        &source,
+    ]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());
     let waiting = line(&mut err);
     assert!(
@@ -102,8 +111,15 @@ fn a_device_that_is_not_there_yet_is_waited_for_and_said_to_be_once() {
 }
 
 #[test]
-fn waiting_for_a_device_ends_with_ctrl_c() {
-    let mut run = Running::start(&["run", "--wait", "--source", "serial:/dev/no-such-glove"]);
+fn ctrl_c_ends_the_wait_for_a_device() {
+    let mut run = Running::start(&[
+        "run",
+        "--wait",
+        "--control",
+        "off",
+        "--source",
+        "serial:/dev/no-such-glove",
+    ]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());
     assert!(line(&mut err).contains("there is no such port"));
     run.signal("INT");
@@ -111,7 +127,7 @@ fn waiting_for_a_device_ends_with_ctrl_c() {
 }
 
 #[test]
-fn a_run_goes_on_when_nobody_reads_what_it_says() {
+fn a_run_continues_when_its_standard_error_is_closed() {
     let mut child = ademan(["run", "--source", "typist:hi"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())

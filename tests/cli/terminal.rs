@@ -1,4 +1,4 @@
-//! The demo in a terminal: `script` of util-linux makes one.
+//! The demo in a terminal, which `script` of util-linux provides.
 #![cfg(target_os = "linux")]
 
 use std::io::{ErrorKind, Read, Write};
@@ -10,9 +10,9 @@ const LEAVE_ALTERNATE_SCREEN: &str = "\x1b[?1049l";
 const SHOW_CURSOR: &str = "\x1b[?25h";
 const CTRL_C: &[u8] = b"\x03";
 
-/// What a terminal shows of a demo that gets Ctrl-C once it draws (if so), and its exit code.
+/// Runs a demo in a terminal, optionally until Ctrl-C, and returns its output and exit code.
 fn demo_in_a_terminal(arguments: &str, interrupt: bool) -> Option<(String, Option<i32>)> {
-    // The pseudo-terminal of `script` has no size of its own.
+    // The pseudo-terminal of `script` has no size.
     let demo = format!(
         "stty rows 30 columns 100; exec {} demo {arguments}",
         env!("CARGO_BIN_EXE_ademan")
@@ -41,26 +41,26 @@ fn demo_in_a_terminal(arguments: &str, interrupt: bool) -> Option<(String, Optio
         }
     });
     let mut all = Vec::new();
-    let mut is_asked = !interrupt;
+    let mut is_interrupted = !interrupt;
     for piece in pieces {
         all.extend(piece);
         let draws = String::from_utf8_lossy(&all).contains("running");
-        if draws && !is_asked {
+        if draws && !is_interrupted {
             keyboard.write_all(CTRL_C).unwrap();
             keyboard.flush().unwrap();
-            is_asked = true;
+            is_interrupted = true;
         }
     }
     let status = script.wait().unwrap();
     Some((String::from_utf8_lossy(&all).into_owned(), status.code()))
 }
 
-/// The part after the pictures; asserts that there were some.
+/// Returns the output after the pictures; asserts that there were some.
 fn after_pictures(shown: &str) -> &str {
     assert!(shown.contains(ENTER_ALTERNATE_SCREEN), "{shown:?}");
     let (pictures, after) = shown
         .rsplit_once(LEAVE_ALTERNATE_SCREEN)
-        .expect("the terminal is given back");
+        .expect("the terminal is restored");
     assert!(pictures.contains('┌'), "{pictures:?}");
     assert!(
         shown.rfind(SHOW_CURSOR) > shown.rfind("\x1b[?25l"),
@@ -70,7 +70,7 @@ fn after_pictures(shown: &str) -> &str {
 }
 
 #[test]
-fn the_demo_draws_and_gives_the_terminal_back() {
+fn the_demo_draws_and_restores_the_terminal() {
     let Some((shown, code)) = demo_in_a_terminal("--text a", false) else {
         return;
     };
@@ -82,7 +82,7 @@ fn the_demo_draws_and_gives_the_terminal_back() {
 }
 
 #[test]
-fn ctrl_c_ends_the_demo_and_gives_the_terminal_back() {
+fn ctrl_c_ends_the_demo_and_restores_the_terminal() {
     let Some((shown, code)) = demo_in_a_terminal("", true) else {
         return;
     };

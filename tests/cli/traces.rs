@@ -1,4 +1,4 @@
-//! `ademan trace`: one JSON object per line, in the form that the documentation of `trace` gives.
+//! `ademan trace`: one JSON object per line, as documented in the module `trace`.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::Stdio;
@@ -10,7 +10,7 @@ use serde_json::{Map, Value};
 
 use super::{ademan, run};
 
-/// The objects of a stage while `hi` is typed; their times do not go back.
+/// The objects of a stage while `hi` is typed. Their times must not decrease.
 fn lines(stage: &str) -> Vec<Map<String, Value>> {
     let ended = run(["trace", stage, "--source", "typist:hi"]).done();
     assert_eq!(ended.err, "");
@@ -39,7 +39,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 #[test]
-fn readings_are_64_channels_in_wire_order() {
+fn readings_have_64_channels_in_wire_order() {
     for line in lines("readings") {
         let channels = numbers(&line["channels"]);
         assert_eq!(channels.len(), 64);
@@ -49,7 +49,7 @@ fn readings_are_64_channels_in_wire_order() {
 }
 
 #[test]
-fn angles_are_radians_by_joint() {
+fn angles_are_in_radians_by_joint() {
     for line in lines("angles") {
         let angles = line["angles"].as_object().unwrap();
         assert!(angles.contains_key("index-mcp-flexion"), "{angles:?}");
@@ -61,7 +61,7 @@ fn angles_are_radians_by_joint() {
 }
 
 #[test]
-fn a_pose_is_positions_in_metres_by_joint() {
+fn a_pose_has_positions_in_metres_by_joint() {
     for line in lines("pose") {
         assert_eq!(line["side"], "right");
         let positions = line["positions"].as_object().unwrap();
@@ -82,7 +82,7 @@ fn a_pose_is_positions_in_metres_by_joint() {
 }
 
 #[test]
-fn touches_name_finger_target_and_phase() {
+fn touches_have_a_finger_a_target_and_a_phase() {
     let mut presses = 0;
     for line in lines("touches") {
         line["finger"].as_str().unwrap().parse::<Finger>().unwrap();
@@ -95,7 +95,7 @@ fn touches_name_finger_target_and_phase() {
 }
 
 #[test]
-fn events_are_key_positions_going_down_and_up() {
+fn events_are_presses_and_releases_of_keys() {
     let events: Vec<String> = lines("events")
         .iter()
         .map(|line| {
@@ -108,7 +108,7 @@ fn events_are_key_positions_going_down_and_up() {
 }
 
 #[test]
-fn a_reader_that_leaves_ends_it_quietly() {
+fn a_closed_standard_output_ends_the_program_without_an_error() {
     let cases = [
         [
             "trace",

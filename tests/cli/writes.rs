@@ -1,4 +1,4 @@
-//! How the program hands over what it types.
+//! System calls of the transcript.
 
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixDatagram;
@@ -6,17 +6,18 @@ use std::process::Stdio;
 use std::time::Duration;
 
 use crate::ademan;
-/// The times at the beginnings of the lines of a write.
+
+/// Time stamps of the lines of one write.
 fn times(write: &[u8]) -> Vec<String> {
-    let text = String::from_utf8(write.to_vec()).expect("it is text");
+    let text = String::from_utf8(write.to_vec()).expect("a transcript is text");
     assert!(text.ends_with('\n'), "whole lines: {text:?}");
     let time = |line: &str| line.split_whitespace().next().map(str::to_owned);
     text.lines().filter_map(time).collect()
 }
 
 #[test]
-fn all_that_a_frame_types_is_written_by_one_system_call() {
-    // Each write is a message of its own here.
+fn all_events_of_a_step_are_written_by_one_system_call() {
+    // A datagram socket keeps the boundaries of writes.
     let (reader, writer) = UnixDatagram::pair().unwrap();
     reader
         .set_read_timeout(Some(Duration::from_millis(100)))
@@ -31,7 +32,7 @@ fn all_that_a_frame_types_is_written_by_one_system_call() {
     ]);
     command.stdout(OwnedFd::from(writer)).stderr(Stdio::null());
     let mut program = command.spawn().expect("it starts");
-    // What it has of the writer would keep the line open.
+    // The command holds a copy of the writer, which would keep the socket open.
     drop(command);
     let mut writes = Vec::new();
     let mut buffer = [0; 4096];
@@ -44,20 +45,20 @@ fn all_that_a_frame_types_is_written_by_one_system_call() {
         }
     }
     println!("{writes:?}");
-    let frames: Vec<_> = writes.iter().map(|times| &times[0]).collect();
+    let steps: Vec<_> = writes.iter().map(|times| &times[0]).collect();
     assert!(
-        frames.windows(2).all(|pair| pair[0] != pair[1]),
-        "one write for a frame: {frames:?}"
+        steps.windows(2).all(|pair| pair[0] != pair[1]),
+        "one write per step: {steps:?}"
     );
     for times in &writes {
         assert!(
             times.iter().all(|time| *time == times[0]),
-            "one frame for a write: {times:?}"
+            "one step per write: {times:?}"
         );
     }
-    // Shift goes down with the key that needs it.
+    // Shift is pressed in the same step as the key.
     assert!(
         writes.iter().any(|times| times.len() > 1),
-        "frames of several events: {writes:?}"
+        "some steps have several events: {writes:?}"
     );
 }

@@ -1,8 +1,8 @@
-//! Every wrong use says what was tried, what happened and what to do, and exits with 2.
+//! Messages and exit codes for wrong use: what failed, why, what to do; exit code 2.
 
 use super::{Ended, ademan, file, run};
 
-/// Runs it with the words of `line`, and asserts on the exit code and the words of the message.
+/// Runs a command line and asserts the exit code 2 and parts of the message.
 fn refused(line: &str, words: &[&str]) {
     refused_with(2, line, words);
 }
@@ -14,7 +14,7 @@ fn refused_with(code: i32, line: &str, words: &[&str]) {
     for word in words {
         assert!(
             ended.err.contains(word),
-            "`{line}` does not say {word:?}: {}",
+            "`{line}` does not print {word:?}: {}",
             ended.err
         );
     }
@@ -22,14 +22,14 @@ fn refused_with(code: i32, line: &str, words: &[&str]) {
 }
 
 #[test]
-fn an_output_that_lacks_what_the_layout_needs_is_refused_before_the_glove_is_looked_for() {
+fn an_output_without_a_required_capability_is_refused_before_the_source_is_opened() {
     let folder = tempfile::tempdir().unwrap();
     let board =
         "[(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"A PadSouth MouseLeft\")])]";
     let layout = format!("Layout(name: \"pad\", boards: {board})");
     let layout = file(&folder, "pad.ron", layout);
     let run = format!("run --source serial:/dev/nope --layout {layout} --output");
-    let reason = "`desktop` has no gamepad, and the layout needs `PadSouth`";
+    let reason = "the layout requires `PadSouth`, which `desktop` does not support";
     refused(
         &format!("{run} desktop"),
         &[reason, "add the output `uinput`: `desktop,uinput`"],
@@ -42,7 +42,7 @@ fn an_output_that_lacks_what_the_layout_needs_is_refused_before_the_glove_is_loo
 }
 
 #[test]
-fn a_program_built_for_x11_does_not_type_past_a_wayland_desktop() {
+fn a_program_built_for_x11_refuses_a_wayland_session() {
     let mut run = ademan(["run", "--output", "desktop", "--source", "typist:hi"]);
     // There might be an X server beside the compositor.
     run.env("WAYLAND_DISPLAY", "/nowhere/wayland-0")
@@ -61,7 +61,7 @@ fn a_program_built_for_x11_does_not_type_past_a_wayland_desktop() {
 }
 
 #[test]
-fn every_wrong_source_is_refused_with_what_to_do() {
+fn invalid_sources_are_refused_with_a_remedy() {
     let cases: [(&str, &[&str]); 18] = [
         ("run", &["no source is given", "--source", "typist:hello"]),
         ("trace readings", &["no source is given"]),
@@ -85,7 +85,7 @@ fn every_wrong_source_is_refused_with_what_to_do() {
         ),
         (
             "run --source serial:/dev/x?baud=fast",
-            &["such as `baud=115200`"],
+            &["`baud=115200`"],
         ),
         (
             "run --source file:/nope",
@@ -121,7 +121,7 @@ fn every_wrong_source_is_refused_with_what_to_do() {
 }
 
 #[test]
-fn every_wrong_name_is_answered_with_the_right_ones() {
+fn wrong_names_are_refused_with_the_valid_ones() {
     let cases: [(&str, &[&str]); 16] = [
         ("frob", &["unrecognized subcommand 'frob'"]),
         (
@@ -176,12 +176,12 @@ fn every_wrong_name_is_answered_with_the_right_ones() {
 }
 
 #[test]
-fn the_demo_types_only_what_can_be_typed() {
+fn the_demo_refuses_what_it_cannot_type() {
     let cases: [(&str, &[&str]); 9] = [
         ("demo --text é", &["cannot type 'é'", "US keymap"]),
         (
             "demo --text x --layout numpad",
-            &["cannot type 'x'", "no key X"],
+            &["cannot type 'x'", "has the key X"],
         ),
         (
             "demo --layout arrows",
@@ -203,7 +203,7 @@ fn the_demo_types_only_what_can_be_typed() {
 }
 
 #[test]
-fn a_wrong_setup_names_its_file_and_where_that_is_known_line_and_column() {
+fn errors_in_a_setup_name_the_file_and_the_position() {
     let folder = tempfile::tempdir().unwrap();
     let cases: [(&str, &[&str]); 6] = [
         (
@@ -238,7 +238,7 @@ fn a_wrong_setup_names_its_file_and_where_that_is_known_line_and_column() {
 }
 
 #[test]
-fn files_that_are_no_recordings_are_refused() {
+fn files_other_than_recordings_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let empty = file(&folder, "empty.mcap", "");
     refused_with(3, &format!("replay {empty}"), &["the file is empty"]);
@@ -251,14 +251,14 @@ fn files_that_are_no_recordings_are_refused() {
 }
 
 #[test]
-fn all_layouts_are_checked_even_after_a_wrong_one() {
+fn all_layouts_are_checked_even_after_an_invalid_one() {
     let folder = tempfile::tempdir().unwrap();
     let wrong = file(&folder, "wrong.ron", "Layout(\n    nmae: \"x\",\n)");
     let ended = run(["layout", "check", &wrong, "numpad", "nope", "arrows"]);
     assert_eq!(ended.code, Some(2), "{}", ended.err);
     assert_eq!(
         ended.out,
-        "numpad: right, 17 keys, 1 layer\narrows: right, 4 keys, 1 layer\n"
+        "numpad: valid, 17 keys, 1 layer\narrows: valid, 4 keys, 1 layer\n"
     );
     assert!(
         ended.err.contains("wrong.ron:2:5: unknown field `nmae`"),
@@ -278,7 +278,7 @@ fn all_layouts_are_checked_even_after_a_wrong_one() {
 }
 
 #[test]
-fn without_a_command_it_shows_what_there_is() {
+fn the_program_without_arguments_prints_its_help() {
     let ended: super::Ended = ademan([""; 0]).output().unwrap().into();
     assert_eq!(ended.code, Some(2));
     assert!(
