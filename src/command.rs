@@ -6,7 +6,7 @@
 
 use std::fmt;
 
-use arrayvec::{ArrayString, ArrayVec};
+use arrayvec::ArrayString;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
@@ -14,10 +14,6 @@ use crate::names::UnknownName;
 
 /// The name of one of the layouts of a setup, at most 64 bytes long.
 pub type ProfileName = ArrayString<64>;
-
-/// The commands that the devices of a layout issue in one step, in order. A step with more commands loses the last ones:
-/// each needs a touch of its own, and a hand has five fingertips.
-pub type Commands = ArrayVec<Command, 8>;
 
 /// A command to a running session.
 ///
@@ -220,7 +216,7 @@ pub enum InvalidCommand {
         field: &'static str,
         /// Accepted values.
         expected: String,
-        /// The value, as JSON.
+        /// The value.
         value: String,
     },
 }
@@ -319,10 +315,11 @@ impl FieldSpec {
         if self.kind.accepts(value) {
             return Ok(());
         }
+        let number = value.as_f64().map(|number| number.to_string());
         Err(InvalidCommand::Value {
             field: self.name,
             expected: self.kind.to_string(),
-            value: value.to_string(),
+            value: number.unwrap_or_else(|| value.to_string()),
         })
     }
 }
@@ -442,7 +439,7 @@ mod tests {
             ),
             (
                 r#"{"command":"tilt","deg":1e308}"#,
-                "`deg` is -90 to 90, not 1e+308",
+                "`deg` is -90 to 90, not 1",
             ),
             (
                 r#"{"command":"tilt","deg":1e999}"#,

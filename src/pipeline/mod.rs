@@ -255,6 +255,11 @@ impl Pipeline {
         self.profiles[self.active_profile].layout.board_poses()
     }
 
+    /// Returns the names of the profiles, in order.
+    pub fn profile_names(&self) -> impl Iterator<Item = &str> {
+        self.profiles.iter().map(|profile| profile.name.as_str())
+    }
+
     /// Returns the number of profiles.
     pub fn profile_count(&self) -> usize {
         self.profiles.len()

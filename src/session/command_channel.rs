@@ -12,6 +12,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounde
 use super::layout_link::{LayoutLink, LayoutSwap, LoopLayoutLink};
 use super::status::SessionStatus;
 use crate::command::{Command, InvalidCommand};
+use crate::names::UnknownName;
 use crate::pipeline::CommandError;
 
 /// Commands that wait for a busy loop: one of each client of the control socket, and 8 of panic keys and signals, which
@@ -38,6 +39,9 @@ pub enum RequestError {
     /// A field of the command is out of range.
     #[error(transparent)]
     Invalid(#[from] InvalidCommand),
+    /// No profile has the name.
+    #[error(transparent)]
+    UnknownProfile(#[from] UnknownName),
     /// The pipeline cannot execute the command.
     #[error(transparent)]
     Pipeline(#[from] CommandError),

@@ -18,8 +18,9 @@ use crate::capture::{
 use crate::command::Command;
 use crate::contact::TargetNames;
 use crate::device::Events;
+use crate::names::UnknownName;
 use crate::output::Sink;
-use crate::pipeline::{Pipeline, StepOutput};
+use crate::pipeline::{CommandError, Pipeline, StepOutput};
 use crate::snapshot::{Snapshot, Stats};
 use crate::time::NO_DEADLINE;
 
@@ -313,7 +314,19 @@ impl SessionLoop<'_> {
         let result = self.pipeline.execute(&command, &mut self.events);
         self.send_events(None)?;
         self.publish(None, None, None);
-        Ok(result.map(|()| Reply::Done).map_err(RequestError::from))
+        Ok(result
+            .map(|()| Reply::Done)
+            .map_err(|error| self.explain(error)))
+    }
+
+    /// Adds the nearest name of a profile to the error.
+    fn explain(&self, error: CommandError) -> RequestError {
+        match error {
+            CommandError::UnknownProfile(name) => {
+                UnknownName::new("profile", &name, self.pipeline.profile_names()).into()
+            }
+            error => error.into(),
+        }
     }
 
     /// Hands an operation to the layout manager.

@@ -55,7 +55,7 @@ pub use self::event_loop::run_pipeline;
 pub use self::handle::SessionHandle;
 pub use self::layout_link::LayoutLink;
 pub use self::notice::{Notice, counted};
-pub use self::options::{SessionOptions, WatchdogProgram};
+pub use self::options::{ControlSocket, SessionOptions, WatchdogProgram};
 pub use self::status::SessionStatus;
 pub use crate::pipeline::CommandError;
 
@@ -130,8 +130,11 @@ impl Session {
         }
         let (command_sender, mut commands) = command_channel();
         let notices = NoticeThread::start(options.on_notice.take())?;
-        let mut control = options.control_socket.as_deref();
-        let mut control = control.take().map(ControlServer::bind).transpose()?;
+        let socket_path = options.control_socket.path();
+        let mut control = socket_path
+            .as_deref()
+            .map(ControlServer::bind)
+            .transpose()?;
         if options.use_panic_keys {
             let keys = panic_keys::parse_keys(&setup.setup.panic_keys)?;
             let commands = command_sender.clone();
@@ -190,6 +193,9 @@ impl Session {
         };
         if let Some(uri) = self.opened_uri().filter(|_| is_live) {
             self.report_status(Notice::Listening(uri.clone()));
+        }
+        if self.control.is_none() && self.options.control_socket == ControlSocket::Default {
+            self.report_status(Notice::NoControlSocket);
         }
         let mut status = self.options.report_status.then(StatusLog::default);
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::fmt;
 use std::path::PathBuf;
 
+use super::control_socket::default_path;
 use super::notice::Notice;
 use crate::capture::Source;
 use crate::command::Command;
@@ -24,8 +25,8 @@ pub struct SessionOptions {
     pub watchdog: Option<WatchdogProgram>,
     /// Path of a recording to create.
     pub record_to: Option<PathBuf>,
-    /// Path of the control socket.
-    pub control_socket: Option<PathBuf>,
+    /// Control socket for other programs.
+    pub control_socket: ControlSocket,
     /// Whether layout files are activated when they are saved.
     pub watch_layouts: bool,
     /// Whether the `panic_keys` of the setup pause the session.
@@ -36,6 +37,29 @@ pub struct SessionOptions {
     pub lossless_snapshots: bool,
     /// Receives notices on a thread of its own. Notices are dropped when 64 wait.
     pub on_notice: Option<Box<dyn FnMut(Notice) + Send>>,
+}
+
+/// The control socket of a session.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum ControlSocket {
+    /// No socket.
+    #[default]
+    Off,
+    /// A socket at [`default_path`](super::control_socket::default_path), if there is one.
+    Default,
+    /// A socket at this path.
+    Path(PathBuf),
+}
+
+impl ControlSocket {
+    /// The path of the socket, if there is one.
+    pub(super) fn path(&self) -> Option<PathBuf> {
+        match self {
+            Self::Off => None,
+            Self::Default => default_path(),
+            Self::Path(path) => Some(path.clone()),
+        }
+    }
 }
 
 /// The program that runs [`run_watchdog`](crate::output::run_watchdog) in a second process.

@@ -489,7 +489,7 @@ fn a_folder_that_others_may_enter_is_refused() {
         .expect("it starts");
     assert_eq!(ended.status.code(), Some(2));
     let err = String::from_utf8_lossy(&ended.stderr);
-    assert!(err.contains("make it yours alone: chmod 700"), "{err}");
+    assert!(err.contains("restrict it to yourself: chmod 700"), "{err}");
 }
 
 #[test]

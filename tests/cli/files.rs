@@ -236,7 +236,10 @@ fn the_drawing_in_the_readme_is_up_to_date() {
     run(["layout", "show", "qwerty-arc", "--svg", text(&path)]).done();
     let drawn = std::fs::read_to_string(path).unwrap();
     let shown = std::fs::read_to_string(root("docs/qwerty-arc.svg")).unwrap();
-    assert!(drawn == shown, "draw docs/qwerty-arc.svg again: ademan layout show qwerty-arc --svg docs/qwerty-arc.svg");
+    assert!(
+        drawn == shown,
+        "draw docs/qwerty-arc.svg again: ademan layout show qwerty-arc --svg docs/qwerty-arc.svg"
+    );
 }
 
 #[test]

@@ -67,7 +67,10 @@ impl From<Output> for Ended {
 }
 
 fn run(arguments: impl IntoIterator<Item = impl AsRef<OsStr>>) -> Ended {
-    ademan(arguments).output().expect("the program starts").into()
+    ademan(arguments)
+        .output()
+        .expect("the program starts")
+        .into()
 }
 
 /// A path as an argument.

@@ -96,6 +96,6 @@ fn a_key_makes_the_boards_larger() {
     run.lift();
     thread::sleep(MOVE_TIME);
     run.press();
-    assert_eq!(run.next_event(), "scale 1.500");
+    assert_eq!(run.next_event(), "scale 1.5");
     run.wait_for_message("scaled by 1.5");
 }

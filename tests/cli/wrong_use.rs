@@ -83,10 +83,7 @@ fn invalid_sources_are_refused_with_a_remedy() {
             "run --source serial:/dev/x?bod=9600",
             &["did you mean `baud`?"],
         ),
-        (
-            "run --source serial:/dev/x?baud=fast",
-            &["`baud=115200`"],
-        ),
+        ("run --source serial:/dev/x?baud=fast", &["`baud=115200`"]),
         (
             "run --source file:/nope",
             &["cannot open file:/nope", "No such file"],

@@ -20,7 +20,9 @@ fn type_with(setup: &LoadedSetup, pipeline: &mut Pipeline, text: &str) -> Vec<St
     let mut keys = Vec::new();
     while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         let mut events = Events::new();
-        pipeline.step(&reading, &mut events).expect("an accepted reading");
+        pipeline
+            .step(&reading, &mut events)
+            .expect("an accepted reading");
         keys.extend(events.iter().filter_map(|event| match event.kind {
             EventKind::KeyDown(key) => Some(format!("{key}")),
             EventKind::KeyUp(key) => Some(format!("/{key}")),
@@ -81,7 +83,10 @@ fn the_rate_limit_is_60_for_a_local_source_and_20_on_the_network() {
 fn roles(setup: &str) -> Vec<SourceRole> {
     let setup: Setup = Document::new("setup.ron", setup).parse().expect("a setup");
     let setup = load(setup);
-    setup.sources().map(|(_, permissions)| permissions.role).collect()
+    setup
+        .sources()
+        .map(|(_, permissions)| permissions.role)
+        .collect()
 }
 
 #[test]
@@ -119,7 +124,10 @@ fn the_default_role_is_both_and_pointer_on_the_network() {
 #[test]
 fn an_unknown_role_and_a_role_without_a_source_are_refused() {
     let document = Document::new("setup.ron", "Setup(role: Boht)");
-    let error = document.parse::<Setup>().expect_err("an unknown role").to_string();
+    let error = document
+        .parse::<Setup>()
+        .expect_err("an unknown role")
+        .to_string();
     assert!(error.contains("did you mean `Both`?"), "{error}");
     let setup = Setup {
         other_hand: Some(OtherHand {
@@ -128,7 +136,10 @@ fn an_unknown_role_and_a_role_without_a_source_are_refused() {
         }),
         ..Setup::default()
     };
-    let error = setup.load_files().expect_err("a role without a source").to_string();
+    let error = setup
+        .load_files()
+        .expect_err("a role without a source")
+        .to_string();
     assert_eq!(
         error,
         "`role` of `other_hand` is that of its own `source`, and it names none: both hands have the role of the \

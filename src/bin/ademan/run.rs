@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use ademan::command::Command;
-use ademan::session::control_socket;
-use ademan::session::{Session, SessionOptions};
+use ademan::session::{ControlSocket, Session, SessionOptions};
 use ademan::{advice, doctor};
 
 use crate::failure::Failure;
@@ -50,11 +49,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
     setup.output = args.output.unwrap_or(setup.output);
     setup.arm_immediately |= args.armed;
     let control_socket = match &args.control {
-        Some(off) if off.as_os_str() == "off" => None,
-        Some(path) => Some(path.clone()),
-        None => control_socket::default_path(),
+        Some(off) if off.as_os_str() == "off" => ControlSocket::Off,
+        Some(path) => ControlSocket::Path(path.clone()),
+        None => ControlSocket::Default,
     };
-    let has_no_default_socket = control_socket.is_none() && args.control.is_none();
     signals::install()?;
     let options = SessionOptions {
         speed: Some(1.0),
@@ -72,8 +70,5 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let commands = session.commands().clone();
     signals::on_stop(move || _ = commands.send(Command::Stop));
     pause_signals::install(session.commands().clone())?;
-    if has_no_default_socket {
-        say!("{}", advice::no_runtime_dir());
-    }
     stats::report(session.join()?)
 }

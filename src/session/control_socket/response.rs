@@ -35,7 +35,7 @@ pub(super) fn state(run: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLine {
         profile: profile.map(|profile| profile.name.as_str()),
         layout: profile.map(|profile| profile.file.as_str()),
         steps: run.stats.accepted + rejected,
-        tally: StatsResponse::of(&run.stats),
+        stats: StatsResponse::of(&run.stats),
         refused_presses: run.dropped_presses,
     })
 }
@@ -91,7 +91,7 @@ struct StateResponse<'a> {
     profile: Option<&'a str>,
     layout: Option<&'a str>,
     steps: u64,
-    tally: StatsResponse,
+    stats: StatsResponse,
     refused_presses: u64,
 }
 

@@ -106,7 +106,7 @@ fn a_minute_of_noise_at_the_wrong_baud_types_nothing_is_reported_and_needs_no_me
     assert_eq!(run.end(), Some(0));
     let stats = run.wait_for_message("readings:");
     assert!(stats.starts_with("0 readings: 0 accepted"), "{stats}");
-    assert!(stats.contains("bytes belonged to no frame"), "{stats}");
+    assert!(stats.contains("bytes belonged to no packet"), "{stats}");
     println!("{sent} bytes of noise: {stats}");
     assert!(run.events.is_empty(), "no event");
 }
@@ -127,7 +127,7 @@ fn bytes_without_a_delimiter_need_no_memory_and_the_packets_after_them_are_decod
     line.play(&press.lift);
     assert_eq!([run.next_event(), run.next_event()], ["down H", "up H"]);
     assert_eq!(run.end(), Some(0));
-    let stats = run.wait_for_message("belonged to no frame");
+    let stats = run.wait_for_message("belonged to no packet");
     assert!(stats.contains(" 4100000 of "), "{stats}");
 }
 
@@ -143,7 +143,7 @@ fn a_microcontroller_restart_releases_everything_and_disarms() {
     line.send(b"\r\nBUFFALO 3.4 (ext) - Bit User Fast Friendly Aid to Logical Operation\r\n");
     line.play(&[press.pressed(); 20]);
     assert_eq!(run.next_event(), "up H");
-    run.wait_for_message("starts anew");
+    run.wait_for_message("restart");
     run.wait_for_message("stalled");
     line.play(&[press.pressed(); 60]);
     assert!(run.events.is_empty(), "the finger has not left the key");

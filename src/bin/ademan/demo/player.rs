@@ -2,14 +2,18 @@
 
 use std::io;
 use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
 
 use ademan::capture::Hc11Format;
 use ademan::command::Command;
-use ademan::session::CommandSender;
+use ademan::session::{CommandSender, Reply};
 use ademan::sim::{PacketWriters, PlaybackStats, SimulatedTypist, play};
 use crossbeam_channel::{Sender, bounded};
 
 use crate::failure::Failure;
+
+/// Longest wait for packets that are still on their way to the session.
+const ARRIVAL_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// A thread that plays the simulated gloves.
 pub struct Player {
@@ -29,8 +33,12 @@ impl Player {
         let (cancel, cancelled) = bounded(1);
         let thread = thread::spawn(move || {
             let played = play(typist, &mut writers, line, &cancelled);
-            // The last complete packet is still on its way to the source.
-            thread::sleep(2 * line.packet_period());
+            if let Ok(played) = &played {
+                wait_for_packets(
+                    &session,
+                    writers.len() as u64 * played.packets.saturating_sub(1),
+                );
+            }
             let _ = session.send(Command::Stop);
             (writers, played)
         });
@@ -60,5 +68,18 @@ impl Player {
                 "the simulated glove cannot write to its line: {error}"
             ))
         })
+    }
+}
+
+/// Waits until the session has received this many readings.
+fn wait_for_packets(session: &CommandSender, packets: u64) {
+    let deadline = Instant::now() + ARRIVAL_TIMEOUT;
+    while Instant::now() < deadline {
+        match session.request(Command::State) {
+            Ok(Reply::State(status)) if status.stats.source.readings < packets => {
+                thread::sleep(Duration::from_millis(5));
+            }
+            _ => return,
+        }
     }
 }
