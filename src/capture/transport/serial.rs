@@ -274,7 +274,7 @@ mod tests {
             (
                 "/dev/ttyUSB7",
                 io(std::io::ErrorKind::PermissionDenied),
-                "`ls -l /dev/ttyUSB7` shows the group",
+                "`ls -l /dev/ttyUSB7` shows its group",
             ),
             (
                 "/dev/ttyUSB7",
