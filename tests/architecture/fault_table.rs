@@ -144,7 +144,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(28, "JSON too deep, too long, or twice the same key", Tests(&[
         ("tests/cli/faults/files.rs", "json_that_is_too_deep_too_long_or_says_something_twice_is_no_reading"),
-        ("src/session/control_socket/request.rs", "json_that_is_as_deep_as_a_line_is_long_is_refused"),
+        ("src/session/control_socket/request.rs", "deeply_nested_json_is_refused"),
         ("tests/cli/control.rs", "what_is_not_a_request_is_refused_and_the_conversation_goes_on"),
     ])),
     fault(29, "NaN, infinities and extreme numbers", Tests(&[
