@@ -1,4 +1,4 @@
-//! Scenarios as they stand in their files.
+//! Scenario files.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -6,39 +6,39 @@ use std::path::Path;
 
 use crate::rig::script::steps;
 
-/// How long the lines are that a transcript is broken into.
+/// The length at which lines of a transcript are wrapped.
 const WIDTH: usize = 110;
 
 /// A file of scenarios.
 pub struct ScenarioFile {
-    /// What stands before the first scenario.
+    /// The text before the first scenario.
     head: String,
     pub scenarios: Vec<Scenario>,
 }
 
-/// What happens, and what goes out.
+/// A script and its transcript.
 pub struct Scenario {
     pub name: String,
-    /// Where it is played: what follows `setup:`.
+    /// The text after `setup:`.
     pub setup: String,
     pub lines: Vec<ScriptLine>,
 }
 
-/// A line of what happens, and the words that go out meanwhile.
+/// A line of the script, and its transcript.
 pub struct ScriptLine {
     pub text: String,
     pub words: Vec<String>,
 }
 
 impl ScriptLine {
-    /// The pieces of it, apart by `;`.
-    pub fn pieces(&self) -> impl Iterator<Item = &str> {
+    /// Returns the steps of the line.
+    pub fn steps(&self) -> impl Iterator<Item = &str> {
         steps(&self.text).into_iter().map(|step| step.text)
     }
 }
 
 impl ScenarioFile {
-    /// Reads a file, but not what is said to go out.
+    /// Parses a file without its transcripts.
     pub fn parse(path: &Path, text: &str) -> Self {
         let mut page = Self {
             head: String::new(),
@@ -75,7 +75,7 @@ impl ScenarioFile {
                 !scenario.setup.is_empty(),
                 "{path}: `{name}` has no `setup:`"
             );
-            assert!(!scenario.lines.is_empty(), "{path}: nothing in `{name}`");
+            assert!(!scenario.lines.is_empty(), "{path}: `{name}` has no script");
         }
         page
     }
@@ -84,8 +84,8 @@ impl ScenarioFile {
 impl fmt::Display for ScenarioFile {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.head)?;
-        for (place, scenario) in self.scenarios.iter().enumerate() {
-            if place > 0 {
+        for (index, scenario) in self.scenarios.iter().enumerate() {
+            if index > 0 {
                 writeln!(f)?;
             }
             writeln!(f, "## {}\nsetup: {}", scenario.name, scenario.setup)?;
@@ -113,22 +113,22 @@ fn write_words(f: &mut fmt::Formatter<'_>, words: &[String]) -> fmt::Result {
     if width > 0 { writeln!(f) } else { Ok(()) }
 }
 
-/// The scenarios that are not as expected, both ways.
+/// Returns the scenarios that differ, as expected and as found.
 pub fn difference(expected: &str, found: &str) -> String {
-    let mut told = String::new();
-    let of_expected: Vec<&str> = expected.split("\n## ").collect();
-    for (place, found) in found.split("\n## ").enumerate() {
-        let expected = of_expected.get(place).copied().unwrap_or_default();
+    let mut differences = String::new();
+    let expected_scenarios: Vec<&str> = expected.split("\n## ").collect();
+    for (index, found) in found.split("\n## ").enumerate() {
+        let expected = expected_scenarios.get(index).copied().unwrap_or_default();
         if expected.trim_end() != found.trim_end() {
-            told += &format!(
+            differences += &format!(
                 "expected {}\nfound {}\n\n",
                 expected.trim_end(),
                 found.trim_end()
             );
         }
     }
-    match told.is_empty() {
-        true => "only blank lines are other than expected".to_owned(),
-        false => told,
+    match differences.is_empty() {
+        true => "only blank lines differ".to_owned(),
+        false => differences,
     }
 }

@@ -1,11 +1,10 @@
-//! Scenarios: what a hand does and what happens to the run meanwhile, and what has to go out.
+//! Scenarios: a hand plays, something happens to the run meanwhile, and these events are expected.
 //!
-//! Each file of this folder that ends in `.txt` has some. A scenario begins with `## ` and its name; `setup:`
-//! says on which layout it is played. Lines at the margin are what happens, indented ones what goes out
-//! before the next of them:
+//! The files are `tests/scenarios/*.txt`. A scenario begins with `## ` and its name; `setup:` names its layout. Lines at
+//! the margin are the script, indented lines the transcript of the line above:
 //!
 //! ```text
-//! ## a stall lets go at its limit
+//! ## a stall releases everything after its timeout
 //! setup: qwerty-flat
 //! press H; wait 100
 //!     =paused t:303ms =running t:418ms dn:H
@@ -15,13 +14,12 @@
 //!     =running t:1105ms =stopped
 //! ```
 //!
-//! What happens are orders of the simulated hand (docs/scripts.md) and words about the run (`directive.rs`), apart by
-//! `;`. What goes out is `dn:` and `up:` with a key, other events alike, `=` with a state, `t:` with the
-//! time since the word before. What goes on for a while, such as the value of a slider, is told once, with where
-//! it was first and last. The hand goes on until it is off everything at the end; then the run is stopped.
-//! In brackets at the very end: readings that were not accepted, by reason, bytes that were no frames, stalls.
+//! A script consists of orders of the simulated hand (`docs/scripts.md`) and of orders about the run (`directive.rs`).
+//! The transcript is a summary in the words of [`transcript`](crate::rig::transcript), with `=STATE` for a new state. At
+//! the end the hand leaves all controls and the pipeline is stopped. The last words, in brackets, count rejected readings
+//! by reason, bytes outside of packets, stalls and suppressed presses.
 //!
-//! After a change that is meant: `ADEMAN_WRITE=1 cargo test --test pipeline scenarios`, and read the difference.
+//! After an intended change: `ADEMAN_WRITE=1 cargo test --test pipeline scenarios`, and review the difference.
 
 mod directive;
 mod file;
@@ -34,7 +32,7 @@ use std::sync::Mutex;
 
 use self::file::{Scenario, ScenarioFile};
 
-/// Fewer than these are not enough.
+/// The least number of scenarios.
 const FEWEST: usize = 150;
 
 fn folder() -> PathBuf {
@@ -55,27 +53,30 @@ fn pages() -> Vec<(PathBuf, String)> {
     paths.into_iter().map(read).collect()
 }
 
-/// Plays all of them, on as many threads as there are processors. Gives the names of those that panicked.
+/// Plays the scenarios on as many threads as there are processors, and returns the names of those that panic.
 fn play_all(scenarios: Vec<&mut Scenario>) -> Vec<String> {
-    let left = Mutex::new(scenarios);
+    let waiting = Mutex::new(scenarios);
     let panicked = Mutex::new(Vec::new());
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let play_some = || {
         loop {
-            let next = left.lock().expect("nobody panics with it").pop();
+            let next = waiting.lock().expect("no panic while it is locked").pop();
             let Some(scenario) = next else {
                 return;
             };
             let name = scenario.name.clone();
             if catch_unwind(AssertUnwindSafe(|| rig::play(scenario))).is_err() {
-                panicked.lock().expect("nobody panics with it").push(name);
+                panicked
+                    .lock()
+                    .expect("no panic while it is locked")
+                    .push(name);
             }
         }
     };
     std::thread::scope(|scope| {
         (0..threads).for_each(|_| drop(scope.spawn(play_some)));
     });
-    panicked.into_inner().expect("nobody panics with it")
+    panicked.into_inner().expect("no panic while it is locked")
 }
 
 #[test]

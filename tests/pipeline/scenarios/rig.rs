@@ -1,4 +1,4 @@
-//! A run in which time and bytes are the scenario's: from the packets of simulated gloves to events.
+//! The rig for a simulated hand with a glove: from the bytes of its packets to events, without a clock.
 
 use std::time::Duration;
 
@@ -22,37 +22,37 @@ use super::folder;
 use crate::rig::transcript::{Detail, Transcript};
 use crate::support::checked::CheckedPipeline;
 
-/// When a scenario begins on the clock of its source: far enough from 0 that it can be set back.
+/// The time at which a scenario begins, in microseconds: far enough from 0 that the clock can be set back.
 const START: u64 = 10_000_000_000;
 
-/// Plays a scenario under an oracle and writes down what goes out.
+/// Plays a scenario and replaces its transcript. The oracle checks every step.
 pub fn play(scenario: &mut Scenario) {
     let setup = setup(&scenario.setup);
-    let assembly = setup
+    let loaded = setup
         .load_files()
         .unwrap_or_else(|error| panic!("{}: {error}", scenario.name));
-    let mut rig = Rig::new(&assembly, scenario);
+    let mut rig = Rig::new(&loaded, scenario);
     let mut orders = 0;
     let count = scenario.lines.len();
-    for (place, line) in scenario.lines.iter_mut().enumerate() {
-        for piece in line.pieces() {
-            match Directive::parse(piece) {
-                Some(fault) => rig.meet(fault),
+    for (index, line) in scenario.lines.iter_mut().enumerate() {
+        for step in line.steps() {
+            match Directive::parse(step) {
+                Some(directive) => rig.apply(directive),
                 None => {
                     orders += 1;
                     rig.play_until(|typist| typist.has_finished(orders));
                 }
             }
         }
-        if place + 1 == count {
+        if index + 1 == count {
             rig.finish();
         }
         line.words = rig.transcript.take();
     }
 }
 
-/// `qwerty-flat`, or a file of this folder; then, apart by commas, `armed`, `two hands`, `profile NAME`,
-/// `stall MS`, `presses PER_SECOND`.
+/// Parses a setup: a shipped layout or a file of `tests/scenarios`, then, separated by commas, `armed`, `two hands`,
+/// `profile NAME`, `stall MS` and `presses PER_SECOND`.
 fn setup(text: &str) -> Setup {
     let mut parts = text.split(',').map(str::trim);
     let mut setup = Setup {
@@ -70,7 +70,7 @@ fn setup(text: &str) -> Setup {
             }),
             "stall" => setup.stall_timeout_ms = rest.parse().expect("milliseconds"),
             "presses" => setup.max_presses_per_second = Some(rest.parse().expect("a number")),
-            _ => panic!("unknown `{part}` in `on: {text}`"),
+            _ => panic!("unknown `{part}` in `setup: {text}`"),
         }
     }
     setup
@@ -84,262 +84,266 @@ fn path_of(layout: &str) -> String {
     }
 }
 
-/// A glove's line and what is wrong with it.
+/// A simulated glove and its decoder.
 struct SimulatedGlove {
     side: Side,
     glove: Glove,
     decoder: Hc11Decoder,
-    /// When its last reading was complete, on the clock that nobody sets.
+    /// The time of its last reading, in microseconds on the monotonic clock.
     last: u64,
-    /// The counts that the glove shows.
-    shown: GloveCounts,
+    /// The channel counts of the current posture.
+    counts: GloveCounts,
 }
 
 struct Rig<'a> {
-    assembly: &'a LoadedSetup,
+    setup: &'a LoadedSetup,
     typist: SimulatedTypist,
-    engine: CheckedPipeline,
-    lines: Vec<SimulatedGlove>,
-    settings: Hc11Format,
+    pipeline: CheckedPipeline,
+    gloves: Vec<SimulatedGlove>,
+    format: Hc11Format,
     transcript: Transcript,
-    /// What targets are called, and of which layout that is.
+    /// The names of the targets of the active layout, and its index.
     names: TargetNames,
     profile: usize,
-    is_renamed: bool,
+    has_new_names: bool,
     state: PipelineState,
-    /// In µs, on the clock that nobody sets.
+    /// The time in microseconds on the monotonic clock.
     now: u64,
-    /// By how much the times of readings are off it.
+    /// The difference of the time stamps to the monotonic clock, in microseconds.
     clock_offset: i64,
-    fed_at: u64,
-    /// What is wrong with the next packet.
+    last_reading_at: u64,
+    /// The fault of the next packet.
     next: Option<Directive>,
-    jump: i32,
+    elbow_offset: i32,
     rail: Option<(Finger, u8)>,
     is_swapped: bool,
     random: fastrand::Rng,
 }
 
 impl<'a> Rig<'a> {
-    fn new(assembly: &'a LoadedSetup, scenario: &Scenario) -> Self {
-        let settings = Hc11Format::default();
-        let orders = scenario.lines.iter().flat_map(|line| line.pieces());
-        let orders = orders.filter(|piece| Directive::parse(piece).is_none());
-        // Somebody has to be there, even when the scenario is over before the hand is seen.
+    fn new(setup: &'a LoadedSetup, scenario: &Scenario) -> Self {
+        let format = Hc11Format::default();
+        let orders = scenario.lines.iter().flat_map(|line| line.steps());
+        let orders = orders.filter(|step| Directive::parse(step).is_none());
+        // A script needs at least one order of the hand.
         let orders = orders.chain(["wait 0"]);
         let script = orders.collect::<Vec<_>>().join("\n");
-        let typist = assembly.scripted(&script, &settings, 0.0, 0);
+        let typist = setup.scripted(&script, &format, 0.0, 0);
         let typist = typist.unwrap_or_else(|error| panic!("{}: {error}", scenario.name));
-        let other = assembly.other_hand.iter().map(|other| &other.glove);
-        let line = |glove: &Glove| SimulatedGlove {
+        let other = setup.other_hand.iter().map(|other| &other.glove);
+        let simulated = |glove: &Glove| SimulatedGlove {
             side: glove.side,
             glove: glove.clone(),
-            decoder: Hc11Decoder::new(settings.framing),
+            decoder: Hc11Decoder::new(format.framing),
             last: 0,
-            shown: GloveCounts::new(),
+            counts: GloveCounts::new(),
         };
         Self {
-            assembly,
+            setup,
             typist,
-            engine: CheckedPipeline::new(assembly),
-            lines: std::iter::once(&assembly.glove)
+            pipeline: CheckedPipeline::new(setup),
+            gloves: std::iter::once(&setup.glove)
                 .chain(other)
-                .map(line)
+                .map(simulated)
                 .collect(),
-            settings,
+            format,
             transcript: Transcript::new(Detail::Summary, Timestamp(START)),
-            names: assembly.layout.target_names(),
+            names: setup.layout.target_names(),
             profile: 0,
-            is_renamed: false,
+            has_new_names: false,
             state: PipelineState::Starting,
             now: START,
             clock_offset: 0,
-            fed_at: START,
+            last_reading_at: START,
             next: None,
-            jump: 0,
+            elbow_offset: 0,
             rail: None,
             is_swapped: false,
             random: fastrand::Rng::with_seed(1),
         }
     }
 
-    /// The hand goes on until something is so, or it has done everything.
-    fn play_until(&mut self, is_enough: impl Fn(&SimulatedTypist) -> bool) {
-        while !is_enough(&self.typist) && self.play_frame() {}
+    /// Plays packets until a condition holds or the hand has finished.
+    fn play_until(&mut self, is_done: impl Fn(&SimulatedTypist) -> bool) {
+        while !is_done(&self.typist) && self.play_packet() {}
     }
 
-    /// Whether there was a frame left.
-    fn play_frame(&mut self) -> bool {
-        let moved = self.move_on();
+    /// Plays one packet of each glove; returns `false` if the hand has finished.
+    fn play_packet(&mut self) -> bool {
+        let moved = self.advance_hand();
         if moved {
             self.send_packets();
         }
         moved
     }
 
-    fn move_on(&mut self) -> bool {
+    /// Moves the hand to its next posture; returns `false` if it has finished.
+    fn advance_hand(&mut self) -> bool {
         let Some(frame) = self.typist.next_packets() else {
             return false;
         };
-        for (line, counts) in self.lines.iter_mut().zip(frame) {
-            line.shown = counts;
+        for (line, counts) in self.gloves.iter_mut().zip(frame) {
+            line.counts = counts;
         }
         true
     }
 
-    /// The end of everything: all must be let go of.
+    /// Plays to the end, stops the pipeline and adds the statistics.
     fn finish(&mut self) {
         self.play_until(|_| false);
-        let before = self.engine.rejected();
-        self.ask(CheckedPipeline::stop);
+        let before = self.pipeline.rejected();
+        self.command(CheckedPipeline::stop);
         assert!(
-            !self.engine.has_pressed(),
-            "something is down after the end"
+            !self.pipeline.has_pressed(),
+            "a key stays pressed after the end"
         );
-        let mut account: Vec<String> = Rejection::ALL
+        let mut stats: Vec<String> = Rejection::ALL
             .iter()
             .zip(before)
             .filter(|(_, count)| *count > 0)
             .map(|(reason, count)| format!("{reason} {count}"))
             .collect();
-        let counts = self.lines.iter().map(|line| line.decoder.stats());
+        let counts = self.gloves.iter().map(|line| line.decoder.stats());
         let skipped: u64 = counts.map(|counts| counts.skipped_bytes).sum();
-        for (what, count) in [
+        for (name, count) in [
             ("skipped", skipped),
-            ("stalls", self.engine.stalls()),
-            ("withheld", self.engine.suppressed().total()),
+            ("stalls", self.pipeline.stalls()),
+            ("withheld", self.pipeline.suppressed().total()),
         ] {
             if count > 0 {
-                account.push(format!("{what} {count}"));
+                stats.push(format!("{name} {count}"));
             }
         }
-        if !account.is_empty() {
-            self.transcript.note(format!("({})", account.join(", ")));
+        if !stats.is_empty() {
+            self.transcript.note(format!("({})", stats.join(", ")));
         }
     }
 
-    fn meet(&mut self, fault: Directive) {
-        match fault {
+    fn apply(&mut self, directive: Directive) {
+        match directive {
             Directive::Play(milliseconds) => {
                 let end = self.now + milliseconds * 1_000;
-                while self.now < end && self.play_frame() {}
+                while self.now < end && self.play_packet() {}
             }
             Directive::Hold(milliseconds) => {
-                if self.lines[0].shown.is_empty() {
-                    self.move_on();
+                if self.gloves[0].counts.is_empty() {
+                    self.advance_hand();
                 }
                 let end = self.now + milliseconds * 1_000;
                 while self.now < end {
                     self.send_packets();
                 }
             }
-            Directive::Silent(milliseconds) => self.be_silent(milliseconds * 1_000),
+            Directive::Silent(milliseconds) => self.stay_silent(milliseconds * 1_000),
             Directive::Drop(milliseconds) => {
                 let end = self.now + milliseconds * 1_000;
-                while self.now < end && self.move_on() {
-                    self.be_silent(self.period());
+                while self.now < end && self.advance_hand() {
+                    self.stay_silent(self.period());
                 }
-                self.abandon();
+                self.drop_partial_packets();
             }
             Directive::Unplug(milliseconds) => {
-                self.abandon();
-                self.ask(CheckedPipeline::stall);
-                self.be_silent(milliseconds * 1_000);
+                self.drop_partial_packets();
+                self.command(CheckedPipeline::stall);
+                self.stay_silent(milliseconds * 1_000);
             }
             Directive::Noise(bytes) => {
                 let junk: Vec<u8> = (0..bytes).map(|_| self.random.u8(..)).collect();
-                self.hear_elsewhere(&junk);
+                self.receive_noise(&junk);
             }
-            Directive::Text(text) => self.hear_elsewhere(format!("\r\n{text}\r\n").as_bytes()),
+            Directive::Text(text) => self.receive_noise(format!("\r\n{text}\r\n").as_bytes()),
             Directive::Flip(_)
             | Directive::Truncate(_)
             | Directive::Skip(_)
             | Directive::Duplicate => {
-                self.next = Some(fault);
+                self.next = Some(directive);
             }
-            Directive::Offset(counts) => self.jump = counts,
+            Directive::Offset(counts) => self.elbow_offset = counts,
             Directive::Rail(finger, count) => self.rail = Some((finger, count)),
-            Directive::Repair => (self.rail, self.jump) = (None, 0),
+            Directive::Repair => (self.rail, self.elbow_offset) = (None, 0),
             Directive::Clock(seconds) => self.clock_offset += seconds * 1_000_000,
             Directive::Swap => self.is_swapped = !self.is_swapped,
-            Directive::Pause => self.ask(CheckedPipeline::pause),
-            Directive::Resume => self.ask(|engine, _| engine.resume()),
-            Directive::Stop => self.ask(CheckedPipeline::stop),
+            Directive::Pause => self.command(CheckedPipeline::pause),
+            Directive::Resume => self.command(|pipeline, _| pipeline.resume()),
+            Directive::Stop => self.command(CheckedPipeline::stop),
             Directive::Reload(name) => self.reload(&name),
-            Directive::Profile(place) => {
-                self.ask(|engine, events| engine.switch_profile(place, events))
+            Directive::Profile(index) => {
+                self.command(|pipeline, events| pipeline.switch_profile(index, events))
             }
-            Directive::Nudge(by) => self
-                .shift(|engine, events| engine.nudge(Vec3::from_array(by) * 1e-3, events).is_ok()),
+            Directive::Nudge(by) => self.move_boards(|pipeline, events| {
+                pipeline.nudge(Vec3::from_array(by) * 1e-3, events).is_ok()
+            }),
             Directive::Tilt(by) => {
-                self.shift(|engine, events| engine.tilt(by.to_radians(), events).is_ok())
+                self.move_boards(|pipeline, events| pipeline.tilt(by.to_radians(), events).is_ok())
             }
-            Directive::Recenter => self.shift(|engine, events| engine.recenter(events).is_ok()),
+            Directive::Recenter => {
+                self.move_boards(|pipeline, events| pipeline.recenter(events).is_ok())
+            }
         }
     }
 
     fn reload(&mut self, name: &str) {
         let layout = Layout::load(&path_of(name)).map_err(|error| error.to_string());
-        let controls = layout.and_then(|layout| match self.assembly.controls(&layout) {
+        let controls = layout.and_then(|layout| match self.setup.controls(&layout) {
             Ok(controls) => Ok((layout, controls)),
             Err(error) => Err(error.to_string()),
         });
         match controls {
             Ok((layout, mut controls)) => {
-                self.is_renamed = true;
-                self.ask(|engine, events| {
-                    engine.replace_profile(0, &mut controls, &layout, events)
+                self.has_new_names = true;
+                self.command(|pipeline, events| {
+                    pipeline.replace_profile(0, &mut controls, &layout, events)
                 });
             }
             Err(_) => self.transcript.note("(refused)".into()),
         }
     }
 
-    fn shift(&mut self, shift: impl FnOnce(&mut CheckedPipeline, &mut Events) -> bool) {
+    fn move_boards(&mut self, command: impl FnOnce(&mut CheckedPipeline, &mut Events) -> bool) {
         let mut is_done = true;
-        self.ask(|engine, events| is_done = shift(engine, events));
+        self.command(|pipeline, events| is_done = command(pipeline, events));
         if !is_done {
             self.transcript.note("(refused)".into());
         }
     }
 
     fn period(&self) -> u64 {
-        self.settings.packet_period().as_micros() as u64
+        self.format.packet_period().as_micros() as u64
     }
 
-    /// A moment on the clock of the readings.
+    /// Converts a time on the monotonic clock to a time stamp.
     fn time(&self, moment: u64) -> Timestamp {
         Timestamp(moment.saturating_add_signed(self.clock_offset))
     }
 
-    fn abandon(&mut self) {
-        self.lines.iter_mut().for_each(|line| line.decoder.reset());
+    fn drop_partial_packets(&mut self) {
+        self.gloves.iter_mut().for_each(|line| line.decoder.reset());
     }
 
-    /// Nothing comes for so many microseconds.
-    fn be_silent(&mut self, microseconds: u64) {
+    /// Lets time pass without bytes.
+    fn stay_silent(&mut self, microseconds: u64) {
         let end = self.now + microseconds;
         while self.now < end {
             self.now = (self.now + 1_000).min(end);
-            self.watch();
+            self.check_stall();
         }
     }
 
-    /// What the loop around the engine does when readings stay away.
-    fn watch(&mut self) {
-        let silence = Duration::from_micros(self.now - self.fed_at);
-        if self.engine.expects_readings() && silence >= self.engine.stall_timeout() {
-            self.ask(CheckedPipeline::stall);
+    /// Reports a stall as the event loop does.
+    fn check_stall(&mut self) {
+        let silence = Duration::from_micros(self.now - self.last_reading_at);
+        if self.pipeline.expects_readings() && silence >= self.pipeline.stall_timeout() {
+            self.command(CheckedPipeline::stall);
         }
     }
 
-    /// Every glove sends what it shows.
+    /// Sends a packet of each glove.
     fn send_packets(&mut self) {
         self.now += self.period();
-        self.watch();
+        self.check_stall();
         let fault = self.next.take();
-        for place in 0..self.lines.len() {
-            let mut packet = encode(self.settings.framing, &self.body(place)).to_vec();
+        for index in 0..self.gloves.len() {
+            let mut packet = encode(self.format.framing, &self.body(index)).to_vec();
             match fault {
                 Some(Directive::Flip(byte)) => packet[byte] ^= 0x80,
                 Some(Directive::Truncate(bytes)) => packet.truncate(PACKET_BYTES - bytes),
@@ -347,21 +351,21 @@ impl<'a> Rig<'a> {
                 Some(Directive::Duplicate) => packet.extend_from_within(..),
                 _ => {}
             }
-            self.hear(place, &packet);
+            self.receive(index, &packet);
         }
     }
 
-    fn body(&self, place: usize) -> [u8; BODY_BYTES] {
-        let line = &self.lines[place];
+    fn body(&self, index: usize) -> [u8; BODY_BYTES] {
+        let simulated = &self.gloves[index];
         let mut body = [0; BODY_BYTES];
-        for (byte, count) in body.iter_mut().zip(&line.shown) {
+        for (byte, count) in body.iter_mut().zip(&simulated.counts) {
             *byte = (*count).min(255) as u8;
         }
-        let map = &line.glove.map;
+        let map = &simulated.glove.map;
         for row in map.rows() {
             if row.dof == Dof::ElbowFlexion {
-                let shown = i32::from(line.shown[row.channel]);
-                body[row.channel] = (shown + self.jump).clamp(1, 254) as u8;
+                let shown = i32::from(simulated.counts[row.channel]);
+                body[row.channel] = (shown + self.elbow_offset).clamp(1, 254) as u8;
             }
         }
         if let Some((finger, count)) = self.rail {
@@ -376,78 +380,78 @@ impl<'a> Rig<'a> {
         body
     }
 
-    /// Bytes come on the first line that are no packets.
-    fn hear_elsewhere(&mut self, bytes: &[u8]) {
+    /// Receives bytes outside of packets on the line of the first glove.
+    fn receive_noise(&mut self, bytes: &[u8]) {
         for piece in bytes.chunks(PACKET_BYTES) {
-            self.now += self.settings.transmission_time(piece.len()).as_micros() as u64;
-            self.watch();
-            self.hear(0, piece);
+            self.now += self.format.transmission_time(piece.len()).as_micros() as u64;
+            self.check_stall();
+            self.receive(0, piece);
         }
     }
 
-    /// Dates each packet back by what came after it, as lines do.
-    fn hear(&mut self, place: usize, bytes: &[u8]) {
+    /// Receives bytes; each packet is dated back by the bytes after it, as by a source.
+    fn receive(&mut self, glove: usize, bytes: &[u8]) {
         let mut bodies = Vec::new();
-        let line = &mut self.lines[place];
-        line.decoder.push(bytes, &mut |packet| {
+        let simulated = &mut self.gloves[glove];
+        simulated.decoder.push(bytes, &mut |packet| {
             bodies.push(hc11::body(&packet.sample).expect("channels"));
         });
-        let waiting = line.decoder.pending_bytes();
+        let waiting = simulated.decoder.pending_bytes();
         let side = match self.is_swapped {
-            true => line.side.opposite(),
-            false => line.side,
+            true => simulated.side.opposite(),
+            false => simulated.side,
         };
         for (index, body) in bodies.iter().enumerate() {
             let after = (bodies.len() - 1 - index) * PACKET_BYTES + waiting;
-            let after = self.settings.transmission_time(after).as_micros() as u64;
-            let line = &mut self.lines[place];
-            line.last = (self.now - after).max(line.last + 1);
-            let moment = line.last;
+            let after = self.format.transmission_time(after).as_micros() as u64;
+            let simulated = &mut self.gloves[glove];
+            simulated.last = (self.now - after).max(simulated.last + 1);
+            let moment = simulated.last;
             let reading = Reading {
                 time: self.time(moment),
-                side: (self.lines.len() > 1).then_some(side),
+                side: (self.gloves.len() > 1).then_some(side),
                 sample: Sample::Channels(hc11::channels(body)),
             };
             let mut events = Events::new();
-            let step = self.engine.step(&reading, &mut events);
+            let step = self.pipeline.step(&reading, &mut events);
             let commands = step.map(|step| step.commands.clone());
             if commands.is_ok() {
-                self.fed_at = self.now;
+                self.last_reading_at = self.now;
             }
             self.write(&events, &commands.unwrap_or_default(), reading.time);
         }
     }
 
-    fn ask(&mut self, ask: impl FnOnce(&mut CheckedPipeline, &mut Events)) {
+    fn command(&mut self, command: impl FnOnce(&mut CheckedPipeline, &mut Events)) {
         let mut events = Events::new();
-        ask(&mut self.engine, &mut events);
+        command(&mut self.pipeline, &mut events);
         self.write(&events, &[], self.time(self.now));
     }
 
     fn write(&mut self, events: &Events, commands: &[TimedCommand], time: Timestamp) {
-        let state = self.engine.state();
+        let state = self.pipeline.state();
         let has_armed = state == PipelineState::Running && self.state != state;
         if has_armed {
-            self.tell_state(state, time);
+            self.write_state(state, time);
         }
-        // What went out is of the layout that was in force before.
+        // The events belong to the layout that was active before.
         for command in commands {
             self.transcript.push_command(command);
         }
         for event in events {
             self.transcript.push(event, &self.names);
         }
-        if self.profile != self.engine.active_profile() || self.is_renamed {
-            self.profile = self.engine.active_profile();
-            self.names = self.engine.target_names().clone();
-            self.is_renamed = false;
+        if self.profile != self.pipeline.active_profile() || self.has_new_names {
+            self.profile = self.pipeline.active_profile();
+            self.names = self.pipeline.target_names().clone();
+            self.has_new_names = false;
         }
         if state != self.state {
-            self.tell_state(state, time);
+            self.write_state(state, time);
         }
     }
 
-    fn tell_state(&mut self, state: PipelineState, time: Timestamp) {
+    fn write_state(&mut self, state: PipelineState, time: Timestamp) {
         self.state = state;
         self.transcript.word(time, format!("={state}"));
     }
