@@ -177,7 +177,7 @@ fn what_is_not_a_request_is_refused_and_the_conversation_goes_on() {
     };
     let mut long = vec![b'x'; 64 * 1024];
     long.push(b'\n');
-    assert_eq!(refused(&long), "a line is 4096 bytes at most");
+    assert_eq!(refused(&long), "a line has at most 4096 bytes");
     assert_eq!(refused(b"\xff\xfe\n"), "the line is not UTF-8");
     refused(b"\n");
     refused(b"GET / HTTP/1.1\r\n");
@@ -306,7 +306,7 @@ fn the_seventeenth_client_is_refused_and_a_place_that_is_free_again_is_given() {
         let answer = ask(&mut caller(&run), r#"{"command":"pause"}"#);
         assert_eq!(
             answer["error"],
-            "16 clients are here already, come back later"
+            "all 16 connections are in use; try again later"
         );
     }
     assert!(run.events.is_empty(), "the key stays held");

@@ -1,4 +1,4 @@
-//! A conversation with one client: a line is heard, a line is said; in between, news.
+//! The connection to one client: requests and responses, and notifications in between.
 
 use std::io::{self, BufRead, BufReader, ErrorKind, Write};
 use std::net::Shutdown;
@@ -16,62 +16,62 @@ use crate::command::Command;
 use crate::output::socket::Stream;
 use crate::session::command_channel::Reply;
 
-/// How long a client may take nothing of what is said to it.
-const PATIENCE: Duration = Duration::from_secs(1);
+/// Time-out of a write. A client that does not read for so long is disconnected.
+const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Talks with a client until it goes away or does not listen any more.
+/// Serves a client until it disconnects or stops reading.
 pub(super) fn serve(
     stream: Stream,
-    mouth: LineWriter,
+    writer: LineWriter,
     context: &ServerContext,
     subscribers: &Subscribers,
 ) {
-    let mut conversation = ClientConnection {
-        mouth: Arc::new(mouth),
+    let mut connection = ClientConnection {
+        writer: Arc::new(writer),
         context,
         subscribers,
-        goes_on: None,
+        notifications: None,
     };
-    let mut ear = LineReader::of(stream);
-    while let Ok(Some(heard)) = ear.next_line()
-        && conversation.reply(heard).is_ok()
+    let mut reader = LineReader::new(stream);
+    while let Ok(Some(line)) = reader.next_line()
+        && connection.handle(line).is_ok()
     {}
-    conversation.mouth.shut();
+    connection.writer.shutdown();
 }
 
 struct ClientConnection<'a> {
-    mouth: Arc<LineWriter>,
+    writer: Arc<LineWriter>,
     context: &'a ServerContext,
     subscribers: &'a Subscribers,
-    /// Ends the news when it is dropped.
-    goes_on: Option<Sender<()>>,
+    /// Ends the thread that writes notifications when it is dropped.
+    notifications: Option<Sender<()>>,
 }
 
 impl ClientConnection<'_> {
-    fn reply(&mut self, heard: ReceivedLine) -> io::Result<()> {
-        let line = match heard {
+    fn handle(&mut self, line: ReceivedLine) -> io::Result<()> {
+        let line = match line {
             ReceivedLine::TooLong => {
-                let error = format!("a line is {MAX_LINE_BYTES} bytes at most");
-                return self.mouth.write_line(&response::failure(&error));
+                let error = format!("a line has at most {MAX_LINE_BYTES} bytes");
+                return self.writer.write_line(&response::failure(&error));
             }
             ReceivedLine::Line(line) => line,
         };
         match Request::parse(line) {
             Err(error) => self
-                .mouth
+                .writer
                 .write_line(&response::failure(&error.to_string())),
             Ok(Request::Command(Command::Stop)) => {
-                // The end of the program closes this connection, so the reply comes first.
-                let written = self.mouth.write_line(&response::success(None));
+                // The end of the program closes this connection, so the response comes first.
+                let written = self.writer.write_line(&response::success(None));
                 let _ = self.context.commands.send(Command::Stop);
                 written
             }
-            Ok(Request::Command(command)) => self.mouth.write_line(&self.execute(command)),
+            Ok(Request::Command(command)) => self.writer.write_line(&self.execute(command)),
             Ok(Request::Subscribe) => self.subscribe(),
         }
     }
 
-    /// Executes a command in the session.
+    /// Executes a command in the session and returns the response.
     fn execute(&self, command: Command) -> JsonLine {
         match self.context.commands.request(command) {
             Ok(Reply::Done) => response::success(None),
@@ -82,57 +82,55 @@ impl ClientConnection<'_> {
     }
 
     fn subscribe(&mut self) -> io::Result<()> {
-        if self.goes_on.is_some() {
-            return self
-                .mouth
-                .write_line(&response::failure("you have subscribed already"));
+        if self.notifications.is_some() {
+            let error = "this connection has subscribed already";
+            return self.writer.write_line(&response::failure(error));
         }
         let subscription = self.subscribers.add();
-        // Before any news, so that it is told from them by its place.
-        self.mouth.write_line(&response::success(None))?;
-        let (goes_on, over) = bounded(0);
-        let mouth = self.mouth.clone();
+        // The response precedes the first notification.
+        self.writer.write_line(&response::success(None))?;
+        let (notifications, end) = bounded(0);
+        let writer = self.writer.clone();
         thread::Builder::new()
-            .name("control news".into())
-            .spawn(move || pass_on(&subscription, &mouth, &over))?;
-        self.goes_on = Some(goes_on);
+            .name("control notify".into())
+            .spawn(move || write_notifications(&subscription, &writer, &end))?;
+        self.notifications = Some(notifications);
         Ok(())
     }
 }
 
-/// Says the news until the conversation is over or nobody listens.
-fn pass_on(subscription: &Subscription, mouth: &LineWriter, over: &Receiver<()>) {
+/// Writes notifications until the connection ends.
+fn write_notifications(subscription: &Subscription, writer: &LineWriter, end: &Receiver<()>) {
     loop {
         let line = select! {
             recv(subscription.lines) -> line => line.ok(),
-            recv(over) -> _ => None,
+            recv(end) -> _ => None,
         };
         let Some(line) = line else {
             return;
         };
-        let missed = subscription.take_missed();
-        let told = match missed {
+        let written = match subscription.take_missed() {
             0 => Ok(()),
-            count => mouth.write_line(&response::missed_notification(count)),
+            count => writer.write_line(&response::missed_notification(count)),
         };
-        if told.and_then(|()| mouth.write_line(&line)).is_err() {
+        if written.and_then(|()| writer.write_line(&line)).is_err() {
             return;
         }
     }
 }
 
-/// Where lines are said to a client.
+/// The writing end of a connection, shared by responses and notifications.
 pub(super) struct LineWriter(Mutex<Stream>);
 
 impl LineWriter {
-    /// That of a stream; the stream stays to be read.
+    /// Creates a writer for a stream, which can still be read.
     pub fn new(stream: &Stream) -> io::Result<Self> {
         let stream = stream.try_clone()?;
-        stream.set_write_timeout(Some(PATIENCE))?;
+        stream.set_write_timeout(Some(WRITE_TIMEOUT))?;
         Ok(Self(Mutex::new(stream)))
     }
 
-    /// Says a whole line. A client that takes nothing for 1 s, or is gone, is cut off: that is an error.
+    /// Writes a line. On an error, such as a client that does not read for 1 s, the client is disconnected.
     pub fn write_line(&self, line: &JsonLine) -> io::Result<()> {
         let mut stream = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let written = stream.write_all(format!("{line}\n").as_bytes());
@@ -142,35 +140,35 @@ impl LineWriter {
         written
     }
 
-    fn shut(&self) {
+    fn shutdown(&self) {
         let stream = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = stream.shutdown(Shutdown::Both);
     }
 }
 
-/// What a client said.
+/// A line from a client.
 enum ReceivedLine<'a> {
-    /// A line without its end.
+    /// The line without the newline.
     Line(&'a [u8]),
-    /// A line that is longer than one can be; none of it was kept.
+    /// A line above the maximum length, which was discarded.
     TooLong,
 }
 
-/// Hears a client, line by line.
+/// The reading end of a connection.
 struct LineReader {
     reader: BufReader<Stream>,
     line: Vec<u8>,
 }
 
 impl LineReader {
-    fn of(stream: Stream) -> Self {
+    fn new(stream: Stream) -> Self {
         Self {
             reader: BufReader::new(stream),
             line: Vec::with_capacity(MAX_LINE_BYTES),
         }
     }
 
-    /// Waits for a line; `None` when no more come. What has no line end is none.
+    /// Waits for a line. Returns `None` at the end of the stream; an incomplete last line is discarded.
     fn next_line(&mut self) -> io::Result<Option<ReceivedLine<'_>>> {
         self.line.clear();
         let mut is_too_long = false;
@@ -187,8 +185,8 @@ impl LineReader {
             if !is_too_long {
                 self.line.extend_from_slice(part);
             }
-            let used = part.len() + usize::from(end.is_some());
-            self.reader.consume(used);
+            let consumed = part.len() + usize::from(end.is_some());
+            self.reader.consume(consumed);
             if end.is_some() {
                 return Ok(Some(match is_too_long {
                     true => ReceivedLine::TooLong,

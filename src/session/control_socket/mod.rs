@@ -1,35 +1,20 @@
-//! A socket on which other programs of the same user ask a run for things: a line of JSON in, a line of
-//! JSON out.
+//! The control socket: commands from other programs of the same user, as lines of JSON.
 //!
-//! | `ask` | with | what it does |
-//! |---|---|---|
-//! | `state` | | says how the run is: state, layout, the account of all readings |
-//! | `pause`, `resume` | | lets go of everything and lets nothing out; ends that |
-//! | `reload` | | reads the layout file at once |
-//! | `profile` | `name` | puts another layout of the setup in force |
-//! | `next-profile` | | the one after it |
-//! | `recentre` | | brings the boards below the index fingertip of the hand seen last |
-//! | `nudge` | `x_mm`, `y_mm`, `z_mm`: −1000..=1000 | moves the boards |
-//! | `tilt` | `deg`: −90..=90 | turns the boards |
-//! | `scale` | `factor`: 0.5..=2 | makes the boards larger or smaller |
-//! | `save` | | writes where the boards are into the layout file |
-//! | `subscribe` | | tells from now on what happens, events included |
-//! | `stop` | | ends the run |
+//! A request is a [`Command`](crate::command::Command), such as `{"command":"tilt","deg":5}`, or `{"command":"subscribe"}`.
+//! The response is `{"ok":true}` with the fields of a state or a `text`, or `{"ok":false,"error":"…"}`. An invalid line
+//! gets an error response and the connection stays open. After a subscription the client receives notifications: lines
+//! with an `event`, which are those of the stage `events` of a [`trace`](crate::trace), and `state`, `reload` and
+//! `missed`.
 //!
-//! The answer is `{"ok":true}` with what belongs to it, or `{"ok":false,"error":"…"}`. A line that makes no
-//! sense is answered so too, and the conversation goes on. News are lines with an `event`: those of the
-//! stage `events` of [`trace`](crate::trace), and `state`, `reload` and `missed`.
-//!
-//! Nothing here holds up a run: it hands over what it has if there is room, and is asked through
-//! [`Calls`](crate::runtime::Calls). A client that does not read loses the oldest of 64 lines of news, and
-//! is cut off when it takes nothing for 1 s.
+//! A client cannot delay the session. Commands go through [`CommandSender`](crate::session::CommandSender).
+//! A client that does not read loses the oldest of 64 notifications, and is disconnected when a write takes 1 s.
 
-mod response;
-mod client;
-mod connection;
-mod notification;
 pub mod request;
+mod response;
+mod notification;
+mod connection;
 mod server;
+mod client;
 
 use std::path::{Path, PathBuf};
 
@@ -39,12 +24,12 @@ pub use client::Client;
 pub use notification::Notifier;
 pub use server::{ControlServer, ServerContext};
 
-/// A layout of the setup.
+/// A profile of the setup and its layout.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProfileInfo {
-    /// What it is called.
+    /// Name of the profile.
     pub name: String,
-    /// The file that it is in, or the name of a shipped one.
+    /// Path of the layout file, or the name of a shipped layout.
     pub file: String,
 }
 

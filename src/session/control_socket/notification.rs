@@ -1,7 +1,7 @@
-//! What happens in a run → a queue for each client that asked for it.
+//! Notifications of a session, and a queue for each client that has subscribed.
 //!
-//! The loop hands over what it has if there is room, and never waits. A thread of the server's own
-//! makes lines of it; a client that does not read them loses the oldest.
+//! The session loop never waits: it drops notifications if the queue is full. A thread of the server converts them to
+//! lines. A client that does not read its lines loses the oldest ones.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -15,13 +15,13 @@ use crate::pipeline::PipelineState;
 use crate::session::reload::LayoutReport;
 use crate::snapshot::Snapshot;
 
-/// Frames with news that wait for the thread that makes lines of them.
-const WAITING_NEWS: usize = 64;
+/// Capacity of the queue from the session loop to the thread that converts notifications.
+const QUEUE_NOTIFICATIONS: usize = 64;
 
-/// Lines that wait for a client to read them.
-const WAITING_LINES: usize = 64;
+/// Capacity of the queue of each client.
+const QUEUE_LINES: usize = 64;
 
-// A box would be an allocation in the loop.
+// A box would be an allocation in the session loop.
 #[allow(clippy::large_enum_variant)]
 enum Notification {
     Events(Events, TargetNames),
@@ -30,95 +30,98 @@ enum Notification {
         is_paused: bool,
     },
     Reload {
-        in_force: bool,
+        is_active: bool,
         text: String,
     },
 }
 
-/// The end of the way that a run has: takes what happens.
+/// The sender of notifications, for the session loop.
 #[derive(Clone)]
 pub struct Notifier {
-    news: Sender<Notification>,
+    sender: Sender<Notification>,
     subscribers: Subscribers,
     last: Option<(PipelineState, bool)>,
 }
 
 impl Notifier {
-    /// A reporter without subscribers, and what [`tell_all`] tells them.
+    /// Creates a notifier without subscribers, and the queue for [`broadcast`].
     pub(super) fn new() -> (Self, NotificationQueue) {
-        let (sender, news) = bounded(WAITING_NEWS);
+        let (sender, receiver) = bounded(QUEUE_NOTIFICATIONS);
         let subscribers = Subscribers::default();
-        let reporter = Self {
-            news: sender,
+        let notifier = Self {
+            sender,
             subscribers: subscribers.clone(),
             last: None,
         };
-        (reporter, NotificationQueue { news, subscribers })
+        let queue = NotificationQueue {
+            receiver,
+            subscribers,
+        };
+        (notifier, queue)
     }
 
-    /// Takes a frame; does not wait, and does nothing where nobody has subscribed.
-    pub fn notify_snapshot(&mut self, frame: &Snapshot) {
-        let (state, is_paused) = (frame.state, frame.is_paused);
+    /// Notifies the subscribers of the events of a step and of a new state. Does not wait, and does nothing without
+    /// subscribers.
+    pub fn notify_snapshot(&mut self, snapshot: &Snapshot) {
+        let (state, is_paused) = (snapshot.state, snapshot.is_paused);
         let is_new = self.last.replace((state, is_paused)) != Some((state, is_paused));
         if self.subscribers.count.load(Ordering::Relaxed) == 0 {
             return;
         }
-        if !frame.events.is_empty() {
-            self.send(Notification::Events(
-                frame.events.clone(),
-                frame.target_names.clone(),
-            ));
+        if !snapshot.events.is_empty() {
+            let names = snapshot.target_names.clone();
+            self.send(Notification::Events(snapshot.events.clone(), names));
         }
         if is_new {
             self.send(Notification::State { state, is_paused });
         }
     }
 
-    /// Takes what became of a layout file.
+    /// Notifies the subscribers of the outcome of a change to a layout. Does not wait.
     pub fn notify_reload(&mut self, report: &LayoutReport) {
         self.send(Notification::Reload {
-            in_force: matches!(report, LayoutReport::Activated(_)),
+            is_active: matches!(report, LayoutReport::Activated(_)),
             text: report.to_string(),
         });
     }
 
-    fn send(&self, news: Notification) {
-        let lines = match &news {
+    fn send(&self, notification: Notification) {
+        let lines = match &notification {
             Notification::Events(events, _) => events.len() as u64,
             _ => 1,
         };
-        if self.news.try_send(news).is_err() {
+        if self.sender.try_send(notification).is_err() {
             self.subscribers.missed.fetch_add(lines, Ordering::Relaxed);
         }
     }
 }
 
-/// The other end of the way.
+/// The receiver of notifications, for the server.
 pub(super) struct NotificationQueue {
-    news: Receiver<Notification>,
+    receiver: Receiver<Notification>,
     pub subscribers: Subscribers,
 }
 
-/// Makes lines of news and hands them to all subscribers, until no reporter is left.
-pub(super) fn broadcast(untold: &NotificationQueue) {
+/// Converts notifications to lines for all subscribers until all notifiers are dropped.
+pub(super) fn broadcast(queue: &NotificationQueue) {
     let mut buffer = Vec::new();
-    let subscribers = &untold.subscribers;
-    for news in &untold.news {
+    let subscribers = &queue.subscribers;
+    for notification in &queue.receiver {
         let missed = subscribers.missed.swap(0, Ordering::Relaxed);
         if missed > 0 {
-            subscribers.miss(missed);
+            subscribers.add_missed(missed);
         }
-        match news {
+        match notification {
             Notification::Events(events, names) => {
                 for event in &events {
-                    subscribers.put(&response::event_notification(event, &names, &mut buffer));
+                    subscribers.push(&response::event_notification(event, &names, &mut buffer));
                 }
             }
             Notification::State { state, is_paused } => {
-                subscribers.put(&response::state_notification(state, is_paused));
+                subscribers.push(&response::state_notification(state, is_paused));
             }
-            Notification::Reload { in_force, text } => {
-                subscribers.put(&response::reload_notification(in_force, &text));
+            Notification::Reload { is_active, text } => {
+                subscribers.push(&response::reload_notification(is_active, &text));
             }
         }
     }
@@ -127,17 +130,17 @@ pub(super) fn broadcast(untold: &NotificationQueue) {
 /// The queues of all clients that have subscribed.
 #[derive(Clone, Default)]
 pub(super) struct Subscribers {
-    /// What the loop looks at instead of the list, so that it waits for no lock.
+    /// Number of queues, for the session loop, which must not wait for the lock.
     count: Arc<AtomicUsize>,
-    /// Lines that the loop could not hand over.
+    /// Lines that the session loop could not send.
     missed: Arc<AtomicU64>,
     queues: Arc<Mutex<Vec<SubscriberQueue>>>,
 }
 
 impl Subscribers {
-    /// A queue that is filled until it is dropped.
+    /// Adds a queue, which is filled until the subscription is dropped.
     pub fn add(&self) -> Subscription {
-        let (sender, lines) = bounded(WAITING_LINES);
+        let (sender, lines) = bounded(QUEUE_LINES);
         let missed = Arc::new(AtomicU64::new(0));
         let subscription = Subscription {
             lines: lines.clone(),
@@ -152,14 +155,14 @@ impl Subscribers {
         subscription
     }
 
-    fn put(&self, line: &JsonLine) {
-        self.with_queues(|queues| queues.retain(|queue| queue.put(line)));
+    fn push(&self, line: &JsonLine) {
+        self.with_queues(|queues| queues.retain(|queue| queue.push(line)));
     }
 
-    fn miss(&self, count: u64) {
+    fn add_missed(&self, count: u64) {
         self.with_queues(|queues| {
             for queue in queues {
-                queue.miss(count);
+                queue.add_missed(count);
             }
         });
     }
@@ -171,43 +174,43 @@ impl Subscribers {
     }
 }
 
-/// The server's end of a queue.
+/// The sending end of the queue of a client.
 struct SubscriberQueue {
     sender: Sender<JsonLine>,
-    /// Where the oldest line is taken out when there is no room.
+    /// Receiver that drops the oldest line when the queue is full.
     oldest: Receiver<JsonLine>,
     missed: Weak<AtomicU64>,
 }
 
 impl SubscriberQueue {
-    /// Puts a line in, if need be in the place of the oldest; whether anybody takes it out.
-    fn put(&self, line: &JsonLine) -> bool {
+    /// Adds a line, and drops the oldest one if the queue is full. Returns whether the subscription still exists.
+    fn push(&self, line: &JsonLine) -> bool {
         let mut line = line.clone();
-        while let Err(TrySendError::Full(back)) = self.sender.try_send(line) {
-            line = back;
+        while let Err(TrySendError::Full(unsent)) = self.sender.try_send(line) {
+            line = unsent;
             if self.oldest.try_recv().is_ok() {
-                self.miss(1);
+                self.add_missed(1);
             }
         }
         self.missed.strong_count() > 0
     }
 
-    fn miss(&self, count: u64) {
+    fn add_missed(&self, count: u64) {
         if let Some(missed) = self.missed.upgrade() {
             missed.fetch_add(count, Ordering::Relaxed);
         }
     }
 }
 
-/// The client's end of a queue.
+/// The receiving end of the queue of a client.
 pub(super) struct Subscription {
-    /// Lines of news, the oldest first.
+    /// Lines in order of time.
     pub lines: Receiver<JsonLine>,
     missed: Arc<AtomicU64>,
 }
 
 impl Subscription {
-    /// How many lines were lost since this was last asked.
+    /// Returns the number of lines that were dropped since the last call.
     pub fn take_missed(&self) -> u64 {
         self.missed.swap(0, Ordering::Relaxed)
     }
@@ -218,40 +221,40 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_queue_that_nobody_reads_loses_the_oldest_lines_and_counts_them() {
+    fn a_full_queue_drops_the_oldest_lines_and_counts_them() {
         let subscribers = Subscribers::default();
         let subscription = subscribers.add();
-        for number in 0..WAITING_LINES + 3 {
-            subscribers.put(&number.to_string().into());
+        for line in 0..QUEUE_LINES + 3 {
+            subscribers.push(&line.to_string().into());
         }
         assert_eq!(subscription.take_missed(), 3);
         assert_eq!(subscription.take_missed(), 0);
         let lines: Vec<_> = subscription.lines.try_iter().collect();
-        assert_eq!(lines.len(), WAITING_LINES);
+        assert_eq!(lines.len(), QUEUE_LINES);
         assert_eq!(&*lines[0], "3");
     }
 
     #[test]
-    fn a_queue_whose_client_went_away_is_gone_after_the_next_line() {
+    fn the_queue_of_a_closed_connection_is_removed_with_the_next_line() {
         let subscribers = Subscribers::default();
-        let stays = subscribers.add();
+        let open = subscribers.add();
         drop(subscribers.add());
-        subscribers.put(&"a".into());
+        subscribers.push(&"a".into());
         assert_eq!(subscribers.count.load(Ordering::Relaxed), 1);
-        assert_eq!(stays.lines.len(), 1);
+        assert_eq!(open.lines.len(), 1);
     }
 
     #[test]
-    fn a_report_is_told_in_order_with_what_the_loop_could_not_hand_over() {
-        let (mut reporter, untold) = Notifier::new();
-        let subscription = untold.subscribers.add();
-        for _ in 0..WAITING_NEWS + 2 {
-            reporter.notify_reload(&LayoutReport::Rejected("no".into()));
+    fn notifications_that_the_loop_drops_are_counted() {
+        let (mut notifier, queue) = Notifier::new();
+        let subscription = queue.subscribers.add();
+        for _ in 0..QUEUE_NOTIFICATIONS + 2 {
+            notifier.notify_reload(&LayoutReport::Rejected("no".into()));
         }
-        drop(reporter);
-        broadcast(&untold);
+        drop(notifier);
+        broadcast(&queue);
         assert_eq!(subscription.take_missed(), 2);
         let line = subscription.lines.try_recv().unwrap();
-        assert_eq!(&*line, r#"{"event":"reload","in_force":false,"text":"no"}"#);
+        assert_eq!(&*line, r#"{"event":"reload","active":false,"text":"no"}"#);
     }
 }

@@ -1,4 +1,4 @@
-//! Lines for a client: answers have an `ok`, news have an `event`.
+//! Lines to a client: a response has the field `ok`, a notification the field `event`.
 
 use serde::Serialize;
 
@@ -11,51 +11,51 @@ use crate::session::status::SessionStatus;
 use crate::snapshot::Stats;
 use crate::trace::event_json;
 
-/// A line without its end.
+/// A line without the newline.
 pub(super) type JsonLine = Box<str>;
 
-/// What was asked for is done; `text` says what came of it, where there is more to say.
+/// Returns the response to a request that was executed; `text` describes the outcome.
 pub(super) fn success(text: Option<&str>) -> JsonLine {
-    json(&Done { ok: true, text })
+    json(&Success { ok: true, text })
 }
 
-/// What was asked for is not done, for this reason.
+/// Returns the response to a request that was refused or failed.
 pub(super) fn failure(error: &str) -> JsonLine {
-    json(&Refused { ok: false, error })
+    json(&Failure { ok: false, error })
 }
 
-/// How the run is.
-pub(super) fn state(run: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLine {
-    let profile = profiles.get(run.profile);
-    let rejected: u64 = run.stats.rejected.iter().sum();
+/// Returns the response to `state`.
+pub(super) fn state(status: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLine {
+    let profile = profiles.get(status.profile);
+    let rejected: u64 = status.stats.rejected.iter().sum();
     json(&StateResponse {
         ok: true,
-        state: run.state,
-        paused: run.is_paused,
+        state: status.state,
+        paused: status.is_paused,
         profile: profile.map(|profile| profile.name.as_str()),
         layout: profile.map(|profile| profile.file.as_str()),
-        steps: run.stats.accepted + rejected,
-        stats: StatsResponse::of(&run.stats),
-        refused_presses: run.dropped_presses,
+        steps: status.stats.accepted + rejected,
+        stats: StatsResponse::new(&status.stats),
+        dropped_presses: status.dropped_presses,
     })
 }
 
-/// The engine does something else now.
+/// Returns the notification of a new state.
 pub(super) fn state_notification(state: PipelineState, paused: bool) -> JsonLine {
-    json(&News::State { state, paused })
+    json(&NotificationLine::State { state, paused })
 }
 
-/// What became of a layout file.
-pub(super) fn reload_notification(in_force: bool, text: &str) -> JsonLine {
-    json(&News::Reload { in_force, text })
+/// Returns the notification of a changed layout file; `active` tells whether its content is active.
+pub(super) fn reload_notification(active: bool, text: &str) -> JsonLine {
+    json(&NotificationLine::Reload { active, text })
 }
 
-/// So much that happened was not told, as it was not read fast enough.
+/// Returns the notification of lines that were dropped because the client reads too slowly.
 pub(super) fn missed_notification(count: u64) -> JsonLine {
-    json(&News::Missed { count })
+    json(&NotificationLine::Missed { count })
 }
 
-/// Something went out.
+/// Returns the notification of an output event, as the stage `events` of a trace.
 pub(super) fn event_notification(
     event: &OutputEvent,
     names: &TargetNames,
@@ -66,19 +66,19 @@ pub(super) fn event_notification(
 
 fn json(value: &impl Serialize) -> JsonLine {
     serde_json::to_string(value)
-        .expect("memory takes what is written, and every key is a string")
+        .expect("writing to memory succeeds, and every key is a string")
         .into()
 }
 
 #[derive(Serialize)]
-struct Done<'a> {
+struct Success<'a> {
     ok: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
     text: Option<&'a str>,
 }
 
 #[derive(Serialize)]
-struct Refused<'a> {
+struct Failure<'a> {
     ok: bool,
     error: &'a str,
 }
@@ -92,7 +92,7 @@ struct StateResponse<'a> {
     layout: Option<&'a str>,
     steps: u64,
     stats: StatsResponse,
-    refused_presses: u64,
+    dropped_presses: u64,
 }
 
 #[derive(Serialize)]
@@ -108,15 +108,15 @@ struct StatsResponse {
 }
 
 impl StatsResponse {
-    fn of(tally: &Stats) -> Self {
+    fn new(stats: &Stats) -> Self {
         Self {
-            received: tally.source.readings,
-            accepted: tally.accepted,
-            rejected: tally.rejected,
-            dropped: tally.source.dropped,
-            stalls: tally.stalls,
-            losses: tally.source.losses,
-            suppressed: tally.suppressed,
+            received: stats.source.readings,
+            accepted: stats.accepted,
+            rejected: stats.rejected,
+            dropped: stats.source.dropped,
+            stalls: stats.stalls,
+            losses: stats.source.losses,
+            suppressed: stats.suppressed,
         }
     }
 }
@@ -130,9 +130,9 @@ fn by_reason<S: serde::Serializer>(
 
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
-enum News<'a> {
+enum NotificationLine<'a> {
     State { state: PipelineState, paused: bool },
-    Reload { in_force: bool, text: &'a str },
+    Reload { active: bool, text: &'a str },
     Missed { count: u64 },
 }
 
@@ -141,27 +141,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_state_says_who_is_in_force_and_accounts_for_every_reading() {
-        let mut tally = Stats {
+    fn a_state_names_the_profile_and_counts_every_reading() {
+        let mut stats = Stats {
             accepted: 7,
             stalls: 1,
             ..Stats::default()
         };
-        tally.source.readings = 10;
-        tally.source.dropped = 1;
-        tally.rejected[0] = 2;
-        let run = SessionStatus {
+        stats.source.readings = 10;
+        stats.source.dropped = 1;
+        stats.rejected[0] = 2;
+        let status = SessionStatus {
             state: PipelineState::Paused,
             is_paused: true,
             profile: 0,
-            stats: tally,
+            stats,
             dropped_presses: 3,
         };
         let profiles = [ProfileInfo {
             name: "My board".into(),
             file: "my.ron".into(),
         }];
-        let line: serde_json::Value = serde_json::from_str(&state(&run, &profiles)).unwrap();
+        let line: serde_json::Value = serde_json::from_str(&state(&status, &profiles)).unwrap();
         let reason = Rejection::ALL[0].name();
         assert_eq!(line["stats"]["rejected"][reason], 2);
         assert_eq!(line["stats"]["received"], 10);
@@ -170,11 +170,11 @@ mod tests {
         assert_eq!(line["layout"], "my.ron");
         assert_eq!(line["paused"], true);
         assert_eq!(line["state"], "paused");
-        assert_eq!(line["refused_presses"], 3);
+        assert_eq!(line["dropped_presses"], 3);
     }
 
     #[test]
-    fn answers_and_news_are_one_line_each() {
+    fn responses_and_notifications_are_one_line_each() {
         assert_eq!(&*success(None), r#"{"ok":true}"#);
         assert_eq!(
             &*failure("a.ron:1:2: \"no\"\nstays"),
@@ -182,7 +182,7 @@ mod tests {
         );
         assert_eq!(
             &*reload_notification(true, "x"),
-            r#"{"event":"reload","in_force":true,"text":"x"}"#
+            r#"{"event":"reload","active":true,"text":"x"}"#
         );
         assert_eq!(&*missed_notification(2), r#"{"event":"missed","count":2}"#);
         assert_eq!(

@@ -1,4 +1,4 @@
-//! The server's end: accepts clients, and has a thread for each.
+//! The server of the control socket, with one thread per client.
 
 use std::io;
 use std::path::Path;
@@ -13,83 +13,87 @@ use super::{ControlError, ProfileInfo, response};
 use crate::output::socket::{Listener, Stream};
 use crate::session::command_channel::CommandSender;
 
-/// Clients at a time.
+/// Largest number of connected clients.
 const MAX_CLIENTS: usize = 16;
 
-/// How long no client is accepted after that failed for want of something, such as file numbers.
-const RECOVERY: Duration = Duration::from_millis(100);
+/// Delay after a failure to accept a client, such as a lack of file descriptors.
+const RETRY_DELAY: Duration = Duration::from_millis(100);
 
 /// The session that a control socket serves.
 pub struct ServerContext {
-    /// The layouts of the setup, in order.
+    /// Profiles of the setup, in order.
     pub profiles: Vec<ProfileInfo>,
     /// Channel to the session loop.
     pub commands: CommandSender,
 }
 
-/// A control socket. It is taken away when this is dropped; clients then hear no more.
+/// A control socket. Dropping it removes the socket.
 pub struct ControlServer {
     listener: Arc<Listener>,
-    reporter: Notifier,
-    untold: Option<NotificationQueue>,
-    is_over: Arc<AtomicBool>,
+    notifier: Notifier,
+    /// `None` once clients are served.
+    queue: Option<NotificationQueue>,
+    is_closed: Arc<AtomicBool>,
 }
 
 impl ControlServer {
-    /// Takes the socket at `path`; clients wait until it is [served](Self::serve).
+    /// Creates the socket at `path`. Clients that connect wait until [`serve`](Self::serve).
     ///
-    /// It is its owner's alone from the first instant on. One that a dead owner has left is taken over; one
-    /// of a run that is alive is refused.
+    /// From its creation on only its owner may connect. The socket of a process that was killed is replaced.
+    ///
+    /// # Errors
+    /// If the socket cannot be created, or another session listens at it.
     pub fn bind(path: &Path) -> Result<Self, ControlError> {
         let listener = Listener::open(path).map_err(|error| ControlError::bind(path, error))?;
-        let (reporter, untold) = Notifier::new();
+        let (notifier, queue) = Notifier::new();
         Ok(Self {
             listener: Arc::new(listener),
-            reporter,
-            untold: Some(untold),
-            is_over: Arc::default(),
+            notifier,
+            queue: Some(queue),
+            is_closed: Arc::default(),
         })
     }
 
-    /// Where it is.
+    /// Returns the path of the socket.
     pub fn path(&self) -> &Path {
         self.listener.path()
     }
 
-    /// Takes what happens in the run, for clients that ask for it.
+    /// Returns a sender of notifications to the clients that have subscribed.
     pub fn notifier(&self) -> Notifier {
-        self.reporter.clone()
+        self.notifier.clone()
     }
 
-    /// Serves clients from now on, on threads of its own. Only the first call does so.
-    pub fn serve(&mut self, desk: ServerContext) -> io::Result<()> {
-        let Some(untold) = self.untold.take() else {
+    /// Starts the threads that serve clients. Further calls have no effect.
+    pub fn serve(&mut self, context: ServerContext) -> io::Result<()> {
+        let Some(queue) = self.queue.take() else {
             return Ok(());
         };
-        let reception = Acceptor {
+        let acceptor = Acceptor {
             listener: self.listener.clone(),
-            is_over: self.is_over.clone(),
-            subscribers: untold.subscribers.clone(),
-            desk: Arc::new(desk),
+            is_closed: self.is_closed.clone(),
+            subscribers: queue.subscribers.clone(),
+            context: Arc::new(context),
             clients: Arc::default(),
         };
-        spawn("control news", move || broadcast(&untold))?;
-        spawn("control", move || reception.run())
+        spawn("control notify", move || broadcast(&queue))?;
+        spawn("control", move || acceptor.run())
     }
 }
 
 impl Drop for ControlServer {
     fn drop(&mut self) {
-        self.is_over.store(true, Ordering::Relaxed);
+        self.is_closed.store(true, Ordering::Relaxed);
         self.listener.close();
     }
 }
 
+/// The thread that accepts clients.
 struct Acceptor {
     listener: Arc<Listener>,
-    is_over: Arc<AtomicBool>,
+    is_closed: Arc<AtomicBool>,
     subscribers: Subscribers,
-    desk: Arc<ServerContext>,
+    context: Arc<ServerContext>,
     clients: Arc<AtomicUsize>,
 }
 
@@ -97,44 +101,44 @@ impl Acceptor {
     fn run(&self) {
         loop {
             let accepted = self.listener.accept();
-            if self.is_over.load(Ordering::Relaxed) {
+            if self.is_closed.load(Ordering::Relaxed) {
                 return;
             }
             let started = accepted.and_then(|stream| self.serve_client(stream));
             match started {
                 Ok(()) => {}
                 Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
-                    tracing::warn!("the control socket: {error}");
+                    tracing::warn!("control socket: {error}");
                 }
-                Err(_) => thread::sleep(RECOVERY),
+                Err(_) => thread::sleep(RETRY_DELAY),
             }
         }
     }
 
     fn serve_client(&self, stream: Stream) -> io::Result<()> {
-        let mouth = LineWriter::new(&stream)?;
-        let Some(seat) = ClientSlot::acquire(&self.clients) else {
-            let full = format!("{MAX_CLIENTS} clients are here already, come back later");
-            // Nothing else is in its way; whether the client hears it is up to the client.
-            let _ = mouth.write_line(&response::failure(&full));
+        let writer = LineWriter::new(&stream)?;
+        let Some(slot) = ClientSlot::acquire(&self.clients) else {
+            let error = format!("all {MAX_CLIENTS} connections are in use; try again later");
+            // The buffer of a new connection has room for this line.
+            let _ = writer.write_line(&response::failure(&error));
             return Ok(());
         };
-        let (desk, subscribers) = (self.desk.clone(), self.subscribers.clone());
+        let (context, subscribers) = (self.context.clone(), self.subscribers.clone());
         spawn("control client", move || {
-            connection::serve(stream, mouth, &desk, &subscribers);
-            drop(seat);
+            connection::serve(stream, writer, &context, &subscribers);
+            drop(slot);
         })
     }
 }
 
-/// One of the places for clients, free again when it is dropped.
+/// One of the connections, which is free again when the slot is dropped.
 struct ClientSlot(Arc<AtomicUsize>);
 
 impl ClientSlot {
-    fn acquire(taken: &Arc<AtomicUsize>) -> Option<Self> {
-        let seat = Self(taken.clone());
-        let before = taken.fetch_add(1, Ordering::Relaxed);
-        (before < MAX_CLIENTS).then_some(seat)
+    fn acquire(used: &Arc<AtomicUsize>) -> Option<Self> {
+        let slot = Self(used.clone());
+        let before = used.fetch_add(1, Ordering::Relaxed);
+        (before < MAX_CLIENTS).then_some(slot)
     }
 }
 
@@ -144,8 +148,8 @@ impl Drop for ClientSlot {
     }
 }
 
+/// Starts a thread that is not joined: a client that hangs must not delay the end of a session.
 fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
-    // They are not waited for: a client that hangs must not hold up the end of a run.
     thread::Builder::new()
         .name(name.into())
         .spawn(work)

@@ -32,7 +32,7 @@ fn a_thousand_connections_are_refused_and_the_one_that_was_there_is_answered() {
         // Whoever is refused is told so, or cut off.
         match reader.read_line(&mut line) {
             Ok(_) => {
-                let is_told = line.is_empty() || line.contains("16 clients are here already");
+                let is_told = line.is_empty() || line.contains("all 16 connections are in use");
                 assert!(is_told, "{number}: {line}");
             }
             Err(error) => assert_ne!(error.kind(), ErrorKind::WouldBlock, "{number} has a seat"),
