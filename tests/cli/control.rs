@@ -1,4 +1,4 @@
-//! The real binary, asked for things on its control socket.
+//! Commands to the real binary through its control socket.
 #![cfg(target_os = "linux")]
 
 use std::fs;
@@ -17,7 +17,7 @@ use crate::support::run::{MOVE_TIME, Run, TIMEOUT, line_receiver, shipped};
 use ademan::session::control_socket::Client;
 use serde_json::Value;
 
-/// A run with the key H held and a socket of its own.
+/// Starts a run with a control socket, and presses the key H.
 fn run() -> Run {
     Run::with_held_key(&["--control", "c.sock"])
 }
@@ -26,26 +26,26 @@ fn socket(run: &Run) -> PathBuf {
     run.folder.path().join("c.sock")
 }
 
-fn caller(run: &Run) -> Client {
-    Client::connect(&socket(run)).expect("the run listens")
+fn client(run: &Run) -> Client {
+    Client::connect(&socket(run)).expect("the session listens")
 }
 
-fn ask(caller: &mut Client, request: &str) -> Value {
-    let answer = caller.request(request).expect("there is an answer");
-    serde_json::from_str(&answer).expect("it is JSON")
+fn request(client: &mut Client, line: &str) -> Value {
+    let response = client.request(line).expect("there is a response");
+    serde_json::from_str(&response).expect("the response is JSON")
 }
 
-/// Somebody who says what no caller would.
-fn stranger(run: &Run) -> (UnixStream, BufReader<UnixStream>) {
-    let stream = UnixStream::connect(socket(run)).expect("the run listens");
-    stream.set_read_timeout(Some(TIMEOUT)).expect("a limit");
-    let reader = BufReader::new(stream.try_clone().expect("a second end"));
+/// Connects without the client of the library.
+fn raw_client(run: &Run) -> (UnixStream, BufReader<UnixStream>) {
+    let stream = UnixStream::connect(socket(run)).expect("the session listens");
+    stream.set_read_timeout(Some(TIMEOUT)).expect("the time-out is set");
+    let reader = BufReader::new(stream.try_clone().expect("the stream is cloned"));
     (stream, reader)
 }
 
-fn answer(reader: &mut BufReader<UnixStream>) -> Value {
+fn read_response(reader: &mut BufReader<UnixStream>) -> Value {
     let mut line = String::new();
-    reader.read_line(&mut line).expect("there is an answer");
+    reader.read_line(&mut line).expect("there is a response");
     serde_json::from_str(&line).unwrap_or_else(|error| panic!("{error}: {line}"))
 }
 
@@ -59,35 +59,35 @@ fn ademan(arguments: &[&str]) -> Command {
     command
 }
 
-/// `ademan ctl` for a run: exit code, output, errors.
+/// Runs `ademan ctl`. Returns its exit code, output and errors.
 fn ctl(run: &Run, arguments: &[&str]) -> (i32, String, String) {
     let path = socket(run);
-    let path = path.to_str().expect("a plain path");
+    let path = path.to_str().expect("the path is UTF-8");
     let output = ademan(&[&["ctl", "--socket", path], arguments].concat())
         .output()
-        .expect("it starts");
-    let text = |bytes| String::from_utf8(bytes).expect("it writes UTF-8");
-    let code = output.status.code().expect("it ends by itself");
+        .expect("the program starts");
+    let text = |bytes| String::from_utf8(bytes).expect("the output is UTF-8");
+    let code = output.status.code().expect("the program was not killed");
     (code, text(output.stdout), text(output.stderr))
 }
 
 fn wait_until(mut done: impl FnMut() -> bool) {
     let start = Instant::now();
     while !done() {
-        assert!(start.elapsed() < TIMEOUT, "it does not come about");
+        assert!(start.elapsed() < TIMEOUT, "timed out");
         thread::sleep(Duration::from_millis(2));
     }
 }
 
 #[test]
-fn a_pause_lets_go_and_nothing_is_typed_until_it_is_ended_and_the_hand_was_off() {
+fn a_pause_releases_keys_and_types_nothing_until_it_ends_and_the_hand_is_clear() {
     let run = run();
-    let mut caller = caller(&run);
-    let asked = Instant::now();
-    assert_eq!(ask(&mut caller, r#"{"command":"pause"}"#)["ok"], true);
+    let mut client = client(&run);
+    let start = Instant::now();
+    assert_eq!(request(&mut client, r#"{"command":"pause"}"#)["ok"], true);
     assert_eq!(run.next_event(), "up H");
-    println!("from the request to the release: {:?}", asked.elapsed());
-    let state = ask(&mut caller, r#"{"command":"state"}"#);
+    println!("from the request to the release: {:?}", start.elapsed());
+    let state = request(&mut client, r#"{"command":"state"}"#);
     assert_eq!(
         (&state["state"], &state["paused"]),
         (&"paused".into(), &true.into())
@@ -96,28 +96,28 @@ fn a_pause_lets_go_and_nothing_is_typed_until_it_is_ended_and_the_hand_was_off()
     thread::sleep(MOVE_TIME);
     run.press();
     thread::sleep(MOVE_TIME);
-    assert!(run.events.is_empty(), "it is paused");
+    assert!(run.events.is_empty(), "the session is paused");
 
-    assert_eq!(ask(&mut caller, r#"{"command":"resume"}"#)["ok"], true);
+    assert_eq!(request(&mut client, r#"{"command":"resume"}"#)["ok"], true);
     thread::sleep(MOVE_TIME);
     assert!(run.events.is_empty(), "the finger has not left the key");
     run.lift();
-    wait_until(|| ask(&mut caller, r#"{"command":"state"}"#)["state"] == "running");
+    wait_until(|| request(&mut client, r#"{"command":"state"}"#)["state"] == "running");
     run.press();
     assert_eq!(run.next_event(), "down H");
 }
 
 #[test]
-fn a_state_names_the_layout_and_accounts_for_every_reading() {
+fn a_state_names_the_layout_and_counts_every_reading() {
     let run = run();
-    let state = ask(&mut caller(&run), r#"{"command":"state"}"#);
+    let state = request(&mut client(&run), r#"{"command":"state"}"#);
     assert_eq!(state["state"], "running");
     assert_eq!(state["paused"], false);
     assert_eq!(state["layout"], "my.ron");
     assert_eq!(state["profile"], "main");
     let stats = &state["stats"];
-    let count = |value: &Value| value.as_u64().expect("it is a count");
-    let rejected = stats["rejected"].as_object().expect("by reason");
+    let count = |value: &Value| value.as_u64().expect("the value is a count");
+    let rejected = stats["rejected"].as_object().expect("the counts are by reason");
     let rejected: u64 = rejected.values().map(count).sum();
     let taken = count(&stats["accepted"]) + rejected + count(&stats["dropped"]);
     assert_eq!(count(&stats["received"]), taken);
@@ -133,7 +133,7 @@ fn a_state_names_the_layout_and_accounts_for_every_reading() {
 }
 
 #[test]
-fn a_reload_says_what_came_of_it_also_when_the_file_was_not_saved() {
+fn a_reload_replies_with_the_outcome_even_if_the_file_was_not_saved() {
     let run = run();
     let (code, out, _) = ctl(&run, &["reload"]);
     assert_eq!((code, out.as_str()), (0, "my.ron: active from now on\n"));
@@ -145,7 +145,7 @@ fn a_reload_says_what_came_of_it_also_when_the_file_was_not_saved() {
     let expected = "error: my.ron:2:5: unknown field `nmae`, did you mean `name`?\n 2 |     nmae: \"My board\",\n   |     ^^^^\nthe active layout stays\n";
     assert_eq!(err, expected);
     run.save(&shipped("dvorak-flat"));
-    let answer = ask(&mut caller(&run), r#"{"command":"reload"}"#);
+    let answer = request(&mut client(&run), r#"{"command":"reload"}"#);
     assert_eq!(answer["text"], "my.ron: active from now on");
     run.lift();
     thread::sleep(MOVE_TIME);
@@ -154,67 +154,67 @@ fn a_reload_says_what_came_of_it_also_when_the_file_was_not_saved() {
 }
 
 #[test]
-fn a_reload_that_a_run_cannot_use_is_refused_with_the_reason() {
+fn a_reload_that_the_session_cannot_use_is_refused_with_the_reason() {
     let run = Run::with_held_key(&["--control", "c.sock", "--record", "hand.mcap"]);
-    let answer = ask(&mut caller(&run), r#"{"command":"reload"}"#);
+    let answer = request(&mut client(&run), r#"{"command":"reload"}"#);
     assert_eq!(answer["ok"], false);
     assert_eq!(
         answer["error"],
         "my.ron: not used, as a recording holds one version of a layout; start again to use it"
     );
-    assert!(run.events.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays pressed");
 }
 
 #[test]
-fn what_is_not_a_request_is_refused_and_the_conversation_goes_on() {
+fn an_invalid_line_gets_an_error_and_the_connection_stays_open() {
     let run = run();
-    let (mut stream, mut reader) = stranger(&run);
-    let mut refused = |line: &[u8]| {
-        stream.write_all(line).expect("the run reads on");
-        let answer = answer(&mut reader);
+    let (mut stream, mut reader) = raw_client(&run);
+    let mut error_for = |line: &[u8]| {
+        stream.write_all(line).expect("the session keeps reading");
+        let answer = read_response(&mut reader);
         assert_eq!(answer["ok"], false, "{answer}");
-        answer["error"].as_str().expect("it says why").to_owned()
+        answer["error"].as_str().expect("there is a reason").to_owned()
     };
     let mut long = vec![b'x'; 64 * 1024];
     long.push(b'\n');
-    assert_eq!(refused(&long), "a line has at most 4096 bytes");
-    assert_eq!(refused(b"\xff\xfe\n"), "the line is not UTF-8");
-    refused(b"\n");
-    refused(b"GET / HTTP/1.1\r\n");
-    refused(format!("{}\n", "[".repeat(4_000)).as_bytes());
-    refused(format!("{}\n", "{\"deg\":".repeat(500)).as_bytes());
+    assert_eq!(error_for(&long), "a line has at most 4096 bytes");
+    assert_eq!(error_for(b"\xff\xfe\n"), "the line is not UTF-8");
+    error_for(b"\n");
+    error_for(b"GET / HTTP/1.1\r\n");
+    error_for(format!("{}\n", "[".repeat(4_000)).as_bytes());
+    error_for(format!("{}\n", "{\"deg\":".repeat(500)).as_bytes());
     assert_eq!(
-        refused(b"{\"command\":\"paus\"}\n"),
+        error_for(b"{\"command\":\"paus\"}\n"),
         "unknown command `paus`, did you mean `pause`?"
     );
-    let mut number = fastrand::Rng::with_seed(1);
+    let mut random = fastrand::Rng::with_seed(1);
     for _ in 0..200 {
-        let mut line: Vec<u8> = (0..number.usize(0..300)).map(|_| number.u8(..)).collect();
+        let mut line: Vec<u8> = (0..random.usize(0..300)).map(|_| random.u8(..)).collect();
         line.retain(|&byte| byte != b'\n');
         line.push(b'\n');
-        refused(&line);
+        error_for(&line);
     }
     stream
         .write_all(b"{\"command\":")
-        .expect("the run reads on");
-    stream.write_all(b"\"state\"}\n").expect("the run reads on");
-    assert_eq!(answer(&mut reader)["state"], "running");
-    assert!(run.events.is_empty(), "the key stays held");
+        .expect("the session keeps reading");
+    stream.write_all(b"\"state\"}\n").expect("the session keeps reading");
+    assert_eq!(read_response(&mut reader)["state"], "running");
+    assert!(run.events.is_empty(), "the key stays pressed");
 }
 
 #[test]
-fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
+fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
     let run = run();
     let (path, linked) = (run.path(), run.folder.path().join("linked.ron"));
-    fs::rename(&path, &linked).expect("it is ours");
-    std::os::unix::fs::symlink(&linked, &path).expect("a link");
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).expect("it is ours");
+    fs::rename(&path, &linked).expect("the file belongs to this user");
+    std::os::unix::fs::symlink(&linked, &path).expect("the link is created");
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).expect("the file belongs to this user");
     let (code, _, err) = ctl(&run, &["save"]);
     let expected = "error: my.ron: not saved, as no board was moved or scaled\n";
     assert_eq!((code, err.as_str()), (1, expected));
-    assert!(run.events.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays pressed");
 
-    // One key to the left: the rows run 35 degrees to the right of straight to the right.
+    // One key to the left along the rows, which are rotated 35 degrees about the vertical axis.
     let by = 35.0_f64.to_radians();
     let (x, z) = (-19.0 * by.cos(), -19.0 * by.sin());
     let (code, out, err) = ctl(&run, &["nudge", &x.to_string(), "0", &z.to_string()]);
@@ -232,24 +232,24 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
         (code, out.as_str(), err.as_str()),
         (0, "my.ron: saved\n", "")
     );
-    let saved = fs::read_to_string(&path).expect("it is there");
+    let saved = fs::read_to_string(&path).expect("the file exists");
     let before = shipped("qwerty-flat");
     assert_eq!(
         saved,
         before.replace("anchor: elbow", "anchor: elbow, right_mm: -19")
     );
-    let mode = fs::metadata(&path).expect("it is there").mode();
+    let mode = fs::metadata(&path).expect("the file exists").mode();
     assert_eq!(mode & 0o777, 0o640);
     assert!(
         fs::symlink_metadata(&path)
-            .expect("it is there")
+            .expect("the file exists")
             .is_symlink()
     );
     thread::sleep(MOVE_TIME);
-    assert!(run.events.is_empty(), "a save lets go of nothing");
+    assert!(run.events.is_empty(), "saving releases nothing");
 
     let (code, _, err) = ctl(&run, &["scale", "3"]);
-    let expected = "error: `factor` is 0.5 to 2, not 3\n";
+    let expected = "error: `factor` is 0.5 to 2, not 3.0\n";
     assert_eq!((code, err.as_str()), (1, expected));
     assert_eq!(ctl(&run, &["nudge", "0", "-1", "0"]).0, 0);
     assert_eq!(run.next_event(), "up J");
@@ -257,7 +257,7 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     assert_eq!((code, out.as_str()), (0, "scaled by 1.5\n"));
     let (code, _, _) = ctl(&run, &["save"]);
     assert_eq!(code, 0);
-    let saved = fs::read_to_string(&path).expect("it is there");
+    let saved = fs::read_to_string(&path).expect("the file exists");
     let fields = "anchor: elbow, scale: 1.5, right_mm: -19";
     let moved = before.replace("anchor: elbow", fields);
     assert_eq!(saved, moved.replace("height_mm: -45", "height_mm: -46"));
@@ -266,12 +266,12 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
     run.wait_for_message("my.ron: active from now on");
     let (code, _, _) = ctl(&run, &["tilt", "-5"]);
     assert_eq!(code, 0);
-    fs::write(&path, "no layout").expect("it can be written");
+    fs::write(&path, "no layout").expect("the file is written");
     let (code, _, err) = ctl(&run, &["save"]);
     let expected = "error: my.ron: not saved, as the file differs from the active layout; `reload` activates the file\n";
     assert_eq!((code, err.as_str()), (1, expected));
-    assert_eq!(fs::read_to_string(&path).expect("it is there"), "no layout");
-    let left = fs::read_dir(run.folder.path()).expect("a folder").flatten();
+    assert_eq!(fs::read_to_string(&path).expect("the file exists"), "no layout");
+    let left = fs::read_dir(run.folder.path()).expect("a temporary directory").flatten();
     let left: Vec<_> = left.map(|entry| entry.file_name()).collect();
     assert!(
         left.iter()
@@ -281,7 +281,7 @@ fn boards_that_are_moved_let_go_and_are_saved_where_they_are() {
 }
 
 #[test]
-fn what_cannot_be_moved_says_why_and_lets_go_of_nothing() {
+fn a_refused_move_has_a_reason_and_releases_nothing() {
     let run = run();
     let (code, _, err) = ctl(&run, &["tilt", "-80"]);
     assert_eq!(code, 0, "{err}");
@@ -296,34 +296,34 @@ fn what_cannot_be_moved_says_why_and_lets_go_of_nothing() {
 }
 
 #[test]
-fn the_seventeenth_client_is_refused_and_a_place_that_is_free_again_is_given() {
+fn the_seventeenth_client_is_refused_until_another_one_disconnects() {
     let run = run();
-    let mut clients: Vec<Client> = (0..16).map(|_| caller(&run)).collect();
+    let mut clients: Vec<Client> = (0..16).map(|_| client(&run)).collect();
     for client in &mut clients {
-        assert_eq!(ask(client, r#"{"command":"state"}"#)["ok"], true);
+        assert_eq!(request(client, r#"{"command":"state"}"#)["ok"], true);
     }
     for _ in 16..20 {
-        let answer = ask(&mut caller(&run), r#"{"command":"pause"}"#);
+        let answer = request(&mut client(&run), r#"{"command":"pause"}"#);
         assert_eq!(
             answer["error"],
             "all 16 connections are in use; try again later"
         );
     }
-    assert!(run.events.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays pressed");
     drop(clients.pop());
-    wait_until(|| ask(&mut caller(&run), r#"{"command":"state"}"#)["ok"] == true);
+    wait_until(|| request(&mut client(&run), r#"{"command":"state"}"#)["ok"] == true);
 }
 
 #[test]
-fn a_client_that_never_reads_is_cut_off_and_nobody_else_notices() {
+fn a_client_that_does_not_read_is_disconnected_without_effect_on_others() {
     let run = run();
-    let (mut deaf, mut said) = stranger(&run);
-    deaf.write_all(b"{\"command\":\"subscribe\"}\n")
-        .expect("the run reads");
-    assert_eq!(answer(&mut said)["ok"], true);
-    let mut listener = caller(&run);
-    assert_eq!(ask(&mut listener, r#"{"command":"subscribe"}"#)["ok"], true);
-    let (sender, news) = crossbeam_channel::unbounded();
+    let (mut silent, mut said) = raw_client(&run);
+    silent.write_all(b"{\"command\":\"subscribe\"}\n")
+        .expect("the session reads");
+    assert_eq!(read_response(&mut said)["ok"], true);
+    let mut listener = client(&run);
+    assert_eq!(request(&mut listener, r#"{"command":"subscribe"}"#)["ok"], true);
+    let (sender, notifications) = crossbeam_channel::unbounded();
     thread::spawn(move || {
         while let Ok(Some(line)) = listener.next_notification() {
             let _ = sender.send(line);
@@ -340,41 +340,43 @@ fn a_client_that_never_reads_is_cut_off_and_nobody_else_notices() {
             }
         });
         let start = Instant::now();
-        // What is written to a connection that was cut off does not arrive.
-        wait_until(|| deaf.write_all(b" ").is_err());
-        println!("cut off after {:?}", start.elapsed());
+        // A write to a closed connection fails.
+        wait_until(|| silent.write_all(b" ").is_err());
+        println!("disconnected after {:?}", start.elapsed());
         is_over.store(true, Ordering::Relaxed);
-        typing.join().expect("no panic");
+        typing.join().expect("the thread does not panic");
     });
-    let state = ask(&mut caller(&run), r#"{"command":"pause"}"#);
+    let state = request(&mut client(&run), r#"{"command":"pause"}"#);
     assert_eq!(state["ok"], true);
     thread::sleep(MOVE_TIME);
 
     let typed: Vec<String> = run.events.try_iter().collect();
     assert!(typed.len() > 20, "{} events", typed.len());
     for line in typed {
-        let told = news.recv_timeout(TIMEOUT).expect("it is told");
-        let told: Value = serde_json::from_str(&told).expect("it is JSON");
+        let notification = notifications.recv_timeout(TIMEOUT);
+        let notification = notification.expect("there is a notification");
+        let notification: Value =
+            serde_json::from_str(&notification).expect("the notification is JSON");
         let words: Vec<&str> = line.split_whitespace().collect();
-        assert_eq!(told["event"], format!("key-{}", words[1]), "{told}");
-        assert_eq!(told["key"], words[2]);
+        assert_eq!(notification["event"], format!("key-{}", words[1]), "{notification}");
+        assert_eq!(notification["key"], words[2]);
     }
-    let told = news.recv_timeout(TIMEOUT).expect("it is told");
+    let line = notifications.recv_timeout(TIMEOUT).expect("there is a notification");
     let paused = r#"{"event":"state","state":"paused","paused":true}"#;
-    assert_eq!(told, paused);
+    assert_eq!(line, paused);
 }
 
 #[test]
-fn a_client_that_asks_for_ever_and_never_reads_is_cut_off_too() {
+fn a_client_that_sends_requests_without_reading_is_disconnected() {
     let run = run();
-    let (mut deaf, _) = stranger(&run);
-    deaf.set_write_timeout(Some(TIMEOUT)).expect("a limit");
+    let (mut silent, _) = raw_client(&run);
+    silent.set_write_timeout(Some(TIMEOUT)).expect("the time-out is set");
     let start = Instant::now();
-    while deaf.write_all(b"{\"command\":\"state\"}\n").is_ok() {
-        assert!(start.elapsed() < TIMEOUT, "it is still listened to");
+    while silent.write_all(b"{\"command\":\"state\"}\n").is_ok() {
+        assert!(start.elapsed() < TIMEOUT, "the client is still connected");
     }
     assert_eq!(
-        ask(&mut caller(&run), r#"{"command":"state"}"#)["state"],
+        request(&mut client(&run), r#"{"command":"state"}"#)["state"],
         "running"
     );
     run.lift();
@@ -382,34 +384,34 @@ fn a_client_that_asks_for_ever_and_never_reads_is_cut_off_too() {
 }
 
 #[test]
-fn who_has_not_subscribed_hears_nothing_of_what_is_typed() {
+fn a_client_without_a_subscription_receives_no_events() {
     let run = run();
-    let (mut stream, mut reader) = stranger(&run);
+    let (mut stream, mut reader) = raw_client(&run);
     run.lift();
     assert_eq!(run.next_event(), "up H");
     run.press();
     assert_eq!(run.next_event(), "down H");
     stream
         .write_all(b"{\"command\":\"state\"}\n")
-        .expect("the run reads");
+        .expect("the session reads");
     stream
         .shutdown(std::net::Shutdown::Write)
-        .expect("it is open");
+        .expect("the connection is open");
     let mut all = String::new();
     reader
         .read_to_string(&mut all)
-        .expect("the run lets go of it");
+        .expect("the session closes the connection");
     assert_eq!(all.lines().count(), 1, "{all}");
     assert!(all.starts_with(r#"{"ok":true,"state":"running""#), "{all}");
 }
 
 #[test]
-fn a_stop_lets_go_and_ends_the_run_in_good_order() {
+fn stop_releases_keys_and_ends_the_run_with_success() {
     let mut run = run();
     let (code, out, _) = ctl(&run, &["stop"]);
     assert_eq!((code, out.as_str()), (0, "ended\n"));
     assert_eq!(run.next_event(), "up H");
-    let ended = run.program.0.wait().expect("it ends");
+    let ended = run.program.0.wait().expect("the program ends");
     assert_eq!(ended.code(), Some(0));
     assert!(!socket(&run).exists());
     let (code, _, err) = ctl(&run, &["state"]);
@@ -421,35 +423,35 @@ fn a_stop_lets_go_and_ends_the_run_in_good_order() {
 }
 
 #[test]
-fn a_second_run_is_refused_and_the_socket_of_a_killed_one_is_taken_over() {
+fn a_second_run_is_refused_and_the_socket_of_a_killed_run_is_replaced() {
     let mut run = run();
     let path = socket(&run);
-    let path = path.to_str().expect("a plain path");
+    let path = path.to_str().expect("the path is UTF-8");
     let second = ["run", "--source", "typist:hi", "--control", path];
-    let ended = ademan(&second).output().expect("it starts");
+    let ended = ademan(&second).output().expect("the program starts");
     assert_eq!(ended.status.code(), Some(2));
     let err = String::from_utf8_lossy(&ended.stderr);
     assert!(err.contains("another session listens at"), "{err}");
     assert!(err.contains("`ademan ctl stop`"), "{err}");
-    assert_eq!(ask(&mut caller(&run), r#"{"command":"state"}"#)["ok"], true);
+    assert_eq!(request(&mut client(&run), r#"{"command":"state"}"#)["ok"], true);
 
-    run.program.0.kill().expect("it runs");
-    run.program.0.wait().expect("it ends");
-    assert!(Path::new(path).exists(), "a killed run cannot take it away");
-    let ended = ademan(&second).output().expect("it starts");
+    run.program.0.kill().expect("the program runs");
+    run.program.0.wait().expect("the program ends");
+    assert!(Path::new(path).exists(), "a killed run leaves its socket behind");
+    let ended = ademan(&second).output().expect("the program starts");
     assert_eq!(ended.status.code(), Some(0));
     assert!(!Path::new(path).exists());
 }
 
 #[test]
-fn the_socket_is_its_owners_alone_from_the_first_instant_on() {
-    let runtime = tempfile::tempdir().expect("a folder");
+fn the_socket_is_private_from_its_creation_on() {
+    let runtime = tempfile::tempdir().expect("a temporary directory");
     let folder = runtime.path().join("ademan");
     let path = folder.join("control.sock");
     let wider = |path: &Path, than: u32| {
         fs::symlink_metadata(path).is_ok_and(|found| found.mode() & 0o777 & !than != 0)
     };
-    let mut looks = 0;
+    let mut checks = 0;
     for _ in 0..20 {
         let _ = fs::remove_dir_all(&folder);
         let mut shell = Command::new("sh");
@@ -462,48 +464,48 @@ fn the_socket_is_its_owners_alone_from_the_first_instant_on() {
             .env("XDG_RUNTIME_DIR", runtime.path())
             .stdout(Stdio::null())
             .stderr(Stdio::null());
-        let _run = Process::start(&mut shell).expect("it starts");
-        let mut is_there = false;
+        let _run = Process::start(&mut shell).expect("the program starts");
+        let mut exists = false;
         let start = Instant::now();
-        while !is_there {
-            assert!(start.elapsed() < TIMEOUT, "there is no socket");
-            is_there = path.exists();
-            assert!(!wider(&folder, 0o700), "others may enter");
+        while !exists {
+            assert!(start.elapsed() < TIMEOUT, "timed out");
+            exists = path.exists();
+            assert!(!wider(&folder, 0o700), "others may enter the directory");
             assert!(!wider(&path, 0o600), "others may connect");
-            looks += 1;
+            checks += 1;
         }
     }
-    println!("{looks} looks");
+    println!("{checks} checks");
 }
 
 #[test]
-fn a_folder_that_others_may_enter_is_refused() {
-    let runtime = tempfile::tempdir().expect("a folder");
+fn a_directory_that_others_may_enter_is_refused() {
+    let runtime = tempfile::tempdir().expect("a temporary directory");
     let folder = runtime.path().join("ademan");
-    fs::create_dir(&folder).expect("a folder");
-    fs::set_permissions(&folder, fs::Permissions::from_mode(0o755)).expect("it is ours");
+    fs::create_dir(&folder).expect("a temporary directory");
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o755)).expect("the file belongs to this user");
     let mut run = ademan(&["run", "--source", "typist:hi"]);
     let ended = run
         .env("XDG_RUNTIME_DIR", runtime.path())
         .output()
-        .expect("it starts");
+        .expect("the program starts");
     assert_eq!(ended.status.code(), Some(2));
     let err = String::from_utf8_lossy(&ended.stderr);
     assert!(err.contains("restrict it to yourself: chmod 700"), "{err}");
 }
 
 #[test]
-fn another_user_is_not_listened_to() {
+fn commands_of_another_user_are_refused() {
     const NOBODY: u32 = 65_534;
     let run = run();
     let everybody = |path: &Path, mode| {
-        fs::set_permissions(path, fs::Permissions::from_mode(mode)).expect("it is ours");
+        fs::set_permissions(path, fs::Permissions::from_mode(mode)).expect("the file belongs to this user");
     };
     everybody(run.folder.path(), 0o755);
     everybody(&socket(&run), 0o777);
-    // A copy where everybody gets at it.
+    // The other user may have no access to the build directory.
     let program = run.folder.path().join("ademan");
-    fs::copy(env!("CARGO_BIN_EXE_ademan"), &program).expect("there is room");
+    fs::copy(env!("CARGO_BIN_EXE_ademan"), &program).expect("the program is copied");
     let mut other = Command::new(&program);
     other
         .args(["ctl", "pause", "--socket"])
@@ -514,33 +516,33 @@ fn another_user_is_not_listened_to() {
             println!("SKIPPED: only root can be another user");
             return;
         }
-        ended => ended.expect("it starts"),
+        ended => ended.expect("the program starts"),
     };
     assert_eq!(ended.status.code(), Some(1));
     let err = String::from_utf8_lossy(&ended.stderr);
     assert!(err.contains("no answer from the session"), "{err}");
-    assert!(run.events.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays pressed");
     assert_eq!(
-        ask(&mut caller(&run), r#"{"command":"state"}"#)["paused"],
+        request(&mut client(&run), r#"{"command":"state"}"#)["paused"],
         false
     );
 }
 
 #[test]
-fn a_run_that_waits_for_its_glove_can_be_stopped() {
-    let folder = tempfile::tempdir().expect("a folder");
+fn a_run_that_waits_for_its_source_can_be_stopped() {
+    let folder = tempfile::tempdir().expect("a temporary directory");
     let path = folder.path().join("c.sock");
     let mut command = ademan(&["run", "--wait", "--source", "serial:/dev/no-such-glove"]);
-    let mut run = Process::start(command.arg("--control").arg(&path)).expect("it starts");
-    let told = line_receiver(run.0.stderr.take().expect("it is piped"));
+    let mut run = Process::start(command.arg("--control").arg(&path)).expect("the program starts");
+    let messages = line_receiver(run.0.stderr.take().expect("the stream is piped"));
     assert!(
-        told.recv_timeout(TIMEOUT)
-            .expect("it waits")
+        messages.recv_timeout(TIMEOUT)
+            .expect("the run waits")
             .starts_with("waiting: ")
     );
-    let mut caller = Client::connect(&path).expect("it listens");
-    let answer = ask(&mut caller, r#"{"command":"state"}"#);
-    assert_eq!(answer["ok"], false, "nothing runs yet");
-    assert_eq!(ask(&mut caller, r#"{"command":"stop"}"#)["ok"], true);
-    assert_eq!(run.0.wait().expect("it ends").code(), Some(0));
+    let mut client = Client::connect(&path).expect("the session listens");
+    let answer = request(&mut client, r#"{"command":"state"}"#);
+    assert_eq!(answer["ok"], false, "no session runs yet");
+    assert_eq!(request(&mut client, r#"{"command":"stop"}"#)["ok"], true);
+    assert_eq!(run.0.wait().expect("the program ends").code(), Some(0));
 }

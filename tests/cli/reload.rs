@@ -1,4 +1,4 @@
-//! The real binary, while its layout file is saved.
+//! Saving the layout file while the real binary runs.
 
 use std::thread;
 use std::time::Duration;
@@ -6,7 +6,7 @@ use std::time::Duration;
 use crate::support::run::{MOVE_TIME, Run, shipped};
 
 #[test]
-fn a_saved_layout_lets_go_of_the_held_key_and_is_typed_on() {
+fn saving_the_layout_releases_keys_and_activates_it() {
     let run = Run::with_held_key(&[]);
     let saved = run.save(&shipped("dvorak-flat"));
     assert_eq!(run.next_event(), "up H");
@@ -22,7 +22,7 @@ fn a_saved_layout_lets_go_of_the_held_key_and_is_typed_on() {
 }
 
 #[test]
-fn a_broken_file_is_told_with_its_place_and_the_held_key_stays_held() {
+fn an_invalid_file_is_reported_with_its_position_and_keys_stay_pressed() {
     let run = Run::with_held_key(&[]);
     run.save("Layout(\n    nmae: \"My board\",\n)\n");
     assert_eq!(
@@ -32,10 +32,10 @@ fn a_broken_file_is_told_with_its_place_and_the_held_key_stays_held() {
     assert_eq!(run.next_message(), " 2 |     nmae: \"My board\",");
     assert_eq!(run.next_message(), "   |     ^^^^");
     assert_eq!(run.next_message(), "the active layout stays");
-    std::fs::remove_file(run.path()).expect("the file is there");
+    std::fs::remove_file(run.path()).expect("the file exists");
     assert_eq!(run.next_message(), "my.ron: there is no such file");
     assert_eq!(run.next_message(), "the active layout stays");
-    assert!(run.events.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays pressed");
     run.lift();
     assert_eq!(run.next_event(), "up H");
 
@@ -47,7 +47,7 @@ fn a_broken_file_is_told_with_its_place_and_the_held_key_stays_held() {
 }
 
 #[test]
-fn a_hundred_saves_in_a_second_end_on_the_last_one_and_no_key_is_stuck() {
+fn after_a_hundred_saves_in_a_second_the_last_is_active_and_no_key_is_stuck() {
     let run = Run::with_held_key(&[]);
     let (qwerty, dvorak) = (shipped("qwerty-flat"), shipped("dvorak-flat"));
     for save in 0..100 {
@@ -55,7 +55,7 @@ fn a_hundred_saves_in_a_second_end_on_the_last_one_and_no_key_is_stuck() {
         thread::sleep(Duration::from_millis(8));
     }
     assert_eq!(run.next_event(), "up H");
-    // A machine that holds the test up between two saves sees more than one new layout.
+    // More than one layout is activated if the machine suspends the test between two saves.
     while run.messages.recv_timeout(Duration::from_secs(2)).is_ok() {}
     run.lift();
     thread::sleep(MOVE_TIME);
@@ -66,20 +66,20 @@ fn a_hundred_saves_in_a_second_end_on_the_last_one_and_no_key_is_stuck() {
 }
 
 #[test]
-fn a_run_that_is_recorded_keeps_its_layout_and_says_so() {
+fn a_recorded_run_keeps_its_layout_and_reports_it() {
     let run = Run::with_held_key(&["--record", "hand.mcap"]);
     run.save(&shipped("dvorak-flat"));
     assert_eq!(
         run.next_message(),
         "my.ron: not used, as a recording holds one version of a layout; start again to use it"
     );
-    assert!(run.events.is_empty(), "the key stays held");
+    assert!(run.events.is_empty(), "the key stays pressed");
     run.lift();
     assert_eq!(run.next_event(), "up H");
 }
 
 #[test]
-fn a_key_makes_the_boards_larger() {
+fn a_scale_key_enlarges_the_boards() {
     let run = Run::with_held_key(&[]);
     let row = r#"(at_mm: (-90.25, 0), keys: "A S D F G H J K L Semicolon Quote Backslash"),"#;
     let without_h =

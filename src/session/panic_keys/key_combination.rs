@@ -1,79 +1,73 @@
-//! Keys that mean something when all of them are down.
+//! A combination of keys on several keyboards.
 
 use crate::device::KeyCode;
 
-/// The keys, and which of them are down.
+/// A combination of keys, and those of its keys that are pressed.
 #[derive(Clone, Debug)]
 pub(super) struct KeyCombination {
     pub keys: Vec<KeyCode>,
-    /// What is down, with the number of its keyboard.
-    down: Vec<(u64, KeyCode)>,
+    /// Pressed keys with the ids of their keyboards.
+    pressed: Vec<(u64, KeyCode)>,
 }
 
 impl KeyCombination {
     pub fn new(keys: &[KeyCode]) -> Self {
         Self {
             keys: keys.to_vec(),
-            down: Vec::new(),
+            pressed: Vec::new(),
         }
     }
 
-    fn has(&self, key: KeyCode) -> bool {
-        self.keys.contains(&key)
-    }
-
-    /// Takes note of a key; whether the last one of all has just gone down.
-    pub fn update(&mut self, keyboard: u64, key: KeyCode, is_down: bool) -> bool {
+    /// Updates a key. Returns whether this press completes the combination.
+    pub fn update(&mut self, keyboard: u64, key: KeyCode, is_pressed: bool) -> bool {
         let was_complete = self.is_complete();
-        self.down.retain(|held| *held != (keyboard, key));
-        if is_down && self.has(key) {
-            self.down.push((keyboard, key));
+        self.pressed.retain(|other| *other != (keyboard, key));
+        if is_pressed && self.keys.contains(&key) {
+            self.pressed.push((keyboard, key));
         }
         self.is_complete() && !was_complete
     }
 
-    /// A keyboard is gone, and with it what was down on it.
+    /// Removes the pressed keys of a keyboard that was disconnected.
     pub fn remove_keyboard(&mut self, keyboard: u64) {
-        self.down.retain(|(held, _)| *held != keyboard);
+        self.pressed.retain(|(other, _)| *other != keyboard);
     }
 
     fn is_complete(&self) -> bool {
-        let is_down = |key: &KeyCode| self.down.iter().any(|(_, held)| held == key);
-        self.keys.iter().all(is_down)
+        let is_pressed = |key: &KeyCode| self.pressed.iter().any(|(_, other)| other == key);
+        self.keys.iter().all(is_pressed)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::session::panic_keys::parse_keys;
-
-    fn chord(names: &[&str]) -> KeyCombination {
-        let names: Vec<_> = names.iter().map(|name| name.to_string()).collect();
-        KeyCombination::new(&parse_keys(&names).unwrap())
-    }
 
     fn key(name: &str) -> KeyCode {
         name.parse().unwrap()
     }
 
-    #[test]
-    fn the_last_key_of_all_stops_once_and_again_after_one_came_up() {
-        let mut chord = chord(&["ControlLeft", "ControlRight"]);
-        let (left, right) = (key("ControlLeft"), key("ControlRight"));
-        assert!(!chord.update(1, left, true));
-        assert!(!chord.update(1, key("A"), true));
-        assert!(chord.update(2, right, true), "also on another keyboard");
-        assert!(!chord.update(2, right, true));
-        assert!(!chord.update(2, right, false));
-        assert!(chord.update(2, right, true));
+    fn combination() -> KeyCombination {
+        KeyCombination::new(&[key("ControlLeft"), key("ControlRight")])
     }
 
     #[test]
-    fn what_was_down_on_a_keyboard_that_is_gone_is_not() {
-        let mut chord = chord(&["ControlLeft", "ControlRight"]);
-        chord.update(1, key("ControlLeft"), true);
-        chord.remove_keyboard(1);
-        assert!(!chord.update(2, key("ControlRight"), true));
+    fn each_press_that_completes_the_combination_is_detected_once() {
+        let mut combination = combination();
+        let (left, right) = (key("ControlLeft"), key("ControlRight"));
+        assert!(!combination.update(1, left, true));
+        assert!(!combination.update(1, key("A"), true));
+        assert!(combination.update(2, right, true), "on another keyboard");
+        assert!(!combination.update(2, right, true));
+        assert!(!combination.update(2, right, false));
+        assert!(combination.update(2, right, true));
+    }
+
+    #[test]
+    fn keys_of_a_disconnected_keyboard_are_not_pressed() {
+        let mut combination = combination();
+        combination.update(1, key("ControlLeft"), true);
+        combination.remove_keyboard(1);
+        assert!(!combination.update(2, key("ControlRight"), true));
     }
 }

@@ -15,70 +15,73 @@ use rustix::io::Errno;
 use super::key_combination::KeyCombination;
 use crate::device::KeyCode;
 
-/// How the names of the program's own keyboards begin: what it presses itself stops nothing.
-const OWN: &str = "Ademan ";
+/// Prefix of the names of the devices that this program creates. Their keys are ignored.
+const OWN_PREFIX: &str = "Ademan ";
 
-/// Where the kernel puts the nodes of what can be pressed.
+/// Directory of the device nodes.
 const NODES: &str = "/dev/input";
 
-/// A node is made, and given its rights a moment later.
-const MAY_BE_READABLE: WatchFlags = WatchFlags::CREATE
+/// Events after which a node may be readable: udev sets its permissions some time after its creation.
+const NODE_EVENTS: WatchFlags = WatchFlags::CREATE
     .union(WatchFlags::ATTRIB)
     .union(WatchFlags::MOVED_TO);
 
-/// Watches on a thread of its own, until the program ends.
+/// Watches the keyboards on a thread of its own until the program ends.
 pub(super) fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<(), String> {
-    let no_notice = |error: Errno| format!("{NODES} cannot be watched: {error}");
-    let notices = inotify::init(CreateFlags::CLOEXEC | CreateFlags::NONBLOCK).map_err(no_notice)?;
-    inotify::add_watch(&notices, NODES, MAY_BE_READABLE).map_err(no_notice)?;
-    let mut keyboards = KeyboardMonitor {
-        chord: KeyCombination::new(keys),
-        notices,
-        open: Vec::new(),
-        opened: 0,
+    let inotify_error = |error: Errno| format!("cannot watch {NODES}: {error}");
+    let inotify =
+        inotify::init(CreateFlags::CLOEXEC | CreateFlags::NONBLOCK).map_err(inotify_error)?;
+    inotify::add_watch(&inotify, NODES, NODE_EVENTS).map_err(inotify_error)?;
+    let mut monitor = KeyboardMonitor {
+        combination: KeyCombination::new(keys),
+        inotify,
+        keyboards: Vec::new(),
+        next_id: 0,
     };
-    let denied = keyboards.look();
-    if keyboards.open.is_empty() {
+    let denied = monitor.open_new();
+    if monitor.keyboards.is_empty() {
         return Err(match denied {
-            0 => format!("there is no keyboard with these keys in {NODES}"),
+            0 => format!("no keyboard in {NODES} has these keys"),
             _ => format!(
-                "this user may not read the keyboards in {NODES}: a rule of udev with TAG+=\"uaccess\" or the \
-                 group `input` gives that right, and with it that of reading what everybody types"
+                "no permission to read the keyboards in {NODES}; a udev rule with TAG+=\"uaccess\" or the group \
+                 `input` gives it, and with it the permission to read all that is typed"
             ),
         });
     }
-    let wait = move || {
-        while keyboards.wait(&stop).is_ok() {}
-        tracing::error!("panic_keys: the keyboards cannot be watched any more");
+    let run = move || {
+        while monitor.wait(&stop).is_ok() {}
+        tracing::error!("panic_keys: the keyboards can no longer be watched");
     };
-    let thread = thread::Builder::new().name("stop keys".into());
+    let thread = thread::Builder::new().name("panic keys".into());
     thread
-        .spawn(wait)
+        .spawn(run)
         .map(drop)
         .map_err(|error| error.to_string())
 }
 
+/// An open keyboard.
 struct Keyboard {
-    number: u64,
+    id: u64,
     path: PathBuf,
     device: Device,
 }
 
+/// The keyboards that have keys of the combination.
 struct KeyboardMonitor {
-    chord: KeyCombination,
-    notices: OwnedFd,
-    open: Vec<Keyboard>,
-    /// How many have been opened so far.
-    opened: u64,
+    combination: KeyCombination,
+    inotify: OwnedFd,
+    keyboards: Vec<Keyboard>,
+    /// Number of keyboards opened so far.
+    next_id: u64,
 }
 
 impl KeyboardMonitor {
-    /// Opens the keyboards that are not open yet; how many may not be.
-    fn look(&mut self) -> usize {
+    /// Opens the keyboards that are not open yet. Returns the number of nodes without permission.
+    fn open_new(&mut self) -> usize {
         let nodes = fs::read_dir(NODES).into_iter().flatten().flatten();
         let mut denied = 0;
         for path in nodes.map(|node| node.path()).filter(|path| is_node(path)) {
-            if self.open.iter().any(|keyboard| keyboard.path == path) {
+            if self.keyboards.iter().any(|keyboard| keyboard.path == path) {
                 continue;
             }
             match Device::open(&path) {
@@ -92,82 +95,85 @@ impl KeyboardMonitor {
     }
 
     fn add(&mut self, path: PathBuf, device: Device) {
-        let is_own = device.name().is_some_and(|name| name.starts_with(OWN));
-        let has = |key: &KeyCode| {
+        let is_own = device
+            .name()
+            .is_some_and(|name| name.starts_with(OWN_PREFIX));
+        let has_key = |key: &KeyCode| {
             let code = evdev::KeyCode::new(key.event_code());
             device
                 .supported_keys()
                 .is_some_and(|keys| keys.contains(code))
         };
-        if is_own || !self.chord.keys.iter().any(has) || device.set_nonblocking(true).is_err() {
+        let is_relevant = !is_own && self.combination.keys.iter().any(has_key);
+        if !is_relevant || device.set_nonblocking(true).is_err() {
             return;
         }
-        self.opened += 1;
-        self.open.push(Keyboard {
-            number: self.opened,
+        self.next_id += 1;
+        self.keyboards.push(Keyboard {
+            id: self.next_id,
             path,
             device,
         });
     }
 
-    /// Waits until something happens to a keyboard, and takes note of it.
+    /// Waits for events of keyboards or nodes, and handles them.
     fn wait(&mut self, stop: &impl Fn()) -> Result<(), Errno> {
-        let devices = self.open.iter().map(|keyboard| keyboard.device.as_fd());
-        let mut sources: Vec<_> = std::iter::once(self.notices.as_fd())
+        let devices = self.keyboards.iter().map(|keyboard| keyboard.device.as_fd());
+        let mut poll_fds: Vec<_> = std::iter::once(self.inotify.as_fd())
             .chain(devices)
-            .map(|source| PollFd::from_borrowed_fd(source, PollFlags::IN))
+            .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
             .collect();
-        match poll(&mut sources, None) {
+        match poll(&mut poll_fds, None) {
             Ok(_) | Err(Errno::INTR) => {}
             Err(error) => return Err(error),
         }
-        let is_told = |source: &PollFd| !source.revents().is_empty();
-        let is_new = is_told(&sources[0]);
-        let told: Vec<_> = sources[1..].iter().map(is_told).collect();
-        drop(sources);
-        let mut place = 0;
+        let is_ready = |fd: &PollFd| !fd.revents().is_empty();
+        let has_new_node = is_ready(&poll_fds[0]);
+        let ready: Vec<_> = poll_fds[1..].iter().map(is_ready).collect();
+        drop(poll_fds);
+        let mut index = 0;
         let mut is_complete = false;
-        for is_told in told {
-            if is_told && !self.read(place, &mut is_complete) {
-                let gone = self.open.remove(place);
-                self.chord.remove_keyboard(gone.number);
+        for is_ready in ready {
+            if is_ready && !self.read(index, &mut is_complete) {
+                let removed = self.keyboards.remove(index);
+                self.combination.remove_keyboard(removed.id);
             } else {
-                place += 1;
+                index += 1;
             }
         }
         if is_complete {
             stop();
         }
-        if is_new {
-            self.empty_notices();
-            self.look();
+        if has_new_node {
+            self.discard_node_events();
+            self.open_new();
         }
         Ok(())
     }
 
-    /// Takes what a keyboard has to say; whether it is still there.
-    fn read(&mut self, place: usize, is_complete: &mut bool) -> bool {
-        let keyboard = &mut self.open[place];
+    /// Reads the events of a keyboard. Returns whether it is still connected.
+    fn read(&mut self, index: usize, is_complete: &mut bool) -> bool {
+        let keyboard = &mut self.keyboards[index];
         let events = match keyboard.device.fetch_events() {
             Ok(events) => events,
             Err(error) => return error.kind() == io::ErrorKind::WouldBlock,
         };
         for event in events {
-            // 0 is up, 1 down, 2 the repetition of what is down.
-            let EventSummary::Key(_, code, state @ (0 | 1)) = event.destructure() else {
+            // 0 is a release, 1 a press, 2 an auto-repeat.
+            let EventSummary::Key(_, code, value @ (0 | 1)) = event.destructure() else {
                 continue;
             };
             if let Some(key) = KeyCode::from_event_code(code.code()) {
-                *is_complete |= self.chord.update(keyboard.number, key, state == 1);
+                *is_complete |= self.combination.update(keyboard.id, key, value == 1);
             }
         }
         true
     }
 
-    fn empty_notices(&self) {
-        let mut room = [MaybeUninit::uninit(); 1024];
-        let mut notices = Reader::new(&self.notices, &mut room);
-        while notices.next().is_ok() {}
+    fn discard_node_events(&self) {
+        let mut buffer = [MaybeUninit::uninit(); 1024];
+        let mut events = Reader::new(&self.inotify, &mut buffer);
+        while events.next().is_ok() {}
     }
 }
 

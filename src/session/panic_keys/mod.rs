@@ -1,54 +1,55 @@
-//! Keys of a real keyboard that stop a run at once: a way out that does not lead through the hand.
+//! Panic keys: keys of a real keyboard that pause the session at once, independent of the hand.
 
 #[cfg(target_os = "linux")]
 mod key_combination;
 #[cfg(target_os = "linux")]
 mod linux;
-#[cfg(not(target_os = "linux"))]
-mod unsupported;
-
 #[cfg(target_os = "linux")]
 use linux as platform;
+#[cfg(not(target_os = "linux"))]
+mod unsupported;
 #[cfg(not(target_os = "linux"))]
 use unsupported as platform;
 
 use crate::device::{KeyCode, KeyKind};
 use crate::names::UnknownName;
 
-/// Why no keys stop a run.
+/// Reason why panic keys cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum PanicKeysError {
-    /// There is no key of this name.
+    /// A name is unknown.
     #[error("panic_keys: {0}")]
     UnknownKey(#[from] UnknownName),
-    /// Something else than keys was named.
-    #[error("panic_keys: `{0}` is no key of a keyboard")]
+    /// A name is that of a button or another control.
+    #[error("panic_keys: `{0}` is not a key of a keyboard")]
     NotAKeyboardKey(KeyCode),
     /// No keyboard can be read.
     #[error(
-        "panic_keys: {0}; a shortcut of your desktop that calls `ademan ctl pause` does the same and takes no rights"
+        "panic_keys: {0}; a desktop shortcut for `ademan ctl pause` does the same and needs no permission"
     )]
     NoKeyboard(String),
 }
 
-/// The keys of these names.
+/// Parses the names of keys.
 pub fn parse_keys(names: &[String]) -> Result<Vec<KeyCode>, PanicKeysError> {
-    let key = |name: &String| {
+    let parse = |name: &String| {
         let key: KeyCode = name.parse()?;
         match key.kind() {
             KeyKind::Keyboard => Ok(key),
             _ => Err(PanicKeysError::NotAKeyboardKey(key)),
         }
     };
-    names.iter().map(key).collect()
+    names.iter().map(parse).collect()
 }
 
-/// Calls `stop` whenever all of `keys` are down on the keyboards of this machine, together on one or on several,
-/// until the program ends. `stop` must not wait. Keyboards that are plugged in later count too; those that the
-/// program makes itself do not.
+/// Calls `stop` whenever all `keys` are pressed on the keyboards of this machine, on one or on several, until the program
+/// ends. `stop` must not block.
 ///
-/// Of what is typed nothing else is looked at, and nothing is kept. Without keys it does nothing. An error when
-/// no keyboard can be read: who asks for a way out is to know that there is none.
+/// Keyboards that are connected later are included; those that this program creates are not. Other keys are ignored, and
+/// no key is stored. Without keys the function does nothing.
+///
+/// # Errors
+/// If no keyboard can be read: a user who relies on panic keys has to know that they do not work.
 pub fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Result<(), PanicKeysError> {
     match keys.is_empty() {
         true => Ok(()),
@@ -61,11 +62,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_keys_of_keyboards_do() {
+    fn only_keys_of_keyboards_are_accepted() {
         let error = |name: &str| parse_keys(&[name.to_owned()]).unwrap_err().to_string();
         assert_eq!(
             error("MouseLeft"),
-            "panic_keys: `MouseLeft` is no key of a keyboard"
+            "panic_keys: `MouseLeft` is not a key of a keyboard"
         );
         let text = error("ControlLef");
         assert!(text.contains("did you mean `ControlLeft`?"), "{text}");

@@ -1,7 +1,8 @@
-//! A stand-in where other keyboards cannot be read yet: on systems other than Linux.
+//! Stand-in for systems on which other keyboards cannot be read.
 
 use crate::device::KeyCode;
 
+/// Fails.
 pub(super) fn watch(_: &[KeyCode], _: impl Fn() + Send + 'static) -> Result<(), String> {
-    Err("other keyboards cannot be watched on this system".into())
+    Err("not supported on this system".into())
 }
