@@ -38,7 +38,9 @@ fn request(client: &mut Client, line: &str) -> Value {
 /// Connects without the client of the library.
 fn raw_client(run: &Run) -> (UnixStream, BufReader<UnixStream>) {
     let stream = UnixStream::connect(socket(run)).expect("the session listens");
-    stream.set_read_timeout(Some(TIMEOUT)).expect("the time-out is set");
+    stream
+        .set_read_timeout(Some(TIMEOUT))
+        .expect("the time-out is set");
     let reader = BufReader::new(stream.try_clone().expect("the stream is cloned"));
     (stream, reader)
 }
@@ -117,7 +119,9 @@ fn a_state_names_the_layout_and_counts_every_reading() {
     assert_eq!(state["profile"], "main");
     let stats = &state["stats"];
     let count = |value: &Value| value.as_u64().expect("the value is a count");
-    let rejected = stats["rejected"].as_object().expect("the counts are by reason");
+    let rejected = stats["rejected"]
+        .as_object()
+        .expect("the counts are by reason");
     let rejected: u64 = rejected.values().map(count).sum();
     let taken = count(&stats["accepted"]) + rejected + count(&stats["dropped"]);
     assert_eq!(count(&stats["received"]), taken);
@@ -173,7 +177,10 @@ fn an_invalid_line_gets_an_error_and_the_connection_stays_open() {
         stream.write_all(line).expect("the session keeps reading");
         let answer = read_response(&mut reader);
         assert_eq!(answer["ok"], false, "{answer}");
-        answer["error"].as_str().expect("there is a reason").to_owned()
+        answer["error"]
+            .as_str()
+            .expect("there is a reason")
+            .to_owned()
     };
     let mut long = vec![b'x'; 64 * 1024];
     long.push(b'\n');
@@ -197,7 +204,9 @@ fn an_invalid_line_gets_an_error_and_the_connection_stays_open() {
     stream
         .write_all(b"{\"command\":")
         .expect("the session keeps reading");
-    stream.write_all(b"\"state\"}\n").expect("the session keeps reading");
+    stream
+        .write_all(b"\"state\"}\n")
+        .expect("the session keeps reading");
     assert_eq!(read_response(&mut reader)["state"], "running");
     assert!(run.events.is_empty(), "the key stays pressed");
 }
@@ -208,7 +217,8 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
     let (path, linked) = (run.path(), run.folder.path().join("linked.ron"));
     fs::rename(&path, &linked).expect("the file belongs to this user");
     std::os::unix::fs::symlink(&linked, &path).expect("the link is created");
-    fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).expect("the file belongs to this user");
+    fs::set_permissions(&path, fs::Permissions::from_mode(0o640))
+        .expect("the file belongs to this user");
     let (code, _, err) = ctl(&run, &["save"]);
     let expected = "error: my.ron: not saved, as no board was moved or scaled\n";
     assert_eq!((code, err.as_str()), (1, expected));
@@ -270,8 +280,13 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
     let (code, _, err) = ctl(&run, &["save"]);
     let expected = "error: my.ron: not saved, as the file differs from the active layout; `reload` activates the file\n";
     assert_eq!((code, err.as_str()), (1, expected));
-    assert_eq!(fs::read_to_string(&path).expect("the file exists"), "no layout");
-    let left = fs::read_dir(run.folder.path()).expect("a temporary directory").flatten();
+    assert_eq!(
+        fs::read_to_string(&path).expect("the file exists"),
+        "no layout"
+    );
+    let left = fs::read_dir(run.folder.path())
+        .expect("a temporary directory")
+        .flatten();
     let left: Vec<_> = left.map(|entry| entry.file_name()).collect();
     assert!(
         left.iter()
@@ -318,11 +333,15 @@ fn the_seventeenth_client_is_refused_until_another_one_disconnects() {
 fn a_client_that_does_not_read_is_disconnected_without_effect_on_others() {
     let run = run();
     let (mut silent, mut said) = raw_client(&run);
-    silent.write_all(b"{\"command\":\"subscribe\"}\n")
+    silent
+        .write_all(b"{\"command\":\"subscribe\"}\n")
         .expect("the session reads");
     assert_eq!(read_response(&mut said)["ok"], true);
     let mut listener = client(&run);
-    assert_eq!(request(&mut listener, r#"{"command":"subscribe"}"#)["ok"], true);
+    assert_eq!(
+        request(&mut listener, r#"{"command":"subscribe"}"#)["ok"],
+        true
+    );
     let (sender, notifications) = crossbeam_channel::unbounded();
     thread::spawn(move || {
         while let Ok(Some(line)) = listener.next_notification() {
@@ -358,10 +377,16 @@ fn a_client_that_does_not_read_is_disconnected_without_effect_on_others() {
         let notification: Value =
             serde_json::from_str(&notification).expect("the notification is JSON");
         let words: Vec<&str> = line.split_whitespace().collect();
-        assert_eq!(notification["event"], format!("key-{}", words[1]), "{notification}");
+        assert_eq!(
+            notification["event"],
+            format!("key-{}", words[1]),
+            "{notification}"
+        );
         assert_eq!(notification["key"], words[2]);
     }
-    let line = notifications.recv_timeout(TIMEOUT).expect("there is a notification");
+    let line = notifications
+        .recv_timeout(TIMEOUT)
+        .expect("there is a notification");
     let paused = r#"{"event":"state","state":"paused","paused":true}"#;
     assert_eq!(line, paused);
 }
@@ -370,7 +395,9 @@ fn a_client_that_does_not_read_is_disconnected_without_effect_on_others() {
 fn a_client_that_sends_requests_without_reading_is_disconnected() {
     let run = run();
     let (mut silent, _) = raw_client(&run);
-    silent.set_write_timeout(Some(TIMEOUT)).expect("the time-out is set");
+    silent
+        .set_write_timeout(Some(TIMEOUT))
+        .expect("the time-out is set");
     let start = Instant::now();
     while silent.write_all(b"{\"command\":\"state\"}\n").is_ok() {
         assert!(start.elapsed() < TIMEOUT, "the client is still connected");
@@ -433,11 +460,17 @@ fn a_second_run_is_refused_and_the_socket_of_a_killed_run_is_replaced() {
     let err = String::from_utf8_lossy(&ended.stderr);
     assert!(err.contains("another session listens at"), "{err}");
     assert!(err.contains("`ademan ctl stop`"), "{err}");
-    assert_eq!(request(&mut client(&run), r#"{"command":"state"}"#)["ok"], true);
+    assert_eq!(
+        request(&mut client(&run), r#"{"command":"state"}"#)["ok"],
+        true
+    );
 
     run.program.0.kill().expect("the program runs");
     run.program.0.wait().expect("the program ends");
-    assert!(Path::new(path).exists(), "a killed run leaves its socket behind");
+    assert!(
+        Path::new(path).exists(),
+        "a killed run leaves its socket behind"
+    );
     let ended = ademan(&second).output().expect("the program starts");
     assert_eq!(ended.status.code(), Some(0));
     assert!(!Path::new(path).exists());
@@ -483,7 +516,8 @@ fn a_directory_that_others_may_enter_is_refused() {
     let runtime = tempfile::tempdir().expect("a temporary directory");
     let folder = runtime.path().join("ademan");
     fs::create_dir(&folder).expect("a temporary directory");
-    fs::set_permissions(&folder, fs::Permissions::from_mode(0o755)).expect("the file belongs to this user");
+    fs::set_permissions(&folder, fs::Permissions::from_mode(0o755))
+        .expect("the file belongs to this user");
     let mut run = ademan(&["run", "--source", "typist:hi"]);
     let ended = run
         .env("XDG_RUNTIME_DIR", runtime.path())
@@ -499,7 +533,8 @@ fn commands_of_another_user_are_refused() {
     const NOBODY: u32 = 65_534;
     let run = run();
     let everybody = |path: &Path, mode| {
-        fs::set_permissions(path, fs::Permissions::from_mode(mode)).expect("the file belongs to this user");
+        fs::set_permissions(path, fs::Permissions::from_mode(mode))
+            .expect("the file belongs to this user");
     };
     everybody(run.folder.path(), 0o755);
     everybody(&socket(&run), 0o777);
@@ -536,7 +571,8 @@ fn a_run_that_waits_for_its_source_can_be_stopped() {
     let mut run = Process::start(command.arg("--control").arg(&path)).expect("the program starts");
     let messages = line_receiver(run.0.stderr.take().expect("the stream is piped"));
     assert!(
-        messages.recv_timeout(TIMEOUT)
+        messages
+            .recv_timeout(TIMEOUT)
             .expect("the run waits")
             .starts_with("waiting: ")
     );

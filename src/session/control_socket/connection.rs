@@ -13,7 +13,6 @@ use super::request::{MAX_LINE_BYTES, Request};
 use super::response::{self, JsonLine};
 use super::server::ServerContext;
 use crate::command::Command;
-use crate::names::UnknownName;
 use crate::output::socket::Stream;
 use crate::session::command_channel::Reply;
 
@@ -74,33 +73,12 @@ impl ClientConnection<'_> {
 
     /// Executes a command in the session and returns the response.
     fn execute(&self, command: Command) -> JsonLine {
-        if let Command::Profile { name } = &command
-            && let Err(unknown) = self.check_profile(name)
-        {
-            return response::failure(&unknown);
-        }
         match self.context.commands.request(command) {
             Ok(Reply::Done) => response::success(None),
             Ok(Reply::Text(text)) => response::success(Some(&text)),
             Ok(Reply::State(status)) => response::state(&status, &self.context.profiles),
             Err(error) => response::failure(&error.to_string()),
         }
-    }
-
-    /// Checks that the setup has a profile, and suggests a similar name otherwise.
-    fn check_profile(&self, name: &str) -> Result<(), String> {
-        let names = || self.context.profiles.iter().map(|profile| profile.name.as_str());
-        if names().any(|other| other == name) {
-            return Ok(());
-        }
-        let unknown = UnknownName::new("profile", name, names());
-        Err(match unknown.nearest {
-            Some(_) => unknown.to_string(),
-            None => {
-                let names: Vec<&str> = names().collect();
-                format!("{unknown}; available: {}", names.join(", "))
-            }
-        })
     }
 
     fn subscribe(&mut self) -> io::Result<()> {

@@ -118,7 +118,10 @@ impl KeyboardMonitor {
 
     /// Waits for events of keyboards or nodes, and handles them.
     fn wait(&mut self, stop: &impl Fn()) -> Result<(), Errno> {
-        let devices = self.keyboards.iter().map(|keyboard| keyboard.device.as_fd());
+        let devices = self
+            .keyboards
+            .iter()
+            .map(|keyboard| keyboard.device.as_fd());
         let mut poll_fds: Vec<_> = std::iter::once(self.inotify.as_fd())
             .chain(devices)
             .map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN))
