@@ -209,7 +209,8 @@ impl Typing {
     }
 
     fn estimator(&self) -> Estimator {
-        Estimator::new(EstimatorSettings::default()).with_channels(&self.setup.glove.map)
+        Estimator::new(EstimatorSettings::default())
+            .with_channels(&self.setup.glove.as_ref().expect("a glove").map)
     }
 
     fn presses_on(&self, board: Board) -> usize {

@@ -60,7 +60,8 @@ fn main() -> anyhow::Result<()> {
     };
     let assembly = setup.load_files()?;
     let mut pipeline = Pipeline::new(
-        Estimator::new(EstimatorSettings::default()).with_channels(&assembly.glove.map),
+        Estimator::new(EstimatorSettings::default())
+            .with_channels(&assembly.glove.as_ref().expect("a glove").map),
         assembly.arm.clone(),
         LayoutInstance::new(
             assembly.layout.scene.clone(),

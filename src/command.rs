@@ -5,6 +5,7 @@
 //! all commands with the ranges of their fields; help texts and error messages are made from it.
 
 use std::fmt;
+use std::str::FromStr;
 
 use arrayvec::ArrayString;
 use serde::{Deserialize, Serialize};
@@ -73,6 +74,8 @@ pub struct CommandSpec {
     pub name: &'static str,
     /// One sentence without a full stop.
     pub summary: &'static str,
+    /// Default label of a key that issues the command.
+    pub key_label: &'static str,
     /// Required fields, in the order of the command line.
     pub fields: &'static [FieldSpec],
 }
@@ -107,30 +110,43 @@ pub const SPECS: &[CommandSpec] = &[
     plain(
         "state",
         "Report the state, the active layout and the statistics",
+        "State",
     ),
-    plain("pause", "Release everything and suppress all events"),
+    plain(
+        "pause",
+        "Release everything and suppress all events",
+        "Pause",
+    ),
     plain(
         "resume",
         "End a pause; output is armed once the hand is clear of every control",
+        "Resume",
     ),
-    plain("toggle-pause", "Pause, or resume if paused"),
+    plain("toggle-pause", "Pause, or resume if paused", "Pause"),
     CommandSpec {
         name: "profile",
         summary: "Activate another layout of the setup",
+        key_label: "Profile",
         fields: &[FieldSpec {
             name: "name",
             summary: "Name of the profile",
             kind: FieldKind::Name,
         }],
     },
-    plain("next-profile", "Activate the next layout of the setup"),
+    plain(
+        "next-profile",
+        "Activate the next layout of the setup",
+        "Profile",
+    ),
     plain(
         "recenter",
         "Move the boards below the index fingertip of the hand seen last",
+        "Center",
     ),
     CommandSpec {
         name: "nudge",
         summary: "Move the boards, in mm",
+        key_label: "Move",
         fields: &[
             number("x_mm", "To the right", -1000.0, 1000.0),
             number("y_mm", "Up", -1000.0, 1000.0),
@@ -140,6 +156,7 @@ pub const SPECS: &[CommandSpec] = &[
     CommandSpec {
         name: "tilt",
         summary: "Rotate each board about its rows",
+        key_label: "Tilt",
         fields: &[number(
             "deg",
             "Degrees; positive raises the far edge",
@@ -150,6 +167,7 @@ pub const SPECS: &[CommandSpec] = &[
     CommandSpec {
         name: "scale",
         summary: "Make the boards larger or smaller",
+        key_label: "Size",
         fields: &[number(
             "factor",
             "Ratio of the new size to the present one",
@@ -160,15 +178,17 @@ pub const SPECS: &[CommandSpec] = &[
     plain(
         "save",
         "Write the poses and the size of the boards to the layout file",
+        "Save",
     ),
-    plain("reload", "Read the layout files again"),
-    plain("stop", "Release everything and end the session"),
+    plain("reload", "Read the layout files again", "Reload"),
+    plain("stop", "Release everything and end the session", "Stop"),
 ];
 
-const fn plain(name: &'static str, summary: &'static str) -> CommandSpec {
+const fn plain(name: &'static str, summary: &'static str, key_label: &'static str) -> CommandSpec {
     CommandSpec {
         name,
         summary,
+        key_label,
         fields: &[],
     }
 }
@@ -264,6 +284,54 @@ impl Command {
         let spec = SPECS.iter().find(|spec| spec.name == self.name());
         spec.expect("every command is listed, as a test shows")
     }
+}
+
+/// Parses the name and the values of the fields, separated by blanks: `nudge 0 -1.5 2`. The inverse of [`Display`](fmt::Display).
+impl FromStr for Command {
+    type Err = InvalidCommand;
+
+    fn from_str(text: &str) -> Result<Self, InvalidCommand> {
+        let (name, mut values) = split_word(text);
+        let spec = CommandSpec::find(name)?;
+        let mut fields = Map::new();
+        fields.insert("command".into(), name.into());
+        for field in spec.fields {
+            let value;
+            (value, values) = match field.kind {
+                FieldKind::Number { .. } => split_word(values),
+                // The only field of its command; it may contain blanks.
+                FieldKind::Name => (values, ""),
+            };
+            if value.is_empty() {
+                return Err(InvalidCommand::MissingField {
+                    command: spec.name,
+                    field: field.name,
+                });
+            }
+            let number = || value.parse::<f64>().ok().map(Value::from);
+            let value = match field.kind {
+                FieldKind::Number { .. } => number().unwrap_or_else(|| value.into()),
+                FieldKind::Name => value.into(),
+            };
+            fields.insert(field.name.into(), value);
+        }
+        if !values.is_empty() {
+            return Err(InvalidCommand::Syntax(format!(
+                "`{}` has no argument `{values}`",
+                spec.name
+            )));
+        }
+        spec.check(&fields)?;
+        serde_json::from_value(Value::Object(fields))
+            .map_err(|error| InvalidCommand::Syntax(error.to_string()))
+    }
+}
+
+/// Returns the first word and the rest, both without surrounding blanks.
+fn split_word(text: &str) -> (&str, &str) {
+    let text = text.trim();
+    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
+    (word, rest.trim())
 }
 
 /// The name and the values of the fields: `nudge 0 -1.5 2`.
@@ -388,6 +456,7 @@ mod tests {
             assert_eq!(command.check(), Ok(()));
             let json = serde_json::to_string(&command).unwrap();
             assert_eq!(Command::from_json(&json), Ok(command));
+            assert_eq!(command.to_string().parse(), Ok(command));
         }
     }
 
@@ -476,6 +545,23 @@ mod tests {
     fn a_number_out_of_range_is_refused_also_if_it_was_not_parsed() {
         assert!(Command::Tilt { deg: 91.0 }.check().is_err());
         assert!(Command::Scale { factor: f32::NAN }.check().is_err());
+    }
+
+    #[test]
+    fn invalid_words_are_explained() {
+        for (text, expected) in [
+            ("paus", "unknown command `paus`, did you mean `pause`?"),
+            ("", "unknown command ``"),
+            ("nudge 1 2", "`nudge` needs the field `z_mm`"),
+            ("tilt steep", "`deg` is -90 to 90, not \"steep\""),
+            ("scale 3", "`factor` is 0.5 to 2, not 3.0"),
+            ("pause now", "`pause` has no argument `now`"),
+        ] {
+            let error = text.parse::<Command>().unwrap_err();
+            assert_eq!(error.to_string(), expected);
+        }
+        let profile: Command = "profile  my layout ".parse().unwrap();
+        assert_eq!(profile.to_string(), "profile my layout");
     }
 
     #[test]

@@ -7,7 +7,6 @@ use parry3d::math::Vec2;
 
 use super::board_shape::BoardShape;
 use super::outline::Outline;
-use crate::command::Command;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
 use crate::contact::{TargetId, TargetNames};
@@ -58,7 +57,7 @@ pub struct Layout {
     pub controls: Vec<Control>,
     /// Names of the layers, [`BASE_LAYER`] first.
     pub layers: Vec<String>,
-    /// Names of the profiles that keys activate with [`Command::Profile`].
+    /// Names of the profiles that keys activate with [`Command::Profile`](crate::command::Command::Profile).
     pub profiles: Vec<String>,
     /// Texts that keys write, indexed by [`TextId`].
     pub texts: Vec<String>,
@@ -285,25 +284,8 @@ pub(super) fn action_label<'a>(
         KeyAction::Key(code) | KeyAction::Modifier(code, _) => code.label(),
         KeyAction::Layer(layer, _) => entry(layers, layer),
         KeyAction::Text(TextId(text)) => entry(texts, text.into()),
-        KeyAction::Command(command) => command_label(command),
+        KeyAction::Command(command) => command.spec().key_label,
         KeyAction::Clutch => "Clutch",
         KeyAction::Precision => "Slow",
-    }
-}
-
-/// Returns the label of a key that issues a command.
-const fn command_label(command: Command) -> &'static str {
-    match command {
-        Command::Pause | Command::TogglePause => "Pause",
-        Command::Resume => "Resume",
-        Command::Profile { .. } | Command::NextProfile => "Profile",
-        Command::Recenter => "Center",
-        Command::Nudge { .. } => "Move",
-        Command::Tilt { .. } => "Tilt",
-        Command::Scale { .. } => "Size",
-        Command::Save => "Save",
-        Command::Reload => "Reload",
-        Command::State => "State",
-        Command::Stop => "Stop",
     }
 }

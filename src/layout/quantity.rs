@@ -69,8 +69,6 @@ ranged_numbers! {
     FullRangeDetents = "a number of detents", -1000.0 ..= 1000.0, "";
     /// Pixels for the full range of a control.
     FullRangePixels = "a distance on the screen", -20000.0 ..= 20000.0, " px";
-    /// Factor by which an action scales the boards.
-    ScaleFactor = "a scale factor", 0.5 ..= 2.0, "";
     /// Steps of the full range of a control.
     Steps = "a number of steps", 1.0 ..= 1000.0, "";
     /// Fraction of the range of a control.

@@ -7,8 +7,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error};
 
 use super::quantity::{
-    Bearing, BoardScale, Offset, Radius, RecenterDelay, RecenterOffset, RecenterSpeed, ScaleFactor,
-    Size, Tilt,
+    Bearing, BoardScale, Offset, Radius, RecenterDelay, RecenterOffset, RecenterSpeed, Size, Tilt,
 };
 use crate::document::Spanned;
 
@@ -156,20 +155,8 @@ pub enum Action<'a> {
     Layer(Spanned<'a>),
     /// Types a text.
     Text(Spanned<'a>),
-    /// Activates another layout of the setup.
-    Profile(Spanned<'a>),
-    /// Activates the next layout of the setup.
-    NextProfile,
-    /// Suppresses all output, or ends that.
-    TogglePause,
-    /// Moves the boards to the hand.
-    Recenter,
-    /// Moves the boards to the right, up and towards the wearer, in millimetres.
-    Nudge(Offset, Offset, Offset),
-    /// Raises the far side of the boards, in degrees.
-    Tilt(Tilt),
-    /// Scales the boards.
-    Scale(ScaleFactor),
+    /// Issues a command to the session, in the words of `ademan ctl`: `nudge 0 0 -10`.
+    Command(Spanned<'a>),
     /// Holds the pointer still.
     Clutch,
     /// Slows the pointer down.
@@ -179,10 +166,10 @@ pub enum Action<'a> {
 }
 
 impl<'a> Action<'a> {
-    /// Returns the name or text in the action, if it has one.
+    /// Returns the name, text or command in the action, if it has one.
     pub fn argument(self) -> Option<Spanned<'a>> {
         match self {
-            Self::Key(name) | Self::Layer(name) | Self::Text(name) | Self::Profile(name) => {
+            Self::Key(name) | Self::Layer(name) | Self::Text(name) | Self::Command(name) => {
                 Some(name)
             }
             _ => None,

@@ -331,7 +331,9 @@ fn start_layout_manager(
             output::check_layout_change(&setup.setup.output, &required, &needed)
                 .map_err(|reason| format!("{}: not used, as {reason}", layout.file))?;
         }
-        setup.controls(layout).map_err(|error| error.to_string())
+        setup
+            .layout_instance(layout)
+            .map_err(|error| error.to_string())
     };
     let notices = notices.sender();
     let report = move |report: LayoutReport| {

@@ -1,4 +1,4 @@
-//! A setup with all that it names, read and checked.
+//! A setup with all files that it names.
 
 use ron::ser::PrettyConfig;
 
@@ -9,6 +9,7 @@ use crate::command::ProfileName;
 use crate::device::Capabilities;
 use crate::document::{Document, DocumentError};
 use crate::estimate::{Estimator, EstimatorSettings};
+use crate::hand::Side;
 use crate::kinematics::ArmModel;
 use crate::layout::{Glove, Layout};
 use crate::names::UnknownName;
@@ -16,291 +17,171 @@ use crate::pipeline::{
     LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings, SourcePermissions,
 };
 
-/// What the layout that is in force at first is called.
-
-/// A setup with all that it names, checked.
+/// A setup with all files that it names, checked.
 #[derive(Clone, Debug)]
 pub struct LoadedSetup {
-    /// The setup.
+    /// The setup as written.
     pub setup: Setup,
-    /// The glove.
-    pub glove: Glove,
-    /// The arm that wears it.
+    /// The glove, unless the source needs none.
+    pub glove: Option<Glove>,
+    /// The arm.
     pub arm: ArmModel,
-    /// The glove and arm of the other hand.
+    /// The glove and the arm of the other hand.
     pub other_hand: Option<GloveAndArm>,
-    /// The layout that is in force at first.
+    /// The layout that is active at the start.
     pub layout: Layout,
     /// The further layouts, in the order of the setup.
     pub profiles: Vec<Profile>,
+    /// The documents of all files, with the kind of each.
     documents: Vec<(String, Document)>,
     estimator: EstimatorSettings,
-    arming: PipelineSettings,
+    pipeline: PipelineSettings,
 }
 
-/// A glove and the arm that wears it.
+/// The glove and the arm of a hand.
 #[derive(Clone, Debug)]
 pub struct GloveAndArm {
-    /// The glove.
-    pub glove: Glove,
+    /// The glove, unless the source needs none.
+    pub glove: Option<Glove>,
     /// The arm.
     pub arm: ArmModel,
 }
 
-/// A layout and what it is called in its setup.
+/// A layout and its name in the setup.
 #[derive(Clone, Debug)]
 pub struct Profile {
-    /// What keys, gestures and commands call it.
+    /// The name in keys and commands.
     pub name: String,
     /// The layout.
     pub layout: Layout,
 }
 
-/// Gives the document of a kind and name.
-type Read<'a> = &'a dyn Fn(&str, &str) -> Result<Document, DocumentError>;
-
-/// What a recording calls the files behind a setup.
+/// The kinds of documents in a recording.
 mod kind {
-    pub const SETTINGS: &str = "settings";
+    pub const SETUP: &str = "setup";
     pub const GLOVE: &str = "glove";
     pub const ARM: &str = "arm";
     pub const OTHER_GLOVE: &str = "other-glove";
     pub const OTHER_ARM: &str = "other-arm";
     pub const LAYOUT: &str = "layout";
 
-    /// That of a further layout.
-    pub fn of_profile(name: &str) -> String {
+    /// Returns the kind of a further layout.
+    pub fn profile(name: &str) -> String {
         format!("layout:{name}")
     }
 }
 
-/// Reads documents and keeps them.
-struct Reader<'a> {
-    read: Read<'a>,
+/// Reads the document of a kind and name.
+type ReadDocument<'a> = &'a dyn Fn(&str, &str) -> Result<Document, DocumentError>;
+
+/// Reads files and keeps their documents.
+struct Loader<'a> {
+    read: ReadDocument<'a>,
     documents: Vec<(String, Document)>,
 }
 
-impl Reader<'_> {
-    fn read(&mut self, kind: &str, name: &str) -> Result<Document, DocumentError> {
+impl Loader<'_> {
+    fn document(&mut self, kind: &str, name: &str) -> Result<Document, DocumentError> {
         let document = (self.read)(kind, name)?;
         self.documents.push((kind.into(), document.clone()));
         Ok(document)
     }
 
     fn layout(&mut self, kind: &str, name: &str) -> Result<Layout, DocumentError> {
-        Layout::from_document(self.read(kind, name)?)
+        Layout::from_document(self.document(kind, name)?)
     }
 
-    fn worn(
-        &mut self,
-        (glove_kind, arm_kind): (&str, &str),
-        glove: &str,
-        hand: &ArmSetup,
-    ) -> Result<GloveAndArm, SetupError> {
-        let glove = Glove::parse(&self.read(glove_kind, glove)?)?;
-        let arm = match hand {
+    fn glove(&mut self, kind: &str, name: Option<&str>) -> Result<Option<Glove>, DocumentError> {
+        let document = name.map(|name| self.document(kind, name)).transpose()?;
+        document.as_ref().map(Glove::parse).transpose()
+    }
+
+    /// Loads an arm and mirrors it for the side of the glove.
+    fn arm(&mut self, kind: &str, arm: &ArmSetup, side: Side) -> Result<ArmModel, SetupError> {
+        match arm {
             ArmSetup::Model(name) => {
-                ArmModel::parse(&self.read(arm_kind, name)?)?.for_side(glove.side)
+                Ok(ArmModel::parse(&self.document(kind, name)?)?.for_side(side))
             }
             ArmSetup::Measured { .. } => {
-                let bones = hand.bones()?.expect("it is measured");
-                ArmModel::anthropometric(glove.side, &bones)
-                    .map_err(|error| SetupError::Value(error.to_string()))?
+                let bones = arm.bone_lengths()?.expect("the arm is measured");
+                ArmModel::anthropometric(side, &bones)
+                    .map_err(|error| SetupError::Value(error.to_string()))
             }
-        };
+        }
+    }
+
+    fn other_hand(
+        &mut self,
+        other: &OtherHand,
+        first_source: Option<&SourceUri>,
+        first_side: Side,
+    ) -> Result<GloveAndArm, SetupError> {
+        let glove = self.glove(kind::OTHER_GLOVE, other.glove_name(first_source))?;
+        let side = first_side.opposite();
+        if glove.as_ref().is_some_and(|glove| glove.side != side) {
+            return Err(SetupError::Value(format!(
+                "both gloves are for the {first_side} hand, `other_hand` needs a glove for the {side} hand"
+            )));
+        }
+        let arm = self.arm(kind::OTHER_ARM, &other.arm, side)?;
         Ok(GloveAndArm { glove, arm })
+    }
+
+    fn profiles(&mut self, setup: &Setup) -> Result<Vec<Profile>, SetupError> {
+        let mut profiles: Vec<Profile> = Vec::new();
+        for profile in &setup.profiles {
+            let name = &profile.name;
+            if ProfileName::from(name).is_err() {
+                let message = format!("the profile name `{name}` is longer than 64 bytes");
+                return Err(SetupError::Value(message));
+            }
+            if name == MAIN_PROFILE || profiles.iter().any(|other| other.name == *name) {
+                return Err(SetupError::Value(format!("duplicate profile `{name}`")));
+            }
+            profiles.push(Profile {
+                name: name.clone(),
+                layout: self.layout(&kind::profile(name), &profile.layout)?,
+            });
+        }
+        Ok(profiles)
     }
 }
 
 impl LoadedSetup {
-    pub(super) fn new(setup: Setup, read: Read) -> Result<Self, SetupError> {
-        let mut reader = Reader {
+    /// Loads all files of a setup with `read`, which gets the kind and the name of each.
+    pub(super) fn new(setup: Setup, read: ReadDocument) -> Result<Self, SetupError> {
+        let mut loader = Loader {
             read,
             documents: Vec::new(),
         };
-        let kinds = (kind::GLOVE, kind::ARM);
-        let GloveAndArm { glove, arm } = reader.worn(kinds, &setup.glove, &setup.arm)?;
-        let other = match &setup.other_hand {
-            Some(other) => Some(other_hand(&mut reader, other, &glove)?),
+        let glove = loader.glove(kind::GLOVE, setup.glove_name())?;
+        let side = glove.as_ref().map_or(Side::Right, |glove| glove.side);
+        let arm = loader.arm(kind::ARM, &setup.arm, side)?;
+        let other_hand = match &setup.other_hand {
+            Some(other) => Some(loader.other_hand(other, setup.source.as_ref(), side)?),
             None => None,
         };
-        let layout = reader.layout(kind::LAYOUT, &setup.layout)?;
-        let mut profiles: Vec<Profile> = Vec::new();
-        for named in &setup.profiles {
-            let is_taken = profiles.iter().any(|other| other.name == named.name);
-            if ProfileName::from(&named.name).is_err() {
-                let message = format!("the profile name `{}` is longer than 64 bytes", named.name);
-                return Err(SetupError::Value(message));
-            }
-            if named.name == MAIN_PROFILE || is_taken {
-                let message = format!("there is a profile `{}` already", named.name);
-                return Err(SetupError::Value(message));
-            }
-            profiles.push(Profile {
-                name: named.name.clone(),
-                layout: reader.layout(&kind::of_profile(&named.name), &named.layout)?,
-            });
-        }
-        let assembly = Self {
+        let loaded = Self {
             glove,
             arm,
-            other_hand: other,
-            layout,
-            profiles,
-            documents: reader.documents,
+            other_hand,
+            layout: loader.layout(kind::LAYOUT, &setup.layout)?,
+            profiles: loader.profiles(&setup)?,
+            documents: loader.documents,
             estimator: EstimatorSettings {
-                smoothing: setup.smoothing()?,
+                smoothing: setup.smoothing_filter()?,
                 ..EstimatorSettings::default()
             },
-            arming: setup.arming()?,
+            pipeline: setup.pipeline_settings()?,
             setup,
         };
-        for layout in assembly.layouts() {
-            assembly.check_profiles(layout)?;
-            assembly.refuse_system_keys(layout)?;
+        for layout in loaded.layouts() {
+            loaded.check_layout(layout)?;
         }
-        Ok(assembly)
+        Ok(loaded)
     }
 
-    /// All layouts, the one that is in force at first before the others.
-    pub fn layouts(&self) -> impl Iterator<Item = &Layout> {
-        let further = self.profiles.iter().map(|profile| &profile.layout);
-        std::iter::once(&self.layout).chain(further)
-    }
-
-    /// What the layouts are called, in the same order.
-    pub fn profile_names(&self) -> impl Iterator<Item = &str> {
-        let further = self.profiles.iter().map(|profile| profile.name.as_str());
-        std::iter::once(MAIN_PROFILE).chain(further)
-    }
-
-    /// Everything that the layouts can ever send.
-    pub fn required_capabilities(&self) -> Capabilities {
-        let mut needs = Capabilities::default();
-        for layout in self.layouts() {
-            needs.extend(layout.required_capabilities().iter());
-        }
-        needs
-    }
-
-    /// The controls of a layout that is or takes the place of one of this setup's.
-    pub fn controls(&self, layout: &Layout) -> Result<LayoutInstance, SetupError> {
-        self.check_profiles(layout)?;
-        self.refuse_system_keys(layout)?;
-        Ok(controls(layout))
-    }
-
-    /// A layout may ask for keys that act on the system; that they are pressed is up to the setup.
-    fn refuse_system_keys(&self, layout: &Layout) -> Result<(), SetupError> {
-        let codes = layout.required_capabilities().keys;
-        match codes.into_iter().find(|code| code.is_system_key()) {
-            Some(code) if !self.setup.allow_system_keys => Err(SetupError::Value(format!(
-                "{}: its key `{code}` acts on the system and not just on one program; take it out, or allow \
-                 such keys with `allow_system_keys: true` in the setup",
-                layout.file
-            ))),
-            _ => Ok(()),
-        }
-    }
-
-    /// Checks that the setup has every profile that a layout names.
-    fn check_profiles(&self, layout: &Layout) -> Result<(), SetupError> {
-        let is_unknown = |name: &&String| self.profile_names().all(|other| other != *name);
-        let Some(name) = layout.profiles.iter().find(is_unknown) else {
-            return Ok(());
-        };
-        let error = UnknownName::new("profile", name, self.profile_names());
-        Err(SetupError::Value(format!(
-            "{}: {error}; list it under `profiles` of the setup",
-            layout.file
-        )))
-    }
-
-    /// A pipeline that has seen nothing yet.
-    pub fn pipeline(&self) -> Pipeline {
-        let controls = |layout| {
-            self.controls(layout)
-                .expect("the profiles were looked up when the setup was assembled")
-        };
-        let estimator = |glove: &Glove| Estimator::new(self.estimator).with_channels(&glove.map);
-        let pipeline = Pipeline::new(
-            estimator(&self.glove),
-            self.arm.clone(),
-            controls(&self.layout),
-            self.arming,
-        );
-        let further = self.profiles.iter().map(|profile| {
-            let name = ProfileName::from(&profile.name);
-            let name = name.expect("the length is checked when the setup is loaded");
-            (name, controls(&profile.layout))
-        });
-        let pipeline = pipeline.with_profiles(further);
-        let pipeline = match &self.other_hand {
-            Some(other) => pipeline.with_second_hand(estimator(&other.glove), other.arm.clone()),
-            None => pipeline,
-        };
-        let further = self.sources().skip(1).map(|(_, rights)| rights);
-        further.fold(pipeline, Pipeline::with_second_source)
-    }
-
-    /// The sources of the setup and what each may do: the first, then that of the other hand where it has one.
-    pub fn sources(&self) -> impl Iterator<Item = (Option<&SourceUri>, SourcePermissions)> {
-        let setup = &self.setup;
-        let first = (setup.source.as_ref(), setup.role);
-        let other = setup.other_hand.as_ref();
-        let other = other.filter(|hand| hand.source.is_some());
-        let other = other.map(|hand| (hand.source.as_ref(), hand.role));
-        let sources = std::iter::once(first).chain(other);
-        sources.map(|(source, role)| (source, setup.rights(source, role)))
-    }
-
-    /// Opens a source, and that of the other hand where the setup names one.
-    pub fn open_source(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
-        let first = self.open_one(source)?;
-        let other = self.setup.other_hand.as_ref();
-        let (Some(name), Some(worn)) = (
-            other.and_then(|hand| hand.source.as_ref()),
-            &self.other_hand,
-        ) else {
-            return Ok(first);
-        };
-        let other = self.open_one(name)?;
-        let hands = [(self.glove.side, first), (worn.glove.side, other)];
-        Ok(Box::new(MergedSource::start(hands)?))
-    }
-
-    fn open_one(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
-        match source {
-            SourceUri::Recording { path } => Ok(Box::new(Replay::open(path)?)),
-            SourceUri::Typist { text } => Ok(Box::new(self.typist(
-                text,
-                &Hc11Format::default(),
-                0.0,
-                0,
-            )?)),
-            SourceUri::Script { script } => Ok(Box::new(self.scripted(
-                script,
-                &Hc11Format::default(),
-                0.0,
-                0,
-            )?)),
-            _ => Ok(capture::open(source)?),
-        }
-    }
-
-    /// The texts behind this setup: what a recording needs to be replayed as it was.
-    pub fn recorded_setup(&self) -> RecordedSetup {
-        let setup = ron::ser::to_string_pretty(&self.setup, PrettyConfig::new().struct_names(true))
-            .expect("a setup is plain data");
-        let settings = RecordedSetup::default().with(kind::SETTINGS, "settings", &setup);
-        self.documents
-            .iter()
-            .fold(settings, |recorded, (kind, document)| {
-                recorded.with(kind, &document.file, &document.text)
-            })
-    }
-
-    /// The setup behind a recording; a glove or a layout that is named goes before the recorded one.
+    /// Loads the setup of a recording. `glove` and `layout` replace the recorded ones.
     pub fn from_recording(
         recorded: &RecordedSetup,
         glove: Option<&str>,
@@ -310,45 +191,160 @@ impl LoadedSetup {
             let entry = recorded.get(kind)?;
             Some(Document::new(entry.name.as_str(), entry.text.as_str()))
         };
-        let setup: Setup = match document(kind::SETTINGS) {
-            Some(settings) => settings.parse()?,
+        let setup: Setup = match document(kind::SETUP) {
+            Some(setup) => setup.parse()?,
             None => Setup::default(),
         };
         Self::new(setup, &|kind, name| {
-            let given = match kind {
+            let replacement = match kind {
                 kind::GLOVE => glove,
                 kind::LAYOUT => layout,
                 _ => None,
             };
-            match (given, document(kind)) {
+            match (replacement, document(kind)) {
                 (Some(name), _) => Document::open(name),
                 (None, Some(document)) => Ok(document),
                 (None, None) => Document::open(name),
             }
         })
     }
+
+    /// Returns the setup and all its files as texts, for a recording.
+    pub fn recorded_setup(&self) -> RecordedSetup {
+        let setup = ron::ser::to_string_pretty(&self.setup, PrettyConfig::new().struct_names(true))
+            .expect("a setup is plain data");
+        let recorded = RecordedSetup::default().with(kind::SETUP, "setup", &setup);
+        self.documents
+            .iter()
+            .fold(recorded, |recorded, (kind, document)| {
+                recorded.with(kind, &document.file, &document.text)
+            })
+    }
+
+    /// Returns all layouts. The first one is active at the start.
+    pub fn layouts(&self) -> impl Iterator<Item = &Layout> {
+        let further = self.profiles.iter().map(|profile| &profile.layout);
+        std::iter::once(&self.layout).chain(further)
+    }
+
+    /// Returns the names of the layouts, in the same order.
+    pub fn profile_names(&self) -> impl Iterator<Item = &str> {
+        let further = self.profiles.iter().map(|profile| profile.name.as_str());
+        std::iter::once(MAIN_PROFILE).chain(further)
+    }
+
+    /// Returns everything that the layouts can ever emit.
+    pub fn required_capabilities(&self) -> Capabilities {
+        let mut capabilities = Capabilities::default();
+        for layout in self.layouts() {
+            capabilities.extend(layout.required_capabilities().iter());
+        }
+        capabilities
+    }
+
+    /// Checks that the setup allows the keys of a layout and has the profiles that it names.
+    pub fn check_layout(&self, layout: &Layout) -> Result<(), SetupError> {
+        let keys = layout.required_capabilities().keys;
+        if let Some(code) = keys.into_iter().find(|code| code.is_system_key())
+            && !self.setup.allow_system_keys
+        {
+            return Err(SetupError::Value(format!(
+                "{}: the key `{code}` acts on the system; remove it, or set `allow_system_keys: true` in the setup",
+                layout.file
+            )));
+        }
+        let is_unknown = |name: &&String| self.profile_names().all(|other| other != *name);
+        if let Some(name) = layout.profiles.iter().find(is_unknown) {
+            let error = UnknownName::new("profile", name, self.profile_names());
+            return Err(SetupError::Value(format!(
+                "{}: {error}; add it to `profiles` of the setup",
+                layout.file
+            )));
+        }
+        Ok(())
+    }
+
+    /// Returns the run-time instance of a layout that is, or replaces, one of this setup.
+    pub fn layout_instance(&self, layout: &Layout) -> Result<LayoutInstance, SetupError> {
+        self.check_layout(layout)?;
+        Ok(layout_instance(layout))
+    }
+
+    /// Returns a pipeline without readings.
+    pub fn pipeline(&self) -> Pipeline {
+        let pipeline = Pipeline::new(
+            self.estimator(self.glove.as_ref()),
+            self.arm.clone(),
+            layout_instance(&self.layout),
+            self.pipeline,
+        );
+        let profiles = self.profiles.iter().map(|profile| {
+            let name = ProfileName::from(&profile.name);
+            let name = name.expect("the length is checked when the setup is loaded");
+            (name, layout_instance(&profile.layout))
+        });
+        let pipeline = pipeline.with_profiles(profiles);
+        let pipeline = match &self.other_hand {
+            Some(GloveAndArm { glove, arm }) => {
+                pipeline.with_second_hand(self.estimator(glove.as_ref()), arm.clone())
+            }
+            None => pipeline,
+        };
+        let further_sources = self.sources().skip(1);
+        further_sources.fold(pipeline, |pipeline, (_, permissions)| {
+            pipeline.with_second_source(permissions)
+        })
+    }
+
+    fn estimator(&self, glove: Option<&Glove>) -> Estimator {
+        let estimator = Estimator::new(self.estimator);
+        match glove {
+            Some(glove) => estimator.with_channels(&glove.map),
+            None => estimator,
+        }
+    }
+
+    /// Returns the sources with their permissions: the first source, then that of the other hand if it has one.
+    pub fn sources(&self) -> impl Iterator<Item = (Option<&SourceUri>, SourcePermissions)> {
+        let setup = &self.setup;
+        let first = (setup.source.as_ref(), setup.role);
+        let other = setup.other_hand.as_ref();
+        let other = other.filter(|hand| hand.source.is_some());
+        let other = other.map(|hand| (hand.source.as_ref(), hand.role));
+        let sources = std::iter::once(first).chain(other);
+        sources.map(|(source, role)| (source, setup.permissions(source, role)))
+    }
+
+    /// Opens a source, merged with that of the other hand if it has one.
+    pub fn open_source(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
+        let first = self.open_single_source(source)?;
+        let other = self.setup.other_hand.as_ref();
+        let (Some(other), Some(hand)) = (
+            other.and_then(|hand| hand.source.as_ref()),
+            &self.other_hand,
+        ) else {
+            return Ok(first);
+        };
+        let second = self.open_single_source(other)?;
+        let sources = [(self.arm.side(), first), (hand.arm.side(), second)];
+        Ok(Box::new(MergedSource::start(sources)?))
+    }
+
+    fn open_single_source(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
+        let format = Hc11Format::default();
+        Ok(match source {
+            SourceUri::Recording { path } => Box::new(Replay::open(path)?),
+            SourceUri::Typist { text } => Box::new(self.typist(text, &format, 0.0, 0)?),
+            SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
+            _ => capture::open(source)?,
+        })
+    }
 }
 
-/// The controls of a layout that is alone in its setup.
-pub fn controls(layout: &Layout) -> LayoutInstance {
+/// Returns the run-time instance of a layout without a setup.
+pub fn layout_instance(layout: &Layout) -> LayoutInstance {
     let (scene, names) = (layout.scene.clone(), layout.target_names());
     LayoutInstance::new(scene, names, layout.devices())
         .with_texts(layout.texts.clone())
         .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
-}
-
-fn other_hand(
-    reader: &mut Reader,
-    other: &OtherHand,
-    first: &Glove,
-) -> Result<GloveAndArm, SetupError> {
-    let kinds = (kind::OTHER_GLOVE, kind::OTHER_ARM);
-    let worn = reader.worn(kinds, &other.glove, &other.arm)?;
-    if worn.glove.side == first.side {
-        return Err(SetupError::Value(format!(
-            "both gloves are for the {} hand, `other_hand` is for the other one",
-            first.side
-        )));
-    }
-    Ok(worn)
 }

@@ -1,102 +1,91 @@
-//! The setup: source, glove, hand, layout and output, as a file names them and as they are used.
+//! Setups: sources, gloves, arms, layouts, output and limits, as written in a file and as loaded.
 
+mod check;
 mod loaded;
 mod simulated;
 
-pub use loaded::{GloveAndArm, LoadedSetup, Profile, controls};
+pub use loaded::{GloveAndArm, LoadedSetup, Profile, layout_instance};
 
 use std::path::Path;
-use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
 use crate::capture::{CaptureError, SourceUri};
 use crate::document::{Document, DocumentError};
-use crate::estimate::{OneEuroSettings, Smoothing};
-use crate::kinematics::BoneLengths;
-use crate::pipeline::{PipelineSettings, PressRateLimit, SourcePermissions, SourceRole};
+use crate::pipeline::SourceRole;
 use crate::sim::TypistError;
 
-/// A setup as its file says it; every field has a default that works.
+/// The glove and the arm model of a setup that names none.
+const DEFAULT_GLOVE: &str = "unam-hc11";
+const DEFAULT_OTHER_GLOVE: &str = "unam-hc11-left";
+const DEFAULT_ARM: &str = "unam";
+
+/// A setup as written. Every field has a default.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Setup", default, deny_unknown_fields)]
 pub struct Setup {
-    /// Where readings come from, such as `serial:/dev/ttyUSB0?baud=9600`.
+    /// The source of the readings, such as `serial:/dev/ttyUSB0?baud=9600`.
     pub source: Option<SourceUri>,
-    /// What may come of the source. `None`: both pointer and keys, and of a source on the network just the pointer.
+    /// The events that the source may cause. Default: all, or pointer events if the source is on the network.
     pub role: Option<SourceRole>,
-    /// The glove: a shipped name or a file.
-    pub glove: String,
-    /// The arm that wears it.
+    /// The glove: a shipped name or a path. Default: `unam-hc11`, if the source provides channels.
+    pub glove: Option<String>,
+    /// The arm.
     pub arm: ArmSetup,
-    /// The other hand, where two are used.
+    /// The other hand of a setup with two hands.
     pub other_hand: Option<OtherHand>,
-    /// The layout: a shipped name or a file.
+    /// The layout that is active at the start: a shipped name or a path.
     pub layout: String,
-    /// Further layouts, one of which can take the place of the first while tracking.
+    /// Further layouts that keys and commands can activate.
     pub profiles: Vec<ProfileSetup>,
-    /// Where events go: `transcript`, `desktop`, `uinput`, `none`, or several of them with commas between.
+    /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, ….
     pub output: String,
-    /// The filter on the angles.
+    /// The filter of the joint angles.
     pub smoothing: SmoothingSetup,
-    /// How long readings may stay away before everything is let go, in ms; at least three frames of
-    /// the source are allowed in any case.
+    /// Time without readings after which everything is released, 20 to 10000 ms, and at least three packet periods of the source.
     pub stall_timeout_ms: u32,
-    /// Whether the first reading arms, instead of a hand that is seen off all keys.
+    /// Output is armed by the first reading. Otherwise it is armed after the hand has been clear of every key.
     pub arm_immediately: bool,
-    /// The most presses that may come of one source in a second, 1 to 1000; after more, everything is let go
-    /// of and the run pauses. `None`: 60, and 20 for a source on the network.
+    /// Maximum number of presses per second and source, 1 to 1000. Beyond it everything is released and the session pauses.
+    /// Default: 60, or 20 if the source is on the network.
     pub max_presses_per_second: Option<u32>,
-    /// Whether keys that act on the system may be pressed: Meta and PrintScreen, and F1 to F12, Delete and
-    /// Backspace with Control and Alt.
+    /// Keys that act on the system can be pressed: Meta, PrintScreen, and F1 to F12, Delete and Backspace with Control and Alt.
     pub allow_system_keys: bool,
-    /// Keys of the real keyboards of this machine that pause the run when all of them are down; none: no keyboard
-    /// is read. See [`emergency`](crate::emergency).
+    /// Keys of the real keyboards that pause the session while all of them are down. An empty list reads no keyboard.
     pub panic_keys: Vec<String>,
 }
 
-/// A second glove and who wears it.
+/// The other hand of a setup with two hands.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "OtherHand", default, deny_unknown_fields)]
 pub struct OtherHand {
-    /// Where its readings come from; `None` where the first source has both hands.
+    /// The source of its readings. Default: the first source provides both hands.
     pub source: Option<SourceUri>,
-    /// What may come of that source, as of the first one.
+    /// The events that its source may cause.
     pub role: Option<SourceRole>,
-    /// The glove: a shipped name or a file.
-    pub glove: String,
-    /// The arm that wears it.
+    /// The glove: a shipped name or a path. Default: `unam-hc11-left`, if the source provides channels.
+    pub glove: Option<String>,
+    /// The arm.
     pub arm: ArmSetup,
 }
 
-impl Default for OtherHand {
-    fn default() -> Self {
-        Self {
-            source: None,
-            role: None,
-            glove: "unam-hc11-left".into(),
-            arm: ArmSetup::Model("unam".into()),
-        }
-    }
-}
-
-/// A layout and what keys, gestures and commands call it.
+/// A layout and its name in the setup.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "Profile", deny_unknown_fields)]
 pub struct ProfileSetup {
-    /// What it is called; the layout that is in force at first is called `main`.
+    /// The name. `main` is the layout that is active at the start.
     pub name: String,
-    /// A shipped name or a file.
+    /// The layout: a shipped name or a path.
     pub layout: String,
 }
 
-/// The arm that wears the glove.
+/// An arm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "Arm", deny_unknown_fields)]
 pub enum ArmSetup {
-    /// An arm model: a shipped name or a file.
+    /// An arm model: a shipped name or a path.
     Model(String),
-    /// An arm of average proportions, from two measures of a person.
+    /// An arm of average proportions.
     Measured {
         /// Wrist crease to the end of the middle finger, in mm.
         hand_length_mm: f64,
@@ -105,57 +94,41 @@ pub enum ArmSetup {
     },
 }
 
-impl ArmSetup {
-    /// The bones of an arm that was measured.
-    fn bones(&self) -> Result<Option<BoneLengths>, SetupError> {
-        let Self::Measured {
-            hand_length_mm,
-            forearm_length_mm,
-        } = self
-        else {
-            return Ok(None);
-        };
-        BoneLengths::from_hand_and_forearm(hand_length_mm * 1e-3, forearm_length_mm * 1e-3)
-            .map(Some)
-            .map_err(SetupError::Value)
-    }
-}
-
-/// The filter on the angles, as the file says it.
+/// The filter of the joint angles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(rename = "Smoothing", deny_unknown_fields)]
 pub enum SmoothingSetup {
-    /// 1-Euro with our tuning.
+    /// A 1-Euro filter with default settings.
     #[default]
     Default,
     /// None.
     Off,
-    /// The filters of the thesis that the glove comes from, corrected.
+    /// The recursive averages of the founding system, with its errors corrected.
     RecursiveAverage,
-    /// 1-Euro, tuned by hand.
+    /// A 1-Euro filter.
     OneEuro {
-        /// Cutoff at rest, in Hz.
+        /// Cutoff frequency at rest, in Hz.
         min_cutoff_hz: f64,
-        /// Rise of the cutoff, in Hz per rad/s.
+        /// Increase of the cutoff frequency, in Hz per rad/s.
         beta: f64,
-        /// Cutoff of the speed, in Hz.
+        /// Cutoff frequency of the speed, in Hz.
         derivative_cutoff_hz: f64,
     },
 }
 
-/// Why a setup cannot be used.
+/// The reason why a setup cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SetupError {
-    /// A file is not as it should be.
+    /// A file is missing or invalid.
     #[error(transparent)]
     File(#[from] DocumentError),
-    /// A number makes no sense.
+    /// A value is invalid.
     #[error("{0}")]
     Value(String),
     /// The source cannot be opened.
     #[error(transparent)]
     Capture(#[from] CaptureError),
-    /// The simulated hand cannot type this.
+    /// The simulated hand cannot type the text.
     #[error(transparent)]
     Typist(#[from] TypistError),
 }
@@ -165,8 +138,8 @@ impl Default for Setup {
         Self {
             source: None,
             role: None,
-            glove: "unam-hc11".into(),
-            arm: ArmSetup::Model("unam".into()),
+            glove: None,
+            arm: ArmSetup::default(),
             other_hand: None,
             layout: "qwerty-flat".into(),
             profiles: Vec::new(),
@@ -181,8 +154,25 @@ impl Default for Setup {
     }
 }
 
+impl Default for OtherHand {
+    fn default() -> Self {
+        Self {
+            source: None,
+            role: None,
+            glove: None,
+            arm: ArmSetup::default(),
+        }
+    }
+}
+
+impl Default for ArmSetup {
+    fn default() -> Self {
+        Self::Model(DEFAULT_ARM.into())
+    }
+}
+
 impl Setup {
-    /// The setup in a file. The files that it names are seen from its folder, where they are there.
+    /// Loads a setup file. Names of files in its folder become paths.
     pub fn load(path: &str) -> Result<Self, SetupError> {
         let document = Document::open(path)?;
         let mut setup: Self = document.parse()?;
@@ -190,111 +180,61 @@ impl Setup {
             .check()
             .map_err(|error| DocumentError::for_file(&document.file, error))?;
         let folder = Path::new(path).parent().unwrap_or(Path::new(""));
-        let seen_from_folder = |name: &mut String| {
+        for name in setup.file_names() {
             let path = folder.join(&*name);
             if path.is_file() {
                 *name = path.display().to_string();
-            }
-        };
-        seen_from_folder(&mut setup.glove);
-        seen_from_folder(&mut setup.layout);
-        for profile in &mut setup.profiles {
-            seen_from_folder(&mut profile.layout);
-        }
-        if let Some(other) = &mut setup.other_hand {
-            seen_from_folder(&mut other.glove);
-        }
-        let other = setup.other_hand.as_mut().map(|other| &mut other.arm);
-        for hand in [Some(&mut setup.arm), other].into_iter().flatten() {
-            if let ArmSetup::Model(name) = hand {
-                seen_from_folder(name);
             }
         }
         Ok(setup)
     }
 
-    /// Whether all numbers make sense.
-    fn check(&self) -> Result<(), SetupError> {
-        self.smoothing()?;
-        self.arming()?;
-        if let Some(other) = &self.other_hand {
-            other.arm.bones()?;
-        }
-        self.arm.bones().map(drop)
-    }
-
-    /// Reads all files that the setup names.
+    /// Loads all files that the setup names.
     pub fn load_files(self) -> Result<LoadedSetup, SetupError> {
         LoadedSetup::new(self, &|_, name| Document::open(name))
     }
 
-    fn smoothing(&self) -> Result<Smoothing, SetupError> {
-        let SmoothingSetup::OneEuro {
-            min_cutoff_hz,
-            beta,
-            derivative_cutoff_hz,
-        } = self.smoothing
-        else {
-            return Ok(match self.smoothing {
-                SmoothingSetup::Off => Smoothing::Off,
-                SmoothingSetup::RecursiveAverage => Smoothing::RecursiveAverage,
-                _ => Smoothing::default(),
-            });
-        };
-        let usable = |cutoff_hz: f64| (1e-3..=1e4).contains(&cutoff_hz);
-        if !usable(min_cutoff_hz) || !usable(derivative_cutoff_hz) || !(0.0..=1e4).contains(&beta) {
-            let message = "smoothing: cutoffs are 0.001 to 10000 Hz, `beta` is 0 to 10000";
-            return Err(SetupError::Value(message.into()));
+    /// Returns the names of all files: gloves, arms and layouts.
+    fn file_names(&mut self) -> Vec<&mut String> {
+        let mut names = vec![&mut self.layout];
+        names.extend(self.profiles.iter_mut().map(|profile| &mut profile.layout));
+        names.extend(&mut self.glove);
+        names.extend(self.arm.model_name());
+        if let Some(other) = &mut self.other_hand {
+            names.extend(&mut other.glove);
+            names.extend(other.arm.model_name());
         }
-        Ok(Smoothing::OneEuro(OneEuroSettings {
-            min_cutoff_hz,
-            beta,
-            derivative_cutoff_hz,
-        }))
+        names
     }
 
-    fn arming(&self) -> Result<PipelineSettings, SetupError> {
-        if let Some(other @ (0 | 1001..)) = self.max_presses_per_second {
-            let message = format!("`max_presses_per_second` is 1 to 1000, not {other}");
-            return Err(SetupError::Value(message));
-        }
-        if !(20..=10_000).contains(&self.stall_timeout_ms) {
-            let message = format!(
-                "`stall_timeout_ms` is 20 to 10000, not {}",
-                self.stall_timeout_ms
-            );
-            return Err(SetupError::Value(message));
-        }
-        if let Some(OtherHand {
-            source: None,
-            role: Some(_),
-            ..
-        }) = self.other_hand
-        {
-            let message = "`role` of `other_hand` is that of its own `source`, and it names none: both hands have the \
-                 role of the first source";
-            return Err(SetupError::Value(message.into()));
-        }
-        Ok(PipelineSettings {
-            arm_immediately: self.arm_immediately,
-            stall_timeout: Duration::from_millis(self.stall_timeout_ms.into()),
-            permissions: self.rights(self.source.as_ref(), self.role),
-            allow_system_keys: self.allow_system_keys,
-            ..PipelineSettings::default()
-        })
+    /// The name of the glove file, or `None` if the source needs no glove.
+    fn glove_name(&self) -> Option<&str> {
+        glove_name(&self.glove, self.source.as_ref(), DEFAULT_GLOVE)
     }
+}
 
-    /// What a source may do that is given this role, if any.
-    fn rights(&self, source: Option<&SourceUri>, role: Option<SourceRole>) -> SourcePermissions {
-        let usual = match source {
-            Some(source) if source.is_remote() => SourcePermissions::NETWORK,
-            _ => SourcePermissions::LOCAL,
-        };
-        let presses = self.max_presses_per_second;
-        SourcePermissions {
-            role: role.unwrap_or(usual.role),
-            rate_limit: presses
-                .map_or(usual.rate_limit, |per_second| PressRateLimit { per_second }),
+impl OtherHand {
+    /// The name of the glove file, or `None` if the source needs no glove. `first` is the source of a hand without one of its own.
+    fn glove_name(&self, first: Option<&SourceUri>) -> Option<&str> {
+        let source = self.source.as_ref().or(first);
+        glove_name(&self.glove, source, DEFAULT_OTHER_GLOVE)
+    }
+}
+
+impl ArmSetup {
+    fn model_name(&mut self) -> Option<&mut String> {
+        match self {
+            Self::Model(name) => Some(name),
+            Self::Measured { .. } => None,
         }
     }
+}
+
+fn glove_name<'a>(
+    glove: &'a Option<String>,
+    source: Option<&SourceUri>,
+    default: &'a str,
+) -> Option<&'a str> {
+    let needs_glove = source.is_none_or(SourceUri::needs_glove);
+    glove.as_deref().or(needs_glove.then_some(default))
 }

@@ -1,86 +1,93 @@
-//! The simulated hand of a setup: what it types and plays, and what it cannot reach.
+//! The simulated hands of a setup: typing, scripts, and the targets out of their reach.
 
 use parry3d::math::Vec2;
 
 use super::{LoadedSetup, SetupError};
 use crate::capture::Hc11Format;
 use crate::contact::TargetId;
+use crate::estimate::ChannelMap;
 use crate::hand::Side;
+use crate::kinematics::ArmModel;
 use crate::layout::{ControlKind, SpaceTargets};
 use crate::sim::{
-    self, ActionError, ActionErrorKind, HandAction, REACH_TOLERANCE, Script, SimulatedTypist,
-    TypingHand, TypistError, TypistSettings,
+    self, ActionError, ActionErrorKind, REACH_TOLERANCE, Script, SimulatedTypist, TypingHand,
+    TypistError, TypistSettings,
 };
 
 impl LoadedSetup {
-    /// A simulated hand that types `text` on this layout with this glove, at the pace of `line`.
+    /// Returns a simulated hand that types `text` on the layout and sends packets in `format`.
     pub fn typist(
         &self,
         text: &str,
-        line: &Hc11Format,
+        format: &Hc11Format,
         noise_counts: f64,
         seed: u64,
     ) -> Result<SimulatedTypist, SetupError> {
-        let orders = sim::taps_for_text(text, &self.layout.key_bindings());
-        let orders = orders.map_err(TypistError::from)?;
+        let actions = sim::taps_for_text(text, &self.layout.key_bindings());
+        let actions = actions.map_err(TypistError::from)?;
         let settings = TypistSettings {
             name: format!("typist:{text}"),
-            packet_period: line.packet_period(),
+            packet_period: format.packet_period(),
             noise_counts,
             seed,
         };
-        self.hand_that_plays(&orders, &settings)
-            .map_err(|error| match self.told(&error) {
+        let hands = self.hands()?;
+        SimulatedTypist::with_hands(&settings, &actions, &self.layout.scene, &hands).map_err(
+            |error| match self.reach_message(&error) {
                 Some(message) => SetupError::Value(format!(
                     "cannot type on {}: key {message}",
                     self.layout.file,
                 )),
                 None => error.into(),
-            })
+            },
+        )
     }
 
-    /// A simulated hand that plays a script, in a file or as it stands, on this layout with this glove,
-    /// at the pace of `line`.
+    /// Returns a simulated hand that plays a script, a path or the text itself, and sends packets in `format`.
     pub fn scripted(
         &self,
         path_or_text: &str,
-        line: &Hc11Format,
+        format: &Hc11Format,
         noise_counts: f64,
         seed: u64,
     ) -> Result<SimulatedTypist, SetupError> {
         let script = Script::open(path_or_text, &self.layout.target_names())?;
         let settings = TypistSettings {
             name: format!("script:{}", script.file()),
-            packet_period: line.packet_period(),
+            packet_period: format.packet_period(),
             noise_counts,
             seed,
         };
-        self.hand_that_plays(script.actions(), &settings)
-            .map_err(|error| match &error {
-                TypistError::Action(refusal) => {
-                    let message = self.told(&error).unwrap_or_else(|| error.to_string());
-                    script.error(refusal.index, message).into()
+        let hands = self.hands()?;
+        let scene = &self.layout.scene;
+        SimulatedTypist::with_hands(&settings, script.actions(), scene, &hands).map_err(|error| {
+            match &error {
+                TypistError::Action(action_error) => {
+                    let message = self.reach_message(&error);
+                    let message = message.unwrap_or_else(|| error.to_string());
+                    script.error(action_error.index, message).into()
                 }
                 TypistError::CannotType(_) => error.into(),
+            }
+        })
+    }
+
+    /// Returns the arms and channel maps of the simulated hands, which move the channels of gloves.
+    fn hands(&self) -> Result<Vec<(&ArmModel, &ChannelMap)>, SetupError> {
+        let other = self.other_hand.iter().map(|hand| (&hand.arm, &hand.glove));
+        std::iter::once((&self.arm, &self.glove))
+            .chain(other)
+            .map(|(arm, glove)| match glove {
+                Some(glove) => Ok((arm, &glove.map)),
+                None => Err(SetupError::Value(
+                    "a simulated hand needs a glove; add `glove` to the setup".into(),
+                )),
             })
+            .collect()
     }
 
-    fn hand_that_plays(
-        &self,
-        orders: &[HandAction],
-        settings: &TypistSettings,
-    ) -> Result<SimulatedTypist, TypistError> {
-        let mut hands = vec![(&self.arm, &self.glove.map)];
-        hands.extend(
-            self.other_hand
-                .iter()
-                .map(|worn| (&worn.arm, &worn.glove.map)),
-        );
-        SimulatedTypist::with_hands(settings, orders, &self.layout.scene, &hands)
-    }
-
-    /// What a person reads of an error about a target: its name instead of its number.
-    fn told(&self, error: &TypistError) -> Option<String> {
+    /// Returns the message for a target out of reach, with its name.
+    fn reach_message(&self, error: &TypistError) -> Option<String> {
         let TypistError::Action(ActionError {
             kind:
                 ActionErrorKind::OutOfReach {
@@ -96,45 +103,44 @@ impl LoadedSetup {
         let name = names.get(*target);
         Some(match metres.is_finite() {
             true => format!(
-                "`{name}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make \
-                 it smaller",
+                "`{name}` is {:.0} mm out of reach of the simulated hand; move the board nearer or make it smaller",
                 metres * 1e3
             ),
             false => {
-                format!("`{name}` is there for the other hand; give the setup an `other_hand`")
+                format!("`{name}` is reserved for the other hand; add an `other_hand` to the setup")
             }
         })
     }
 
-    /// What the simulated hand cannot press, keys and other controls, and how far beyond its reach each
-    /// is, in metres. Of a slider or lever the ends of its track count too. Keys of chords are left out:
-    /// each is for a finger of its own, and the hand reaches with one only. Of targets in space that a
-    /// fingertip selects the middle has to be within reach.
+    /// Returns the names of the targets that no simulated hand can press, with the distance beyond its reach in metres.
+    ///
+    /// Includes both ends of the track of a slider or lever, and the centers of targets in space that a fingertip selects.
+    /// Excludes keys of chords, because each has a finger of its own and the simulated hand reaches with one finger.
     pub fn out_of_reach(&self) -> Vec<(&str, f64)> {
-        let hands =
-            [self.glove.side, self.glove.side.opposite()].map(|side| self.typing_hand(side));
+        let side = self.arm.side();
+        let hands = [side, side.opposite()].map(|side| self.typing_hand(side));
         let keys = self.layout.keys.iter().map(|key| &key.face);
-        let keys = keys.filter(|front| !self.layout.is_chord_key(front.target));
-        let keys = keys.map(|front| (front, 0.0));
+        let keys = keys.filter(|face| !self.layout.is_chord_key(face.target));
+        let keys = keys.map(|face| (face, 0.0));
         let controls = self.layout.controls.iter().flat_map(|control| {
             let half_length = match &control.kind {
                 ControlKind::Slider(slider) => slider.half_length,
                 _ => 0.0,
             };
-            control.faces.iter().map(move |front| (front, half_length))
+            control.faces.iter().map(move |face| (face, half_length))
         });
         keys.chain(controls)
-            .filter_map(|(front, half_length)| {
+            .filter_map(|(face, half_length)| {
                 let ends = [-half_length, half_length].map(|x| Vec2::X * x);
-                let beyond = ends.map(|end| self.beyond(&hands, front.target, end));
-                let beyond = beyond.into_iter().flatten().reduce(f64::max)?;
-                Some((front.name.as_str(), beyond))
+                let distances = ends.map(|end| self.distance_beyond(&hands, face.target, end));
+                let distance = distances.into_iter().flatten().reduce(f64::max)?;
+                Some((face.name.as_str(), distance))
             })
             .chain(self.spaces_out_of_reach(&hands))
             .collect()
     }
 
-    /// Targets in space; those that a pointer selects are reached by the pointer.
+    /// As [`out_of_reach`](Self::out_of_reach), for targets in space. A pointer reaches all that it selects.
     fn spaces_out_of_reach(&self, hands: &[TypingHand]) -> Vec<(&str, f64)> {
         let mut found = Vec::new();
         if self.layout.pointer.is_some() {
@@ -142,14 +148,12 @@ impl LoadedSetup {
         }
         for SpaceTargets { names, space } in &self.layout.spaces {
             for (name, volume) in names.iter().zip(space.volumes.iter()) {
-                let beyond = hands.iter().map(|hand| {
-                    let world_from_space = space
-                        .frame
-                        .world_from_frame(&hand.pose(&hand.rest_values()));
-                    let tip = world_from_space? * volume.center;
-                    Some(hand.reach(tip, &mut hand.rest_values(), &[]))
+                let distances = hands.iter().map(|hand| {
+                    let pose = hand.pose(&hand.rest_values());
+                    let center = space.frame.world_from_frame(&pose)? * volume.center;
+                    Some(hand.reach(center, &mut hand.rest_values(), &[]))
                 });
-                let nearest = beyond.flatten().fold(f64::INFINITY, f64::min);
+                let nearest = distances.flatten().fold(f64::INFINITY, f64::min);
                 if nearest > REACH_TOLERANCE {
                     found.push((name.as_str(), nearest));
                 }
@@ -158,11 +162,16 @@ impl LoadedSetup {
         found
     }
 
-    /// How far beyond the reach of the nearer hand a place on a target is, in metres.
-    fn beyond(&self, hands: &[TypingHand], target: TargetId, at: Vec2) -> Option<f64> {
+    /// Returns the distance of a position on a target beyond the reach of the nearer hand, in metres, or `None` if one reaches it.
+    fn distance_beyond(
+        &self,
+        hands: &[TypingHand],
+        target: TargetId,
+        position: Vec2,
+    ) -> Option<f64> {
         let mut nearest = f64::INFINITY;
         for hand in hands {
-            match hand.tap_path_at(&self.layout.scene, target, at) {
+            match hand.tap_path_at(&self.layout.scene, target, position) {
                 Ok(_) => return None,
                 Err(distance) => nearest = nearest.min(distance),
             }
@@ -170,14 +179,17 @@ impl LoadedSetup {
         Some(nearest)
     }
 
-    /// The simulated hand of a side: with the glove of this setup where there is one for it, else in a
-    /// mirror.
+    /// Returns the simulated hand of a side. Without a hand on that side, it is the mirrored other hand.
     fn typing_hand(&self, side: Side) -> TypingHand {
-        match &self.other_hand {
-            Some(other) if other.glove.side == side => {
-                TypingHand::new(&other.arm, &other.glove.map)
-            }
-            _ => TypingHand::new(&self.arm.clone().for_side(side), &self.glove.map),
+        let other = self.other_hand.as_ref();
+        let other = other.filter(|other| other.arm.side() == side);
+        let (arm, glove): (ArmModel, _) = match other {
+            Some(other) => (other.arm.clone(), &other.glove),
+            None => (self.arm.clone().for_side(side), &self.glove),
+        };
+        match glove {
+            Some(glove) => TypingHand::new(&arm, &glove.map),
+            None => TypingHand::new(&arm, &ChannelMap::new(Vec::new(), 255)),
         }
     }
 }

@@ -84,7 +84,7 @@ fn a_scale_key_enlarges_the_boards() {
     let row = r#"(at_mm: (-90.25, 0), keys: "A S D F G H J K L Semicolon Quote Backslash"),"#;
     let without_h =
         r#"(at_mm: (-90.25, 0), keys: "A S D F G"), (at_mm: (23.75, 0), keys: "J K L"),"#;
-    let grow = "(action: Scale(1.5), name: \"grow\", at_mm: (4.75, 0)),\n                (code: \"ShiftLeft\"";
+    let grow = "(action: Command(\"scale 1.5\"), name: \"grow\", at_mm: (4.75, 0)),\n                (code: \"ShiftLeft\"";
     let text = shipped("qwerty-flat");
     let changed = text
         .replace(row, without_h)

@@ -341,7 +341,7 @@ impl Play<'_> {
     fn replace(&mut self, bytes: &mut Bytes) {
         let place = usize::from(bytes.byte()) % 4;
         let layout = &OTHERS[usize::from(bytes.byte()) % OTHERS.len()];
-        let controls = self.world.assembly.controls(layout);
+        let controls = self.world.assembly.layout_instance(layout);
         let mut controls = controls.expect("it names no other layout");
         if bytes.byte() < 128 {
             self.engine.keep_board_poses(place, &mut controls);

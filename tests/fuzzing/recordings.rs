@@ -54,7 +54,7 @@ pub fn recording(data: &[u8]) -> bool {
         return false;
     }
     // Its setup may be anything; what it names is not looked for.
-    if let Some(settings) = replayed.setup.get("settings") {
+    if let Some(settings) = replayed.setup.get("setup") {
         super::texts::setup(settings.text.as_bytes());
     }
     if let Some(bytes) = record(&replayed.setup, &replayed.readings) {

@@ -9,7 +9,7 @@ use ademan::document::{Document, DocumentError};
 use ademan::kinematics::ArmModel;
 use ademan::layout::{Glove, Layout, move_boards, scale_boards};
 use ademan::session::control_socket::request;
-use ademan::setup::{ArmSetup, Setup, controls};
+use ademan::setup::{ArmSetup, Setup, layout_instance};
 use ademan::sim::Script;
 
 /// A text as a file would hold it; `None` where it is not in UTF-8, which no parser sees.
@@ -26,7 +26,7 @@ fn check_error(error: &DocumentError, document: &Document) {
     }
 }
 
-/// Whether it is a layout. One that is gives controls, needs and drawings, and a file with its boards moved
+/// Whether it is a layout. One that is gives a layout instance, capabilities and drawings, and a file with its boards moved
 /// or scaled is a layout too.
 pub fn layout(data: &[u8]) -> bool {
     let Some(document) = document(data) else {
@@ -39,7 +39,7 @@ pub fn layout(data: &[u8]) -> bool {
             return false;
         }
     };
-    let built = controls(&layout);
+    let built = layout_instance(&layout);
     assert_eq!(
         layout.target_names().iter().count(),
         built.target_names().iter().count()
@@ -115,7 +115,7 @@ pub fn setup(data: &[u8]) -> bool {
         measured => measured,
     };
     let known = Setup {
-        glove: "unam-hc11".into(),
+        glove: None,
         layout: "arrows".into(),
         profiles: Vec::new(),
         other_hand: None,

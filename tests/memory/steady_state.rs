@@ -22,7 +22,7 @@ use ademan::layout::Layout as Keys;
 use ademan::pipeline::Pipeline;
 use ademan::pipeline::PipelineState;
 use ademan::session::{CommandReceiver, run_pipeline};
-use ademan::setup::{LoadedSetup, Setup, controls};
+use ademan::setup::{LoadedSetup, Setup, layout_instance};
 use ademan::sim::SimulatedTypist;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
@@ -421,7 +421,7 @@ fn a_layout_change_neither_allocates_nor_frees_in_the_loop() {
     let mut pipeline = setup.pipeline();
     let typed = play(&mut pipeline, &mut typing, 0);
     let dvorak = Keys::load("dvorak-flat").expect("the shipped layout");
-    let mut others = controls(&dvorak);
+    let mut others = layout_instance(&dvorak);
     let mut events = Events::new();
 
     let before = (allocations(), frees());

@@ -8,7 +8,7 @@ use ademan::device::{EventKind, Events, KeyCode};
 use ademan::estimate::Rejection;
 use ademan::layout::Layout;
 use ademan::pipeline::PipelineState;
-use ademan::setup::{Setup, controls};
+use ademan::setup::{Setup, layout_instance};
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
@@ -117,7 +117,7 @@ impl Wearer {
         let layout = Layout::load("dvorak-flat").expect("the shipped layout");
         let mut events = Events::new();
         self.pipeline
-            .replace_profile(0, &mut controls(&layout), &layout, &mut events);
+            .replace_profile(0, &mut layout_instance(&layout), &layout, &mut events);
         self.write(&events);
     }
 

@@ -93,7 +93,7 @@ fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on()
     healthy.play(&deed);
     assert_eq!(healthy.take_events(), "down J, down 8, up 8, up J");
     let index = FingerSet::NONE.with(Finger::Index);
-    let map = &assembly.glove.map;
+    let map = &assembly.glove.as_ref().expect("a glove").map;
     let channels: Vec<usize> = (0..BODY_BYTES)
         .filter(|&channel| map.fingers_affected_by(channel) == index)
         .collect();
@@ -151,7 +151,13 @@ fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
     const SPARE: usize = 63;
     let press = Press::for_text("h");
     let assembly = default_setup();
-    let mut rows = assembly.glove.map.rows().to_vec();
+    let mut rows = assembly
+        .glove
+        .as_ref()
+        .expect("a glove")
+        .map
+        .rows()
+        .to_vec();
     assert!(rows.iter().all(|row| row.channel != SPARE));
     rows.push(ChannelRow {
         label: "without end".into(),
@@ -239,7 +245,8 @@ fn a_million_readings_a_second_press_no_more_than_is_allowed() {
         ..EstimatorSettings::default()
     };
     for interval in [1, 20, 100, 1_000] {
-        let estimator = Estimator::new(settings).with_channels(&assembly.glove.map);
+        let estimator =
+            Estimator::new(settings).with_channels(&assembly.glove.as_ref().expect("a glove").map);
         let mut wearer = GloveWearer::with_pipeline(pipeline_with(&assembly, estimator));
         for posture in stroke.iter().cycle().take(100 * stroke.len()) {
             wearer.show_after(interval, posture);

@@ -43,8 +43,13 @@ impl Wearer {
 
     fn posture(&self, side: Side, key: &str, is_down: bool) -> Channels {
         let (arm, map) = match &self.assembly.other_hand {
-            Some(other) if other.glove.side == side => (&other.arm, &other.glove.map),
-            _ => (&self.assembly.arm, &self.assembly.glove.map),
+            Some(other) if other.glove.as_ref().expect("a glove").side == side => {
+                (&other.arm, &other.glove.as_ref().expect("a glove").map)
+            }
+            _ => (
+                &self.assembly.arm,
+                &self.assembly.glove.as_ref().expect("a glove").map,
+            ),
         };
         let layout = self.assembly.layouts().nth(self.pipeline.active_profile());
         let layout = layout.expect("there is a layout in force");
@@ -266,14 +271,14 @@ fn what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen() {
 fn two_gloves_for_one_hand_are_refused() {
     let setup = Setup {
         other_hand: Some(OtherHand {
-            glove: "unam-hc11".into(),
+            glove: Some("unam-hc11".into()),
             ..OtherHand::default()
         }),
         ..Setup::default()
     };
     assert_eq!(
         setup.load_files().unwrap_err().to_string(),
-        "both gloves are for the right hand, `other_hand` is for the other one"
+        "both gloves are for the right hand, `other_hand` needs a glove for the left hand"
     );
 }
 
@@ -300,9 +305,9 @@ fn setup_of(main: &str, other: &str) -> (tempfile::TempDir, Setup) {
     (folder, setup)
 }
 
-const MAIN: &str = r#"(code: "A", at_mm: (-20, 0)), (action: Profile("other"), at_mm: (0, 0)),
-    (action: NextProfile, name: "next", at_mm: (20, 0))"#;
-const OTHER: &str = r#"(code: "B", at_mm: (0, 0)), (action: Profile("main"), at_mm: (20, 0))"#;
+const MAIN: &str = r#"(code: "A", at_mm: (-20, 0)), (action: Command("profile other"), name: "other", at_mm: (0, 0)),
+    (action: Command("next-profile"), name: "next", at_mm: (20, 0))"#;
+const OTHER: &str = r#"(code: "B", at_mm: (0, 0)), (action: Command("profile main"), name: "main", at_mm: (20, 0))"#;
 
 #[test]
 fn a_key_puts_another_layout_in_force_and_the_finger_has_to_leave_first() {
@@ -352,15 +357,14 @@ fn what_is_held_when_another_layout_is_put_in_force_comes_up_first() {
 
 #[test]
 fn a_profile_that_the_setup_lacks_is_refused_by_name() {
-    let (_folder, setup) = setup_of(&MAIN.replace("\"other\"", "\"othre\""), OTHER);
+    let (_folder, setup) = setup_of(&MAIN.replace("profile other", "profile othre"), OTHER);
     let error = setup.load_files().unwrap_err().to_string();
-    let end =
-        "unknown profile `othre`, did you mean `other`?; list it under `profiles` of the setup";
+    let end = "unknown profile `othre`, did you mean `other`?; add it to `profiles` of the setup";
     assert!(error.ends_with(end), "{error}");
     let (_folder, mut setup) = setup_of(MAIN, OTHER);
     setup.profiles[0].name = "main".into();
     let error = setup.load_files().unwrap_err().to_string();
-    assert_eq!(error, "there is a profile `main` already");
+    assert_eq!(error, "duplicate profile `main`");
 }
 
 #[test]
@@ -387,7 +391,7 @@ fn a_setup_with_two_hands_and_profiles_comes_back_out_of_a_recording() {
 
 #[test]
 fn a_key_pauses_and_the_same_key_ends_that_and_nothing_of_the_pause_is_left() {
-    let keys = r#"(code: "A", at_mm: (-20, 0)), (action: TogglePause, name: "pause", at_mm: (0, 0)),
+    let keys = r#"(code: "A", at_mm: (-20, 0)), (action: Command("toggle-pause"), name: "pause", at_mm: (0, 0)),
         (code: "ShiftLeft", latch: OneShot, at_mm: (20, 0))"#;
     let (_folder, setup) = setup_of(keys, OTHER);
     let mut wearer = Wearer::of(setup);

@@ -142,8 +142,7 @@ fn an_unknown_role_and_a_role_without_a_source_are_refused() {
         .to_string();
     assert_eq!(
         error,
-        "`role` of `other_hand` is that of its own `source`, and it names none: both hands have the role of the \
-         first source"
+        "`other_hand` has a `role` but no `source`; set the `role` of the first source, which provides both hands"
     );
 }
 
@@ -203,14 +202,13 @@ fn system_keys_need_the_permission_of_the_setup() {
     assert_eq!(
         error.to_string(),
         format!(
-            "{file}: its key `MetaLeft` acts on the system and not just on one program; take it out, or allow \
-             such keys with `allow_system_keys: true` in the setup"
+            "{file}: the key `MetaLeft` acts on the system; remove it, or set `allow_system_keys: true` in the setup"
         )
     );
     // A layout that replaces another one is checked too.
     let layout = Layout::load(&file).expect("a valid layout");
-    assert!(load(Setup::default()).controls(&layout).is_err());
+    assert!(load(Setup::default()).layout_instance(&layout).is_err());
     setup.allow_system_keys = true;
     let setup = load(setup);
-    assert!(setup.controls(&layout).is_ok());
+    assert!(setup.layout_instance(&layout).is_ok());
 }

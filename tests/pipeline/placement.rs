@@ -69,7 +69,7 @@ impl Wearer {
 
     /// Shows the index fingertip at a place in the world, in metres.
     fn go(&mut self, tip: Vec3) {
-        let map = &self.assembly.glove.map;
+        let map = &self.assembly.glove.as_ref().expect("a glove").map;
         let hand = TypingHand::new(&self.assembly.arm, map);
         let mut values = hand.rest_values();
         let miss = hand.reach(tip, &mut values, &[]);
@@ -88,7 +88,10 @@ impl Wearer {
     /// Where the fingertip is over a key of a scene, and at its bottom.
     fn over(&self, layout: &Layout, scene: &Scene, key: &str) -> [Vec3; 2] {
         let target = layout.key(key).expect("a key").face.target;
-        let hand = TypingHand::new(&self.assembly.arm, &self.assembly.glove.map);
+        let hand = TypingHand::new(
+            &self.assembly.arm,
+            &self.assembly.glove.as_ref().expect("a glove").map,
+        );
         let stroke = hand.tap_path(scene, target).expect("within reach");
         [stroke.hover, stroke.bottom]
     }
@@ -301,7 +304,7 @@ fn a_board_comes_to_no_hand_that_is_not_seen() {
 fn a_key_brings_its_board_to_the_finger_that_presses_it() {
     let with_key = text("", "A B C D E").replace(
         "rows:",
-        "keys: [(action: Recenter, name: \"here\", at_mm: (0, 19))], rows:",
+        "keys: [(action: Command(\"recenter\"), name: \"here\", at_mm: (0, 19))], rows:",
     );
     let mut wearer = Wearer::of(&with_key);
     wearer.hover("here");
@@ -339,7 +342,10 @@ fn each_profile_keeps_its_own_moves() {
     wearer.tap("B");
     wearer.pipeline.switch_profile(0, &mut events);
     wearer.tap("B");
-    let mut fresh = wearer.assembly.controls(&wearer.assembly.layout).unwrap();
+    let mut fresh = wearer
+        .assembly
+        .layout_instance(&wearer.assembly.layout)
+        .unwrap();
     wearer.pipeline.replace_profile(0, &mut fresh, &mut events);
     wearer.tap("B");
     assert_eq!(wearer.said(), "+B -B +C -C +B -B");
@@ -506,8 +512,8 @@ fn a_scale_makes_what_is_on_a_board_larger_and_leaves_the_board_where_it_is() {
 
 #[test]
 fn keys_move_and_tilt_the_boards_too() {
-    let keys = r#"keys: [(action: Nudge(0, -5, 0), name: "down", at_mm: (0, -30)),
-        (action: Tilt(-2), name: "tilt", at_mm: (30, -30))],"#;
+    let keys = r#"keys: [(action: Command("nudge 0 -5 0"), name: "down", at_mm: (0, -30)),
+        (action: Command("tilt -2"), name: "tilt", at_mm: (30, -30))],"#;
     let mut wearer = Wearer::of(&text(keys, "A B"));
     let before = wearer.place();
     wearer.tap("tilt");

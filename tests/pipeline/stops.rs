@@ -17,7 +17,7 @@ use ademan::time::Timestamp;
 use arrayvec::ArrayVec;
 
 /// A trigger that toggles the pause when the left ring finger bends. At rest it is straight.
-const GESTURE: &str = "triggers: [(name: \"Stop\", hand: \"left\", action: TogglePause, \
+const GESTURE: &str = "triggers: [(name: \"Stop\", hand: \"left\", action: Command(\"toggle-pause\"), \
                        when: Angle(dof: \"ring-mcp-flexion\", on_deg: -5, off_deg: -15))],";
 
 /// Flexion of the bent ring finger, in radians.
@@ -49,8 +49,8 @@ struct TwoHands {
 fn arm_and_map(setup: &LoadedSetup, side: Side) -> (&ArmModel, &ChannelMap) {
     let other = setup.other_hand.as_ref().expect("two hands");
     match side {
-        Side::Left => (&other.arm, &other.glove.map),
-        Side::Right => (&setup.arm, &setup.glove.map),
+        Side::Left => (&other.arm, &other.glove.as_ref().expect("a glove").map),
+        Side::Right => (&setup.arm, &setup.glove.as_ref().expect("a glove").map),
     }
 }
 
@@ -260,7 +260,7 @@ fn a_hand_whose_elbow_is_no_longer_measured_releases_at_the_third_reading() {
     hands.press_j(true);
     assert_eq!(hands.take_events(), [j(true)]);
     let (left, mut without_elbow) = (hands.posture(Side::Left), hands.posture(Side::Right));
-    let map = &hands.setup.glove.map;
+    let map = &hands.setup.glove.as_ref().expect("a glove").map;
     let elbow = map.rows().iter().find(|row| row.dof == Dof::ElbowFlexion);
     // The readings end before the channel of the elbow.
     without_elbow

@@ -134,12 +134,12 @@ fn a_tap_presses_only_its_key_on_every_shipped_keyboard() {
             noise_counts: 0.0,
             seed: 0,
         };
-        let mut hands = vec![(&setup.arm, &setup.glove.map)];
+        let mut hands = vec![(&setup.arm, &setup.glove.as_ref().expect("a glove").map)];
         hands.extend(
             setup
                 .other_hand
                 .iter()
-                .map(|other| (&other.arm, &other.glove.map)),
+                .map(|other| (&other.arm, &other.glove.as_ref().expect("a glove").map)),
         );
         let hand = SimulatedTypist::with_hands(&settings, &taps, &layout.scene, &hands);
         let (_, pressed) = play(
@@ -224,4 +224,16 @@ fn a_key_out_of_reach_is_named_with_its_distance() {
         names.contains(&"1") && !names.contains(&"Space"),
         "{names:?}"
     );
+}
+
+#[test]
+fn a_source_of_joint_angles_needs_no_glove() {
+    let setup = Setup {
+        source: Some("file:angles?protocol=text-line".parse().expect("a source")),
+        ..Setup::default()
+    };
+    let loaded = setup.load_files().expect("a setup without a glove");
+    assert!(loaded.glove.is_none());
+    assert_eq!(loaded.arm.side(), ademan::hand::Side::Right);
+    assert!(loaded.recorded_setup().get("glove").is_none());
 }

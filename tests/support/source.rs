@@ -30,7 +30,8 @@ pub fn text_lines(text: &str) -> Vec<String> {
     let hand = setup.typist(text, &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.expect("the text can be typed");
     let settings = EstimatorSettings::unchecked(Smoothing::Off);
-    let mut estimator = Estimator::new(settings).with_channels(&setup.glove.map);
+    let mut estimator =
+        Estimator::new(settings).with_channels(&setup.glove.as_ref().expect("a glove").map);
     let mut lines = Vec::new();
     while let SourceEvent::Reading(reading) = hand.next().expect("the hand has no errors") {
         let estimate = estimator.update(&reading).expect("a valid reading");

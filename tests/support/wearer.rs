@@ -21,7 +21,7 @@ pub fn default_setup() -> LoadedSetup {
 /// Creates a pipeline with this estimator that the first reading arms.
 pub fn pipeline_with(setup: &LoadedSetup, estimator: Estimator) -> Pipeline {
     let arm: ArmModel = setup.arm.clone();
-    let instance: LayoutInstance = ademan::setup::controls(&setup.layout);
+    let instance: LayoutInstance = ademan::setup::layout_instance(&setup.layout);
     let settings = PipelineSettings {
         arm_immediately: true,
         ..PipelineSettings::default()
@@ -44,7 +44,7 @@ pub struct GloveWearer {
 impl GloveWearer {
     /// Creates the default estimator and the pipeline of a setup.
     pub fn new(setup: &LoadedSetup) -> Self {
-        let map = setup.glove.map.clone();
+        let map = setup.glove.as_ref().expect("a glove").map.clone();
         let estimator = Estimator::new(EstimatorSettings::default()).with_channels(&map);
         Self::with_pipeline(pipeline_with(setup, estimator))
     }

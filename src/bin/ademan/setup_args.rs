@@ -35,7 +35,7 @@ impl SetupArgs {
         };
         setup.source = self.source.or(setup.source);
         setup.role = self.role.or(setup.role);
-        setup.glove = self.glove.unwrap_or(setup.glove);
+        setup.glove = self.glove.or(setup.glove);
         setup.layout = self.layout.unwrap_or(setup.layout);
         Ok(setup)
     }

@@ -49,7 +49,7 @@ pub struct RecordedSetup {
 /// One text of a setup.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SetupText {
-    /// Subject of the text: `glove`, `arm`, `layout`, `settings`, ….
+    /// Subject of the text: `glove`, `arm`, `layout`, `setup`, ….
     pub kind: String,
     /// Path or built-in name.
     pub name: String,

@@ -1,7 +1,7 @@
-//! Actions of presses: resolves key codes, layers, texts and profiles.
+//! Actions of presses: resolves key codes, layers, texts and commands.
 
 use super::LayoutBuilder;
-use crate::command::{Command, ProfileName};
+use crate::command::{Command, InvalidCommand};
 use crate::device::{KeyAction, KeyCode, Latch, TextId};
 use crate::document::{DocumentError, Spanned};
 use crate::layout::model::action_label;
@@ -23,24 +23,7 @@ impl<'a> LayoutBuilder<'a> {
             Action::Key(code) => return self.key_action(code, latch),
             Action::Layer(layer) => return self.layer_action(layer, latch),
             Action::Text(text) => KeyAction::Text(self.text_id(text)?),
-            Action::Profile(name) => {
-                let name = self.profile(name)?;
-                KeyAction::Command(Command::Profile { name })
-            }
-            Action::NextProfile => KeyAction::Command(Command::NextProfile),
-            Action::TogglePause => KeyAction::Command(Command::TogglePause),
-            Action::Recenter => KeyAction::Command(Command::Recenter),
-            Action::Nudge(x, y, z) => KeyAction::Command(Command::Nudge {
-                x_mm: x.get() as f32,
-                y_mm: y.get() as f32,
-                z_mm: z.get() as f32,
-            }),
-            Action::Scale(factor) => KeyAction::Command(Command::Scale {
-                factor: factor.get() as f32,
-            }),
-            Action::Tilt(tilt) => KeyAction::Command(Command::Tilt {
-                deg: tilt.get() as f32,
-            }),
+            Action::Command(command) => KeyAction::Command(self.command(command)?),
             Action::Clutch => KeyAction::Clutch,
             Action::Precision => KeyAction::Precision,
             Action::NoOp => {
@@ -113,11 +96,14 @@ impl<'a> LayoutBuilder<'a> {
         Ok(TextId(index))
     }
 
-    fn profile(&mut self, name: Spanned<'a>) -> Result<ProfileName, DocumentError> {
-        let name = name.text;
-        index_of_or_push(&mut self.profiles, name);
-        ProfileName::from(name)
-            .map_err(|_| self.error(name, "the name of a profile has at most 64 bytes"))
+    /// Parses a command. Records the name of a profile, because only the setup knows whether it exists.
+    fn command(&mut self, command: Spanned<'a>) -> Result<Command, DocumentError> {
+        let parsed = command.text.parse();
+        let parsed = parsed.map_err(|error: InvalidCommand| self.error(command.text, error))?;
+        if let Command::Profile { name } = &parsed {
+            index_of_or_push(&mut self.profiles, name);
+        }
+        Ok(parsed)
     }
 }
 

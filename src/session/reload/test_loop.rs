@@ -62,7 +62,7 @@ impl TestLoop {
             watch: true,
             is_recorded: false,
         };
-        let build = move |layout: &Layout| accept(layout).map(|()| setup::controls(layout));
+        let build = move |layout: &Layout| accept(layout).map(|()| setup::layout_instance(layout));
         let report = move |report| sender.send(report).unwrap();
         start([source], commands.link_layouts(), policy, build, report).unwrap();
         Self {

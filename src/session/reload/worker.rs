@@ -284,7 +284,7 @@ mod tests {
             }],
             link: commands.link_layouts(),
             is_recorded: false,
-            build: |layout: &Layout| Ok(setup::controls(layout)),
+            build: |layout: &Layout| Ok(setup::layout_instance(layout)),
             report: move |report| sender.send(report).unwrap(),
         };
         let polling = thread::spawn(move || worker.run());

@@ -164,7 +164,14 @@ impl<'a> SoakRun<'a> {
                 self.ask(|engine, events| engine.switch_profile(profile, events));
             }
             FaultKind::Rail => {
-                let rows = self.hands.assembly.glove.map.rows();
+                let rows = self
+                    .hands
+                    .assembly
+                    .glove
+                    .as_ref()
+                    .expect("a glove")
+                    .map
+                    .rows();
                 let channel = rows[self.random.usize(..rows.len())].channel;
                 let until = now + self.random.u64(SECOND / 5..4 * SECOND);
                 self.rail = Some((until, channel, [0, 255][self.random.usize(..2)]));
@@ -181,7 +188,7 @@ impl<'a> SoakRun<'a> {
 
     fn reload(&mut self) {
         let layout = &self.hands.others[self.random.usize(..self.hands.others.len())];
-        let controls = self.hands.assembly.controls(layout);
+        let controls = self.hands.assembly.layout_instance(layout);
         let mut controls = controls.expect("it names no other layout");
         self.ask(|engine, events| engine.replace_profile(0, &mut controls, layout, events));
     }

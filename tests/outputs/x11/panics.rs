@@ -77,7 +77,8 @@ fn pipeline(fuse: Fuse) -> Pipeline {
     let assembly = Setup::default().load_files().expect("the default setup");
     let keyboard = Keyboard::new(assembly.layout.key_bindings());
     Pipeline::new(
-        Estimator::new(EstimatorSettings::default()).with_channels(&assembly.glove.map),
+        Estimator::new(EstimatorSettings::default())
+            .with_channels(&assembly.glove.as_ref().expect("a glove").map),
         assembly.arm.clone(),
         LayoutInstance::new(
             assembly.layout.scene.clone(),

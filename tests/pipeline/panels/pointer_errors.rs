@@ -45,7 +45,7 @@ fn numbers_out_of_range_are_refused_with_their_position() {
                 "3:13: 0 is out of range: a screen size is 2 to 20000 px",
             ),
             (
-                "clicks: [(gesture: Push(-3), action: TogglePause)]",
+                "clicks: [(gesture: Push(-3), action: Command(\"toggle-pause\"))]",
                 "3:25: -3 is out of range: a push is 5 to 200 mm",
             ),
             (
@@ -70,7 +70,7 @@ fn unknown_names_are_refused_with_the_nearest_known_one() {
                 "3:18: unknown degree of freedom `wrist-flexoin`, did you mean `wrist-flexion`?",
             ),
             (
-                "clicks: [(gesture: Pnch(\"index\"), action: TogglePause)]",
+                "clicks: [(gesture: Pnch(\"index\"), action: Command(\"toggle-pause\"))]",
                 "3:20: unknown value `Pnch`, did you mean `Pinch`?",
             ),
             (
@@ -91,7 +91,7 @@ fn inconsistent_settings_of_a_pointer_are_refused() {
     check(
         &[
             (
-                "clicks: [(gesture: Pinch(\"index\"), action: TogglePause)], clutch: Pinch(\"index\")",
+                "clicks: [(gesture: Pinch(\"index\"), action: Command(\"toggle-pause\"))], clutch: Pinch(\"index\")",
                 "2:1: two gestures are a pinch of the index finger: both would be on together",
             ),
             (

@@ -144,6 +144,7 @@ impl<'a> Rig<'a> {
             pipeline: CheckedPipeline::new(setup),
             gloves: std::iter::once(&setup.glove)
                 .chain(other)
+                .flatten()
                 .map(simulated)
                 .collect(),
             format,
@@ -284,7 +285,7 @@ impl<'a> Rig<'a> {
 
     fn reload(&mut self, name: &str) {
         let layout = Layout::load(&path_of(name)).map_err(|error| error.to_string());
-        let controls = layout.and_then(|layout| match self.setup.controls(&layout) {
+        let controls = layout.and_then(|layout| match self.setup.layout_instance(&layout) {
             Ok(controls) => Ok((layout, controls)),
             Err(error) => Err(error.to_string()),
         });
