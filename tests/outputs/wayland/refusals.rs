@@ -44,7 +44,7 @@ fn the_doctor_finds_and_tests_a_compositor_with_virtual_devices() {
         return;
     };
     let (code, text, _) = run_to_end(compositor.ademan(DOCTOR));
-    let found = "ok           compositor   needed  sway has virtual keyboard and pointer\n";
+    let found = "ok           compositor   needed  sway supports virtual keyboards and pointers\n";
     assert!(text.contains(found), "{text}");
     let tried = "works        desktop      tested  connected";
     assert!(text.contains(tried), "{text}");

@@ -7,7 +7,7 @@ use super::compositor::{Compositor, event};
 use super::window::{Terminal, Window};
 
 /// The message of the demo after a stall.
-const STALLED: &str = "the text did not come out right";
+const STALLED: &str = "the typed text differs from the given one";
 
 /// Runs the demo in front of a terminal and checks what is typed. A busy machine may cause a stall; then the demo is
 /// repeated.

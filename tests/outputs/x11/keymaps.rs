@@ -28,7 +28,7 @@ fn server_with(keymap: &str) -> Option<XServer> {
 }
 
 /// The message of the demo after a stall.
-const STALLED: &str = "did not come out right";
+const STALLED: &str = "the typed text differs from the given one";
 
 /// Runs the demo in front of a terminal with a keymap and checks what is typed. A busy machine may cause a stall; then
 /// the demo is repeated.
