@@ -14,7 +14,7 @@ use crate::pipeline::{PipelineState, Suppressed};
 pub struct Snapshot {
     /// State of the pipeline after the step.
     pub state: PipelineState,
-    /// Whether a command has paused the session. A pipeline that waits for the hand is `Paused` too.
+    /// `true` if a command has paused the session. A pipeline that waits for the hand is `Paused` too.
     pub is_paused: bool,
     /// Index of the profile that the touches and events belong to.
     pub profile: usize,

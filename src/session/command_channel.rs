@@ -2,18 +2,17 @@
 //!
 //! The queue is bounded. A full queue refuses commands, except `Stop`, which needs no room: a flag carries it.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::{self, Thread};
+use std::thread;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
 use super::layout_link::{LayoutLink, LayoutSwap, LoopLayoutLink};
-use super::status::SessionStatus;
-use crate::command::{Command, InvalidCommand};
-use crate::names::UnknownName;
-use crate::pipeline::CommandError;
+use super::reply::{Reply, ReplySender, RequestError};
+use super::waker::Waker;
+use crate::command::Command;
 
 /// Commands that wait for a busy loop: one of each client of the control socket, and 8 of panic keys and signals, which
 /// clients cannot crowd out.
@@ -22,69 +21,11 @@ const QUEUE_LENGTH: usize = 16 + 8;
 /// Time that [`CommandSender::request`] waits for a reply.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Result of a command that succeeded.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Reply {
-    /// The command has no result.
-    Done,
-    /// A sentence for the user.
-    Text(String),
-    /// The answer to [`Command::State`].
-    State(SessionStatus),
-}
-
-/// Reason why a command failed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum RequestError {
-    /// A field of the command is out of range.
-    #[error(transparent)]
-    Invalid(#[from] InvalidCommand),
-    /// No profile has the name.
-    #[error(transparent)]
-    UnknownProfile(#[from] UnknownName),
-    /// The pipeline cannot execute the command.
-    #[error(transparent)]
-    Pipeline(#[from] CommandError),
-    /// The layout cannot be scaled, saved or read.
-    #[error("{0}")]
-    Layout(String),
-    /// The queue is full.
-    #[error("too many commands are waiting; try again later")]
-    QueueFull,
-    /// The loop or the layout manager did not reply.
-    #[error("timed out: the session waits for its source or its output; the command stays queued")]
-    TimedOut,
-    /// The session has ended.
-    #[error("the session has ended")]
-    Ended,
-}
-
-/// The sending end for the reply to one command.
-pub(crate) type ReplySender = Sender<Result<Reply, RequestError>>;
-
 /// A command and the channel for its reply, if one is expected.
 #[derive(Clone, Debug)]
 pub(super) struct QueuedCommand {
     pub command: Command,
     pub reply: Option<ReplySender>,
-}
-
-/// Wakes the loop thread, which parks while there is nothing to do.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Waker(Arc<Mutex<Option<Thread>>>);
-
-impl Waker {
-    /// Wakes the loop. Must be called after the message was queued.
-    pub fn wake(&self) {
-        if let Some(thread) = &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
-            thread.unpark();
-        }
-    }
-
-    /// Makes the current thread the one to wake. Messages queued before this call are in the queue.
-    pub fn attach(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(thread::current());
-    }
 }
 
 /// Sends commands to a session. Clones send to the same session.
@@ -195,7 +136,7 @@ impl CommandReceiver {
         self.waker.attach();
     }
 
-    /// Whether the session should end.
+    /// Returns `true` after a `Stop`.
     pub(super) fn is_stopped(&self) -> bool {
         self.stop.load(Ordering::Acquire)
     }

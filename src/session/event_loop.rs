@@ -6,11 +6,9 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{TryRecvError, bounded, select};
 use hdrhistogram::Histogram;
 
-use super::command_channel::{
-    CommandReceiver, Message, QueuedCommand, Reply, ReplySender, RequestError,
-};
+use super::command_channel::{CommandReceiver, Message, QueuedCommand};
 use super::layout_link::{LayoutOperation, LayoutRequest, LayoutSwap};
-use super::status::SessionStatus;
+use super::reply::{Reply, ReplySender, RequestError, SessionStatus};
 use super::{SessionError, Summary};
 use crate::capture::{
     CaptureError, CaptureEvent, CaptureThread, Reading, Source, SourceStats, spawn,
@@ -93,7 +91,7 @@ impl Drop for CloseOnPanic<'_> {
     }
 }
 
-/// Whether the loop goes on.
+/// The continuation of the loop.
 #[derive(PartialEq)]
 enum Next {
     Continue,

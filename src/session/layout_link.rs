@@ -5,7 +5,8 @@
 
 use crossbeam_channel::{Receiver, Sender, bounded, select};
 
-use super::command_channel::{ReplySender, RequestError, Waker};
+use super::reply::{ReplySender, RequestError};
+use super::waker::Waker;
 use crate::contact::board_pose::BoardPose;
 use crate::pipeline::LayoutInstance;
 
@@ -40,7 +41,7 @@ pub(super) struct LayoutSwap {
     pub layout: Box<LayoutInstance>,
     /// Index of the profile whose layout it replaces.
     pub profile: usize,
-    /// Whether the boards keep their present poses instead of those of the file.
+    /// `true` if the boards keep their present poses instead of those of the file.
     pub keep_board_poses: bool,
     /// Receives the old layout after the swap, so that another thread than the loop frees it.
     pub retired: Sender<Box<LayoutInstance>>,

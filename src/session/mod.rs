@@ -22,8 +22,10 @@ mod options;
 pub mod panic_keys;
 mod recorder_thread;
 pub mod reload;
+mod reply;
 mod source;
 mod status;
+mod waker;
 
 use std::io;
 use std::path::Path;
@@ -48,15 +50,13 @@ use crate::recorder::RecordError;
 use crate::setup::{LoadedSetup, SetupError};
 use crate::snapshot::{Snapshot, Stats};
 
-pub use self::command_channel::{
-    CommandReceiver, CommandSender, Reply, RequestError, command_channel,
-};
+pub use self::command_channel::{CommandReceiver, CommandSender, command_channel};
 pub use self::event_loop::run_pipeline;
 pub use self::handle::SessionHandle;
 pub use self::layout_link::LayoutLink;
 pub use self::notice::{Notice, counted};
 pub use self::options::{ControlSocket, SessionOptions, WatchdogProgram};
-pub use self::status::SessionStatus;
+pub use self::reply::{Reply, RequestError, SessionStatus};
 pub use crate::pipeline::CommandError;
 
 /// Reason why a session could not start or ended early.

@@ -26,7 +26,7 @@ pub enum Notice {
     PointerOnly {
         /// The source.
         source: SourceUri,
-        /// Whether the command line flag `--role` applies to it.
+        /// `true` if the flag `--role` applies to it.
         is_first: bool,
     },
     /// The session waits for a device, for this reason.
@@ -43,7 +43,7 @@ pub enum Notice {
     Armed,
     /// The session is paused.
     Paused {
-        /// Whether the press rate limit caused the pause.
+        /// `true` if the press rate limit caused the pause.
         is_rate_limited: bool,
     },
     /// No readings arrive; everything is released.

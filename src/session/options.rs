@@ -17,7 +17,7 @@ pub struct SessionOptions {
     pub source: Option<Box<dyn Source>>,
     /// Playback speed of a source that is not live, 1 for real time; `None` for as fast as possible.
     pub speed: Option<f64>,
-    /// Whether to wait for a device that cannot be opened yet.
+    /// Waits for a device that cannot be opened yet.
     pub wait_for_source: bool,
     /// Output that replaces that of the setup. It is not checked against the layouts.
     pub output: Option<Box<dyn Sink>>,
@@ -27,13 +27,13 @@ pub struct SessionOptions {
     pub record_to: Option<PathBuf>,
     /// Control socket for other programs.
     pub control_socket: ControlSocket,
-    /// Whether layout files are activated when they are saved.
+    /// Activates layout files when they are saved.
     pub watch_layouts: bool,
-    /// Whether the `panic_keys` of the setup pause the session.
+    /// Pauses the session on the `panic_keys` of the setup.
     pub use_panic_keys: bool,
-    /// Whether changes of state and losses of readings are reported as notices.
+    /// Reports changes of state and losses of readings as notices.
     pub report_status: bool,
-    /// Whether a full snapshot channel delays the session instead of dropping snapshots.
+    /// Delays the session when the snapshot channel is full, instead of dropping snapshots.
     pub lossless_snapshots: bool,
     /// Receives notices on a thread of its own. Notices are dropped when 64 wait.
     pub on_notice: Option<Box<dyn FnMut(Notice) + Send>>,

@@ -1,4 +1,4 @@
-//! The state of a session, and the notices that follow from its changes.
+//! Notices that follow from changes of the state of a session.
 
 use std::time::{Duration, Instant};
 
@@ -7,21 +7,6 @@ use crate::estimate::Rejection;
 use crate::hand::{FingerSet, Side};
 use crate::pipeline::PipelineState;
 use crate::snapshot::{Snapshot, Stats};
-
-/// The state of a session between two readings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SessionStatus {
-    /// State of the pipeline.
-    pub state: PipelineState,
-    /// Whether a command has paused the session.
-    pub is_paused: bool,
-    /// Index of the active profile.
-    pub profile: usize,
-    /// Statistics of all readings so far.
-    pub stats: Stats,
-    /// Presses that the output dropped because it was busy.
-    pub dropped_presses: u64,
-}
 
 /// Shortest time between two notices of the same kind of loss.
 const REPEAT_INTERVAL: Duration = Duration::from_secs(10);

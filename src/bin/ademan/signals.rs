@@ -47,7 +47,7 @@ pub fn request_stop_once() {
     }
 }
 
-/// Whether the end was requested.
+/// Returns `true` after a request.
 pub fn is_stop_requested() -> bool {
     REQUESTED.load(Ordering::SeqCst)
 }

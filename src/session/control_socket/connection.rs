@@ -14,7 +14,7 @@ use super::response::{self, JsonLine};
 use super::server::ServerContext;
 use crate::command::Command;
 use crate::output::socket::Stream;
-use crate::session::command_channel::Reply;
+use crate::session::reply::Reply;
 
 /// Time-out of a write. A client that does not read for so long is disconnected.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(1);

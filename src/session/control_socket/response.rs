@@ -7,7 +7,7 @@ use crate::contact::TargetNames;
 use crate::device::OutputEvent;
 use crate::estimate::Rejection;
 use crate::pipeline::{PipelineState, Suppressed};
-use crate::session::status::SessionStatus;
+use crate::session::reply::SessionStatus;
 use crate::snapshot::Stats;
 use crate::trace::event_json;
 

@@ -8,9 +8,9 @@ use crossbeam_channel::{Receiver, bounded, unbounded};
 
 use super::{FilePolicy, LayoutReport, LayoutSource, start};
 use crate::layout::Layout;
-use crate::session::CommandReceiver;
-use crate::session::command_channel::Reply;
+use crate::session::command_channel::CommandReceiver;
 use crate::session::layout_link::{LayoutOperation, LayoutRequest};
+use crate::session::reply::Reply;
 use crate::setup;
 
 /// Longest wait for something that a busy machine does late.

@@ -11,8 +11,8 @@ use super::file_watcher::FileWatcher;
 use crate::document::DocumentError;
 use crate::layout::Layout;
 use crate::pipeline::LayoutInstance;
-use crate::session::command_channel::{Reply, RequestError};
 use crate::session::layout_link::{LayoutLink, LayoutOperation, LayoutRequest, SessionEnded};
+use crate::session::reply::{Reply, RequestError};
 use crate::time::NO_DEADLINE;
 
 /// Time between two checks of a file that is being saved, or that is on a file system without events. One check takes a
@@ -261,7 +261,7 @@ where
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::session::CommandReceiver;
+    use crate::session::command_channel::CommandReceiver;
     use crate::session::reload::watched_file::WatchedFile;
     use crate::session::reload::watched_file::tests::text;
     use crate::setup;

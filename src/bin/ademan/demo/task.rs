@@ -97,7 +97,7 @@ impl Task {
         }
     }
 
-    /// Whether the text is complete and correct, or the script was played to its end.
+    /// Returns `true` if the text is complete and correct, or the script was played to its end.
     pub fn is_done(&self, playback: &PlaybackStats) -> bool {
         match self {
             Self::Type { text, field, .. } => field.text() == text,

@@ -1,0 +1,63 @@
+//! Replies to commands.
+
+use crossbeam_channel::Sender;
+
+use crate::command::InvalidCommand;
+use crate::names::UnknownName;
+use crate::pipeline::{CommandError, PipelineState};
+use crate::snapshot::Stats;
+
+/// Result of a command that succeeded.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Reply {
+    /// The command has no result.
+    Done,
+    /// A sentence for the user.
+    Text(String),
+    /// The answer to [`Command::State`].
+    State(SessionStatus),
+}
+
+/// Reason why a command failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RequestError {
+    /// A field of the command is out of range.
+    #[error(transparent)]
+    Invalid(#[from] InvalidCommand),
+    /// No profile has the name.
+    #[error(transparent)]
+    UnknownProfile(#[from] UnknownName),
+    /// The pipeline cannot execute the command.
+    #[error(transparent)]
+    Pipeline(#[from] CommandError),
+    /// The layout cannot be scaled, saved or read.
+    #[error("{0}")]
+    Layout(String),
+    /// The queue is full.
+    #[error("too many commands are waiting; try again later")]
+    QueueFull,
+    /// The loop or the layout manager did not reply.
+    #[error("timed out: the session waits for its source or its output; the command stays queued")]
+    TimedOut,
+    /// The session has ended.
+    #[error("the session has ended")]
+    Ended,
+}
+
+/// The sending end for the reply to one command.
+pub(crate) type ReplySender = Sender<Result<Reply, RequestError>>;
+
+/// The state of a session between two readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SessionStatus {
+    /// State of the pipeline.
+    pub state: PipelineState,
+    /// `true` if a command has paused the session.
+    pub is_paused: bool,
+    /// Index of the active profile.
+    pub profile: usize,
+    /// Statistics of all readings so far.
+    pub stats: Stats,
+    /// Presses that the output dropped because it was busy.
+    pub dropped_presses: u64,
+}
