@@ -236,7 +236,7 @@ pub enum InvalidCommand {
         field: &'static str,
         /// Accepted values.
         expected: String,
-        /// The value.
+        /// The value, as JSON.
         value: String,
     },
 }
@@ -255,9 +255,11 @@ impl Command {
 
     /// Checks the ranges of all fields.
     pub fn check(&self) -> Result<(), InvalidCommand> {
-        let value = serde_json::to_value(self)
-            .map_err(|error| InvalidCommand::Syntax(error.to_string()))?;
-        self.spec().check(value.as_object().unwrap_or(&Map::new()))
+        let syntax = |error: serde_json::Error| InvalidCommand::Syntax(error.to_string());
+        // Text keeps the decimal fraction of a 32-bit number, which an error message then shows.
+        let text = serde_json::to_string(self).map_err(syntax)?;
+        self.spec()
+            .check(&serde_json::from_str(&text).map_err(syntax)?)
     }
 
     /// Name in JSON and on the command line.
@@ -383,13 +385,18 @@ impl FieldSpec {
         if self.kind.accepts(value) {
             return Ok(());
         }
-        let number = value.as_f64().map(|number| number.to_string());
         Err(InvalidCommand::Value {
             field: self.name,
             expected: self.kind.to_string(),
-            value: number.unwrap_or_else(|| value.to_string()),
+            value: plain_json(value),
         })
     }
+}
+
+/// Formats a value as JSON, and a whole number without a decimal point.
+fn plain_json(value: &Value) -> String {
+    let json = value.to_string();
+    json.strip_suffix(".0").map(str::to_owned).unwrap_or(json)
 }
 
 impl FieldKind {
@@ -507,8 +514,12 @@ mod tests {
                 "`factor` is 0.5 to 2, not 0",
             ),
             (
+                r#"{"command":"scale","factor":3.0}"#,
+                "`factor` is 0.5 to 2, not 3",
+            ),
+            (
                 r#"{"command":"tilt","deg":1e308}"#,
-                "`deg` is -90 to 90, not 1",
+                "`deg` is -90 to 90, not 1e+308",
             ),
             (
                 r#"{"command":"tilt","deg":1e999}"#,
@@ -543,7 +554,11 @@ mod tests {
 
     #[test]
     fn a_number_out_of_range_is_refused_also_if_it_was_not_parsed() {
-        assert!(Command::Tilt { deg: 91.0 }.check().is_err());
+        let error = |command: Command| command.check().unwrap_err().to_string();
+        let tilt = error(Command::Tilt { deg: 91.0 });
+        assert_eq!(tilt, "`deg` is -90 to 90, not 91");
+        let scale = error(Command::Scale { factor: 2.1 });
+        assert_eq!(scale, "`factor` is 0.5 to 2, not 2.1");
         assert!(Command::Scale { factor: f32::NAN }.check().is_err());
     }
 

@@ -16,6 +16,7 @@ use std::io::{self, BufWriter, Write};
 
 use super::axis_state::AxisState;
 use super::{Backend, OpenRequest, OutputError, Sink, owner_only};
+use crate::command::Command;
 use crate::contact::TargetNames;
 use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Capabilities, EventKind, OutputEvent, TimedCommand, TimedCommands};
@@ -198,7 +199,10 @@ pub struct CommandLine<'a>(pub &'a TimedCommand);
 impl fmt::Display for CommandLine<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write_time(f, self.0.time)?;
-        write!(f, "{}", self.0.command)
+        match &self.0.command {
+            command @ Command::Scale { factor } => write!(f, "{} {factor:.3}", command.name()),
+            command => write!(f, "{command}"),
+        }
     }
 }
 

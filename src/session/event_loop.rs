@@ -317,14 +317,19 @@ impl SessionLoop<'_> {
             .map_err(|error| self.explain(error)))
     }
 
-    /// Adds the nearest name of a profile to the error.
+    /// Adds the nearest name of a profile to the error, or all names if none is similar.
     fn explain(&self, error: CommandError) -> RequestError {
-        match error {
-            CommandError::UnknownProfile(name) => {
-                UnknownName::new("profile", &name, self.pipeline.profile_names()).into()
+        let CommandError::UnknownProfile(name) = error else {
+            return error.into();
+        };
+        let unknown = UnknownName::new("profile", &name, self.pipeline.profile_names());
+        RequestError::UnknownProfile(match unknown.nearest {
+            Some(_) => unknown.to_string(),
+            None => {
+                let names: Vec<_> = self.pipeline.profile_names().collect();
+                format!("{unknown}; available: {}", names.join(", "))
             }
-            error => error.into(),
-        }
+        })
     }
 
     /// Hands an operation to the layout manager.

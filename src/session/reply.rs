@@ -3,7 +3,6 @@
 use crossbeam_channel::Sender;
 
 use crate::command::InvalidCommand;
-use crate::names::UnknownName;
 use crate::pipeline::{CommandError, PipelineState};
 use crate::snapshot::Stats;
 
@@ -25,8 +24,8 @@ pub enum RequestError {
     #[error(transparent)]
     Invalid(#[from] InvalidCommand),
     /// No profile has the name.
-    #[error(transparent)]
-    UnknownProfile(#[from] UnknownName),
+    #[error("{0}")]
+    UnknownProfile(String),
     /// The pipeline cannot execute the command.
     #[error(transparent)]
     Pipeline(#[from] CommandError),

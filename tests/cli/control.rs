@@ -308,6 +308,9 @@ fn a_refused_move_has_a_reason_and_releases_nothing() {
     let (code, _, err) = ctl(&run, &["profile", "mian"]);
     let expected = "error: unknown profile `mian`, did you mean `main`?\n";
     assert_eq!((code, err.as_str()), (1, expected));
+    let (code, _, err) = ctl(&run, &["profile", "xyz"]);
+    let expected = "error: unknown profile `xyz`; available: main\n";
+    assert_eq!((code, err.as_str()), (1, expected));
 }
 
 #[test]

@@ -96,6 +96,6 @@ fn a_scale_key_enlarges_the_boards() {
     run.lift();
     thread::sleep(MOVE_TIME);
     run.press();
-    assert_eq!(run.next_event(), "scale 1.5");
+    assert_eq!(run.next_event(), "scale 1.500");
     run.wait_for_message("scaled by 1.5");
 }

@@ -51,7 +51,7 @@ fn a_program_built_for_x11_refuses_a_wayland_session() {
     let words = match ademan::output::SUPPORTS_WAYLAND {
         false => {
             "was built for X11, whose keys do not reach Wayland programs; build it with \
-                  `--features wayland`, or use the output `uinput`; for programs of X11 only, unset \
+                  `--features wayland`, or use the output `uinput`; to type only in X11 programs, unset \
                   WAYLAND_DISPLAY"
         }
         true => "no compositor answers at /nowhere/wayland-0",
