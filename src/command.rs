@@ -569,7 +569,7 @@ mod tests {
             ("", "unknown command ``"),
             ("nudge 1 2", "`nudge` needs the field `z_mm`"),
             ("tilt steep", "`deg` is -90 to 90, not \"steep\""),
-            ("scale 3", "`factor` is 0.5 to 2, not 3.0"),
+            ("scale 3", "`factor` is 0.5 to 2, not 3"),
             ("pause now", "`pause` has no argument `now`"),
         ] {
             let error = text.parse::<Command>().unwrap_err();

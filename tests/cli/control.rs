@@ -259,7 +259,7 @@ fn moved_boards_release_keys_and_are_saved_with_their_new_poses() {
     assert!(run.events.is_empty(), "saving releases nothing");
 
     let (code, _, err) = ctl(&run, &["scale", "3"]);
-    let expected = "error: `factor` is 0.5 to 2, not 3.0\n";
+    let expected = "error: `factor` is 0.5 to 2, not 3\n";
     assert_eq!((code, err.as_str()), (1, expected));
     assert_eq!(ctl(&run, &["nudge", "0", "-1", "0"]).0, 0);
     assert_eq!(run.next_event(), "up J");
