@@ -135,17 +135,17 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(26, "a thousand connections", Tests(&[
         ("tests/cli/faults/clients.rs", "a_thousand_connections_are_refused_and_the_one_that_was_there_is_answered"),
-        ("tests/cli/control.rs", "the_seventeenth_client_is_refused_and_a_place_that_is_free_again_is_given"),
+        ("tests/cli/control.rs", "the_seventeenth_client_is_refused_until_another_one_disconnects"),
         ("tests/outputs/spacenav/mod.rs", "the_seventeenth_client_is_rejected"),
     ])),
     fault(27, "invalid UTF-8, NUL, byte order mark, CRLF", Tests(&[
         ("tests/cli/faults/files.rs", "bytes_that_are_no_text_are_no_reading_and_no_file"),
-        ("tests/cli/control.rs", "what_is_not_a_request_is_refused_and_the_conversation_goes_on"),
+        ("tests/cli/control.rs", "an_invalid_line_gets_an_error_and_the_connection_stays_open"),
     ])),
     fault(28, "JSON too deep, too long, or twice the same key", Tests(&[
         ("tests/cli/faults/files.rs", "json_that_is_too_deep_too_long_or_says_something_twice_is_no_reading"),
-        ("src/session/control_socket/request.rs", "deeply_nested_json_is_refused"),
-        ("tests/cli/control.rs", "what_is_not_a_request_is_refused_and_the_conversation_goes_on"),
+        ("src/command.rs", "deeply_nested_json_is_refused"),
+        ("tests/cli/control.rs", "an_invalid_line_gets_an_error_and_the_connection_stays_open"),
     ])),
     fault(29, "NaN, infinities and extreme numbers", Tests(&[
         ("tests/pipeline/faulty_readings.rs", "angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go"),
@@ -211,14 +211,14 @@ pub const FAULTS: &[Fault] = &[
         ("tests/pipeline/limits.rs", "system_keys_need_the_permission_of_the_setup"),
     ])),
     fault(44, "a bad file is saved while a key is held", Tests(&[
-        ("tests/cli/reload.rs", "a_broken_file_is_told_with_its_place_and_the_held_key_stays_held"),
+        ("tests/cli/reload.rs", "an_invalid_file_is_reported_with_its_position_and_keys_stay_pressed"),
     ])),
     fault(45, "a good file is saved while a key is held", Tests(&[
-        ("tests/cli/reload.rs", "a_saved_layout_lets_go_of_the_held_key_and_is_typed_on"),
+        ("tests/cli/reload.rs", "saving_the_layout_releases_keys_and_activates_it"),
         ("tests/pipeline/arming.rs", "a_new_layout_releases_everything_and_a_finger_in_a_key_must_leave_it"),
     ])),
     fault(46, "a file is saved a hundred times in a second", Tests(&[
-        ("tests/cli/reload.rs", "a_hundred_saves_in_a_second_end_on_the_last_one_and_no_key_is_stuck"),
+        ("tests/cli/reload.rs", "after_a_hundred_saves_in_a_second_the_last_is_active_and_no_key_is_stuck"),
         ("src/session/reload/mod.rs", "of_many_fast_saves_the_last_is_activated_and_few_others"),
         ("tests/pipeline/arming.rs", "a_hundred_new_layouts_release_a_pressed_key_once"),
     ])),
@@ -278,7 +278,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/sink.rs", "a_dead_server_is_an_error"),
     ])),
     fault(57, "two sessions at once", Tests(&[
-        ("tests/cli/control.rs", "a_second_run_is_refused_and_the_socket_of_a_killed_one_is_taken_over"),
+        ("tests/cli/control.rs", "a_second_run_is_refused_and_the_socket_of_a_killed_run_is_replaced"),
         ("tests/cli/faults/lines.rs", "a_second_run_on_the_same_port_is_refused_at_once_and_the_first_goes_on"),
         ("src/output/socket/linux.rs", "a_socket_in_use_is_an_error_and_that_of_a_dead_process_is_replaced"),
     ])),

@@ -164,7 +164,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 ),
                 (
                     "tests/cli/control.rs",
-                    "a_pause_lets_go_and_nothing_is_typed_until_it_is_ended_and_the_hand_was_off",
+                    "a_pause_releases_keys_and_types_nothing_until_it_ends_and_the_hand_is_clear",
                 ),
                 (
                     "tests/pipeline/stops.rs",
@@ -220,16 +220,19 @@ pub const REQUIREMENTS: &[Requirement] = &[
         Status::Met(&[
             (
                 "tests/cli/control.rs",
-                "the_socket_is_its_owners_alone_from_the_first_instant_on",
-            ),
-            ("tests/cli/control.rs", "another_user_is_not_listened_to"),
-            (
-                "tests/cli/control.rs",
-                "a_folder_that_others_may_enter_is_refused",
+                "the_socket_is_private_from_its_creation_on",
             ),
             (
                 "tests/cli/control.rs",
-                "a_second_run_is_refused_and_the_socket_of_a_killed_one_is_taken_over",
+                "commands_of_another_user_are_refused",
+            ),
+            (
+                "tests/cli/control.rs",
+                "a_directory_that_others_may_enter_is_refused",
+            ),
+            (
+                "tests/cli/control.rs",
+                "a_second_run_is_refused_and_the_socket_of_a_killed_run_is_replaced",
             ),
         ]),
     ),
@@ -274,7 +277,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
             ),
             (
                 "tests/cli/control.rs",
-                "who_has_not_subscribed_hears_nothing_of_what_is_typed",
+                "a_client_without_a_subscription_receives_no_events",
             ),
             (
                 "src/output/tests.rs",
