@@ -3,10 +3,11 @@
 use arrayvec::ArrayVec;
 
 use super::action::HandAction;
+use super::action_error::ActionError;
 use super::movement::{ActiveMovement, Movement};
 use super::planner;
+use super::settings::TypistSettings;
 use super::typing_hand::TypingHand;
-use super::typist::{TypistError, TypistSettings};
 use crate::capture::MAX_CHANNELS;
 use crate::contact::surface::Scene;
 use crate::estimate::ChannelMap;
@@ -51,7 +52,7 @@ impl SimulatedHand {
         scene: &Scene,
         arm: &ArmModel,
         map: &ChannelMap,
-    ) -> Result<Self, TypistError> {
+    ) -> Result<Self, ActionError> {
         let hand = TypingHand::new(arm, map);
         let plan = planner::plan(actions, hand, scene, settings.packet_period)?;
         Ok(Self {

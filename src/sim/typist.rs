@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use super::action::HandAction;
 use super::action_error::ActionError;
+use super::settings::TypistSettings;
 use super::simulated_hand::{GloveCounts, Progress, SimulatedHand};
 use super::text_plan::PlanError;
 use crate::capture::{CaptureError, Channels, Reading, Sample, Source, SourceEvent, SourceStats};
@@ -13,19 +14,6 @@ use crate::estimate::ChannelMap;
 use crate::hand::Side;
 use crate::kinematics::ArmModel;
 use crate::time::Timestamp;
-
-/// Settings of a simulated person.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TypistSettings {
-    /// Name of the source.
-    pub name: String,
-    /// Time between two packets of the glove.
-    pub packet_period: Duration,
-    /// Standard deviation of the noise of each channel, in counts; 0 for none.
-    pub noise_counts: f64,
-    /// Seed of the noise.
-    pub seed: u64,
-}
 
 /// Reason why a simulated person cannot play a text or a script.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -106,7 +94,7 @@ impl SimulatedTypist {
             let own: Vec<usize> = own.collect();
             let own_actions: Vec<_> = own.iter().map(|&action| actions[action].clone()).collect();
             let hand = SimulatedHand::new(settings, &own_actions, scene, arm, map);
-            let hand = hand.map_err(|error| error.with_index_in(&own))?;
+            let hand = hand.map_err(|error| TypistError::from(error).with_index_in(&own))?;
             Ok(WornGlove {
                 side: arm.side(),
                 hand,

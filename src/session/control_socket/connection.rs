@@ -8,10 +8,10 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, Sender, bounded, select};
 
+use super::context::ServerContext;
 use super::notification::{Subscribers, Subscription};
 use super::request::{MAX_LINE_BYTES, Request};
 use super::response::{self, JsonLine};
-use super::server::ServerContext;
 use crate::command::Command;
 use crate::output::socket::Stream;
 use crate::session::reply::Reply;

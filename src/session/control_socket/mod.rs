@@ -12,6 +12,7 @@
 pub mod request;
 mod response;
 mod notification;
+mod context;
 mod connection;
 mod server;
 mod client;
@@ -21,8 +22,9 @@ use std::path::{Path, PathBuf};
 use crate::output::socket::{self, SocketError};
 
 pub use client::Client;
+pub use context::ServerContext;
 pub use notification::Notifier;
-pub use server::{ControlServer, ServerContext};
+pub use server::ControlServer;
 
 /// A profile of the setup and its layout.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -8,24 +8,16 @@ use std::thread;
 use std::time::Duration;
 
 use super::connection::{self, LineWriter};
+use super::context::ServerContext;
 use super::notification::{NotificationQueue, Notifier, Subscribers, broadcast};
-use super::{ControlError, ProfileInfo, response};
+use super::{ControlError, response};
 use crate::output::socket::{Listener, Stream};
-use crate::session::command_channel::CommandSender;
 
 /// Largest number of connected clients.
 const MAX_CLIENTS: usize = 16;
 
 /// Delay after a failure to accept a client, such as a lack of file descriptors.
 const RETRY_DELAY: Duration = Duration::from_millis(100);
-
-/// The session that a control socket serves.
-pub struct ServerContext {
-    /// Profiles of the setup, in order.
-    pub profiles: Vec<ProfileInfo>,
-    /// Channel to the session loop.
-    pub commands: CommandSender,
-}
 
 /// A control socket. Dropping it removes the socket.
 pub struct ControlServer {

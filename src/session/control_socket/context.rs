@@ -1,0 +1,12 @@
+//! The session that a control socket serves.
+
+use super::ProfileInfo;
+use crate::session::command_channel::CommandSender;
+
+/// The session that a control socket serves.
+pub struct ServerContext {
+    /// Profiles of the setup, in order.
+    pub profiles: Vec<ProfileInfo>,
+    /// Channel to the session loop.
+    pub commands: CommandSender,
+}
