@@ -29,8 +29,8 @@ mod watchdog_process;
 #[cfg(not(target_family = "wasm"))]
 pub use desktop::{Desktop, SUPPORTS_WAYLAND};
 pub use open::{
-    available, check, check_layout_change, find_backend, help, open, open_with_watchdog,
-    uses_backend, uses_stdout,
+    available, check, check_layout_change, help, open, open_with_watchdog, uses_backend,
+    uses_stdout,
 };
 pub use router::Router;
 pub use transcript::Transcript;
@@ -47,6 +47,15 @@ pub const BACKENDS: &[&Backend] = &[
     &spacenav::BACKEND,
     &null::BACKEND,
 ];
+
+/// Returns the backend of this name.
+pub fn find_backend(name: &str) -> Result<&'static Backend, UnknownName> {
+    let found = BACKENDS.iter().find(|backend| backend.name == name);
+    let names = BACKENDS.iter().map(|backend| backend.name);
+    found
+        .copied()
+        .ok_or_else(|| UnknownName::new("output", name, names))
+}
 
 /// Number of times an output repeats a call that the operating system rejected.
 const RETRIES: usize = 3;

@@ -2,9 +2,8 @@
 
 use super::router::{Route, Router, route};
 use super::watchdog::WatchdogSettings;
-use super::{BACKENDS, Backend, OpenRequest, OutputError, Sink, null, transcript};
+use super::{BACKENDS, Backend, OpenRequest, OutputError, Sink, find_backend, null, transcript};
 use crate::device::{Capabilities, Capability};
-use crate::names::UnknownName;
 
 /// One output of a list, as written.
 struct NamedOutput<'a> {
@@ -97,15 +96,6 @@ pub fn uses_stdout(names: &str) -> bool {
 /// Returns `true` if one of the outputs is this backend, without an argument.
 pub fn uses_backend(names: &str, backend: &str) -> bool {
     names.split(',').any(|name| name.trim() == backend)
-}
-
-/// Returns the backend of this name.
-pub fn find_backend(name: &str) -> Result<&'static Backend, UnknownName> {
-    let found = BACKENDS.iter().find(|backend| backend.name == name);
-    let names = BACKENDS.iter().map(|backend| backend.name);
-    found
-        .copied()
-        .ok_or_else(|| UnknownName::new("output", name, names))
 }
 
 /// Returns all names for messages: `transcript, transcript:PATH, desktop, …`.

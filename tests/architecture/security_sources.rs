@@ -36,7 +36,7 @@ fn containing(what: &str) -> Vec<String> {
 fn only_the_watchdog_is_ever_started() {
     assert_eq!(
         containing("Command :: new ("),
-        ["output/watchdog/client.rs"]
+        ["output/watchdog/linux/client.rs"]
     );
     for word in ["libloading", "dlopen", ". exec ("] {
         assert_eq!(containing(word), [""; 0], "{word}");

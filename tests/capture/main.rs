@@ -4,6 +4,7 @@
 mod support;
 
 mod commands;
+mod file;
 #[cfg(unix)]
 mod serial;
 mod statistics;

@@ -15,3 +15,8 @@ pub use unix::{has_key, inject_key, no_display};
 mod named;
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 pub use named::{has_key, inject_key, no_display};
+
+#[cfg(not(any(target_os = "windows", all(unix, not(target_os = "macos")))))]
+use named_keys::MACOS_KEY_CODES as KEY_CODES;
+#[cfg(target_os = "windows")]
+use named_keys::WINDOWS_KEY_CODES as KEY_CODES;

@@ -2,10 +2,7 @@
 
 use enigo::{Direction, Enigo, InputResult};
 
-#[cfg(not(target_os = "windows"))]
-use super::named_keys::MACOS_KEY_CODES as KEY_CODES;
-#[cfg(target_os = "windows")]
-use super::named_keys::WINDOWS_KEY_CODES as KEY_CODES;
+use super::KEY_CODES;
 use super::named_keys::{has_named_key, inject_by_name};
 use crate::device::KeyCode;
 
