@@ -164,6 +164,10 @@ pub struct Channels {
 }
 
 /// Result of a call to [`Source::next`].
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a reading is passed on without an allocation"
+)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum SourceEvent {
     /// A reading.

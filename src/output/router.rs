@@ -36,12 +36,12 @@ pub struct Router {
 impl Router {
     /// Creates a router; earlier sinks take precedence.
     pub fn new(sinks: Vec<Box<dyn Sink>>) -> Self {
-        let route = |sink: &Box<dyn Sink>| Route {
+        let route = |sink: &dyn Sink| Route {
             capabilities: sink.capabilities(),
             is_log: sink.is_log(),
         };
         Self {
-            routes: sinks.iter().map(route).collect(),
+            routes: sinks.iter().map(|sink| route(&**sink)).collect(),
             sinks,
             buffer: Events::new(),
         }

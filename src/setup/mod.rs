@@ -56,7 +56,7 @@ pub struct Setup {
 }
 
 /// The other hand of a setup with two hands.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename = "OtherHand", default, deny_unknown_fields)]
 pub struct OtherHand {
     /// The source of its readings. Default: the first source provides both hands.
@@ -150,17 +150,6 @@ impl Default for Setup {
             max_presses_per_second: None,
             allow_system_keys: false,
             panic_keys: Vec::new(),
-        }
-    }
-}
-
-impl Default for OtherHand {
-    fn default() -> Self {
-        Self {
-            source: None,
-            role: None,
-            glove: None,
-            arm: ArmSetup::default(),
         }
     }
 }

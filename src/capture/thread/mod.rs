@@ -14,6 +14,10 @@ use super::{CancelToken, CaptureError, Reading, Source, SourceEvent, SourceStats
 ///
 /// After [`Failed`](Self::Failed) or [`End`](Self::End) the channel is disconnected. A thread that is stopped by
 /// dropping its [`CaptureThread`] sends neither.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a reading is passed on without an allocation"
+)]
 #[derive(Clone, Debug)]
 pub enum CaptureEvent {
     /// A reading.

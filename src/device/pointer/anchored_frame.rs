@@ -29,7 +29,7 @@ impl AnchoredFrame {
     }
 
     /// Converts a point of the world into this frame; `None` if the result is unknown or not finite.
-    pub(super) fn to_local(&self, pose: &HandPose, point: Vec3) -> Option<Vec3> {
+    pub(super) fn to_local(self, pose: &HandPose, point: Vec3) -> Option<Vec3> {
         let local = self.world_from_frame(pose)?.inverse_transform_point(point);
         local.is_finite().then_some(local)
     }

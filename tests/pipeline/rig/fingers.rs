@@ -177,7 +177,7 @@ impl Rig {
 
     /// Gives all devices one step of a hand.
     pub fn update(&mut self, pose: &HandPose, touches: &[Touch], events: &mut Events) {
-        let angles = self.hands[pose.side.index()].angles.clone();
+        let angles = self.hands[pose.side.index()].angles;
         let input = DeviceInput {
             scene: &self.scene,
             angles: &angles,
