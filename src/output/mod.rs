@@ -103,7 +103,7 @@ pub struct OpenRequest<'a> {
     pub name: &'a str,
     /// The text after the colon.
     pub argument: Option<&'a str>,
-    /// What the layouts require of this output.
+    /// The capabilities that the layouts require of this output.
     pub required: &'a Capabilities,
     /// The watchdog to start, if the backend needs one.
     pub watchdog: Option<&'a WatchdogSettings>,

@@ -7,7 +7,7 @@ use crate::device::{Capabilities, Capability, EventKind, Events, OutputEvent, Ti
 /// The property of an output that decides which events it receives.
 #[derive(Clone, Debug)]
 pub(super) struct Route {
-    /// What the output can send.
+    /// The capabilities of the output.
     pub capabilities: Capabilities,
     /// See [`Backend::is_log`](super::Backend::is_log).
     pub is_log: bool,

@@ -1,7 +1,7 @@
-//! The whole way onto a Wayland desktop: `sway` without a screen, `foot` as the program that is typed into, `wev` as
-//! the one that tells what reaches a window. Nothing stays down, however it ends.
+//! Wayland: events arrive in other programs, and no key stays pressed, however the program ends. `sway` runs headless,
+//! `foot` is the terminal that receives text, and `wev` prints the events of a window.
 //!
-//! `cargo test --features wayland --test outputs wayland::`; on Debian: `sway foot wev weston`.
+//! `cargo test --features wayland --test outputs wayland::`; on Debian, install `sway foot wev weston`.
 
 mod compositor;
 mod ends;

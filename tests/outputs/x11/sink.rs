@@ -164,17 +164,17 @@ fn relative_and_absolute_pointer_motion_arrive() {
         return;
     };
     let mut sink = open(&server);
-    let places = [
+    let positions = [
         (EventKind::MoveTo(0.0, 0.0), (0, 0)),
         (EventKind::MoveTo(1.0, 1.0), (799, 599)),
         (EventKind::MoveTo(0.5, 0.25), (400, 150)),
         (EventKind::MoveBy(-30, 7), (370, 157)),
         (EventKind::MoveBy(i32::MAX, i32::MIN), (799, 0)),
     ];
-    for (action, place) in places {
+    for (action, position) in positions {
         sink.send(&[event(action)]).unwrap();
         assert!(
-            server.wait_for_pointer(place),
+            server.wait_for_pointer(position),
             "{action:?}: {:?}",
             server.pointer()
         );

@@ -68,8 +68,8 @@ fn event(lines: &[String]) -> Option<String> {
         }
         "ButtonPress" | "ButtonRelease" => after("button ")?.to_owned(),
         "MotionNotify" => {
-            let (_, place) = text.split_once("root:(")?;
-            place.split_once(')')?.0.to_owned()
+            let (_, position) = text.split_once("root:(")?;
+            position.split_once(')')?.0.to_owned()
         }
         _ => return None,
     };

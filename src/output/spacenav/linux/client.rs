@@ -15,7 +15,7 @@ use crate::time::Timestamp;
 /// Longest time for which a client may not read.
 const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Maximum number of messages that wait. Motion occupies one place, as a later motion replaces it.
+/// Maximum number of messages that wait. Motion occupies one slot, as a later motion replaces it.
 const QUEUE: usize = 64;
 
 /// Longest period reported with a motion, in milliseconds: a client that multiplies by it must not jump after a pause.

@@ -108,7 +108,7 @@ impl Server {
             return Ok(());
         };
         if *wake_up {
-            // The bytes have no meaning, and the queue tells if the other end is closed.
+            // The bytes have no meaning, and a closed queue is detected by the next call.
             let _ = self.wake_ups.read(&mut [0; 64]);
         }
         let path = self.listener.path().to_string_lossy().into_owned();
