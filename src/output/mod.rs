@@ -13,7 +13,6 @@ use crate::device::{Capabilities, OutputEvent, TimedCommand};
 use crate::names::UnknownName;
 
 mod axis_state;
-#[cfg(not(target_family = "wasm"))]
 pub mod desktop;
 mod null;
 mod open;
@@ -23,10 +22,8 @@ pub mod spacenav;
 pub mod transcript;
 pub mod uinput;
 pub mod watchdog;
-#[cfg(not(target_family = "wasm"))]
 mod watchdog_process;
 
-#[cfg(not(target_family = "wasm"))]
 pub use desktop::{Desktop, SUPPORTS_WAYLAND};
 pub use open::{
     available, check, check_layout_change, help, open, open_with_watchdog, uses_backend,
@@ -35,13 +32,11 @@ pub use open::{
 pub use router::Router;
 pub use transcript::Transcript;
 use watchdog::WatchdogSettings;
-#[cfg(not(target_family = "wasm"))]
 pub use watchdog_process::run as run_watchdog;
 
 /// All backends of this build, in the order in which messages and help texts list them.
 pub const BACKENDS: &[&Backend] = &[
     &transcript::BACKEND,
-    #[cfg(not(target_family = "wasm"))]
     &desktop::BACKEND,
     &uinput::BACKEND,
     &spacenav::BACKEND,

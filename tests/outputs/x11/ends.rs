@@ -36,7 +36,7 @@ impl Typing {
         let source = format!("serial:{}", port.display());
         let program = run(&server, &source);
         program.wait_for_line("armed", 1);
-        hold(&server, &glove, &press, &held_keys());
+        hold(&server, &program, &glove, &press, &held_keys());
         Some(Self {
             server,
             program,

@@ -70,7 +70,7 @@ fn all_keys_are_released_after_the_out_of_memory_killer() {
     ];
     let mut program = Program::start(&server, arguments);
     program.wait_for_line("armed", 1);
-    hold(&server, &glove, &press, &held_keys());
+    hold(&server, &program, &glove, &press, &held_keys());
 
     group.add(program.id());
     // Reading this file exceeds the limit.

@@ -20,17 +20,24 @@ use std::time::{Duration, Instant};
 
 use crate::support::glove::Glove;
 use crate::support::press::Press;
+use crate::support::program::Program;
 use crate::support::x11::{XServer, wait_at_most, wait_for};
 
 /// Repeats a press until exactly these keys are pressed.
 ///
 /// A busy machine may cause a stall; then the press is repeated.
-fn hold(server: &XServer, glove: &Glove, press: &Press, keys: &[u16]) {
+fn hold(server: &XServer, program: &Program, glove: &Glove, press: &Press, keys: &[u16]) {
     let is_pressed = || {
         glove.play(&press.approach);
         wait_at_most(Duration::from_secs(5), || server.pressed_keys() == keys)
     };
-    assert!(wait_for(is_pressed), "pressed: {:?}", server.pressed_keys());
+    let pressed = wait_for(is_pressed);
+    assert!(
+        pressed,
+        "{:?}: {:#?}",
+        server.pressed_keys(),
+        program.stderr_lines()
+    );
 }
 
 /// Waits until no key is pressed, and prints the time since `start`. `benches/release.rs` measures such times; here a busy

@@ -24,7 +24,7 @@ fn after_a_reconnection_a_finger_on_a_key_presses_nothing_until_the_hand_is_clea
     let arguments = ["run", "--output", "desktop", "--source", &source];
     let program = Program::start(&server, arguments);
     program.wait_for_line("armed", 1);
-    hold(&server, &glove, &press, &[x11_code("H")]);
+    hold(&server, &program, &glove, &press, &[x11_code("H")]);
 
     let start = Instant::now();
     glove.unplug();
@@ -43,7 +43,7 @@ fn after_a_reconnection_a_finger_on_a_key_presses_nothing_until_the_hand_is_clea
     let took = start.elapsed();
     println!("off all keys: armed after {took:.1?}");
     assert!(took >= NEUTRAL, "{took:?}");
-    hold(&server, &glove, &press, &[x11_code("H")]);
+    hold(&server, &program, &glove, &press, &[x11_code("H")]);
     glove.play(&press.lift);
     assert!(server.wait_for_keys(&[]));
 }

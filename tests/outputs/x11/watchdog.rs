@@ -135,7 +135,13 @@ fn all_keys_are_released_while_the_program_is_stopped_and_it_must_be_armed_again
     let press = Press::for_text("H");
     typing.glove.play(&press.lift);
     typing.program.wait_for_line("armed", 2);
-    hold(&typing.server, &typing.glove, &press, &held_keys());
+    hold(
+        &typing.server,
+        &typing.program,
+        &typing.glove,
+        &press,
+        &held_keys(),
+    );
     typing.program.signal(&["TERM"]);
     assert_eq!(typing.program.wait_for_exit().code(), Some(0));
     assert_eq!(typing.server.pressed_keys(), [0; 0]);
