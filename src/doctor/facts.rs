@@ -17,7 +17,7 @@ pub struct Facts {
     pub display: XDisplay,
     /// Compositor that `WAYLAND_DISPLAY` names.
     pub compositor: Compositor,
-    /// Whether this program was built with Wayland support.
+    /// `true` if this program was built with Wayland support.
     pub has_wayland: bool,
     /// Directory of the control socket.
     pub runtime: RuntimeDir,
@@ -28,7 +28,7 @@ pub struct Facts {
 pub struct User {
     /// Login name, or the user id if there is none.
     pub name: String,
-    /// Whether the user is root.
+    /// `true` if the user is root.
     pub is_root: bool,
     /// Groups of this process.
     pub groups: Vec<String>,
@@ -52,9 +52,9 @@ pub enum DeviceNode {
 pub struct UinputFacts {
     /// The node `/dev/uinput`; absent also if no driver is behind it.
     pub node: DeviceNode,
-    /// Whether the module is loaded.
+    /// `true` if the module is loaded.
     pub is_loaded: bool,
-    /// Whether the kernel has the module; `None` if its files are not visible, as in a container.
+    /// `true` if the kernel has the module; `None` if its files are not visible, as in a container.
     pub can_be_loaded: Option<bool>,
 }
 

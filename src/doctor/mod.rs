@@ -26,9 +26,9 @@ use crate::setup::Setup;
 pub struct Requirements {
     /// Serial ports to be read.
     pub ports: Vec<String>,
-    /// Whether the setup uses the output `desktop`.
+    /// `true` if the setup uses the output `desktop`.
     pub desktop: bool,
-    /// Whether the setup uses the output `uinput`.
+    /// `true` if the setup uses the output `uinput`.
     pub uinput: bool,
 }
 
@@ -80,7 +80,7 @@ pub struct Finding {
     pub check: &'static str,
     /// Status of the subject.
     pub status: CheckStatus,
-    /// Whether the setup needs it.
+    /// `true` if the setup needs it.
     pub needed: bool,
     /// Explanation.
     pub text: String,

@@ -12,7 +12,7 @@ pub(super) struct Movement {
     pub(super) channel_targets: Vec<(usize, f64)>,
     /// Path of the index fingertip; `None` if the fingertip follows from the channels.
     pub(super) path: Option<TipPath>,
-    /// Whether the thumb stays at the index finger.
+    /// `true` if the thumb stays at the index finger.
     pub(super) is_pinched: bool,
     /// Duration in packets; more than 0.
     pub(super) packets: u32,

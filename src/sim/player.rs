@@ -14,7 +14,7 @@ use crate::capture::hc11::{BODY_BYTES, encode};
 pub struct PlaybackStats {
     /// Packets written to each line.
     pub packets: u64,
-    /// Whether the playback was cancelled before its end.
+    /// `true` if the playback was cancelled before its end.
     pub is_cancelled: bool,
 }
 

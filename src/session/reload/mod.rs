@@ -55,9 +55,9 @@ pub struct LayoutSource {
 /// Use of the layout files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FilePolicy {
-    /// Whether files are watched and activated when they are saved.
+    /// `true` if files are watched and activated when they are saved.
     pub watch: bool,
-    /// Whether the session is recorded. A recording holds one version of each layout, so that changed files are rejected.
+    /// `true` if the session is recorded. A recording holds one version of each layout, so that changed files are rejected.
     pub is_recorded: bool,
 }
 

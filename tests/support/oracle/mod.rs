@@ -105,7 +105,7 @@ pub struct Observation<'a> {
     pub cause: Cause,
     /// State after the call.
     pub state: PipelineState,
-    /// Whether a pause was requested and not ended.
+    /// `true` if a pause was requested and not ended.
     pub is_paused: bool,
     /// Index of the profile that was active before the call.
     pub profile: usize,

@@ -10,7 +10,7 @@ use super::{Cause, Observation, Violation};
 #[derive(Clone, Debug, Default)]
 pub(super) struct TouchCheck {
     targets: [[Option<TargetId>; Finger::COUNT]; Side::COUNT],
-    /// Whether a step of the hand followed the last release of everything.
+    /// `true` if a step of the hand followed the last release of everything.
     is_seen: [bool; Side::COUNT],
 }
 
