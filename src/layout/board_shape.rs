@@ -81,7 +81,7 @@ impl BoardShape {
         }
     }
 
-    /// Returns the row coordinates of a point in the plane of the board: the inverse of [`outline`](Self::outline).
+    /// Returns the row coordinates of a point in the plane of the board: the inverse of `outline`.
     pub fn row_position(self, point: Vec2) -> Vec2 {
         let Self::Arc(radius_at_zero) = self else {
             return point;

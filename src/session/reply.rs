@@ -13,7 +13,7 @@ pub enum Reply {
     Done,
     /// A sentence for the user.
     Text(String),
-    /// The answer to [`Command::State`].
+    /// The answer to [`Command::State`](crate::command::Command::State).
     State(SessionStatus),
 }
 

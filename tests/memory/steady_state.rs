@@ -269,7 +269,7 @@ fn update(
     keyboard.update(
         &input,
         &mut DeviceOutput {
-            arbiter: arbiter,
+            arbiter,
             events,
             commands: &mut ademan::device::TimedCommands::new(),
         },
@@ -286,7 +286,7 @@ fn release_all(
     keyboard.release_all(
         time,
         &mut DeviceOutput {
-            arbiter: arbiter,
+            arbiter,
             events,
             commands: &mut ademan::device::TimedCommands::new(),
         },

@@ -6,7 +6,7 @@
 //! pressed keys if the process exits for any reason, or sends no heartbeat for 200 ms while a key is pressed.
 //!
 //! On X11 the watchdog has a connection of its own. A compositor and the kernel accept a release only from the device
-//! that sent the press, so there it has a duplicate of the connection or of the device (see [`ReleaseTarget`]).
+//! that sent the press, so there it has a duplicate of the connection or of the device (see `ReleaseTarget`).
 
 use std::ffi::OsString;
 use std::fmt;
