@@ -150,7 +150,7 @@ pub const FAULTS: &[Fault] = &[
     fault(29, "NaN, infinities and extreme numbers", Tests(&[
         ("tests/pipeline/faulty_readings.rs", "angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go"),
         ("tests/cli/faults/files.rs", "numbers_that_no_sensor_gives_are_no_reading"),
-        ("tests/files/layout_errors.rs", "what_is_wrong_on_a_board_is_told_at_its_place"),
+        ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
     ])),
     fault(30, "angles outside their limits, missing channels", Tests(&[
         ("src/estimate/limits.rs", "an_angle_slightly_outside_is_clamped_and_one_far_outside_is_rejected"),
@@ -187,27 +187,27 @@ pub const FAULTS: &[Fault] = &[
     ])),
     // Pipeline, configuration, process.
     fault(39, "a layout file that cannot be read", Tests(&[
-        ("tests/files/layout_errors.rs", "a_file_that_cannot_be_read_says_why"),
-        ("tests/files/layout_errors.rs", "a_file_of_a_mebibyte_is_read_and_one_byte_more_is_not"),
+        ("tests/files/layout_errors.rs", "an_unreadable_file_reports_the_reason"),
+        ("tests/files/layout_errors.rs", "a_file_has_at_most_one_mebibyte"),
         ("tests/files/layout_errors.rs", "an_endless_file_is_not_read_to_its_end"),
         ("tests/cli/wrong_use.rs", "wrong_names_are_refused_with_the_valid_ones"),
     ])),
     fault(40, "a syntax error, an unknown field, a wrong type", Tests(&[
-        ("tests/files/layout_errors.rs", "what_is_no_ron_is_told_at_its_place"),
-        ("tests/files/layout_errors.rs", "what_is_wrong_on_a_board_is_told_at_its_place"),
+        ("tests/files/layout_errors.rs", "a_syntax_error_has_its_position"),
+        ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
         ("tests/cli/wrong_use.rs", "errors_in_a_setup_name_the_file_and_the_position"),
         ("tests/cli/wrong_use.rs", "all_layouts_are_checked_even_after_an_invalid_one"),
     ])),
     fault(41, "nesting 200 deep", Tests(&[
-        ("tests/files/layout_errors.rs", "nesting_two_hundred_deep_is_an_error_and_not_a_crash"),
+        ("tests/files/layout_errors.rs", "nesting_of_200_levels_is_an_error_and_not_a_crash"),
     ])),
     fault(42, "duplicate names, overlapping keys, sizes of zero or NaN", Tests(&[
-        ("tests/files/layout_errors.rs", "what_is_wrong_on_a_board_is_told_at_its_place"),
+        ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
         ("tests/pipeline/panels/handle_errors.rs", "controls_that_overlap_or_share_a_name_are_refused"),
         ("src/layout/outline.rs", "touching_edges_do_not_overlap_and_a_tenth_of_a_millimetre_does"),
     ])),
     fault(43, "an unknown key, or a forbidden one", Tests(&[
-        ("tests/files/layout_errors.rs", "what_is_wrong_on_a_board_is_told_at_its_place"),
+        ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
         ("tests/pipeline/limits.rs", "system_keys_need_the_permission_of_the_setup"),
     ])),
     fault(44, "a bad file is saved while a key is held", Tests(&[

@@ -94,7 +94,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
             ),
             (
                 "tests/pipeline/hands_and_profiles.rs",
-                "what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen",
+                "a_hold_of_a_pointer_source_is_not_typed_by_the_other_hand",
             ),
             (
                 "tests/cli/roles.rs",
@@ -176,7 +176,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 ),
                 (
                     "tests/pipeline/hands_and_profiles.rs",
-                    "a_hand_that_stays_away_lets_go_of_what_both_hold_and_both_have_to_be_off_the_keys_first",
+                    "a_missing_hand_releases_the_keys_of_both_and_disarms_the_output",
                 ),
                 (
                     "tests/outputs/x11/ends.rs",

@@ -1,4 +1,4 @@
-//! Every way in which a layout file can be wrong: what is said, and where.
+//! Errors in layout files: message and position of each.
 
 use std::fs;
 use std::path::Path;
@@ -6,24 +6,24 @@ use std::path::Path;
 use ademan::document::DocumentError;
 use ademan::layout::Layout;
 
-const PLACE: &str = "pose: (anchor: elbow)";
+const POSE: &str = "pose: (anchor: elbow)";
 
-/// A layout whose board has these fields.
+/// Returns a layout whose board has these fields.
 fn board(fields: &str) -> String {
-    format!("Layout(name: \"t\", boards: [(\n{PLACE},\n{fields}\n)])")
+    format!("Layout(name: \"t\", boards: [(\n{POSE},\n{fields}\n)])")
 }
 
-fn refusal(text: &str) -> DocumentError {
+fn error_of(text: &str) -> DocumentError {
     Layout::parse(text, "t.ron").expect_err("the layout is wrong")
 }
 
-/// `LINE:COLUMN: message` for each wrong board.
+/// Each case is a board and the expected `LINE:COLUMN: message`.
 #[test]
-fn what_is_wrong_on_a_board_is_told_at_its_place() {
+fn an_error_on_a_board_has_its_position() {
     let row = "rows: [(at_mm: (0, 0), keys: \"Q W\")]";
     let key = |fields: &str| format!("keys: [(code: \"A\", at_mm: (0, 0), {fields})]");
     let cases: &[(String, &str)] = &[
-        // Unknown words.
+        // Unknown names.
         (
             "kyes: []".into(),
             "3:1: unknown field `kyes`, did you mean `keys`?",
@@ -105,7 +105,7 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
             key("press_at: 0.2"),
             "3:16: press_at 0.2 of the key `A` must be greater than release_at 0.25",
         ),
-        // Wrong types, missing and repeated fields.
+        // Wrong types, missing and duplicate fields.
         (key("travel_mm: \"4\""), "3:46: expected a number"),
         (key("reports_depth: 1"), "3:50: expected `true` or `false`"),
         ("keys: 5".into(), "3:7: expected a list: `[…]`"),
@@ -130,7 +130,7 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
             key("latch: Momentary"),
             "3:16: `A` cannot have a latch, only modifiers and layers can",
         ),
-        // What does not go with how a key fires.
+        // Contradictions in the activation of a key.
         (
             key("activate_on: Relese"),
             "3:48: unknown value `Relese`, did you mean `Release`?",
@@ -199,7 +199,7 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
             "rows: [(at_mm: (0, 0), keys: \" \")]".into(),
             "3:32: the text is empty",
         ),
-        // Keys that get in each other's way.
+        // Duplicate and overlapping keys.
         (
             "rows: [(at_mm: (0, 0), keys: \"Q W Q\")]".into(),
             "3:35: duplicate name `Q`: there is a key with this name in line 3, set another `name`",
@@ -239,11 +239,11 @@ fn what_is_wrong_on_a_board_is_told_at_its_place() {
     );
 }
 
-/// The first line of the refusal, without the file.
+/// Checks the first line of the error without the file, the excerpt and the caret.
 fn check(text: &str, expected: &str) {
-    let error = refusal(text);
-    let shown = error.to_string();
-    let mut lines = shown.lines();
+    let error = error_of(text);
+    let text_of_error = error.to_string();
+    let mut lines = text_of_error.lines();
     assert_eq!(
         lines.next(),
         Some(format!("t.ron:{expected}").as_str()),
@@ -259,15 +259,19 @@ fn check(text: &str, expected: &str) {
     );
     let caret = lines.next().unwrap().chars().position(|c| c == '^');
     let gutter = error.line().unwrap().to_string().len() + 3;
-    assert_eq!(caret, Some(error.column().unwrap() + gutter), "{shown}");
+    assert_eq!(
+        caret,
+        Some(error.column().unwrap() + gutter),
+        "{text_of_error}"
+    );
     assert_eq!(lines.next(), None);
 }
 
 #[test]
-fn what_is_wrong_with_layers_is_told_at_its_place() {
+fn an_error_in_a_layer_has_its_position() {
     let layers = |layers: &str| {
         format!(
-            "Layout(name: \"t\", boards: [({PLACE}, rows: [(at_mm: (0, 0), keys: \"Q Comma\")])], layers: [\n{layers}\n])"
+            "Layout(name: \"t\", boards: [({POSE}, rows: [(at_mm: (0, 0), keys: \"Q Comma\")])], layers: [\n{layers}\n])"
         )
     };
     let many: Vec<String> = (1..=32)
@@ -314,7 +318,7 @@ fn what_is_wrong_with_layers_is_told_at_its_place() {
         ),
     ] {
         let layer = "layers: [\n(name: \"x\", keys: {\"Q\": \"AltLeft\"})]";
-        let text = format!("Layout(name: \"t\", boards: [({PLACE}, keys: [{key}])], {layer})");
+        let text = format!("Layout(name: \"t\", boards: [({POSE}, keys: [{key}])], {layer})");
         check(&text, expected);
     }
     let text = board("keys: [(layer: \"symbls\", at_mm: (0, 0))]");
@@ -326,7 +330,7 @@ fn what_is_wrong_with_layers_is_told_at_its_place() {
 }
 
 #[test]
-fn what_is_no_ron_is_told_at_its_place() {
+fn a_syntax_error_has_its_position() {
     for (text, expected) in [
         ("", "1:1: expected fields in parentheses: `(…)`"),
         (
@@ -348,14 +352,14 @@ fn what_is_no_ron_is_told_at_its_place() {
         ),
         ("  /* Layout(", "1:3: the comment has no `*/`"),
     ] {
-        let error = refusal(text);
+        let error = error_of(text);
         let first = error.to_string().lines().next().unwrap().to_owned();
         assert_eq!(first, format!("t.ron:{expected}"), "\n{text}");
     }
 }
 
 #[test]
-fn nesting_two_hundred_deep_is_an_error_and_not_a_crash() {
+fn nesting_of_200_levels_is_an_error_and_not_a_crash() {
     for bracket in ["(", "[", "{", "Some(", "Layout(name:", "/*"] {
         for before in [
             "",
@@ -363,7 +367,7 @@ fn nesting_two_hundred_deep_is_an_error_and_not_a_crash() {
             "Layout(name: \"x\", boards: ",
             "Layout(zzz: ",
         ] {
-            let error = refusal(&format!("{before}{}", bracket.repeat(200)));
+            let error = error_of(&format!("{before}{}", bracket.repeat(200)));
             assert!(error.line().is_some(), "{error}");
         }
     }
@@ -378,7 +382,7 @@ fn nesting_two_hundred_deep_is_an_error_and_not_a_crash() {
 }
 
 #[test]
-fn ten_thousand_keys_are_a_layout_and_one_more_is_not() {
+fn a_layout_has_at_most_10_000_keys() {
     let keys = |count: usize| {
         let key = |n: usize| {
             let (x, y) = (n % 100 * 19, n / 100 * 19);
@@ -393,7 +397,7 @@ fn ten_thousand_keys_are_a_layout_and_one_more_is_not() {
         Layout::parse(&keys(10_000), "t.ron").unwrap().scene.len(),
         10_000
     );
-    let error = refusal(&keys(10_001));
+    let error = error_of(&keys(10_001));
     assert_eq!(
         error.message(),
         "a layout has at most 10000 keys and other controls"
@@ -402,7 +406,7 @@ fn ten_thousand_keys_are_a_layout_and_one_more_is_not() {
 }
 
 #[test]
-fn a_file_that_cannot_be_read_says_why() {
+fn an_unreadable_file_reports_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let message = |path: &str| {
@@ -431,7 +435,7 @@ fn a_file_that_cannot_be_read_says_why() {
 }
 
 #[test]
-fn a_file_of_a_mebibyte_is_read_and_one_byte_more_is_not() {
+fn a_file_has_at_most_one_mebibyte() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("large.ron");
     let mut text = board("rows: [(at_mm: (0, 0), keys: \"A\")]");
@@ -455,7 +459,7 @@ fn an_endless_file_is_not_read_to_its_end() {
 }
 
 #[test]
-fn a_damaged_file_is_read_or_refused_at_a_place_within_it() {
+fn a_damaged_file_is_read_or_rejected_at_a_position_within_it() {
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut random = move |below: usize| {
         state ^= state << 13;

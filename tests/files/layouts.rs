@@ -1,4 +1,4 @@
-//! Layout files: the shipped ones, where keys come to be, drawings, and the guide.
+//! Layout files: shipped layouts, positions of keys, drawings, and the guide.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -16,11 +16,11 @@ use ademan::layout::Layout;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec2, Vec3};
 
-const PLACE: &str = "pose: (anchor: elbow)";
+const POSE: &str = "pose: (anchor: elbow)";
 
-/// A layout whose board has these fields.
+/// Returns a layout whose board has these fields.
 fn board(fields: &str) -> String {
-    format!("Layout(name: \"t\", boards: [(\n{PLACE},\n{fields}\n)])")
+    format!("Layout(name: \"t\", boards: [(\n{POSE},\n{fields}\n)])")
 }
 
 fn code(name: &str) -> KeyCode {
@@ -77,23 +77,23 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
 }
 
 #[test]
-fn the_flat_boards_write_every_printable_character_with_and_without_shift() {
+fn the_flat_boards_type_every_printable_character_with_and_without_shift() {
     for name in ["qwerty-flat", "qwerty-flat-22"] {
         let layout = Layout::load(name).unwrap();
         let codes = layout.required_capabilities().keys;
         for character in (' '..='~').chain(['\n', '\t']) {
-            assert!(writes(&codes, character), "{name}: {character:?}");
+            assert!(types(&codes, character), "{name}: {character:?}");
         }
         assert!(codes.contains(&KeyCode::SHIFT_LEFT) && codes.contains(&KeyCode::BACKSPACE));
     }
 }
 
 #[test]
-fn the_arc_board_writes_every_printable_character_with_its_layer() {
+fn the_arc_board_types_every_printable_character_with_its_layer() {
     let layout = Layout::load("qwerty-arc").unwrap();
     let codes = layout.required_capabilities().keys;
     for character in ' '..='~' {
-        assert!(writes(&codes, character), "{character:?}");
+        assert!(types(&codes, character), "{character:?}");
     }
     let shift = layout.key("ShiftLeft").unwrap();
     let one_shot = KeyAction::Modifier(KeyCode::SHIFT_LEFT, Latch::OneShot);
@@ -106,10 +106,10 @@ fn the_arc_board_writes_every_printable_character_with_its_layer() {
     assert_eq!(layout.layers, ["base", "symbols"]);
 }
 
-/// Whether one of the keys writes the character on a US keymap, with or without Shift.
-fn writes(codes: &BTreeSet<KeyCode>, character: char) -> bool {
-    let writes = |shifted| move |key: &KeyCode| key.us_character(shifted) == Some(character);
-    codes.iter().any(writes(false)) || codes.iter().any(writes(true))
+/// Returns `true` if one of the keys types the character on a US keymap, with or without Shift.
+fn types(codes: &BTreeSet<KeyCode>, character: char) -> bool {
+    let types = |shifted| move |key: &KeyCode| key.us_character(shifted) == Some(character);
+    codes.iter().any(types(false)) || codes.iter().any(types(true))
 }
 
 #[test]
@@ -120,9 +120,9 @@ fn the_pads_have_their_keys() {
     assert_eq!(Layout::load("numpad").unwrap().keys.len(), 17);
 }
 
-/// What the file says of a flat board, against where its targets are in the world.
+/// Compares the numbers of a file with the positions of the targets in the world.
 #[test]
-fn the_keys_of_a_flat_board_are_where_the_file_says() {
+fn keys_of_a_flat_board_have_the_positions_of_the_file() {
     for (bearing, tilt) in [(0.0, 0.0), (35.0, 0.0), (-120.0, 20.0), (90.0, -45.0)] {
         let text = format!(
             "Layout(name: \"t\", boards: [(
@@ -132,8 +132,8 @@ fn the_keys_of_a_flat_board_are_where_the_file_says() {
             )])"
         );
         let layout = Layout::parse(&text, "t.ron").unwrap();
-        let places = [(-30.0, 20.0), (-5.0, 20.0), (20.0, 20.0), (5.0, -18.0)];
-        for (key, (x, y)) in layout.keys.iter().zip(places) {
+        let positions = [(-30.0, 20.0), (-5.0, 20.0), (20.0, 20.0), (5.0, -18.0)];
+        for (key, (x, y)) in layout.keys.iter().zip(positions) {
             let (sin, cos) = f32::to_radians(bearing).sin_cos();
             let (up, along) = f32::to_radians(tilt).sin_cos();
             let (right, forward) = (x * 1e-3, 0.3 + y * 1e-3 * along);
@@ -154,7 +154,7 @@ fn the_keys_of_a_flat_board_are_where_the_file_says() {
 }
 
 #[test]
-fn the_rows_of_an_arc_board_go_round_the_elbow() {
+fn rows_of_an_arc_board_are_arcs_around_the_elbow() {
     let layout = Layout::load("qwerty-arc").unwrap();
     let board = &layout.boards[0];
     let elbow = Vec3::new(0.0, 0.0, -0.2);
@@ -189,7 +189,7 @@ fn the_rows_of_an_arc_board_go_round_the_elbow() {
     }
 }
 
-/// Middle of the front and direction out of it of the key with that name.
+/// Returns the center and the normal of the face of a key, in the world.
 fn in_the_world(layout: &Layout, name: &str, elbow: Vec3) -> (Vec3, Vec3) {
     let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
     pose.set(Joint::Elbow, Pose::from_translation(elbow));
@@ -203,7 +203,7 @@ fn in_the_world(layout: &Layout, name: &str, elbow: Vec3) -> (Vec3, Vec3) {
 }
 
 #[test]
-fn a_board_is_fixed_to_what_the_file_says() {
+fn a_board_moves_with_its_anchor() {
     for (word, joint) in [
         ("world", None),
         ("elbow", Some(Joint::Elbow)),
@@ -230,7 +230,7 @@ fn a_board_is_fixed_to_what_the_file_says() {
 }
 
 #[test]
-fn several_boards_share_one_list_of_keys() {
+fn boards_share_one_list_of_keys() {
     let one = "(pose: (anchor: world), rows: [(at_mm: (0, 0), keys: \"A B\")])";
     let two =
         "(pose: (anchor: wrist), keys: [(code: \"C\", at_mm: (1, 2), name: \"c\", label: \"x\")])";
@@ -245,7 +245,7 @@ fn several_boards_share_one_list_of_keys() {
 }
 
 #[test]
-fn touching_keys_are_no_overlap() {
+fn touching_keys_do_not_overlap() {
     let text = board(
         "pitch_mm: 17, rows: [(at_mm: (0.1, 0), keys: \"Q W E\"), (at_mm: (0.1, 17), keys: \"A S D\")]",
     );
@@ -253,9 +253,9 @@ fn touching_keys_are_no_overlap() {
 }
 
 #[test]
-fn a_layer_says_nothing_of_the_keys_that_it_does_not_name() {
+fn a_layer_does_not_change_keys_that_it_does_not_name() {
     let text = format!(
-        "Layout(name: \"t\", boards: [({PLACE}, rows: [(at_mm: (0, 0), keys: \"Q W\")])], layers: [
+        "Layout(name: \"t\", boards: [({POSE}, rows: [(at_mm: (0, 0), keys: \"Q W\")])], layers: [
             (name: \"one\", keys: {{\"W\": \"1\"}}), (name: \"two\", keys: {{\"Q\": \"2\", \"W\": \"ShiftLeft\"}})])"
     );
     let layout = Layout::parse(&text, "t.ron").unwrap();
@@ -271,9 +271,9 @@ fn a_layer_says_nothing_of_the_keys_that_it_does_not_name() {
 }
 
 #[test]
-fn how_a_key_fires_is_as_the_file_says() {
+fn activation_and_debounce_are_read_from_the_file() {
     let text = format!(
-        "Layout(name: \"t\", boards: [({PLACE}, debounce_ms: 40.5,
+        "Layout(name: \"t\", boards: [({POSE}, debounce_ms: 40.5,
             rows: [(at_mm: (0, 0), keys: \"Q\")],
             keys: [
                 (code: \"W\", activate_on: Release, debounce_ms: 0, at_mm: (19, 0)),
@@ -310,11 +310,11 @@ fn how_a_key_fires_is_as_the_file_says() {
         bindings[6].actions,
         [Some(KeyAction::Layer(1, Latch::Lock))]
     );
-    let represses: Vec<u128> = bindings[..3]
+    let debounce_times: Vec<u128> = bindings[..3]
         .iter()
         .map(|binding| binding.debounce.as_micros())
         .collect();
-    assert_eq!(represses, [40_500, 0, 40_500]);
+    assert_eq!(debounce_times, [40_500, 0, 40_500]);
     assert!(
         layout
             .required_capabilities()
@@ -324,7 +324,7 @@ fn how_a_key_fires_is_as_the_file_says() {
 }
 
 #[test]
-fn a_file_goes_before_a_shipped_layout_of_its_name() {
+fn a_file_takes_precedence_over_a_shipped_layout_with_its_name() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(
         folder.path().join("arrows"),
@@ -337,13 +337,13 @@ fn a_file_goes_before_a_shipped_layout_of_its_name() {
     };
     assert_eq!(keys(folder.path(), "arrows"), 1);
     assert_eq!(keys(folder.path(), "arrows.ron"), 4);
-    // A folder of that name is no layout.
+    // A folder with that name is ignored.
     fs::create_dir(folder.path().join("numpad")).unwrap();
     assert_eq!(keys(folder.path(), "numpad"), 17);
 }
 
 #[test]
-fn a_drawing_shows_every_key_at_its_place() {
+fn a_drawing_shows_every_key_at_its_position() {
     let text = board(
         "rows: [(at_mm: (0, 0), keys: \"Q W\")], keys: [(code: \"Space\", label: \"⎵ <&>\", at_mm: (9.5, -19), size_mm: Box(36, 17)), (code: \"1\", at_mm: (57, -19), size_mm: Disc(17))]",
     );
@@ -370,7 +370,7 @@ fn a_drawing_shows_every_key_at_its_place() {
 }
 
 #[test]
-fn the_largest_board_makes_a_drawing_that_fits() {
+fn the_drawing_of_the_largest_board_is_limited_in_size() {
     let text = board(
         "pitch_mm: 1, size_mm: Disc(1), keys: [(code: \"A\", at_mm: (-2000, -2000)), (code: \"B\", at_mm: (2000, 2000))]",
     );
@@ -380,7 +380,7 @@ fn the_largest_board_makes_a_drawing_that_fits() {
     assert_eq!(layout.to_text().lines().count(), grid.rows);
 }
 
-/// Each fenced block of the guide that is a whole layout is one.
+/// Every fenced RON block of the guide is a complete layout.
 #[test]
 fn the_examples_of_the_guide_are_valid() {
     let path = format!("{}/layouts/README.md", env!("CARGO_MANIFEST_DIR"));
@@ -398,7 +398,7 @@ fn the_examples_of_the_guide_are_valid() {
 }
 
 #[test]
-fn the_errors_of_the_guide_look_as_they_are() {
+fn the_errors_in_the_guide_are_those_of_the_program() {
     let path = format!("{}/layouts/README.md", env!("CARGO_MANIFEST_DIR"));
     let guide = fs::read_to_string(path).unwrap();
     let first = guide.split("```ron\n").nth(1).unwrap();
@@ -412,13 +412,13 @@ fn the_errors_of_the_guide_look_as_they_are() {
     }
 }
 
-/// The table of the guide against the numbers of the code.
+/// Compares the tables of the guide with the numbers of the code.
 #[test]
-fn the_guide_names_every_range_and_default() {
+fn the_guide_lists_every_range_and_default() {
     use ademan::layout::quantity::*;
     let path = format!("{}/layouts/README.md", env!("CARGO_MANIFEST_DIR"));
     let guide = fs::read_to_string(path).unwrap();
-    // One of the rows of that name: other controls may have a field of the same one.
+    // Several controls may have a field with this name; one row must match.
     let has_row = |field: &str, cells: &[&str]| {
         let start = format!("| `{field}` |");
         let mut rows = guide.lines().filter(|line| line.starts_with(&start));
@@ -477,7 +477,7 @@ fn the_guide_names_every_range_and_default() {
 }
 
 #[test]
-fn labels_of_a_national_board_stand_on_the_positions_of_its_keys() {
+fn labels_of_a_national_board_are_assigned_by_key_code() {
     let board = Layout::load("azerty-flat").expect("a shipped layout");
     let label = |name: &str| board.key(name).expect("a key").face.label.clone();
     assert_eq!(
@@ -487,7 +487,7 @@ fn labels_of_a_national_board_stand_on_the_positions_of_its_keys() {
 }
 
 #[test]
-fn labels_for_keys_that_are_not_there_are_refused_at_their_place() {
+fn a_label_for_an_unknown_key_is_rejected_at_its_position() {
     let text = "Layout(name: \"t\", boards: [(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"Q\")])],\n\
                 labels: {\"W\": \"Z\"})";
     let error = Layout::parse(text, "t.ron")

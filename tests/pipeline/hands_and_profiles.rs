@@ -1,4 +1,4 @@
-//! Two hands on one keyboard, and several layouts in one setup, through the whole engine.
+//! Two hands on one keyboard, and several layouts in one setup, through the whole pipeline.
 
 use std::fs;
 
@@ -14,18 +14,18 @@ use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
 use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
 
-/// People whose hands are over keys or push them in; a reading every 10 ms of each hand.
+/// A wearer of two gloves, each of which sends a reading every 10 ms.
 struct Wearer {
     assembly: LoadedSetup,
     pipeline: CheckedPipeline,
     time_ms: u64,
-    /// What each hand shows; `None` for one that is not seen.
+    /// The channels of each hand; `None` for a hand that sends nothing.
     shown: [Option<Channels>; Side::COUNT],
     transcript: Vec<String>,
 }
 
 impl Wearer {
-    fn of(setup: Setup) -> Self {
+    fn new(setup: Setup) -> Self {
         let assembly = setup.load_files().expect("a setup");
         Self {
             pipeline: CheckedPipeline::new(&assembly),
@@ -36,7 +36,7 @@ impl Wearer {
         }
     }
 
-    /// The fingertip of a side goes over a key of the layout in force, or down on it.
+    /// Moves the fingertip of a side above a key of the active layout, or to the bottom of the key.
     fn go(&mut self, side: Side, key: &str, is_down: bool) {
         self.shown[side.index()] = Some(self.posture(side, key, is_down));
     }
@@ -52,7 +52,7 @@ impl Wearer {
             ),
         };
         let layout = self.assembly.layouts().nth(self.pipeline.active_profile());
-        let layout = layout.expect("there is a layout in force");
+        let layout = layout.expect("a layout is active");
         let target = layout.key(key).expect("a key").face.target;
         let hand = TypingHand::new(arm, map);
         let stroke = hand.tap_path(&layout.scene, target).expect("within reach");
@@ -63,7 +63,7 @@ impl Wearer {
         channels(map, |dof| angles.get(dof))
     }
 
-    fn stay(&mut self, milliseconds: u64) {
+    fn hold_still(&mut self, milliseconds: u64) {
         for _ in 0..milliseconds / 10 {
             self.time_ms += 10;
             for side in [Side::Left, Side::Right] {
@@ -87,11 +87,11 @@ impl Wearer {
     }
 
     fn tap(&mut self, side: Side, key: &str) {
-        // Before the key may put another layout in force.
+        // Computed first, because the key may activate another layout.
         let postures = [false, true, false].map(|is_down| self.posture(side, key, is_down));
         for posture in postures {
             self.shown[side.index()] = Some(posture);
-            self.stay(150);
+            self.hold_still(150);
         }
     }
 
@@ -105,7 +105,7 @@ impl Wearer {
         }
     }
 
-    fn said(&mut self) -> String {
+    fn transcript(&mut self) -> String {
         std::mem::take(&mut self.transcript).join(" ")
     }
 }
@@ -122,14 +122,14 @@ fn channels(map: &ChannelMap, angle: impl Fn(ademan::hand::Dof) -> f64) -> Chann
 }
 
 fn both_hands() -> Wearer {
-    let mut wearer = Wearer::of(Setup {
+    let mut wearer = Wearer::new(Setup {
         other_hand: Some(OtherHand::default()),
         layout: "qwerty-two-flat".into(),
         ..Setup::default()
     });
     wearer.go(Side::Left, "F", false);
     wearer.go(Side::Right, "J", false);
-    wearer.stay(400);
+    wearer.hold_still(400);
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer
 }
@@ -138,19 +138,22 @@ fn both_hands() -> Wearer {
 fn one_hand_holds_shift_while_the_other_types() {
     let mut wearer = both_hands();
     wearer.go(Side::Left, "ShiftLeft", false);
-    wearer.stay(150);
+    wearer.hold_still(150);
     wearer.go(Side::Left, "ShiftLeft", true);
-    wearer.stay(150);
+    wearer.hold_still(150);
     wearer.tap(Side::Right, "J");
     wearer.tap(Side::Right, "K");
     wearer.go(Side::Left, "ShiftLeft", false);
-    wearer.stay(150);
+    wearer.hold_still(150);
     wearer.tap(Side::Left, "F");
-    assert_eq!(wearer.said(), "+ShiftLeft +J -J +K -K -ShiftLeft +F -F");
+    assert_eq!(
+        wearer.transcript(),
+        "+ShiftLeft +J -J +K -K -ShiftLeft +F -F"
+    );
 }
 
 #[test]
-fn a_hand_touches_only_the_boards_that_are_there_for_it() {
+fn a_hand_touches_only_boards_for_its_side() {
     let assembly = both_hands().assembly;
     let board_of = |key: &str| {
         let target = assembly.layout.key(key).expect("a key").face.target;
@@ -168,43 +171,43 @@ fn a_hand_touches_only_the_boards_that_are_there_for_it() {
 }
 
 #[test]
-fn a_hand_that_stays_away_lets_go_of_what_both_hold_and_both_have_to_be_off_the_keys_first() {
+fn a_missing_hand_releases_the_keys_of_both_and_disarms_the_output() {
     let mut wearer = both_hands();
     wearer.go(Side::Left, "F", true);
-    wearer.stay(150);
-    assert_eq!(wearer.said(), "+F");
+    wearer.hold_still(150);
+    assert_eq!(wearer.transcript(), "+F");
     wearer.shown[Side::Left.index()] = None;
-    wearer.stay(220);
-    assert_eq!(wearer.said(), "-F");
+    wearer.hold_still(220);
+    assert_eq!(wearer.transcript(), "-F");
     assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
     wearer.go(Side::Left, "F", true);
-    wearer.stay(1_000);
+    wearer.hold_still(1_000);
     assert_eq!(
         wearer.pipeline.state(),
         PipelineState::Stalled,
         "a finger is in a key"
     );
     wearer.go(Side::Left, "F", false);
-    wearer.stay(400);
+    wearer.hold_still(400);
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     assert_eq!(wearer.pipeline.stalls(), 1);
     wearer.tap(Side::Left, "F");
-    assert_eq!(wearer.said(), "+F -F");
+    assert_eq!(wearer.transcript(), "+F -F");
 }
 
 #[test]
-fn the_hand_that_is_left_types_on() {
+fn one_hand_types_while_the_other_is_not_tracked() {
     let mut wearer = both_hands();
     wearer.shown[Side::Left.index()] = None;
-    wearer.stay(1_000);
+    wearer.hold_still(1_000);
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer.tap(Side::Right, "J");
-    assert_eq!(wearer.said(), "+J -J");
+    assert_eq!(wearer.transcript(), "+J -J");
 }
 
 #[test]
 fn each_hand_has_the_role_of_its_source() {
-    let mut wearer = Wearer::of(Setup {
+    let mut wearer = Wearer::new(Setup {
         source: Some("tcp:box:4001".parse().expect("a source")),
         other_hand: Some(OtherHand {
             source: Some("serial:/dev/x".parse().expect("a source")),
@@ -215,17 +218,17 @@ fn each_hand_has_the_role_of_its_source() {
     });
     wearer.go(Side::Left, "F", false);
     wearer.go(Side::Right, "J", false);
-    wearer.stay(400);
+    wearer.hold_still(400);
     wearer.tap(Side::Right, "J");
     wearer.tap(Side::Left, "F");
     wearer.tap(Side::Right, "K");
-    assert_eq!(wearer.said(), "+F -F");
+    assert_eq!(wearer.transcript(), "+F -F");
     assert_eq!(wearer.pipeline.suppressed().keys_by_role, 2);
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
 }
 
 #[test]
-fn what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen() {
+fn a_hold_of_a_pointer_source_is_not_typed_by_the_other_hand() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("holds.ron");
     let board = Document::shipped("qwerty-two-flat").expect("it is shipped");
@@ -239,7 +242,7 @@ fn what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen() {
     let board = board.replace("keys: [\n                (code: \"ShiftRight\"", keys);
     fs::write(&path, board).expect("room on the disk");
     let typed = |role| {
-        let mut wearer = Wearer::of(Setup {
+        let mut wearer = Wearer::new(Setup {
             source: Some("tcp:box:4001".parse().expect("a source")),
             role,
             other_hand: Some(OtherHand {
@@ -251,16 +254,19 @@ fn what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen() {
         });
         wearer.go(Side::Left, "F", false);
         wearer.go(Side::Right, "N", false);
-        wearer.stay(400);
-        // A hold that another key of the other hand begins, and one that begins after a while.
+        wearer.hold_still(400);
+        // A hold that starts with a key of the other hand, and one that starts after its time.
         wearer.go(Side::Right, "N", true);
-        wearer.stay(150);
+        wearer.hold_still(150);
         wearer.tap(Side::Left, "F");
         wearer.go(Side::Right, "N", false);
-        wearer.stay(150);
+        wearer.hold_still(150);
         wearer.tap(Side::Right, "ShiftRight");
         wearer.tap(Side::Left, "F");
-        (wearer.said(), wearer.pipeline.suppressed().keys_by_role)
+        (
+            wearer.transcript(),
+            wearer.pipeline.suppressed().keys_by_role,
+        )
     };
     let both = "+ControlRight +F -F -ControlRight +ShiftRight +F -F -ShiftRight";
     assert_eq!(typed(Some(SourceRole::Both)), (both.into(), 0));
@@ -268,7 +274,7 @@ fn what_a_pointer_begins_is_not_typed_when_the_other_hand_is_seen() {
 }
 
 #[test]
-fn two_gloves_for_one_hand_are_refused() {
+fn two_gloves_for_the_same_hand_are_rejected() {
     let setup = Setup {
         other_hand: Some(OtherHand {
             glove: Some("unam-hc11".into()),
@@ -282,7 +288,7 @@ fn two_gloves_for_one_hand_are_refused() {
     );
 }
 
-/// Files in a folder that goes with them.
+/// Returns a setup with two layouts, and the temporary folder of their files.
 fn setup_of(main: &str, other: &str) -> (tempfile::TempDir, Setup) {
     let folder = tempfile::tempdir().expect("a folder");
     let layout = |name: &str, keys: &str| {
@@ -310,20 +316,20 @@ const MAIN: &str = r#"(code: "A", at_mm: (-20, 0)), (action: Command("profile ot
 const OTHER: &str = r#"(code: "B", at_mm: (0, 0)), (action: Command("profile main"), name: "main", at_mm: (20, 0))"#;
 
 #[test]
-fn a_key_puts_another_layout_in_force_and_the_finger_has_to_leave_first() {
+fn a_key_activates_another_layout_and_the_finger_must_leave_first() {
     let (_folder, setup) = setup_of(MAIN, OTHER);
-    let mut wearer = Wearer::of(setup);
+    let mut wearer = Wearer::new(setup);
     wearer.go(Side::Right, "A", false);
-    wearer.stay(400);
+    wearer.hold_still(400);
     wearer.tap(Side::Right, "A");
     wearer.go(Side::Right, "other", false);
-    wearer.stay(150);
+    wearer.hold_still(150);
     wearer.go(Side::Right, "other", true);
-    wearer.stay(500);
+    wearer.hold_still(500);
     assert_eq!(
-        wearer.said(),
+        wearer.transcript(),
         "+A -A profile other",
-        "not B, which is in its place now"
+        "not B, which is at the same position now"
     );
     assert_eq!(wearer.pipeline.active_profile(), 1);
     wearer.tap(Side::Right, "B");
@@ -331,32 +337,32 @@ fn a_key_puts_another_layout_in_force_and_the_finger_has_to_leave_first() {
     assert_eq!(wearer.pipeline.active_profile(), 0);
     wearer.tap(Side::Right, "next");
     assert_eq!(wearer.pipeline.active_profile(), 1);
-    assert_eq!(wearer.said(), "+B -B profile main next-profile");
+    assert_eq!(wearer.transcript(), "+B -B profile main next-profile");
 }
 
 #[test]
-fn what_is_held_when_another_layout_is_put_in_force_comes_up_first() {
+fn held_keys_are_released_before_a_layout_change() {
     let (_folder, setup) = setup_of(MAIN, OTHER);
-    let mut wearer = Wearer::of(setup);
+    let mut wearer = Wearer::new(setup);
     wearer.go(Side::Right, "A", false);
-    wearer.stay(400);
+    wearer.hold_still(400);
     wearer.go(Side::Right, "A", true);
-    wearer.stay(150);
+    wearer.hold_still(150);
     let mut events = Events::new();
     wearer.pipeline.switch_profile(1, &mut events);
     wearer.write(&events);
-    wearer.stay(500);
-    assert_eq!(wearer.said(), "+A -A");
+    wearer.hold_still(500);
+    assert_eq!(wearer.transcript(), "+A -A");
     wearer.pipeline.switch_profile(7, &mut events);
     assert_eq!(
         wearer.pipeline.active_profile(),
         1,
-        "there is no such place"
+        "there is no such profile"
     );
 }
 
 #[test]
-fn a_profile_that_the_setup_lacks_is_refused_by_name() {
+fn an_unknown_profile_is_rejected_by_name() {
     let (_folder, setup) = setup_of(&MAIN.replace("profile other", "profile othre"), OTHER);
     let error = setup.load_files().unwrap_err().to_string();
     let end = "unknown profile `othre`, did you mean `other`?; add it to `profiles` of the setup";
@@ -368,7 +374,7 @@ fn a_profile_that_the_setup_lacks_is_refused_by_name() {
 }
 
 #[test]
-fn a_setup_with_two_hands_and_profiles_comes_back_out_of_a_recording() {
+fn a_setup_with_two_hands_and_profiles_survives_a_recording() {
     let (_folder, mut setup) = setup_of(MAIN, OTHER);
     setup.other_hand = Some(OtherHand::default());
     let assembly = setup.load_files().expect("a setup");
@@ -390,21 +396,25 @@ fn a_setup_with_two_hands_and_profiles_comes_back_out_of_a_recording() {
 }
 
 #[test]
-fn a_key_pauses_and_the_same_key_ends_that_and_nothing_of_the_pause_is_left() {
+fn a_key_pauses_and_resumes_without_side_effects() {
     let keys = r#"(code: "A", at_mm: (-20, 0)), (action: Command("toggle-pause"), name: "pause", at_mm: (0, 0)),
         (code: "ShiftLeft", latch: OneShot, at_mm: (20, 0))"#;
     let (_folder, setup) = setup_of(keys, OTHER);
-    let mut wearer = Wearer::of(setup);
+    let mut wearer = Wearer::new(setup);
     wearer.go(Side::Right, "A", false);
-    wearer.stay(400);
+    wearer.hold_still(400);
     wearer.tap(Side::Right, "pause");
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     wearer.tap(Side::Right, "ShiftLeft");
     wearer.tap(Side::Right, "A");
-    assert_eq!(wearer.said(), "toggle-pause", "nothing goes out");
+    assert_eq!(wearer.transcript(), "toggle-pause", "nothing goes out");
     wearer.tap(Side::Right, "pause");
-    wearer.stay(400);
+    wearer.hold_still(400);
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer.tap(Side::Right, "A");
-    assert_eq!(wearer.said(), "+A -A", "without the Shift of the pause");
+    assert_eq!(
+        wearer.transcript(),
+        "+A -A",
+        "without the Shift of the pause"
+    );
 }

@@ -1,4 +1,4 @@
-//! Where boards are, and how they move while they are in force, through the whole engine.
+//! Poses of boards, and commands that move them, through the whole pipeline.
 
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
 use ademan::contact::board_pose::BoardPose;
@@ -12,10 +12,10 @@ use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
 use parry3d::math::Vec3;
 
-/// From key to key, in metres.
+/// Distance between adjacent keys, in metres.
 const PITCH: f32 = 0.019;
 
-/// Somebody who shows a reading every 10 ms.
+/// A wearer of a glove that sends a reading every 10 ms.
 struct Wearer {
     assembly: LoadedSetup,
     pipeline: Pipeline,
@@ -24,7 +24,7 @@ struct Wearer {
     transcript: Vec<String>,
 }
 
-/// The text of a layout with one board of this form and with these keys.
+/// Returns a layout with one board with these fields and keys.
 fn text(board: &str, keys: &str) -> String {
     format!(
         "Layout(name: \"a\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, \
@@ -37,18 +37,18 @@ fn parsed(text: &str) -> Layout {
 }
 
 impl Wearer {
-    /// A hand off all keys of a layout, and an engine that runs.
-    fn of(text: &str) -> Self {
+    /// Returns a wearer whose hand is clear of all keys, with the output armed.
+    fn with_layout(text: &str) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.ron");
         std::fs::write(&path, text).expect("a file");
-        Self::with(Setup {
+        Self::with_setup(Setup {
             layout: path.display().to_string(),
             ..Setup::default()
         })
     }
 
-    fn with(setup: Setup) -> Self {
+    fn with_setup(setup: Setup) -> Self {
         let assembly = setup.load_files().expect("a setup");
         let mut wearer = Self {
             pipeline: assembly.pipeline(),
@@ -62,12 +62,12 @@ impl Wearer {
         };
         let first = wearer.assembly.layout.keys[0].face.name.clone();
         wearer.hover(&first);
-        wearer.stay(400);
+        wearer.hold_still(400);
         assert_eq!(wearer.pipeline.state(), PipelineState::Running);
         wearer
     }
 
-    /// Shows the index fingertip at a place in the world, in metres.
+    /// Moves the index fingertip to a position in the world, in metres.
     fn go(&mut self, tip: Vec3) {
         let map = &self.assembly.glove.as_ref().expect("a glove").map;
         let hand = TypingHand::new(&self.assembly.arm, map);
@@ -85,8 +85,8 @@ impl Wearer {
         self.shown = Channels { full_scale, counts };
     }
 
-    /// Where the fingertip is over a key of a scene, and at its bottom.
-    fn over(&self, layout: &Layout, scene: &Scene, key: &str) -> [Vec3; 2] {
+    /// Returns the positions of the fingertip above a key and at the bottom of its travel.
+    fn tap_positions(&self, layout: &Layout, scene: &Scene, key: &str) -> [Vec3; 2] {
         let target = layout.key(key).expect("a key").face.target;
         let hand = TypingHand::new(
             &self.assembly.arm,
@@ -96,21 +96,21 @@ impl Wearer {
         [stroke.hover, stroke.bottom]
     }
 
-    /// Over a key, where the file says that it is.
+    /// Moves the fingertip above a key, at its position in the file.
     fn hover(&mut self, key: &str) {
         let layout = self.assembly.layout.clone();
-        let [hover, _] = self.over(&layout, &layout.scene, key);
+        let [hover, _] = self.tap_positions(&layout, &layout.scene, key);
         self.go(hover);
     }
 
-    /// Down on a key, where the file says that it is.
+    /// Moves the fingertip to the bottom of a key, at its position in the file.
     fn push(&mut self, key: &str) {
         let layout = self.assembly.layout.clone();
-        let [_, bottom] = self.over(&layout, &layout.scene, key);
+        let [_, bottom] = self.tap_positions(&layout, &layout.scene, key);
         self.go(bottom);
     }
 
-    fn stay(&mut self, milliseconds: u64) {
+    fn hold_still(&mut self, milliseconds: u64) {
         for _ in 0..milliseconds / 10 {
             self.time_ms += 10;
             let reading = Reading {
@@ -128,14 +128,14 @@ impl Wearer {
         }
     }
 
-    /// Taps where the file says that a key is.
+    /// Taps a key at its position in the file.
     fn tap(&mut self, key: &str) {
         self.hover(key);
-        self.stay(200);
+        self.hold_still(200);
         self.push(key);
-        self.stay(200);
+        self.hold_still(200);
         self.hover(key);
-        self.stay(200);
+        self.hold_still(200);
     }
 
     fn nudge(&mut self, by: Vec3) -> Result<(), CommandError> {
@@ -145,7 +145,7 @@ impl Wearer {
         nudged
     }
 
-    fn place(&self) -> BoardPose {
+    fn board_pose(&self) -> BoardPose {
         self.pipeline.board_poses().next().expect("a board")
     }
 
@@ -159,54 +159,54 @@ impl Wearer {
         }
     }
 
-    fn said(&mut self) -> String {
+    fn transcript(&mut self) -> String {
         std::mem::take(&mut self.transcript).join(" ")
     }
 }
 
-/// To the right along the rows of a board with the bearing of these tests.
+/// Returns a displacement to the right along the rows of the boards of these tests.
 fn along_rows(distance: f32) -> Vec3 {
     let bearing = 35.0_f32.to_radians();
     Vec3::new(bearing.cos(), 0.0, bearing.sin()) * distance
 }
 
 #[test]
-fn a_board_nudged_by_a_pitch_brings_the_next_key_under_the_finger() {
-    let mut wearer = Wearer::of(&text("", "A B C D E"));
+fn a_nudge_by_one_pitch_moves_the_next_key_under_the_finger() {
+    let mut wearer = Wearer::with_layout(&text("", "A B C D E"));
     wearer.tap("B");
     assert_eq!(wearer.nudge(along_rows(-PITCH)), Ok(()));
-    assert!((wearer.place().right + PITCH).abs() < 1e-6);
+    assert!((wearer.board_pose().right + PITCH).abs() < 1e-6);
     wearer.tap("B");
     assert_eq!(wearer.nudge(along_rows(2.0 * PITCH)), Ok(()));
     wearer.tap("B");
-    assert_eq!(wearer.said(), "+B -B +C -C +A -A");
+    assert_eq!(wearer.transcript(), "+B -B +C -C +A -A");
 }
 
 #[test]
-fn a_held_key_comes_up_before_its_board_moves_and_the_finger_has_to_leave() {
-    let mut wearer = Wearer::of(&text("", "A B C D E"));
+fn a_held_key_is_released_before_its_board_moves() {
+    let mut wearer = Wearer::with_layout(&text("", "A B C D E"));
     wearer.hover("B");
-    wearer.stay(200);
+    wearer.hold_still(200);
     wearer.push("B");
-    wearer.stay(300);
-    assert_eq!(wearer.said(), "+B");
+    wearer.hold_still(300);
+    assert_eq!(wearer.transcript(), "+B");
     assert_eq!(wearer.nudge(along_rows(-PITCH)), Ok(()));
-    assert_eq!(wearer.said(), "-B");
-    wearer.stay(1_000);
-    assert_eq!(wearer.said(), "", "the finger is in C now");
+    assert_eq!(wearer.transcript(), "-B");
+    wearer.hold_still(1_000);
+    assert_eq!(wearer.transcript(), "", "the finger is in C now");
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);
     wearer.tap("B");
-    assert_eq!(wearer.said(), "+C -C");
+    assert_eq!(wearer.transcript(), "+C -C");
 }
 
 #[test]
-fn a_place_that_no_file_can_say_is_refused_and_nothing_is_let_go_of() {
-    let mut wearer = Wearer::of(&text("", "A B C D E"));
+fn a_pose_out_of_range_is_rejected_and_nothing_is_released() {
+    let mut wearer = Wearer::with_layout(&text("", "A B C D E"));
     wearer.hover("B");
-    wearer.stay(200);
+    wearer.hold_still(200);
     wearer.push("B");
-    wearer.stay(300);
-    let place = wearer.place();
+    wearer.hold_still(300);
+    let place = wearer.board_pose();
     for far in [3.0, -3.0, f32::NAN, f32::INFINITY] {
         assert_eq!(
             wearer.nudge(Vec3::new(0.0, 0.0, -far)),
@@ -220,58 +220,58 @@ fn a_place_that_no_file_can_say_is_refused_and_nothing_is_let_go_of() {
         assert_eq!(tilted, Err(CommandError::TooSteep(1)));
     }
     assert!(events.is_empty());
-    assert_eq!(wearer.said(), "+B");
-    assert_eq!(wearer.place(), place);
+    assert_eq!(wearer.transcript(), "+B");
+    assert_eq!(wearer.board_pose(), place);
 }
 
 #[test]
-fn a_tilted_board_is_where_a_file_with_that_tilt_puts_it() {
+fn a_tilt_command_equals_the_tilt_of_a_file() {
     let flat = text("", "A B C D E").replace("(-38, 0)", "(-38, 30)");
-    let mut wearer = Wearer::of(&flat);
+    let mut wearer = Wearer::with_layout(&flat);
     let sloping = parsed(&flat.replace("height_mm", "tilt_deg: 20, height_mm"));
     let (layout, scene) = (sloping.clone(), &sloping.scene);
-    let [hover, bottom] = wearer.over(&layout, scene, "D");
+    let [hover, bottom] = wearer.tap_positions(&layout, scene, "D");
     let mut events = Events::new();
     assert_eq!(wearer.pipeline.tilt(0.2, &mut events), Ok(()));
     let rest = 20.0_f32.to_radians() - 0.2;
     assert_eq!(wearer.pipeline.tilt(rest, &mut events), Ok(()));
-    assert!((wearer.place().tilt - 20.0_f32.to_radians()).abs() < 1e-6);
+    assert!((wearer.board_pose().tilt - 20.0_f32.to_radians()).abs() < 1e-6);
     for tip in [hover, bottom, hover] {
         wearer.go(tip);
-        wearer.stay(200);
+        wearer.hold_still(200);
     }
-    assert_eq!(wearer.said(), "+D -D");
+    assert_eq!(wearer.transcript(), "+D -D");
 }
 
 #[test]
-fn a_board_comes_below_the_index_fingertip_of_a_hand_that_went_elsewhere() {
-    let mut wearer = Wearer::of(&text("", "A B C D E"));
+fn recentering_moves_a_board_below_the_index_fingertip() {
+    let mut wearer = Wearer::with_layout(&text("", "A B C D E"));
     wearer.hover("A");
-    wearer.stay(300);
+    wearer.hold_still(300);
     let mut events = Events::new();
     assert_eq!(wearer.pipeline.recenter(&mut events), Ok(()));
-    let place = wearer.place();
+    let place = wearer.board_pose();
     let [middle, height] = [2.0 * PITCH, -0.045];
     // A count of the glove is some millimetres at the fingertip.
     assert!((place.right + middle).abs() < 4e-3, "{place:?}");
     assert!((place.height - height).abs() < 1e-6, "{place:?}");
     assert!((place.bearing - 35.0_f32.to_radians()).abs() < 1e-6);
     wearer.tap("A");
-    assert_eq!(wearer.said(), "+C -C");
+    assert_eq!(wearer.transcript(), "+C -C");
 }
 
 #[test]
-fn boards_of_one_hand_keep_their_arrangement_when_they_are_brought_to_it() {
+fn recentering_keeps_the_arrangement_of_several_boards() {
     let two = text("", "A B C D E").replace(
         "boards: [",
         "boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 300, height_mm: 100), \
          keys: [(code: \"Z\", at_mm: (0, 0))]), ",
     );
-    let mut wearer = Wearer::of(&text("", "A B C D E"));
+    let mut wearer = Wearer::with_layout(&text("", "A B C D E"));
     wearer.assembly.layout = parsed(&two);
     wearer.pipeline = wearer.assembly.pipeline();
     wearer.hover("A");
-    wearer.stay(600);
+    wearer.hold_still(600);
     let before: Vec<BoardPose> = wearer.pipeline.board_poses().collect();
     assert_eq!(wearer.pipeline.recenter(&mut Events::new()), Ok(()));
     let after: Vec<BoardPose> = wearer.pipeline.board_poses().collect();
@@ -281,8 +281,8 @@ fn boards_of_one_hand_keep_their_arrangement_when_they_are_brought_to_it() {
 }
 
 #[test]
-fn a_board_comes_to_no_hand_that_is_not_seen() {
-    let mut wearer = Wearer::of(&text("", "A B C D E"));
+fn recentering_without_a_tracked_hand_is_rejected() {
+    let mut wearer = Wearer::with_layout(&text("", "A B C D E"));
     let mut events = Events::new();
     wearer.pipeline.stall(&mut events);
     let refused = wearer.pipeline.recenter(&mut events);
@@ -292,7 +292,7 @@ fn a_board_comes_to_no_hand_that_is_not_seen() {
     let left = text("", "A B C D E").replace("boards: [(", "boards: [(hand: \"left\", ");
     wearer.assembly.layout = parsed(&left);
     wearer.pipeline = wearer.assembly.pipeline();
-    wearer.stay(100);
+    wearer.hold_still(100);
     let refused = wearer.pipeline.recenter(&mut events);
     assert_eq!(
         refused,
@@ -301,34 +301,34 @@ fn a_board_comes_to_no_hand_that_is_not_seen() {
 }
 
 #[test]
-fn a_key_brings_its_board_to_the_finger_that_presses_it() {
+fn a_key_recenters_its_own_board() {
     let with_key = text("", "A B C D E").replace(
         "rows:",
         "keys: [(action: Command(\"recenter\"), name: \"here\", at_mm: (0, 19))], rows:",
     );
-    let mut wearer = Wearer::of(&with_key);
+    let mut wearer = Wearer::with_layout(&with_key);
     wearer.hover("here");
-    wearer.stay(200);
+    wearer.hold_still(200);
     wearer.push("here");
-    wearer.stay(500);
+    wearer.hold_still(500);
     assert_eq!(
-        wearer.said(),
+        wearer.transcript(),
         "recenter",
         "and not C, in which the finger is"
     );
     wearer.tap("here");
-    assert_eq!(wearer.said(), "+C -C");
+    assert_eq!(wearer.transcript(), "+C -C");
 }
 
 #[test]
-fn each_profile_keeps_its_own_moves() {
+fn each_profile_keeps_its_own_board_poses() {
     let folder = tempfile::tempdir().expect("a folder");
     let file = |name: &str| {
         let path = folder.path().join(name);
         std::fs::write(&path, text("", "A B C D E")).expect("a file");
         path.display().to_string()
     };
-    let mut wearer = Wearer::with(Setup {
+    let mut wearer = Wearer::with_setup(Setup {
         layout: file("a.ron"),
         profiles: vec![ProfileSetup {
             name: "other".into(),
@@ -348,103 +348,107 @@ fn each_profile_keeps_its_own_moves() {
         .unwrap();
     wearer.pipeline.replace_profile(0, &mut fresh, &mut events);
     wearer.tap("B");
-    assert_eq!(wearer.said(), "+B -B +C -C +B -B");
+    assert_eq!(wearer.transcript(), "+B -B +C -C +B -B");
 }
 
 #[test]
-fn what_was_pushed_in_a_pause_is_not_down_when_it_ends() {
-    let mut wearer = Wearer::of(&text("", "A B C D E"));
+fn a_press_during_a_pause_has_no_effect_after_it() {
+    let mut wearer = Wearer::with_layout(&text("", "A B C D E"));
     wearer.hover("B");
-    wearer.stay(200);
+    wearer.hold_still(200);
     let mut events = Events::new();
     wearer.pipeline.pause(&mut events);
     wearer.push("B");
-    wearer.stay(300);
+    wearer.hold_still(300);
     wearer.pipeline.resume();
     wearer.hover("B");
-    wearer.stay(500);
-    assert_eq!(wearer.said(), "");
+    wearer.hold_still(500);
+    assert_eq!(wearer.transcript(), "");
     wearer.tap("B");
-    assert_eq!(wearer.said(), "+B -B");
+    assert_eq!(wearer.transcript(), "+B -B");
 }
 
-/// A hand that rests so far above and beside the middle of a board.
+/// Rests the hand beside and above the center of the board, by these distances in metres.
 fn rest(wearer: &mut Wearer, right: f32, up: f32) {
     let layout = wearer.assembly.layout.clone();
-    let [_, bottom] = wearer.over(&layout, &layout.scene, "C");
+    let [_, bottom] = wearer.tap_positions(&layout, &layout.scene, "C");
     wearer.go(bottom + along_rows(right) + Vec3::Y * up);
 }
 
-/// How far the board of a wearer has crept, along and across its rows.
-fn crept(wearer: &Wearer) -> f32 {
-    let place = wearer.place();
+/// Returns the distance of the board from its pose in the file, in metres.
+fn board_offset(wearer: &Wearer) -> f32 {
+    let place = wearer.board_pose();
     (place.right.powi(2) + (place.forward - 0.3).powi(2)).sqrt()
 }
 
 #[test]
-fn a_board_drifts_under_a_resting_hand_and_stops_there() {
+fn auto_recentering_moves_a_board_under_a_resting_hand() {
     let drift = "auto_recenter: (speed_mm_per_s: 5, delay_ms: 2000),";
-    let mut wearer = Wearer::of(&text(drift, "A B C D E"));
+    let mut wearer = Wearer::with_layout(&text(drift, "A B C D E"));
     rest(&mut wearer, 0.012, 0.03);
-    wearer.stay(1_900);
-    assert!(crept(&wearer) < 1e-6, "not yet");
+    wearer.hold_still(1_900);
+    assert!(board_offset(&wearer) < 1e-6, "not yet");
     let mut last = 0.0;
     for _ in 0..60 {
-        wearer.stay(100);
-        let now = crept(&wearer);
+        wearer.hold_still(100);
+        let now = board_offset(&wearer);
         assert!(
             now - last < 0.00051,
             "{last} to {now} is faster than 5 mm/s"
         );
         last = now;
     }
-    let right = wearer.place().right;
+    let right = wearer.board_pose().right;
     assert!((right - 0.012).abs() < 4e-3, "{right}");
-    wearer.stay(1_000);
+    wearer.hold_still(1_000);
     assert!(
-        (wearer.place().right - right).abs() < 1e-4,
+        (wearer.board_pose().right - right).abs() < 1e-4,
         "it has arrived"
     );
-    assert!((wearer.place().height + 0.045).abs() < 1e-6);
-    assert_eq!(wearer.said(), "");
+    assert!((wearer.board_pose().height + 0.045).abs() < 1e-6);
+    assert_eq!(wearer.transcript(), "");
 }
 
 #[test]
-fn a_drifting_board_stays_within_its_limit() {
+fn auto_recentering_stays_within_its_maximum_offset() {
     let drift = "auto_recenter: (speed_mm_per_s: 50, delay_ms: 100, max_offset_mm: 6),";
-    let mut wearer = Wearer::of(&text(drift, "A B C D E"));
+    let mut wearer = Wearer::with_layout(&text(drift, "A B C D E"));
     for right in [0.03, -0.03, 0.02] {
         rest(&mut wearer, right, 0.03);
         for _ in 0..200 {
-            wearer.stay(10);
-            assert!(crept(&wearer) <= 0.006 + 1e-6, "{}", crept(&wearer));
+            wearer.hold_still(10);
+            assert!(
+                board_offset(&wearer) <= 0.006 + 1e-6,
+                "{}",
+                board_offset(&wearer)
+            );
         }
-        assert!(crept(&wearer) > 0.0059, "{}", crept(&wearer));
-        assert_eq!(wearer.place().right > 0.0, right > 0.0);
+        assert!(board_offset(&wearer) > 0.0059, "{}", board_offset(&wearer));
+        assert_eq!(wearer.board_pose().right > 0.0, right > 0.0);
     }
 }
 
 #[test]
-fn a_board_drifts_under_no_finger_that_is_on_or_near_a_key() {
+fn auto_recentering_stops_near_keys() {
     let drift = "auto_recenter: (speed_mm_per_s: 50, delay_ms: 100),";
-    let mut wearer = Wearer::of(&text(drift, "A B C D E"));
+    let mut wearer = Wearer::with_layout(&text(drift, "A B C D E"));
     wearer.push("A");
-    wearer.stay(3_000);
-    assert_eq!(wearer.said(), "+A");
-    assert!(crept(&wearer) < 1e-6);
+    wearer.hold_still(3_000);
+    assert_eq!(wearer.transcript(), "+A");
+    assert!(board_offset(&wearer) < 1e-6);
     rest(&mut wearer, 0.019, 0.008);
-    wearer.stay(3_000);
-    assert!(crept(&wearer) < 1e-6);
+    wearer.hold_still(3_000);
+    assert!(board_offset(&wearer) < 1e-6);
     let still = text("", "A B C D E");
     wearer.assembly.layout = parsed(&still);
     wearer.pipeline = wearer.assembly.pipeline();
     rest(&mut wearer, 0.012, 0.03);
-    wearer.stay(5_000);
-    assert!(crept(&wearer) < 1e-6, "off unless said");
+    wearer.hold_still(5_000);
+    assert!(board_offset(&wearer) < 1e-6, "off unless said");
 }
 
 #[test]
-fn keys_of_a_cylinder_face_its_axis_and_are_typed() {
+fn keys_of_a_cylinder_face_its_axis() {
     for (bends, axis) in [("Rows", Vec3::Y), ("Columns", Vec3::X)] {
         let form = format!("shape: Cylinder(radius_mm: 120, curved: {bends}),");
         let keys = text(&form, "A B C D E").replace(
@@ -467,16 +471,16 @@ fn keys_of_a_cylinder_face_its_axis_and_are_typed() {
             );
         }
         let text = layout.text.clone();
-        let mut wearer = Wearer::of(&text);
+        let mut wearer = Wearer::with_layout(&text);
         for key in ["B", "D", "W"] {
             wearer.tap(key);
         }
-        assert_eq!(wearer.said(), "+B -B +D -D +W -W", "{bends}");
+        assert_eq!(wearer.transcript(), "+B -B +D -D +W -W", "{bends}");
     }
 }
 
 #[test]
-fn a_key_stands_out_of_its_board_and_turns_as_it_says() {
+fn a_key_has_a_lift_and_a_rotation() {
     let own = "keys: [(code: \"Z\", at_mm: (0, 60), lift_mm: 12, rotation_deg: (30, 0, 90)), \
                (code: \"Y\", at_mm: (0, 60))], rows:";
     let layout = parsed(&text("", "A B C D E").replace("rows:", own));
@@ -487,13 +491,13 @@ fn a_key_stands_out_of_its_board_and_turns_as_it_says() {
     let normal = pose.rotation * Vec3::Z;
     let expected = Vec3::new(0.5, 0.0, 0.75_f32.sqrt());
     assert!((normal - expected).length() < 1e-6, "{normal}");
-    let mut wearer = Wearer::of(&layout.text.replace("60)", "30)"));
+    let mut wearer = Wearer::with_layout(&layout.text.replace("60)", "30)"));
     wearer.tap("Z");
-    assert_eq!(wearer.said(), "+Z -Z");
+    assert_eq!(wearer.transcript(), "+Z -Z");
 }
 
 #[test]
-fn a_scale_makes_what_is_on_a_board_larger_and_leaves_the_board_where_it_is() {
+fn a_scale_applies_to_positions_and_sizes_but_not_to_the_pose() {
     let once = parsed(&text("shape: Arc(radius_mm: 300),", "A B C D E"));
     let larger = once
         .text
@@ -511,14 +515,14 @@ fn a_scale_makes_what_is_on_a_board_larger_and_leaves_the_board_where_it_is() {
 }
 
 #[test]
-fn keys_move_and_tilt_the_boards_too() {
+fn keys_issue_nudge_and_tilt_commands() {
     let keys = r#"keys: [(action: Command("nudge 0 -5 0"), name: "down", at_mm: (0, -30)),
         (action: Command("tilt -2"), name: "tilt", at_mm: (30, -30))],"#;
-    let mut wearer = Wearer::of(&text(keys, "A B"));
-    let before = wearer.place();
+    let mut wearer = Wearer::with_layout(&text(keys, "A B"));
+    let before = wearer.board_pose();
     wearer.tap("tilt");
-    assert!((wearer.place().tilt - (before.tilt - 2_f32.to_radians())).abs() < 1e-6);
+    assert!((wearer.board_pose().tilt - (before.tilt - 2_f32.to_radians())).abs() < 1e-6);
     wearer.tap("down");
-    assert!((wearer.place().height - (before.height - 0.005)).abs() < 1e-6);
-    assert_eq!(wearer.said(), "tilt -2 nudge 0 -5 0");
+    assert!((wearer.board_pose().height - (before.height - 0.005)).abs() < 1e-6);
+    assert_eq!(wearer.transcript(), "tilt -2 nudge 0 -5 0");
 }
