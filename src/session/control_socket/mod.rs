@@ -4,7 +4,7 @@
 //! The response is `{"ok":true}` with the fields of a state or a `text`, or `{"ok":false,"error":"…"}`. An invalid line
 //! gets an error response and the connection stays open. After a subscription the client receives notifications: lines
 //! with an `event`, which are those of the stage `events` of a [`trace`](crate::trace), and `state`, `reload` and
-//! `missed`.
+//! `missed`; and lines with a `command`, which are those of the stage `commands`.
 //!
 //! A client cannot delay the session. Commands go through [`CommandSender`](crate::session::CommandSender).
 //! A client that does not read loses the oldest of 64 notifications, and is disconnected when a write takes 1 s.

@@ -10,7 +10,7 @@ use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 
 use super::response::{self, JsonLine};
 use crate::contact::TargetNames;
-use crate::device::Events;
+use crate::device::{Events, TimedCommands};
 use crate::pipeline::PipelineState;
 use crate::session::reload::LayoutReport;
 use crate::snapshot::Snapshot;
@@ -24,6 +24,7 @@ const QUEUE_LINES: usize = 64;
 // A box would be an allocation in the session loop.
 #[allow(clippy::large_enum_variant)]
 enum Notification {
+    Commands(TimedCommands),
     Events(Events, TargetNames),
     State {
         state: PipelineState,
@@ -60,13 +61,16 @@ impl Notifier {
         (notifier, queue)
     }
 
-    /// Notifies the subscribers of the events of a step and of a new state. Does not wait, and does nothing without
-    /// subscribers.
+    /// Notifies the subscribers of the commands and events of a step and of a new state. Does not wait, and does nothing
+    /// without subscribers.
     pub fn notify_snapshot(&mut self, snapshot: &Snapshot) {
         let (state, is_paused) = (snapshot.state, snapshot.is_paused);
         let is_new = self.last.replace((state, is_paused)) != Some((state, is_paused));
         if self.subscribers.count.load(Ordering::Relaxed) == 0 {
             return;
+        }
+        if !snapshot.commands.is_empty() {
+            self.send(Notification::Commands(snapshot.commands.clone()));
         }
         if !snapshot.events.is_empty() {
             let names = snapshot.target_names.clone();
@@ -87,8 +91,9 @@ impl Notifier {
 
     fn send(&self, notification: Notification) {
         let lines = match &notification {
+            Notification::Commands(commands) => commands.len() as u64,
             Notification::Events(events, _) => events.len() as u64,
-            _ => 1,
+            Notification::State { .. } | Notification::Reload { .. } => 1,
         };
         if self.sender.try_send(notification).is_err() {
             self.subscribers.missed.fetch_add(lines, Ordering::Relaxed);
@@ -112,6 +117,11 @@ pub(super) fn broadcast(queue: &NotificationQueue) {
             subscribers.add_missed(missed);
         }
         match notification {
+            Notification::Commands(commands) => {
+                for issued in &commands {
+                    subscribers.push(&response::command_notification(issued, &mut buffer));
+                }
+            }
             Notification::Events(events, names) => {
                 for event in &events {
                     subscribers.push(&response::event_notification(event, &names, &mut buffer));
@@ -219,6 +229,53 @@ impl Subscription {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::command::Command;
+    use crate::contact::Touches;
+    use crate::device::{EventKind, OutputEvent, TimedCommand};
+    use crate::snapshot::Stats;
+    use crate::time::Timestamp;
+
+    #[test]
+    fn subscribers_receive_the_commands_of_a_step_before_its_events() {
+        let time = Timestamp(12_400);
+        let issued = |command| TimedCommand { time, command };
+        let nudge = Command::Nudge {
+            x_mm: 0.0,
+            y_mm: -1.5,
+            z_mm: 2.0,
+        };
+        let snapshot = Snapshot {
+            state: PipelineState::Paused,
+            is_paused: true,
+            profile: 0,
+            target_names: TargetNames::default(),
+            reading: None,
+            source_error: None,
+            angles: None,
+            pose: None,
+            touches: Touches::new(),
+            events: Events::from_iter([OutputEvent {
+                time,
+                kind: EventKind::KeyUp("Q".parse().unwrap()),
+            }]),
+            commands: TimedCommands::from_iter([issued(nudge), issued(Command::TogglePause)]),
+            stats: Stats::default(),
+        };
+        let (mut notifier, queue) = Notifier::new();
+        let subscription = queue.subscribers.add();
+        notifier.notify_snapshot(&snapshot);
+        drop(notifier);
+        broadcast(&queue);
+        let lines: Vec<_> = subscription.lines.try_iter().collect();
+        let lines: Vec<&str> = lines.iter().map(|line| &**line).collect();
+        let expected = [
+            r#"{"time_us":12400,"command":"nudge","x_mm":0.0,"y_mm":-1.5,"z_mm":2.0}"#,
+            r#"{"time_us":12400,"command":"toggle-pause"}"#,
+            r#"{"time_us":12400,"event":"key-up","key":"Q"}"#,
+            r#"{"event":"state","state":"paused","paused":true}"#,
+        ];
+        assert_eq!(lines, expected);
+    }
 
     #[test]
     fn a_full_queue_drops_the_oldest_lines_and_counts_them() {

@@ -1,15 +1,15 @@
-//! Lines to a client: a response has the field `ok`, a notification the field `event`.
+//! Lines to a client: a response has the field `ok`, a notification the field `event` or `command`.
 
 use serde::Serialize;
 
 use super::ProfileInfo;
 use crate::contact::TargetNames;
-use crate::device::OutputEvent;
+use crate::device::{OutputEvent, TimedCommand};
 use crate::estimate::Rejection;
 use crate::pipeline::{PipelineState, Suppressed};
 use crate::session::reply::SessionStatus;
 use crate::snapshot::Stats;
-use crate::trace::event_json;
+use crate::trace::{command_json, event_json};
 
 /// A line without the newline.
 pub(super) type JsonLine = Box<str>;
@@ -62,6 +62,11 @@ pub(super) fn event_notification(
     buffer: &mut Vec<u8>,
 ) -> JsonLine {
     String::from_utf8_lossy(event_json(event, names, buffer)).into()
+}
+
+/// Returns the notification of a command that a device issued, as the stage `commands` of a trace.
+pub(super) fn command_notification(issued: &TimedCommand, buffer: &mut Vec<u8>) -> JsonLine {
+    String::from_utf8_lossy(command_json(issued, buffer)).into()
 }
 
 fn json(value: &impl Serialize) -> JsonLine {
