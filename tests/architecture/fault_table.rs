@@ -56,7 +56,7 @@ pub const FAULTS: &[Fault] = &[
     fault(4, "the cable is pulled while a key is held", Tests(&[
         ("tests/outputs/x11/ends.rs", "all_keys_are_released_after_the_cable_is_pulled"),
         ("tests/outputs/x11/replug.rs", "after_a_reconnection_a_finger_on_a_key_presses_nothing_until_the_hand_is_clear_of_all_keys"),
-        ("tests/capture/serial.rs", "unplugging_sends_a_loss"),
+        ("tests/capture/serial.rs", "a_loss_is_reported_right_after_the_last_reading"),
         ("tests/outputs/vm/typing.rs", "pulling the cable releases all keys"),
     ])),
     fault(5, "unplugged, visible only as end of stream", Tests(&[
@@ -88,7 +88,7 @@ pub const FAULTS: &[Fault] = &[
     fault(11, "no delimiter, endless bytes", Tests(&[
         ("tests/cli/faults/lines.rs", "bytes_without_a_delimiter_need_no_memory_and_the_packets_after_them_are_decoded"),
         ("tests/capture/serial.rs", "packets_after_a_megabyte_of_noise_are_decoded"),
-        ("src/capture/protocol/hc11.rs", "a_megabyte_of_noise_gives_no_packet_and_a_bounded_buffer"),
+        ("src/capture/protocol/hc11/tests.rs", "a_megabyte_of_noise_gives_no_packet_and_a_bounded_buffer"),
     ])),
     fault(12, "wrong baud", Tests(&[
         ("tests/cli/faults/lines.rs", "a_minute_of_noise_at_the_wrong_baud_types_nothing_is_reported_and_needs_no_memory"),
@@ -96,7 +96,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/ends.rs", "all_keys_are_released_when_the_glove_sends_noise"),
     ])),
     fault(13, "two packets in one read, one packet in twenty reads", Tests(&[
-        ("src/capture/protocol/hc11.rs", "the_vectors_decode_alike_in_pieces_of_any_size"),
+        ("src/capture/protocol/hc11/tests.rs", "the_vectors_decode_alike_in_pieces_of_any_size"),
         ("tests/capture/serial.rs", "every_packet_arrives_at_9600_baud"),
         ("tests/capture/serial.rs", "every_packet_arrives_at_115200_baud"),
         ("src/capture/stream/tests.rs", "readings_of_one_read_are_a_packet_period_apart"),
@@ -144,7 +144,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(28, "JSON too deep, too long, or twice the same key", Tests(&[
         ("tests/cli/faults/files.rs", "json_that_is_too_deep_too_long_or_says_something_twice_is_no_reading"),
-        ("src/command.rs", "deeply_nested_json_is_refused"),
+        ("src/command/tests.rs", "deeply_nested_json_is_refused"),
         ("tests/cli/control.rs", "an_invalid_line_gets_an_error_and_the_connection_stays_open"),
     ])),
     fault(29, "NaN, infinities and extreme numbers", Tests(&[
@@ -251,7 +251,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/watchdog.rs", "all_keys_are_released_while_the_program_is_stopped_and_it_must_be_armed_again"),
         ("tests/outputs/wayland/ends.rs", "all_keys_are_released_while_the_program_is_stopped_and_it_types_again_afterwards"),
         ("tests/outputs/vm/typing.rs", "the watchdog releases uinput keys of a stopped program"),
-        ("tests/capture/statistics.rs", "readings_from_before_a_stop_of_the_process_press_no_keys_and_are_counted"),
+        ("tests/capture/statistics.rs", "readings_from_before_a_stop_of_the_program_press_nothing_and_are_counted"),
     ])),
     fault(52, "stopped from the terminal (Ctrl-Z)", Tests(&[
         ("tests/outputs/x11/watchdog.rs", "ctrl_z_releases_keys_before_the_stop_and_the_hand_must_leave_them_after_it"),

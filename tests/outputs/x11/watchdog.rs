@@ -28,7 +28,7 @@ impl Typing {
     }
 
     /// Ends the program by a signal that it cannot handle.
-    fn is_killed_by(mut self, signal: &str) {
+    fn check_release_after(mut self, signal: &str) {
         let start = Instant::now();
         self.program.signal(&[signal]);
         wait_for_release(&self.server, start, signal);
@@ -99,21 +99,21 @@ fn all_keys_are_released_after_a_kill() {
         return;
     };
     let watchdog = typing.watchdog();
-    typing.is_killed_by("KILL");
+    typing.check_release_after("KILL");
     assert!(wait_for(|| !is_alive(watchdog)), "the watchdog still runs");
 }
 
 #[test]
 fn all_keys_are_released_after_an_abort() {
     if let Some(typing) = Typing::start() {
-        typing.is_killed_by("ABRT");
+        typing.check_release_after("ABRT");
     }
 }
 
 #[test]
 fn all_keys_are_released_after_a_crash() {
     if let Some(typing) = Typing::start() {
-        typing.is_killed_by("ILL");
+        typing.check_release_after("ILL");
     }
 }
 
