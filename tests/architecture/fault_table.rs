@@ -130,16 +130,16 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(24, "one byte a second", Missing("nothing listens on the network; a source that trickles counts as stalled")),
     fault(25, "a length of 4 GiB", Tests(&[
-        ("tests/cli/faults/files.rs", "a_length_of_four_gigabytes_is_refused_before_there_is_room_for_it"),
+        ("tests/cli/faults/files.rs", "a_length_of_four_gigabytes_is_refused_before_memory_is_allocated"),
         ("src/capture/recording/lengths.rs", "any_length_beyond_its_record_is_detected"),
     ])),
     fault(26, "a thousand connections", Tests(&[
-        ("tests/cli/faults/clients.rs", "a_thousand_connections_are_refused_and_the_one_that_was_there_is_answered"),
+        ("tests/cli/faults/clients.rs", "a_thousand_connections_are_refused_and_the_first_client_is_served"),
         ("tests/cli/control.rs", "the_seventeenth_client_is_refused_until_another_one_disconnects"),
         ("tests/outputs/spacenav/mod.rs", "the_seventeenth_client_is_rejected"),
     ])),
     fault(27, "invalid UTF-8, NUL, byte order mark, CRLF", Tests(&[
-        ("tests/cli/faults/files.rs", "bytes_that_are_no_text_are_no_reading_and_no_file"),
+        ("tests/cli/faults/files.rs", "invalid_utf8_is_refused_in_readings_and_files"),
         ("tests/cli/control.rs", "an_invalid_line_gets_an_error_and_the_connection_stays_open"),
     ])),
     fault(28, "JSON too deep, too long, or twice the same key", Tests(&[
@@ -149,8 +149,8 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(29, "NaN, infinities and extreme numbers", Tests(&[
         ("tests/pipeline/faulty_readings.rs", "angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go"),
-        ("tests/cli/faults/files.rs", "numbers_that_no_sensor_gives_are_no_reading"),
-        ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
+        ("tests/cli/faults/files.rs", "numbers_that_no_sensor_can_measure_are_refused"),
+        ("tests/files/layout_errors.rs", "what_is_wrong_on_a_board_is_told_at_its_place"),
     ])),
     fault(30, "angles outside their limits, missing channels", Tests(&[
         ("src/estimate/limits.rs", "an_angle_slightly_outside_is_clamped_and_one_far_outside_is_rejected"),
@@ -174,7 +174,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/architecture.rs", "nothing_depends_on_the_wall_clock"),
     ])),
     fault(37, "a damaged recording", Tests(&[
-        ("tests/cli/faults/files.rs", "a_damaged_recording_is_played_up_to_the_damage_lets_go_and_ends_with_3"),
+        ("tests/cli/faults/files.rs", "a_damaged_recording_is_played_up_to_the_damage_releases_everything_and_ends_with_3"),
         ("tests/files/recordings.rs", "a_truncated_recording_gives_every_complete_reading"),
         ("tests/files/recordings.rs", "every_flipped_bit_of_a_recording_is_detected"),
         ("tests/files/recordings.rs", "other_files_are_rejected_with_their_offset"),
@@ -266,7 +266,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/pipeline/arming.rs", "after_a_stall_the_hand_must_be_clear_of_every_key"),
     ])),
     fault(55, "no uinput, or no permission for it", Tests(&[
-        ("tests/cli/faults/disks.rs", "without_a_node_or_the_right_to_it_uinput_is_refused_with_the_way_to_get_it"),
+        ("tests/cli/faults/disks.rs", "uinput_without_a_device_node_or_permission_is_refused_with_a_remedy"),
         ("src/output/uinput/linux/tests.rs", "an_open_error_contains_the_remedy"),
     ])),
     fault(56, "the system accepts no more events", Tests(&[
@@ -288,9 +288,9 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(59, "a client of the joint-angle server stops reading", Missing("there is no joint-angle server")),
     fault(60, "disk full, log closed", Tests(&[
-        ("tests/cli/faults/disks.rs", "a_log_that_is_full_closed_or_never_was_stops_nobody"),
+        ("tests/cli/faults/disks.rs", "a_full_closed_or_missing_log_does_not_stop_a_session"),
         ("tests/cli/faults/disks.rs", "a_disk_that_fills_under_a_recording_ends_the_recording_and_not_the_typing"),
-        ("tests/cli/faults/disks.rs", "a_transcript_that_cannot_be_written_ends_the_run_with_the_reason"),
+        ("tests/cli/faults/disks.rs", "a_transcript_that_cannot_be_written_ends_the_session_with_the_reason"),
         ("tests/cli/signals.rs", "a_run_continues_when_its_standard_error_is_closed"),
     ])),
 ];

@@ -37,11 +37,11 @@ pub const REQUIREMENTS: &[Requirement] = &[
         Status::Met(&[
             (
                 "tests/cli/security/sockets.rs",
-                "a_run_with_all_that_it_offers_has_no_socket_of_a_network",
+                "a_session_with_all_features_opens_no_network_socket",
             ),
             (
                 "tests/cli/security/sockets.rs",
-                "a_socket_of_a_network_would_be_found",
+                "the_test_detects_network_sockets",
             ),
         ]),
     ),
@@ -295,7 +295,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
         "a replay types only on request",
         Status::Met(&[(
             "tests/cli/security/replays.rs",
-            "a_recording_that_is_replayed_presses_nothing_unless_the_desktop_is_named",
+            "a_replay_presses_nothing_unless_the_output_desktop_is_named",
         )]),
     ),
     requirement(

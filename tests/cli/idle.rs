@@ -1,5 +1,4 @@
-//! The real binary with nothing to do: a glove that is still, a layout file that nobody saves, a control socket
-//! that nobody calls.
+//! The idle program: a silent glove, an unchanged layout file, a control socket without clients. No thread wakes up.
 #![cfg(target_os = "linux")]
 
 use std::collections::BTreeMap;
@@ -24,10 +23,10 @@ const WINDOW: Duration = Duration::from_secs(3);
 /// A timer wakes its thread in every window. Work that a busy machine does late wakes it in one of them.
 const WINDOWS: usize = 6;
 
-/// A run whose glove has fallen silent.
+/// A session whose glove sends nothing.
 struct Idle {
     program: Process,
-    _wire: Loopback,
+    _loopback: Loopback,
     _folder: TempDir,
 }
 
@@ -40,11 +39,11 @@ impl Idle {
             "Setup(layout: \"my.ron\", stall_timeout_ms: 300)",
         )
         .expect("a file");
-        let mut wire = {
+        let mut loopback = {
             let _alone = lock_spawning();
             open_loopback(Hc11Format::default()).expect("a line")
         };
-        let source = wire.uri.to_string();
+        let source = loopback.uri.to_string();
         let arguments = ["run", "setup.ron", "--source", &source, "--output", output];
         let mut command = ademan(arguments);
         command
@@ -54,32 +53,32 @@ impl Idle {
             .env_remove("WAYLAND_DISPLAY")
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
-        let mut program = Process::start(&mut command).expect("it starts");
-        let told = line_receiver(program.0.stderr.take().expect("it is piped"));
+        let mut program = Process::start(&mut command).expect("the program starts");
+        let messages = line_receiver(program.0.stderr.take().expect("it is piped"));
         let wait_for = |part: &str| {
-            while !told.recv_timeout(TIMEOUT).expect(part).contains(part) {}
+            while !messages.recv_timeout(TIMEOUT).expect(part).contains(part) {}
         };
         wait_for("listening to");
         let hand = encode(Framing::Double06, &postures().0);
         for _ in 0..20 {
-            wire.writer.write_all(&hand).expect("the line is open");
+            loopback.writer.write_all(&hand).expect("the line is open");
         }
         wait_for("stalled");
         Self {
             program,
-            _wire: wire,
+            _loopback: loopback,
             _folder: folder,
         }
     }
 
-    /// How often each thread has woken up so far; a thread is its number and its name.
+    /// Returns the number of wake-ups so far by thread: its ID and its name.
     fn wake_ups(&self) -> BTreeMap<String, u64> {
         let tasks = format!("/proc/{}/task", self.program.0.id());
         let tasks = fs::read_dir(tasks).expect("the program runs");
         tasks.flatten().map(|task| wake_ups(&task.path())).collect()
     }
 
-    /// The wake-ups of each thread in its quietest window; stops as soon as every thread had a quiet one.
+    /// Returns the wake-ups of each thread in its quietest window. Returns early once every thread had a window without.
     fn recurring_wake_ups(&self) -> BTreeMap<String, u64> {
         let mut fewest: BTreeMap<String, u64> = BTreeMap::new();
         let mut before = self.wake_ups();
@@ -100,19 +99,19 @@ impl Idle {
     }
 }
 
-/// A thread that waits gives the processor away of its own will each time it waits again.
+/// Returns the name of a thread and its voluntary context switches: a thread makes one each time it waits again.
 fn wake_ups(task: &Path) -> (String, u64) {
-    let status = fs::read_to_string(task.join("status")).expect("no thread ends");
+    let status = fs::read_to_string(task.join("status")).expect("the status of a thread");
     let field = |name: &str| {
         let line = status.lines().find_map(|line| line.strip_prefix(name));
-        line.expect("the kernel tells it").trim().to_owned()
+        line.expect("a field of the status").trim().to_owned()
     };
     let thread = format!("{} {}", field("Pid:"), field("Name:"));
     let count = field("voluntary_ctxt_switches:");
     (thread, count.parse().expect("a number"))
 }
 
-fn expect_no_wake_up(output: &str, display: &str) {
+fn check_no_wake_ups(output: &str, display: &str) {
     let idle = Idle::start(output, display);
     let found = idle.recurring_wake_ups();
     println!("recurring wake-ups in {WINDOW:?} with the output {output}:");
@@ -124,23 +123,23 @@ fn expect_no_wake_up(output: &str, display: &str) {
 }
 
 #[test]
-fn a_run_with_nothing_to_do_does_not_wake_up() {
-    expect_no_wake_up("transcript", "");
+fn an_idle_session_does_not_wake_up() {
+    check_no_wake_ups("transcript", "");
 }
 
 #[test]
-fn a_run_that_types_on_a_desktop_does_not_wake_up_while_nothing_is_typed() {
+fn an_idle_session_with_a_desktop_does_not_wake_up() {
     let Some(server) = XServer::start() else {
         return;
     };
-    expect_no_wake_up("desktop", server.display());
+    check_no_wake_ups("desktop", server.display());
 }
 
 #[test]
-fn a_run_with_devices_of_the_kernel_does_not_wake_up_while_nothing_is_typed() {
+fn an_idle_session_with_uinput_devices_does_not_wake_up() {
     if let Err(error) = fs::File::options().write(true).open("/dev/uinput") {
         println!("SKIPPED: /dev/uinput: {error}");
         return;
     }
-    expect_no_wake_up("uinput", "");
+    check_no_wake_ups("uinput", "");
 }

@@ -33,6 +33,11 @@ struct CountingAllocator;
 thread_local! {
     static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
     static FREES: Cell<u64> = const { Cell::new(0) };
+    static LIVE_BYTES: Cell<i64> = const { Cell::new(0) };
+}
+
+fn add_live(bytes: i64) {
+    LIVE_BYTES.with(|live| live.set(live.get() + bytes));
 }
 
 fn count() {
@@ -43,18 +48,21 @@ fn count() {
 unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
+        add_live(layout.size() as i64);
         // SAFETY: the caller fulfils the contract.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, block: *mut u8, layout: Layout) {
         FREES.with(|frees| frees.set(frees.get() + 1));
+        add_live(-(layout.size() as i64));
         // SAFETY: the caller fulfils the contract.
         unsafe { System.dealloc(block, layout) }
     }
 
     unsafe fn realloc(&self, block: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         count();
+        add_live(size as i64 - layout.size() as i64);
         // SAFETY: the caller fulfils the contract.
         unsafe { System.realloc(block, layout, size) }
     }
@@ -69,6 +77,11 @@ fn allocations() -> u64 {
 
 fn frees() -> u64 {
     FREES.with(Cell::get)
+}
+
+/// Returns the bytes that this thread has allocated and not freed.
+pub fn live_bytes() -> i64 {
+    LIVE_BYTES.with(Cell::get)
 }
 
 /// Returns the packets of a glove whose wearer types.

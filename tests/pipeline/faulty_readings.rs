@@ -1,4 +1,4 @@
-//! What comes in is not what the hand does: nothing that was not meant is typed, and nothing stays down.
+//! Readings that do not show the hand: nothing unintended is typed, and no key stays pressed.
 
 use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
 use ademan::estimate::{
@@ -10,10 +10,10 @@ use ademan::setup::LoadedSetup;
 use crate::support::press::{Posture, Press, glove_format};
 use crate::support::wearer::{GloveWearer, default_setup, packets, pipeline_with};
 
-/// Channels of the shipped glove.
+/// A channel of the shipped glove.
 const ELBOW: usize = 17;
 
-/// A wearer who holds H down.
+/// Returns a glove whose wearer holds the key H.
 fn holding(press: &Press) -> GloveWearer {
     let mut wearer = GloveWearer::new(&default_setup());
     wearer.play(&press.approach);
@@ -28,7 +28,7 @@ fn with(posture: &Posture, channel: usize, count: u8) -> Posture {
     changed
 }
 
-/// What the glove says while the hand plays a script.
+/// Returns the packets of a hand that plays a script.
 fn postures(assembly: &LoadedSetup, script: &str) -> Vec<Posture> {
     let typist = assembly.scripted(script, &glove_format(), 0.0, 0);
     let mut typist = typist.unwrap_or_else(|error| panic!("{error}"));
@@ -40,7 +40,7 @@ fn postures(assembly: &LoadedSetup, script: &str) -> Vec<Posture> {
 }
 
 #[test]
-fn a_stream_that_is_entered_in_the_middle_of_a_frame_types_the_same() {
+fn a_stream_that_starts_inside_a_packet_types_the_same() {
     let press = Press::for_text("h");
     let assembly = default_setup();
     let whole = [&press.approach[..], &press.lift[..]].concat();
@@ -53,13 +53,13 @@ fn a_stream_that_is_entered_in_the_middle_of_a_frame_types_the_same() {
             "down H, up H",
             "{missing} bytes are missing"
         );
-        // The last frame waits for the marks of the next one.
+        // The last packet is complete with the marks of the next one.
         assert_eq!(wearer.readings() as usize, whole.len() - 2, "{missing}");
     }
 }
 
 #[test]
-fn one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most() {
+fn one_flipped_bit_changes_no_event_and_costs_at_most_two_packets() {
     let press = Press::for_text("h");
     let assembly = default_setup();
     let frames = [press.pressed(); 12];
@@ -73,7 +73,7 @@ fn one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most() 
         bytes[3 * PACKET_BYTES + bit / 8] ^= 1 << (bit % 8);
         wearer.send(&bytes);
         let came = wearer.readings() - before;
-        // A broken mark is the end of the frame before it and the start of its own.
+        // A broken mark belongs to the packet before it and to its own.
         assert!(came as usize >= frames.len() - 2, "bit {bit}: {came}");
         wearer.play(&press.lift);
         assert_eq!(wearer.take_events(), "down H, up H", "bit {bit}");
@@ -81,16 +81,16 @@ fn one_flipped_bit_changes_nothing_that_is_typed_and_costs_two_frames_at_most() 
 }
 
 #[test]
-fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on() {
+fn a_railed_sensor_releases_the_key_of_its_finger_and_the_others_keep_typing() {
     let h = Press::for_text("h");
     let assembly = default_setup();
-    let deed = postures(
+    let two_fingers = postures(
         &assembly,
         "press J; set middle-pip-flexion 40 & bend middle 20; wait 200; bend middle 45; wait 200; \
          bend middle 20; wait 200; lift",
     );
     let mut healthy = GloveWearer::new(&assembly);
-    healthy.play(&deed);
+    healthy.play(&two_fingers);
     assert_eq!(healthy.take_events(), "down J, down 8, up 8, up J");
     let index = FingerSet::NONE.with(Finger::Index);
     let map = &assembly.glove.as_ref().expect("a glove").map;
@@ -104,14 +104,14 @@ fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on()
     {
         let mut wearer = holding(&h);
         let broken = with(&h.pressed(), channel, end);
-        // A second of 175 readings, and the few in which a jump is not believed yet.
+        // A second has 175 readings; a jump is accepted a few readings later.
         wearer.play(&[broken; 185]);
         assert_eq!(wearer.take_events(), "up H", "channel {channel} at {end}");
         let broken = |posture: &Posture| with(posture, channel, end);
-        let hang = |postures: &[Posture]| postures.iter().map(broken).collect::<Vec<_>>();
-        wearer.play(&hang(&h.lift));
-        wearer.play(&hang(&[deed[0]; 60]));
-        wearer.play(&hang(&deed));
+        let rail = |postures: &[Posture]| postures.iter().map(broken).collect::<Vec<_>>();
+        wearer.play(&rail(&h.lift));
+        wearer.play(&rail(&[two_fingers[0]; 60]));
+        wearer.play(&rail(&two_fingers));
         assert_eq!(
             wearer.take_events(),
             "down 8, up 8",
@@ -123,13 +123,13 @@ fn whichever_wire_of_a_finger_hangs_its_key_comes_up_and_other_fingers_type_on()
         assert_eq!(
             wearer.take_events(),
             "down H, up H",
-            "mended: channel {channel}"
+            "repaired: channel {channel}"
         );
     }
 }
 
 #[test]
-fn a_hand_that_is_here_and_there_lets_go_at_the_third_reading_and_presses_nothing() {
+fn a_hand_that_jumps_to_and_fro_releases_at_the_third_reading_and_presses_nothing() {
     let press = Press::for_text("h");
     let mut wearer = holding(&press);
     let elbow = press.pressed()[ELBOW];
@@ -140,14 +140,18 @@ fn a_hand_that_is_here_and_there_lets_go_at_the_third_reading_and_presses_nothin
         assert_eq!(wearer.take_events(), if number == 2 { "up H" } else { "" });
     }
     wearer.play(&[press.pressed(); 60]);
-    assert_eq!(wearer.take_events(), "", "the finger has not left the key");
+    assert_eq!(
+        wearer.take_events(),
+        "",
+        "the finger has to leave the key first"
+    );
     wearer.play(&press.lift);
     wearer.play(&press.approach);
     assert_eq!(wearer.take_events(), "down H");
 }
 
 #[test]
-fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
+fn infinite_angles_are_rejected_and_the_third_in_a_row_releases_everything() {
     const SPARE: usize = 63;
     let press = Press::for_text("h");
     let assembly = default_setup();
@@ -177,14 +181,14 @@ fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
         &assembly,
         Estimator::new(settings).with_channels(&map),
     ));
-    let sane = |postures: &[Posture]| -> Vec<Posture> {
-        let sane = postures.iter().map(|posture| with(posture, SPARE, 0));
-        sane.collect()
+    let without_spare = |postures: &[Posture]| -> Vec<Posture> {
+        let without_spare = postures.iter().map(|posture| with(posture, SPARE, 0));
+        without_spare.collect()
     };
-    wearer.play(&sane(&press.approach));
+    wearer.play(&without_spare(&press.approach));
     assert_eq!(wearer.take_events(), "down H");
     let (held, endless) = (
-        sane(&[press.pressed()])[0],
+        without_spare(&[press.pressed()])[0],
         with(&press.pressed(), SPARE, 255),
     );
     for _ in 0..2 {
@@ -194,28 +198,28 @@ fn angles_that_are_no_numbers_are_dropped_and_the_third_in_a_row_lets_go() {
         }
         assert_eq!(wearer.show_after(5_729, &held), None);
     }
-    assert_eq!(
-        wearer.take_events(),
-        "",
-        "two in a row are two that are dropped"
-    );
+    assert_eq!(wearer.take_events(), "", "two in a row are rejected only");
     for _ in 0..3 {
         wearer.show_after(5_729, &endless);
     }
     assert_eq!(wearer.take_events(), "up H");
     wearer.show_after(5_729, &held);
-    assert_eq!(wearer.take_events(), "", "the finger has not left the key");
+    assert_eq!(
+        wearer.take_events(),
+        "",
+        "the finger has to leave the key first"
+    );
 }
 
 #[test]
-fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_counted() {
+fn a_clock_that_jumps_or_stops_releases_everything_and_is_counted() {
     const HOUR: u64 = 3_600_000_000;
     let press = Press::for_text("h");
     let mut ahead = holding(&press);
     ahead.show_after(HOUR, &press.pressed());
     assert_eq!(ahead.take_events(), "up H");
     assert_eq!(ahead.pipeline.stalls(), 1);
-    assert!(!ahead.is_running(), "it has to be armed again");
+    assert!(!ahead.is_running(), "output has to be armed again");
 
     for back in [HOUR, 0] {
         let mut wearer = holding(&press);
@@ -235,11 +239,11 @@ fn a_clock_that_jumps_an_hour_ahead_or_back_or_stands_still_lets_go_and_is_count
 }
 
 #[test]
-fn a_million_readings_a_second_press_no_more_than_is_allowed() {
+fn a_million_readings_a_second_stay_within_the_press_rate_limit() {
     let press = Press::for_text("h");
     let assembly = default_setup();
     let stroke = [&press.approach[..], &press.lift[..]].concat();
-    // Without a filter, which slows down such a hand by itself.
+    // Without the filter, which slows such a hand down.
     let settings = EstimatorSettings {
         smoothing: Smoothing::Off,
         ..EstimatorSettings::default()

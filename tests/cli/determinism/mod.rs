@@ -1,8 +1,8 @@
-//! A recording gives the same bytes of transcript, every time, at any pace, in every build.
+//! A recording gives the same transcript, byte for byte, every time, at any speed, in every build.
 //!
-//! What is expected is in the files beside this one: that they are the same for debug and release builds, and
-//! here and elsewhere, is what makes those comparable. After a change that is meant:
-//! `ADEMAN_WRITE=1 cargo test --test cli determinism`, and read the difference.
+//! The expected transcripts are in the files beside this one, for debug and release builds and for all machines. After an
+//! intended change:
+//! `ADEMAN_WRITE=1 cargo test --test cli determinism`, and review the difference.
 
 use std::fs;
 use std::io::{self, Write};
@@ -17,10 +17,10 @@ use ademan::setup::{LoadedSetup, Setup};
 use ademan::snapshot::Snapshot;
 use tempfile::TempDir;
 
-/// How often each recording is replayed.
+/// The number of replays of each recording.
 const TIMES: usize = 100;
 
-/// What is recorded: the name of the expected transcript, the layout, and what the hand does.
+/// The recordings: the name of the expected transcript, the layout, and the script of the hand.
 const RECORDINGS: [(&str, &str, &str); 3] = [
     (
         "keys",
@@ -35,13 +35,16 @@ const RECORDINGS: [(&str, &str, &str); 3] = [
     ),
 ];
 
-/// Bytes that can be read while somebody writes them.
+/// A buffer that can be read while a transcript writes to it.
 #[derive(Clone, Default)]
 struct SharedBuffer(Arc<Mutex<Vec<u8>>>);
 
 impl Write for SharedBuffer {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.lock().expect("nobody panics with it").write(bytes)
+        self.0
+            .lock()
+            .expect("no panic while it is locked")
+            .write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
@@ -49,7 +52,7 @@ impl Write for SharedBuffer {
     }
 }
 
-/// Lets the simulated hand play, and records it.
+/// Records the simulated hand that plays a script.
 fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathBuf {
     let setup = Setup {
         layout: layout.into(),
@@ -76,8 +79,8 @@ fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathB
     path
 }
 
-/// What goes out of a recording, as fast as it can.
-fn replayed(path: &Path) -> Vec<u8> {
+/// Returns the transcript of a recording, replayed without delays.
+fn replay(path: &Path) -> Vec<u8> {
     let replay = Replay::open(path).expect("a recording");
     let assembly =
         LoadedSetup::from_recording(replay.setup(), None, None).expect("the recorded setup");
@@ -93,11 +96,11 @@ fn replayed(path: &Path) -> Vec<u8> {
     );
     run.expect("a run");
     drop(transcript);
-    page.0.lock().expect("nobody panics with it").clone()
+    page.0.lock().expect("no panic while it is locked").clone()
 }
 
-/// What `ademan replay` writes at a pace; `None`: as fast as it can.
-fn replayed_by_program(path: &Path, speed: Option<&str>) -> Vec<u8> {
+/// Returns the transcript of `ademan replay` at a speed, or without delays if `None`.
+fn replay_by_program(path: &Path, speed: Option<&str>) -> Vec<u8> {
     let mut command = crate::support::binary::ademan(["replay", path.to_str().expect("letters")]);
     if let Some(speed) = speed {
         command.args(["--speed", speed]);
@@ -128,40 +131,43 @@ fn assert_same(name: &str, how: &str, found: &[u8], expected: &[u8]) {
             .zip(expected.lines())
             .position(|(found, expected)| found != expected);
         panic!(
-            "{name}, {how}: other than expected from line {line:?} on\nfound:\n{found}\nexpected:\n{expected}"
+            "{name}, {how}: differs from line {line:?} on\nfound:\n{found}\nexpected:\n{expected}"
         );
     }
 }
 
 #[test]
-fn a_recording_gives_the_same_bytes_a_hundred_times_of_a_hundred() {
+fn a_recording_gives_the_same_bytes_in_each_of_a_hundred_replays() {
     let folder = tempfile::tempdir().expect("a folder");
     for recording in RECORDINGS {
         let name = recording.0;
         let path = record(&folder, recording);
-        let first = replayed(&path);
+        let first = replay(&path);
         let expected = expected(name, &first);
-        assert!(expected.len() > 100, "{name} says something");
+        assert!(
+            expected.len() > 100,
+            "the transcript of {name} is not empty"
+        );
         assert_same(name, "the first time", &first, &expected);
         for time in 2..=TIMES {
-            assert_same(name, &format!("time {time}"), &replayed(&path), &expected);
+            assert_same(name, &format!("time {time}"), &replay(&path), &expected);
         }
         println!("{name}: {TIMES} times {} bytes", expected.len());
     }
 }
 
 #[test]
-fn the_program_gives_the_same_bytes_at_any_pace() {
+fn the_program_gives_the_same_bytes_at_any_speed() {
     let folder = tempfile::tempdir().expect("a folder");
     std::thread::scope(|scope| {
         for recording in RECORDINGS {
             let path = record(&folder, recording);
             scope.spawn(move || {
-                let first = replayed_by_program(&path, None);
+                let first = replay_by_program(&path, None);
                 let expected = expected(recording.0, &first);
-                assert_same(recording.0, "as fast as it can", &first, &expected);
+                assert_same(recording.0, "without delays", &first, &expected);
                 for speed in ["10", "10", "10", "1"] {
-                    let found = replayed_by_program(&path, Some(speed));
+                    let found = replay_by_program(&path, Some(speed));
                     assert_same(recording.0, &format!("speed {speed}"), &found, &expected);
                 }
             });

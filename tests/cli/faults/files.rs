@@ -1,4 +1,4 @@
-//! Files and lines of text that are made to do harm.
+//! Malicious and damaged files.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -15,7 +15,7 @@ use mcap::records::{MessageHeader, Metadata};
 use crate::support::binary::ademan;
 use crate::support::run::shipped;
 
-/// A recording of these messages, each taken for a reading.
+/// Returns a recording with these messages in place of readings.
 fn recording(messages: &[&[u8]]) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     let options = mcap::WriteOptions::new().use_chunks(false);
@@ -44,8 +44,8 @@ fn recording(messages: &[&[u8]]) -> Vec<u8> {
 
 const READING: &str = r#"{"time_us":1000,"full_scale":255,"channels":[1,2,3]}"#;
 
-/// The readings that come of a recording, and what is said at its end.
-fn replayed(bytes: Vec<u8>) -> (usize, String) {
+/// Returns the number of readings of a recording, and the error at its end.
+fn replay_all(bytes: Vec<u8>) -> (usize, String) {
     let replay = Replay::from_reader("recording:a.mcap", Cursor::new(bytes));
     let mut replay = match replay {
         Ok(replay) => replay,
@@ -63,7 +63,7 @@ fn replayed(bytes: Vec<u8>) -> (usize, String) {
 }
 
 fn refused(message: &[u8]) -> String {
-    let (readings, error) = replayed(recording(&[READING.as_bytes(), message]));
+    let (readings, error) = replay_all(recording(&[READING.as_bytes(), message]));
     let shown = String::from_utf8_lossy(&message[..message.len().min(80)]).into_owned();
     assert_eq!(readings, 1, "{shown}");
     assert!(error.contains("at byte "), "{shown}: {error}");
@@ -71,15 +71,15 @@ fn refused(message: &[u8]) -> String {
 }
 
 #[test]
-fn a_reading_that_is_whole_is_one() {
+fn a_complete_reading_is_accepted() {
     assert_eq!(
-        replayed(recording(&[READING.as_bytes()])),
+        replay_all(recording(&[READING.as_bytes()])),
         (1, String::new())
     );
 }
 
 #[test]
-fn json_that_is_too_deep_too_long_or_says_something_twice_is_no_reading() {
+fn json_that_is_too_deep_too_long_or_has_duplicate_keys_is_refused() {
     let deep = |open: &str| {
         format!(
             "{{\"time_us\":1,\"full_scale\":255,\"x\":{}",
@@ -100,7 +100,7 @@ fn json_that_is_too_deep_too_long_or_says_something_twice_is_no_reading() {
 }
 
 #[test]
-fn numbers_that_no_sensor_gives_are_no_reading() {
+fn numbers_that_no_sensor_can_measure_are_refused() {
     for count in [
         "NaN",
         "Infinity",
@@ -119,14 +119,14 @@ fn numbers_that_no_sensor_gives_are_no_reading() {
     for time in ["NaN", "-1", "1e999", "0.5", "18446744073709551616"] {
         refused(READING.replace("1000", time).as_bytes());
     }
-    // The last moment there is: nothing overflows.
+    // The last possible time: nothing overflows.
     let last = READING.replace("1000", "18446744073709551615");
-    let (readings, _) = replayed(recording(&[READING.as_bytes(), last.as_bytes()]));
+    let (readings, _) = replay_all(recording(&[READING.as_bytes(), last.as_bytes()]));
     assert_eq!(readings, 2);
 }
 
 #[test]
-fn bytes_that_are_no_text_are_no_reading_and_no_file() {
+fn invalid_utf8_is_refused_in_readings_and_files() {
     for bytes in [&b"\xff\xfe"[..], b"\xc3\x28", b"\xed\xa0\x80", b"\0"] {
         let message = [b"{\"time_us\":1,\"x\":\"", bytes, b"\"}"].concat();
         refused(&message);
@@ -139,26 +139,26 @@ fn bytes_that_are_no_text_are_no_reading_and_no_file() {
     };
     let good = shipped("arrows");
     for bytes in [&b"\xff\xfe"[..], b"\xc3\x28", b"\0"] {
-        let error = load(&[bytes, good.as_bytes()].concat()).expect_err("no text");
+        let error = load(&[bytes, good.as_bytes()].concat()).expect_err("invalid text");
         assert_eq!(error.line(), Some(1), "{error}");
     }
     let targets = |layout: Layout| layout.scene.len();
     let plain = targets(load(good.as_bytes()).expect("a layout"));
     let marked = load(format!("\u{feff}{}", good.replace('\n', "\r\n")).as_bytes());
     assert_eq!(
-        targets(marked.expect("a byte order mark and CRLF are no harm")),
+        targets(marked.expect("a byte order mark and CRLF are accepted")),
         plain
     );
 }
 
 #[test]
-fn a_length_of_four_gigabytes_is_refused_before_there_is_room_for_it() {
+fn a_length_of_four_gigabytes_is_refused_before_memory_is_allocated() {
     let whole = recording(&[READING.as_bytes()]);
     for length in [u64::from(u32::MAX), u64::MAX, MAX_RECORD_BYTES as u64 + 1] {
-        // The first record begins after the magic number: a kind and a length.
+        // The first record begins after the magic number, with a kind and a length.
         let mut bytes = whole.clone();
         bytes[9..17].copy_from_slice(&length.to_le_bytes());
-        let (readings, error) = replayed(bytes);
+        let (readings, error) = replay_all(bytes);
         assert_eq!(readings, 0);
         assert!(error.contains("at byte 8"), "{error}");
         assert!(error.contains("the limit is"), "{error}");
@@ -166,12 +166,12 @@ fn a_length_of_four_gigabytes_is_refused_before_there_is_room_for_it() {
 }
 
 #[test]
-fn a_damaged_recording_is_played_up_to_the_damage_lets_go_and_ends_with_3() {
+fn a_damaged_recording_is_played_up_to_the_damage_releases_everything_and_ends_with_3() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("hand.mcap");
     let run = |arguments: &[&str]| {
         let output = ademan(arguments).env_remove("XDG_RUNTIME_DIR").output();
-        let output = output.expect("it starts");
+        let output = output.expect("the program starts");
         let text = |bytes| String::from_utf8(bytes).expect("it writes UTF-8");
         (
             output.status.code(),
@@ -189,22 +189,25 @@ fn a_damaged_recording_is_played_up_to_the_damage_lets_go_and_ends_with_3() {
         fs::write(&path, bytes).expect("room");
         path.to_str().expect("a plain path").to_owned()
     };
-    for share in [3, 4, 5] {
-        let cut = damaged("cut.mcap", &bytes[..bytes.len() * share / 8]);
+    for eighths in [3, 4, 5] {
+        let cut = damaged("cut.mcap", &bytes[..bytes.len() * eighths / 8]);
         let (code, out, err) = run(&["replay", &cut]);
         assert_eq!(code, Some(3), "{err}");
         assert!(err.contains("cut off at byte "), "{err}");
-        lets_go(&out, &whole);
+        check_releases(&out, &whole);
     }
     let messages = bytes.windows(9).enumerate();
-    let places = messages.filter(|(_, window)| window == b"\"time_us\"");
-    let place = places.map(|(place, _)| place).nth(200).expect("readings");
+    let positions = messages.filter(|(_, window)| window == b"\"time_us\"");
+    let position = positions
+        .map(|(position, _)| position)
+        .nth(200)
+        .expect("readings");
     let mut broken = bytes.clone();
-    broken[place] = b'x';
+    broken[position] = b'x';
     let (code, out, err) = run(&["replay", &damaged("broken.mcap", &broken)]);
     assert_eq!(code, Some(3), "{err}");
     assert!(err.contains("at byte "), "{err}");
-    lets_go(&out, &whole);
+    check_releases(&out, &whole);
     for (name, bytes) in [
         ("empty", &b""[..]),
         ("letter", b"Dear reader"),
@@ -217,8 +220,8 @@ fn a_damaged_recording_is_played_up_to_the_damage_lets_go_and_ends_with_3() {
     assert!(Path::new(recorded).exists());
 }
 
-/// A part of the whole, and then only what is let go of.
-fn lets_go(part: &str, whole: &str) {
+/// Checks that `part` is the start of `whole`, followed by releases only.
+fn check_releases(part: &str, whole: &str) {
     let same = part.lines().zip(whole.lines()).take_while(|(a, b)| a == b);
     let rest = part.lines().skip(same.count());
     assert!(

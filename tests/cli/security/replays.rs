@@ -1,4 +1,4 @@
-//! A recording types nothing unless somebody says so.
+//! A replay types only on request.
 
 use std::process::Stdio;
 
@@ -6,11 +6,11 @@ use crate::support::binary::ademan;
 use crate::support::x11::{TerminalWindow, XServer};
 
 #[test]
-fn a_recording_that_is_replayed_presses_nothing_unless_the_desktop_is_named() {
+fn a_replay_presses_nothing_unless_the_output_desktop_is_named() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let Some(typewriter) = TerminalWindow::start(&server) else {
+    let Some(terminal) = TerminalWindow::start(&server) else {
         return;
     };
     let folder = tempfile::tempdir().expect("a folder");
@@ -34,7 +34,7 @@ fn a_recording_that_is_replayed_presses_nothing_unless_the_desktop_is_named() {
     let written = replay(&[]);
     assert!(written.contains("down H"), "{written}");
     replay(&["--output", "desktop"]);
-    // Once: by the second, and not by the first.
-    assert_eq!(typewriter.typed("hello"), "hello");
+    // The second replay types, the first one does not.
+    assert_eq!(terminal.typed("hello"), "hello");
     assert_eq!(server.pressed_keys(), [0; 0]);
 }

@@ -1,4 +1,4 @@
-//! Nothing listens on a network.
+//! The program opens no network socket.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,11 +8,11 @@ use std::process::Stdio;
 use crate::support::binary::ademan;
 use crate::support::process::Process;
 
-/// A 6-DoF mouse of one axis.
+/// A 6-DoF mouse with one axis.
 const LEVER: &str = "Layout(name: \"lever\", boards: [(pose: (anchor: elbow, forward_mm: 320), \
      levers: [(name: \"Lift\", at_mm: (0, 0), length_mm: 70, springs_back: true, output: Axis(\"MoveZ\"))])])";
 
-/// The sockets that a process has open, by their inodes.
+/// Returns the inodes of the open sockets of a process.
 fn sockets_of(process: u32) -> BTreeSet<String> {
     let open = fs::read_dir(format!("/proc/{process}/fd")).expect("it runs");
     let link = |entry: fs::DirEntry| fs::read_link(entry.path()).ok();
@@ -26,8 +26,8 @@ fn sockets_of(process: u32) -> BTreeSet<String> {
         .collect()
 }
 
-/// The sockets of a kind that the kernel knows of: inode and local address.
-fn known(kind: &str) -> Vec<(String, String)> {
+/// Returns all sockets of a kind: inode and local address.
+fn kernel_sockets(kind: &str) -> Vec<(String, String)> {
     let table = fs::read_to_string(format!("/proc/net/{kind}")).unwrap_or_default();
     let rows = table.lines().skip(1);
     rows.filter_map(|row| {
@@ -38,7 +38,7 @@ fn known(kind: &str) -> Vec<(String, String)> {
 }
 
 #[test]
-fn a_run_with_all_that_it_offers_has_no_socket_of_a_network() {
+fn a_session_with_all_features_opens_no_network_socket() {
     let folder = tempfile::tempdir().expect("a folder");
     let control = folder.path().join("control");
     let spacenav = format!("spacenav:{}", folder.path().join("spnav").display());
@@ -55,21 +55,21 @@ fn a_run_with_all_that_it_offers_has_no_socket_of_a_network() {
         .stdout(Stdio::null())
         .stderr(Stdio::piped());
     let mut program = Process::start(&mut command).expect("it starts");
-    let mut said = BufReader::new(program.0.stderr.take().expect("it is piped"));
+    let mut stderr = BufReader::new(program.0.stderr.take().expect("it is piped"));
     let start = std::time::Instant::now();
     while !(control.exists() && folder.path().join("spnav").exists()) {
-        assert!(start.elapsed().as_secs() < 30, "it makes no sockets");
+        assert!(start.elapsed().as_secs() < 30, "no sockets appear");
         if program.0.try_wait().expect("a child").is_some() {
             let mut line = String::new();
-            let _ = said.read_line(&mut line);
-            panic!("it ended: {line}");
+            let _ = stderr.read_line(&mut line);
+            panic!("the program ended: {line}");
         }
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
     let sockets = sockets_of(program.0.id());
     assert!(!sockets.is_empty(), "the control socket is one of them");
     for kind in ["tcp", "tcp6", "udp", "udp6", "raw", "raw6"] {
-        let of_run: Vec<_> = known(kind)
+        let of_run: Vec<_> = kernel_sockets(kind)
             .into_iter()
             .filter(|(inode, _)| sockets.contains(inode))
             .collect();
@@ -78,10 +78,10 @@ fn a_run_with_all_that_it_offers_has_no_socket_of_a_network() {
 }
 
 #[test]
-fn a_socket_of_a_network_would_be_found() {
+fn the_test_detects_network_sockets() {
     let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
     let sockets = sockets_of(std::process::id());
-    let found = known("tcp")
+    let found = kernel_sockets("tcp")
         .into_iter()
         .any(|(inode, _)| sockets.contains(&inode));
     assert!(found, "{listener:?}");

@@ -1,16 +1,15 @@
-//! A day of a run, compressed in time: somebody types, and every half minute something goes wrong.
+//! A run of typing with a fault every 30 seconds, without waiting.
 //!
-//! That is 24 hours of a glove at 9600 baud, with 2 880 faults. `ADEMAN_SOAK_BAUD=115200` lets it send twelve times as
-//! many frames, `ADEMAN_SOAK_HOURS` makes the day shorter or longer, and `ADEMAN_SOAK_SEED` chooses another one; with
-//! `-- --nocapture` the account is printed.
+//! The run has 24 hours of a glove at 9600 baud and 2 880 faults. `ADEMAN_SOAK_BAUD=115200` sends twelve times as many
+//! packets, `ADEMAN_SOAK_HOURS` sets the length, and `ADEMAN_SOAK_SEED` the seed; `-- --nocapture` prints the statistics.
 //!
-//! The glove's bytes go through the decoder of its line, its readings through the engine, all under an oracle.
-//! Nothing here waits: the clock is the schedule's.
+//! The bytes of the glove go through its decoder, its readings through a pipeline with an oracle. The schedule provides the
+//! time.
 
-mod account;
-mod day;
-mod hands;
+mod run;
 mod schedule;
+mod setup;
+mod stats;
 
 use std::num::NonZeroU32;
 use std::sync::{Mutex, PoisonError};
@@ -22,13 +21,13 @@ use ademan::pipeline::PipelineSettings;
 use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::snapshot::Snapshot;
 
-use self::day::SoakRun;
-use self::hands::SoakSetup;
+use self::run::SoakRun;
+use self::setup::SoakSetup;
 
-/// Memory is looked at: nothing else may happen in the process meanwhile.
-static ALONE: Mutex<()> = Mutex::new(());
+/// The lock of the tests that measure the memory of the process.
+static MEMORY: Mutex<()> = Mutex::new(());
 
-/// One every 30 s.
+/// One fault every 30 s.
 const FAULTS_PER_HOUR: f64 = 120.0;
 
 fn number<T: std::str::FromStr>(name: &str, default: T) -> T {
@@ -38,7 +37,7 @@ fn number<T: std::str::FromStr>(name: &str, default: T) -> T {
     })
 }
 
-fn line() -> Hc11Format {
+fn format() -> Hc11Format {
     Hc11Format {
         baud: NonZeroU32::new(number("ADEMAN_SOAK_BAUD", 9600)).expect("a baud"),
         ..Hc11Format::default()
@@ -46,62 +45,69 @@ fn line() -> Hc11Format {
 }
 
 #[test]
-fn nothing_is_lost_left_down_or_piled_up_in_a_day_of_faults() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+fn a_day_of_faults_loses_no_reading_leaves_no_key_pressed_and_needs_no_more_memory() {
+    let _lock = MEMORY.lock().unwrap_or_else(PoisonError::into_inner);
     let hours: f64 = number("ADEMAN_SOAK_HOURS", 24.0);
     let seed = number("ADEMAN_SOAK_SEED", 1);
-    let hands = SoakSetup::new(line());
+    let setup = SoakSetup::new(format());
     let faults = (hours * FAULTS_PER_HOUR).round() as usize;
-    let mut day = SoakRun::new(&hands, seed);
-    let account = day.play(hours, faults);
-    println!("{account}");
-    account.check();
-    assert_eq!(account.faults(), faults);
-    assert!(account.presses() as f64 > 200.0 * hours, "it hardly typed");
+    let mut run = SoakRun::new(&setup, seed);
+    let stats = run.play(hours, faults);
+    println!("{stats}");
+    stats.check();
+    assert_eq!(stats.faults(), faults);
+    assert!(stats.presses() as f64 > 200.0 * hours, "too few presses");
 }
 
 #[test]
-fn what_a_damaged_line_brings_goes_through_the_loop_of_a_run_and_is_accounted_for() {
-    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let hands = SoakSetup::new(line());
+fn the_event_loop_counts_every_reading_of_a_damaged_line() {
+    let _lock = MEMORY.lock().unwrap_or_else(PoisonError::into_inner);
+    let setup = SoakSetup::new(format());
     let mut bytes = Vec::new();
-    let mut day = SoakRun::new(&hands, 2);
-    day.keep(&mut bytes);
-    let account = day.play(0.1, 40);
-    account.check();
-    drop(day);
+    let mut run = SoakRun::new(&setup, 2);
+    run.copy_bytes(&mut bytes);
+    let stats = run.play(0.1, 40);
+    stats.check();
+    drop(run);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("glove.bin");
-    std::fs::write(&path, &bytes).expect("the bytes can be written");
-    let format = StreamFormat::from(hands.line);
+    std::fs::write(&path, &bytes).expect("disk space");
+    let format = StreamFormat::from(setup.format);
     let source: SourceUri = format!("file:{}{format}", path.display())
         .parse()
         .expect("a file");
-    let assembly = &hands.assembly;
-    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
+    let loaded = &setup.loaded;
+    let mut null_output =
+        output::open("none", &loaded.required_capabilities()).expect("the null output");
     let mut oracle = Oracle::new(
-        assembly.layouts().map(OutputRules::from_layout),
+        loaded.layouts().map(OutputRules::from_layout),
         PipelineSettings::default(),
     );
-    let mut observe = |frame: &Snapshot| {
-        let judgement = oracle.check(frame);
-        judgement.unwrap_or_else(|violation| panic!("{violation}: {:?}", frame.events));
+    let mut observe = |snapshot: &Snapshot| {
+        let outcome = oracle.check(snapshot);
+        outcome.unwrap_or_else(|violation| panic!("{violation}: {:?}", snapshot.events));
     };
-    let mut pipeline = assembly.pipeline();
+    let mut pipeline = loaded.pipeline();
     let source = open(&source).expect("the file opens");
     let run = run_pipeline(
         source,
         &mut pipeline,
-        &mut *nowhere,
+        &mut *null_output,
         &CommandReceiver::disconnected(),
         &mut observe,
     );
-    let tally = run.expect("a run").stats;
-    assert!(!oracle.has_pressed(), "something is down at the end");
-    let counts = tally.source;
-    assert_eq!(counts.bytes, bytes.len() as u64);
-    assert_eq!(counts.bytes, 66 * counts.readings + counts.skipped_bytes);
-    let rejected: u64 = tally.rejected.iter().sum();
-    assert_eq!(counts.readings, tally.accepted + rejected + counts.dropped);
-    assert!(tally.accepted > 1_000 && rejected > 10, "{tally:?}");
+    let stats = run.expect("a session").stats;
+    assert!(!oracle.has_pressed(), "a key stays pressed at the end");
+    let source_stats = stats.source;
+    assert_eq!(source_stats.bytes, bytes.len() as u64);
+    assert_eq!(
+        source_stats.bytes,
+        66 * source_stats.readings + source_stats.skipped_bytes
+    );
+    let rejected: u64 = stats.rejected.iter().sum();
+    assert_eq!(
+        source_stats.readings,
+        stats.accepted + rejected + source_stats.dropped
+    );
+    assert!(stats.accepted > 1_000 && rejected > 10, "{stats:?}");
 }

@@ -1,25 +1,25 @@
-//! What goes wrong, and when.
+//! The schedule of the faults.
 
 use fastrand::Rng;
 
-/// A fault of a kind; what it does in particular is up to chance.
+/// A kind of fault; its details are random.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FaultKind {
     Stall,
     Unplug,
     Noise,
     FlippedBits,
-    CutFrame,
-    FrameTwice,
+    TruncatedPacket,
+    DuplicatePacket,
     ClockAhead,
     ClockBack,
-    GoodLayout,
-    BadLayout,
+    ValidLayout,
+    InvalidLayout,
     Pause,
     Profile,
     Rail,
     SwappedSides,
-    StandStill,
+    StopProcess,
     MovedBoards,
 }
 
@@ -28,25 +28,25 @@ pub const KINDS: [FaultKind; 16] = [
     FaultKind::Unplug,
     FaultKind::Noise,
     FaultKind::FlippedBits,
-    FaultKind::CutFrame,
-    FaultKind::FrameTwice,
+    FaultKind::TruncatedPacket,
+    FaultKind::DuplicatePacket,
     FaultKind::ClockAhead,
     FaultKind::ClockBack,
-    FaultKind::GoodLayout,
-    FaultKind::BadLayout,
+    FaultKind::ValidLayout,
+    FaultKind::InvalidLayout,
     FaultKind::Pause,
     FaultKind::Profile,
     FaultKind::Rail,
     FaultKind::SwappedSides,
-    FaultKind::StandStill,
+    FaultKind::StopProcess,
     FaultKind::MovedBoards,
 ];
 
-/// When each fault comes, in microseconds from the start, the last one first. Each kind comes as often as the
-/// others, in any order.
+/// Returns the time of each fault in microseconds from the start, the last one first. All kinds are equally frequent, in
+/// random order.
 pub fn schedule(random: &mut Rng, faults: usize, microseconds: u64) -> Vec<(u64, FaultKind)> {
     let mut kinds: Vec<FaultKind> = (0..faults)
-        .map(|place| KINDS[place % KINDS.len()])
+        .map(|index| KINDS[index % KINDS.len()])
         .collect();
     random.shuffle(&mut kinds);
     let mut times: Vec<u64> = (0..faults).map(|_| random.u64(0..microseconds)).collect();

@@ -1,4 +1,4 @@
-//! Somebody who plays every layout of a setup: movements that are played over and over.
+//! The movements of the hand on every layout of a setup.
 
 use ademan::capture::Hc11Format;
 use ademan::capture::hc11::BODY_BYTES;
@@ -7,7 +7,7 @@ use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
 
 pub type Body = [u8; BODY_BYTES];
 
-/// A layout, and what is done on it. What is done begins and ends off all controls.
+/// Layouts and scripts. Each script begins and ends clear of all controls.
 const PLAYS: [(&str, &[&str]); 4] = [
     (
         "qwerty-two-flat",
@@ -40,19 +40,19 @@ const PLAYS: [(&str, &[&str]); 4] = [
     ),
 ];
 
-/// Layouts that are saved in the place of the first.
-const OTHERS: [&str; 3] = ["qwerty-two-flat", "qwerty-two-arc", "qwerty-flat"];
+/// The layouts that replace the first one.
+const REPLACEMENTS: [&str; 3] = ["qwerty-two-flat", "qwerty-two-arc", "qwerty-flat"];
 
 pub struct SoakSetup {
-    pub line: Hc11Format,
-    pub assembly: LoadedSetup,
-    /// Of each layout of the setup.
+    pub format: Hc11Format,
+    pub loaded: LoadedSetup,
+    /// The movements on each layout of the setup.
     pub movements: Vec<Vec<Vec<Body>>>,
-    pub others: Vec<Layout>,
+    pub replacements: Vec<Layout>,
 }
 
 impl SoakSetup {
-    pub fn new(line: Hc11Format) -> Self {
+    pub fn new(format: Hc11Format) -> Self {
         let named = |(name, _): &(&str, _)| ProfileSetup {
             name: (*name).into(),
             layout: (*name).into(),
@@ -63,8 +63,8 @@ impl SoakSetup {
             ..Setup::default()
         };
         let movements = PLAYS.iter().map(|(layout, scripts)| {
-            let assembly = setup(layout).load_files().expect("a shipped layout");
-            let play = |script: &&str| of_script(&assembly, &line, script);
+            let loaded = setup(layout).load_files().expect("a shipped layout");
+            let play = |script: &&str| packets(&loaded, &format, script);
             scripts.iter().map(play).collect()
         });
         let movements = movements.collect();
@@ -74,17 +74,17 @@ impl SoakSetup {
         };
         let load = |name| Layout::load(name).expect("a shipped layout");
         Self {
-            line,
-            assembly: setup.load_files().expect("shipped layouts"),
+            format,
+            loaded: setup.load_files().expect("shipped layouts"),
             movements,
-            others: OTHERS.map(load).into(),
+            replacements: REPLACEMENTS.map(load).into(),
         }
     }
 }
 
-/// What the first glove sends while its hand plays.
-fn of_script(assembly: &LoadedSetup, line: &Hc11Format, script: &str) -> Vec<Body> {
-    let typist = assembly.scripted(script, line, 0.0, 0);
+/// Returns the packets of the first glove while its hand plays a script.
+fn packets(loaded: &LoadedSetup, format: &Hc11Format, script: &str) -> Vec<Body> {
+    let typist = loaded.scripted(script, format, 0.0, 0);
     let mut typist = typist.unwrap_or_else(|error| panic!("{script}: {error}"));
     let counts = std::iter::from_fn(|| typist.next_counts());
     let body = |counts: ademan::sim::GloveCounts| {

@@ -1,4 +1,4 @@
-//! The account of a day.
+//! The statistics of a run.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,37 +8,39 @@ use ademan::estimate::Rejection;
 
 use super::schedule::FaultKind;
 
-/// A page of memory of which the system tells is so large on all machines that these tests run on.
+/// The size of a memory page in bytes, on all machines that run these tests.
 const PAGE: u64 = 4096;
-/// More may not pile up between the first quarter of a day and its end, in bytes.
-const FLAT: u64 = 1 << 20;
+/// The permitted growth of the memory from the first quarter of the run to its end, in bytes.
+const MAX_GROWTH: u64 = 1 << 20;
 
 #[derive(Default)]
 pub struct SoakStats {
     pub hours: f64,
     pub faults: BTreeMap<FaultKind, usize>,
-    /// Packets that the glove sent, and how many of them nothing was done to.
+    /// The number of sent packets, and of those without a fault.
     pub sent: u64,
     pub whole: u64,
     pub sent_bytes: u64,
-    /// What the line made of that.
+    /// The statistics of the decoder.
     pub line: SourceStats,
     pub waiting: u64,
     pub accepted: u64,
     pub rejected: [u64; Rejection::COUNT],
-    /// Readings that were too old when the program stood still.
-    pub superseded: u64,
+    /// Readings dropped while the process was stopped.
+    pub dropped: u64,
     pub stalls: u64,
-    /// Pauses that were asked for, also by keys.
+    /// Pauses by commands and by keys.
     pub pauses: u64,
     pub armed: u64,
-    pub withheld: u64,
-    /// Of each key: how often it went down, and came up.
+    pub suppressed: u64,
+    /// The number of presses and releases of each key.
     pub keys: BTreeMap<&'static str, (u64, u64)>,
-    /// Releases that no hand made.
+    /// Releases by commands.
     pub forced: u64,
     pub other_events: u64,
-    /// Resident memory in bytes, after each quarter of the day; empty where the system does not tell.
+    /// Memory that this thread has allocated and not freed, in bytes, after each quarter of the run.
+    pub live_bytes: Vec<i64>,
+    /// Resident memory in bytes, after each quarter of the run; empty if the system does not report it.
     pub resident: Vec<u64>,
 }
 
@@ -55,7 +57,7 @@ impl SoakStats {
         self.keys.values().map(|(_, up)| up).sum()
     }
 
-    /// Whether everything is in exactly one place, nothing is left down, and nothing piles up.
+    /// Checks that everything is counted exactly once, no key stays pressed, and no memory accumulates.
     pub fn check(&self) {
         let line = &self.line;
         assert_eq!(line.bytes, self.sent_bytes);
@@ -64,8 +66,8 @@ impl SoakStats {
             66 * line.readings + line.skipped_bytes + self.waiting
         );
         let rejected: u64 = self.rejected.iter().sum();
-        assert_eq!(line.readings, self.accepted + rejected + self.superseded);
-        // A packet is certain with the marks of the next one: what is wrong with one takes the one before along.
+        assert_eq!(line.readings, self.accepted + rejected + self.dropped);
+        // A packet is complete with the marks of the next one, so that a fault costs the packet before it as well.
         let of = |kind| self.faults.get(&kind).copied().unwrap_or(0) as u64;
         let breaks = of(FaultKind::Unplug) + of(FaultKind::Noise) + self.sent - self.whole;
         assert!(line.readings <= self.sent, "{} packets", line.readings);
@@ -75,13 +77,17 @@ impl SoakStats {
         for (key, (down, up)) in &self.keys {
             assert_eq!(down, up, "{key}");
         }
+        if let [first, .., last] = self.live_bytes[..] {
+            let growth = last - first;
+            assert!(growth <= 1 << 16, "{:?}", self.live_bytes);
+        }
         if let [first, .., last] = self.resident[..] {
-            assert!(last <= first + FLAT, "{:?}", self.resident);
+            assert!(last <= first + MAX_GROWTH, "{:?}", self.resident);
         }
     }
 }
 
-/// Resident memory in bytes, where the system tells.
+/// Returns the resident memory in bytes, if the system reports it.
 pub fn resident() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/self/statm").ok()?;
     let pages: u64 = text.split_whitespace().nth(1)?.parse().ok()?;
@@ -106,8 +112,8 @@ impl fmt::Display for SoakStats {
         let rejected: u64 = self.rejected.iter().sum();
         write!(
             f,
-            "readings {} = accepted {} + rejected {rejected} + superseded {}; rejected:",
-            line.readings, self.accepted, self.superseded
+            "readings {} = accepted {} + rejected {rejected} + dropped {}; rejected:",
+            line.readings, self.accepted, self.dropped
         )?;
         for (reason, count) in Rejection::ALL.iter().zip(self.rejected) {
             write!(f, " {reason} {count}")?;
@@ -115,7 +121,7 @@ impl fmt::Display for SoakStats {
         writeln!(
             f,
             "\nstalls {}, pauses {}, armed {} times; presses {} = releases {} of {} keys ({} releases not by a hand), \
-             presses withheld {}, other events {}",
+             presses suppressed {}, other events {}",
             self.stalls,
             self.pauses,
             self.armed,
@@ -123,7 +129,7 @@ impl fmt::Display for SoakStats {
             self.releases(),
             self.keys.len(),
             self.forced,
-            self.withheld,
+            self.suppressed,
             self.other_events
         )?;
         match self.resident.is_empty() {
