@@ -1,10 +1,10 @@
-//! The functions that are fuzzed: those of the random runs in `tests/fuzzing/`.
+//! The fuzz targets, shared with `tests/fuzzing/`.
 
-#[path = "../../tests/fuzzing/engine.rs"]
-pub mod engine;
 mod support;
 #[path = "../../tests/fuzzing/packets.rs"]
 pub mod packets;
+#[path = "../../tests/fuzzing/pipeline.rs"]
+pub mod pipeline;
 #[path = "../../tests/fuzzing/recordings.rs"]
 pub mod recordings;
 #[path = "../../tests/fuzzing/seeds.rs"]

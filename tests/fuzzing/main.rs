@@ -1,11 +1,11 @@
-//! Seeded random runs of every parser and of the engine: 10 million bytes each, and a million steps.
+//! Seeded random inputs for every parser and for the pipeline: 10 million bytes each, and a million steps.
 //!
-//! The targets are those of `fuzz/`, which searches for inputs on its own and for longer. More bytes and
-//! steps, or others: `ADEMAN_FUZZ_SEED=7 ADEMAN_FUZZ_TIMES=100 cargo test --test fuzzing -- --nocapture`.
+//! The targets are those of `fuzz/`, which searches for inputs by coverage. More bytes and steps, or another seed:
+//! `ADEMAN_FUZZ_SEED=7 ADEMAN_FUZZ_TIMES=100 cargo test --test fuzzing -- --nocapture`.
 
-mod engine;
+mod inputs;
 mod packets;
-mod random;
+mod pipeline;
 mod recordings;
 mod seeds;
 #[path = "../support/mod.rs"]
@@ -14,16 +14,16 @@ mod texts;
 
 use std::time::Instant;
 
-use engine::Ran;
-use random::Inputs;
+use inputs::Inputs;
+use pipeline::RunStats;
 
-/// What a parser is given in a run, in bytes.
+/// The number of bytes for each parser.
 const BYTES: u64 = 10_000_000;
 
-/// What the engine is given in a run.
+/// The number of steps for the pipeline.
 const STEPS: u64 = 1_000_000;
 
-/// Whether it accepted.
+/// A parser; returns `true` if it accepts the input.
 type Parser = fn(&[u8]) -> bool;
 
 fn number(name: &str, default: u64) -> u64 {
@@ -39,7 +39,7 @@ fn times() -> u64 {
     number("ADEMAN_FUZZ_TIMES", 1)
 }
 
-/// Gives a parser damaged seeds and noise, and tells what became of them.
+/// Runs a parser on damaged seeds and noise.
 fn run(name: &str, seeds: Vec<Vec<u8>>, parse: impl Fn(&[u8]) -> bool) {
     let start = Instant::now();
     let mut inputs = Inputs::new(seed(), seeds);
@@ -47,22 +47,22 @@ fn run(name: &str, seeds: Vec<Vec<u8>>, parse: impl Fn(&[u8]) -> bool) {
     while bytes < BYTES * times() {
         let input = inputs.next();
         bytes += input.len() as u64;
-        match judged_by(name, &input, &parse) {
+        match run_on(name, &input, &parse) {
             true => accepted += 1,
             false => refused += 1,
         }
     }
     let seconds = start.elapsed().as_secs_f64();
     println!("{name}: {bytes} bytes, {accepted} accepted, {refused} refused, {seconds:.1} s");
-    assert!(accepted > 0, "nothing got through");
-    assert!(refused > 0, "nothing was wrong");
+    assert!(accepted > 0, "no input was accepted");
+    assert!(refused > 0, "no input was refused");
 }
 
-/// A panic shows the input that it is about.
-fn judged_by<T>(name: &str, input: &[u8], take: &impl Fn(&[u8]) -> T) -> T {
-    struct Shown<'a>(&'a str, &'a [u8]);
+/// Runs a target on an input, and prints the input if the target panics.
+fn run_on<T>(name: &str, input: &[u8], target: &impl Fn(&[u8]) -> T) -> T {
+    struct PrintOnPanic<'a>(&'a str, &'a [u8]);
 
-    impl Drop for Shown<'_> {
+    impl Drop for PrintOnPanic<'_> {
         fn drop(&mut self) {
             if std::thread::panicking() {
                 let Self(name, input) = self;
@@ -71,12 +71,12 @@ fn judged_by<T>(name: &str, input: &[u8], take: &impl Fn(&[u8]) -> T) -> T {
         }
     }
 
-    let _shown = Shown(name, input);
-    take(input)
+    let _print = PrintOnPanic(name, input);
+    target(input)
 }
 
 #[test]
-fn packets_of_the_glove_are_told_from_noise() {
+fn packets_are_separated_from_noise() {
     run("packets", packets::seeds(), packets::packets);
 }
 
@@ -106,12 +106,12 @@ fn recordings_are_replayed_or_refused() {
 }
 
 #[test]
-fn requests_are_understood_or_refused() {
+fn requests_are_read_or_refused() {
     run("requests", seeds::requests(), texts::request);
 }
 
 #[test]
-fn sources_are_understood_or_refused() {
+fn sources_are_read_or_refused() {
     run("sources", seeds::sources(), texts::source);
 }
 
@@ -121,7 +121,7 @@ fn scripts_are_read_or_refused() {
 }
 
 #[test]
-fn nesting_without_end_is_refused_and_overflows_no_stack() {
+fn endless_nesting_is_refused_without_a_stack_overflow() {
     let parsers: [(&str, Parser); 6] = [
         ("layout", texts::layout),
         ("setup", texts::setup),
@@ -153,17 +153,17 @@ fn nesting_without_end_is_refused_and_overflows_no_stack() {
 }
 
 #[test]
-fn the_engine_keeps_its_invariants() {
+fn the_pipeline_keeps_its_invariants() {
     let start = Instant::now();
-    let mut inputs = Inputs::new(seed(), seeds::engine());
-    let mut all = Ran::default();
+    let mut inputs = Inputs::new(seed(), seeds::pipeline());
+    let mut all = RunStats::default();
     while all.steps < STEPS * times() {
         for input in [inputs.noise(400), inputs.next()] {
-            all.add(judged_by("engine", &input, &engine::engine));
+            all.add(run_on("pipeline", &input, &pipeline::pipeline));
         }
     }
     let seconds = start.elapsed().as_secs_f64();
-    println!("engine: {all:?}, {seconds:.1} s");
+    println!("pipeline: {all:?}, {seconds:.1} s");
     let enough = [
         (all.accepted, STEPS / 2),
         (all.presses, 1_000),
@@ -172,7 +172,7 @@ fn the_engine_keeps_its_invariants() {
         (all.armed, 500),
     ];
     for (count, least) in enough {
-        assert!(count >= least, "too little happened: {all:?}");
+        assert!(count >= least, "too few events: {all:?}");
     }
     assert!(all.accepted < all.steps);
 }

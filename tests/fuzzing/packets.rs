@@ -1,21 +1,22 @@
-//! The glove's packets: every byte is counted once, however the stream is cut.
+//! The packets of the glove: every byte is counted once, for any split of the stream.
 
 use ademan::capture::hc11::{BODY_BYTES, Framing, Hc11Decoder, PACKET_BYTES, body, encode};
 use ademan::capture::protocol::Decoder;
 
-/// The first byte says how long the pieces are that the rest comes in. Whether there was a frame.
+/// Decodes an input. The first byte is the length of the pieces that the rest arrives in. Returns `true` if there is a
+/// packet.
 pub fn packets(data: &[u8]) -> bool {
     let Some((&length, stream)) = data.split_first() else {
         return false;
     };
-    let mut is_frame = false;
+    let mut has_packet = false;
     for &framing in Framing::ALL {
         let whole = frames(framing, stream, stream.len().max(1));
         let cut = frames(framing, stream, usize::from(length).max(1));
-        assert_eq!(whole, cut, "the frames depend on how the stream is cut");
-        is_frame |= !whole.is_empty();
+        assert_eq!(whole, cut, "the packets depend on the split of the stream");
+        has_packet |= !whole.is_empty();
     }
-    is_frame
+    has_packet
 }
 
 fn frames(framing: Framing, stream: &[u8], length: usize) -> Vec<[u8; BODY_BYTES]> {
@@ -46,7 +47,7 @@ fn check_counts(decoder: &Hc11Decoder, frames: usize) {
     assert_eq!(counts.readings, frames as u64);
 }
 
-/// Streams of frames, of which one in each framing is whole.
+/// Returns a stream of packets in each framing.
 pub fn seeds() -> Vec<Vec<u8>> {
     let stream = |&framing: &Framing| {
         let frame = |number: u8| encode(framing, &std::array::from_fn(|at| number ^ at as u8));

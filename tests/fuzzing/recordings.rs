@@ -1,4 +1,4 @@
-//! Recordings: what can be replayed can be recorded again, and is the same.
+//! Recordings: a replayed recording can be recorded again, with the same content.
 
 use std::sync::LazyLock;
 
@@ -11,7 +11,7 @@ use ademan::recorder::Recorder;
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::snapshot::{Snapshot, Stats};
 
-/// What a recording gives: its setup, its readings, and whether it came to its end.
+/// The content of a recording, and `true` if it is complete.
 struct Replayed {
     setup: RecordedSetup,
     readings: Vec<Reading>,
@@ -45,7 +45,7 @@ fn replay(bytes: &[u8]) -> Option<Replayed> {
     })
 }
 
-/// Whether it is a recording that can be replayed to its end.
+/// Replays an input. Returns `true` if it is a recording and complete.
 pub fn recording(data: &[u8]) -> bool {
     let Some(replayed) = replay(data) else {
         return false;
@@ -53,7 +53,7 @@ pub fn recording(data: &[u8]) -> bool {
     if !replayed.is_whole {
         return false;
     }
-    // Its setup may be anything; what it names is not looked for.
+    // The setup may name any files, which are not opened.
     if let Some(settings) = replayed.setup.get("setup") {
         super::texts::setup(settings.text.as_bytes());
     }
@@ -66,7 +66,7 @@ pub fn recording(data: &[u8]) -> bool {
     true
 }
 
-/// The bytes of a recording of these readings; `None` where the recorder refuses them.
+/// Returns the bytes of a recording of these readings; `None` if the recorder refuses them.
 fn record(setup: &RecordedSetup, readings: &[Reading]) -> Option<Vec<u8>> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("again.mcap");
@@ -103,8 +103,8 @@ static ASSEMBLY: LazyLock<LoadedSetup> = LazyLock::new(|| {
     setup.load_files().expect("a shipped layout")
 });
 
-/// Recordings of a hand that presses an arrow key: with its setup and without, each with its checksum and
-/// without, so that damage is looked at too.
+/// Returns recordings of a hand that presses an arrow key: with and without the setup, each with and without a checksum,
+/// so that damage reaches the parser.
 pub fn seeds() -> Vec<Vec<u8>> {
     let hand = ASSEMBLY.scripted("tap ArrowUp", &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.expect("a hand");
@@ -120,9 +120,9 @@ pub fn seeds() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// The same with a checksum of 0, which stands for none.
+/// Replaces the checksum by 0, which means that there is none.
 fn unchecked(bytes: &[u8]) -> Vec<u8> {
-    /// What the record that ends the data begins with: its code, and its length of 4 bytes.
+    /// The start of the record that ends the data: its code and its length, 4 bytes.
     const DATA_END: [u8; 9] = [0x0f, 4, 0, 0, 0, 0, 0, 0, 0];
     let mut bytes = bytes.to_vec();
     let at = bytes.windows(9).rposition(|window| window == DATA_END);

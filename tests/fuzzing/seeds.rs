@@ -1,4 +1,4 @@
-//! Valid inputs of every kind, from what is shipped.
+//! Valid inputs for every target, most of them shipped files.
 
 use ademan::document::Document;
 use ademan::document::shipped_layouts;
@@ -8,22 +8,22 @@ fn shipped(name: &str) -> Vec<u8> {
     document.text.into_bytes()
 }
 
-/// Every shipped layout.
+/// Returns every shipped layout.
 pub fn layouts() -> Vec<Vec<u8>> {
     shipped_layouts().map(shipped).collect()
 }
 
-/// The shipped gloves.
+/// Returns the shipped gloves.
 pub fn gloves() -> Vec<Vec<u8>> {
     ["unam-hc11", "unam-hc11-left"].map(shipped).into()
 }
 
-/// The shipped arm.
+/// Returns the shipped arm.
 pub fn arms() -> Vec<Vec<u8>> {
     vec![shipped("unam")]
 }
 
-/// Setups: the example, and some with what it leaves out.
+/// Returns the example setup, and setups with the fields that it lacks.
 pub fn setups() -> Vec<Vec<u8>> {
     texts(&[
         include_str!("../../examples/setup.ron"),
@@ -35,7 +35,7 @@ pub fn setups() -> Vec<Vec<u8>> {
     ])
 }
 
-/// Every request, and some that are wrong.
+/// Returns every request, and invalid ones.
 pub fn requests() -> Vec<Vec<u8>> {
     texts(&[
         r#"{"command":"state"}"#,
@@ -55,7 +55,7 @@ pub fn requests() -> Vec<Vec<u8>> {
     ])
 }
 
-/// Sources of every kind.
+/// Returns sources of every kind.
 pub fn sources() -> Vec<Vec<u8>> {
     texts(&[
         "serial:/dev/ttyUSB0?protocol=hc11&baud=9600",
@@ -70,7 +70,7 @@ pub fn sources() -> Vec<Vec<u8>> {
     ])
 }
 
-/// Scripts with every order, for the arrow keys.
+/// Returns scripts with every order, for the arrow keys.
 pub fn scripts() -> Vec<Vec<u8>> {
     texts(&[
         include_str!("../../examples/scripts/arrows.txt"),
@@ -84,9 +84,9 @@ fn texts(texts: &[&str]) -> Vec<Vec<u8>> {
     texts.iter().map(|text| text.as_bytes().to_vec()).collect()
 }
 
-/// One for each setup of the engine: the hand rests until the engine runs, plays all it can, and is
+/// Returns an input for each setup of the pipeline: the hand rests until output is armed, plays its movements, and is
 /// disturbed.
-pub fn engine() -> Vec<Vec<u8>> {
+pub fn pipeline() -> Vec<Vec<u8>> {
     let played = [&[184][..], &[183; 40]].concat();
     let orders = [
         &[208, 8, 184, 183, 183][..],

@@ -1,4 +1,4 @@
-//! The files that people write, the names that they give, and the lines that programs send.
+//! Text formats: files of users, names of sources, and lines of the control socket.
 
 use std::sync::LazyLock;
 
@@ -12,12 +12,12 @@ use ademan::session::control_socket::request;
 use ademan::setup::{ArmSetup, Setup, layout_instance};
 use ademan::sim::Script;
 
-/// A text as a file would hold it; `None` where it is not in UTF-8, which no parser sees.
+/// Returns an input as a document; `None` if it is not valid UTF-8, which is refused before parsing.
 fn document(data: &[u8]) -> Option<Document> {
     Some(Document::new("fuzz.ron", str::from_utf8(data).ok()?))
 }
 
-/// An error has a text, and a place in the file.
+/// Checks that an error has a message, and a position inside the file.
 fn check_error(error: &DocumentError, document: &Document) {
     assert!(!error.message().is_empty());
     if let Some(line) = error.line() {
@@ -26,8 +26,8 @@ fn check_error(error: &DocumentError, document: &Document) {
     }
 }
 
-/// Whether it is a layout. One that is gives a layout instance, capabilities and drawings, and a file with its boards moved
-/// or scaled is a layout too.
+/// Parses a layout. A valid one has an instance, capabilities and drawings, and stays valid when its boards are moved or
+/// scaled in the file.
 pub fn layout(data: &[u8]) -> bool {
     let Some(document) = document(data) else {
         return false;
@@ -86,12 +86,12 @@ fn check_rewriting(layout: &Layout, document: &Document) {
 
     let text = scale_boards(document, 1.0).expect("a layout can be written");
     if let Err(error) = Layout::parse(&text, "scaled.ron") {
-        // Rounded to four digits, a scale at the end of its range can be out of it.
+        // Rounded to four digits, a scale at the limit of its range can exceed it.
         assert!(error.to_string().contains("scale"), "{error}");
     }
 }
 
-/// Whether it is a setup that can be used. One that is written again is the same.
+/// Parses a setup. A valid one can be serialised and parsed again without a change.
 pub fn setup(data: &[u8]) -> bool {
     let Some(document) = document(data) else {
         return false;
@@ -107,9 +107,9 @@ pub fn setup(data: &[u8]) -> bool {
     let again: Setup = Document::new("again.ron", &*text)
         .parse()
         .unwrap_or_else(|error| panic!("{error}"));
-    // As texts: a number may be none, and that is not equal to itself.
+    // Compared as texts, because NaN is not equal to itself.
     assert_eq!(ron::to_string(&again).as_ref(), Ok(&text));
-    // Nothing is read but what comes with the program.
+    // Only shipped files are opened.
     let model = |hand: ArmSetup| match hand {
         ArmSetup::Model(_) => ArmSetup::Model("unam".into()),
         measured => measured,
@@ -134,7 +134,7 @@ pub fn setup(data: &[u8]) -> bool {
     }
 }
 
-/// Whether it is a glove.
+/// Parses a glove file.
 pub fn glove(data: &[u8]) -> bool {
     let Some(document) = document(data) else {
         return false;
@@ -151,7 +151,7 @@ pub fn glove(data: &[u8]) -> bool {
     }
 }
 
-/// Whether it is an arm. One that is holds a pose.
+/// Parses an arm file. A valid one has a finite pose.
 pub fn arm(data: &[u8]) -> bool {
     use ademan::estimate::{Estimate, JointAngles};
     use ademan::time::Timestamp;
@@ -174,7 +174,7 @@ pub fn arm(data: &[u8]) -> bool {
     }
 }
 
-/// Whether it is a request.
+/// Parses a line of the control socket.
 pub fn request(data: &[u8]) -> bool {
     match request::validate(data) {
         Ok(()) => true,
@@ -185,7 +185,7 @@ pub fn request(data: &[u8]) -> bool {
     }
 }
 
-/// Whether it names a source. The name of what was read names the same.
+/// Parses the URI of a source. A valid one can be formatted and parsed again without a change.
 pub fn source(data: &[u8]) -> bool {
     let Ok(text) = str::from_utf8(data) else {
         return false;
@@ -203,7 +203,7 @@ pub fn source(data: &[u8]) -> bool {
     }
 }
 
-/// Whether it is a script for the arrow keys.
+/// Parses a script for the arrow keys.
 pub fn script(data: &[u8]) -> bool {
     static NAMES: LazyLock<TargetNames> = LazyLock::new(|| {
         let arrows = Layout::load("arrows").expect("a shipped layout");

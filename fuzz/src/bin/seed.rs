@@ -1,4 +1,4 @@
-//! Writes the valid inputs that a search begins with, made of what is shipped, into `corpus/`.
+//! Writes the initial corpus, made of shipped files, to `corpus/`.
 
 use std::fs;
 use std::path::Path;
@@ -16,7 +16,7 @@ fn main() -> std::io::Result<()> {
         ("requests", seeds::requests()),
         ("sources", seeds::sources()),
         ("scripts", seeds::scripts()),
-        ("engine", seeds::engine()),
+        ("pipeline", seeds::pipeline()),
     ];
     for (target, inputs) in all {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR"))

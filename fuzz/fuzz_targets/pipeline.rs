@@ -1,5 +1,5 @@
 #![no_main]
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
-    ademan_fuzz::engine::engine(data);
+    ademan_fuzz::pipeline::pipeline(data);
 });

@@ -1,6 +1,6 @@
-//! Inputs that get past the first byte: valid ones with damage, and noise. The same for the same seed.
+//! Seeded random inputs: valid ones with damage, and noise.
 
-/// What sits at the ends of ranges and between the parts of a text.
+/// Limits of ranges and syntax of the formats.
 const TOKENS: &[&str] = &[
     "NaN",
     "inf",
@@ -63,7 +63,7 @@ impl Inputs {
         }
     }
 
-    /// The next one: one in ten is noise, one in twenty a seed as it is.
+    /// Returns the next input: one in ten is noise, one in twenty an unchanged seed.
     pub fn next(&mut self) -> Vec<u8> {
         let seed = self.random.usize(..self.seeds.len());
         match self.random.u8(..20) {
@@ -79,7 +79,7 @@ impl Inputs {
         }
     }
 
-    /// Bytes without any order.
+    /// Returns random bytes.
     pub fn noise(&mut self, longest: usize) -> Vec<u8> {
         let length = self.random.usize(..longest);
         std::iter::repeat_with(|| self.random.u8(..))
@@ -119,7 +119,7 @@ impl Inputs {
         }
     }
 
-    /// The next number after a place becomes another one.
+    /// Replaces the next number after a position.
     fn change_number(&mut self, input: &mut Vec<u8>, from: usize) {
         let is_of_number = |byte: &u8| byte.is_ascii_digit() || *byte == b'.';
         let Some(at) = input[from..].iter().position(is_of_number) else {
@@ -140,7 +140,7 @@ impl Inputs {
         input.splice(start..start + length, number.bytes());
     }
 
-    /// A piece of so many bytes at most.
+    /// Returns a random range of at most `longest` bytes.
     fn piece(&mut self, length: usize, longest: usize) -> (usize, usize) {
         let start = self.random.usize(..=length);
         let end = start + self.random.usize(..=longest.min(length - start));

@@ -1,4 +1,4 @@
-//! The engine: whatever comes in, in whatever order and at whatever times, the invariants hold.
+//! The pipeline: for any readings and commands, in any order and at any times, the invariants hold.
 
 use std::sync::LazyLock;
 
@@ -13,25 +13,25 @@ use parry3d::math::Vec3;
 
 use super::support::checked::CheckedPipeline;
 
-/// What happened in a run.
+/// Statistics of a run.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Ran {
+pub struct RunStats {
     /// Readings and commands.
     pub steps: u64,
-    /// Readings that became a pose.
+    /// Accepted readings.
     pub accepted: u64,
-    /// Keys and buttons that went down.
+    /// Presses of keys and buttons.
     pub presses: u64,
-    /// What went out but those.
+    /// Events other than presses and releases.
     pub other_events: u64,
-    /// Times that something was let go of by anything but the hand.
+    /// Releases by commands.
     pub forced: u64,
-    /// Times that it began to run.
+    /// The number of times that output was armed.
     pub armed: u64,
 }
 
-impl Ran {
-    /// Adds what happened in another run.
+impl RunStats {
+    /// Adds the statistics of another run.
     pub fn add(&mut self, other: Self) {
         self.steps += other.steps;
         self.accepted += other.accepted;
@@ -42,13 +42,13 @@ impl Ran {
     }
 }
 
-/// A setup with the movements of a hand that plays its first layout.
-struct World {
-    assembly: LoadedSetup,
+/// A setup and the movements of a hand on its first layout.
+struct FuzzSetup {
+    loaded: LoadedSetup,
     movements: Vec<Channels>,
 }
 
-/// Layouts of different kinds, scripts that play the first of them, and whether there are two hands.
+/// The layouts of a setup and a script for the first of them.
 struct Plan {
     layouts: &'static [&'static str],
     script: &'static str,
@@ -113,16 +113,17 @@ const PLANS: [Plan; 8] = [
     },
 ];
 
-static WORLDS: LazyLock<Vec<World>> = LazyLock::new(|| PLANS.iter().map(World::new).collect());
+static SETUPS: LazyLock<Vec<FuzzSetup>> =
+    LazyLock::new(|| PLANS.iter().map(FuzzSetup::new).collect());
 
-/// Layouts that take the place of others.
-static OTHERS: LazyLock<Vec<Layout>> = LazyLock::new(|| {
+/// The layouts that replace others.
+static REPLACEMENTS: LazyLock<Vec<Layout>> = LazyLock::new(|| {
     let names = ["arrows", "workshop", "direct", "space", "dvorak-flat"];
     let load = |name| Layout::load(name).expect("a shipped layout");
     names.map(load).into()
 });
 
-impl World {
+impl FuzzSetup {
     fn new(plan: &Plan) -> Self {
         let further = plan.layouts[1..].iter().map(|layout| ProfileSetup {
             name: (*layout).into(),
@@ -135,13 +136,13 @@ impl World {
             arm_immediately: plan.armed,
             ..Setup::default()
         };
-        let assembly = setup.load_files().expect("shipped files");
-        let hand = assembly.scripted(plan.script, &Hc11Format::default(), 0.0, 0);
+        let loaded = setup.load_files().expect("shipped files");
+        let hand = loaded.scripted(plan.script, &Hc11Format::default(), 0.0, 0);
         let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
         let mut movements = Vec::new();
         let mut last = None;
         while let Ok(SourceEvent::Reading(reading)) = hand.next() {
-            // The hand comes to a movement a second; the rest is waiting.
+            // The hand waits most of the time; repeated postures are left out.
             let Sample::Channels(channels) = reading.sample else {
                 continue;
             };
@@ -152,14 +153,11 @@ impl World {
             }
         }
         assert!(movements.len() > 20, "{}", plan.script);
-        Self {
-            assembly,
-            movements,
-        }
+        Self { loaded, movements }
     }
 }
 
-/// Takes bytes one by one; zeros when they are over.
+/// The bytes of an input, followed by zeros.
 struct Bytes<'a>(std::slice::Iter<'a, u8>);
 
 impl Bytes<'_> {
@@ -183,12 +181,12 @@ impl Bytes<'_> {
     }
 }
 
-/// Between two readings, in microseconds; below 0 the clock goes back.
+/// Times between two readings in microseconds; negative if the clock is set back.
 const STEPS: [i64; 11] = [
     0, 1, 1_000, 5_729, 10_000, 50_000, 199_999, 200_000, 200_001, 300_000, 1_000_000,
 ];
 
-/// The same where a clock is set or broken; few readings come after them.
+/// Times between two readings when the clock is set or broken; few readings follow.
 const LEAPS: [i64; 6] = [
     -1,
     -10_000,
@@ -198,50 +196,50 @@ const LEAPS: [i64; 6] = [
     i64::MAX,
 ];
 
-struct Play<'a> {
-    world: &'a World,
-    engine: CheckedPipeline,
+struct FuzzRun<'a> {
+    setup: &'a FuzzSetup,
+    pipeline: CheckedPipeline,
     events: Events,
     time: u64,
-    place: usize,
-    is_backwards: bool,
+    index: usize,
+    moves_backwards: bool,
     side: Option<Side>,
-    /// What a broken wire adds.
+    /// A broken sensor: its channel and count.
     fault: Option<(usize, u16)>,
-    ran: Ran,
+    stats: RunStats,
     state: PipelineState,
 }
 
-/// The first byte says which setup; each of the others is an order or belongs to one.
-pub fn engine(data: &[u8]) -> Ran {
+/// Runs an input. The first byte selects the setup; each following byte is an order or an argument.
+pub fn pipeline(data: &[u8]) -> RunStats {
     let mut bytes = Bytes(data.iter());
-    let world = &WORLDS[usize::from(bytes.byte()) % WORLDS.len()];
-    let mut play = Play {
-        world,
-        engine: CheckedPipeline::new(&world.assembly),
+    let setup = &SETUPS[usize::from(bytes.byte()) % SETUPS.len()];
+    let mut run = FuzzRun {
+        setup,
+        pipeline: CheckedPipeline::new(&setup.loaded),
         events: Events::new(),
         time: 0,
-        place: 0,
-        is_backwards: false,
-        side: world.assembly.other_hand.is_some().then_some(Side::Right),
+        index: 0,
+        moves_backwards: false,
+        side: setup.loaded.other_hand.is_some().then_some(Side::Right),
         fault: None,
-        ran: Ran::default(),
+        stats: RunStats::default(),
         state: PipelineState::Starting,
     };
     while let Some(&order) = bytes.0.next() {
-        play.obey(order, &mut bytes);
+        run.apply(order, &mut bytes);
     }
-    play.ask(CheckedPipeline::stop);
+    run.command(CheckedPipeline::stop);
     assert!(
-        !play.engine.has_pressed(),
-        "something is down after the end"
+        !run.pipeline.has_pressed(),
+        "a key stays pressed after the end"
     );
-    play.ran.accepted = play.engine.accepted();
-    play.ran
+    run.stats.accepted = run.pipeline.accepted();
+    run.stats
 }
 
-impl Play<'_> {
-    fn obey(&mut self, order: u8, bytes: &mut Bytes) {
+impl FuzzRun<'_> {
+    fn apply(&mut self, order: u8, bytes: &mut Bytes) {
         match order {
             0..=183 => {
                 self.fault = None;
@@ -249,64 +247,64 @@ impl Play<'_> {
             }
             184..=207 => self.rest(),
             208..=215 => {
-                let place = usize::from(bytes.byte());
-                let steps = if place < 250 { &STEPS[..] } else { &LEAPS };
-                self.read_next(steps[place % steps.len()]);
+                let index = usize::from(bytes.byte());
+                let steps = if index < 250 { &STEPS[..] } else { &LEAPS };
+                self.read_next(steps[index % steps.len()]);
             }
-            216..=219 => self.place = usize::from(bytes.word()),
-            220..=222 => self.is_backwards = !self.is_backwards,
+            216..=219 => self.index = usize::from(bytes.word()),
+            220..=222 => self.moves_backwards = !self.moves_backwards,
             223..=225 => {
                 self.fault = Some((usize::from(bytes.byte()), bytes.word()));
                 (0..bytes.byte() % 32).for_each(|_| self.read_next(10_000));
             }
             226..=227 => self.read_anything(bytes),
             228..=231 => self.side = Side::ALL.get(usize::from(bytes.byte()) % 3).copied(),
-            232 => self.ask(CheckedPipeline::stall),
-            233 => self.ask(CheckedPipeline::pause),
+            232 => self.command(CheckedPipeline::stall),
+            233 => self.command(CheckedPipeline::pause),
             234..=238 => {
-                self.engine.resume();
-                self.ran.steps += 1;
+                self.pipeline.resume();
+                self.stats.steps += 1;
             }
             239 => self.replace(bytes),
             240..=241 => {
                 let profile = usize::from(bytes.byte()) % 5;
-                self.ask(|engine, events| engine.switch_profile(profile, events));
+                self.command(|pipeline, events| pipeline.switch_profile(profile, events));
             }
             242..=244 => {
                 let by = Vec3::new(bytes.float(), bytes.float(), bytes.float());
-                self.ask(|engine, events| {
-                    let _ = engine.nudge(by, events);
+                self.command(|pipeline, events| {
+                    let _ = pipeline.nudge(by, events);
                 });
             }
             245..=247 => {
                 let by = bytes.float();
-                self.ask(|engine, events| {
-                    let _ = engine.tilt(by, events);
+                self.command(|pipeline, events| {
+                    let _ = pipeline.tilt(by, events);
                 });
             }
-            248..=250 => self.ask(|engine, events| {
-                let _ = engine.recenter(events);
+            248..=250 => self.command(|pipeline, events| {
+                let _ = pipeline.recenter(events);
             }),
-            251 if bytes.byte() < 4 => self.ask(CheckedPipeline::stop),
+            251 if bytes.byte() < 4 => self.command(CheckedPipeline::stop),
             _ => self.read_next(5_729),
         }
     }
 
-    /// Stays where the hand was at the very first, for long enough to arm.
+    /// Holds the first posture long enough to arm.
     fn rest(&mut self) {
-        self.place = 0;
-        let resting = self.world.movements[0].clone();
+        self.index = 0;
+        let resting = self.setup.movements[0].clone();
         (0..35).for_each(|_| self.read(resting.clone(), 10_000));
     }
 
     fn read_next(&mut self, step: i64) {
-        let movements = &self.world.movements;
+        let movements = &self.setup.movements;
         let length = movements.len();
-        self.place = match self.is_backwards {
-            true => (self.place + length - 1) % length,
-            false => (self.place + 1) % length,
+        self.index = match self.moves_backwards {
+            true => (self.index + length - 1) % length,
+            false => (self.index + 1) % length,
         };
-        let mut channels = movements[self.place].clone();
+        let mut channels = movements[self.index].clone();
         if let Some((channel, count)) = self.fault {
             let channel = channel % channels.counts.len();
             channels.counts[channel] = count;
@@ -334,42 +332,44 @@ impl Play<'_> {
             sample: Sample::Channels(channels),
         };
         self.events.clear();
-        let _ = self.engine.step(&reading, &mut self.events);
+        let _ = self.pipeline.step(&reading, &mut self.events);
         self.count(false);
     }
 
     fn replace(&mut self, bytes: &mut Bytes) {
-        let place = usize::from(bytes.byte()) % 4;
-        let layout = &OTHERS[usize::from(bytes.byte()) % OTHERS.len()];
-        let controls = self.world.assembly.layout_instance(layout);
+        let index = usize::from(bytes.byte()) % 4;
+        let layout = &REPLACEMENTS[usize::from(bytes.byte()) % REPLACEMENTS.len()];
+        let controls = self.setup.loaded.layout_instance(layout);
         let mut controls = controls.expect("it names no other layout");
         if bytes.byte() < 128 {
-            self.engine.keep_board_poses(place, &mut controls);
+            self.pipeline.keep_board_poses(index, &mut controls);
         }
-        if place < self.engine.profile_count() {
-            self.ask(|engine, events| engine.replace_profile(place, &mut controls, layout, events));
+        if index < self.pipeline.profile_count() {
+            self.command(|pipeline, events| {
+                pipeline.replace_profile(index, &mut controls, layout, events)
+            });
         }
     }
 
-    fn ask(&mut self, ask: impl FnOnce(&mut CheckedPipeline, &mut Events)) {
+    fn command(&mut self, command: impl FnOnce(&mut CheckedPipeline, &mut Events)) {
         self.events.clear();
-        ask(&mut self.engine, &mut self.events);
+        command(&mut self.pipeline, &mut self.events);
         self.count(true);
     }
 
     fn count(&mut self, is_command: bool) {
-        let ran = &mut self.ran;
-        ran.steps += 1;
+        let stats = &mut self.stats;
+        stats.steps += 1;
         for event in &self.events {
             match event.kind {
-                EventKind::KeyDown(_) => ran.presses += 1,
-                EventKind::KeyUp(_) if is_command => ran.forced += 1,
+                EventKind::KeyDown(_) => stats.presses += 1,
+                EventKind::KeyUp(_) if is_command => stats.forced += 1,
                 EventKind::KeyUp(_) => {}
-                _ => ran.other_events += 1,
+                _ => stats.other_events += 1,
             }
         }
-        let state = self.engine.state();
-        ran.armed +=
+        let state = self.pipeline.state();
+        stats.armed +=
             u64::from(self.state != PipelineState::Running && state == PipelineState::Running);
         self.state = state;
     }
