@@ -150,7 +150,7 @@ pub const FAULTS: &[Fault] = &[
     fault(29, "NaN, infinities and extreme numbers", Tests(&[
         ("tests/pipeline/faulty_readings.rs", "infinite_angles_are_rejected_and_the_third_in_a_row_releases_everything"),
         ("tests/cli/faults/files.rs", "numbers_that_no_sensor_can_measure_are_refused"),
-        ("tests/files/layout_errors.rs", "what_is_wrong_on_a_board_is_told_at_its_place"),
+        ("tests/files/layout_errors.rs", "an_error_on_a_board_has_its_position"),
     ])),
     fault(30, "angles outside their limits, missing channels", Tests(&[
         ("src/estimate/limits.rs", "an_angle_slightly_outside_is_clamped_and_one_far_outside_is_rejected"),
