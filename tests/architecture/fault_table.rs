@@ -143,7 +143,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/cli/control.rs", "an_invalid_line_gets_an_error_and_the_connection_stays_open"),
     ])),
     fault(28, "JSON too deep, too long, or twice the same key", Tests(&[
-        ("tests/cli/faults/files.rs", "json_that_is_too_deep_too_long_or_says_something_twice_is_no_reading"),
+        ("tests/cli/faults/files.rs", "json_that_is_too_deep_too_long_or_has_duplicate_keys_is_refused"),
         ("src/command/tests.rs", "deeply_nested_json_is_refused"),
         ("tests/cli/control.rs", "an_invalid_line_gets_an_error_and_the_connection_stays_open"),
     ])),
