@@ -347,3 +347,30 @@ fn a_poisoned_lock_is_used_all_the_same() {
         }
     }
 }
+
+/// A type is described by a noun phrase, a function by a verb in the third person.
+#[test]
+fn doc_comments_start_with_a_noun_or_a_verb() {
+    let openings = [
+        "What", "How", "Where", "Whether", "Whoever", "The same", "That of", "Those of",
+    ];
+    let starts_wrong = |line: &&str| {
+        let line = line.trim_start();
+        let text = line
+            .strip_prefix("///")
+            .or_else(|| line.strip_prefix("//!"));
+        text.map(str::trim_start).is_some_and(|text| {
+            let mut found = openings
+                .iter()
+                .filter_map(|opening| text.strip_prefix(opening));
+            found.any(|rest| rest.starts_with([' ', ',', '\'']))
+        })
+    };
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for folder in ["src", "tests", "benches", "examples"] {
+        for (path, text) in security::files(&package.join(folder), ".rs") {
+            let wrong: Vec<&str> = text.lines().filter(starts_wrong).collect();
+            assert!(wrong.is_empty(), "{}: {wrong:#?}", path.display());
+        }
+    }
+}

@@ -26,9 +26,9 @@ pub struct Modules {
 #[derive(Default)]
 struct Module {
     children: BTreeSet<String>,
-    /// What `use` makes of a name, as written.
+    /// The path of each name that `use` declares, as written.
     names: BTreeMap<String, Vec<String>>,
-    /// What is imported whole.
+    /// The modules of glob imports, as written.
     globs: Vec<Vec<String>>,
     /// Every path, as written, and where.
     paths: Vec<(Vec<String>, String)>,

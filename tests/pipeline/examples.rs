@@ -1,8 +1,6 @@
-//! The scripts of `examples/scripts`, each played by the simulated hand on the layout that it is named
-//! after, and what has to come out: `NAME.txt` in, `NAME.out` out.
+//! The example scripts: `examples/scripts/NAME.txt`, played on the layout `NAME`, gives the events in `NAME.out`.
 //!
-//! To write the `.out` files anew after a change that is meant: `ADEMAN_WRITE=1 cargo test --test pipeline examples`,
-//! and read the difference.
+//! After an intended change: `ADEMAN_WRITE=1 cargo test --test pipeline examples`, and review the difference.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,22 +17,22 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scripts")
 }
 
-/// What goes on for a while, such as a slider: what it is, where it was first and last or how far it went.
+/// The continuous values since the last other event, such as that of a slider: the first and the last, or the sum.
 #[derive(Default)]
-struct Ways {
+struct Ranges {
     order: Vec<String>,
-    ways: BTreeMap<String, (String, String)>,
+    values: BTreeMap<String, (String, String)>,
     sums: BTreeMap<&'static str, (i32, i32)>,
 }
 
-impl Ways {
-    /// Takes an event that goes on; `false` for one that happens once.
-    fn take(&mut self, action: EventKind, names: &TargetNames) -> bool {
-        let (what, place) = match action {
+impl Ranges {
+    /// Adds a continuous event; returns `false` for other events.
+    fn push(&mut self, event: EventKind, names: &TargetNames) -> bool {
+        let (name, value) = match event {
             EventKind::MoveBy(x, y) => return self.add("move", x, y),
             EventKind::Scroll(x, y) => return self.add("scroll", x, y),
             EventKind::MoveTo(x, y) => ("place".to_owned(), format!("{x:.2} {y:.2}")),
-            EventKind::Axis(axis, place) => (format!("axis {axis}"), format!("{place:+.2}")),
+            EventKind::Axis(axis, value) => (format!("axis {axis}"), format!("{value:+.2}")),
             EventKind::Depth(target, depth) => (
                 format!("depth {}", names.get(target)),
                 format!("{depth:.2}"),
@@ -45,69 +43,74 @@ impl Ways {
             ),
             _ => return false,
         };
-        match self.ways.get_mut(&what) {
-            Some((_, last)) => *last = place,
+        match self.values.get_mut(&name) {
+            Some((_, last)) => *last = value,
             None => {
-                self.order.push(what.clone());
-                self.ways.insert(what, (place.clone(), place));
+                self.order.push(name.clone());
+                self.values.insert(name, (value.clone(), value));
             }
         }
         true
     }
 
-    fn add(&mut self, what: &'static str, x: i32, y: i32) -> bool {
-        let sum = self.sums.entry(what).or_default();
+    fn add(&mut self, name: &'static str, x: i32, y: i32) -> bool {
+        let sum = self.sums.entry(name).or_default();
         *sum = (sum.0 + x, sum.1 + y);
         true
     }
 
-    /// A line for each.
-    fn finish(&mut self) -> Vec<String> {
-        let ways = std::mem::take(self);
-        let line = |what: &String| match &ways.ways[what] {
-            (first, last) if first == last => format!("{what} {first}"),
-            (first, last) => format!("{what} {first} … {last}"),
+    /// Removes all values and returns a line for each.
+    fn take_lines(&mut self) -> Vec<String> {
+        let ranges = std::mem::take(self);
+        let line = |name: &String| match &ranges.values[name] {
+            (first, last) if first == last => format!("{name} {first}"),
+            (first, last) => format!("{name} {first} … {last}"),
         };
-        let sums = ways.sums.iter();
-        let sums = sums.map(|(what, (x, y))| format!("{what} {x:+} {y:+} in all"));
-        ways.order.iter().map(line).chain(sums).collect()
+        let sums = ranges.sums.iter();
+        let sums = sums.map(|(name, (x, y))| format!("{name} {x:+} {y:+} in all"));
+        ranges.order.iter().map(line).chain(sums).collect()
     }
 }
 
-fn played(layout: &str, script: &Path) -> String {
+/// Plays a script and returns its events.
+fn play(layout: &str, script: &Path) -> String {
     let setup = Setup {
         layout: layout.into(),
         ..Setup::default()
     };
-    let assembly = setup.load_files().expect("a shipped layout");
-    let path = script.to_str().expect("a path of letters");
-    let hand = assembly.scripted(path, &Hc11Format::default(), 0.0, 0);
+    let loaded = setup.load_files().expect("a shipped layout");
+    let path = script.to_str().expect("a path in UTF-8");
+    let hand = loaded.scripted(path, &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
-    let mut pipeline = CheckedPipeline::new(&assembly);
-    let (mut lines, mut ways, mut events) = (Vec::new(), Ways::default(), Events::new());
+    let mut pipeline = CheckedPipeline::new(&loaded);
+    let (mut lines, mut ranges, mut events) = (Vec::new(), Ranges::default(), Events::new());
     while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         events.clear();
         let step = pipeline.step(&reading, &mut events);
         let commands = step.map(|step| step.commands.clone()).unwrap_or_default();
         for issued in &commands {
-            lines.extend(ways.finish());
+            lines.extend(ranges.take_lines());
             lines.push(issued.command.to_string());
         }
         for event in &events {
-            if !ways.take(event.kind, pipeline.target_names()) {
-                lines.extend(ways.finish());
+            if !ranges.push(event.kind, pipeline.target_names()) {
+                lines.extend(ranges.take_lines());
                 let line = EventLine(event, pipeline.target_names()).to_string();
                 lines.push(line[13..].to_owned());
             }
         }
     }
-    lines.extend(ways.finish());
+    lines.extend(ranges.take_lines());
     events.clear();
     pipeline.stop(&mut events);
-    let left = events
+    let pressed = events
         .iter()
         .filter(|event| matches!(event.kind, EventKind::KeyUp(_)));
-    assert_eq!(left.count(), 0, "{layout}: something is down at the end");
+    assert_eq!(
+        pressed.count(),
+        0,
+        "{layout}: a key stays pressed at the end"
+    );
     lines.join("\n") + "\n"
 }
 
@@ -121,7 +124,7 @@ fn every_script_gives_its_transcript() {
         }
         scripts += 1;
         let layout = path.file_stem().expect("a name").to_str().expect("letters");
-        let found = played(layout, &path);
+        let found = play(layout, &path);
         let out = path.with_extension("out");
         if std::env::var_os("ADEMAN_WRITE").is_some() {
             fs::write(&out, &found).expect("the transcript can be written");

@@ -1,4 +1,4 @@
-//! What several test programs share.
+//! Helpers that several test programs and benches share.
 
 // Each of them uses a part of it.
 #![allow(dead_code)]

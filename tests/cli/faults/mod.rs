@@ -1,4 +1,4 @@
-//! What goes wrong around a run: clients, disks, files, serial lines.
+//! Faults around a session: clients, disks, files, serial lines.
 
 mod clients;
 mod disks;

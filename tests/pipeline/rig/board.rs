@@ -67,7 +67,7 @@ impl Board {
         TargetNames::new(self.names.iter().cloned())
     }
 
-    /// What the keyboard can emit.
+    /// Returns the capabilities that the keyboard requires.
     pub fn capabilities(&self) -> Capabilities {
         let mut capabilities = Capabilities::default();
         self.keyboard.add_capabilities(&mut capabilities);

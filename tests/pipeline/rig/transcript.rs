@@ -6,7 +6,7 @@ use ademan::contact::TargetNames;
 use ademan::device::{EventKind, OutputEvent, TimedCommand};
 use ademan::time::Timestamp;
 
-/// How much of the events a transcript contains.
+/// The level of detail of a transcript.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Detail {
     /// A word for each event, times in milliseconds with their fractions.
