@@ -319,24 +319,19 @@ fn every_option_of_a_key_is_free_of_allocation() {
     let mut keyboard = Keyboard::new(keys.key_bindings());
     let mut arbiter = KeyArbiter::default();
     let mut pose = HandPose::new(Timestamp(0), Side::Right, 0.005);
-    let (mut random, mut sent) = (1_u64, 0);
+    let (mut random, mut sent) = (fastrand::Rng::with_seed(1), 0);
 
     let before = allocations();
     for index in 0..10_000_u64 {
         pose.time = Timestamp(index * 15_000);
-        let touch = |&finger: &Finger| {
-            random = random
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            Touch {
-                time: pose.time,
-                side: Side::Right,
-                finger,
-                target: TargetId(finger.index() as u32),
-                phase: Phase::ALL[(random >> 33) as usize % Phase::ALL.len()],
-                depth: 0.5,
-                position: Vec2::ZERO,
-            }
+        let touch = |&finger: &Finger| Touch {
+            time: pose.time,
+            side: Side::Right,
+            finger,
+            target: TargetId(finger.index() as u32),
+            phase: Phase::ALL[random.usize(..Phase::ALL.len())],
+            depth: 0.5,
+            position: Vec2::ZERO,
         };
         let touches: Touches = Finger::ALL.iter().map(touch).collect();
         let mut events = Events::new();
@@ -374,13 +369,8 @@ fn controls_and_gestures_do_not_allocate() {
     let mut devices = layout.devices();
     let mut arbiter = KeyArbiter::new(layout.texts.clone());
     let mut angles = JointAngles::default();
-    let mut random = 1_u64;
-    let mut next = |below: u64| {
-        random = random
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1);
-        (random >> 33) % below
-    };
+    let mut random = fastrand::Rng::with_seed(1);
+    let mut next = |below: u64| random.u64(..below);
     let mut sent = 0;
 
     let before = allocations();
@@ -527,13 +517,8 @@ fn handles_do_not_allocate_and_return_to_rest() {
     let layout = Keys::parse(text, "t.ron").expect("a layout");
     let mut devices = layout.devices();
     let mut arbiter = KeyArbiter::default();
-    let mut state = 1_u64;
-    let mut random = move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1 << 24) as f32
-    };
+    let mut generator = fastrand::Rng::with_seed(1);
+    let mut random = move || generator.f32();
     let mut axes = [0.0_f32; Axis::COUNT];
     let (mut pressed, mut sent, mut moved) = (0, 0, 0);
 
@@ -638,13 +623,8 @@ fn a_pointer_and_targets_in_space_do_not_allocate() {
     let layout = Keys::parse(&text, "t.ron").expect("a layout");
     let mut devices = layout.devices();
     let mut arbiter = KeyArbiter::default();
-    let mut state = 1_u64;
-    let mut random = move || {
-        state = state
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (state >> 40) as f32 / (1 << 24) as f32
-    };
+    let mut generator = fastrand::Rng::with_seed(1);
+    let mut random = move || generator.f32();
     let mut sent = [0; 4];
 
     let before = allocations();

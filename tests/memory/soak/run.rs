@@ -97,7 +97,10 @@ impl<'a> SoakRun<'a> {
             self.send_packet();
             if quarter <= 4 && self.now >= start + length / 4 * quarter {
                 self.stats.resident.extend(resident());
-                self.stats.live_bytes.push(live_bytes());
+                // The copy of the bytes grows.
+                if self.copy.is_none() {
+                    self.stats.live_bytes.push(live_bytes());
+                }
                 quarter += 1;
             }
         }
