@@ -110,16 +110,6 @@ pub fn available() -> String {
     forms.collect::<Vec<_>>().join(", ")
 }
 
-/// Returns one line per backend for help texts: its name and its summary.
-pub fn help() -> String {
-    let line = |backend: &&Backend| {
-        let argument = backend.argument.map(|argument| format!("[:{argument}]"));
-        let form = format!("{}{}", backend.name, argument.unwrap_or_default());
-        format!("  {form:18} {}", backend.summary)
-    };
-    BACKENDS.iter().map(line).collect::<Vec<_>>().join("\n")
-}
-
 fn parse(names: &str) -> Result<Vec<NamedOutput<'_>>, OutputError> {
     names
         .split(',')
@@ -286,12 +276,5 @@ mod tests {
         for (index, expected) in expected.iter().enumerate() {
             assert_eq!(routed_to(&routes, index, &required), *expected, "{index}");
         }
-    }
-
-    #[test]
-    fn help_lists_every_backend() {
-        let help = help();
-        assert_eq!(help.lines().count(), BACKENDS.len());
-        assert!(help.contains("  spacenav[:PATH] "), "{help}");
     }
 }

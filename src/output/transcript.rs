@@ -26,7 +26,7 @@ use crate::time::Timestamp;
 pub const BACKEND: Backend = Backend {
     name: "transcript",
     argument: Some("PATH"),
-    summary: "logs every event as a line, to the standard output or to a new file",
+    summary: "one line per event, on the standard output or in a new file: transcript:PATH",
     capabilities: Capabilities::all,
     is_log: true,
     is_fixed_when_open: false,

@@ -8,6 +8,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
+use crate::output_list::OutputList;
 use crate::setup_args::SetupArgs;
 
 /// Check what a setup needs of this machine, and print commands that add what is missing
@@ -21,7 +22,7 @@ pub struct Args {
     #[command(flatten)]
     flags: SetupArgs,
     /// Outputs, as for `ademan run`
-    #[arg(long)]
+    #[arg(long, value_name = "OUTPUTS", value_parser = OutputList)]
     output: Option<String>,
     /// Use an output for 1 s without a visible effect
     #[arg(long, value_name = "OUTPUT", value_parser = testable_output())]

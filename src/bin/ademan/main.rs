@@ -33,6 +33,7 @@ mod doctor;
 mod failure;
 mod layout;
 mod man;
+mod output_list;
 mod panics;
 mod pause_signals;
 mod record;

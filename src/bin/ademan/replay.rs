@@ -8,6 +8,7 @@ use ademan::session::{Session, SessionOptions};
 use ademan::setup::LoadedSetup;
 
 use crate::failure::Failure;
+use crate::output_list::OutputList;
 use crate::setup_args::number_in;
 use crate::{signals, stats, watchdog};
 
@@ -26,7 +27,7 @@ pub struct Args {
     #[arg(long)]
     layout: Option<String>,
     /// Outputs, as for `ademan run`
-    #[arg(long, default_value = "transcript")]
+    #[arg(long, value_name = "OUTPUTS", default_value = "transcript", value_parser = OutputList)]
     output: String,
     /// Playback speed, 1 for real time. The default is as fast as possible
     #[arg(long, value_parser = speed, allow_negative_numbers = true)]

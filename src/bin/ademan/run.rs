@@ -7,6 +7,7 @@ use ademan::session::{ControlSocket, Session, SessionOptions};
 use ademan::{advice, doctor};
 
 use crate::failure::Failure;
+use crate::output_list::OutputList;
 use crate::setup_args::SetupArgs;
 use crate::{pause_signals, signals, stats, watchdog};
 
@@ -20,9 +21,8 @@ pub struct Args {
     setup: Option<String>,
     #[command(flatten)]
     flags: SetupArgs,
-    /// Outputs: transcript, transcript:PATH, desktop, uinput or none, or several of them, such as desktop,uinput. Each
-    /// event goes to the first one that supports it, and to all transcripts
-    #[arg(long)]
+    /// Outputs, separated by commas. Each event goes to the first one that supports it, and to all transcripts
+    #[arg(long, value_name = "OUTPUTS", value_parser = OutputList)]
     output: Option<String>,
     /// Record the session to this file. It contains everything that is typed
     #[arg(long, value_name = "FILE")]

@@ -5,7 +5,6 @@ use crate::device::pressed_keys::KeyDirection;
 use crate::output::RETRIES;
 use crate::output::tests::{down, event, up};
 use std::sync::Mutex;
-use std::time::Instant;
 
 /// A display that records keys and actions as lines.
 #[derive(Clone, Default)]
@@ -146,13 +145,11 @@ fn a_full_queue_drops_presses_but_no_release() {
 }
 
 #[test]
-fn a_display_that_hangs_does_not_block_sending_and_blocks_closing_for_a_second() {
+fn neither_sending_nor_closing_waits_for_a_display_that_hangs() {
     let display = TestDisplay::default();
     let (mut sink, gate) = display.open();
     sink.send(&[down(1, "A")]).unwrap();
-    let start = Instant::now();
     let error = sink.close().unwrap_err();
-    assert!(start.elapsed() < 3 * CLOSE_TIMEOUT);
     assert!(
         error.to_string().contains("may still be pressed"),
         "{error}"

@@ -19,7 +19,7 @@ use unsupported::open;
 pub const BACKEND: Backend = Backend {
     name: "spacenav",
     argument: Some("PATH"),
-    summary: "a 6-DoF mouse for 3D programs, at a socket in the runtime folder or at PATH (Linux)",
+    summary: "a 6-DoF mouse for 3D programs, at a socket in the runtime folder or at spacenav:PATH (Linux)",
     capabilities,
     is_log: false,
     is_fixed_when_open: false,

@@ -19,6 +19,7 @@ use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::sim::{PacketWriters, PlaybackStats, SimulatedTypist};
 
 use crate::failure::Failure;
+use crate::output_list::OutputList;
 use crate::setup_args::number_in;
 use crate::{signals, stats, watchdog};
 use player::Player;
@@ -46,9 +47,8 @@ pub struct Args {
     /// Bits per second on the simulated serial line
     #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
     baud: u32,
-    /// Outputs besides the screen: none, transcript, transcript:PATH, desktop or uinput, or several of them, such as
-    /// desktop,uinput
-    #[arg(long, default_value = "none")]
+    /// Outputs besides the screen, separated by commas
+    #[arg(long, value_name = "OUTPUTS", default_value = "none", value_parser = OutputList)]
     output: String,
     /// Noise on every channel of the glove: standard deviation in counts
     #[arg(long, default_value_t = 0.0, value_parser = noise, allow_negative_numbers = true)]
