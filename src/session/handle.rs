@@ -18,6 +18,8 @@ const QUEUED_SNAPSHOTS: usize = 16;
 pub struct SessionHandle {
     commands: CommandSender,
     snapshots: Receiver<Snapshot>,
+    /// Disconnected once the outputs are open.
+    started: Receiver<()>,
     thread: Option<JoinHandle<Result<Summary, SessionError>>>,
 }
 
@@ -27,14 +29,17 @@ impl SessionHandle {
     }
 
     pub(super) fn spawn(
-        session: Session,
+        mut session: Session,
         commands: CommandSender,
         snapshots: Receiver<Snapshot>,
     ) -> Result<Self, SessionError> {
         let thread = thread::Builder::new().name("session".into());
+        let (sender, started) = bounded(0);
+        session.start_signal = Some(sender);
         Ok(Self {
             commands,
             snapshots,
+            started,
             thread: Some(thread.spawn(move || session.run())?),
         })
     }
@@ -48,6 +53,13 @@ impl SessionHandle {
     /// [`lossless_snapshots`](super::SessionOptions::lossless_snapshots) a full channel drops the newest ones.
     pub fn snapshots(&self) -> &Receiver<Snapshot> {
         &self.snapshots
+    }
+
+    /// Waits until the source and the outputs are open, or the session has ended. A compositor takes some tenths of a
+    /// second; readings that a simulated hand sends before are dropped.
+    pub fn wait_until_started(&self) {
+        // Nothing is ever sent: the error is the signal.
+        let _ = self.started.recv();
     }
 
     /// Waits for the end of the session.

@@ -109,6 +109,8 @@ pub struct Session {
     command_sender: CommandSender,
     notices: NoticeThread,
     snapshots: Sender<Snapshot>,
+    /// Dropped once the outputs are open.
+    start_signal: Option<Sender<()>>,
     /// Removes the socket when it is dropped.
     control: Option<ControlServer>,
 }
@@ -158,6 +160,7 @@ impl Session {
             command_sender: command_sender.clone(),
             notices,
             snapshots,
+            start_signal: None,
             control,
         };
         SessionHandle::spawn(session, command_sender, snapshot_receiver)
@@ -197,6 +200,7 @@ impl Session {
         if self.control.is_none() && self.options.control_socket == ControlSocket::Default {
             self.report_status(Notice::NoControlSocket);
         }
+        drop(self.start_signal.take());
         let mut status = self.options.report_status.then(StatusLog::default);
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);
         let (notices, snapshots) = (self.notices.sender(), &self.snapshots);

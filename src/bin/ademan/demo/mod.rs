@@ -84,6 +84,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let session = Session::start(setup, options)?;
+    session.wait_until_started();
     let player = Player::start(hand, writers, line, session.commands().clone());
     signals::on_stop(player.canceller());
     for snapshot in session.snapshots() {
