@@ -35,7 +35,7 @@ pub const COVERED: &[u8] = &[
     50, 51, 52, 53, 54, 55, 56, 57, 58, 60,
 ];
 
-/// The sixty faults.
+/// The faults, in the order of their numbers.
 #[rustfmt::skip]
 pub const FAULTS: &[Fault] = &[
     // Capture, serial.
@@ -293,4 +293,22 @@ pub const FAULTS: &[Fault] = &[
         ("tests/cli/faults/disks.rs", "a_transcript_that_cannot_be_written_ends_the_session_with_the_reason"),
         ("tests/cli/signals.rs", "a_run_continues_when_its_standard_error_is_closed"),
     ])),
+    // Found by attack.
+    fault(61, "another client grabs the X server around a press, or the server is frozen, then the program dies", Missing("no test yet")),
+    fault(62, "a grab of another client while a key is down", Missing("no test yet")),
+    fault(63, "standard error or output is full and nobody reads", Missing("no test yet")),
+    fault(64, "program and watchdog killed in the same instant", Missing("no test yet")),
+    fault(65, "SIGUSR1, or any signal but KILL and STOP, to all processes of the program", Missing("no test yet")),
+    fault(66, "the watchdog is stopped by a signal", Missing("no test yet")),
+    fault(67, "a busy machine", Missing("no test yet")),
+    fault(68, "a pause, a stall or a lost watchdog while presses are queued", Missing("no test yet")),
+    fault(69, "a system chord in any order, by any controls", Missing("no test yet")),
+    fault(70, "a pause from outside, then the pause key of the layout", Missing("no test yet")),
+    fault(71, "a recording with a gap, replayed to a real output", Missing("no test yet")),
+    fault(72, "a peer that causes messages", Missing("no test yet")),
+    fault(73, "a recording of a stranger with permissions, limits and paths", Missing("no test yet")),
+    fault(74, "escape sequences and line breaks in names from files and peers", Missing("no test yet")),
+    fault(75, "an existing transcript: another owner, a symbolic link, mode 0666", Missing("no test yet")),
+    fault(76, "a FIFO, device or folder as an input file; a foreign control server; silent clients", Missing("no test yet")),
+    fault(77, "the program file is replaced; the process limit is reached at the start", Missing("no test yet")),
 ];
