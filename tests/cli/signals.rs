@@ -83,16 +83,7 @@ fn a_run_waits_for_a_device_and_reports_it_once() {
         .local_addr()
         .unwrap();
     let source = format!("tcp:{address}");
-    let mut run = Running::start(&[
-        "run",
-        "--wait",
-        "--control",
-        "off",
-        "--role",
-        "both",
-        "--source",
-        &source,
-    ]);
+    let mut run = Running::start(&["run", "--wait", "--role", "both", "--source", &source]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());
     let waiting = line(&mut err);
     assert!(
@@ -112,14 +103,7 @@ fn a_run_waits_for_a_device_and_reports_it_once() {
 
 #[test]
 fn ctrl_c_ends_the_wait_for_a_device() {
-    let mut run = Running::start(&[
-        "run",
-        "--wait",
-        "--control",
-        "off",
-        "--source",
-        "serial:/dev/no-such-glove",
-    ]);
+    let mut run = Running::start(&["run", "--wait", "--source", "serial:/dev/no-such-glove"]);
     let mut err = BufReader::new(run.0.stderr.take().unwrap());
     assert!(line(&mut err).contains("there is no such port"));
     run.signal("INT");

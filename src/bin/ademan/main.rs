@@ -41,6 +41,7 @@ mod replay;
 mod run;
 mod setup_args;
 mod signals;
+mod source_value;
 mod stats;
 mod system_files;
 mod trace;

@@ -6,13 +6,12 @@ use ademan::setup::Setup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
+use crate::source_value::{self, SourceValue};
 
 /// Flags that override a setup file.
 #[derive(Clone, clap::Args)]
 pub struct SetupArgs {
-    /// Source of readings: serial:PORT, tcp:HOST:PORT, file:PATH, recording:PATH, typist:TEXT or script:FILE. Streams
-    /// take options, such as ?protocol=hc11&framing=double06&baud=115200
-    #[arg(long)]
+    #[arg(long, value_name = "URI", value_parser = SourceValue, help = "Source of readings", long_help = source_value::help())]
     source: Option<SourceUri>,
     /// Events that the source may cause: pointer, keys or both. The default is both, and pointer for a source on the
     /// network
