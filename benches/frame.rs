@@ -193,7 +193,7 @@ impl Typing {
                 side: None,
                 sample: Sample::Channels(hc11::channels(&body)),
             };
-            let estimate = estimator.update(&reading).expect("a plausible reading");
+            let estimate = *estimator.update(&reading).expect("a plausible reading");
             let pose = typing.setup.arm.forward(&estimate);
             let mut touches = Touches::new();
             tracker.update(&scene, &pose, &mut touches);

@@ -24,6 +24,8 @@ pub struct Estimator {
     settings: EstimatorSettings,
     converter: SampleConverter,
     smoother: Smoother,
+    /// The estimate of the latest reading, updated in place because it is too large to move for every reading.
+    estimate: Estimate,
     /// The last accepted angles, before the filter.
     last: Option<RawAngles>,
     /// An implausible jump, and the number of consecutive readings that agree with it.
@@ -44,6 +46,7 @@ impl Estimator {
             settings,
             converter: SampleConverter::new(),
             smoother: Smoother::new(settings.smoothing),
+            estimate: Estimate::new(Timestamp::default(), JointAngles::default()),
             last: None,
             candidate: None,
         }
@@ -57,24 +60,27 @@ impl Estimator {
     }
 
     /// Converts a reading. A rejected reading does not change the filters. Does not allocate.
-    pub fn update(&mut self, reading: &Reading) -> Result<Estimate, Rejection> {
+    pub fn update(&mut self, reading: &Reading) -> Result<&Estimate, Rejection> {
         let gap = self.gap(reading.time)?;
-        let mut estimate = self.converter.convert(reading, &self.settings)?;
+        self.estimate.reset(reading.time);
+        self.converter
+            .convert(reading, &self.settings, &mut self.estimate)?;
         let raw = RawAngles {
             time: reading.time,
-            angles: estimate.angles,
+            angles: self.estimate.angles,
         };
-        estimate.jumped = self.check_speed(&raw)?;
-        if estimate.jumped || gap > self.settings.max_gap || !self.has_same_dofs(&raw.angles) {
+        let jumped = self.check_speed(&raw)?;
+        if jumped || gap > self.settings.max_gap || !self.has_same_dofs(&raw.angles) {
             self.smoother.reset();
         }
         self.last = Some(raw);
-        self.smoother
-            .filter(&mut estimate.angles, gap.as_secs_f64());
+        self.estimate.jumped = jumped;
+        let angles = &mut self.estimate.angles;
+        self.smoother.filter(angles, gap.as_secs_f64());
         if let Some(limits) = &self.settings.limits {
-            limits.clamp_all(&mut estimate.angles);
+            limits.clamp_all(angles);
         }
-        Ok(estimate)
+        Ok(&self.estimate)
     }
 
     /// Returns the time since the last accepted reading, or zero at the first.

@@ -54,10 +54,21 @@ impl Estimate {
             measured: MeasuredJoints::default(),
         }
     }
+
+    /// Prepares for the next reading: nothing is known but its time. Cheaper than a new estimate, most of which is the
+    /// positions of joints that few sensors measure.
+    fn reset(&mut self, time: Timestamp) {
+        self.time = time;
+        self.angles = JointAngles::default();
+        self.untrusted = FingerSet::NONE;
+        self.jumped = false;
+        self.root = None;
+        self.measured.known = 0;
+    }
 }
 
 /// The joint positions that a sensor measures directly, in the world (metres).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct MeasuredJoints {
     positions: [Vec3; Joint::COUNT],
     known: u32,
@@ -84,6 +95,13 @@ impl MeasuredJoints {
             rest &= rest - 1;
             Some((joint, self.positions[index]))
         })
+    }
+}
+
+/// Positions of joints that were not measured do not count.
+impl PartialEq for MeasuredJoints {
+    fn eq(&self, other: &Self) -> bool {
+        self.iter().eq(other.iter())
     }
 }
 

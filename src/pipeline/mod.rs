@@ -145,14 +145,14 @@ impl Pipeline {
         let index = self.hand_index(reading);
         self.detect_gaps(index, reading.time, events);
         let hand = &mut self.hands[index];
-        let estimate = hand.estimator.update(reading);
-        if hand.count_rejection(estimate.is_err()) && self.state() == PipelineState::Running {
+        let estimate = &mut hand.output.estimate;
+        let updated = hand.estimator.update(reading).map(|new| *estimate = *new);
+        if hand.count_rejection(updated.is_err()) && self.state() == PipelineState::Running {
             self.release_all(self.time, events);
         }
-        let estimate = estimate.inspect_err(|&reason| self.rejected[reason.index()] += 1)?;
+        updated.inspect_err(|&reason| self.rejected[reason.index()] += 1)?;
         let hand = &mut self.hands[index];
         let output = &mut hand.output;
-        output.estimate = estimate;
         output.pose = hand.arm.forward(&output.estimate);
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;

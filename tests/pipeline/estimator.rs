@@ -53,7 +53,7 @@ impl GloveHand {
 
     fn next(&mut self) -> Result<Estimate, Rejection> {
         self.time_ms += 10;
-        self.estimator.update(&self.reading())
+        self.estimator.update(&self.reading()).copied()
     }
 
     fn set(&mut self, channel: usize, count: u16) -> Result<Estimate, Rejection> {

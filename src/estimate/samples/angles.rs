@@ -1,21 +1,19 @@
 //! Samples of joint angles.
 
-use crate::estimate::{Estimate, JointLimits, Rejection};
+use crate::estimate::{JointLimits, Rejection};
 use crate::hand::JointAngles;
-use crate::time::Timestamp;
 
 /// Clamps the angles of a sample to the joint limits; `None` accepts every finite angle.
 ///
 /// A sample without angles is rejected.
 pub(super) fn convert(
-    time: Timestamp,
     sample: &JointAngles,
     limits: Option<&JointLimits>,
-) -> Result<Estimate, Rejection> {
+    angles: &mut JointAngles,
+) -> Result<(), Rejection> {
     if sample.is_empty() {
         return Err(Rejection::WrongShape);
     }
-    let mut angles = JointAngles::default();
     for (dof, radians) in sample.known() {
         if !radians.is_finite() {
             return Err(Rejection::NotFinite);
@@ -26,5 +24,5 @@ pub(super) fn convert(
         };
         angles.set(dof, clamped.ok_or(Rejection::OutsideLimits)?);
     }
-    Ok(Estimate::new(time, angles))
+    Ok(())
 }

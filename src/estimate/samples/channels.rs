@@ -73,21 +73,18 @@ impl ChannelConverter {
     /// outside are an error. A channel is railed once it has been at one end of its range for `rail_timeout`.
     pub(super) fn convert(
         &mut self,
-        time: Timestamp,
         channels: &Channels,
         rail_timeout: Option<Duration>,
-    ) -> Result<Estimate, Rejection> {
+        estimate: &mut Estimate,
+    ) -> Result<(), Rejection> {
         if channels.full_scale != self.full_scale || channels.counts.len() < self.required_channels
         {
             return Err(Rejection::WrongShape);
         }
-        let untrusted = match rail_timeout {
-            Some(timeout) => self.update_health(time, channels, timeout),
-            None => FingerSet::NONE,
-        };
-        let mut estimate = Estimate::new(time, self.angles(channels)?);
-        estimate.untrusted = untrusted;
-        Ok(estimate)
+        if let Some(timeout) = rail_timeout {
+            estimate.untrusted = self.update_health(estimate.time, channels, timeout);
+        }
+        self.write_angles(channels, &mut estimate.angles)
     }
 
     /// Updates the state of every channel, and returns the fingers that depend on a railed one.
@@ -107,8 +104,7 @@ impl ChannelConverter {
         untrusted
     }
 
-    fn angles(&self, channels: &Channels) -> Result<JointAngles, Rejection> {
-        let mut angles = JointAngles::default();
+    fn write_angles(&self, channels: &Channels, angles: &mut JointAngles) -> Result<(), Rejection> {
         for row in &self.rows {
             let count = f64::from(channels.counts[row.channel]);
             let radians = row.calibration.apply(count);
@@ -122,7 +118,7 @@ impl ChannelConverter {
             };
             angles.set(row.dof, clamped);
         }
-        Ok(angles)
+        Ok(())
     }
 }
 

@@ -24,19 +24,20 @@ impl SampleConverter {
         self.channels = Some(channels::ChannelConverter::new(map, limits));
     }
 
-    /// Converts a reading to an estimate without history: angles within the joint limits, not filtered.
+    /// Writes what a reading shows without its history into `estimate`: angles within the joint limits, not filtered.
     pub(super) fn convert(
         &mut self,
         reading: &Reading,
         settings: &EstimatorSettings,
-    ) -> Result<Estimate, Rejection> {
+        estimate: &mut Estimate,
+    ) -> Result<(), Rejection> {
         match &reading.sample {
             Sample::Channels(channels) => {
                 let converter = self.channels.as_mut().ok_or(Rejection::WrongShape)?;
-                converter.convert(reading.time, channels, settings.rail_timeout)
+                converter.convert(channels, settings.rail_timeout, estimate)
             }
             Sample::Angles { angles } => {
-                angles::convert(reading.time, angles, settings.limits.as_ref())
+                angles::convert(angles, settings.limits.as_ref(), &mut estimate.angles)
             }
         }
     }

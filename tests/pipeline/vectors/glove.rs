@@ -340,7 +340,7 @@ pub fn end_to_end(file: &Value) -> usize {
             let estimate = estimator
                 .update(&reading(number as u64, body))
                 .expect("nothing is rejected");
-            let hand = arm.forward(&estimate);
+            let hand = arm.forward(estimate);
             let wrist = hand.position(Joint::Wrist).expect("a wrist");
             assert_position(wrist, &wanted["wrist_z"], tolerance, name);
             for (finger, tip) in wanted["tip"].as_object().expect("tips") {
