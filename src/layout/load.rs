@@ -6,9 +6,7 @@ use super::builder::{BoardSettings, LayoutBuilder};
 use super::controls::pointer::PointerSchema;
 use super::controls::space::SpaceSchema;
 use super::controls::trigger::TriggerSchema;
-use super::controls::{
-    joystick, knob, lever, radio, slider, toggle, touch_surface, valve, with_control_kinds,
-};
+use super::controls::with_control_kinds;
 use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, reject_idle_keys};
 use super::model::Layout;
 use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
@@ -99,7 +97,7 @@ macro_rules! board_schema {
             keys: Vec<KeySchema<'a>>,
             $(
                 #[serde(borrow, default)]
-                $list: Vec<$module::$schema<'a>>,
+                $list: Vec<super::controls::$module::$schema<'a>>,
             )+
         }
 
