@@ -58,20 +58,20 @@ fn main() -> anyhow::Result<()> {
         layout: "numpad".into(),
         ..Setup::default()
     };
-    let assembly = setup.load_files()?;
+    let loaded = setup.load_files()?;
     let mut pipeline = Pipeline::new(
         Estimator::new(EstimatorSettings::default())
-            .with_channels(&assembly.glove.as_ref().expect("a glove").map),
-        assembly.arm.clone(),
+            .with_channels(&loaded.glove.as_ref().expect("a glove").map),
+        loaded.arm.clone(),
         LayoutInstance::new(
-            assembly.layout.scene.clone(),
-            assembly.layout.target_names(),
+            loaded.layout.scene.clone(),
+            loaded.layout.target_names(),
             vec![Box::new(DrumPad::default())],
         ),
         PipelineSettings::default(),
     );
-    let hand = assembly.open_source(&"typist:159".parse()?)?;
-    let mut sink = output::open("transcript", &assembly.required_capabilities())?;
+    let hand = loaded.open_source(&"typist:159".parse()?)?;
+    let mut sink = output::open("transcript", &loaded.required_capabilities())?;
     let commands = CommandReceiver::disconnected();
     run_pipeline(hand, &mut pipeline, &mut *sink, &commands, &mut |_| {})?;
     Ok(())

@@ -123,8 +123,8 @@ pub fn setup(data: &[u8]) -> bool {
         ..setup
     };
     match known.load_files() {
-        Ok(assembly) => {
-            drop(assembly.pipeline());
+        Ok(loaded) => {
+            drop(loaded.pipeline());
             true
         }
         Err(error) => {

@@ -29,8 +29,8 @@ fn with(posture: &Posture, channel: usize, count: u8) -> Posture {
 }
 
 /// Returns the packets of a hand that plays a script.
-fn postures(assembly: &LoadedSetup, script: &str) -> Vec<Posture> {
-    let typist = assembly.scripted(script, &glove_format(), 0.0, 0);
+fn postures(loaded: &LoadedSetup, script: &str) -> Vec<Posture> {
+    let typist = loaded.scripted(script, &glove_format(), 0.0, 0);
     let mut typist = typist.unwrap_or_else(|error| panic!("{error}"));
     std::iter::from_fn(|| {
         let counts = typist.next_counts()?;
@@ -42,11 +42,11 @@ fn postures(assembly: &LoadedSetup, script: &str) -> Vec<Posture> {
 #[test]
 fn a_stream_that_starts_inside_a_packet_types_the_same() {
     let press = Press::for_text("h");
-    let assembly = default_setup();
+    let loaded = default_setup();
     let whole = [&press.approach[..], &press.lift[..]].concat();
     let bytes = packets(&whole);
     for missing in 1..PACKET_BYTES {
-        let mut wearer = GloveWearer::new(&assembly);
+        let mut wearer = GloveWearer::new(&loaded);
         wearer.send(&bytes[missing..]);
         assert_eq!(
             wearer.take_events(),
@@ -61,20 +61,23 @@ fn a_stream_that_starts_inside_a_packet_types_the_same() {
 #[test]
 fn one_flipped_bit_changes_no_event_and_costs_at_most_two_packets() {
     let press = Press::for_text("h");
-    let assembly = default_setup();
-    let frames = [press.pressed(); 12];
-    let clean = packets(&frames);
+    let loaded = default_setup();
+    let repeated = [press.pressed(); 12];
+    let clean = packets(&repeated);
     for bit in 0..PACKET_BYTES * 8 {
-        let mut wearer = GloveWearer::new(&assembly);
+        let mut wearer = GloveWearer::new(&loaded);
         wearer.play(&press.approach);
         wearer.play(&[press.pressed(); 20]);
         let before = wearer.readings();
         let mut bytes = clean.clone();
         bytes[3 * PACKET_BYTES + bit / 8] ^= 1 << (bit % 8);
         wearer.send(&bytes);
-        let came = wearer.readings() - before;
+        let readings = wearer.readings() - before;
         // A broken mark belongs to the packet before it and to its own.
-        assert!(came as usize >= frames.len() - 2, "bit {bit}: {came}");
+        assert!(
+            readings as usize >= repeated.len() - 2,
+            "bit {bit}: {readings}"
+        );
         wearer.play(&press.lift);
         assert_eq!(wearer.take_events(), "down H, up H", "bit {bit}");
     }
@@ -83,17 +86,17 @@ fn one_flipped_bit_changes_no_event_and_costs_at_most_two_packets() {
 #[test]
 fn a_railed_sensor_releases_the_key_of_its_finger_and_the_others_keep_typing() {
     let h = Press::for_text("h");
-    let assembly = default_setup();
+    let loaded = default_setup();
     let two_fingers = postures(
-        &assembly,
+        &loaded,
         "press J; set middle-pip-flexion 40 & bend middle 20; wait 200; bend middle 45; wait 200; \
          bend middle 20; wait 200; lift",
     );
-    let mut healthy = GloveWearer::new(&assembly);
+    let mut healthy = GloveWearer::new(&loaded);
     healthy.play(&two_fingers);
     assert_eq!(healthy.take_events(), "down J, down 8, up 8, up J");
     let index = FingerSet::NONE.with(Finger::Index);
-    let map = &assembly.glove.as_ref().expect("a glove").map;
+    let map = &loaded.glove.as_ref().expect("a glove").map;
     let channels: Vec<usize> = (0..BODY_BYTES)
         .filter(|&channel| map.fingers_affected_by(channel) == index)
         .collect();
@@ -154,14 +157,8 @@ fn a_hand_that_jumps_to_and_fro_releases_at_the_third_reading_and_presses_nothin
 fn infinite_angles_are_rejected_and_the_third_in_a_row_releases_everything() {
     const SPARE: usize = 63;
     let press = Press::for_text("h");
-    let assembly = default_setup();
-    let mut rows = assembly
-        .glove
-        .as_ref()
-        .expect("a glove")
-        .map
-        .rows()
-        .to_vec();
+    let loaded = default_setup();
+    let mut rows = loaded.glove.as_ref().expect("a glove").map.rows().to_vec();
     assert!(rows.iter().all(|row| row.channel != SPARE));
     rows.push(ChannelRow {
         label: "without end".into(),
@@ -178,7 +175,7 @@ fn infinite_angles_are_rejected_and_the_third_in_a_row_releases_everything() {
         ..EstimatorSettings::default()
     };
     let mut wearer = GloveWearer::with_pipeline(pipeline_with(
-        &assembly,
+        &loaded,
         Estimator::new(settings).with_channels(&map),
     ));
     let without_spare = |postures: &[Posture]| -> Vec<Posture> {
@@ -241,7 +238,7 @@ fn a_clock_that_jumps_or_stops_releases_everything_and_is_counted() {
 #[test]
 fn a_million_readings_a_second_stay_within_the_press_rate_limit() {
     let press = Press::for_text("h");
-    let assembly = default_setup();
+    let loaded = default_setup();
     let stroke = [&press.approach[..], &press.lift[..]].concat();
     // Without the filter, which slows such a hand down.
     let settings = EstimatorSettings {
@@ -250,8 +247,8 @@ fn a_million_readings_a_second_stay_within_the_press_rate_limit() {
     };
     for interval in [1, 20, 100, 1_000] {
         let estimator =
-            Estimator::new(settings).with_channels(&assembly.glove.as_ref().expect("a glove").map);
-        let mut wearer = GloveWearer::with_pipeline(pipeline_with(&assembly, estimator));
+            Estimator::new(settings).with_channels(&loaded.glove.as_ref().expect("a glove").map);
+        let mut wearer = GloveWearer::with_pipeline(pipeline_with(&loaded, estimator));
         for posture in stroke.iter().cycle().take(100 * stroke.len()) {
             wearer.show_after(interval, posture);
         }

@@ -16,7 +16,7 @@ use ademan::time::Timestamp;
 
 /// A wearer of two gloves, each of which sends a reading every 10 ms.
 struct Wearer {
-    assembly: LoadedSetup,
+    loaded: LoadedSetup,
     pipeline: CheckedPipeline,
     time_ms: u64,
     /// The channels of each hand; `None` for a hand that sends nothing.
@@ -26,10 +26,10 @@ struct Wearer {
 
 impl Wearer {
     fn new(setup: Setup) -> Self {
-        let assembly = setup.load_files().expect("a setup");
+        let loaded = setup.load_files().expect("a setup");
         Self {
-            pipeline: CheckedPipeline::new(&assembly),
-            assembly,
+            pipeline: CheckedPipeline::new(&loaded),
+            loaded,
             time_ms: 0,
             shown: [None, None],
             transcript: Vec::new(),
@@ -42,16 +42,16 @@ impl Wearer {
     }
 
     fn posture(&self, side: Side, key: &str, is_down: bool) -> Channels {
-        let (arm, map) = match &self.assembly.other_hand {
+        let (arm, map) = match &self.loaded.other_hand {
             Some(other) if other.glove.as_ref().expect("a glove").side == side => {
                 (&other.arm, &other.glove.as_ref().expect("a glove").map)
             }
             _ => (
-                &self.assembly.arm,
-                &self.assembly.glove.as_ref().expect("a glove").map,
+                &self.loaded.arm,
+                &self.loaded.glove.as_ref().expect("a glove").map,
             ),
         };
-        let layout = self.assembly.layouts().nth(self.pipeline.active_profile());
+        let layout = self.loaded.layouts().nth(self.pipeline.active_profile());
         let layout = layout.expect("a layout is active");
         let target = layout.key(key).expect("a key").face.target;
         let hand = TypingHand::new(arm, map);
@@ -72,7 +72,7 @@ impl Wearer {
                 };
                 let reading = Reading {
                     time: Timestamp(self.time_ms * 1_000),
-                    side: self.assembly.other_hand.is_some().then_some(side),
+                    side: self.loaded.other_hand.is_some().then_some(side),
                     sample: Sample::Channels(shown),
                 };
                 let mut events = Events::new();
@@ -154,15 +154,15 @@ fn one_hand_holds_shift_while_the_other_types() {
 
 #[test]
 fn a_hand_touches_only_boards_for_its_side() {
-    let assembly = both_hands().assembly;
+    let loaded = both_hands().loaded;
     let board_of = |key: &str| {
-        let target = assembly.layout.key(key).expect("a key").face.target;
-        assembly.layout.scene.target(target).expect("a target").0
+        let target = loaded.layout.key(key).expect("a key").face.target;
+        loaded.layout.scene.target(target).expect("a target").0
     };
-    let right = assembly
+    let right = loaded
         .arm
         .forward(&Estimate::new(Timestamp(0), JointAngles::default()));
-    let left = assembly.arm.clone().for_side(Side::Left);
+    let left = loaded.arm.clone().for_side(Side::Left);
     let left = left.forward(&Estimate::new(Timestamp(0), JointAngles::default()));
     for (key, seen, unseen) in [("F", left, right), ("J", right, left)] {
         assert!(board_of(key).world_from_surface(&seen).is_some(), "{key}");
@@ -377,17 +377,14 @@ fn an_unknown_profile_is_rejected_by_name() {
 fn a_setup_with_two_hands_and_profiles_survives_a_recording() {
     let (_folder, mut setup) = setup_of(MAIN, OTHER);
     setup.other_hand = Some(OtherHand::default());
-    let assembly = setup.load_files().expect("a setup");
-    let recorded = assembly.recorded_setup();
+    let loaded = setup.load_files().expect("a setup");
+    let recorded = loaded.recorded_setup();
     let again = LoadedSetup::from_recording(&recorded, None, None).expect("it was recorded");
-    let texts = |assembly: &LoadedSetup| -> Vec<String> {
-        assembly
-            .layouts()
-            .map(|layout| layout.text.clone())
-            .collect()
+    let texts = |loaded: &LoadedSetup| -> Vec<String> {
+        loaded.layouts().map(|layout| layout.text.clone()).collect()
     };
-    assert_eq!(texts(&again), texts(&assembly));
-    assert_eq!(again.setup, assembly.setup);
+    assert_eq!(texts(&again), texts(&loaded));
+    assert_eq!(again.setup, loaded.setup);
     let glove = Document::shipped("unam-hc11-left").expect("it is shipped");
     assert_eq!(
         recorded.get("other-glove").map(|entry| &entry.text),

@@ -17,7 +17,7 @@ const PITCH: f32 = 0.019;
 
 /// A wearer of a glove that sends a reading every 10 ms.
 struct Wearer {
-    assembly: LoadedSetup,
+    loaded: LoadedSetup,
     pipeline: Pipeline,
     time_ms: u64,
     shown: Channels,
@@ -49,18 +49,18 @@ impl Wearer {
     }
 
     fn with_setup(setup: Setup) -> Self {
-        let assembly = setup.load_files().expect("a setup");
+        let loaded = setup.load_files().expect("a setup");
         let mut wearer = Self {
-            pipeline: assembly.pipeline(),
+            pipeline: loaded.pipeline(),
             shown: Channels {
                 full_scale: 255,
                 counts: Default::default(),
             },
-            assembly,
+            loaded,
             time_ms: 0,
             transcript: Vec::new(),
         };
-        let first = wearer.assembly.layout.keys[0].face.name.clone();
+        let first = wearer.loaded.layout.keys[0].face.name.clone();
         wearer.hover(&first);
         wearer.hold_still(400);
         assert_eq!(wearer.pipeline.state(), PipelineState::Running);
@@ -69,8 +69,8 @@ impl Wearer {
 
     /// Moves the index fingertip to a position in the world, in metres.
     fn go(&mut self, tip: Vec3) {
-        let map = &self.assembly.glove.as_ref().expect("a glove").map;
-        let hand = TypingHand::new(&self.assembly.arm, map);
+        let map = &self.loaded.glove.as_ref().expect("a glove").map;
+        let hand = TypingHand::new(&self.loaded.arm, map);
         let mut values = hand.rest_values();
         let miss = hand.reach(tip, &mut values, &[]);
         assert!(miss < 1e-3, "{tip} is {miss} m out of reach");
@@ -89,8 +89,8 @@ impl Wearer {
     fn tap_positions(&self, layout: &Layout, scene: &Scene, key: &str) -> [Vec3; 2] {
         let target = layout.key(key).expect("a key").face.target;
         let hand = TypingHand::new(
-            &self.assembly.arm,
-            &self.assembly.glove.as_ref().expect("a glove").map,
+            &self.loaded.arm,
+            &self.loaded.glove.as_ref().expect("a glove").map,
         );
         let stroke = hand.tap_path(scene, target).expect("within reach");
         [stroke.hover, stroke.bottom]
@@ -98,14 +98,14 @@ impl Wearer {
 
     /// Moves the fingertip above a key, at its position in the file.
     fn hover(&mut self, key: &str) {
-        let layout = self.assembly.layout.clone();
+        let layout = self.loaded.layout.clone();
         let [hover, _] = self.tap_positions(&layout, &layout.scene, key);
         self.go(hover);
     }
 
     /// Moves the fingertip to the bottom of a key, at its position in the file.
     fn push(&mut self, key: &str) {
-        let layout = self.assembly.layout.clone();
+        let layout = self.loaded.layout.clone();
         let [_, bottom] = self.tap_positions(&layout, &layout.scene, key);
         self.go(bottom);
     }
@@ -268,8 +268,8 @@ fn recentering_keeps_the_arrangement_of_several_boards() {
          keys: [(code: \"Z\", at_mm: (0, 0))]), ",
     );
     let mut wearer = Wearer::with_layout(&text("", "A B C D E"));
-    wearer.assembly.layout = parsed(&two);
-    wearer.pipeline = wearer.assembly.pipeline();
+    wearer.loaded.layout = parsed(&two);
+    wearer.pipeline = wearer.loaded.pipeline();
     wearer.hover("A");
     wearer.hold_still(600);
     let before: Vec<BoardPose> = wearer.pipeline.board_poses().collect();
@@ -287,11 +287,11 @@ fn recentering_without_a_tracked_hand_is_rejected() {
     wearer.pipeline.stall(&mut events);
     let refused = wearer.pipeline.recenter(&mut events);
     assert_eq!(refused, Err(CommandError::NoHand));
-    let unseen = &mut wearer.assembly.pipeline();
+    let unseen = &mut wearer.loaded.pipeline();
     assert_eq!(unseen.recenter(&mut events), Err(CommandError::NoHand));
     let left = text("", "A B C D E").replace("boards: [(", "boards: [(hand: \"left\", ");
-    wearer.assembly.layout = parsed(&left);
-    wearer.pipeline = wearer.assembly.pipeline();
+    wearer.loaded.layout = parsed(&left);
+    wearer.pipeline = wearer.loaded.pipeline();
     wearer.hold_still(100);
     let refused = wearer.pipeline.recenter(&mut events);
     assert_eq!(
@@ -343,8 +343,8 @@ fn each_profile_keeps_its_own_board_poses() {
     wearer.pipeline.switch_profile(0, &mut events);
     wearer.tap("B");
     let mut fresh = wearer
-        .assembly
-        .layout_instance(&wearer.assembly.layout)
+        .loaded
+        .layout_instance(&wearer.loaded.layout)
         .unwrap();
     wearer.pipeline.replace_profile(0, &mut fresh, &mut events);
     wearer.tap("B");
@@ -370,7 +370,7 @@ fn a_press_during_a_pause_has_no_effect_after_it() {
 
 /// Rests the hand beside and above the center of the board, by these distances in metres.
 fn rest(wearer: &mut Wearer, right: f32, up: f32) {
-    let layout = wearer.assembly.layout.clone();
+    let layout = wearer.loaded.layout.clone();
     let [_, bottom] = wearer.tap_positions(&layout, &layout.scene, "C");
     wearer.go(bottom + along_rows(right) + Vec3::Y * up);
 }
@@ -440,8 +440,8 @@ fn auto_recentering_stops_near_keys() {
     wearer.hold_still(3_000);
     assert!(board_offset(&wearer) < 1e-6);
     let still = text("", "A B C D E");
-    wearer.assembly.layout = parsed(&still);
-    wearer.pipeline = wearer.assembly.pipeline();
+    wearer.loaded.layout = parsed(&still);
+    wearer.pipeline = wearer.loaded.pipeline();
     rest(&mut wearer, 0.012, 0.03);
     wearer.hold_still(5_000);
     assert!(board_offset(&wearer) < 1e-6, "off unless said");

@@ -31,22 +31,22 @@ type Posture = [u8; BODY_BYTES];
 
 /// Returns two postures of the glove: the index finger over the H key, and on the pressed key.
 pub fn postures() -> (Posture, Posture) {
-    let assembly = Setup::default().load_files().expect("the default setup");
-    let typist = assembly.typist("h", &Hc11Format::default(), 0.0, 0);
+    let loaded = Setup::default().load_files().expect("the default setup");
+    let typist = loaded.typist("h", &Hc11Format::default(), 0.0, 0);
     let mut typist = typist.expect("h can be typed");
-    let mut pipeline = assembly.pipeline();
+    let mut pipeline = loaded.pipeline();
     let mut over = None;
-    for frame in 1.. {
+    for number in 1.. {
         let counts = typist.next_counts().expect("the hand presses the key");
         let posture = std::array::from_fn(|channel| counts[channel] as u8);
         over.get_or_insert(posture);
         let reading = Reading {
-            time: Timestamp(5_729 * frame),
+            time: Timestamp(5_729 * number),
             side: None,
             sample: Sample::Channels(hc11::channels(&posture)),
         };
-        let frame = pipeline.step(&reading, &mut Events::new());
-        let touches = &frame.expect("an accepted reading").touches;
+        let step = pipeline.step(&reading, &mut Events::new());
+        let touches = &step.expect("an accepted reading").touches;
         if touches
             .iter()
             .any(|touch| touch.phase == Phase::Moved && touch.depth == 1.0)

@@ -58,15 +58,15 @@ fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathB
         layout: layout.into(),
         ..Setup::default()
     };
-    let assembly = setup.load_files().expect("a shipped layout");
+    let loaded = setup.load_files().expect("a shipped layout");
     let source = format!("script:{script}").parse().expect("a source");
-    let hand = assembly.open_source(&source).expect("the hand can do it");
+    let hand = loaded.open_source(&source).expect("the hand can do it");
     let path = folder.path().join(format!("{name}.mcap"));
-    let recorder = Recorder::create(&path, &assembly.recorded_setup());
+    let recorder = Recorder::create(&path, &loaded.recorded_setup());
     let mut recorder = recorder.expect("a file");
-    let mut nowhere = output::open("none", &assembly.required_capabilities()).expect("nowhere");
-    let mut observe = |frame: &Snapshot| recorder.write(frame).expect("room on the disk");
-    let mut pipeline = assembly.pipeline();
+    let mut nowhere = output::open("none", &loaded.required_capabilities()).expect("nowhere");
+    let mut observe = |snapshot: &Snapshot| recorder.write(snapshot).expect("room on the disk");
+    let mut pipeline = loaded.pipeline();
     let run = run_pipeline(
         hand,
         &mut pipeline,
@@ -82,11 +82,11 @@ fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathB
 /// Returns the transcript of a recording, replayed without delays.
 fn replay(path: &Path) -> Vec<u8> {
     let replay = Replay::open(path).expect("a recording");
-    let assembly =
+    let loaded =
         LoadedSetup::from_recording(replay.setup(), None, None).expect("the recorded setup");
     let page = SharedBuffer::default();
     let mut transcript = Transcript::new("test", page.clone());
-    let mut pipeline = assembly.pipeline();
+    let mut pipeline = loaded.pipeline();
     let run = run_pipeline(
         replay,
         &mut pipeline,

@@ -100,7 +100,7 @@ impl fmt::Display for SoakStats {
         writeln!(f, "{} h, {faults} faults: {:?}", self.hours, self.faults)?;
         writeln!(
             f,
-            "packets sent {}, of them whole {}; bytes {} = 66 × {} frames + {} skipped + {} waiting, {} resyncs",
+            "packets sent {}, of them whole {}; bytes {} = 66 × {} packets + {} skipped + {} waiting, {} resyncs",
             self.sent,
             self.whole,
             line.bytes,

@@ -20,14 +20,14 @@ fn a_held_key_is_pressed_once_and_repeated_by_the_receiver() {
     };
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("transcript");
-    let assembly = Setup::default().load_files().expect("the default setup");
-    let needs = assembly.required_capabilities();
+    let loaded = Setup::default().load_files().expect("the default setup");
+    let needs = loaded.required_capabilities();
     let mut sink = Router::new(vec![
         Box::new(Desktop::open(Some(server.display()), &needs).expect("the server runs")),
         open(&format!("transcript:{}", path.display()), &needs).expect("a new file"),
     ]);
     let hand = HoldingHand::new(&Press::for_text("h"), Duration::from_millis(1500));
-    let mut pipeline = assembly.pipeline();
+    let mut pipeline = loaded.pipeline();
     run_pipeline(
         hand,
         &mut pipeline,

@@ -74,15 +74,15 @@ struct Fuses {
 }
 
 fn pipeline(fuse: Fuse) -> Pipeline {
-    let assembly = Setup::default().load_files().expect("the default setup");
-    let keyboard = Keyboard::new(assembly.layout.key_bindings());
+    let loaded = Setup::default().load_files().expect("the default setup");
+    let keyboard = Keyboard::new(loaded.layout.key_bindings());
     Pipeline::new(
         Estimator::new(EstimatorSettings::default())
-            .with_channels(&assembly.glove.as_ref().expect("a glove").map),
-        assembly.arm.clone(),
+            .with_channels(&loaded.glove.as_ref().expect("a glove").map),
+        loaded.arm.clone(),
         LayoutInstance::new(
-            assembly.layout.scene.clone(),
-            assembly.layout.target_names(),
+            loaded.layout.scene.clone(),
+            loaded.layout.target_names(),
             vec![Box::new(Fused(keyboard, fuse))],
         ),
         PipelineSettings::default(),

@@ -12,8 +12,8 @@ fn the_default_hand_reaches_everything_on_every_shipped_layout() {
             layout: name.into(),
             ..Setup::default()
         };
-        let assembly = setup.load_files().unwrap();
-        let out_of_reach = assembly.out_of_reach();
+        let loaded = setup.load_files().unwrap();
+        let out_of_reach = loaded.out_of_reach();
         assert!(out_of_reach.is_empty(), "{name}: {out_of_reach:?}");
     }
 }
@@ -30,8 +30,8 @@ fn both_ends_of_a_track_have_to_be_within_reach() {
         layout: path.to_str().unwrap().into(),
         ..Setup::default()
     };
-    let assembly = setup.load_files().unwrap();
-    let out_of_reach = assembly.out_of_reach();
+    let loaded = setup.load_files().unwrap();
+    let out_of_reach = loaded.out_of_reach();
     let names: Vec<&str> = out_of_reach.iter().map(|(name, _)| *name).collect();
     assert_eq!(names, ["Lift"]);
 }
@@ -77,8 +77,8 @@ fn a_target_in_space_beyond_every_fingertip_is_out_of_reach() {
         layout: path.to_str().unwrap().into(),
         ..Setup::default()
     };
-    let assembly = setup.load_files().unwrap();
-    let out_of_reach = assembly.out_of_reach();
+    let loaded = setup.load_files().unwrap();
+    let out_of_reach = loaded.out_of_reach();
     assert_eq!(out_of_reach.len(), 1, "{out_of_reach:?}");
     let (name, metres) = out_of_reach[0];
     assert!(

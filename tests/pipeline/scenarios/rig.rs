@@ -180,10 +180,10 @@ impl<'a> Rig<'a> {
 
     /// Moves the hand to its next posture; returns `false` if it has finished.
     fn advance_hand(&mut self) -> bool {
-        let Some(frame) = self.typist.next_packets() else {
+        let Some(counts_by_hand) = self.typist.next_packets() else {
             return false;
         };
-        for (line, counts) in self.gloves.iter_mut().zip(frame) {
+        for (line, counts) in self.gloves.iter_mut().zip(counts_by_hand) {
             line.counts = counts;
         }
         true
