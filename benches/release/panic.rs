@@ -72,6 +72,8 @@ pub fn run_child(arguments: &[String]) {
     panics::install_hook();
     let setup = Setup {
         arm_immediately: true,
+        // A busy machine must not cause a stall.
+        stall_timeout_ms: 10_000,
         ..Setup::default()
     };
     let setup = setup.load_files().expect("the default setup");

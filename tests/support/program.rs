@@ -98,13 +98,16 @@ impl Program {
         status.is_none()
     }
 
-    /// Waits until the program exits.
+    /// Waits until the program exits and its standard error is closed, so that [`stderr_lines`](Self::stderr_lines) is
+    /// complete. A watchdog closes it shortly after the program.
     pub fn wait_for_exit(&mut self) -> ExitStatus {
         assert!(
             wait_for(|| !self.is_running()),
             "the program does not exit: {:#?}",
             self.stderr_lines()
         );
+        // The collecting thread has the other reference.
+        wait_for(|| Arc::strong_count(&self.stderr_lines) == 1);
         self.process.0.wait().expect("the program has exited")
     }
 }

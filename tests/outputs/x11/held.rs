@@ -20,7 +20,12 @@ fn a_held_key_is_pressed_once_and_repeated_by_the_receiver() {
     };
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("transcript");
-    let loaded = Setup::default().load_files().expect("the default setup");
+    let setup = Setup {
+        // A busy machine must not cause a stall.
+        stall_timeout_ms: 10_000,
+        ..Setup::default()
+    };
+    let loaded = setup.load_files().expect("the default setup");
     let needs = loaded.required_capabilities();
     let mut sink = Router::new(vec![
         Box::new(Desktop::open(Some(server.display()), &needs).expect("the server runs")),

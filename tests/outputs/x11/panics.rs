@@ -85,7 +85,11 @@ fn pipeline(fuse: Fuse) -> Pipeline {
             loaded.layout.target_names(),
             vec![Box::new(Fused(keyboard, fuse))],
         ),
-        PipelineSettings::default(),
+        // A busy machine must not cause a stall.
+        PipelineSettings {
+            stall_timeout: Duration::from_secs(10),
+            ..PipelineSettings::default()
+        },
     )
 }
 
