@@ -20,7 +20,9 @@
 //! A byte stream consists of a [transport], which carries the bytes, and a [protocol], which decodes them. Any other
 //! sensor implements [`Source`].
 
+pub mod bvh;
 pub mod cancel;
+pub mod markers;
 pub mod protocol;
 pub mod pace;
 pub mod thread;

@@ -3,9 +3,11 @@
 //! Reads the files in the folder `ADEMAN_VECTORS` (default: `tests/vectors`) and prints the number of
 //! cases of each. A missing file and a file without cases are failures.
 
+mod bvh;
 mod check;
 mod glove;
 mod keypad;
+mod markers;
 mod one_euro;
 mod packets;
 
@@ -26,6 +28,9 @@ const COVERED: &[(&str, Check)] = &[
         keypad::press_through_layouts,
     ),
     ("one_euro", one_euro::filter),
+    ("triangulation", markers::triangulation),
+    ("skeleton_fit", markers::skeleton_fit),
+    ("bvh", bvh::files),
 ];
 
 fn folder() -> PathBuf {

@@ -1,0 +1,239 @@
+//! Names of arm and hand joints in motion capture files.
+//!
+//! | convention | arm | fingers |
+//! |---|---|---|
+//! | CMU | `LeftArm LeftForeArm LeftHand`, `lhumerus lradius lwrist` | `LeftHandIndex1 LThumb` |
+//! | Mixamo | `mixamorig:LeftArm mixamorig:LeftForeArm mixamorig:LeftHand` | `mixamorig:LeftHandIndex1` … `4`, also `LeftInHandIndex` |
+//! | Rokoko | `LeftArm LeftForeArm LeftHand`, `leftUpperArm leftLowerArm` | `LeftFinger2Metacarpal` … `Tip`, `leftIndexProximal` … |
+//! | Xsens | `LeftShoulder LeftElbow LeftWrist`, `LeftUpperArm LeftForeArm LeftHand` | `LeftSecondMC LeftSecondPP LeftSecondMP LeftSecondDP` |
+//!
+//! Case, blanks, `_`, `-` and `.` do not matter, nor does a name space before a colon. The side is `left` or `right` at the
+//! start or end, or `l` or `r`.
+
+use crate::hand::{Finger, Joint, Side};
+
+/// A joint of an arm or hand that a name states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NamedJoint {
+    /// The side of the body, if the name states one.
+    pub side: Option<Side>,
+    /// The joint.
+    pub joint: Joint,
+    /// `true` for `LeftShoulder`, which is the collar bone if the skeleton also has a `LeftArm`.
+    pub may_be_clavicle: bool,
+}
+
+/// Returns the joint that a name states; `None` if it is not one of an arm or hand.
+pub fn joint_of(name: &str) -> Option<NamedJoint> {
+    let name = name.rsplit(':').next().unwrap_or(name);
+    let letters = name.chars().filter(|letter| letter.is_ascii_alphanumeric());
+    let plain: String = letters.map(|letter| letter.to_ascii_lowercase()).collect();
+    let candidates = sided(name, &plain).into_iter().flatten();
+    candidates
+        .map(|(side, part)| (Some(side), part))
+        .chain([(None, plain.as_str())])
+        .find_map(|(side, part)| {
+            Some(NamedJoint {
+                side,
+                joint: arm_joint(part).or_else(|| finger_joint(part))?,
+                may_be_clavicle: part == "shoulder",
+            })
+        })
+}
+
+/// Returns the ways to take a side off a name: the plain name without it.
+fn sided<'a>(name: &str, plain: &'a str) -> [Option<(Side, &'a str)>; 6] {
+    let end = name.as_bytes().last_chunk::<2>();
+    let has_short_end = end.is_some_and(|[before, _]| !before.is_ascii_alphanumeric());
+    let short_end = |letter: char, side| match has_short_end {
+        true => plain.strip_suffix(letter).map(|rest| (side, rest)),
+        false => None,
+    };
+    let long = |text: &str, side| {
+        let rest = plain.strip_prefix(text).or(plain.strip_suffix(text));
+        rest.map(|rest| (side, rest))
+    };
+    let short = |letter: char, side| plain.strip_prefix(letter).map(|rest| (side, rest));
+    [
+        long("left", Side::Left),
+        long("right", Side::Right),
+        short_end('l', Side::Left),
+        short_end('r', Side::Right),
+        short('l', Side::Left),
+        short('r', Side::Right),
+    ]
+}
+
+fn arm_joint(part: &str) -> Option<Joint> {
+    match part {
+        "arm" | "upperarm" | "upperarm01" | "uparm" | "shldr" | "humerus" | "shoulder" => {
+            Some(Joint::Shoulder)
+        }
+        "forearm" | "lowerarm" | "lowerarm01" | "lowarm" | "elbow" | "radius" => Some(Joint::Elbow),
+        "hand" | "wrist" | "carpus" => Some(Joint::Wrist),
+        _ => None,
+    }
+}
+
+fn finger_joint(part: &str) -> Option<Joint> {
+    let (part, is_in_hand) = match part.strip_prefix("inhand") {
+        Some(rest) => (rest, true),
+        None => (part.strip_prefix("hand").unwrap_or(part), false),
+    };
+    let (finger, segment, style) = finger_of(part)?;
+    let segment = match (is_in_hand, segment) {
+        (true, "") => "metacarpal",
+        (true, _) => return None,
+        (false, segment) => segment,
+    };
+    let chain = chain(finger);
+    let index = segment_index(finger, segment, style)?;
+    chain.get(index).copied()
+}
+
+/// Returns the joints of a finger from its base to its tip.
+pub(super) fn chain(finger: Finger) -> &'static [Joint] {
+    let tip = Joint::tip(finger).index();
+    let count = if finger == Finger::Thumb { 3 } else { 4 };
+    &Joint::ALL[tip - count..=tip]
+}
+
+/// The names that a convention gives the segments of the thumb.
+#[derive(Clone, Copy, PartialEq)]
+enum ThumbStyle {
+    /// Proximal, medial and distal: the first is the metacarpal.
+    FromProximal,
+    /// Metacarpal, proximal and distal.
+    FromMetacarpal,
+}
+
+/// Returns the finger at the start of a name, and the rest of the name.
+fn finger_of(part: &str) -> Option<(Finger, &str, ThumbStyle)> {
+    let by_name = [
+        ("thumb", Finger::Thumb),
+        ("index", Finger::Index),
+        ("middle", Finger::Middle),
+        ("ring", Finger::Ring),
+        ("pinky", Finger::Little),
+        ("little", Finger::Little),
+    ];
+    for (name, finger) in by_name {
+        let Some(rest) = part.strip_prefix(name) else {
+            continue;
+        };
+        let rest = rest.strip_prefix("finger").unwrap_or(rest);
+        return Some(match rest.strip_prefix("phalanx") {
+            Some(rest) => (finger, rest, ThumbStyle::FromMetacarpal),
+            None => (finger, rest, ThumbStyle::FromProximal),
+        });
+    }
+    let by_number = [
+        ("finger1", "first"),
+        ("finger2", "second"),
+        ("finger3", "third"),
+        ("finger4", "fourth"),
+        ("finger5", "fifth"),
+    ];
+    Finger::ALL
+        .iter()
+        .zip(by_number)
+        .find_map(|(&finger, (number, ordinal))| {
+            let rest = part.strip_prefix(number).or(part.strip_prefix(ordinal))?;
+            Some((finger, rest, ThumbStyle::FromMetacarpal))
+        })
+}
+
+/// Returns the index in [`chain`] of the joint at the near end of a segment.
+fn segment_index(finger: Finger, segment: &str, style: ThumbStyle) -> Option<usize> {
+    let is_thumb = finger == Finger::Thumb;
+    let first = if is_thumb { 0 } else { 1 };
+    match segment {
+        "metacarpal" | "mc" => Some(0),
+        "" | "1" => Some(first),
+        "2" => Some(first + 1),
+        "3" => Some(first + 2),
+        "4" | "tip" => Some(first + 3),
+        "proximal" | "pp" if is_thumb && style == ThumbStyle::FromProximal => Some(0),
+        "proximal" | "pp" => Some(1),
+        "medial" | "middle" | "intermediate" | "mp" => Some(first + 1),
+        "distal" | "dp" => Some(first + 2),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the side and the joint of a name, as text.
+    fn read(name: &str) -> String {
+        let Some(named) = joint_of(name) else {
+            return "none".to_owned();
+        };
+        let side = named.side.map_or("any", Side::name);
+        format!("{side} {}", named.joint)
+    }
+
+    #[test]
+    fn names_of_all_conventions_are_read() {
+        for (name, joint) in [
+            // CMU
+            ("LeftArm", "left shoulder"),
+            ("LeftForeArm", "left elbow"),
+            ("LeftHand", "left wrist"),
+            ("LeftHandIndex1", "left index-finger-phalanx-proximal"),
+            ("LThumb", "left thumb-metacarpal"),
+            ("lhumerus", "left shoulder"),
+            ("rradius", "right elbow"),
+            ("rwrist", "right wrist"),
+            ("LeftFingerBase", "none"),
+            // Mixamo
+            ("mixamorig:RightForeArm", "right elbow"),
+            ("mixamorig:RightHandThumb1", "right thumb-metacarpal"),
+            ("mixamorig:RightHandThumb4", "right thumb-tip"),
+            (
+                "mixamorig:RightHandPinky2",
+                "right pinky-finger-phalanx-intermediate",
+            ),
+            ("mixamorig:RightHandPinky4", "right pinky-finger-tip"),
+            ("RightInHandRing", "right ring-finger-metacarpal"),
+            // Rokoko
+            ("LeftFinger1Metacarpal", "left thumb-metacarpal"),
+            ("LeftFinger1Proximal", "left thumb-phalanx-proximal"),
+            (
+                "LeftFinger2Medial",
+                "left index-finger-phalanx-intermediate",
+            ),
+            ("LeftFinger5Tip", "left pinky-finger-tip"),
+            ("leftLowerArm", "left elbow"),
+            ("leftThumbProximal", "left thumb-metacarpal"),
+            ("leftThumbMedial", "left thumb-phalanx-proximal"),
+            ("leftLittleDistal", "left pinky-finger-phalanx-distal"),
+            // Xsens
+            ("RightElbow", "right elbow"),
+            ("RightWrist", "right wrist"),
+            ("RightUpperArm", "right shoulder"),
+            ("RightFirstPP", "right thumb-phalanx-proximal"),
+            ("RightSecondMC", "right index-finger-metacarpal"),
+            ("RightFourthMP", "right ring-finger-phalanx-intermediate"),
+            // Others
+            ("lowerarm01.R", "right elbow"),
+            ("finger2-1.L", "left index-finger-phalanx-proximal"),
+            ("hand_l", "left wrist"),
+            ("thumb-phalanx-proximal", "any thumb-phalanx-proximal"),
+            ("pinky-finger-tip", "any pinky-finger-tip"),
+            ("wrist", "any wrist"),
+            ("ring1", "any ring-finger-phalanx-proximal"),
+            ("Hips", "none"),
+            ("LeftUpLeg", "none"),
+            ("RightToeBase", "none"),
+            ("Spine", "none"),
+            ("l", "none"),
+            ("", "none"),
+        ] {
+            assert_eq!(read(name), joint, "{name}");
+        }
+        assert!(joint_of("RightShoulder").unwrap().may_be_clavicle);
+        assert!(!joint_of("RightArm").unwrap().may_be_clavicle);
+    }
+}

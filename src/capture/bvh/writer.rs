@@ -1,0 +1,133 @@
+//! Writer of BVH texts.
+
+use std::io::{Result, Seek, SeekFrom, Write};
+
+use super::skeleton::{Node, Skeleton};
+
+/// Width of the number of frames, which is known only at the end: that of [`MAX_FRAMES`](super::MAX_FRAMES).
+const COUNT_WIDTH: usize = 9;
+
+/// Writer of a skeleton and its frames, one line per frame with six decimals.
+///
+/// The number of frames is filled in by [`finish`](Self::finish). A text whose writer stopped before that has no frames.
+#[derive(Debug)]
+pub struct BvhWriter<W> {
+    out: W,
+    /// Position of the number of frames.
+    count_at: u64,
+    frames: u64,
+    line: Vec<u8>,
+}
+
+impl<W: Write + Seek> BvhWriter<W> {
+    /// Writes the skeleton to an empty file. `frame_time` is in seconds.
+    pub fn new(mut out: W, skeleton: &Skeleton, frame_time: f64) -> Result<Self> {
+        write_hierarchy(&mut out, skeleton)?;
+        write!(out, "MOTION\nFrames: ")?;
+        let count_at = out.stream_position()?;
+        write!(out, "{:<COUNT_WIDTH$}\nFrame Time: {frame_time}\n", 0)?;
+        Ok(Self {
+            out,
+            count_at,
+            frames: 0,
+            line: Vec::new(),
+        })
+    }
+
+    /// Writes a frame: one value for each channel, in the order of the skeleton.
+    pub fn write_frame(&mut self, values: &[f64]) -> Result<()> {
+        self.line.clear();
+        for value in values {
+            if !self.line.is_empty() {
+                self.line.push(b' ');
+            }
+            write!(self.line, "{value:.6}")?;
+        }
+        self.line.push(b'\n');
+        self.out.write_all(&self.line)?;
+        self.frames += 1;
+        Ok(())
+    }
+
+    /// Returns the number of frames written.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// Writes the number of frames and returns the file.
+    pub fn finish(mut self) -> Result<W> {
+        self.out.seek(SeekFrom::Start(self.count_at))?;
+        write!(self.out, "{:<COUNT_WIDTH$}", self.frames)?;
+        self.out.seek(SeekFrom::End(0))?;
+        self.out.flush()?;
+        Ok(self.out)
+    }
+}
+
+fn write_hierarchy(out: &mut impl Write, skeleton: &Skeleton) -> Result<()> {
+    writeln!(out, "HIERARCHY")?;
+    let mut open: Vec<usize> = Vec::new();
+    for (index, node) in skeleton.nodes().iter().enumerate() {
+        while open.last().copied() != node.parent {
+            open.pop();
+            writeln!(out, "{}}}", indent(open.len()))?;
+        }
+        write_node(out, node, &indent(open.len()))?;
+        open.push(index);
+    }
+    while open.pop().is_some() {
+        writeln!(out, "{}}}", indent(open.len()))?;
+    }
+    Ok(())
+}
+
+fn write_node(out: &mut impl Write, node: &Node, indent: &str) -> Result<()> {
+    let kind = match node.parent {
+        None => "ROOT",
+        Some(_) => "JOINT",
+    };
+    match &node.name {
+        Some(name) => writeln!(out, "{indent}{kind} {name}")?,
+        None => writeln!(out, "{indent}End Site")?,
+    }
+    let [x, y, z] = node.offset.to_array();
+    writeln!(out, "{indent}{{\n{indent}  OFFSET {x:.6} {y:.6} {z:.6}")?;
+    if node.name.is_none() {
+        return Ok(());
+    }
+    write!(out, "{indent}  CHANNELS {}", node.channels.len())?;
+    for channel in &node.channels {
+        write!(out, " {channel}")?;
+    }
+    writeln!(out)
+}
+
+fn indent(depth: usize) -> String {
+    "  ".repeat(depth)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use super::*;
+    use crate::capture::bvh::Bvh;
+
+    #[test]
+    fn a_written_text_is_read_with_the_same_skeleton_and_frames() {
+        let text = b"HIERARCHY ROOT hips { OFFSET 1 2 3 CHANNELS 2 Xposition Zrotation \
+            JOINT a:b { OFFSET 0 0.5 0 CHANNELS 0 End Site { OFFSET 0 1 0 } End Site { OFFSET 0 2 0 } } \
+            JOINT c { OFFSET 4 0 0 CHANNELS 1 Yrotation } } \
+            MOTION Frames: 3 Frame Time: 0.008 1 2 3 -4.5 1e-3 6 7 8 9";
+        let read = Bvh::parse(text).unwrap();
+        let motion = read.motion();
+        let mut writer =
+            BvhWriter::new(Cursor::new(Vec::new()), &motion.skeleton, motion.frame_time).unwrap();
+        for frame in 0..3 {
+            writer.write_frame(read.frame(frame)).unwrap();
+        }
+        assert_eq!(writer.frames(), 3);
+        let written = writer.finish().unwrap().into_inner();
+        assert_eq!(Bvh::parse(&written), Ok(read), "{}", written.escape_ascii());
+    }
+}

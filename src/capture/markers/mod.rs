@@ -1,0 +1,21 @@
+//! Optical markers: positions from the rays of calibrated cameras, and joint centres from markers on the skin.
+//!
+//! | step | function |
+//! |---|---|
+//! | observations of two cameras → pairs | [`match_rays`] |
+//! | rays of one marker → its position | [`closest_points`] for two rays, [`triangulate`] for two or more |
+//! | markers on the skin → joint centres | [`wrist_center`], [`elbow_bend`], [`ElbowCenter`] |
+//!
+//! All functions use `f64` and any unit of length.
+
+mod assignment;
+mod joint_centers;
+mod matching;
+mod ray;
+mod triangulation;
+
+pub use assignment::{CostMatrix, assign};
+pub use joint_centers::{Bend, ElbowCenter, elbow_bend, wrist_center};
+pub use matching::match_rays;
+pub use ray::{ClosestPoints, Ray, RayError, closest_points};
+pub use triangulation::{Triangulation, TriangulationError, triangulate};

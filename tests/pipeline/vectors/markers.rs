@@ -1,0 +1,123 @@
+use ademan::capture::markers::{
+    Ray, RayError, closest_points, elbow_bend, match_rays, triangulate, wrist_center,
+};
+use glam::DVec3;
+use serde_json::Value;
+
+use super::check::{assert_close, list, number, numbers, text};
+
+fn vector(value: &Value) -> DVec3 {
+    DVec3::from_slice(&numbers(value))
+}
+
+pub(super) fn assert_vector(ours: DVec3, theirs: &Value, tolerance: f64, what: &str) {
+    for (ours, theirs) in ours.to_array().iter().zip(numbers(theirs)) {
+        assert_close(*ours, theirs, tolerance, what);
+    }
+}
+
+/// Checks the closest points of two rays, and the pairs of observations.
+pub fn triangulation(file: &Value) -> usize {
+    let tolerance = number(&file["tolerance"]["absolute"]);
+    let cases = list(&file["cases"]);
+    for case in cases {
+        let ray =
+            |camera: &str, image: &str| Ray::through(vector(&case[camera]), vector(&case[image]));
+        assert_rays(case, &[ray("c1", "i1"), ray("c2", "i2")], tolerance);
+    }
+    let matching = list(&file["matching"]);
+    for case in matching {
+        assert_pairs(case, tolerance);
+    }
+    cases.len() + matching.len()
+}
+
+fn assert_rays(case: &Value, rays: &[Ray; 2], tolerance: f64) {
+    let name = text(&case["name"]);
+    let found = closest_points(&rays[0], &rays[1]);
+    let wanted = match text(&case["status"]) {
+        "parallel" => Err(RayError::Parallel),
+        "degenerate" => Err(RayError::Degenerate),
+        _ => Ok(()),
+    };
+    assert_eq!(
+        found.as_ref().map(|_| ()).map_err(|error| *error),
+        wanted,
+        "{name}"
+    );
+    let Ok(found) = found else {
+        assert!(triangulate(rays).is_err(), "{name}");
+        return;
+    };
+    for (index, (k, p)) in [("k1", "p1"), ("k2", "p2")].into_iter().enumerate() {
+        assert_close(found.parameters[index], number(&case[k]), tolerance, name);
+        assert_vector(found.points[index], &case[p], tolerance, name);
+    }
+    assert_vector(found.midpoint(), &case["point"], tolerance, name);
+    assert_close(found.gap(), number(&case["gap"]), tolerance, name);
+    assert_eq!(
+        Some(found.is_in_front()),
+        case["in_front"].as_bool(),
+        "{name}"
+    );
+    match triangulate(rays) {
+        Ok(position) => {
+            assert_vector(position.point, &case["point"], tolerance, name);
+            assert_close(position.gap, number(&case["gap"]), tolerance, name);
+        }
+        Err(error) => assert!(!found.is_in_front(), "{name}: {error}"),
+    }
+}
+
+fn assert_pairs(case: &Value, tolerance: f64) {
+    let name = text(&case["name"]);
+    let rays = |camera: &str, seen: &str| -> Vec<Ray> {
+        let camera = vector(&case[camera]);
+        let seen = list(&case[seen]).iter();
+        seen.map(|point| Ray::through(camera, vector(point)))
+            .collect()
+    };
+    let (first, second) = (rays("c1", "seen_by_1"), rays("c2", "seen_by_2"));
+    for (ray, gaps) in first.iter().zip(list(&case["gap"])) {
+        for (other, gap) in second.iter().zip(list(gaps)) {
+            match (closest_points(ray, other), gap.as_f64()) {
+                (Ok(found), Some(gap)) => assert_close(found.gap(), gap, tolerance, name),
+                (Err(_), None) => {}
+                (found, gap) => panic!("{name}: {found:?} instead of {gap:?}"),
+            }
+        }
+    }
+    let pairs = match_rays(&first, &second, number(&case["max_gap"]));
+    let wanted = list(&case["pairs"]).iter();
+    let wanted: Vec<Option<usize>> = wanted
+        .map(|index| index.as_u64().map(|index| index as usize))
+        .collect();
+    assert_eq!(pairs, wanted, "{name}");
+}
+
+/// Checks joint centres from markers on the skin, and rotations from bone to bone.
+pub fn skeleton_fit(file: &Value) -> usize {
+    let tolerance = number(&file["tolerance"]["absolute"]);
+    let cases = list(&file["cases"]);
+    for case in cases {
+        let name = text(&case["name"]);
+        let point = |field: &str| vector(&case[field]);
+        let wrist = wrist_center(point("wrist_a"), point("wrist_b"));
+        assert_vector(wrist, &case["wrist"], tolerance, name);
+        let elbow = point("elbow_marker");
+        let bend = elbow_bend(point("shoulder"), elbow, wrist, number(&case["min_sin"]));
+        let status = match bend {
+            None => "degenerate",
+            Some(bend) if bend.normal.is_none() => "collinear",
+            Some(_) => "ok",
+        };
+        assert_eq!(status, text(&case["status"]), "{name}");
+        let Some(bend) = bend else { continue };
+        assert_close(bend.sine, number(&case["sin_bend"]), tolerance, name);
+        let Some(normal) = bend.normal else { continue };
+        assert_vector(normal, &case["normal"], tolerance, name);
+        let joint = elbow + number(&case["offset"]) * normal;
+        assert_vector(joint, &case["joint"], tolerance, name);
+    }
+    cases.len()
+}
