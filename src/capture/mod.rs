@@ -56,7 +56,7 @@ use std::time::Duration;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
-use crate::hand::{JointAngles, Side};
+use crate::hand::{JointAngles, JointPositions, Side};
 use crate::time::Timestamp;
 
 pub use cancel::CancelToken;
@@ -99,7 +99,7 @@ pub const MAX_CHANNELS: usize = 64;
 /// Sensor values at one moment.
 ///
 /// As JSON: `{"time_us":12500,"full_scale":255,"channels":[3,141,…]}` or
-/// `{"time_us":12500,"angles_rad":{"elbow-flexion":0.5,…}}`.
+/// `{"time_us":12500,"angles_rad":{"elbow-flexion":0.5,…}}` or `{"time_us":12500,"joints_m":{"wrist":[0.0,1.0,-0.3],…}}`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// Time at which the values were complete, on the clock of the source.
@@ -114,6 +114,10 @@ pub struct Reading {
 }
 
 /// Sensor values by kind of sensor.
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a reading is passed on without an allocation"
+)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 #[non_exhaustive]
@@ -126,6 +130,12 @@ pub enum Sample {
         #[serde(rename = "angles_rad")]
         angles: JointAngles,
     },
+    /// Positions of joints.
+    Joints {
+        /// Positions in the world, in metres. Those that the sensor does not measure are unknown.
+        #[serde(rename = "joints_m")]
+        positions: JointPositions,
+    },
 }
 
 /// Kind of a [`Sample`].
@@ -136,6 +146,8 @@ pub enum SampleKind {
     Channels,
     /// [`Sample::Angles`].
     Angles,
+    /// [`Sample::Joints`].
+    Joints,
 }
 
 impl SampleKind {
@@ -151,6 +163,7 @@ impl Sample {
         match self {
             Self::Channels(_) => SampleKind::Channels,
             Self::Angles { .. } => SampleKind::Angles,
+            Self::Joints { .. } => SampleKind::Joints,
         }
     }
 }

@@ -9,7 +9,7 @@ use crate::time::Timestamp;
 pub(super) enum PacketClock {
     /// Monotonic time since the source was opened.
     Live { opened: Instant, last: Timestamp },
-    /// Number of packets times the nominal packet period.
+    /// Time that the packets state, else their number times the nominal packet period.
     Nominal { packets: u64, last: Timestamp },
 }
 
@@ -27,8 +27,14 @@ impl PacketClock {
     }
 
     /// Returns the time at which the last byte of a packet arrived, if `bytes_after` more bytes had arrived by `now`.
-    /// Always later than the previous result.
-    pub fn stamp(&mut self, now: Instant, bytes_after: usize, format: &StreamFormat) -> Timestamp {
+    /// Always later than the previous result. `stated` is the time that the packet states.
+    pub fn stamp(
+        &mut self,
+        now: Instant,
+        bytes_after: usize,
+        format: &StreamFormat,
+        stated: Option<Timestamp>,
+    ) -> Timestamp {
         let (time, last) = match self {
             Self::Live { opened, last } => {
                 let arrived = Timestamp::default() + now.saturating_duration_since(*opened);
@@ -36,7 +42,8 @@ impl PacketClock {
             }
             Self::Nominal { packets, last } => {
                 *packets += 1;
-                (format.nominal_time(*packets), last)
+                let time = stated.unwrap_or_else(|| format.nominal_time(*packets));
+                (time, last)
             }
         };
         *last = time.max(Timestamp(last.0 + 1));
@@ -63,7 +70,7 @@ mod tests {
             panic!("not live");
         };
         let now = opened + Duration::from_secs(1);
-        let mut stamp = |now, bytes| clock.stamp(now, bytes, &format).0;
+        let mut stamp = |now, bytes| clock.stamp(now, bytes, &format, None).0;
         assert_eq!(stamp(now, 96), 900_000);
         assert_eq!(stamp(now, 30), 968_750);
         assert_eq!(stamp(now, 96), 968_751);

@@ -2,11 +2,13 @@
 
 use std::time::Duration;
 
+use parry3d::math::Vec3;
+
 use super::samples::SampleConverter;
 use super::smoothing::Smoother;
-use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
+use super::{ChannelMap, Estimate, EstimatorSettings, MeasuredJoints, Rejection};
 use crate::capture::Reading;
-use crate::hand::JointAngles;
+use crate::hand::{Joint, JointAngles};
 use crate::time::Timestamp;
 
 /// The number of consecutive readings, each plausible after the previous one, after which an implausible jump is
@@ -16,6 +18,9 @@ const CONSISTENT_READINGS: u8 = 3;
 /// A rotation that is always plausible, in radians: a busy machine delivers readings in bursts, so the
 /// measured time between two readings can be far too short.
 const MIN_PLAUSIBLE_ROTATION: f64 = 0.3;
+
+/// The lever at which a plausible rotation moves a joint, in metres: half an arm.
+const LEVER: f64 = 0.3;
 
 /// The estimator of one hand. It accepts samples of every kind; those with sensor channels need a
 /// [channel map](Self::with_channels).
@@ -37,6 +42,14 @@ pub struct Estimator {
 struct RawAngles {
     time: Timestamp,
     angles: JointAngles,
+    /// A measured joint that moves with the whole hand: the wrist, or else the first one.
+    anchor: Option<(Joint, Vec3)>,
+}
+
+fn anchor(measured: &MeasuredJoints) -> Option<(Joint, Vec3)> {
+    let wrist = measured.get(Joint::Wrist);
+    let wrist = wrist.map(|position| (Joint::Wrist, position));
+    wrist.or_else(|| measured.iter().next())
 }
 
 impl Estimator {
@@ -68,6 +81,7 @@ impl Estimator {
         let raw = RawAngles {
             time: reading.time,
             angles: self.estimate.angles,
+            anchor: anchor(&self.estimate.measured),
         };
         let jumped = self.check_speed(&raw)?;
         if jumped || gap > self.settings.max_gap || !self.has_same_dofs(&raw.angles) {
@@ -127,12 +141,17 @@ impl Estimator {
 }
 
 impl RawAngles {
-    /// Returns whether no angle differs from `other` by more than `rotation` (radians). Angles that are known in only
-    /// one of both do not count.
+    /// Returns whether no angle differs from `other` by more than `rotation` (radians), and a measured position not by more
+    /// than that at a lever. Angles and positions that are known in only one of both do not count.
     fn is_within(&self, rotation: f64, other: &Self) -> bool {
+        let distance = match (self.anchor, other.anchor) {
+            (Some((joint, now)), Some((same, before))) if joint == same => now.distance(before),
+            _ => 0.0,
+        };
         let mut known = self.angles.known();
-        known.all(|(dof, radians)| {
-            !other.angles.is_known(dof) || (radians - other.angles.get(dof)).abs() <= rotation
-        })
+        f64::from(distance) <= rotation * LEVER
+            && known.all(|(dof, radians)| {
+                !other.angles.is_known(dof) || (radians - other.angles.get(dof)).abs() <= rotation
+            })
     }
 }

@@ -3,6 +3,7 @@
 mod calibration;
 mod channel_map;
 mod estimator;
+mod hand_angles;
 mod limits;
 mod one_euro;
 mod samples;
@@ -12,6 +13,7 @@ mod smoothing;
 pub use calibration::{AffineMap, FitError, divider_resistance};
 pub use channel_map::{ChannelMap, ChannelRow, MAX_ROWS};
 pub use estimator::Estimator;
+pub use hand_angles::hand_angles;
 pub use limits::JointLimits;
 pub use one_euro::{OneEuroFilter, OneEuroSettings};
 pub use settings::EstimatorSettings;

@@ -1,8 +1,11 @@
-//! Types that every stage shares: sides, fingers, joints, degrees of freedom and joint angles of an arm and hand.
+//! Types that every stage shares: sides, fingers, joints, degrees of freedom, joint angles and joint positions of an arm
+//! and hand.
 
 mod joint_angles;
+mod joint_positions;
 
 pub use joint_angles::JointAngles;
+pub use joint_positions::JointPositions;
 
 use crate::names::named_enum;
 

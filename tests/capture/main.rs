@@ -6,6 +6,8 @@ mod support;
 mod commands;
 mod file;
 #[cfg(unix)]
+mod markers;
+#[cfg(unix)]
 mod serial;
 mod statistics;
 mod tcp;

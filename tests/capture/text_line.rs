@@ -18,7 +18,7 @@ use ademan::time::Timestamp;
 use crate::support::source::{next_within, text_lines};
 
 /// Longest wait on a busy machine.
-const TIMEOUT: Duration = Duration::from_secs(60);
+pub const TIMEOUT: Duration = Duration::from_secs(60);
 
 const TEXT: &str = "Hola";
 
@@ -36,7 +36,7 @@ fn sample(line: &str) -> Sample {
 }
 
 /// Returns the next `count` samples of a source.
-fn samples(source: &mut dyn Source, count: usize) -> Vec<Sample> {
+pub fn samples(source: &mut dyn Source, count: usize) -> Vec<Sample> {
     let next = |_| match next_within(source, TIMEOUT) {
         Ok(SourceEvent::Reading(reading)) => reading.sample,
         other => panic!("no reading: {other:?}"),
@@ -44,7 +44,7 @@ fn samples(source: &mut dyn Source, count: usize) -> Vec<Sample> {
     (0..count).map(next).collect()
 }
 
-fn uri(text: &str) -> SourceUri {
+pub fn uri(text: &str) -> SourceUri {
     text.parse().expect("a source URI")
 }
 
@@ -108,7 +108,7 @@ fn a_serial_port_delivers_angles() {
 }
 
 /// Steps the pipeline with every reading of a source. Returns the typed text and the readings.
-fn type_with(mut source: impl Source) -> (String, Vec<Reading>) {
+pub fn type_with(mut source: impl Source) -> (String, Vec<Reading>) {
     let setup = Setup::default().load_files().expect("the default setup");
     let mut pipeline = setup.pipeline();
     let mut field = UsTextField::new();

@@ -12,6 +12,7 @@ mod faults;
 mod files;
 #[cfg(target_os = "linux")]
 mod idle;
+mod markers;
 #[cfg(unix)]
 mod reload;
 #[cfg(unix)]

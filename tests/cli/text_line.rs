@@ -13,7 +13,7 @@ const TYPED: &str = "Hola";
 const KEYS: [&str; 5] = ["ShiftLeft", "H", "O", "L", "A"];
 
 /// Returns the keys that a transcript presses, in order.
-fn pressed_keys(transcript: &str) -> Vec<&str> {
+pub fn pressed_keys(transcript: &str) -> Vec<&str> {
     let lines = transcript.lines();
     lines
         .filter_map(|line| line.split_once("down "))

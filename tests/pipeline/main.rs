@@ -10,6 +10,7 @@ mod faulty_readings;
 mod gestures;
 mod hands_and_profiles;
 mod oracle;
+mod joint_positions;
 mod limits;
 mod panels;
 mod placement;

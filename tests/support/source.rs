@@ -1,11 +1,14 @@
-//! Sources for tests: waiting for an event, and the text lines of a typing hand.
+//! Sources for tests: waiting for an event, and a typing hand as text lines, markers and poses.
 
 use std::time::{Duration, Instant};
 
 use ademan::capture::protocol::text_line;
 use ademan::capture::{CaptureError, Hc11Format, Source, SourceEvent};
-use ademan::estimate::{Estimator, EstimatorSettings, Smoothing};
+use ademan::estimate::{Estimate, Estimator, EstimatorSettings, Smoothing};
+use ademan::hand::Joint;
+use ademan::kinematics::{ArmModel, HandPose};
 use ademan::setup::Setup;
+use serde_json::json;
 
 /// Returns the next event that is not `Idle`. Panics after `timeout`.
 pub fn next_within(
@@ -22,20 +25,63 @@ pub fn next_within(
     panic!("no event within {timeout:?}");
 }
 
-/// Returns the text lines of joint angles of a hand that types `text` on the default layout, 174.5 per second.
-///
-/// The angles of the thumb are not exact, because its MCP and IP joints share a wire index.
-pub fn text_lines(text: &str) -> Vec<String> {
+/// The packet rate of the simulated hand: 66 bytes at 115200 baud.
+pub const TYPING_RATE_HZ: f64 = 11_520.0 / 66.0;
+
+/// Returns the estimates of a hand that types `text` on the default layout, at [`TYPING_RATE_HZ`], and its arm.
+fn typing(text: &str) -> (Vec<Estimate>, ArmModel) {
     let setup = Setup::default().load_files().expect("the default setup");
     let hand = setup.typist(text, &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.expect("the text can be typed");
     let settings = EstimatorSettings::unchecked(Smoothing::Off);
     let mut estimator =
         Estimator::new(settings).with_channels(&setup.glove.as_ref().expect("a glove").map);
-    let mut lines = Vec::new();
+    let mut estimates = Vec::new();
     while let SourceEvent::Reading(reading) = hand.next().expect("the hand has no errors") {
-        let estimate = estimator.update(&reading).expect("a valid reading");
-        lines.push(text_line::encode(&estimate.angles));
+        estimates.push(*estimator.update(&reading).expect("a valid reading"));
     }
-    lines
+    (estimates, setup.arm)
+}
+
+/// Returns the text lines of joint angles of a hand that types `text` on the default layout.
+///
+/// The angles of the thumb are not exact, because its MCP and IP joints share a wire index.
+pub fn text_lines(text: &str) -> Vec<String> {
+    let (estimates, _) = typing(text);
+    let encode = |estimate: &Estimate| text_line::encode(&estimate.angles);
+    estimates.iter().map(encode).collect()
+}
+
+/// Returns the poses of a hand that types `text` on the default layout.
+pub fn typing_poses(text: &str) -> Vec<HandPose> {
+    let (estimates, arm) = typing(text);
+    estimates
+        .iter()
+        .map(|estimate| arm.forward(estimate))
+        .collect()
+}
+
+/// Returns the lines of three cameras around a hand that types `text` on the default layout. They see a marker over each
+/// joint; only the first camera labels the fingers, and the third one labels nothing.
+pub fn marker_lines(text: &str) -> Vec<String> {
+    typing_poses(text).iter().map(marker_line).collect()
+}
+
+fn marker_line(pose: &HandPose) -> String {
+    let cameras = [[0.8, 1.0, 0.3], [-0.9, 0.9, -0.2], [0.1, 1.2, -1.4]];
+    let seen_by = |(camera, position): (usize, &[f64; 3])| {
+        let markers = pose.known().map(|(joint, pose)| {
+            let place = pose.translation.as_dvec3().to_array();
+            let direction: [f64; 3] = std::array::from_fn(|axis| place[axis] - position[axis]);
+            let is_labelled = camera == 0 || (camera == 1 && joint <= Joint::Wrist);
+            match is_labelled {
+                true => json!({"label": joint, "direction": direction}),
+                false => json!({"direction": direction}),
+            }
+        });
+        json!({"position": position, "markers": markers.collect::<Vec<_>>()})
+    };
+    let cameras: Vec<_> = cameras.iter().enumerate().map(seen_by).collect();
+    let line = json!({"time_us": pose.time, "cameras": cameras});
+    format!("{line}\n")
 }

@@ -11,8 +11,6 @@ pub struct Triangulation {
     pub point: DVec3,
     /// Twice the largest distance of the point from a ray. With two rays this is the distance between them.
     pub gap: f64,
-    /// Index of the ray with that distance; the lower one of equal ones.
-    pub worst: usize,
 }
 
 /// The reason why rays give no position.
@@ -43,18 +41,13 @@ pub fn triangulate(rays: &[Ray]) -> Result<Triangulation, TriangulationError> {
     if let Some(index) = behind {
         return Err(TriangulationError::Behind(index));
     }
-    let mut result = Triangulation {
+    let distances = rays
+        .iter()
+        .map(|ray| ray.at(ray.nearest(point)).distance(point));
+    Ok(Triangulation {
         point,
-        gap: -1.0,
-        worst: 0,
-    };
-    for (index, ray) in rays.iter().enumerate() {
-        let gap = 2.0 * ray.at(ray.nearest(point)).distance(point);
-        if gap > result.gap {
-            (result.gap, result.worst) = (gap, index);
-        }
-    }
-    Ok(result)
+        gap: 2.0 * distances.fold(0.0, f64::max),
+    })
 }
 
 /// Solves the normal equations, relative to the first camera for the sake of precision.
@@ -106,12 +99,10 @@ mod tests {
     }
 
     #[test]
-    fn the_worst_ray_is_the_one_of_another_marker() {
-        let point = DVec3::new(0.2, 1.1, -0.3);
-        let mut points = [point; 4];
+    fn the_gap_shows_a_ray_of_another_marker() {
+        let mut points = [DVec3::new(0.2, 1.1, -0.3); 4];
         points[2] += DVec3::Y * 0.05;
         let found = triangulate(&rays(&points)).unwrap();
-        assert_eq!(found.worst, 2);
         assert!(found.gap > 0.02, "{}", found.gap);
     }
 

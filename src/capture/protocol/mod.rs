@@ -2,8 +2,12 @@
 //!
 //! To add a protocol, write its file with a [`Protocol`] constant and list the constant in [`PROTOCOLS`].
 
+pub mod bvh;
 pub mod hc11;
+mod lines;
+pub mod markers;
 mod restart_text;
+mod space;
 pub mod text_line;
 
 use std::fmt;
@@ -11,10 +15,16 @@ use std::num::NonZeroU32;
 use std::time::Duration;
 
 use super::{Sample, SampleKind, SourceStats};
+use crate::hand::Side;
 use crate::time::Timestamp;
 
 /// All protocols. The first one is the default.
-pub const PROTOCOLS: &[&Protocol] = &[&hc11::PROTOCOL, &text_line::PROTOCOL];
+pub const PROTOCOLS: &[&Protocol] = &[
+    &hc11::PROTOCOL,
+    &text_line::PROTOCOL,
+    &markers::PROTOCOL,
+    &bvh::PROTOCOL,
+];
 
 /// A wire format: its name, its options and its decoder.
 #[derive(Debug)]
@@ -25,6 +35,8 @@ pub struct Protocol {
     pub summary: &'static str,
     /// Kind of sample that the decoder gives.
     pub sample: SampleKind,
+    /// `true` if a datagram can hold whole packets. Otherwise the protocol needs a stream from its start.
+    pub has_datagrams: bool,
     /// Length of the shortest packet, in bytes.
     pub min_packet_bytes: usize,
     /// Bit rate of the serial line that usually carries the protocol. `None` if no serial line limits the rate.
@@ -165,6 +177,22 @@ pub struct Packet {
     pub sample: Sample,
     /// Offset of the first byte after the packet, counted from the start of the stream.
     pub end: u64,
+    /// Time at which the values were complete on the clock of the sender, if the format states it. Files play by it.
+    pub time: Option<Timestamp>,
+    /// Hand that was measured, if the format states it.
+    pub side: Option<Side>,
+}
+
+impl Packet {
+    /// Creates a packet of a format that states neither a time nor a side.
+    pub const fn new(sample: Sample, end: u64) -> Self {
+        Self {
+            sample,
+            end,
+            time: None,
+            side: None,
+        }
+    }
 }
 
 /// Decoder of one byte stream.
@@ -187,6 +215,11 @@ pub trait Decoder: Send {
 
     /// Returns the statistics. `readings` counts packets; `resyncs` counts runs of skipped bytes.
     fn stats(&self) -> SourceStats;
+
+    /// Returns once the reason why the rest of the stream cannot be decoded. Everything after it is skipped.
+    fn take_error(&mut self) -> Option<String> {
+        None
+    }
 
     /// Returns `true` once after the stream showed that the sender has restarted.
     fn take_restart(&mut self) -> bool {

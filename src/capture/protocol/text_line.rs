@@ -6,8 +6,9 @@
 
 use std::fmt::Write;
 
-use super::{Decoder, Packet, Protocol, ProtocolOption, ProtocolOptions};
-use crate::capture::{Sample, SampleKind, SourceStats};
+use super::lines::{LineDecoder, LineParser};
+use super::{Packet, Protocol, ProtocolOption, ProtocolOptions};
+use crate::capture::{Sample, SampleKind};
 use crate::hand::{Dof, JointAngles};
 
 /// The text line protocol.
@@ -15,6 +16,7 @@ pub const PROTOCOL: Protocol = Protocol {
     name: "text-line",
     summary: "64 joint angles in degrees per line of text, by the wire index of the HC11 glove",
     sample: SampleKind::Angles,
+    has_datagrams: true,
     // One digit and one separator per value.
     min_packet_bytes: 2 * VALUES,
     default_baud: None,
@@ -44,9 +46,6 @@ fn rate_hz(options: &ProtocolOptions) -> f64 {
 
 /// Numbers in a line: one for each channel of the HC11 glove.
 pub const VALUES: usize = 64;
-
-/// Longest line in bytes, line end excluded: 64 numbers of 63 characters. The rest of a longer one is skipped.
-const MAX_LINE_BYTES: usize = 4096;
 
 /// Wire index of each angle. A sensor over two joints gives both the same angle. The other indices are unused by
 /// the sender or belong to joints without a sensor.
@@ -120,64 +119,27 @@ pub fn encode(angles: &JointAngles) -> String {
 }
 
 /// Decoder of text lines.
-#[derive(Clone, Debug)]
-pub struct TextLineDecoder {
-    /// The line so far, at most [`MAX_LINE_BYTES`].
-    line: Vec<u8>,
-    /// The current line is too long; its bytes are skipped up to the line end.
-    is_skipping: bool,
-    stats: SourceStats,
-    /// Offset of the first byte after the last line end, from the start of the stream.
-    line_start: u64,
-    /// The previous line was skipped.
-    is_searching: bool,
+pub type TextLineDecoder = LineDecoder<TextLineParser>;
+
+/// Parser of one text line.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TextLineParser;
+
+impl LineParser for TextLineParser {
+    /// 64 numbers of 63 characters.
+    const MAX_LINE_BYTES: usize = 4096;
+
+    fn parse(&mut self, line: &[u8]) -> Option<Packet> {
+        let values = parse(std::str::from_utf8(line).ok()?).ok()?;
+        let angles = angles(&values);
+        Some(Packet::new(Sample::Angles { angles }, 0))
+    }
 }
 
 impl TextLineDecoder {
     /// Creates a decoder at the start of a stream.
     pub fn new() -> Self {
-        Self {
-            line: Vec::with_capacity(MAX_LINE_BYTES),
-            is_skipping: false,
-            stats: SourceStats::default(),
-            line_start: 0,
-            is_searching: false,
-        }
-    }
-
-    /// Handles the line so far, which occupies `bytes` of the stream, line end included.
-    fn end_line(&mut self, bytes: u64, emit: &mut dyn FnMut(Packet)) {
-        self.line_start += bytes;
-        let is_too_long = std::mem::take(&mut self.is_skipping);
-        let parsed = match std::str::from_utf8(&self.line) {
-            Ok(line) if !is_too_long => parse(line).ok(),
-            _ => None,
-        };
-        self.line.clear();
-        let Some(values) = parsed else {
-            self.stats.skipped_bytes += bytes;
-            self.stats.resyncs += u64::from(!self.is_searching);
-            self.is_searching = true;
-            return;
-        };
-        self.stats.readings += 1;
-        self.is_searching = false;
-        emit(Packet {
-            sample: Sample::Angles {
-                angles: angles(&values),
-            },
-            end: self.line_start,
-        });
-    }
-
-    fn push_to_line(&mut self, bytes: &[u8]) {
-        if self.line.len() + bytes.len() > MAX_LINE_BYTES {
-            self.is_skipping = true;
-            self.line.clear();
-        }
-        if !self.is_skipping {
-            self.line.extend_from_slice(bytes);
-        }
+        Self::with_parser(TextLineParser)
     }
 }
 
@@ -187,50 +149,10 @@ impl Default for TextLineDecoder {
     }
 }
 
-impl Decoder for TextLineDecoder {
-    fn push(&mut self, bytes: &[u8], emit: &mut dyn FnMut(Packet)) {
-        let start = self.stats.bytes;
-        self.stats.bytes += bytes.len() as u64;
-        let mut offset = 0;
-        for piece in bytes.split_inclusive(|&byte| byte == b'\n') {
-            offset += piece.len() as u64;
-            match piece {
-                [line @ .., b'\n'] => {
-                    self.push_to_line(line);
-                    self.end_line(start + offset - self.line_start, emit);
-                }
-                _ => self.push_to_line(piece),
-            }
-        }
-    }
-
-    fn finish(&mut self, emit: &mut dyn FnMut(Packet)) {
-        let bytes = self.stats.bytes - self.line_start;
-        if bytes > 0 {
-            self.end_line(bytes, emit);
-        }
-        self.is_searching = false;
-    }
-
-    fn reset(&mut self) {
-        self.stats.skipped_bytes += self.stats.bytes - self.line_start;
-        self.line_start = self.stats.bytes;
-        self.line.clear();
-        (self.is_skipping, self.is_searching) = (false, false);
-    }
-
-    fn pending_bytes(&self) -> usize {
-        (self.stats.bytes - self.line_start) as usize
-    }
-
-    fn stats(&self) -> SourceStats {
-        self.stats
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::protocol::Decoder;
 
     const VECTORS: &str = concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -344,7 +266,7 @@ mod tests {
         for _ in 0..1000 {
             decoder.push(&[b'1'; 1000], &mut |_| panic!("no line end"));
         }
-        assert_eq!(decoder.line.capacity(), MAX_LINE_BYTES);
+        assert_eq!(decoder.line_capacity(), TextLineParser::MAX_LINE_BYTES);
         let line = encode(&JointAngles::default());
         let mut packets = 0;
         decoder.push(format!("\n{line}").as_bytes(), &mut |_| packets += 1);

@@ -149,7 +149,25 @@ impl<C: Connector> StreamSource<C> {
         let now = Instant::now();
         self.decoder
             .finish(&mut |packet| pending.push(packet, now, received, format));
-        Ok(self.pending.pop().unwrap_or(SourceEvent::End))
+        if let Some(reading) = self.pending.pop() {
+            return Ok(reading);
+        }
+        match self.decoder.take_error() {
+            Some(reason) => Err(self.end_of_format(reason)),
+            None => Ok(SourceEvent::End),
+        }
+    }
+
+    /// Handles an error after which the stream cannot be decoded.
+    fn end_of_format(&mut self, reason: String) -> CaptureError {
+        if C::RECONNECTS {
+            return self.lose(reason);
+        }
+        self.state = State::Ended;
+        CaptureError::Malformed {
+            source_name: self.name.clone(),
+            reason,
+        }
     }
 
     fn fail(&mut self, error: &Error) -> CaptureError {
@@ -210,6 +228,9 @@ impl<C: Connector> Source for StreamSource<C> {
         if let Some(reading) = self.pending.pop() {
             return Ok(reading);
         }
+        if let Some(reason) = self.decoder.take_error() {
+            return Err(self.end_of_format(reason));
+        }
         match &self.state {
             State::Connected(_) => self.read(),
             State::Reconnecting(_) => Ok(self.wait_for_connection()),
@@ -254,8 +275,8 @@ impl PendingReadings {
     fn push(&mut self, packet: Packet, now: Instant, received: u64, format: &StreamFormat) {
         let bytes_after = received.saturating_sub(packet.end) as usize;
         self.readings.push_back(Reading {
-            time: self.clock.stamp(now, bytes_after, format),
-            side: None,
+            time: self.clock.stamp(now, bytes_after, format, packet.time),
+            side: packet.side,
             sample: packet.sample,
         });
     }

@@ -10,6 +10,7 @@ use crate::capture::connection::{ConnectError, Connection, Connector};
 pub const TRANSPORT: Transport = Transport {
     scheme: SCHEME,
     is_remote: false,
+    is_datagram: false,
     is_device: false,
     has_address: true,
     default_baud: None,

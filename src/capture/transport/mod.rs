@@ -33,6 +33,8 @@ pub struct Transport {
     pub scheme: Scheme,
     /// Other programs on the network may send readings too.
     pub is_remote: bool,
+    /// It carries datagrams, each of whole packets, and not a stream.
+    pub is_datagram: bool,
     /// The device or server may appear after the program has started.
     pub is_device: bool,
     /// The URI has an address.

@@ -23,6 +23,7 @@ pub const TRANSPORT: Transport = Transport {
         example: "serial:/dev/ttyUSB0?baud=9600",
     },
     is_remote: false,
+    is_datagram: false,
     is_device: true,
     has_address: true,
     default_baud: Some(DEFAULT_BAUD),

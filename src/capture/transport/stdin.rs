@@ -8,6 +8,7 @@ use crate::capture::poll::open_stdin;
 pub const TRANSPORT: Transport = Transport {
     scheme: SCHEME,
     is_remote: false,
+    is_datagram: false,
     is_device: false,
     has_address: false,
     default_baud: None,

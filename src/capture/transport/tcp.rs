@@ -12,6 +12,7 @@ use crate::capture::poll::Readiness;
 pub const TRANSPORT: Transport = Transport {
     scheme: SCHEME,
     is_remote: true,
+    is_datagram: false,
     is_device: true,
     has_address: true,
     default_baud: None,

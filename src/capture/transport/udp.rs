@@ -11,6 +11,7 @@ use crate::capture::poll::Readiness;
 pub const TRANSPORT: Transport = Transport {
     scheme: SCHEME,
     is_remote: true,
+    is_datagram: true,
     is_device: false,
     has_address: true,
     default_baud: None,
@@ -55,8 +56,8 @@ impl Connector for UdpConnector {
     const IS_LIVE: bool = true;
     const RECONNECTS: bool = true;
     const IS_DATAGRAM: bool = true;
-    /// A line of text has about 1300 bytes.
-    const READ_BYTES: usize = 4096;
+    /// More than the longest datagram.
+    const READ_BYTES: usize = 1 << 16;
 
     fn connect(&mut self) -> std::result::Result<Connection, ConnectError> {
         let socket = bind(&self.address).map_err(|error| {

@@ -176,10 +176,17 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
         });
     }
     (transport.check_address)(address)?;
+    let format = parse_format(options, transport.default_baud)?;
+    if transport.is_datagram && !format.protocol.has_datagrams {
+        return Err(format!(
+            "protocol `{}` needs a stream from its start, which datagrams do not carry; use `file:` or `tcp:`",
+            format.protocol.name
+        ));
+    }
     Ok(StreamUri {
         transport,
         address: address.to_owned(),
-        format: parse_format(options, transport.default_baud)?,
+        format,
     })
 }
 

@@ -2,20 +2,26 @@
 
 mod angles;
 mod channels;
+mod joints;
 
 use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
 use crate::capture::{Reading, Sample};
+use crate::hand::Side;
 
 /// The converter of one hand, with the state that the kinds of samples need.
 #[derive(Clone, Debug)]
 pub(super) struct SampleConverter {
     channels: Option<channels::ChannelConverter>,
+    joints: joints::JointConverter,
 }
 
 impl SampleConverter {
     /// Creates a converter for samples that need no channel map.
-    pub(super) const fn new() -> Self {
-        Self { channels: None }
+    pub(super) fn new() -> Self {
+        Self {
+            channels: None,
+            joints: joints::JointConverter::default(),
+        }
     }
 
     /// Sets the channel map for samples of sensor channels.
@@ -38,6 +44,11 @@ impl SampleConverter {
             }
             Sample::Angles { angles } => {
                 angles::convert(angles, settings.limits.as_ref(), &mut estimate.angles)
+            }
+            Sample::Joints { positions } => {
+                let side = reading.side.unwrap_or(Side::Right);
+                let limits = settings.limits.as_ref();
+                self.joints.convert(positions, side, limits, estimate)
             }
         }
     }

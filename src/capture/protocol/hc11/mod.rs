@@ -15,6 +15,7 @@ pub const PROTOCOL: Protocol = Protocol {
     name: "hc11",
     summary: "flex-sensor glove with the 68HC11 converter: 64 counts of 8 bits per packet",
     sample: SampleKind::Channels,
+    has_datagrams: true,
     min_packet_bytes: PACKET_BYTES,
     default_baud: Some(DEFAULT_BAUD),
     options: &[&FRAMING],
@@ -235,7 +236,7 @@ impl Hc11Decoder {
                     self.is_searching = false;
                     self.restart_text.push_packet();
                     let end = self.stats.readings * PACKET_BYTES as u64 + self.stats.skipped_bytes;
-                    emit(Packet { sample, end });
+                    emit(Packet::new(sample, end));
                 }
                 StartCheck::NoPacket => self.skip_byte(),
                 StartCheck::Undecided => return,

@@ -1,0 +1,309 @@
+//! BVH motion capture: a text with a skeleton and its frames, as a file or as a stream from its start.
+//!
+//! The joints of one arm and hand are found by [their names](crate::capture::bvh::joint_of). A file plays at its frame
+//! time.
+
+use super::space::{self, Facing, HAND, UP, WorldFromSource};
+use super::{Decoder, Packet, Protocol, ProtocolOption, ProtocolOptions};
+use crate::capture::bvh::{BvhParser, HandJoints, Motion, NodePose, PositionChannels};
+use crate::capture::{Sample, SampleKind, SourceStats};
+use crate::hand::{JointPositions, Side};
+use crate::time::Timestamp;
+
+/// The BVH protocol.
+pub const PROTOCOL: Protocol = Protocol {
+    name: "bvh",
+    summary: "motion capture in a BVH text: the joints of one arm and hand, by their names",
+    sample: SampleKind::Joints,
+    has_datagrams: false,
+    // Three rotations of shoulder, elbow and wrist: one digit and one separator each.
+    min_packet_bytes: 18,
+    default_baud: None,
+    options: &[&HAND, &UNIT, &UP, &POSITIONS],
+    // Every frame states its time.
+    nominal_rate_hz: |_| None,
+    decoder: |options| Box::new(BvhDecoder::new(options)),
+};
+
+const UNIT: ProtocolOption = ProtocolOption {
+    name: "unit_mm",
+    default: "10",
+    summary: "millimetres in the unit of the file: 10 for centimetres, 1000 for metres",
+    check: space::check_unit,
+};
+
+const POSITIONS: ProtocolOption = ProtocolOption {
+    name: "positions",
+    default: "add",
+    summary: "position channels `add` to the offset of a joint or `replace` it, as in files of Blender",
+    check: |value| match value.parse::<PositionChannels>() {
+        Ok(_) => Ok(()),
+        Err(error) => Err(error.to_string()),
+    },
+};
+
+/// Decoder of a BVH text.
+#[derive(Clone, Debug)]
+pub struct BvhDecoder {
+    parser: BvhParser,
+    frames: FrameReader,
+    stats: SourceStats,
+    /// Offset of the first byte of the text in the stream.
+    text_start: u64,
+    /// Offset of the first byte after the last frame, from the start of the stream.
+    last_end: u64,
+    error: Option<String>,
+    has_failed: bool,
+}
+
+impl BvhDecoder {
+    /// Creates a decoder at the start of a text.
+    pub fn new(options: &ProtocolOptions) -> Self {
+        let unit_mm = space::number(options, &UNIT);
+        let positions = options.get(&POSITIONS).parse();
+        Self {
+            parser: BvhParser::new(),
+            frames: FrameReader {
+                hand: space::hand(options),
+                world: WorldFromSource::new(options, unit_mm, Facing::TowardsViewer),
+                positions: positions.expect("options are checked when they are set"),
+                joints: None,
+                poses: Vec::new(),
+                count: 0,
+            },
+            stats: SourceStats::default(),
+            text_start: 0,
+            last_end: 0,
+            error: None,
+            has_failed: false,
+        }
+    }
+
+    /// Runs the parser and counts what it found.
+    fn parse(
+        &mut self,
+        emit: &mut dyn FnMut(Packet),
+        run: impl FnOnce(
+            &mut BvhParser,
+            &mut dyn FnMut(&Motion, &[f64], u64),
+        ) -> Result<(), crate::capture::bvh::BvhError>,
+    ) {
+        let (mut frame_error, mut readings) = (None, 0);
+        let mut on_frame = |motion: &Motion, values: &[f64], end: u64| {
+            if frame_error.is_some() {
+                return;
+            }
+            match self.frames.read(motion, values, self.text_start + end) {
+                Ok(packet) => {
+                    self.last_end = packet.end;
+                    readings += 1;
+                    emit(packet);
+                }
+                Err(reason) => frame_error = Some(reason),
+            }
+        };
+        let result = run(&mut self.parser, &mut on_frame);
+        self.stats.readings += readings;
+        let reason = frame_error.or_else(|| result.err().map(|error| error.to_string()));
+        if let Some(reason) = reason {
+            self.error = Some(reason);
+            self.has_failed = true;
+            self.stats.resyncs += 1;
+            self.skip_rest();
+        }
+    }
+
+    fn skip_rest(&mut self) {
+        self.stats.skipped_bytes += self.stats.bytes - self.last_end;
+        self.last_end = self.stats.bytes;
+    }
+}
+
+impl Decoder for BvhDecoder {
+    fn push(&mut self, bytes: &[u8], emit: &mut dyn FnMut(Packet)) {
+        self.stats.bytes += bytes.len() as u64;
+        if self.has_failed {
+            self.skip_rest();
+            return;
+        }
+        self.parse(emit, |parser, on_frame| parser.push(bytes, on_frame));
+    }
+
+    fn finish(&mut self, emit: &mut dyn FnMut(Packet)) {
+        if !self.has_failed && self.stats.bytes > self.text_start {
+            self.parse(emit, |parser, on_frame| parser.finish(on_frame));
+        }
+        self.skip_rest();
+    }
+
+    fn reset(&mut self) {
+        self.skip_rest();
+        self.parser = BvhParser::new();
+        (self.frames.joints, self.frames.count) = (None, 0);
+        (self.text_start, self.has_failed, self.error) = (self.stats.bytes, false, None);
+    }
+
+    fn pending_bytes(&self) -> usize {
+        (self.stats.bytes - self.last_end) as usize
+    }
+
+    fn stats(&self) -> SourceStats {
+        self.stats
+    }
+
+    fn take_error(&mut self) -> Option<String> {
+        self.error.take()
+    }
+}
+
+/// The conversion of frames to joint positions.
+#[derive(Clone, Debug)]
+struct FrameReader {
+    hand: Side,
+    world: WorldFromSource,
+    positions: PositionChannels,
+    /// Known from the first frame on.
+    joints: Option<HandJoints>,
+    poses: Vec<NodePose>,
+    count: u64,
+}
+
+impl FrameReader {
+    fn read(&mut self, motion: &Motion, values: &[f64], end: u64) -> Result<Packet, String> {
+        if self.joints.is_none() {
+            self.joints = Some(self.find_joints(motion)?);
+        }
+        self.count += 1;
+        let skeleton = &motion.skeleton;
+        skeleton.world_poses(values, self.positions, &mut self.poses);
+        let mut positions = JointPositions::default();
+        for (joint, node) in self.joints.iter().flat_map(HandJoints::iter) {
+            positions.set(joint, self.world.position(self.poses[node].position));
+        }
+        Ok(Packet {
+            sample: Sample::Joints { positions },
+            end,
+            time: Some(Timestamp::from_seconds(
+                self.count as f64 * motion.frame_time,
+            )),
+            side: Some(self.hand),
+        })
+    }
+
+    fn find_joints(&self, motion: &Motion) -> Result<HandJoints, String> {
+        if motion.frame_time == 0.0 {
+            return Err(
+                "`Frame Time:` is 0, so the frames have no order in time; write the seconds between two frames"
+                    .to_owned(),
+            );
+        }
+        HandJoints::find(&motion.skeleton, self.hand).ok_or_else(|| {
+            let (side, other) = (self.hand, self.hand.opposite());
+            let title = if side == Side::Right { "Right" } else { "Left" };
+            format!(
+                "no joint is named as the wrist of the {side} hand; name it `{title}Hand` or `{title}Wrist`, or use \
+                 `hand={other}`"
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::hand::Joint;
+
+    const TEXT: &str = "HIERARCHY\nROOT Hips { OFFSET 0 0 0 CHANNELS 3 Xposition Yposition Zposition\n\
+        JOINT RightArm { OFFSET -20 150 0 CHANNELS 1 Zrotation\n\
+        JOINT RightForeArm { OFFSET -30 0 0 CHANNELS 1 Yrotation\n\
+        JOINT RightHand { OFFSET -25 0 0 CHANNELS 0 End Site { OFFSET -18 0 0 } } } } }\n\
+        MOTION\nFrames: 2\nFrame Time: 0.02\n0 0 0 0 0\n10 0 0 90 0\n";
+
+    fn options(pairs: &[(&ProtocolOption, &str)]) -> ProtocolOptions {
+        let mut options = ProtocolOptions::default();
+        for (option, value) in pairs {
+            options.set(option, value).unwrap();
+        }
+        options
+    }
+
+    fn decode(options: &ProtocolOptions, text: &str, size: usize) -> (Vec<Packet>, BvhDecoder) {
+        let (mut decoder, mut packets) = (BvhDecoder::new(options), Vec::new());
+        for piece in text.as_bytes().chunks(size) {
+            decoder.push(piece, &mut |packet| packets.push(packet));
+        }
+        decoder.finish(&mut |packet| packets.push(packet));
+        (packets, decoder)
+    }
+
+    fn position(packet: &Packet, joint: Joint) -> DVec3 {
+        match &packet.sample {
+            Sample::Joints { positions } => positions.get(joint).unwrap(),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn frames_are_positions_in_metres_at_the_frame_time() {
+        for size in [1, 7, 10_000] {
+            let (packets, mut decoder) = decode(&options(&[]), TEXT, size);
+            let times: Vec<_> = packets
+                .iter()
+                .map(|packet| packet.time.unwrap().0)
+                .collect();
+            assert_eq!(times, [20_000, 40_000]);
+            assert_eq!(packets[0].side, Some(Side::Right));
+            let tip = position(&packets[0], Joint::IndexTip);
+            assert!(tip.distance(DVec3::new(0.93, 1.5, 0.0)) < 1e-9, "{tip}");
+            let elbow = position(&packets[1], Joint::Elbow);
+            assert!(elbow.distance(DVec3::new(0.1, 1.2, 0.0)) < 1e-9, "{elbow}");
+            let stats = decoder.stats();
+            assert_eq!((stats.readings, stats.bytes), (2, TEXT.len() as u64));
+            assert_eq!((stats.skipped_bytes, decoder.take_error()), (1, None));
+        }
+    }
+
+    #[test]
+    fn a_unit_of_metres_and_z_up_are_converted() {
+        let options = options(&[(&UNIT, "1000"), (&UP, "z")]);
+        let (packets, _) = decode(&options, TEXT, 100);
+        let tip = position(&packets[0], Joint::IndexTip);
+        assert!(tip.distance(DVec3::new(93.0, 0.0, 150.0)) < 1e-9, "{tip}");
+    }
+
+    #[test]
+    fn errors_keep_the_frames_before_them_and_state_what_is_wrong() {
+        let error = |options: &ProtocolOptions, text: &str| {
+            let (packets, mut decoder) = decode(options, text, 50);
+            let stats = decoder.stats();
+            assert_eq!(decoder.pending_bytes(), 0);
+            assert_eq!(stats.bytes, text.len() as u64);
+            (packets.len(), decoder.take_error().unwrap())
+        };
+        let cut = TEXT.strip_suffix("90 0\n").unwrap();
+        let (frames, reason) = error(&options(&[]), cut);
+        assert!(
+            reason.contains("after 1 frames and 3 of 5 values"),
+            "{reason}"
+        );
+        assert_eq!(frames, 1);
+        let (frames, reason) = error(&options(&[(&HAND, "left")]), TEXT);
+        assert!(reason.contains("use `hand=right`"), "{reason}");
+        assert_eq!(frames, 0);
+        let (_, reason) = error(&options(&[]), &TEXT.replace("0.02", "0"));
+        assert!(reason.contains("`Frame Time:` is 0"), "{reason}");
+    }
+
+    #[test]
+    fn a_new_connection_starts_a_new_text() {
+        let mut decoder = BvhDecoder::new(&options(&[]));
+        let mut packets = Vec::new();
+        decoder.push(&TEXT.as_bytes()[..300], &mut |packet| packets.push(packet));
+        decoder.reset();
+        decoder.push(TEXT.as_bytes(), &mut |packet| packets.push(packet));
+        assert_eq!(packets.len(), 2);
+        assert_eq!(packets[1].end, 300 + TEXT.len() as u64 - 1);
+    }
+}

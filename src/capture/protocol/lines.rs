@@ -1,0 +1,127 @@
+//! Protocols with one packet per line of text.
+
+use super::{Decoder, Packet};
+use crate::capture::SourceStats;
+
+/// Parser of a line without its line end: returns `None` for an invalid line. The end of the packet is filled in later.
+pub trait LineParser: Send {
+    /// Longest line in bytes, line end excluded. The rest of a longer one is skipped.
+    const MAX_LINE_BYTES: usize;
+
+    /// Parses a line.
+    fn parse(&mut self, line: &[u8]) -> Option<Packet>;
+
+    /// Forgets earlier lines, after a stream broke off.
+    fn reset(&mut self) {}
+}
+
+/// Decoder of lines, which end with LF or CR LF. An invalid line is skipped. In a datagram the last line end may be
+/// missing.
+#[derive(Clone, Debug)]
+pub struct LineDecoder<P> {
+    parser: P,
+    /// The line so far, at most `MAX_LINE_BYTES`.
+    line: Vec<u8>,
+    /// The current line is too long; its bytes are skipped up to the line end.
+    is_skipping: bool,
+    stats: SourceStats,
+    /// Offset of the first byte after the last line end, from the start of the stream.
+    line_start: u64,
+    /// The previous line was skipped.
+    is_searching: bool,
+}
+
+impl<P: LineParser> LineDecoder<P> {
+    /// Creates a decoder at the start of a stream.
+    pub(super) fn with_parser(parser: P) -> Self {
+        Self {
+            parser,
+            line: Vec::with_capacity(P::MAX_LINE_BYTES),
+            is_skipping: false,
+            stats: SourceStats::default(),
+            line_start: 0,
+            is_searching: false,
+        }
+    }
+
+    /// Returns the bytes that a line may occupy.
+    #[cfg(test)]
+    pub(super) fn line_capacity(&self) -> usize {
+        self.line.capacity()
+    }
+
+    /// Handles the line so far, which occupies `bytes` of the stream, line end included.
+    fn end_line(&mut self, bytes: u64, emit: &mut dyn FnMut(Packet)) {
+        self.line_start += bytes;
+        let is_too_long = std::mem::take(&mut self.is_skipping);
+        let packet = match is_too_long {
+            true => None,
+            false => self.parser.parse(&self.line),
+        };
+        self.line.clear();
+        let Some(packet) = packet else {
+            self.stats.skipped_bytes += bytes;
+            self.stats.resyncs += u64::from(!self.is_searching);
+            self.is_searching = true;
+            return;
+        };
+        self.stats.readings += 1;
+        self.is_searching = false;
+        emit(Packet {
+            end: self.line_start,
+            ..packet
+        });
+    }
+
+    fn push_to_line(&mut self, bytes: &[u8]) {
+        if self.line.len() + bytes.len() > P::MAX_LINE_BYTES {
+            self.is_skipping = true;
+            self.line.clear();
+        }
+        if !self.is_skipping {
+            self.line.extend_from_slice(bytes);
+        }
+    }
+}
+
+impl<P: LineParser> Decoder for LineDecoder<P> {
+    fn push(&mut self, bytes: &[u8], emit: &mut dyn FnMut(Packet)) {
+        let start = self.stats.bytes;
+        self.stats.bytes += bytes.len() as u64;
+        let mut offset = 0;
+        for piece in bytes.split_inclusive(|&byte| byte == b'\n') {
+            offset += piece.len() as u64;
+            match piece {
+                [line @ .., b'\n'] => {
+                    self.push_to_line(line);
+                    self.end_line(start + offset - self.line_start, emit);
+                }
+                _ => self.push_to_line(piece),
+            }
+        }
+    }
+
+    fn finish(&mut self, emit: &mut dyn FnMut(Packet)) {
+        let bytes = self.stats.bytes - self.line_start;
+        if bytes > 0 {
+            self.end_line(bytes, emit);
+        }
+        self.is_searching = false;
+    }
+
+    fn reset(&mut self) {
+        self.stats.skipped_bytes += self.stats.bytes - self.line_start;
+        self.line_start = self.stats.bytes;
+        self.line.clear();
+        (self.is_skipping, self.is_searching) = (false, false);
+        self.parser.reset();
+    }
+
+    fn pending_bytes(&self) -> usize {
+        (self.stats.bytes - self.line_start) as usize
+    }
+
+    fn stats(&self) -> SourceStats {
+        self.stats
+    }
+}

@@ -1,0 +1,109 @@
+//! The form of a line.
+
+use glam::{DQuat, DVec3};
+use serde::Deserialize;
+
+use super::point_cloud::Observation;
+use crate::capture::markers::Ray;
+
+/// Most cameras of a line. Each step of the matching grows with their number.
+const MAX_CAMERAS: usize = 16;
+
+/// Most markers of a camera. The time of the matching grows with their cube: 64 take less than 1 ms.
+const MAX_MARKERS: usize = 64;
+
+/// Largest difference of the length of a quaternion from 1.
+const QUATERNION_TOLERANCE: f64 = 1e-3;
+
+/// The observations of all cameras at one instant.
+#[derive(Debug, Deserialize)]
+pub(super) struct Line<'a> {
+    pub time_us: Option<u64>,
+    #[serde(borrow, deserialize_with = "at_most::<_, _, MAX_CAMERAS>")]
+    pub cameras: Vec<Camera<'a>>,
+}
+
+/// A camera and the markers that it sees.
+#[derive(Debug, Deserialize)]
+pub(super) struct Camera<'a> {
+    position: [f64; 3],
+    orientation: Option<[f64; 4]>,
+    #[serde(default = "default_focal")]
+    focal_px: [f64; 2],
+    #[serde(default)]
+    center_px: [f64; 2],
+    #[serde(borrow, deserialize_with = "at_most::<_, _, MAX_MARKERS>")]
+    markers: Vec<Marker<'a>>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Marker<'a> {
+    #[serde(borrow)]
+    label: Option<std::borrow::Cow<'a, str>>,
+    #[serde(flatten)]
+    sight: Sight,
+}
+
+/// The line of sight to a marker.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Sight {
+    Point([f64; 3]),
+    Direction([f64; 3]),
+    Image([f64; 2]),
+}
+
+fn default_focal() -> [f64; 2] {
+    [1.0; 2]
+}
+
+/// Reads a list of at most `MAX` elements.
+fn at_most<'de, D, T, const MAX: usize>(deserializer: D) -> Result<Vec<T>, D::Error>
+where
+    D: serde::Deserializer<'de>,
+    T: Deserialize<'de>,
+{
+    let list = Vec::deserialize(deserializer)?;
+    match list.len() <= MAX {
+        true => Ok(list),
+        false => Err(serde::de::Error::invalid_length(
+            list.len(),
+            &"a shorter list",
+        )),
+    }
+}
+
+impl Camera<'_> {
+    /// Returns the rays to the markers; `None` if one of them is not determined.
+    pub fn observations(&self) -> Option<Vec<Observation<'_>>> {
+        let origin = DVec3::from_array(self.position);
+        let observe = |marker: &'_ Marker<'_>| {
+            let direction = match marker.sight {
+                Sight::Point(point) => DVec3::from_array(point) - origin,
+                Sight::Direction(direction) => DVec3::from_array(direction),
+                Sight::Image(image) => self.direction(image)?,
+            };
+            let ray = Ray { origin, direction };
+            ray.is_valid().then_some(ray)
+        };
+        let observations = self.markers.iter().map(|marker| {
+            Some(Observation {
+                label: marker.label.as_deref(),
+                ray: observe(marker)?,
+            })
+        });
+        observations.collect()
+    }
+
+    /// Returns the direction in space of an image position.
+    fn direction(&self, [u, v]: [f64; 2]) -> Option<DVec3> {
+        let world_from_camera = DQuat::from_array(self.orientation?);
+        if (world_from_camera.length() - 1.0).abs() > QUATERNION_TOLERANCE {
+            return None;
+        }
+        let [focal_u, focal_v] = self.focal_px;
+        let [center_u, center_v] = self.center_px;
+        let in_camera = DVec3::new((u - center_u) / focal_u, (v - center_v) / focal_v, 1.0);
+        Some(world_from_camera.normalize() * in_camera)
+    }
+}

@@ -1,0 +1,131 @@
+//! Markers in space, from the observations of all cameras.
+
+use glam::DVec3;
+
+use crate::capture::markers::{CostMatrix, Ray, assign, closest_points, triangulate};
+
+/// A marker in the image of one camera.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Observation<'a> {
+    /// The name, if the camera's software knows it.
+    pub label: Option<&'a str>,
+    /// The line of sight.
+    pub ray: Ray,
+}
+
+/// Markers with the rays of the cameras that see them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PointCloud {
+    markers: Vec<Marker>,
+}
+
+#[derive(Clone, Debug)]
+struct Marker {
+    label: Option<String>,
+    rays: Vec<Ray>,
+}
+
+impl PointCloud {
+    pub fn clear(&mut self) {
+        self.markers.clear();
+    }
+
+    /// Adds the observations of one more camera. Those whose label an earlier camera used belong to that marker. The
+    /// others are matched by the distance of their rays, at most `max_gap`: the most pairs, then the least total distance.
+    pub fn add_camera(&mut self, observations: &[Observation], max_gap: f64) {
+        let known = self.markers.len();
+        let mut unmatched = Vec::new();
+        let mut is_free = vec![true; known];
+        for observation in observations {
+            let same = |marker: &Marker| {
+                marker.label.is_some() && marker.label.as_deref() == observation.label
+            };
+            match self.markers[..known].iter().position(same) {
+                Some(index) if is_free[index] => {
+                    is_free[index] = false;
+                    self.markers[index].rays.push(observation.ray);
+                }
+                // The same label twice in one image.
+                Some(_) => {}
+                None => unmatched.push(*observation),
+            }
+        }
+        let free: Vec<usize> = (0..known).filter(|&index| is_free[index]).collect();
+        let costs = CostMatrix::new(unmatched.len(), free.len(), |row, column| {
+            let marker = &self.markers[free[column]];
+            if marker.label.is_some() && unmatched[row].label.is_some() {
+                return None;
+            }
+            marker
+                .gap(&unmatched[row].ray)
+                .filter(|gap| *gap <= max_gap)
+        });
+        let mut columns = assign(&costs);
+        columns.resize(unmatched.len(), None);
+        for (observation, column) in unmatched.iter().zip(columns) {
+            let label = observation.label.map(str::to_owned);
+            match column {
+                Some(column) => {
+                    let marker = &mut self.markers[free[column]];
+                    marker.rays.push(observation.ray);
+                    marker.label = marker.label.take().or(label);
+                }
+                None => self.markers.push(Marker {
+                    label,
+                    rays: vec![observation.ray],
+                }),
+            }
+        }
+    }
+
+    /// Returns the label and the position of each marker that two cameras see in front of them, with rays that pass
+    /// within `max_gap`. Of three or more rays, the one without which the others fit best is left out until they do.
+    pub fn positions(&self, max_gap: f64) -> impl Iterator<Item = (Option<&str>, DVec3)> + '_ {
+        self.markers.iter().filter_map(move |marker| {
+            let position = marker.position(max_gap)?;
+            Some((marker.label.as_deref(), position))
+        })
+    }
+}
+
+impl Marker {
+    /// Returns the distance of a ray from the marker: that of two rays, or twice the distance from the point of more rays.
+    /// `None` if it does not determine a point in front of the cameras.
+    fn gap(&self, ray: &Ray) -> Option<f64> {
+        if let [only] = self.rays[..] {
+            let closest = closest_points(&only, ray).ok()?;
+            return closest.is_in_front().then(|| closest.gap());
+        }
+        let point = triangulate(&self.rays).ok()?.point;
+        let k = ray.nearest(point);
+        (k > 0.0).then(|| 2.0 * ray.at(k).distance(point))
+    }
+
+    fn position(&self, max_gap: f64) -> Option<DVec3> {
+        let mut rays = self.rays.clone();
+        loop {
+            if let Ok(found) = triangulate(&rays)
+                && found.gap <= max_gap
+            {
+                return Some(found.point);
+            }
+            if rays.len() <= 2 {
+                return None;
+            }
+            // The ray with the largest distance need not be the wrong one: that pulls the point towards itself.
+            let gaps = (0..rays.len()).map(|index| gap_without(&rays, index));
+            let best = gaps
+                .enumerate()
+                .min_by(|(_, one), (_, other)| one.total_cmp(other));
+            let (index, _) = best?;
+            rays.remove(index);
+        }
+    }
+}
+
+/// Returns the largest distance that remains without one ray; infinite if the others determine no point.
+fn gap_without(rays: &[Ray], index: usize) -> f64 {
+    let mut others = rays.to_vec();
+    others.remove(index);
+    triangulate(&others).map_or(f64::INFINITY, |found| found.gap)
+}

@@ -1,0 +1,189 @@
+//! Tests of marker lines.
+
+use std::fmt::Write;
+
+use super::*;
+use crate::hand::{Joint, JointPositions};
+
+const CAMERAS: [DVec3; 4] = [
+    DVec3::new(2.0, 2.0, 2.0),
+    DVec3::new(-2.0, 2.0, 2.0),
+    DVec3::new(-2.0, 1.5, -2.0),
+    DVec3::new(2.0, 1.8, -2.0),
+];
+
+fn options(pairs: &[(&ProtocolOption, &str)]) -> ProtocolOptions {
+    let mut options = ProtocolOptions::default();
+    for (option, value) in pairs {
+        options.set(option, value).unwrap();
+    }
+    options
+}
+
+/// Returns the line of cameras that see labelled points; the label `-` is none.
+fn line(seen: &[(DVec3, &[(&str, DVec3)])]) -> String {
+    let cameras = seen.iter().map(|(camera, markers)| {
+        let markers = markers.iter().map(|(label, position)| {
+            let point = camera.lerp(*position, 0.4).to_array();
+            match *label {
+                "-" => format!(r#"{{"point":{point:?}}}"#),
+                label => format!(r#"{{"label":"{label}","point":{point:?}}}"#),
+            }
+        });
+        let markers: Vec<String> = markers.collect();
+        let position = camera.to_array();
+        format!(
+            r#"{{"position":{position:?},"markers":[{}]}}"#,
+            markers.join(",")
+        )
+    });
+    let cameras: Vec<String> = cameras.collect();
+    format!(r#"{{"cameras":[{}]}}"#, cameras.join(","))
+}
+
+fn decode(options: &ProtocolOptions, lines: &[String]) -> Vec<Packet> {
+    let mut decoder = (PROTOCOL.decoder)(options);
+    let mut packets = Vec::new();
+    for line in lines {
+        decoder.push(line.as_bytes(), &mut |packet| packets.push(packet));
+        decoder.push(b"\r\n", &mut |packet| packets.push(packet));
+    }
+    packets
+}
+
+fn positions(packet: &Packet) -> JointPositions {
+    match &packet.sample {
+        Sample::Joints { positions } => *positions,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Returns the joints of one line and their positions in millimetres.
+fn joints(options: &ProtocolOptions, line: String) -> String {
+    let packets = decode(options, &[line]);
+    let Some(packet) = packets.first() else {
+        return "none".to_owned();
+    };
+    let mut text = String::new();
+    for (joint, position) in positions(packet).known() {
+        // Adding 0 makes −0 positive.
+        let [x, y, z] = ((position * 1000.0).round() + 0.0).to_array();
+        let _ = write!(text, "{joint} {x} {y} {z};");
+    }
+    text
+}
+
+const ELBOW: DVec3 = DVec3::new(0.2, 1.0, 0.0);
+const TIP: DVec3 = DVec3::new(0.2, 1.0, -0.4);
+const OTHER: DVec3 = DVec3::new(0.1, 1.1, -0.35);
+
+#[test]
+fn labelled_markers_of_four_cameras_are_joints_in_metres() {
+    let seen: [(&str, DVec3); 2] = [("elbow", ELBOW), ("RightHandIndex4", TIP)];
+    let all = CAMERAS.map(|camera| (camera, &seen[..]));
+    let expected = "elbow 200 1000 0;index-finger-tip 200 1000 -400;";
+    assert_eq!(joints(&options(&[]), line(&all)), expected);
+    assert_eq!(joints(&options(&[]), line(&all[..2])), expected);
+    assert_eq!(joints(&options(&[]), line(&all[..1])), "none");
+    let in_decimetres = options(&[(&UNIT, "100"), (&UP, "z")]);
+    let z_up = "elbow 20 0 -100;index-finger-tip 20 -40 -100;";
+    assert_eq!(joints(&in_decimetres, line(&all)), z_up);
+    let left = options(&[(&HAND, "left")]);
+    assert_eq!(joints(&left, line(&all)), "elbow 200 1000 0;");
+}
+
+#[test]
+fn a_label_in_one_image_is_enough() {
+    let seen = [
+        (CAMERAS[0], &[("-", OTHER), ("-", ELBOW), ("-", TIP)][..]),
+        (
+            CAMERAS[1],
+            &[("thumb-tip", TIP), ("-", ELBOW), ("-", OTHER)][..],
+        ),
+        (CAMERAS[2], &[("elbow", ELBOW)][..]),
+    ];
+    let expected = "elbow 200 1000 0;thumb-tip 200 1000 -400;";
+    assert_eq!(joints(&options(&[]), line(&seen)), expected);
+}
+
+#[test]
+fn a_wrong_label_in_one_of_three_images_is_left_out() {
+    let right: &[(&str, DVec3)] = &[("elbow", ELBOW)];
+    let wrong: &[(&str, DVec3)] = &[("elbow", OTHER)];
+    let seen = [
+        (CAMERAS[0], right),
+        (CAMERAS[1], wrong),
+        (CAMERAS[2], right),
+    ];
+    assert_eq!(joints(&options(&[]), line(&seen)), "elbow 200 1000 0;");
+    assert_eq!(joints(&options(&[]), line(&seen[..2])), "none");
+}
+
+#[test]
+fn an_image_position_needs_the_orientation_of_the_camera() {
+    // A camera at +Z that looks along −Z: its Y axis points down and its Z axis along the view.
+    let camera = |orientation: &str| {
+        format!(
+            r#"{{"position":[0,1,2],{orientation}"focal_px":[800,800],"center_px":[640,360],
+               "markers":[{{"label":"elbow","image":[720,360]}}]}}"#
+        )
+    };
+    let line = |orientation: &str| {
+        let other = r#"{"position":[2.2,1,0],"markers":[{"label":"elbow","direction":[-3,0,0]}]}"#;
+        format!(r#"{{"cameras":[{},{other}]}}"#, camera(orientation)).replace('\n', " ")
+    };
+    let seen = |orientation| joints(&options(&[]), line(orientation));
+    assert_eq!(seen(r#""orientation":[1,0,0,0],"#), "elbow 200 1000 0;");
+    assert_eq!(seen(r#""orientation":[1,1,0,0],"#), "none");
+    assert_eq!(seen(""), "none");
+}
+
+#[test]
+fn the_elbow_is_corrected_and_the_wrist_lies_between_its_markers() {
+    let arm = |wrist: DVec3| {
+        let markers = [
+            ("RSHO", DVec3::new(0.2, 1.3, 0.0)),
+            ("RELB", ELBOW),
+            ("RWRA", wrist + DVec3::X * 0.03),
+            ("RWRB", wrist - DVec3::X * 0.03),
+            ("LWRB", wrist),
+        ];
+        line(&[(CAMERAS[0], &markers[..]), (CAMERAS[1], &markers[..])])
+    };
+    let offset = options(&[(&ELBOW_OFFSET, "40")]);
+    let bent = arm(DVec3::new(0.2, 1.0, -0.25));
+    let straight = arm(DVec3::new(0.2, 0.75, 0.0));
+    let packets = decode(&offset, &[straight.clone(), bent, straight]);
+    let elbow = |packet: &Packet| positions(packet).get(Joint::Elbow);
+    assert_eq!(elbow(&packets[0]), None);
+    let corrected = ELBOW + DVec3::X * 0.04;
+    for packet in &packets[1..] {
+        assert!(elbow(packet).unwrap().distance(corrected) < 1e-9);
+    }
+    let wrist = positions(&packets[1]).get(Joint::Wrist).unwrap();
+    assert!(wrist.distance(DVec3::new(0.2, 1.0, -0.25)) < 1e-9);
+}
+
+#[test]
+fn invalid_lines_are_skipped_and_times_are_kept() {
+    let valid = line(&CAMERAS.map(|camera| (camera, &[("elbow", ELBOW)][..])));
+    let timed = |time: &str| valid.replacen('{', &format!(r#"{{"time_us":{time},"#), 1);
+    let many = line(&[(CAMERAS[0], &[("-", TIP); 65][..])]);
+    let lines = [
+        "nonsense".to_owned(),
+        timed("12500"),
+        timed("-1"),
+        timed("9007199254740993"),
+        valid.replacen("[2.0", "[1e999", 1),
+        many,
+        valid.clone(),
+    ];
+    let packets = decode(&options(&[]), &lines);
+    let times: Vec<_> = packets.iter().map(|packet| packet.time).collect();
+    assert_eq!(times, [Some(Timestamp(12_500)), None]);
+    assert!(
+        packets
+            .iter()
+            .all(|packet| packet.side == Some(Side::Right))
+    );
+}

@@ -1,0 +1,145 @@
+//! Joint angles from the positions of joints.
+
+use glam::DVec3;
+
+use crate::hand::{Dof, Finger, Joint, JointAngles, JointPositions, Side};
+
+/// Smallest sine of an angle between two directions that determine a plane.
+const MIN_SINE: f64 = 0.05;
+
+/// Returns the angles between the bones whose joints are known, in radians.
+///
+/// Directions of the palm: along it from the wrist to the knuckle of the middle finger, across it from the knuckle of the
+/// little finger to that of the index finger. Supination is 0 if the palm faces away from the direction in which the
+/// elbow bends, as on a table, and unknown while the arm is straight. Shoulder angles are those of the upper arm in the
+/// world, 0 if it points straight forward.
+pub fn hand_angles(positions: &JointPositions, side: Side) -> JointAngles {
+    let sign = match side {
+        Side::Right => 1.0,
+        Side::Left => -1.0,
+    };
+    let mut angles = JointAngles::default();
+    let bones = Bones { positions };
+    let upper_arm = bones.direction(Joint::Shoulder, Joint::Elbow);
+    let forearm = bones.direction(Joint::Elbow, Joint::Wrist);
+    if let Some(direction) = upper_arm {
+        let [x, y, z] = [-direction.z, -direction.y, -direction.x];
+        angles.set(Dof::ShoulderZ, y.atan2(x));
+        angles.set(Dof::ShoulderY, sign * (-z).clamp(-1.0, 1.0).asin());
+    }
+    if let (Some(upper_arm), Some(forearm)) = (upper_arm, forearm) {
+        let bend = upper_arm.cross(forearm).length();
+        angles.set(Dof::ElbowFlexion, bend.atan2(upper_arm.dot(forearm)));
+    }
+    let Some(palm) = Palm::new(&bones, sign) else {
+        return angles;
+    };
+    if let Some(forearm) = forearm {
+        set_wrist(&mut angles, &palm, forearm, upper_arm);
+    }
+    for &finger in Finger::ALL {
+        set_finger(&mut angles, &palm, &bones, finger);
+    }
+    angles
+}
+
+/// The directions between joints.
+struct Bones<'a> {
+    positions: &'a JointPositions,
+}
+
+impl Bones<'_> {
+    /// Returns the unit direction from one joint to another, if both are known and apart.
+    fn direction(&self, from: Joint, to: Joint) -> Option<DVec3> {
+        let difference = self.positions.get(to)? - self.positions.get(from)?;
+        difference.try_normalize()
+    }
+}
+
+/// The frame of a palm: X along it, Y out of it towards the palm side, Z towards the thumb of a right hand and the
+/// little finger of a left one.
+struct Palm {
+    x: DVec3,
+    y: DVec3,
+    z: DVec3,
+    /// 1 for a right hand, −1 for a left one.
+    sign: f64,
+}
+
+impl Palm {
+    fn new(bones: &Bones, sign: f64) -> Option<Self> {
+        let get = |joint| bones.positions.get(joint);
+        let index = get(Joint::IndexPhalanxProximal)?;
+        let little = get(Joint::LittlePhalanxProximal).or(get(Joint::RingPhalanxProximal))?;
+        let middle = get(Joint::MiddlePhalanxProximal).unwrap_or((index + little) / 2.0);
+        let x = (middle - get(Joint::Wrist)?).try_normalize()?;
+        let across = (index - little).try_normalize()? * sign;
+        let y = across.cross(x);
+        let y = (y.length() >= MIN_SINE).then(|| y.normalize())?;
+        Some(Self {
+            x,
+            y,
+            z: x.cross(y),
+            sign,
+        })
+    }
+
+    fn components(&self, direction: DVec3) -> DVec3 {
+        DVec3::new(
+            direction.dot(self.x),
+            direction.dot(self.y),
+            direction.dot(self.z),
+        )
+    }
+}
+
+/// Sets the angles of the wrist and the roll of the forearm: the palm is turned against the forearm by the supination
+/// about X, the deviation about Y, then the flexion about Z.
+fn set_wrist(angles: &mut JointAngles, palm: &Palm, forearm: DVec3, upper_arm: Option<DVec3>) {
+    let seen = palm.components(forearm);
+    let flexion = (-seen.y).atan2(seen.x);
+    angles.set(Dof::WristFlexion, flexion);
+    let deviation = palm.sign * seen.z.clamp(-1.0, 1.0).asin();
+    angles.set(Dof::WristDeviation, deviation);
+    let Some(bend) = upper_arm.map(|upper_arm| upper_arm.cross(forearm)) else {
+        return;
+    };
+    if bend.length() < MIN_SINE {
+        return;
+    }
+    // The palm side of the forearm, and the side towards which the elbow bends.
+    let palm_side = palm.x * flexion.sin() + palm.y * flexion.cos();
+    let bend_side = bend.normalize().cross(forearm);
+    let across = bend_side.cross(forearm);
+    // From facing away from the bend, over the thumb side up, to facing it.
+    let away = -palm_side.dot(bend_side);
+    let supination = palm.sign * palm_side.dot(across);
+    angles.set(Dof::ForearmSupination, supination.atan2(away));
+}
+
+/// Sets the angles of a finger: abduction about the palm's Y, then flexion of its joints about its own Z.
+fn set_finger(angles: &mut JointAngles, palm: &Palm, bones: &Bones, finger: Finger) {
+    let tip = Joint::tip(finger).index();
+    let joints = &Joint::ALL[tip - 3..=tip];
+    let directions = [0, 1, 2].map(|bone| bones.direction(joints[bone], joints[bone + 1]));
+    let dofs: [Dof; 4] = std::array::from_fn(|index| Dof::ALL[8 + 4 * finger.index() + index]);
+    let Some(first) = directions[0] else {
+        return;
+    };
+    let first = palm.components(first);
+    let in_palm = first.x.hypot(first.z);
+    // A finger that is bent by more than a right angle points backwards.
+    let forward = 1_f64.copysign(first.x);
+    let spread = match in_palm < MIN_SINE {
+        true => 0.0,
+        false => (-first.z * forward).atan2(first.x * forward),
+    };
+    angles.set(dofs[0], palm.sign * spread);
+    angles.set(dofs[1], first.y.atan2(in_palm * forward));
+    let axis = palm.x * spread.sin() + palm.z * spread.cos();
+    for (bone, dof) in dofs[2..].iter().enumerate() {
+        if let (Some(before), Some(after)) = (directions[bone], directions[bone + 1]) {
+            angles.set(*dof, before.cross(after).dot(axis).atan2(before.dot(after)));
+        }
+    }
+}
