@@ -109,7 +109,8 @@ impl HandTrigger {
         let sides = Side::ALL.iter().copied();
         let sides = sides.filter(move |&side| trigger.side.is_none_or(|own| own == side));
         sides.map(move |side| Self {
-            emitter: ValueEmitter::new(trigger.target, trigger.output, 0.0),
+            emitter: ValueEmitter::new(trigger.target, trigger.output, 0.0)
+                .with_axis_at_rest_for_zero(),
             trigger,
             side,
             state: TriggerState::Unknown,

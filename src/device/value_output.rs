@@ -12,7 +12,8 @@ const DETENT: f32 = 120.0;
 pub enum ValueOutput {
     /// Nothing else.
     ValueOnly,
-    /// An axis. A trigger axis is set to the value, any other axis to −1 for 0 and 1 for 1.
+    /// An axis. A trigger axis is set to the value, any other axis to −1 for 0 and 1 for 1, unless the control
+    /// [rests at 0](ValueEmitter::with_axis_at_rest_for_zero).
     Axis(Axis),
     /// The wheel: detents to the right over the whole range; negative for left.
     ScrollX(f32),
@@ -63,6 +64,8 @@ pub(super) struct ValueEmitter {
     emitted: i32,
     /// The axis value emitted last.
     axis: f32,
+    /// An axis from −1 to 1 is 0 for the value 0.
+    is_one_sided: bool,
 }
 
 impl ValueEmitter {
@@ -76,6 +79,7 @@ impl ValueEmitter {
             rest: None,
             emitted: 0,
             axis: 0.0,
+            is_one_sided: false,
         };
         emitter.emitted = emitter.units(value);
         emitter
@@ -84,6 +88,14 @@ impl ValueEmitter {
     /// Sets the value to which it returns on release. Its axis, if any, must be 0 there.
     pub(super) fn with_rest(self, rest: Option<f32>) -> Self {
         Self { rest, ..self }
+    }
+
+    /// Sets every axis to the value, as a control that rests at 0 would deflect an axis from −1 to 1 otherwise.
+    pub(super) fn with_axis_at_rest_for_zero(self) -> Self {
+        Self {
+            is_one_sided: true,
+            ..self
+        }
     }
 
     /// Returns whether it returns to a rest value on release.
@@ -143,7 +155,7 @@ impl ValueEmitter {
         let is_emitted = match self.output {
             ValueOutput::ValueOnly => true,
             ValueOutput::Axis(axis) => {
-                let position = if axis.is_trigger() {
+                let position = if axis.is_trigger() || self.is_one_sided {
                     value
                 } else {
                     2.0 * value - 1.0

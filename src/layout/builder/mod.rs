@@ -17,7 +17,7 @@ use super::model::{
 };
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
-use crate::device::KeyCode;
+use crate::device::{Axis, KeyCode};
 use crate::device::keyboard::Chord;
 use crate::device::pointer::PointerSettings;
 use crate::device::trigger::Trigger;
@@ -43,6 +43,8 @@ pub(super) struct LayoutBuilder<'a> {
     board: BoardDraft<'a>,
     /// Index in `keys` by name.
     key_indices: BTreeMap<&'a str, usize>,
+    /// The axes that controls set, with the position of the name in the file.
+    axes: Vec<(Axis, Spanned<'a>)>,
     /// Kind of the target with a name, and its position in the file.
     targets: BTreeMap<&'a str, NamedTarget<'a>>,
 }
@@ -74,6 +76,7 @@ impl<'a> LayoutBuilder<'a> {
             spaces: Vec::new(),
             board: BoardDraft::default(),
             key_indices: BTreeMap::new(),
+            axes: Vec::new(),
             targets: BTreeMap::new(),
         }
     }
@@ -134,6 +137,17 @@ impl<'a> LayoutBuilder<'a> {
     /// The number of triggers that were added.
     pub fn trigger_count(&self) -> usize {
         self.triggers.len()
+    }
+
+    /// Records that a control sets an axis. Two controls would overwrite each other's position.
+    pub fn claim_axis(&mut self, axis: Axis, name: Spanned<'a>) -> Result<(), DocumentError> {
+        if let Some((_, first)) = self.axes.iter().find(|(other, _)| *other == axis) {
+            let line = line_number(self.text(), first.text);
+            let message = format!("the control in line {line} sets the axis `{axis}` too, name another axis");
+            return Err(self.error(name.text, message));
+        }
+        self.axes.push((axis, name));
+        Ok(())
     }
 
     /// Adds a layer, so that actions can name it.

@@ -136,7 +136,7 @@ impl<'a> JoystickSchema<'a> {
         })
     }
 
-    fn axes(&self, builder: &LayoutBuilder<'a>) -> Result<Option<[Axis; 2]>, DocumentError> {
+    fn axes(&self, builder: &mut LayoutBuilder<'a>) -> Result<Option<[Axis; 2]>, DocumentError> {
         let Some((x, y)) = self.axes else {
             return Ok(None);
         };
@@ -153,13 +153,16 @@ impl<'a> JoystickSchema<'a> {
                 );
             }
         }
-        match axes[0] == axes[1] {
-            true => error(
+        if axes[0] == axes[1] {
+            return error(
                 y.text,
                 "has the same axis in both directions, name two axes",
-            ),
-            false => Ok(Some(axes)),
+            );
         }
+        for (source, axis) in [x, y].into_iter().zip(axes) {
+            builder.claim_axis(axis, source)?;
+        }
+        Ok(Some(axes))
     }
 
     fn direction_keys(

@@ -47,7 +47,11 @@ pub(super) fn value_output<'a>(
         return Ok(ValueOutput::ValueOnly);
     };
     Ok(match output {
-        ValueOutputSchema::Axis(name) => ValueOutput::Axis(axis(builder, name)?),
+        ValueOutputSchema::Axis(name) => {
+            let axis = axis(builder, name)?;
+            builder.claim_axis(axis, name)?;
+            ValueOutput::Axis(axis)
+        }
         ValueOutputSchema::ScrollX(detents) => ValueOutput::ScrollX(detents.get() as f32),
         ValueOutputSchema::ScrollY(detents) => ValueOutput::ScrollY(detents.get() as f32),
         ValueOutputSchema::MoveX(pixels) => ValueOutput::MoveX(pixels.get() as f32),

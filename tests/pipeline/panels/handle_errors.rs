@@ -147,6 +147,16 @@ fn controls_that_overlap_or_share_a_name_are_refused() {
 }
 
 #[test]
+fn an_axis_is_set_by_one_control() {
+    assert_eq!(
+        refusal(
+            "sliders: [(name: \"S\", at_mm: (0, 0), length_mm: 50, output: Axis(\"LeftX\"))],\njoysticks: [(name: \"J\", at_mm: (90, 0), diameter_mm: 40, axes: (\"LeftX\", \"LeftY\"))]"
+        ),
+        "3:66: the control in line 2 sets the axis `LeftX` too, name another axis"
+    );
+}
+
+#[test]
 fn the_overlap_of_a_slider_depends_on_its_rotation() {
     let board = |turn: u32| {
         format!(

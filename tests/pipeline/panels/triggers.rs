@@ -108,6 +108,17 @@ fn the_value_of_a_trigger_follows_the_angle() {
 }
 
 #[test]
+fn a_trigger_at_value_0_leaves_every_axis_at_rest() {
+    let yaw = BLADE.replace("RightTrigger", "TurnY");
+    assert_eq!(simulate_layout(BOARD, &yaw, &bend(&[0, 10])), "");
+    assert_eq!(
+        simulate_layout(BOARD, &yaw, &bend(&[0, 45, 90, 0])),
+        "value:Blade=0.500 axis:TurnY=+0.500 value:Blade=1.000 axis:TurnY=+1.000 \
+             value:Blade=0.000 axis:TurnY=+0.000"
+    );
+}
+
+#[test]
 fn the_axis_of_a_trigger_returns_to_0_when_the_finger_is_lost() {
     assert_eq!(
         simulate_layout(BOARD, BLADE, &format!("{}; doubt index", bend(&[0, 45]))),
