@@ -5,6 +5,7 @@ mod support;
 
 #[cfg(unix)]
 mod control;
+mod demos;
 mod determinism;
 mod doctor;
 #[cfg(target_os = "linux")]

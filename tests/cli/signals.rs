@@ -73,6 +73,10 @@ fn a_demo_that_is_interrupted_fails() {
         .read_to_string(&mut err)
         .unwrap();
     assert!(err.contains("interrupted before the end"), "{err}");
+    let mut rest = String::new();
+    out.read_to_string(&mut rest).unwrap();
+    assert!(rest.starts_with("typed "), "{rest}");
+    assert!(!rest.contains("error rate"), "{rest}");
 }
 
 #[test]

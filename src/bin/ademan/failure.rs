@@ -1,5 +1,6 @@
 //! Errors for the user: a message and an exit code.
 
+use std::fmt;
 use std::io;
 use std::process::ExitCode;
 
@@ -64,6 +65,12 @@ impl Failure {
             io.is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
                 || matches!(output, Some(OutputError::BrokenPipe { .. }))
         })
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.error.fmt(f)
     }
 }
 

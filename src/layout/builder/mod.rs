@@ -17,10 +17,10 @@ use super::model::{
 };
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
-use crate::device::{Axis, KeyCode};
 use crate::device::keyboard::Chord;
 use crate::device::pointer::PointerSettings;
 use crate::device::trigger::Trigger;
+use crate::device::{Axis, KeyCode};
 use crate::document::{Document, DocumentError, Spanned, line_number};
 use crate::names::UnknownName;
 
@@ -143,7 +143,8 @@ impl<'a> LayoutBuilder<'a> {
     pub fn claim_axis(&mut self, axis: Axis, name: Spanned<'a>) -> Result<(), DocumentError> {
         if let Some((_, first)) = self.axes.iter().find(|(other, _)| *other == axis) {
             let line = line_number(self.text(), first.text);
-            let message = format!("the control in line {line} sets the axis `{axis}` too, name another axis");
+            let message =
+                format!("the control in line {line} sets the axis `{axis}` too, name another axis");
             return Err(self.error(name.text, message));
         }
         self.axes.push((axis, name));

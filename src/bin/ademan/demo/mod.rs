@@ -3,14 +3,17 @@
 mod draw;
 mod player;
 mod screen;
+mod script;
 mod task;
 mod text;
 
 use std::io::{self, IsTerminal, Write};
 use std::num::NonZeroU32;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use ademan::capture::{Hc11Format, Source, open_loopback};
 use ademan::command::Command;
+use ademan::document::shipped_layouts;
 use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::output;
@@ -25,17 +28,18 @@ use crate::{signals, stats, watchdog};
 use player::Player;
 use screen::Screen;
 use task::Task;
+use text::TextChoice;
 
 /// Stall timeout. The simulated hand pauses only when the whole machine is busy, which should not release its keys.
 const STALL_TIMEOUT_MS: u32 = 1000;
 
 /// Watch a simulated hand type a text or play a script, from glove bytes to events
-#[derive(clap::Args)]
+#[derive(Clone, clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan demo\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --layout arrows --script 'push ArrowUp 0.6; wait 500; lift; tap ArrowLeft'\n  sleep 3; ademan demo --output desktop     (types into the window that has the focus by then)"
+    after_help = "Examples:\n  ademan demo\n  ademan demo --layout media\n  ademan demo --all\n  ademan demo --text 'ademan: a gesture of the hand' --layout qwerty-arc --baud 9600\n  ademan demo --layout arrows --script 'push ArrowUp 0.6; wait 500; lift; tap ArrowLeft'\n  sleep 3; ademan demo --output desktop     (types into the window that has the focus by then)"
 )]
 pub struct Args {
-    /// Text to type, in characters of a US keyboard. The default suits the layout
+    /// Text to type, in characters of a US keyboard. By default the demo chooses a text or a script for the layout
     #[arg(long)]
     text: Option<String>,
     /// Script to play instead: a file, or a text such as 'press Q; wait 300; lift' (docs/scripts.md)
@@ -44,6 +48,9 @@ pub struct Args {
     /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
     #[arg(long, default_value = "qwerty-flat")]
     layout: String,
+    /// Play every layout that comes with the program for some seconds
+    #[arg(long, conflicts_with_all = ["layout", "text", "script"])]
+    all: bool,
     /// Bits per second on the simulated serial line
     #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
     baud: u32,
@@ -59,9 +66,47 @@ pub struct Args {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    let (mut setup, line) = (load_setup(&args)?, line_format(&args)?);
-    let (mut task, hand) = simulated_hand(&args, &setup, &line)?;
     signals::install()?;
+    // The players come and go, and signals have one action.
+    let player = Arc::new(Mutex::new(None));
+    let current = Arc::clone(&player);
+    signals::on_stop(move || cancel(&current));
+    if !args.all {
+        return play(&args, &player);
+    }
+    let mut failed = Vec::new();
+    for layout in shipped_layouts() {
+        let args = Args {
+            layout: layout.to_owned(),
+            ..args.clone()
+        };
+        match play(&args, &player) {
+            Ok(()) => {}
+            Err(failure) if signals::is_stop_requested() => return Err(failure),
+            Err(failure) => failed.push(format!("{layout}: {failure}")),
+        }
+        writeln!(io::stdout())?;
+    }
+    match failed.is_empty() {
+        true => Ok(()),
+        false => Err(Failure::job(failed.join("\n"))),
+    }
+}
+
+/// The action that cancels the current player.
+type CurrentPlayer = Arc<Mutex<Option<Box<dyn Fn() + Send>>>>;
+
+fn cancel(player: &CurrentPlayer) {
+    let player = player.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(cancel) = &*player {
+        cancel();
+    }
+}
+
+/// Plays one demo to its end.
+fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
+    let (mut setup, line) = (load_setup(args)?, line_format(args)?);
+    let (mut task, hand) = simulated_hand(args, &setup, &line)?;
     let hands = hand.hand_count();
     let (writers, source) = open_loopbacks(&mut setup, line, hands)?;
     writeln!(
@@ -86,7 +131,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let session = Session::start(setup, options)?;
     session.wait_until_started();
     let player = Player::start(hand, writers, line, session.commands().clone());
-    signals::on_stop(player.canceller());
+    *current.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(player.canceller()));
+    if signals::is_stop_requested() {
+        player.cancel();
+    }
     for snapshot in session.snapshots() {
         task.update(&snapshot);
         screen.show(&snapshot, || task.result());
@@ -97,7 +145,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let playback = player.join()?;
     let summary = session.join()?;
     let is_printed = args.output == "transcript";
-    task.report(&mut io::stdout().lock(), is_printed)?;
+    task.report(&mut io::stdout().lock(), &playback, is_printed)?;
     report(&playback, &summary, &line, hands as u64)?;
     match task.is_done(&playback) {
         true => Ok(()),
@@ -131,11 +179,22 @@ fn simulated_hand(
     setup: &LoadedSetup,
     line: &Hc11Format,
 ) -> Result<(Task, SimulatedTypist), Failure> {
-    if let Some(script) = &args.script {
+    let play = |script: &str, title: &str| {
         let hand = setup.scripted(script, line, args.noise, args.seed)?;
-        return Ok((Task::play(script, &setup.layout), hand));
+        Ok((Task::play(title, &setup.layout), hand))
+    };
+    if let Some(script) = &args.script {
+        return play(script, script);
     }
-    let text = text::choose(args.text.as_deref(), &setup.layout)?;
+    let choice = match &args.text {
+        Some(text) => TextChoice::Given(text),
+        None => match script::for_layout(&args.layout) {
+            Some(script) => return play(script, &script::title(script)),
+            None if args.all => TextChoice::Short,
+            None => TextChoice::Default,
+        },
+    };
+    let text = text::choose(choice, &setup.layout)?;
     let hand = setup.typist(&text, line, args.noise, args.seed)?;
     Ok((Task::type_text(text), hand))
 }

@@ -105,8 +105,14 @@ impl Task {
         }
     }
 
-    /// Writes the result. The events of a script are left out if a transcript has printed them.
-    pub fn report(&self, out: &mut impl Write, is_printed: bool) -> io::Result<()> {
+    /// Writes the result. The quality of a text is left out if the hand did not come to its end, and the events of a
+    /// script if a transcript has printed them.
+    pub fn report(
+        &self,
+        out: &mut impl Write,
+        playback: &PlaybackStats,
+        is_printed: bool,
+    ) -> io::Result<()> {
         match self {
             Self::Type {
                 text,
@@ -117,6 +123,9 @@ impl Task {
                 let first = first.unwrap_or_default();
                 let score = TypingScore::new(text, field.text(), first, *last);
                 writeln!(out, "typed      {:?}", score.typed)?;
+                if playback.is_cancelled {
+                    return Ok(());
+                }
                 writeln!(
                     out,
                     "quality    {:.1} words/min (simulated), {:.2} % character error rate",

@@ -7,31 +7,45 @@ use crate::failure::Failure;
 
 /// Texts for layouts with letters and for layouts with digits.
 const TEXTS: [&str; 2] = ["Hola! Typed by a hand, 1 tap each.", "3.14159*2-0.5"];
+/// Texts of a tour through all layouts.
+const SHORT_TEXTS: [&str; 2] = ["Hola!", "3.14"];
 /// Length of the text for any other layout.
 const MAX_CHARACTERS: usize = 20;
 
-/// Returns the given text, or one that the layout can type.
-pub fn choose(given: Option<&str>, layout: &Layout) -> Result<String, Failure> {
-    let text = match given {
-        Some(text) => text.to_owned(),
-        None => default_text(layout),
+/// The text to type.
+#[derive(Clone, Copy, Debug)]
+pub enum TextChoice<'a> {
+    /// This one.
+    Given(&'a str),
+    /// One that the layout can type.
+    Default,
+    /// One that the layout can type within some seconds.
+    Short,
+}
+
+/// Returns the text for a layout.
+pub fn choose(choice: TextChoice, layout: &Layout) -> Result<String, Failure> {
+    let text = match choice {
+        TextChoice::Given(text) => text.to_owned(),
+        TextChoice::Default => default_text(layout, TEXTS),
+        TextChoice::Short => default_text(layout, SHORT_TEXTS),
     };
     if !text.is_empty() {
         return Ok(text);
     }
-    Err(Failure::wrong_use(match given {
-        Some(_) => "nothing to type: --text is empty".to_owned(),
-        None => format!(
-            "the demo types text, and no key of `{}` writes a character: name another layout with --layout; `ademan layout show` draws its keys",
+    Err(Failure::wrong_use(match choice {
+        TextChoice::Given(_) => "nothing to type: --text is empty".to_owned(),
+        _ => format!(
+            "no key of `{}` writes a character: name a script for the hand with --script (docs/scripts.md); `ademan layout show` draws the keys",
             layout.name
         ),
     }))
 }
 
-fn default_text(layout: &Layout) -> String {
+fn default_text(layout: &Layout, texts: [&str; 2]) -> String {
     let keys = layout.key_bindings();
     let can_type = |text: &str| taps_for_text(text, &keys).is_ok();
-    if let Some(text) = TEXTS.into_iter().find(|text| can_type(text)) {
+    if let Some(text) = texts.into_iter().find(|text| can_type(text)) {
         return text.to_owned();
     }
     let visible = ('!'..='~').map(String::from);
@@ -46,7 +60,7 @@ mod tests {
     use super::*;
 
     fn text_for(layout: &str) -> Result<String, Failure> {
-        choose(None, &Layout::load(layout).unwrap())
+        choose(TextChoice::Default, &Layout::load(layout).unwrap())
     }
 
     #[test]
@@ -64,7 +78,7 @@ mod tests {
             rows: [(at_mm: (-19, 0), keys: "Y N Enter")],
         )])"#;
         let layout = Layout::parse(text, "yes-no.ron").unwrap();
-        assert_eq!(choose(None, &layout).unwrap(), "ny");
-        assert!(choose(Some(""), &layout).is_err());
+        assert_eq!(choose(TextChoice::Default, &layout).unwrap(), "ny");
+        assert!(choose(TextChoice::Given(""), &layout).is_err());
     }
 }
