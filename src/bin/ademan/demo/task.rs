@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use ademan::contact::TargetNames;
-use ademan::device::OutputEvent;
+use ademan::device::{EventKind, OutputEvent};
 use ademan::layout::Layout;
 use ademan::output::transcript::EventLine;
 use ademan::sim::{PlaybackStats, TypingScore, UsTextField};
@@ -134,11 +134,76 @@ impl Task {
                 )
             }
             Self::Play { names, events, .. } => {
-                for event in events.iter().filter(|_| !is_printed) {
+                for event in merge(events).iter().filter(|_| !is_printed) {
                     writeln!(out, "{}", EventLine(event, names))?;
                 }
                 writeln!(out, "played     {} events sent", events.len())
             }
         }
+    }
+}
+
+/// Merges each run of motions, scrolls, values or positions of one control: hundreds of them hide the other events.
+fn merge(events: &[OutputEvent]) -> Vec<OutputEvent> {
+    let mut merged: Vec<OutputEvent> = Vec::new();
+    for event in events {
+        let last = merged.last_mut();
+        match last.and_then(|last| Some((merge_kinds(last.kind, event.kind)?, last))) {
+            Some((kind, last)) => {
+                *last = OutputEvent {
+                    kind,
+                    time: event.time,
+                };
+            }
+            None => merged.push(*event),
+        }
+    }
+    merged
+}
+
+/// Returns one event for two in a row, if they have the same subject.
+fn merge_kinds(first: EventKind, second: EventKind) -> Option<EventKind> {
+    use EventKind::{Axis, Depth, MoveBy, MoveTo, Scroll, Value};
+    match (first, second) {
+        (MoveBy(x, y), MoveBy(right, down)) => Some(MoveBy(x + right, y + down)),
+        (Scroll(x, y), Scroll(right, up)) => Some(Scroll(x + right, y + up)),
+        (MoveTo(..), MoveTo(..)) => Some(second),
+        (Axis(axis, _), Axis(other, _)) if axis == other => Some(second),
+        (Value(target, _), Value(other, _)) | (Depth(target, _), Depth(other, _))
+            if target == other =>
+        {
+            Some(second)
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ademan::device::Axis;
+
+    use super::*;
+
+    #[test]
+    fn runs_of_one_control_are_merged_and_keep_their_order() {
+        let event = |time, kind| OutputEvent {
+            time: Timestamp(time),
+            kind,
+        };
+        let events = [
+            event(1, EventKind::MoveBy(1, 0)),
+            event(2, EventKind::MoveBy(2, -1)),
+            event(3, EventKind::Axis(Axis::LeftX, 0.5)),
+            event(4, EventKind::Axis(Axis::LeftX, 1.0)),
+            event(5, EventKind::Axis(Axis::LeftY, 0.1)),
+            event(6, EventKind::MoveBy(1, 1)),
+        ];
+        let merged = [
+            event(2, EventKind::MoveBy(3, -1)),
+            event(4, EventKind::Axis(Axis::LeftX, 1.0)),
+            event(5, EventKind::Axis(Axis::LeftY, 0.1)),
+            event(6, EventKind::MoveBy(1, 1)),
+        ];
+        assert_eq!(merge(&events), merged);
     }
 }
