@@ -31,6 +31,7 @@ const FLOW: &[&str] = &[
     "time",
     "names",
     "hand",
+    "geometry",
     "document",
     "command",
     "advice",

@@ -1,5 +1,6 @@
 //! Stage 2: [`Reading`](crate::capture::Reading) → [`Estimate`].
 
+pub mod arm_attributes;
 mod calibration;
 mod channel_map;
 mod estimator;
@@ -9,6 +10,7 @@ mod one_euro;
 mod samples;
 mod settings;
 mod smoothing;
+pub mod t_pose;
 
 pub use calibration::{AffineMap, FitError, divider_resistance};
 pub use channel_map::{ChannelMap, ChannelRow, MAX_ROWS};

@@ -1,0 +1,104 @@
+use ademan::estimate::t_pose::{BodyJoint, BodyPoint, BodyPoints};
+use ademan::geometry::{EulerOrder, rotation_between};
+use glam::{DMat3, DVec3};
+use serde_json::Value;
+
+use super::check::{assert_close, list, number, numbers, text};
+
+/// Checks the rotations between directions and the angles of rotations.
+pub fn rotations(file: &Value) -> usize {
+    let (between, euler) = (list(&file["between"]), list(&file["euler"]));
+    for case in between {
+        check_between(case, &file["tolerance"]);
+    }
+    for case in euler {
+        check_euler(case, &file["tolerance"]);
+    }
+    between.len() + euler.len()
+}
+
+fn check_between(case: &Value, tolerance: &Value) {
+    let name = text(&case["name"]);
+    let (from, to) = (vector(&case["a"]), vector(&case["b"]));
+    let rotation = rotation_between(from, to);
+    if text(&case["status"]) == "degenerate" {
+        assert_eq!(rotation, None, "{name}");
+        return;
+    }
+    let rotation = rotation.unwrap_or_else(|| panic!("{name}: no rotation"));
+    let tolerance = number(tolerance_of(case, tolerance, "rotation"));
+    assert_matrix(&rotation, &matrix(&case["rotation"]), tolerance, name);
+}
+
+fn check_euler(case: &Value, tolerance: &Value) {
+    let name = text(&case["name"]);
+    let order: EulerOrder = text(&case["order"]).parse().expect("an order");
+    let rotation = matrix(&case["matrix"]);
+    let angles = order.angles(&rotation).expect("a finite matrix");
+    let angle_tolerance = number(tolerance_of(case, tolerance, "angle"));
+    for (ours, theirs) in angles.into_iter().zip(numbers(&case["angles"])) {
+        assert_close(ours, theirs, angle_tolerance, name);
+    }
+    assert_eq!(
+        case["gimbal"] == true,
+        angles[2] == 0.0 && angles[1] != 0.0,
+        "{name}"
+    );
+    assert_matrix(&order.rotation(angles), &rotation, angle_tolerance, name);
+}
+
+/// Checks the angles of bodies against the T pose.
+pub fn t_pose(file: &Value) -> usize {
+    let cases = list(&file["cases"]);
+    let tolerance = number(&file["tolerance"]["angle_degrees"]);
+    for case in cases {
+        let name = text(&case["name"]);
+        let mut positions = [DVec3::ZERO; BodyPoint::COUNT];
+        for point in BodyPoint::ALL {
+            positions[point.index()] = vector(&case["points"][point.name().replace('-', "_")]);
+        }
+        let rotations = BodyPoints { positions }.rotations();
+        if case["error"].is_string() {
+            assert!(rotations.is_err(), "{name}");
+            continue;
+        }
+        let rotations = rotations.unwrap_or_else(|error| panic!("{name}: {error}"));
+        for &joint in BodyJoint::ALL {
+            let expected = numbers(&case["zxy_degrees"][joint.name().replace('-', "_")]);
+            for (ours, theirs) in rotations.zxy(joint).into_iter().zip(expected) {
+                assert_close(
+                    ours.to_degrees(),
+                    theirs,
+                    tolerance,
+                    &format!("{name} {joint}"),
+                );
+            }
+        }
+    }
+    cases.len()
+}
+
+/// Returns the tolerance of a case, or that of the file: a number, or a table by quantity.
+fn tolerance_of<'a>(case: &'a Value, file: &'a Value, quantity: &str) -> &'a Value {
+    match &case["tolerance"] {
+        own @ Value::Number(_) => own,
+        own => own.get(quantity).unwrap_or(&file[quantity]),
+    }
+}
+
+fn vector(value: &Value) -> DVec3 {
+    DVec3::from_slice(&numbers(value))
+}
+
+/// Reads a matrix from its rows.
+fn matrix(value: &Value) -> DMat3 {
+    let rows = list(value);
+    DMat3::from_cols(vector(&rows[0]), vector(&rows[1]), vector(&rows[2])).transpose()
+}
+
+fn assert_matrix(ours: &DMat3, theirs: &DMat3, tolerance: f64, what: &str) {
+    let pairs = ours.to_cols_array().into_iter().zip(theirs.to_cols_array());
+    for (ours, theirs) in pairs {
+        assert_close(ours, theirs, tolerance, what);
+    }
+}
