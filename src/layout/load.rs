@@ -149,8 +149,13 @@ impl<'a> LayoutSchema<'a> {
         for board in &self.boards {
             board.build(&mut builder)?;
         }
-        if self.boards.is_empty() && self.pointer.is_none() && self.spaces.is_empty() {
-            return Err(builder.error(self.name.text, "the layout has no keys"));
+        let has_controls = !self.boards.is_empty()
+            || !self.triggers.is_empty()
+            || self.pointer.is_some()
+            || !self.spaces.is_empty();
+        if !has_controls {
+            let message = "the layout has no keys and no other controls, add `boards`";
+            return Err(builder.error(self.name.text, message));
         }
         for (name, label) in &self.labels.0 {
             let index = builder.key_index(name.text)?;

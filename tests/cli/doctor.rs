@@ -40,6 +40,20 @@ fn missing_requirements_are_listed_with_their_remedy() {
 }
 
 #[test]
+fn an_output_that_cannot_send_what_the_layout_requires_is_a_finding() {
+    let ended = run(["doctor", "--output", "spacenav", "--json"]);
+    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    let checks = checks(&ended);
+    let outputs = check(&checks, "outputs");
+    assert_eq!(outputs["status"], "missing");
+    let text = outputs["text"].as_str().expect("a text");
+    assert!(text.contains("`spacenav` does not support"), "{text}");
+    assert!(checks.len() > 1, "the other checks are reported too");
+    let ended = run(["doctor", "--output", "spacenavy"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.out);
+}
+
+#[test]
 fn a_display_and_a_running_session_are_detected() {
     let folder = tempfile::tempdir().unwrap();
     let doctor = |arguments: &[&str]| -> Ended {

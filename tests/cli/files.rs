@@ -355,3 +355,13 @@ fn keys_out_of_reach_of_the_default_hand_are_listed() {
     );
     assert!(!ended.err.contains("`N`"), "{}", ended.err);
 }
+
+#[test]
+fn a_file_without_a_packet_is_a_failure() {
+    let folder = tempfile::tempdir().unwrap();
+    let noise = file(&folder, "noise.bin", "no packet in here");
+    let source = format!("file:{noise}");
+    let ended = run(["run", "--control", "off", "--source", &source]);
+    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    assert!(ended.err.contains("sent no valid packet"), "{}", ended.err);
+}

@@ -235,7 +235,7 @@ fn an_error_on_a_board_has_its_position() {
     }
     check(
         "Layout(name: \"t\", boards: [])",
-        "1:15: the layout has no keys",
+        "1:15: the layout has no keys and no other controls, add `boards`",
     );
 }
 

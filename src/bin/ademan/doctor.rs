@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 
 use ademan::doctor::{self, CheckStatus, Finding, Requirements};
-use ademan::output::{self, Backend};
+use ademan::output::{self, Backend, OutputError};
+use ademan::setup::LoadedSetup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
@@ -40,8 +41,8 @@ pub fn run(args: Args) -> Result<(), Failure> {
     setup.output = args.output.unwrap_or(setup.output);
     let requirements = Requirements::from_setup(&setup);
     let setup = setup.load_files()?;
-    output::check(&setup.setup.output, &setup.required_capabilities())?;
-    let findings = doctor::check(&doctor::gather_facts(&requirements), &requirements);
+    let mut findings = doctor::check(&doctor::gather_facts(&requirements), &requirements);
+    findings.push(check_outputs(&setup)?);
     let test = |backend: &&'static Backend| {
         let check = backend.check?;
         Some((*backend, check().map_err(|error| error.to_string())))
@@ -59,6 +60,27 @@ pub fn run(args: Args) -> Result<(), Failure> {
             "something that the setup needs is missing or does not work",
         )),
     }
+}
+
+/// Checks that the outputs can send what the layouts require. A name that is no output is an error.
+fn check_outputs(setup: &LoadedSetup) -> Result<Finding, Failure> {
+    let outputs = &setup.setup.output;
+    let (status, text) = match output::check(outputs, &setup.required_capabilities()) {
+        Ok(()) => {
+            let text = format!("{outputs} can send everything that the layouts require");
+            (CheckStatus::Ok, text)
+        }
+        Err(OutputError::Open { reason, .. }) => (CheckStatus::Missing, reason),
+        Err(error) => return Err(error.into()),
+    };
+    Ok(Finding {
+        check: "outputs",
+        status,
+        needed: true,
+        text,
+        commands: Vec::new(),
+        next_step: String::new(),
+    })
 }
 
 fn testable_output() -> impl TypedValueParser<Value = &'static Backend> {

@@ -7,9 +7,16 @@ use ademan::snapshot::Stats;
 
 use crate::failure::Failure;
 
-/// Prints the statistics. A recording that is incomplete is a failure.
+/// Prints the statistics. A recording that is incomplete is a failure, and so is a source none of whose bytes is
+/// understood.
 pub fn report(summary: Summary) -> Result<(), Failure> {
     say!("{}", line(&summary.stats));
+    let source = &summary.stats.source;
+    if source.readings == 0 && source.skipped_bytes > 0 {
+        return Err(Failure::job(
+            "the source sent no valid packet; check `protocol`, its options and `baud` (`--source` in the help lists them)",
+        ));
+    }
     match summary.record_error {
         None => Ok(()),
         Some(error) => Err(Failure::job(error.to_string())),

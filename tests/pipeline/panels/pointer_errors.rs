@@ -171,7 +171,7 @@ fn an_empty_layout_or_space_is_refused() {
             .to_string()
             .lines()
             .next(),
-        Some("t.ron:1:15: the layout has no keys")
+        Some("t.ron:1:15: the layout has no keys and no other controls, add `boards`")
     );
     assert_eq!(
         refusal("spaces: [(pose: (anchor: world), targets: [])]"),

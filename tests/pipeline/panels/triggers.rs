@@ -1,5 +1,7 @@
 //! Triggers: angles and pinches as controls.
 
+use ademan::layout::Layout;
+
 use super::simulate_layout;
 use crate::rig::Rig;
 
@@ -31,6 +33,12 @@ fn pinch(millimetres: &[i32]) -> String {
 
 fn claw(script: &str) -> String {
     simulate_layout(BOARD, CLAW, script)
+}
+
+#[test]
+fn a_layout_of_triggers_needs_no_board() {
+    let text = format!("Layout(name: \"t\", {CLAW})");
+    assert!(Layout::parse(&text, "t.ron").is_ok());
 }
 
 #[test]
