@@ -14,7 +14,7 @@ pub use error::DocumentError;
 pub(crate) use error::{byte_offset, line_number};
 pub use pairs::Pairs;
 pub(crate) use ranged::{format_number, ranged_numbers};
-pub use shipped::shipped_layouts;
+pub use shipped::{shipped_gloves, shipped_layouts};
 pub use spanned::Spanned;
 
 use std::fs::{self, File};

@@ -48,6 +48,12 @@ pub fn shipped_layouts() -> impl Iterator<Item = &'static str> {
     })
 }
 
+/// Returns the names of the shipped gloves, without folder and `.ron`.
+pub fn shipped_gloves() -> impl Iterator<Item = &'static str> {
+    let paths = SHIPPED_FILES.iter();
+    paths.filter_map(|(path, _)| path.strip_prefix("gloves/"))
+}
+
 /// Returns the shipped file with that name; the folder and `.ron` are optional.
 pub(super) fn find(name: &str) -> Option<Document> {
     let name = name.strip_suffix(".ron").unwrap_or(name);

@@ -259,6 +259,25 @@ fn layouts_are_listed_in_aligned_columns() {
 }
 
 #[test]
+fn sources_outputs_and_gloves_are_listed_with_an_example() {
+    let sources = run(["sources"]).done().out;
+    for part in [
+        "serial:PORT",
+        "ademan run --source 'typist:hello'",
+        "?protocol=text-line",
+    ] {
+        assert!(sources.contains(part), "{sources}");
+    }
+    let outputs = run(["outputs", "--json"]).done().out;
+    let outputs: serde_json::Value = serde_json::from_str(&outputs).unwrap();
+    assert_eq!(outputs[1]["name"], "desktop");
+    let gloves = run(["gloves"]).done().out;
+    assert!(gloves.contains("--glove unam-hc11-left"), "{gloves}");
+    let refused = run(["man"]);
+    assert_eq!(refused.code, Some(2), "{}", refused.out);
+}
+
+#[test]
 fn completions_and_manual_pages_are_generated() {
     for (shell, word) in [
         ("bash", "complete -F _ademan"),
@@ -290,6 +309,9 @@ fn every_help_has_an_example() {
         "layout list",
         "layout show",
         "doctor",
+        "sources",
+        "outputs",
+        "gloves",
         "system-files",
         "completions",
         "man",

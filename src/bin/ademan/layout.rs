@@ -9,6 +9,7 @@ use ademan::session::counted;
 use ademan::setup::Setup;
 
 use crate::failure::Failure;
+use crate::list::{ListArgs, Row};
 
 /// Create, check, list and draw layouts
 #[derive(clap::Args)]
@@ -37,7 +38,7 @@ enum Action {
     },
     /// List the layouts that come with the program
     #[command(after_help = "Example: ademan layout list")]
-    List,
+    List(ListArgs),
     /// Draw a layout
     #[command(after_help = "Example: ademan layout show qwerty-arc --svg board.svg")]
     Show {
@@ -53,7 +54,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     match args.action {
         Action::New { file, from } => new(&file, &from),
         Action::Check { files } => check(&files),
-        Action::List => list(),
+        Action::List(args) => list(&args),
         Action::Show { file, svg } => show(&file, svg.as_deref()),
     }
 }
@@ -132,12 +133,14 @@ fn new(file: &Path, from: &str) -> Result<(), Failure> {
     Ok(())
 }
 
-fn list() -> Result<(), Failure> {
-    let mut out = io::stdout().lock();
-    for (name, layout) in Layout::shipped()? {
-        writeln!(out, "{name:18} {}", layout.description)?;
-    }
-    Ok(())
+fn list(args: &ListArgs) -> Result<(), Failure> {
+    let row = |(name, layout): (&str, Layout)| Row {
+        name: name.into(),
+        summary: layout.description,
+        example: None,
+    };
+    let rows: Vec<Row> = Layout::shipped()?.into_iter().map(row).collect();
+    args.print(&rows)
 }
 
 fn show(file: &str, svg: Option<&Path>) -> Result<(), Failure> {

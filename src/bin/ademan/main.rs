@@ -31,9 +31,12 @@ mod ctl;
 mod demo;
 mod doctor;
 mod failure;
+mod gloves;
 mod layout;
+mod list;
 mod man;
 mod output_list;
+mod outputs;
 mod panics;
 mod pause_signals;
 mod record;
@@ -42,6 +45,7 @@ mod run;
 mod setup_args;
 mod signals;
 mod source_value;
+mod sources;
 mod stats;
 mod system_files;
 mod trace;
@@ -73,6 +77,9 @@ subcommands! {
     Replay(replay),
     Trace(trace),
     Layout(layout),
+    Sources(sources),
+    Outputs(outputs),
+    Gloves(gloves),
     Doctor(doctor),
     #[command(name = watchdog::COMMAND, hide = true)]
     Watchdog(watchdog),

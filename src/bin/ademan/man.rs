@@ -13,7 +13,6 @@ use crate::failure::Failure;
 #[command(after_help = "Example: ademan man ~/.local/share/man/man1")]
 pub struct Args {
     /// The folder; it is created if it does not exist
-    #[arg(default_value = ".")]
     folder: PathBuf,
 }
 

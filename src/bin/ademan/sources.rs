@@ -1,0 +1,41 @@
+//! `ademan sources`: the kinds of source, and the protocols of streams.
+
+use ademan::capture::protocol::{PROTOCOLS, Protocol};
+use ademan::capture::transport::Scheme;
+use ademan::capture::uri::schemes;
+
+use crate::failure::Failure;
+use crate::list::{ListArgs, Row};
+
+/// List the kinds of source, and the protocols of streams
+#[derive(clap::Args)]
+#[command(after_help = "Example: ademan sources --json")]
+pub struct Args {
+    #[command(flatten)]
+    list: ListArgs,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let protocols = PROTOCOLS.iter().map(|protocol| protocol_row(protocol));
+    let rows: Vec<Row> = schemes().map(scheme_row).chain(protocols).collect();
+    args.list.print(&rows)
+}
+
+fn scheme_row(scheme: Scheme) -> Row {
+    Row {
+        name: scheme.syntax.into(),
+        summary: scheme.summary.into(),
+        example: Some(format!("ademan run --source '{}'", scheme.example)),
+    }
+}
+
+fn protocol_row(protocol: &Protocol) -> Row {
+    Row {
+        name: format!("?protocol={}", protocol.name),
+        summary: protocol.summary.into(),
+        example: Some(format!(
+            "ademan run --source 'stdin:?protocol={}'",
+            protocol.name
+        )),
+    }
+}
