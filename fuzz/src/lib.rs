@@ -1,6 +1,8 @@
 //! The fuzz targets, shared with `tests/fuzzing/`.
 
 mod support;
+#[path = "../../tests/fuzzing/lines.rs"]
+pub mod lines;
 #[path = "../../tests/fuzzing/packets.rs"]
 pub mod packets;
 #[path = "../../tests/fuzzing/pipeline.rs"]

@@ -21,12 +21,14 @@
 //! sensor implements [`Source`].
 
 pub mod bvh;
+pub mod body;
 pub mod cancel;
 pub mod markers;
 pub mod protocol;
 pub mod pace;
 pub mod thread;
 mod merge;
+mod sides;
 
 // Everything below needs an operating system with devices, files and sockets.
 #[cfg(not(target_family = "wasm"))]
@@ -56,6 +58,7 @@ use std::time::Duration;
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
+use self::body::BodyLandmarks;
 use crate::hand::{JointAngles, JointPositions, Side};
 use crate::time::Timestamp;
 
@@ -64,6 +67,7 @@ pub use merge::MergedSource;
 pub use pace::PacedSource;
 pub use protocol::StreamFormat;
 pub use protocol::hc11::{self, Hc11Format};
+pub use sides::SidedSource;
 pub use thread::{CaptureEvent, CaptureThread, spawn};
 #[cfg(not(target_family = "wasm"))]
 pub use {
@@ -99,13 +103,14 @@ pub const MAX_CHANNELS: usize = 64;
 /// Sensor values at one moment.
 ///
 /// As JSON: `{"time_us":12500,"full_scale":255,"channels":[3,141,…]}` or
-/// `{"time_us":12500,"angles_rad":{"elbow-flexion":0.5,…}}` or `{"time_us":12500,"joints_m":{"wrist":[0.0,1.0,-0.3],…}}`.
+/// `{"time_us":12500,"angles_rad":{"elbow-flexion":0.5,…}}` or `{"time_us":12500,"joints_m":{"wrist":[0.0,1.0,-0.3],…}}`
+/// or `{"time_us":12500,"side":"right","body_landmarks":[[0.1,-0.5,0.0,0.99],…]}`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reading {
     /// Time at which the values were complete, on the clock of the source.
     #[serde(rename = "time_us")]
     pub time: Timestamp,
-    /// Hand that was measured. `None` if the source measures only one.
+    /// Hand that was measured. `None` if the source measures only one, or both at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub side: Option<Side>,
     /// The values.
@@ -114,10 +119,6 @@ pub struct Reading {
 }
 
 /// Sensor values by kind of sensor.
-#[expect(
-    clippy::large_enum_variant,
-    reason = "a reading is passed on without an allocation"
-)]
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 #[non_exhaustive]
@@ -136,6 +137,9 @@ pub enum Sample {
         #[serde(rename = "joints_m")]
         positions: JointPositions,
     },
+    /// Landmarks of a body with both arms. An estimator uses the arm on the [side](Reading::side) of the reading, the right
+    /// one if that has none.
+    Body(BodyLandmarks),
 }
 
 /// Kind of a [`Sample`].
@@ -148,12 +152,19 @@ pub enum SampleKind {
     Angles,
     /// [`Sample::Joints`].
     Joints,
+    /// [`Sample::Body`].
+    Body,
 }
 
 impl SampleKind {
     /// Returns `true` if a glove file has to map the values to joint angles.
     pub const fn needs_glove(self) -> bool {
         matches!(self, Self::Channels)
+    }
+
+    /// Returns `true` if each sample shows both arms; see [`SidedSource`].
+    pub const fn shows_both_arms(self) -> bool {
+        matches!(self, Self::Body)
     }
 }
 
@@ -164,6 +175,7 @@ impl Sample {
             Self::Channels(_) => SampleKind::Channels,
             Self::Angles { .. } => SampleKind::Angles,
             Self::Joints { .. } => SampleKind::Joints,
+            Self::Body(_) => SampleKind::Body,
         }
     }
 }

@@ -83,12 +83,12 @@ impl Estimator {
             angles: self.estimate.angles,
             anchor: anchor(&self.estimate.measured),
         };
-        let jumped = self.check_speed(&raw)?;
+        self.estimate.jumped |= self.check_speed(&raw)?;
+        let jumped = self.estimate.jumped;
         if jumped || gap > self.settings.max_gap || !self.has_same_dofs(&raw.angles) {
             self.smoother.reset();
         }
         self.last = Some(raw);
-        self.estimate.jumped = jumped;
         let angles = &mut self.estimate.angles;
         self.smoother.filter(angles, gap.as_secs_f64());
         if let Some(limits) = &self.settings.limits {

@@ -18,7 +18,7 @@ pub use estimator::Estimator;
 pub use hand_angles::hand_angles;
 pub use limits::JointLimits;
 pub use one_euro::{OneEuroFilter, OneEuroSettings};
-pub use settings::EstimatorSettings;
+pub use settings::{EstimatorSettings, LandmarkSettings};
 pub use smoothing::Smoothing;
 
 pub use crate::hand::JointAngles;
@@ -122,5 +122,9 @@ named_enum! {
         OutsideLimits = "outside-limits",
         /// A joint turned faster than a person can. Accepted once consecutive readings agree.
         TooFast = "too-fast",
+        /// Landmarks are not trusted and the arm was not seen before.
+        LowConfidence = "low-confidence",
+        /// Landmarks coincide or lie on a line, so that they show no direction.
+        Collapsed = "collapsed",
     }
 }

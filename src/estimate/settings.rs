@@ -18,6 +18,28 @@ pub struct EstimatorSettings {
     /// The time for which a channel may stay at one end of its range before its fingers are untrusted, as with a broken
     /// wire or a short circuit; `None` disables the check.
     pub rail_timeout: Option<Duration>,
+    /// The trust in landmarks.
+    pub landmarks: LandmarkSettings,
+}
+
+/// The trust in landmarks with confidences.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LandmarkSettings {
+    /// The lowest confidence of a landmark that is used, 0..=1.
+    pub min_confidence: f32,
+    /// The time for which an arm keeps its last pose when its landmarks are not trusted. After that it is lost, and its
+    /// fingers release everything.
+    pub hold: Duration,
+}
+
+impl Default for LandmarkSettings {
+    /// The lowest confidence that the tasks of MediaPipe accept by default, and three frames of a camera.
+    fn default() -> Self {
+        Self {
+            min_confidence: 0.5,
+            hold: Duration::from_millis(100),
+        }
+    }
 }
 
 impl Default for EstimatorSettings {
@@ -30,6 +52,7 @@ impl Default for EstimatorSettings {
             max_speed: Some(40.0),
             max_gap: Duration::from_millis(500),
             rail_timeout: Some(Duration::from_secs(1)),
+            landmarks: LandmarkSettings::default(),
         }
     }
 }
@@ -43,6 +66,7 @@ impl EstimatorSettings {
             max_speed: None,
             max_gap: Duration::MAX,
             rail_timeout: None,
+            landmarks: LandmarkSettings::default(),
         }
     }
 }

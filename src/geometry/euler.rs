@@ -122,7 +122,7 @@ mod tests {
     fn half_a_turn_has_a_positive_angle() {
         for &order in EulerOrder::ALL {
             for half_turn in [[PI, 0.0, 0.0], [0.0, 0.0, PI]] {
-                let rotation = order.rotation(half_turn);
+                let rotation = order.rotation(half_turn.map(|angle| -angle));
                 let exact = DMat3::from_cols_array(&rotation.to_cols_array().map(f64::round));
                 assert_eq!(order.angles(&exact), Some(half_turn), "{order}");
             }

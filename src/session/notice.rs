@@ -140,7 +140,7 @@ fn write_untrusted(f: &mut fmt::Formatter<'_>, fingers: FingerSet) -> fmt::Resul
         true => f.write_str("the sensors of all fingers work again"),
         false => write!(
             f,
-            "ignored and released: {}; a sensor has been at an end of its range for 1 s, check its wire",
+            "ignored and released: {}; the source does not see them, or a sensor has been at an end of its range for 1 s: check its wire",
             names.join(", ")
         ),
     }

@@ -4,7 +4,7 @@ use ron::ser::PrettyConfig;
 
 use super::{ArmSetup, OtherHand, Setup, SetupError};
 use crate::capture::recording::{RecordedSetup, Replay};
-use crate::capture::{self, Hc11Format, MergedSource, Source, SourceUri};
+use crate::capture::{self, Hc11Format, MergedSource, SidedSource, Source, SourceUri};
 use crate::command::ProfileName;
 use crate::device::Capabilities;
 use crate::document::{Document, DocumentError};
@@ -317,26 +317,38 @@ impl LoadedSetup {
 
     /// Opens a source, merged with that of the other hand if it has one.
     pub fn open_source(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
-        let first = self.open_single_source(source)?;
-        let other = self.setup.other_hand.as_ref();
-        let (Some(other), Some(hand)) = (
-            other.and_then(|hand| hand.source.as_ref()),
-            &self.other_hand,
-        ) else {
-            return Ok(first);
+        let first_side = self.arm.side();
+        let Some(hand) = &self.other_hand else {
+            return self.open_single_source(source, [first_side]);
         };
-        let second = self.open_single_source(other)?;
-        let sources = [(self.arm.side(), first), (hand.arm.side(), second)];
+        let (other, second_side) = (self.setup.other_hand.as_ref(), hand.arm.side());
+        let Some(other) = other.and_then(|hand| hand.source.as_ref()) else {
+            return self.open_single_source(source, [first_side, second_side]);
+        };
+        let first = self.open_single_source(source, [first_side])?;
+        let second = self.open_single_source(other, [second_side])?;
+        let sources = [(first_side, first), (second_side, second)];
         Ok(Box::new(MergedSource::start(sources)?))
     }
 
-    fn open_single_source(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
+    /// Opens a source that measures the hands of these sides.
+    fn open_single_source(
+        &self,
+        source: &SourceUri,
+        sides: impl IntoIterator<Item = Side>,
+    ) -> Result<Box<dyn Source>, SetupError> {
         let format = Hc11Format::default();
         Ok(match source {
             SourceUri::Recording { path } => Box::new(Replay::open(path)?),
             SourceUri::Typist { text } => Box::new(self.typist(text, &format, 0.0, 0)?),
             SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
-            _ => capture::open(source)?,
+            _ => {
+                let opened = capture::open(source)?;
+                match source.shows_both_arms() {
+                    true => Box::new(SidedSource::new(opened, sides)),
+                    false => opened,
+                }
+            }
         })
     }
 }

@@ -3,6 +3,7 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod body_landmarks;
 mod commands;
 mod file;
 #[cfg(unix)]

@@ -4,6 +4,7 @@
 //! `ADEMAN_FUZZ_SEED=7 ADEMAN_FUZZ_TIMES=100 cargo test --test fuzzing -- --nocapture`.
 
 mod inputs;
+mod lines;
 mod packets;
 mod pipeline;
 mod recordings;
@@ -78,6 +79,11 @@ fn run_on<T>(name: &str, input: &[u8], target: &impl Fn(&[u8]) -> T) -> T {
 #[test]
 fn packets_are_separated_from_noise() {
     run("packets", packets::seeds(), packets::packets);
+}
+
+#[test]
+fn lines_are_separated_from_noise() {
+    run("lines", lines::seeds(), lines::lines);
 }
 
 #[test]

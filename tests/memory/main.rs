@@ -3,5 +3,6 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod landmarks;
 mod soak;
 mod steady_state;

@@ -71,7 +71,8 @@ unsafe impl GlobalAlloc for CountingAllocator {
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-fn allocations() -> u64 {
+/// Returns the number of allocations of this thread.
+pub fn allocations() -> u64 {
     ALLOCATIONS.with(Cell::get)
 }
 

@@ -4,6 +4,7 @@
 mod support;
 
 mod arming;
+mod body_landmarks;
 mod estimator;
 mod examples;
 mod faulty_readings;
@@ -14,6 +15,7 @@ mod joint_positions;
 mod limits;
 mod panels;
 mod placement;
+mod recorded_landmarks;
 mod rig;
 mod scenarios;
 mod scripts;

@@ -4,6 +4,7 @@
 #![allow(dead_code)]
 
 pub mod binary;
+pub mod body;
 pub mod checked;
 pub mod glove;
 pub mod hand;

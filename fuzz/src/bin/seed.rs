@@ -3,11 +3,12 @@
 use std::fs;
 use std::path::Path;
 
-use ademan_fuzz::{packets, recordings, seeds};
+use ademan_fuzz::{lines, packets, recordings, seeds};
 
 fn main() -> std::io::Result<()> {
     let all = [
         ("packets", packets::seeds()),
+        ("lines", lines::seeds()),
         ("layouts", seeds::layouts()),
         ("setups", seeds::setups()),
         ("gloves", seeds::gloves()),

@@ -2,6 +2,7 @@
 //!
 //! To add a protocol, write its file with a [`Protocol`] constant and list the constant in [`PROTOCOLS`].
 
+pub mod body_landmarks;
 pub mod bvh;
 pub mod hc11;
 mod lines;
@@ -24,6 +25,7 @@ pub const PROTOCOLS: &[&Protocol] = &[
     &text_line::PROTOCOL,
     &markers::PROTOCOL,
     &bvh::PROTOCOL,
+    &body_landmarks::PROTOCOL,
 ];
 
 /// A wire format: its name, its options and its decoder.

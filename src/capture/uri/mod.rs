@@ -101,6 +101,14 @@ impl SourceUri {
         }
     }
 
+    /// Returns `true` if each reading shows both arms.
+    pub fn shows_both_arms(&self) -> bool {
+        match self {
+            Self::Stream(stream) => stream.format.protocol.sample.shows_both_arms(),
+            _ => false,
+        }
+    }
+
     /// Returns the serial port as the operating system names it.
     pub fn serial_port(&self) -> Option<&str> {
         match self {

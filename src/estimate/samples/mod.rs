@@ -1,6 +1,7 @@
 //! Conversion of samples to estimates: one file per kind of sample.
 
 mod angles;
+mod body;
 mod channels;
 mod joints;
 
@@ -13,6 +14,7 @@ use crate::hand::Side;
 pub(super) struct SampleConverter {
     channels: Option<channels::ChannelConverter>,
     joints: joints::JointConverter,
+    body: body::BodyConverter,
 }
 
 impl SampleConverter {
@@ -21,6 +23,7 @@ impl SampleConverter {
         Self {
             channels: None,
             joints: joints::JointConverter::default(),
+            body: body::BodyConverter::default(),
         }
     }
 
@@ -49,6 +52,10 @@ impl SampleConverter {
                 let side = reading.side.unwrap_or(Side::Right);
                 let limits = settings.limits.as_ref();
                 self.joints.convert(positions, side, limits, estimate)
+            }
+            Sample::Body(body) => {
+                let side = reading.side.unwrap_or(Side::Right);
+                self.body.convert(body, side, settings, estimate)
             }
         }
     }

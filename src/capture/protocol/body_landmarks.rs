@@ -1,0 +1,203 @@
+//! Lines of JSON with the landmarks of a body, as the pose models of MediaPipe find them.
+//!
+//! ```json
+//! {"pose_world_landmarks":[[0.06,-0.65,-0.12,0.99],…]}
+//! ```
+//!
+//! One object per line, with [`BODY_LANDMARKS`] landmarks of one person: x, y and z in metres and the visibility, which
+//! may be missing. Other fields are ignored. A line with another number of landmarks, with a position beyond
+//! [`MAX_COORDINATE`] or with a visibility outside 0 to 1 is skipped.
+
+use serde::Deserialize;
+
+use super::lines::{LineDecoder, LineParser};
+use super::{Packet, Protocol, ProtocolOption, space};
+use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
+use crate::capture::{Sample, SampleKind};
+
+/// The protocol of body landmarks.
+pub const PROTOCOL: Protocol = Protocol {
+    name: "body-landmarks",
+    summary: "33 body landmarks of MediaPipe in metres per line of JSON",
+    sample: SampleKind::Body,
+    has_datagrams: true,
+    // The name of the field, and `[0,0,0],` for each landmark.
+    min_packet_bytes: 26 + 8 * BODY_LANDMARKS,
+    default_baud: None,
+    options: &[&RATE],
+    nominal_rate_hz: |options| Some(space::number(options, &RATE)),
+    decoder: |_| Box::new(decoder()),
+};
+
+const RATE: ProtocolOption = ProtocolOption {
+    name: "rate_hz",
+    default: "30",
+    summary: "lines per second of a file, 0.1 to 10000",
+    check: |value| space::check_range(value, 0.1..=10_000.0, "lines per second"),
+};
+
+/// Largest coordinate, in metres: no room is larger.
+pub const MAX_COORDINATE: f32 = 100.0;
+
+/// Parser of lines with one body.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BodyParser;
+
+/// Creates a decoder at the start of a stream.
+pub fn decoder() -> LineDecoder<BodyParser> {
+    LineDecoder::with_parser(BodyParser)
+}
+
+impl LineParser for BodyParser {
+    /// 33 landmarks of four numbers with 17 digits are 3 kB; the rest is for other fields.
+    const MAX_LINE_BYTES: usize = 24 * 1024;
+
+    fn parse(&mut self, line: &[u8]) -> Option<Packet> {
+        let body = parse(std::str::from_utf8(line).ok()?).ok()?;
+        Some(Packet::new(Sample::Body(body), 0))
+    }
+}
+
+/// The fields of a line that count.
+#[derive(Deserialize)]
+struct Line {
+    pose_world_landmarks: arrayvec::ArrayVec<Landmark, BODY_LANDMARKS>,
+}
+
+/// Reads a line. An error states why it is not valid.
+pub fn parse(line: &str) -> Result<BodyLandmarks, String> {
+    let line: Line = serde_json::from_str(line).map_err(|error| error.to_string())?;
+    let points = line.pose_world_landmarks;
+    if points.len() != BODY_LANDMARKS {
+        return Err(format!(
+            "{} landmarks instead of {BODY_LANDMARKS}",
+            points.len()
+        ));
+    }
+    for (index, landmark) in points.iter().enumerate() {
+        let is_near = |coordinate: &f32| coordinate.abs() <= MAX_COORDINATE;
+        if !landmark.position.iter().all(is_near) {
+            return Err(format!(
+                "landmark {index} is more than {MAX_COORDINATE} m away"
+            ));
+        }
+        if !(0.0..=1.0).contains(&landmark.confidence) {
+            return Err(format!(
+                "the visibility of landmark {index} is not from 0 to 1"
+            ));
+        }
+    }
+    Ok(BodyLandmarks { points })
+}
+
+/// Writes landmarks as a line with its line end.
+pub fn encode(landmarks: &BodyLandmarks) -> String {
+    let points: Vec<[f32; 4]> = landmarks.points.iter().map(|&point| point.into()).collect();
+    let line = serde_json::json!({ "pose_world_landmarks": points });
+    format!("{line}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::protocol::Decoder;
+
+    fn body() -> BodyLandmarks {
+        let landmark = |index: usize| Landmark {
+            position: [0.01 * index as f32, -0.5, 0.25],
+            confidence: 0.5,
+        };
+        BodyLandmarks {
+            points: (0..BODY_LANDMARKS).map(landmark).collect(),
+        }
+    }
+
+    /// Returns a line whose last landmark is `last`.
+    fn line_with(last: &str) -> String {
+        let others = "[0,0,0],".repeat(BODY_LANDMARKS - 1);
+        format!("{{\"pose_world_landmarks\":[{others}{last}]}}")
+    }
+
+    #[test]
+    fn encoded_landmarks_are_decoded() {
+        assert_eq!(parse(&encode(&body())), Ok(body()));
+        let without_visibility = parse(&line_with("[1,2.5,-3]")).expect("a valid line");
+        let last = Landmark {
+            position: [1.0, 2.5, -3.0],
+            confidence: 1.0,
+        };
+        assert_eq!(without_visibility.points.last(), Some(&last));
+        let with_more = line_with("[0,0,0]").replace('{', "{\"time\":{\"s\":[1,2]},");
+        assert!(parse(&with_more).is_ok());
+        assert!(PROTOCOL.min_packet_bytes <= line_with("[0,0,0]").len());
+    }
+
+    #[test]
+    fn every_invalid_line_is_refused_with_its_reason() {
+        for (line, reason) in [
+            (line_with("[0,0,0],[0,0,0]"), "no more than 33"),
+            (
+                line_with("[0,0,0]").replacen("[0,0,0],", "", 1),
+                "32 landmarks",
+            ),
+            (line_with("[0,0]"), "three or four numbers"),
+            (line_with("[0,0,0,1,2]"), "no more than 4"),
+            (line_with("[0,0,NaN]"), "expected value"),
+            (line_with("[0,0,null]"), "null"),
+            (line_with("[0,0,1e999]"), "out of range"),
+            (line_with("[0,0,1e30]"), "100 m"),
+            (line_with("[0,0,1e300]"), "100 m"),
+            (line_with("[0,0,0,7.5]"), "from 0 to 1"),
+            (line_with("[0,0,0,-0.1]"), "from 0 to 1"),
+            ("{\"pose_world_landmarks\":null}".into(), "null"),
+            ("{}".into(), "missing field"),
+            ("".into(), "EOF"),
+            ("[".repeat(10_000), "invalid"),
+            (
+                format!("{{\"a\":{}1{}}}", "[".repeat(5_000), "]".repeat(5_000)),
+                "",
+            ),
+            (
+                "{\"pose_world_landmarks\":[],\"pose_world_landmarks\":[]}".into(),
+                "duplicate field",
+            ),
+        ] {
+            let error = parse(&line).expect_err("an invalid line");
+            assert!(error.contains(reason), "{reason}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_stream_gives_the_valid_lines_in_pieces_of_any_size() {
+        let stream = format!(
+            "noise\r\n{}{{}}\n\n{}",
+            encode(&body()),
+            line_with("[0,0,0]\r\n")
+        );
+        let stream = format!("{stream}\n{}", encode(&body()).replace('\n', "\r\n"));
+        for size in [1, 7, 100, 4_096] {
+            let mut decoder = decoder();
+            let mut received = Vec::new();
+            for piece in stream.as_bytes().chunks(size) {
+                decoder.push(piece, &mut |packet| received.push(packet.sample));
+            }
+            assert_eq!(received.len(), 2, "pieces of {size}");
+            assert!(
+                received
+                    .iter()
+                    .all(|sample| *sample == Sample::Body(body()))
+            );
+            assert_eq!(decoder.pending_bytes(), 0);
+        }
+    }
+
+    #[test]
+    fn a_number_of_a_megabyte_is_skipped_in_bounded_memory() {
+        let mut decoder = decoder();
+        let line = line_with(&format!("[0,0,0.{}]", "1".repeat(1 << 20))) + "\n";
+        decoder.push(line.as_bytes(), &mut |_| panic!("a line that is too long"));
+        let mut packets = 0;
+        decoder.push(encode(&body()).as_bytes(), &mut |_| packets += 1);
+        assert_eq!(packets, 1);
+    }
+}

@@ -1,0 +1,89 @@
+//! A source that measures both arms at once, as one reading for each hand of a setup.
+
+use std::time::Duration;
+
+use arrayvec::ArrayVec;
+
+use super::{CancelToken, CaptureError, Reading, Source, SourceEvent, SourceStats};
+use crate::hand::Side;
+
+/// A source whose readings with both arms are repeated for each side.
+///
+/// Readings with a side of their own and samples of one hand pass unchanged.
+pub struct SidedSource {
+    source: Box<dyn Source>,
+    sides: ArrayVec<Side, { Side::COUNT }>,
+    /// The latest reading, and the sides for which it was not returned.
+    pending: Option<Reading>,
+    remaining: ArrayVec<Side, { Side::COUNT }>,
+    /// Readings returned beyond those of the source.
+    repeated: u64,
+}
+
+impl SidedSource {
+    /// Creates a source with a reading for each of `sides`.
+    pub fn new(source: Box<dyn Source>, sides: impl IntoIterator<Item = Side>) -> Self {
+        Self {
+            source,
+            sides: sides.into_iter().collect(),
+            pending: None,
+            remaining: ArrayVec::new(),
+            repeated: 0,
+        }
+    }
+
+    /// Returns the pending reading for the next side.
+    fn next_side(&mut self) -> Option<Reading> {
+        let side = self.remaining.pop_at(0)?;
+        let mut reading = match self.remaining.is_empty() {
+            true => self.pending.take()?,
+            false => self.pending.clone()?,
+        };
+        reading.side = Some(side);
+        Some(reading)
+    }
+}
+
+impl Source for SidedSource {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        if let Some(reading) = self.next_side() {
+            self.repeated += 1;
+            return Ok(SourceEvent::Reading(reading));
+        }
+        let event = self.source.next()?;
+        let SourceEvent::Reading(reading) = event else {
+            return Ok(event);
+        };
+        if reading.side.is_some() || !reading.sample.kind().shows_both_arms() {
+            return Ok(SourceEvent::Reading(reading));
+        }
+        self.remaining = self.sides.clone();
+        self.pending = Some(reading);
+        let first = self.next_side();
+        Ok(first.map_or(SourceEvent::Idle, SourceEvent::Reading))
+    }
+
+    fn set_cancel_token(&mut self, cancel: &CancelToken) {
+        self.source.set_cancel_token(cancel);
+    }
+
+    fn name(&self) -> &str {
+        self.source.name()
+    }
+
+    fn packet_period(&self) -> Option<Duration> {
+        self.source.packet_period()
+    }
+
+    fn is_live(&self) -> bool {
+        self.source.is_live()
+    }
+
+    fn stats(&self) -> SourceStats {
+        let stats = self.source.stats();
+        SourceStats {
+            readings: stats.readings + self.repeated,
+            ..stats
+        }
+    }
+}

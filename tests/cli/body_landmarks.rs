@@ -1,0 +1,110 @@
+//! Landmarks of a body as the source of the program, without a glove.
+
+use std::io::Write;
+use std::process::Stdio;
+
+use ademan::capture::protocol::body_landmarks::encode;
+use ademan::hand::Side;
+
+use crate::support::body::{ONE_KEY, TWO_KEYS, taps};
+use crate::{ademan, file, run, text};
+
+/// Lines of a person who taps with these hands.
+fn lines(sides: &[Side]) -> Vec<String> {
+    taps(sides).iter().map(encode).collect()
+}
+
+/// Returns the presses and releases of a transcript, in order.
+fn keys(transcript: &str) -> Vec<String> {
+    let words = |line: &str| {
+        line.split_whitespace()
+            .skip(1)
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    let events = transcript.lines().map(words);
+    events
+        .filter(|event| event.starts_with("down ") || event.starts_with("up "))
+        .collect()
+}
+
+const TAPPED: [&str; 2] = ["down J", "up J"];
+
+#[test]
+fn a_file_of_landmarks_is_typed_recorded_and_replayed() {
+    let folder = tempfile::tempdir().unwrap();
+    let layout = file(&folder, "one-key.ron", ONE_KEY);
+    let path = file(&folder, "body.jsonl", lines(&[Side::Right]).concat());
+    let source = format!("file:{path}?protocol=body-landmarks");
+    let with = ["--source", &source, "--layout", &layout];
+    let typed = run([&["run", "--output", "transcript"], &with[..]].concat()).done();
+    assert_eq!(keys(&typed.out), TAPPED, "{}{}", typed.out, typed.err);
+
+    let recording = folder.path().join("body.mcap");
+    run([&["record", text(&recording)], &with[..]].concat()).done();
+    let replayed = run(["replay", text(&recording)]).done();
+    assert_eq!(keys(&replayed.out), TAPPED, "{}", replayed.err);
+
+    let readings = run([&["trace", "readings"], &with[..]].concat()).done();
+    let first = readings.out.lines().next().expect("a reading");
+    assert!(
+        first.contains("\"side\":\"right\",\"body_landmarks\":[["),
+        "{first}"
+    );
+    let poses = run([&["trace", "pose"], &with[..]].concat()).done();
+    let pose: serde_json::Value =
+        serde_json::from_str(poses.out.lines().last().expect("a pose")).expect("a line of JSON");
+    let across = pose["positions"]["index-finger-tip"][0].as_f64();
+    let across = across.expect("the position of the finger");
+    assert!((across + 0.03).abs() < 1e-5, "{across}");
+}
+
+#[test]
+fn both_hands_of_a_body_type() {
+    let folder = tempfile::tempdir().unwrap();
+    file(&folder, "two-keys.ron", TWO_KEYS);
+    let path = file(
+        &folder,
+        "body.jsonl",
+        lines(&[Side::Left, Side::Right]).concat(),
+    );
+    let setup = format!(
+        "Setup(source: \"file:{path}?protocol=body-landmarks\", other_hand: OtherHand(), layout: \"two-keys.ron\")"
+    );
+    let setup = file(&folder, "two.ron", setup);
+    let typed = run(["run", &setup]).done();
+    assert_eq!(
+        keys(&typed.out),
+        ["down F", "up F", "down J", "up J"],
+        "{}",
+        typed.err
+    );
+}
+
+#[test]
+fn landmarks_on_the_standard_input_are_read() {
+    let lines = lines(&[Side::Right]);
+    let mut program = ademan([
+        "trace",
+        "readings",
+        "--source",
+        "stdin:?protocol=body-landmarks",
+    ])
+    .stdin(Stdio::piped())
+    .stdout(Stdio::piped())
+    .spawn()
+    .expect("the program starts");
+    let mut stdin = program.stdin.take().expect("it is piped");
+    let sent = lines.len();
+    let writer = std::thread::spawn(move || {
+        let write = |line: String| stdin.write_all(line.as_bytes());
+        lines.into_iter().try_for_each(write).expect("it is read");
+    });
+    let output = program.wait_with_output().expect("the program ends");
+    writer.join().expect("all lines are written");
+    let readings = String::from_utf8(output.stdout).expect("text");
+    assert_eq!(output.status.code(), Some(0));
+    let received = readings.matches("\"body_landmarks\"").count();
+    // A live source drops readings that a busy machine cannot process.
+    assert!((1..=sent).contains(&received), "{received} of {sent}");
+}

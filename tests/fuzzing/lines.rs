@@ -1,0 +1,108 @@
+//! The protocols of lines: every byte is counted once, for any split of the stream.
+
+use ademan::capture::Sample;
+use ademan::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
+use ademan::capture::protocol::{
+    Decoder, Protocol, ProtocolOptions, body_landmarks, markers, text_line,
+};
+use ademan::estimate::{Estimator, EstimatorSettings};
+use ademan::hand::{JointAngles, Side};
+
+/// The decoders of the protocols of lines.
+const DECODERS: [fn() -> Box<dyn Decoder>; 3] = [
+    || decoder(&text_line::PROTOCOL),
+    || decoder(&markers::PROTOCOL),
+    || decoder(&body_landmarks::PROTOCOL),
+];
+
+fn decoder(protocol: &Protocol) -> Box<dyn Decoder> {
+    (protocol.decoder)(&ProtocolOptions::default())
+}
+
+/// Decodes an input. The first byte is the length of the pieces that the rest arrives in. Returns `true` if there is a
+/// line.
+pub fn lines(data: &[u8]) -> bool {
+    let Some((&length, stream)) = data.split_first() else {
+        return false;
+    };
+    let mut has_line = false;
+    for decoder in DECODERS {
+        let whole = samples(decoder(), stream, stream.len().max(1));
+        let cut = samples(decoder(), stream, usize::from(length).max(1));
+        assert_eq!(whole, cut, "the lines depend on the split of the stream");
+        estimate(&whole);
+        has_line |= !whole.is_empty();
+    }
+    has_line
+}
+
+fn samples(mut decoder: Box<dyn Decoder>, stream: &[u8], length: usize) -> Vec<Sample> {
+    let mut samples = Vec::new();
+    let mut end = 0;
+    for piece in stream.chunks(length) {
+        decoder.push(piece, &mut |packet| {
+            assert!(packet.end > end, "the ends of packets go backwards");
+            end = packet.end;
+            samples.push(packet.sample);
+        });
+    }
+    decoder.finish(&mut |packet| samples.push(packet.sample));
+    let counts = decoder.stats();
+    assert_eq!(counts.readings, samples.len() as u64);
+    assert!(counts.skipped_bytes <= counts.bytes);
+    assert_eq!(
+        (decoder.pending_bytes(), counts.bytes),
+        (0, stream.len() as u64)
+    );
+    samples
+}
+
+/// Estimates every sample; the results are finite.
+fn estimate(samples: &[Sample]) {
+    let mut estimator = Estimator::new(EstimatorSettings::default());
+    for (number, sample) in samples.iter().enumerate() {
+        let reading = ademan::capture::Reading {
+            time: ademan::time::Timestamp(33_000 * (number as u64 + 1)),
+            side: Some(Side::ALL[number % Side::COUNT]),
+            sample: sample.clone(),
+        };
+        let Ok(estimate) = estimator.update(&reading) else {
+            continue;
+        };
+        assert!(
+            estimate
+                .angles
+                .radians()
+                .iter()
+                .all(|angle| angle.is_finite())
+        );
+        assert!(
+            estimate
+                .measured
+                .iter()
+                .all(|(_, position)| position.is_finite())
+        );
+    }
+}
+
+/// Returns a stream of lines of each protocol.
+pub fn seeds() -> Vec<Vec<u8>> {
+    let body = |number: usize| {
+        let landmark = |index: usize| Landmark {
+            position: [
+                (index * index % 7) as f32 * 0.1,
+                (index * number % 5) as f32 * -0.1,
+                (index % 3) as f32 * 0.1,
+            ],
+            confidence: 0.25 * (number % 5) as f32,
+        };
+        body_landmarks::encode(&BodyLandmarks {
+            points: (0..BODY_LANDMARKS).map(landmark).collect(),
+        })
+    };
+    let stream = |text: String| [&[66], text.as_bytes()].concat();
+    vec![
+        stream(text_line::encode(&JointAngles::default()).repeat(3)),
+        stream((1..5).map(body).collect()),
+    ]
+}
