@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::capture::{CaptureError, Reading, SourceStats};
+use crate::command::CommandOrigin;
 use crate::contact::{TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
 use crate::estimate::{JointAngles, Rejection};
@@ -14,8 +15,8 @@ use crate::pipeline::{PipelineState, Suppressed};
 pub struct Snapshot {
     /// State of the pipeline after the step.
     pub state: PipelineState,
-    /// `true` if a command has paused the session. A pipeline that waits for the hand is `Paused` too.
-    pub is_paused: bool,
+    /// Origin of a requested pause. A pipeline that waits for the hand is `Paused` too.
+    pub paused_by: Option<CommandOrigin>,
     /// Index of the profile that the touches and events belong to.
     pub profile: usize,
     /// Names of the targets of this profile.

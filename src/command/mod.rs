@@ -4,6 +4,8 @@
 //! As JSON a command is an object with its name and its fields, such as `{"command":"tilt","deg":-2.5}`. [`SPECS`] lists
 //! all commands with the ranges of their fields; help texts and error messages are made from it.
 
+mod origin;
+
 use std::fmt;
 use std::str::FromStr;
 
@@ -12,6 +14,8 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use crate::names::UnknownName;
+
+pub use origin::CommandOrigin;
 
 /// The name of one of the layouts of a setup, at most 64 bytes long.
 pub type ProfileName = ArrayString<64>;
@@ -27,7 +31,8 @@ pub enum Command {
     State,
     /// Releases everything and suppresses all events until `Resume`.
     Pause,
-    /// Ends a pause. Output is armed again once the hand has been clear of every control.
+    /// Ends a pause, if its [origin](CommandOrigin) permits it. Output is armed again once the hand has been clear of every
+    /// control.
     Resume,
     /// Pauses a running session and resumes a paused one.
     TogglePause,

@@ -4,7 +4,7 @@ use parry3d::math::Vec3;
 
 use super::board_move::BoardMove;
 use super::{CommandError, Pipeline};
-use crate::command::Command;
+use crate::command::{Command, CommandOrigin};
 use crate::device::Events;
 
 impl Pipeline {
@@ -29,12 +29,17 @@ impl Pipeline {
 
     /// Executes a command and appends the resulting events to `events`. A command that the pipeline does not
     /// [handle](Self::handles) has no effect. Does not allocate.
-    pub fn execute(&mut self, command: &Command, events: &mut Events) -> Result<(), CommandError> {
+    pub fn execute(
+        &mut self,
+        command: &Command,
+        origin: CommandOrigin,
+        events: &mut Events,
+    ) -> Result<(), CommandError> {
         match *command {
-            Command::Pause => self.pause(events),
-            Command::Resume => self.resume(),
-            Command::TogglePause if self.is_paused() => self.resume(),
-            Command::TogglePause => self.pause(events),
+            Command::Pause => self.pause(origin, events),
+            Command::Resume => self.resume(origin),
+            Command::TogglePause if self.is_paused() => self.resume(origin),
+            Command::TogglePause => self.pause(origin, events),
             Command::Profile { name } => {
                 let index = self.profile_index(&name);
                 self.switch_profile(index.ok_or(CommandError::UnknownProfile(name))?, events);

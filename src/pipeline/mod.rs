@@ -24,7 +24,7 @@ use std::time::Duration;
 use self::hand_pipeline::HandPipeline;
 use self::output_gate::OutputGate;
 use crate::capture::Reading;
-use crate::command::{Command, ProfileName};
+use crate::command::{Command, CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
 use crate::contact::{TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
@@ -66,8 +66,8 @@ pub struct Pipeline {
     state: PipelineState,
     /// The latest time of an accepted reading.
     time: Timestamp,
-    /// `true` if a pause was requested. `state` changes meanwhile, but not to `Running`.
-    is_paused: bool,
+    /// The origin of a requested pause. `state` changes meanwhile, but not to `Running`.
+    paused_by: Option<CommandOrigin>,
     clear_since: Option<Timestamp>,
     accepted: u64,
     rejected: [u64; Rejection::COUNT],
@@ -97,7 +97,7 @@ impl Pipeline {
             gate: OutputGate::new(settings.permissions, settings.allow_system_keys),
             state: PipelineState::Starting,
             time: Timestamp::default(),
-            is_paused: false,
+            paused_by: None,
             clear_since: None,
             accepted: 0,
             rejected: [0; Rejection::COUNT],
@@ -163,7 +163,7 @@ impl Pipeline {
         self.arm_if_clear(index);
         if self.state == PipelineState::Running {
             self.run_devices(index, events);
-        } else if self.is_paused {
+        } else if self.is_paused() {
             self.run_devices_paused(index);
         }
         Ok(&self.hands[index].output)
@@ -189,9 +189,13 @@ impl Pipeline {
     }
 
     /// Releases everything and emits no events until [`resume`](Self::resume), whatever happens to the
-    /// readings or the layouts meanwhile.
-    pub fn pause(&mut self, events: &mut Events) {
-        if self.is_paused || self.state == PipelineState::Stopped {
+    /// readings or the layouts meanwhile. If the pipeline is paused already, the stronger origin applies.
+    pub fn pause(&mut self, origin: CommandOrigin, events: &mut Events) {
+        if self.state == PipelineState::Stopped {
+            return;
+        }
+        if let Some(earlier) = &mut self.paused_by {
+            *earlier = earlier.or_stronger(origin);
             return;
         }
         let state = match self.state {
@@ -199,15 +203,21 @@ impl Pipeline {
             _ => PipelineState::Paused,
         };
         self.disarm(self.time, state, events);
-        self.is_paused = true;
+        self.paused_by = Some(origin);
     }
 
     /// Ends a pause. Output is armed after the hand has been clear of every control, even with
-    /// [`arm_immediately`](PipelineSettings::arm_immediately). Without a pause it has no effect.
-    pub fn resume(&mut self) {
-        if !std::mem::take(&mut self.is_paused) {
+    /// [`arm_immediately`](PipelineSettings::arm_immediately).
+    ///
+    /// Has no effect without a pause, or if `origin` [may not end](CommandOrigin::may_end_pause_of) it.
+    pub fn resume(&mut self, origin: CommandOrigin) {
+        if !self
+            .paused_by
+            .is_some_and(|pause| origin.may_end_pause_of(pause))
+        {
             return;
         }
+        self.paused_by = None;
         let time = self.time;
         self.active_layout().release_all(time, &mut Events::new());
         self.clear_since = None;
@@ -215,7 +225,12 @@ impl Pipeline {
 
     /// Returns whether a pause was requested and has not ended.
     pub fn is_paused(&self) -> bool {
-        self.is_paused
+        self.paused_by.is_some()
+    }
+
+    /// Returns the origin of a pause that was requested and has not ended.
+    pub fn paused_by(&self) -> Option<CommandOrigin> {
+        self.paused_by
     }
 
     /// Releases everything, for the end of a session. No event is emitted afterwards.
@@ -277,7 +292,7 @@ impl Pipeline {
 
     /// Returns the state; `Paused` during a requested pause.
     pub fn state(&self) -> PipelineState {
-        match self.is_paused && self.state != PipelineState::Stopped {
+        match self.is_paused() && self.state != PipelineState::Stopped {
             true => PipelineState::Paused,
             false => self.state,
         }
@@ -367,7 +382,7 @@ impl Pipeline {
         layout.update_auto_recenter(&output.pose);
         self.gate.add_suppressed_keys(dropped);
         if !self.gate.filter(index, first, events) {
-            self.pause(events);
+            self.pause(CommandOrigin::RateLimit, events);
         }
         for issued in self.hands[index].output.commands.clone() {
             let command = match issued.command {
@@ -376,11 +391,12 @@ impl Pipeline {
                 command => command,
             };
             // A command that cannot be executed has no effect; no caller waits for a reply.
-            let _ = self.execute(&command, events);
+            let _ = self.execute(&command, CommandOrigin::Layout, events);
         }
     }
 
-    /// Updates the devices during a pause and discards their events. Only commands that end the pause are executed.
+    /// Updates the devices during a pause and discards their events. Only commands that end the pause are executed, and
+    /// only if the layout itself has paused.
     fn run_devices_paused(&mut self, index: usize) {
         let pointer_only = self.pointer_only_sides();
         let layout = &mut self.profiles[self.active_profile].layout;
@@ -389,7 +405,7 @@ impl Pipeline {
         let mut commands = std::mem::take(&mut output.commands).into_iter();
         let ends_pause = |command| matches!(command, Command::TogglePause | Command::Resume);
         if commands.any(|issued| ends_pause(issued.command)) {
-            self.resume();
+            self.resume(CommandOrigin::Layout);
         }
     }
 
@@ -397,7 +413,7 @@ impl Pipeline {
     /// [`arm_delay`](PipelineSettings::arm_delay).
     fn release_all(&mut self, time: Timestamp, events: &mut Events) {
         let first = events.len();
-        let is_paused = self.is_paused;
+        let is_paused = self.is_paused();
         let layout = self.active_layout();
         match is_paused {
             // The presses of a pause were never emitted.
@@ -416,7 +432,7 @@ impl Pipeline {
 
     /// Arms output if all hands have been clear of every control for the arm delay.
     fn arm_if_clear(&mut self, index: usize) {
-        if self.is_paused {
+        if self.is_paused() {
             return;
         }
         match self.state {

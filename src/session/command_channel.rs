@@ -12,7 +12,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounde
 use super::layout_link::{LayoutLink, LayoutSwap, LoopLayoutLink};
 use super::reply::{Reply, ReplySender, RequestError};
 use super::waker::Waker;
-use crate::command::Command;
+use crate::command::{Command, CommandOrigin};
 
 /// Commands that wait for a busy loop: one of each client of the control socket, and 8 of panic keys and signals, which
 /// clients cannot crowd out.
@@ -21,22 +21,34 @@ const QUEUE_LENGTH: usize = 16 + 8;
 /// Time that [`CommandSender::request`] waits for a reply.
 const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// A command and the channel for its reply, if one is expected.
+/// A command, its origin, and the channel for its reply, if one is expected.
 #[derive(Clone, Debug)]
 pub(super) struct QueuedCommand {
     pub command: Command,
+    pub origin: CommandOrigin,
     pub reply: Option<ReplySender>,
 }
 
 /// Sends commands to a session. Clones send to the same session.
 #[derive(Clone, Debug)]
 pub struct CommandSender {
+    origin: CommandOrigin,
     queue: Sender<QueuedCommand>,
     stop: Arc<AtomicBool>,
     waker: Waker,
 }
 
 impl CommandSender {
+    /// Returns a sender to the same session whose commands have this origin. That of a new channel is
+    /// [`Client`](CommandOrigin::Client).
+    #[must_use]
+    pub fn with_origin(&self, origin: CommandOrigin) -> Self {
+        Self {
+            origin,
+            ..self.clone()
+        }
+    }
+
     /// Sends a command without waiting for its execution. A second `Stop` has no effect.
     pub fn send(&self, command: Command) -> Result<(), RequestError> {
         self.enqueue(command, None)
@@ -69,8 +81,12 @@ impl CommandSender {
         if command == Command::Stop {
             self.stop.store(true, Ordering::Release);
         } else {
-            let queued = self.queue.try_send(QueuedCommand { command, reply });
-            queued.map_err(|error| match error {
+            let queued = QueuedCommand {
+                command,
+                origin: self.origin,
+                reply,
+            };
+            self.queue.try_send(queued).map_err(|error| match error {
                 TrySendError::Full(_) => RequestError::QueueFull,
                 TrySendError::Disconnected(_) => RequestError::Ended,
             })?;
@@ -106,6 +122,7 @@ pub fn command_channel() -> (CommandSender, CommandReceiver) {
         layouts: None,
     };
     let sender = CommandSender {
+        origin: CommandOrigin::Client,
         queue: sender,
         stop,
         waker,

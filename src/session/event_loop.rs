@@ -13,7 +13,7 @@ use super::{SessionError, Summary};
 use crate::capture::{
     CaptureError, CaptureEvent, CaptureThread, Reading, Source, SourceStats, spawn,
 };
-use crate::command::Command;
+use crate::command::{Command, CommandOrigin};
 use crate::contact::TargetNames;
 use crate::device::Events;
 use crate::names::UnknownName;
@@ -174,7 +174,7 @@ impl SessionLoop<'_> {
 
     fn handle_message(&mut self, message: Message) -> Result<Next, SessionError> {
         let next = match message {
-            Message::Command(QueuedCommand { command, reply }) => self.execute(command, reply)?,
+            Message::Command(queued) => self.execute(queued)?,
             Message::LayoutSwap(swap) => {
                 self.swap_layout(swap)?;
                 Next::Continue
@@ -277,11 +277,12 @@ impl SessionLoop<'_> {
     }
 
     /// Executes a command from outside the pipeline and sends the reply, if one is expected.
-    fn execute(
-        &mut self,
-        command: Command,
-        reply: Option<ReplySender>,
-    ) -> Result<Next, SessionError> {
+    fn execute(&mut self, queued: QueuedCommand) -> Result<Next, SessionError> {
+        let QueuedCommand {
+            command,
+            origin,
+            reply,
+        } = queued;
         let result = match command {
             Command::Stop => return Ok(Next::End),
             Command::State => Ok(Reply::State(self.status())),
@@ -290,7 +291,7 @@ impl SessionLoop<'_> {
                     Ok(()) => return Ok(Next::Continue),
                     Err(error) => Err(error),
                 },
-                None => self.execute_in_pipeline(command)?,
+                None => self.execute_in_pipeline(command, origin)?,
             },
         };
         if let Some(reply) = reply {
@@ -303,13 +304,14 @@ impl SessionLoop<'_> {
     fn execute_in_pipeline(
         &mut self,
         command: Command,
+        origin: CommandOrigin,
     ) -> Result<Result<Reply, RequestError>, SessionError> {
         if command == Command::Recenter {
             // A hand that is overdue is not recentered on.
             self.stall_if_overdue()?;
         }
         self.events.clear();
-        let result = self.pipeline.execute(&command, &mut self.events);
+        let result = self.pipeline.execute(&command, origin, &mut self.events);
         self.send_events(None)?;
         self.publish(None, None, None);
         Ok(result
@@ -425,7 +427,7 @@ impl SessionLoop<'_> {
     fn status(&self) -> SessionStatus {
         SessionStatus {
             state: self.pipeline.state(),
-            is_paused: self.pipeline.is_paused(),
+            paused_by: self.pipeline.paused_by(),
             profile: self.pipeline.active_profile(),
             stats: self.stats(),
             dropped_presses: self.sink.0.dropped_presses(),
@@ -454,7 +456,7 @@ impl SessionLoop<'_> {
     ) {
         let snapshot = Snapshot {
             state: self.pipeline.state(),
-            is_paused: self.pipeline.is_paused(),
+            paused_by: self.pipeline.paused_by(),
             profile: self.profile,
             target_names: self.target_names.clone(),
             reading,

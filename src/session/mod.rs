@@ -41,7 +41,7 @@ use self::recorder_thread::RecorderThread;
 use self::reload::{FilePolicy, LayoutReport, LayoutSource};
 use self::status::StatusLog;
 use crate::capture::{CaptureError, SourceUri};
-use crate::command::Command;
+use crate::command::{Command, CommandOrigin};
 use crate::layout::Layout;
 use crate::output::watchdog::WatchdogSettings;
 use crate::output::{self, OutputError, Sink};
@@ -139,7 +139,7 @@ impl Session {
             .transpose()?;
         if options.use_panic_keys {
             let keys = panic_keys::parse_keys(&setup.setup.panic_keys)?;
-            let commands = command_sender.clone();
+            let commands = command_sender.with_origin(CommandOrigin::PanicKeys);
             // A full queue means that the loop stands still; then the watchdog releases everything.
             panic_keys::watch(&keys, move || _ = commands.send(Command::Pause))?;
         }
@@ -241,7 +241,8 @@ impl Session {
         let Some(watchdog) = self.options.watchdog.take() else {
             return output::open(names, &required);
         };
-        let (commands, notices) = (self.command_sender.clone(), self.notices.sender());
+        let commands = self.command_sender.with_origin(CommandOrigin::Watchdog);
+        let notices = self.notices.sender();
         let WatchdogProgram {
             program,
             arguments,

@@ -10,6 +10,7 @@ use crossbeam_channel::{Receiver, Sender, bounded, never};
 use super::reload::LayoutReport;
 use crate::advice;
 use crate::capture::SourceUri;
+use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{Finger, FingerSet};
 
@@ -41,11 +42,8 @@ pub enum Notice {
     Disarmed,
     /// Touches become events.
     Armed,
-    /// The session is paused.
-    Paused {
-        /// `true` if the press rate limit caused the pause.
-        is_rate_limited: bool,
-    },
+    /// A pause with this origin was requested.
+    Paused(CommandOrigin),
     /// No readings arrive; everything is released.
     Stalled,
     /// The device was lost or the machine was suspended.
@@ -87,15 +85,7 @@ impl fmt::Display for Notice {
                 f.write_str("paused: hold the hand clear of all keys for a moment to arm")
             }
             Self::Armed => f.write_str("armed: touches are typed, Ctrl-C ends"),
-            Self::Paused {
-                is_rate_limited: true,
-            } => f.write_str(
-                "paused: more presses than a person makes (`max_presses_per_second` of the setup); everything is \
-                 released, `ademan ctl resume` goes on",
-            ),
-            Self::Paused {
-                is_rate_limited: false,
-            } => f.write_str("paused: everything is released, `ademan ctl resume` goes on"),
+            Self::Paused(origin) => write_paused(f, *origin),
             Self::Stalled => f.write_str("stalled: no readings, everything is released"),
             Self::SourceLost(reason) => f.write_str(reason),
             Self::Rejected(count, reason) => {
@@ -122,12 +112,25 @@ impl fmt::Display for Notice {
                 counted(*count, "pointer event")
             ),
             Self::UntrustedFingers(fingers) => write_untrusted(f, *fingers),
-            Self::WatchdogLost => {
-                f.write_str("the watchdog exited: everything is released")
-            }
+            Self::WatchdogLost => f.write_str("the watchdog exited: everything is released"),
             Self::Layout(report) => report.fmt(f),
         }
     }
+}
+
+fn write_paused(f: &mut fmt::Formatter<'_>, origin: CommandOrigin) -> fmt::Result {
+    write!(f, "paused by {}: ", origin.description())?;
+    f.write_str(match origin {
+        CommandOrigin::Layout => {
+            "everything is released; that key or gesture, or `ademan ctl resume`, goes on"
+        }
+        CommandOrigin::Suspend => "everything is released until the program is continued",
+        CommandOrigin::RateLimit => {
+            "more presses than a person makes (`max_presses_per_second` of the setup); everything is released, `ademan ctl \
+             resume` goes on"
+        }
+        _ => "everything is released, `ademan ctl resume` goes on",
+    })
 }
 
 fn write_untrusted(f: &mut fmt::Formatter<'_>, fingers: FingerSet) -> fmt::Result {

@@ -2,7 +2,7 @@
 
 use crossbeam_channel::Sender;
 
-use crate::command::InvalidCommand;
+use crate::command::{CommandOrigin, InvalidCommand};
 use crate::pipeline::{CommandError, PipelineState};
 use crate::snapshot::Stats;
 
@@ -51,8 +51,8 @@ pub(crate) type ReplySender = Sender<Result<Reply, RequestError>>;
 pub struct SessionStatus {
     /// State of the pipeline.
     pub state: PipelineState,
-    /// `true` if a command has paused the session.
-    pub is_paused: bool,
+    /// Origin of a requested pause.
+    pub paused_by: Option<CommandOrigin>,
     /// Index of the active profile.
     pub profile: usize,
     /// Statistics of all readings so far.

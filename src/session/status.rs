@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use super::notice::Notice;
+use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{FingerSet, Side};
 use crate::pipeline::PipelineState;
@@ -14,13 +15,12 @@ const REPEAT_INTERVAL: Duration = Duration::from_secs(10);
 /// Derives notices from snapshots: one for each change of state, and one per kind of loss in 10 s.
 #[derive(Default)]
 pub(super) struct StatusLog {
-    state: Option<(PipelineState, bool)>,
+    state: Option<(PipelineState, Option<CommandOrigin>)>,
     rejected: [RateLimited<u64>; Rejection::COUNT],
     dropped: RateLimited<u64>,
     system_keys: RateLimited<u64>,
     keys_by_role: RateLimited<u64>,
     pointing_by_role: RateLimited<u64>,
-    rate_limited: u64,
     /// By side.
     untrusted: [RateLimited<FingerSet>; Side::COUNT],
 }
@@ -93,21 +93,16 @@ impl StatusLog {
     }
 
     fn report_state(&mut self, snapshot: &Snapshot, report: &mut impl FnMut(Notice)) {
-        let state = (snapshot.state, snapshot.is_paused);
+        let state = (snapshot.state, snapshot.paused_by);
         if self.state.replace(state) == Some(state) {
             return;
         }
-        let rate_limited = snapshot.stats.suppressed.rate_limited;
-        let is_rate_limited =
-            std::mem::replace(&mut self.rate_limited, rate_limited) < rate_limited;
-        match snapshot.state {
-            PipelineState::Starting | PipelineState::Stopped => {}
-            PipelineState::Paused if snapshot.is_paused => {
-                report(Notice::Paused { is_rate_limited });
-            }
-            PipelineState::Paused => report(Notice::Disarmed),
-            PipelineState::Running => report(Notice::Armed),
-            PipelineState::Stalled => report(Notice::Stalled),
+        match state {
+            (PipelineState::Starting | PipelineState::Stopped, _) => {}
+            (PipelineState::Paused, Some(origin)) => report(Notice::Paused(origin)),
+            (PipelineState::Paused, None) => report(Notice::Disarmed),
+            (PipelineState::Running, _) => report(Notice::Armed),
+            (PipelineState::Stalled, _) => report(Notice::Stalled),
         }
     }
 }

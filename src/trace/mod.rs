@@ -332,7 +332,7 @@ mod tests {
             state: PipelineState::Running,
             profile: 0,
             target_names: names(),
-            is_paused: false,
+            paused_by: None,
             reading: Some(Reading {
                 time,
                 side: None,

@@ -4,7 +4,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use ademan::capture::{CaptureError, Hc11Format, Source, SourceEvent, SourceStats};
-use ademan::command::Command;
+use ademan::command::{Command, CommandOrigin};
 use ademan::output;
 use ademan::pipeline::PipelineState;
 use ademan::session::{
@@ -114,14 +114,14 @@ fn commands_are_executed_in_order_and_answered() {
     };
     let (mut was_paused, mut is_resumed) = (false, false);
     run(client, |snapshot| {
-        was_paused |= snapshot.is_paused;
-        is_resumed |= was_paused && !snapshot.is_paused;
+        was_paused |= snapshot.paused_by.is_some();
+        is_resumed |= was_paused && !snapshot.paused_by.is_some();
         is_resumed
     });
     let next = || received.recv().expect("a result");
     let state = next();
     assert!(
-        matches!(state, Ok(Reply::State(status)) if status.is_paused && status.state == PipelineState::Paused),
+        matches!(state, Ok(Reply::State(status)) if status.paused_by == Some(CommandOrigin::Client) && status.state == PipelineState::Paused),
         "{state:?}"
     );
     assert_eq!(next(), Ok(Reply::Done));

@@ -390,7 +390,7 @@ fn a_client_that_does_not_read_is_disconnected_without_effect_on_others() {
     let line = notifications
         .recv_timeout(TIMEOUT)
         .expect("there is a notification");
-    let paused = r#"{"event":"state","state":"paused","paused":true}"#;
+    let paused = r#"{"event":"state","state":"paused","paused":true,"paused_by":"command"}"#;
     assert_eq!(line, paused);
 }
 

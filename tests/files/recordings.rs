@@ -58,7 +58,7 @@ fn snapshot(number: u64) -> Snapshot {
         profile: 0,
         target_names: TargetNames::default(),
         state: PipelineState::Running,
-        is_paused: false,
+        paused_by: None,
         reading: Some(reading),
         source_error: None,
         angles: Some(angles),

@@ -3,6 +3,7 @@
 use std::sync::LazyLock;
 
 use ademan::capture::{Channels, Hc11Format, Reading, Sample, Source, SourceEvent};
+use ademan::command::CommandOrigin;
 use ademan::device::{EventKind, Events};
 use ademan::hand::Side;
 use ademan::layout::Layout;
@@ -169,6 +170,10 @@ impl Bytes<'_> {
         u16::from_le_bytes([self.byte(), self.byte()])
     }
 
+    fn origin(&mut self) -> CommandOrigin {
+        CommandOrigin::ALL[usize::from(self.byte()) % CommandOrigin::COUNT]
+    }
+
     fn float(&mut self) -> f32 {
         match self.byte() {
             0 => f32::NAN,
@@ -260,9 +265,12 @@ impl FuzzRun<'_> {
             226..=227 => self.read_anything(bytes),
             228..=231 => self.side = Side::ALL.get(usize::from(bytes.byte()) % 3).copied(),
             232 => self.command(CheckedPipeline::stall),
-            233 => self.command(CheckedPipeline::pause),
+            233 => {
+                let origin = bytes.origin();
+                self.command(|pipeline, events| pipeline.pause(origin, events));
+            }
             234..=238 => {
-                self.pipeline.resume();
+                self.pipeline.resume(bytes.origin());
                 self.stats.steps += 1;
             }
             239 => self.replace(bytes),

@@ -84,7 +84,7 @@ fn snapshot(reading: &Reading) -> Snapshot {
         state: PipelineState::Paused,
         profile: 0,
         target_names: ASSEMBLY.layout.target_names(),
-        is_paused: false,
+        paused_by: None,
         reading: Some(reading.clone()),
         angles: None,
         pose: None,

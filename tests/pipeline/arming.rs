@@ -3,6 +3,7 @@
 
 use crate::support::checked::CheckedPipeline;
 use ademan::capture::{Channels, Hc11Format, Reading, Sample, Source, SourceEvent};
+use ademan::command::CommandOrigin;
 use ademan::contact::Phase;
 use ademan::device::{EventKind, Events, KeyCode};
 use ademan::estimate::Rejection;
@@ -392,7 +393,7 @@ fn every_reading_is_accepted_or_rejected() {
 impl Wearer {
     fn pause(&mut self) {
         let mut events = Events::new();
-        self.pipeline.pause(&mut events);
+        self.pipeline.pause(CommandOrigin::Client, &mut events);
         self.write(&events);
     }
 
@@ -413,7 +414,7 @@ fn a_pause_releases_everything_until_resume_and_arming() {
     wearer.tap();
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
 
-    wearer.pipeline.resume();
+    wearer.pipeline.resume(CommandOrigin::Client);
     wearer.press_for(400);
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     wearer.hover_for(290);
@@ -435,13 +436,13 @@ fn pauses_and_stalls_can_overlap() {
     assert_eq!(wearer.take_transcript(), "");
 
     wearer.pipeline.stall(&mut Events::new());
-    wearer.pipeline.resume();
+    wearer.pipeline.resume(CommandOrigin::Client);
     assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
     wearer.pause();
     wearer.tap();
     assert_eq!(wearer.pipeline.state(), PipelineState::Paused);
     assert_eq!(wearer.take_transcript(), "");
-    wearer.pipeline.resume();
+    wearer.pipeline.resume(CommandOrigin::Client);
     wearer.tap();
     assert_eq!(wearer.take_transcript(), "down H");
 }
@@ -453,7 +454,7 @@ fn a_pause_outlasts_a_new_layout_and_ends_with_stop() {
     wearer.replace_with_dvorak();
     wearer.tap();
     assert_eq!(wearer.take_transcript(), "");
-    wearer.pipeline.resume();
+    wearer.pipeline.resume(CommandOrigin::Client);
     wearer.tap();
     assert_eq!(wearer.take_transcript(), "down D");
 
@@ -473,7 +474,7 @@ fn a_pause_before_the_first_reading_overrides_start_armed() {
     let mut wearer = Wearer::new(&setup);
     wearer.pause();
     wearer.tap();
-    wearer.pipeline.resume();
+    wearer.pipeline.resume(CommandOrigin::Client);
     wearer.press_for(100);
     assert_eq!(wearer.take_transcript(), "");
     wearer.tap();
@@ -484,7 +485,7 @@ fn a_pause_before_the_first_reading_overrides_start_armed() {
 fn resume_without_a_pause_releases_nothing() {
     let mut wearer = Wearer::armed();
     wearer.press_for(100);
-    wearer.pipeline.resume();
+    wearer.pipeline.resume(CommandOrigin::Client);
     wearer.press_for(100);
     assert_eq!(wearer.take_transcript(), "down H");
     assert_eq!(wearer.pipeline.state(), PipelineState::Running);

@@ -14,6 +14,7 @@ mod oracle;
 mod joint_positions;
 mod limits;
 mod panels;
+mod pauses;
 mod placement;
 mod recorded_landmarks;
 mod rig;

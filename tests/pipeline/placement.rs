@@ -1,6 +1,7 @@
 //! Poses of boards, and commands that move them, through the whole pipeline.
 
 use ademan::capture::{Channels, MAX_CHANNELS, Reading, Sample};
+use ademan::command::CommandOrigin;
 use ademan::contact::board_pose::BoardPose;
 use ademan::contact::surface::Scene;
 use ademan::device::{EventKind, Events};
@@ -357,10 +358,10 @@ fn a_press_during_a_pause_has_no_effect_after_it() {
     wearer.hover("B");
     wearer.hold_still(200);
     let mut events = Events::new();
-    wearer.pipeline.pause(&mut events);
+    wearer.pipeline.pause(CommandOrigin::Client, &mut events);
     wearer.push("B");
     wearer.hold_still(300);
-    wearer.pipeline.resume();
+    wearer.pipeline.resume(CommandOrigin::Client);
     wearer.hover("B");
     wearer.hold_still(500);
     assert_eq!(wearer.transcript(), "");

@@ -4,6 +4,7 @@ use std::ops::Deref;
 use std::time::Duration;
 
 use ademan::capture::Reading;
+use ademan::command::CommandOrigin;
 use ademan::device::Events;
 use ademan::estimate::Rejection;
 use ademan::layout::Layout;
@@ -79,14 +80,18 @@ impl CheckedPipeline {
     }
 
     #[track_caller]
-    pub fn pause(&mut self, events: &mut Events) {
+    pub fn pause(&mut self, origin: CommandOrigin, events: &mut Events) {
         let releases = !self.is_paused() && self.state() != PipelineState::Stopped;
-        self.command(releases, events, Pipeline::pause);
+        self.command(releases, events, |pipeline, events| {
+            pipeline.pause(origin, events);
+        });
     }
 
     #[track_caller]
-    pub fn resume(&mut self) {
-        self.command(false, &mut Events::new(), |pipeline, _| pipeline.resume());
+    pub fn resume(&mut self, origin: CommandOrigin) {
+        self.command(false, &mut Events::new(), |pipeline, _| {
+            pipeline.resume(origin);
+        });
     }
 
     #[track_caller]
@@ -175,7 +180,7 @@ impl CheckedPipeline {
         let outcome = self.oracle.check(Observation {
             cause,
             state: self.pipeline.state(),
-            is_paused: self.pipeline.is_paused(),
+            paused_by: self.pipeline.paused_by(),
             profile,
             output: self.output.as_ref().map(Into::into),
             events: &events[first..],

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-use ademan::command::{CommandSpec, FieldKind, SPECS};
+use ademan::command::{CommandOrigin, CommandSpec, FieldKind, SPECS};
 use ademan::session::control_socket::{self, Client};
 use clap::{Arg, ArgMatches, Command, FromArgMatches, Subcommand};
 use serde_json::{Map, Value};
@@ -140,8 +140,9 @@ fn reply_text(command: &str, reply: &Value) -> String {
 fn state_text(reply: &Value) -> String {
     let stats = &reply["stats"];
     let mut state = plain_text(&reply["state"]).unwrap_or_default();
-    if reply["paused"] == true {
-        state += " by a command";
+    if let Some(origin) = reply["paused_by"].as_str() {
+        let origin = origin.parse().map(CommandOrigin::description);
+        state += &format!(" by {}", origin.unwrap_or("a command"));
     }
     let or_unknown = |value| plain_text(value).unwrap_or_else(|| "unknown".into());
     let mut readings = format!("{}: {} accepted", stats["received"], stats["accepted"]);

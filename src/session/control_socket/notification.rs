@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 
 use super::response::{self, JsonLine};
+use crate::command::CommandOrigin;
 use crate::contact::TargetNames;
 use crate::device::{Events, TimedCommands};
 use crate::pipeline::PipelineState;
@@ -28,7 +29,7 @@ enum Notification {
     Events(Events, TargetNames),
     State {
         state: PipelineState,
-        is_paused: bool,
+        paused_by: Option<CommandOrigin>,
     },
     Reload {
         is_active: bool,
@@ -41,7 +42,7 @@ enum Notification {
 pub struct Notifier {
     sender: Sender<Notification>,
     subscribers: Subscribers,
-    last: Option<(PipelineState, bool)>,
+    last: Option<(PipelineState, Option<CommandOrigin>)>,
 }
 
 impl Notifier {
@@ -64,8 +65,8 @@ impl Notifier {
     /// Notifies the subscribers of the commands and events of a step and of a new state. Does not wait, and does nothing
     /// without subscribers.
     pub fn notify_snapshot(&mut self, snapshot: &Snapshot) {
-        let (state, is_paused) = (snapshot.state, snapshot.is_paused);
-        let is_new = self.last.replace((state, is_paused)) != Some((state, is_paused));
+        let (state, paused_by) = (snapshot.state, snapshot.paused_by);
+        let is_new = self.last.replace((state, paused_by)) != Some((state, paused_by));
         if self.subscribers.count.load(Ordering::Relaxed) == 0 {
             return;
         }
@@ -77,7 +78,7 @@ impl Notifier {
             self.send(Notification::Events(snapshot.events.clone(), names));
         }
         if is_new {
-            self.send(Notification::State { state, is_paused });
+            self.send(Notification::State { state, paused_by });
         }
     }
 
@@ -127,8 +128,8 @@ pub(super) fn broadcast(queue: &NotificationQueue) {
                     subscribers.push(&response::event_notification(event, &names, &mut buffer));
                 }
             }
-            Notification::State { state, is_paused } => {
-                subscribers.push(&response::state_notification(state, is_paused));
+            Notification::State { state, paused_by } => {
+                subscribers.push(&response::state_notification(state, paused_by));
             }
             Notification::Reload { is_active, text } => {
                 subscribers.push(&response::reload_notification(is_active, &text));
@@ -246,7 +247,7 @@ mod tests {
         };
         let snapshot = Snapshot {
             state: PipelineState::Paused,
-            is_paused: true,
+            paused_by: Some(CommandOrigin::Client),
             profile: 0,
             target_names: TargetNames::default(),
             reading: None,
@@ -272,7 +273,7 @@ mod tests {
             r#"{"time_us":12400,"command":"nudge","x_mm":0.0,"y_mm":-1.5,"z_mm":2.0}"#,
             r#"{"time_us":12400,"command":"toggle-pause"}"#,
             r#"{"time_us":12400,"event":"key-up","key":"Q"}"#,
-            r#"{"event":"state","state":"paused","paused":true}"#,
+            r#"{"event":"state","state":"paused","paused":true,"paused_by":"command"}"#,
         ];
         assert_eq!(lines, expected);
     }

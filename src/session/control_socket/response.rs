@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::ProfileInfo;
+use crate::command::CommandOrigin;
 use crate::contact::TargetNames;
 use crate::device::{OutputEvent, TimedCommand};
 use crate::estimate::Rejection;
@@ -31,7 +32,8 @@ pub(super) fn state(status: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLin
     json(&StateResponse {
         ok: true,
         state: status.state,
-        paused: status.is_paused,
+        paused: status.paused_by.is_some(),
+        paused_by: status.paused_by,
         profile: profile.map(|profile| profile.name.as_str()),
         layout: profile.map(|profile| profile.file.as_str()),
         steps: status.stats.accepted + rejected,
@@ -41,8 +43,15 @@ pub(super) fn state(status: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLin
 }
 
 /// Returns the notification of a new state.
-pub(super) fn state_notification(state: PipelineState, paused: bool) -> JsonLine {
-    json(&NotificationLine::State { state, paused })
+pub(super) fn state_notification(
+    state: PipelineState,
+    paused_by: Option<CommandOrigin>,
+) -> JsonLine {
+    json(&NotificationLine::State {
+        state,
+        paused: paused_by.is_some(),
+        paused_by,
+    })
 }
 
 /// Returns the notification of a changed layout file; `active` tells whether its content is active.
@@ -93,6 +102,8 @@ struct StateResponse<'a> {
     ok: bool,
     state: PipelineState,
     paused: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    paused_by: Option<CommandOrigin>,
     profile: Option<&'a str>,
     layout: Option<&'a str>,
     steps: u64,
@@ -136,9 +147,19 @@ fn by_reason<S: serde::Serializer>(
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 enum NotificationLine<'a> {
-    State { state: PipelineState, paused: bool },
-    Reload { active: bool, text: &'a str },
-    Missed { count: u64 },
+    State {
+        state: PipelineState,
+        paused: bool,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        paused_by: Option<CommandOrigin>,
+    },
+    Reload {
+        active: bool,
+        text: &'a str,
+    },
+    Missed {
+        count: u64,
+    },
 }
 
 #[cfg(test)]
@@ -157,7 +178,7 @@ mod tests {
         stats.rejected[0] = 2;
         let status = SessionStatus {
             state: PipelineState::Paused,
-            is_paused: true,
+            paused_by: Some(CommandOrigin::RateLimit),
             profile: 0,
             stats,
             dropped_presses: 3,
@@ -174,6 +195,7 @@ mod tests {
         assert_eq!(line["profile"], "My board");
         assert_eq!(line["layout"], "my.ron");
         assert_eq!(line["paused"], true);
+        assert_eq!(line["paused_by"], "rate-limit");
         assert_eq!(line["state"], "paused");
         assert_eq!(line["dropped_presses"], 3);
     }
@@ -191,7 +213,7 @@ mod tests {
         );
         assert_eq!(&*missed_notification(2), r#"{"event":"missed","count":2}"#);
         assert_eq!(
-            &*state_notification(PipelineState::Paused, false),
+            &*state_notification(PipelineState::Paused, None),
             r#"{"event":"state","state":"paused","paused":false}"#
         );
     }

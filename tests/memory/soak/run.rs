@@ -5,6 +5,7 @@ use std::time::Duration;
 use ademan::capture::hc11::{self, Hc11Decoder, PACKET_BYTES, encode};
 use ademan::capture::protocol::Decoder;
 use ademan::capture::{Reading, Sample};
+use ademan::command::CommandOrigin;
 use ademan::device::{EventKind, Events};
 use ademan::hand::Side;
 use ademan::layout::Layout;
@@ -161,7 +162,9 @@ impl<'a> SoakRun<'a> {
             FaultKind::ValidLayout => self.reload(),
             FaultKind::InvalidLayout => self.read_invalid_layout(),
             FaultKind::Pause => {
-                self.command(CheckedPipeline::pause);
+                self.command(|pipeline, events| {
+                    pipeline.pause(CommandOrigin::Client, events);
+                });
                 self.paused = Some(now + self.random.u64(SECOND / 2..5 * SECOND));
             }
             FaultKind::Profile => {
@@ -217,7 +220,7 @@ impl<'a> SoakRun<'a> {
     fn send_packet(&mut self) {
         if self.paused.is_some_and(|until| until <= self.now) {
             self.paused = None;
-            self.command(|pipeline, _| pipeline.resume());
+            self.command(|pipeline, _| pipeline.resume(CommandOrigin::Client));
         }
         // Presses beyond the rate limit pause the session; the user resumes it.
         if self.paused.is_none() && self.pipeline.is_paused() {

@@ -27,7 +27,7 @@ pub fn all(scene: &mut Scene) {
     scene.machine.press(&["ctrl"]);
     scene.machine.press(&["ctrl", "ctrl_r"]);
     released(scene, &evtest);
-    scene.wait_for_line("paused: everything is released", 1);
+    scene.wait_for_line("paused by the panic keys", 1);
     scene.report("panic keys release all keys and pause");
     scene.machine.run("ademan ctl resume --socket /tmp/control");
     scene.arm(&text, 2);

@@ -210,9 +210,7 @@ fn sigusr1_pauses_until_a_resume() {
     let start = Instant::now();
     typing.program.signal(&["USR1"]);
     wait_for_release(&typing.server, start, "USR1");
-    typing
-        .program
-        .wait_for_line("paused: everything is released", 1);
+    typing.program.wait_for_line("paused by a signal", 1);
     typing.glove.play(&Press::for_text("H").lift);
     std::thread::sleep(Duration::from_millis(800));
     assert_eq!(typing.program.count_lines("armed"), 1);

@@ -2,7 +2,7 @@
 
 mod states;
 
-use ademan::command::Command;
+use ademan::command::{Command, CommandOrigin};
 use ademan::contact::{Phase, TargetId, Touch};
 use ademan::device::{
     Axis, Capabilities, Capability, EventKind, KeyCode, OutputEvent, TimedCommand,
@@ -24,7 +24,7 @@ struct FakePipeline {
     oracle: Oracle,
     time: u64,
     state: PipelineState,
-    is_paused: bool,
+    paused_by: Option<CommandOrigin>,
     angles: JointAngles,
     touches: Vec<Touch>,
     commands: Vec<TimedCommand>,
@@ -75,7 +75,7 @@ impl FakePipeline {
             oracle: Oracle::new([rules(), OutputRules::default()], settings),
             time: 0,
             state: PipelineState::Starting,
-            is_paused: false,
+            paused_by: None,
             angles: JointAngles::default(),
             touches: Vec::new(),
             commands: Vec::new(),
@@ -105,7 +105,7 @@ impl FakePipeline {
         self.oracle.check(Observation {
             cause,
             state: self.state,
-            is_paused: self.is_paused,
+            paused_by: self.paused_by,
             profile: 0,
             output: step.then_some(observed),
             events: &events,
@@ -335,7 +335,7 @@ fn i4_releases_precede_presses() {
         time: Timestamp(pipeline.time),
         command: Command::TogglePause,
     }];
-    (pipeline.state, pipeline.is_paused) = (PipelineState::Paused, true);
+    (pipeline.state, pipeline.paused_by) = (PipelineState::Paused, Some(CommandOrigin::Layout));
     pipeline
         .step(&[press("B"), release("B"), release("A")])
         .expect("a pause releases what was pressed before it");

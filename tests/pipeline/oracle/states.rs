@@ -87,19 +87,36 @@ fn i6_a_stall_restarts_the_arming_delay() {
 #[test]
 fn i6_a_pause_restarts_the_arming_delay_even_if_the_first_reading_arms() {
     let mut pipeline = FakePipeline::running();
-    pipeline.is_paused = true;
+    pipeline.paused_by = Some(CommandOrigin::Client);
     pipeline.release_all(PipelineState::Paused, &[]).unwrap();
     (0..50).for_each(|_| pipeline.step(&[]).unwrap());
-    (pipeline.state, pipeline.is_paused) = (PipelineState::Running, false);
+    (pipeline.state, pipeline.paused_by) = (PipelineState::Running, None);
     assert_eq!(pipeline.step(&[]), Err(Violation::ArmedTooSoon));
 }
 
 #[test]
 fn i6_a_requested_pause_is_kept() {
     let mut pipeline = FakePipeline::running();
-    pipeline.is_paused = true;
+    pipeline.paused_by = Some(CommandOrigin::Client);
     let result = pipeline.release_all(PipelineState::Stalled, &[]);
     assert_eq!(result, Err(Violation::PauseNotKept(PipelineState::Stalled)));
+}
+
+#[test]
+fn i6_a_hand_ends_only_a_pause_of_the_layout() {
+    for &origin in CommandOrigin::ALL {
+        let mut pipeline = FakePipeline::running();
+        pipeline.paused_by = Some(origin);
+        pipeline.release_all(PipelineState::Paused, &[]).unwrap();
+        pipeline.step(&[]).unwrap();
+        pipeline.paused_by = None;
+        let expected = match origin {
+            CommandOrigin::Layout => Ok(()),
+            _ => Err(Violation::PauseEndedByHand(origin)),
+        };
+        assert_eq!(pipeline.fork().step(&[]), expected);
+        assert_eq!(pipeline.observe(Cause::Other, false, &[]), Ok(()));
+    }
 }
 
 #[test]
@@ -154,11 +171,11 @@ fn i6_a_touch_begins_after_a_step_with_the_finger_clear() {
 fn i6_the_touch_that_ends_a_pause_ends_with_the_pause() {
     let mut pipeline = FakePipeline::running();
     pipeline.release_all(PipelineState::Stalled, &[]).unwrap();
-    pipeline.is_paused = true;
+    pipeline.paused_by = Some(CommandOrigin::Layout);
     pipeline.release_all(PipelineState::Paused, &[]).unwrap();
     pipeline.step(&[]).unwrap();
     pipeline.touch(Phase::Touched);
-    (pipeline.state, pipeline.is_paused) = (PipelineState::Stalled, false);
+    (pipeline.state, pipeline.paused_by) = (PipelineState::Stalled, None);
     pipeline.step(&[]).unwrap();
     assert_eq!(pipeline.fork().step(&[]), Err(FIRST_STEP));
     pipeline.touch(Phase::Moved);

@@ -5,6 +5,7 @@ use std::time::Duration;
 use ademan::capture::hc11::{self, BODY_BYTES, Hc11Decoder, PACKET_BYTES, encode};
 use ademan::capture::protocol::Decoder;
 use ademan::capture::{Hc11Format, Reading, Sample};
+use ademan::command::CommandOrigin;
 use ademan::contact::TargetNames;
 use ademan::device::{Events, TimedCommand};
 use ademan::estimate::Rejection;
@@ -264,8 +265,12 @@ impl<'a> Rig<'a> {
             Directive::Repair => (self.rail, self.elbow_offset) = (None, 0),
             Directive::Clock(seconds) => self.clock_offset += seconds * 1_000_000,
             Directive::Swap => self.is_swapped = !self.is_swapped,
-            Directive::Pause => self.command(CheckedPipeline::pause),
-            Directive::Resume => self.command(|pipeline, _| pipeline.resume()),
+            Directive::Pause => self.command(|pipeline, events| {
+                pipeline.pause(CommandOrigin::Client, events);
+            }),
+            Directive::Resume => self.command(|pipeline, _| {
+                pipeline.resume(CommandOrigin::Client);
+            }),
             Directive::Stop => self.command(CheckedPipeline::stop),
             Directive::Reload(name) => self.reload(&name),
             Directive::Profile(index) => {

@@ -17,7 +17,7 @@ mod state_check;
 mod touch_check;
 mod violation;
 
-use ademan::command::Command;
+use ademan::command::{Command, CommandOrigin};
 use ademan::contact::Touch;
 use ademan::device::pointer::{CursorOutput, PointerSettings};
 use ademan::device::{Capabilities, OutputEvent, TimedCommand};
@@ -105,8 +105,8 @@ pub struct Observation<'a> {
     pub cause: Cause,
     /// State after the call.
     pub state: PipelineState,
-    /// `true` if a pause was requested and not ended.
-    pub is_paused: bool,
+    /// Origin of a pause that was requested and not ended.
+    pub paused_by: Option<CommandOrigin>,
     /// Index of the profile that was active before the call.
     pub profile: usize,
     /// Result of a reading that was accepted.
@@ -156,7 +156,7 @@ impl<'a> From<&'a Snapshot> for Observation<'a> {
         Self {
             cause: reading.map_or(Cause::Other, |reading| Cause::Reading(reading.time)),
             state: snapshot.state,
-            is_paused: snapshot.is_paused,
+            paused_by: snapshot.paused_by,
             profile: snapshot.profile,
             output: step.map(|(angles, pose)| ObservedStep {
                 angles,

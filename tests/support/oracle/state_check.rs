@@ -1,5 +1,6 @@
 //! Invariant I6 of states: permitted transitions, and the delay before output is armed.
 
+use ademan::command::CommandOrigin;
 use ademan::contact::{Phase, Touch};
 use ademan::hand::Finger;
 use ademan::pipeline::PipelineSettings;
@@ -13,7 +14,7 @@ use super::{Cause, Observation, ObservedStep, Violation};
 pub(super) struct StateCheck {
     settings: PipelineSettings,
     state: PipelineState,
-    is_paused: bool,
+    paused_by: Option<CommandOrigin>,
     /// Latest time of any hand.
     time: Timestamp,
     /// Start of the present series of steps without a touch.
@@ -25,7 +26,7 @@ impl StateCheck {
         Self {
             settings,
             state: PipelineState::Starting,
-            is_paused: false,
+            paused_by: None,
             time: Timestamp::default(),
             clear_since: None,
         }
@@ -33,20 +34,21 @@ impl StateCheck {
 
     /// Returns the state after the last call, and whether a pause was requested.
     pub(super) fn state(&self) -> (PipelineState, bool) {
-        (self.state, self.is_paused)
+        (self.state, self.paused_by.is_some())
     }
 
     pub(super) fn check(&mut self, observation: &Observation) -> Result<(), Violation> {
         let running = PipelineState::Running;
         let (before, after) = (self.state, observation.state);
         let keeps_pause = matches!(after, PipelineState::Paused | PipelineState::Stopped);
-        if observation.is_paused && !keeps_pause {
+        if observation.paused_by.is_some() && !keeps_pause {
             return Err(Violation::PauseNotKept(after));
         }
         if !is_permitted(before, after) {
             return Err(Violation::StateChange(before, after));
         }
-        let ends_pause = self.is_paused && !observation.is_paused;
+        self.check_pause(observation)?;
+        let ends_pause = self.paused_by.is_some() && observation.paused_by.is_none();
         let stops_running = before != after && after != running;
         if observation.cause == Cause::ReleaseAll || ends_pause || stops_running {
             self.clear_since = None;
@@ -60,8 +62,23 @@ impl StateCheck {
         if after == running {
             self.clear_since = None;
         }
-        (self.state, self.is_paused) = (after, observation.is_paused);
+        (self.state, self.paused_by) = (after, observation.paused_by);
         Ok(())
+    }
+
+    /// Checks that a hand ends no pause that was requested from outside.
+    fn check_pause(&self, observation: &Observation) -> Result<(), Violation> {
+        let Some(pause) = self
+            .paused_by
+            .filter(|pause| *pause != CommandOrigin::Layout)
+        else {
+            return Ok(());
+        };
+        let is_hand = matches!(observation.cause, Cause::Reading(_));
+        match is_hand && observation.paused_by != Some(pause) {
+            true => Err(Violation::PauseEndedByHand(pause)),
+            false => Ok(()),
+        }
     }
 
     fn update_clear_time(&mut self, step: ObservedStep) {

@@ -47,7 +47,7 @@ impl TouchCheck {
         }
         let pauses = before == PipelineState::Running && observation.state == PipelineState::Paused;
         // A touch that ends a pause ends with the pause.
-        let ends_pause = was_paused && !observation.is_paused;
+        let ends_pause = was_paused && observation.paused_by.is_none();
         if observation.cause == Cause::ReleaseAll || pauses || ends_pause {
             *self = Self::default();
         }

@@ -1,5 +1,6 @@
 //! Violations of the invariants.
 
+use ademan::command::CommandOrigin;
 use ademan::contact::TargetId;
 use ademan::device::{Axis, Capability, EventKind, KeyCode};
 use ademan::hand::{Dof, Finger, Joint, Side};
@@ -70,6 +71,9 @@ pub enum Violation {
     /// A state other than paused during a requested pause.
     #[error("I6: a pause was requested, and the state is {0}")]
     PauseNotKept(PipelineState),
+    /// A pause from outside that a reading of the hand ended or weakened.
+    #[error("I6: the hand ended a pause of `{0}`")]
+    PauseEndedByHand(CommandOrigin),
     /// An event after the pipeline was stopped.
     #[error("I6: {0:?} was emitted after the pipeline was stopped")]
     EventAfterStop(EventKind),

@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::Duration;
 
-use ademan::command::Command;
+use ademan::command::{Command, CommandOrigin};
 use ademan::session::{CommandSender, Reply};
 use signal_hook::consts::signal::{SIGTSTP, SIGUSR1};
 use signal_hook::iterator::Signals;
@@ -21,11 +21,13 @@ const OUTPUT_DELAY: Duration = Duration::from_millis(50);
 pub fn install(commands: CommandSender) -> Result<(), Failure> {
     let failed = |error| Failure::job(format!("cannot handle signals: {error}"));
     let mut signals = Signals::new([SIGUSR1, SIGTSTP]).map_err(failed)?;
+    let pause = commands.with_origin(CommandOrigin::Signal);
+    let suspended = commands.with_origin(CommandOrigin::Suspend);
     let handle = move || {
         for signal in &mut signals {
             match signal {
-                SIGUSR1 => _ = commands.send(Command::Pause),
-                _ => suspend(&commands),
+                SIGUSR1 => _ = pause.send(Command::Pause),
+                _ => suspend(&suspended),
             }
         }
     };
@@ -33,12 +35,15 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
     thread.spawn(handle).map(drop).map_err(failed)
 }
 
-/// Pauses the session and stops the process. The session resumes when the process is continued.
+/// Pauses the session and stops the process. The session resumes when the process is continued, unless another pause was
+/// in effect before or was requested meanwhile.
 fn suspend(commands: &CommandSender) {
     let request = |command| commands.request_with_timeout(command, REPLY_TIMEOUT);
     let was_paused =
-        matches!(request(Command::State), Ok(Reply::State(status)) if status.is_paused);
-    let _ = request(Command::Pause);
+        matches!(request(Command::State), Ok(Reply::State(status)) if status.paused_by.is_some());
+    if !was_paused {
+        let _ = request(Command::Pause);
+    }
     thread::sleep(OUTPUT_DELAY);
     if let Err(error) = emulate_default_handler(SIGTSTP) {
         say!("cannot stop this process: {error}");
