@@ -258,6 +258,16 @@ impl KeyCode {
         matches!(self.0, 29 | 42 | 54 | 56 | 97 | 100 | 125 | 126)
     }
 
+    /// Returns whether this is a Control key.
+    pub const fn is_control(self) -> bool {
+        matches!(self.0, 29 | 97)
+    }
+
+    /// Returns whether this is an Alt key. The right one is AltGr on many keymaps, and Alt on a US one.
+    pub const fn is_alt(self) -> bool {
+        matches!(self.0, 56 | 100)
+    }
+
     /// Returns whether this key on its own acts on the system instead of the focused program: it opens the
     /// desktop menu (Meta), or sends commands to the kernel (PrintScreen, which is also SysRq).
     pub const fn is_system_key(self) -> bool {

@@ -2,13 +2,11 @@
 
 use super::StepOutput;
 use super::auto_recenter::AutoRecenterState;
+use super::release_order::move_releases_first;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
 use crate::contact::{ContactTracker, TargetNames, Touches};
-use crate::device::{
-    DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, OutputEvent, TimedCommands,
-    VirtualDevice,
-};
+use crate::device::{DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice};
 use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
@@ -131,71 +129,5 @@ impl LayoutInstance {
         for device in &mut self.devices {
             device.release_all(time, &mut output);
         }
-    }
-}
-
-/// Moves releases before presses. Each device emits its releases first, but does not know the events of the others. A
-/// release stays behind a press of the same key; times remain in order.
-fn move_releases_first(events: &mut [OutputEvent]) {
-    let is_press = |event: &OutputEvent| matches!(event.kind, EventKind::KeyDown(_));
-    let Some(mut first_press) = events.iter().position(is_press) else {
-        return;
-    };
-    for index in first_press + 1..events.len() {
-        let EventKind::KeyUp(code) = events[index].kind else {
-            continue;
-        };
-        let own_press = EventKind::KeyDown(code);
-        if events[first_press..index]
-            .iter()
-            .any(|event| event.kind == own_press)
-        {
-            continue;
-        }
-        events[first_press..=index].rotate_right(1);
-        let time = events[first_press].time;
-        first_press += 1;
-        for event in &mut events[first_press..=index] {
-            event.time = event.time.max(time);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::device::KeyCode;
-
-    /// Parses `+KEY` (press) or `-KEY` (release).
-    fn event(time: u64, text: &str) -> OutputEvent {
-        let code: KeyCode = text[1..].parse().unwrap();
-        OutputEvent {
-            time: Timestamp(time),
-            kind: match text.as_bytes()[0] {
-                b'+' => EventKind::KeyDown(code),
-                _ => EventKind::KeyUp(code),
-            },
-        }
-    }
-
-    fn reordered(script: &str) -> String {
-        let words = script.split_whitespace().enumerate();
-        let mut events: Vec<_> = words.map(|(time, word)| event(time as u64, word)).collect();
-        move_releases_first(&mut events);
-        assert!(events.windows(2).all(|pair| pair[0].time <= pair[1].time));
-        let words = events.iter().map(|event| match event.kind {
-            EventKind::KeyDown(code) => format!("+{code}"),
-            EventKind::KeyUp(code) => format!("-{code}"),
-            _ => unreachable!(),
-        });
-        words.collect::<Vec<_>>().join(" ")
-    }
-
-    #[test]
-    fn releases_precede_presses_except_those_of_the_same_key() {
-        assert_eq!(reordered("+A -B +C -D -A"), "-B -D +A +C -A");
-        assert_eq!(reordered("-A +A -A -B"), "-A -B +A -A");
-        assert_eq!(reordered("+A +B"), "+A +B");
-        assert_eq!(reordered("-A -B"), "-A -B");
     }
 }

@@ -9,6 +9,7 @@ mod layout_instance;
 mod output_gate;
 mod permissions;
 mod rate_limit;
+mod release_order;
 mod settings;
 mod state;
 

@@ -25,7 +25,8 @@ named_enum! {
 pub struct Suppressed {
     /// Presses beyond the rate limit.
     pub rate_limited: u64,
-    /// Presses of keys that act on the system, alone or together with pressed modifiers.
+    /// Presses of keys that act on the system, alone or together with pressed keys, and such keys that were released
+    /// early because of them.
     pub system_keys: u64,
     /// Keys and characters of a source whose role is `Pointer`.
     pub keys_by_role: u64,

@@ -52,6 +52,8 @@ struct FuzzSetup {
 /// The layouts of a setup and a script for the first of them.
 struct Plan {
     layouts: &'static [&'static str],
+    /// The text of a layout that takes the place of the first one.
+    text: Option<&'static str>,
     script: &'static str,
     has_two_hands: bool,
     armed: bool,
@@ -63,51 +65,70 @@ macro_rules! script {
     };
 }
 
-const PLANS: [Plan; 8] = [
+/// Switches and keys whose keys together act on the system.
+const SYSTEM_CHORDS: &str = include_str!("../scenarios/system-chords.ron");
+
+const PLANS: [Plan; 9] = [
     Plan {
         layouts: &["qwerty-flat", "numpad", "space"],
+        text: None,
         script: "press H; wait 40; slide 19 0; lift; tap J; tap ShiftLeft; tap Space",
         has_two_hands: false,
         armed: false,
     },
     Plan {
         layouts: &["arrows", "chords-five"],
+        text: None,
         script: script!("arrows"),
         has_two_hands: false,
         armed: true,
     },
     Plan {
         layouts: &["media", "qwerty-flat"],
+        text: None,
         script: script!("media"),
         has_two_hands: false,
         armed: false,
     },
     Plan {
         layouts: &["game", "workshop", "joint"],
+        text: None,
         script: script!("game"),
         has_two_hands: false,
         armed: false,
     },
     Plan {
         layouts: &["switches", "touch-pad"],
+        text: None,
         script: script!("switches"),
         has_two_hands: false,
         armed: true,
     },
     Plan {
         layouts: &["joint", "rate", "direct"],
+        text: None,
         script: script!("joint"),
         has_two_hands: false,
         armed: false,
     },
     Plan {
         layouts: &["space", "ray"],
+        text: None,
         script: script!("space"),
         has_two_hands: false,
         armed: true,
     },
     Plan {
+        layouts: &["arrows", "qwerty-flat"],
+        text: Some(SYSTEM_CHORDS),
+        script: "tap Delete; tap Control; tap Alt; tap F2; tap ControlRight; tap AltRight; tap Delete; tap Backspace; \
+                 tap Alt; tap Control; press AltLeft; lift; tap Delete; press NumpadDecimal; lift",
+        has_two_hands: false,
+        armed: true,
+    },
+    Plan {
         layouts: &["qwerty-two-flat", "qwerty-two-arc"],
+        text: None,
         script: "tap J; press K; wait 60; lift; tap N",
         has_two_hands: true,
         armed: false,
@@ -137,7 +158,10 @@ impl FuzzSetup {
             arm_immediately: plan.armed,
             ..Setup::default()
         };
-        let loaded = setup.load_files().expect("shipped files");
+        let mut loaded = setup.load_files().expect("shipped files");
+        if let Some(text) = plan.text {
+            loaded.layout = Layout::parse(text, "text.ron").expect("a valid layout");
+        }
         let hand = loaded.scripted(plan.script, &Hc11Format::default(), 0.0, 0);
         let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
         let mut movements = Vec::new();

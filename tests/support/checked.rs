@@ -36,6 +36,7 @@ impl CheckedPipeline {
     pub fn new(setup: &LoadedSetup) -> Self {
         let settings = PipelineSettings {
             arm_immediately: setup.setup.arm_immediately,
+            allow_system_keys: setup.setup.allow_system_keys,
             ..PipelineSettings::default()
         };
         Self {

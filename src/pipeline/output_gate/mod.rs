@@ -2,12 +2,18 @@
 //!
 //! It suppresses releases of keys that are not pressed, events that the role of the source does not permit, presses
 //! beyond the rate limit, and keys that act on the system. It never suppresses the release of a pressed key.
+//!
+//! Some keys act on the system only together with Control and Alt. The gate never lets all three be down, in whatever
+//! order and from whichever controls they are pressed: a press of such a key is suppressed while Control and Alt are down,
+//! and a press of the missing modifier releases such a key first. The modifier itself is not suppressed, because a
+//! control may hold it for long, and later keys must not act without it.
 
 use super::Suppressed;
 use super::permissions::{EventClass, SourcePermissions, SourceRole};
 use super::rate_limit::TokenBucket;
+use super::release_order::move_releases_first;
 use crate::device::pressed_keys::PressedKeys;
-use crate::device::{EventKind, Events, KeyCode};
+use crate::device::{EventKind, Events, KeyCode, OutputEvent};
 use crate::time::Timestamp;
 
 /// The permissions of a source and its remaining presses.
@@ -58,10 +64,17 @@ impl OutputGate {
     pub(super) fn filter(&mut self, source: usize, first: usize, events: &mut Events) -> bool {
         let source = source.min(self.sources.len() - 1);
         let mut is_within_limit = true;
-        let mut kept = first;
+        let (mut index, mut kept) = (first, first);
         let mut last_character = None;
-        for index in first..events.len() {
+        let mut has_early_release = false;
+        while index < events.len() {
             let event = events[index];
+            if self.insert_early_release(source, index, events) {
+                // The next turn handles the release, a later one the press behind it.
+                has_early_release = true;
+                continue;
+            }
+            index += 1;
             let is_allowed = match event.kind {
                 EventKind::KeyUp(key) => self.pressed.release(key),
                 kind if !self.check_role(source, kind) => false,
@@ -94,6 +107,9 @@ impl OutputGate {
             }
         }
         events.truncate(kept);
+        if has_early_release {
+            move_releases_first(&mut events[first..]);
+        }
         is_within_limit
     }
 
@@ -131,242 +147,43 @@ impl OutputGate {
         self.sources[source].bucket.try_take(time)
     }
 
-    /// Returns whether a key acts on the system, together with the pressed modifiers, and may not.
+    /// Returns whether a key may not be pressed because it acts on the system, alone or with the pressed keys.
     fn is_forbidden_system_key(&self, key: KeyCode) -> bool {
-        if self.allow_system_keys {
+        !self.allow_system_keys && (key.is_system_key() || self.completes_system_chord(key))
+    }
+
+    /// Returns whether Control, Alt and a key that acts on the system with both would be down after a press.
+    fn completes_system_chord(&self, key: KeyCode) -> bool {
+        let is_down = |is_part: fn(KeyCode) -> bool| {
+            is_part(key) || self.pressed.release_order().any(is_part)
+        };
+        is_down(KeyCode::is_control)
+            && is_down(KeyCode::is_alt)
+            && is_down(KeyCode::is_system_key_with_ctrl_alt)
+    }
+
+    /// Inserts, before the press of a modifier that would complete a system chord, the release of the key that acts on the
+    /// system. Returns `false` if there is none to insert, or no room; then the modifier is suppressed.
+    fn insert_early_release(&mut self, source: usize, index: usize, events: &mut Events) -> bool {
+        let OutputEvent { time, kind } = events[index];
+        let EventKind::KeyDown(key) = kind else {
+            return false;
+        };
+        let completes_chord = !self.allow_system_keys && self.completes_system_chord(key);
+        let is_withheld = !key.is_modifier() || !self.sources[source].role.allows_keys();
+        if !completes_chord || is_withheld {
             return false;
         }
-        let is_pressed = |names: [&str; 2]| {
-            let mut pressed = self.pressed.release_order();
-            pressed.any(|key| names.contains(&key.name()))
+        let mut pressed = self.pressed.release_order();
+        let Some(acting) = pressed.find(|key| key.is_system_key_with_ctrl_alt()) else {
+            return false;
         };
-        key.is_system_key()
-            || (key.is_system_key_with_ctrl_alt()
-                && is_pressed(["ControlLeft", "ControlRight"])
-                && is_pressed(["AltLeft", "AltRight"]))
+        let kind = EventKind::KeyUp(acting);
+        let is_inserted = events.try_insert(index, OutputEvent { time, kind }).is_ok();
+        self.suppressed.system_keys += u64::from(is_inserted);
+        is_inserted
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::PressRateLimit;
-    use super::*;
-    use crate::contact::TargetId;
-    use crate::device::{Axis, OutputEvent};
-
-    /// Parses an event: `down KEY`, `up KEY` or `write CHARACTER`.
-    fn event(milliseconds: u64, line: &str) -> OutputEvent {
-        let (verb, name) = line.split_once(' ').unwrap();
-        let kind = match verb {
-            "down" => EventKind::KeyDown(name.parse().unwrap()),
-            "up" => EventKind::KeyUp(name.parse().unwrap()),
-            "write" => EventKind::Character(name.chars().next().unwrap()),
-            _ => panic!("{verb}"),
-        };
-        OutputEvent {
-            time: Timestamp(milliseconds * 1_000),
-            kind,
-        }
-    }
-
-    fn filter(gate: &mut OutputGate, milliseconds: u64, lines: &[&str]) -> (bool, Vec<String>) {
-        let mut events: Events = lines.iter().map(|line| event(milliseconds, line)).collect();
-        let is_within_limit = gate.filter(0, 0, &mut events);
-        let lines = events.iter().map(|event| match event.kind {
-            EventKind::KeyDown(key) => format!("down {key}"),
-            EventKind::KeyUp(key) => format!("up {key}"),
-            EventKind::Character(character) => format!("write {character}"),
-            _ => panic!("{event:?}"),
-        });
-        (is_within_limit, lines.collect())
-    }
-
-    fn permissions(role: SourceRole, per_second: u32) -> SourcePermissions {
-        SourcePermissions {
-            role,
-            rate_limit: PressRateLimit { per_second },
-        }
-    }
-
-    fn gate(per_second: u32) -> OutputGate {
-        OutputGate::new(permissions(SourceRole::Both, per_second), false)
-    }
-
-    #[test]
-    fn a_burst_of_half_a_second_passes_and_then_the_sustained_rate() {
-        let mut gate = gate(20);
-        let taps = |gate: &mut OutputGate, milliseconds, count: usize| {
-            (0..count)
-                .map(|_| filter(gate, milliseconds, &["down A", "up A"]))
-                .filter(|(is_within_limit, _)| *is_within_limit)
-                .count()
-        };
-        assert_eq!(taps(&mut gate, 1_000, 12), 10);
-        assert_eq!(taps(&mut gate, 1_049, 1), 0);
-        assert_eq!(taps(&mut gate, 1_050, 2), 1);
-        assert_eq!(taps(&mut gate, 60_000, 12), 10);
-        assert_eq!(gate.suppressed().rate_limited, 2 + 1 + 1 + 2);
-    }
-
-    #[test]
-    fn the_release_of_a_suppressed_press_is_suppressed_and_no_other() {
-        let mut gate = gate(2);
-        let (is_within_limit, passed) = filter(&mut gate, 1, &["down A", "down B", "down C"]);
-        assert_eq!(
-            (is_within_limit, passed),
-            (false, vec!["down A".to_owned()])
-        );
-        let (is_within_limit, passed) = filter(&mut gate, 1, &["up C", "up B", "up A", "up A"]);
-        assert_eq!((is_within_limit, passed), (true, vec!["up A".to_owned()]));
-    }
-
-    #[test]
-    fn the_text_of_one_key_counts_as_one_press() {
-        let mut gate = gate(4);
-        let hello: Vec<_> = "hello".chars().map(|c| format!("write {c}")).collect();
-        let hello: Vec<_> = hello.iter().map(String::as_str).collect();
-        assert_eq!(filter(&mut gate, 1, &hello).1.len(), 5);
-        assert_eq!(filter(&mut gate, 2, &hello).1.len(), 5);
-        let (is_within_limit, passed) = filter(&mut gate, 3, &hello);
-        assert_eq!((is_within_limit, passed.len()), (false, 0));
-    }
-
-    #[test]
-    fn system_keys_are_suppressed_unless_they_are_allowed() {
-        let mut gate = gate(60);
-        assert_eq!(filter(&mut gate, 1, &["down MetaLeft"]).1.len(), 0);
-        assert_eq!(filter(&mut gate, 1, &["up MetaLeft"]).1.len(), 0);
-        let chord = ["down ControlRight", "down F2", "up F2", "down AltLeft"];
-        assert_eq!(filter(&mut gate, 1, &chord).1, chord);
-        for key in ["F2", "Delete", "Backspace"] {
-            let press = format!("down {key}");
-            assert_eq!(filter(&mut gate, 1, &[&press]).1.len(), 0, "{key}");
-        }
-        assert_eq!(filter(&mut gate, 1, &["down A"]).1, ["down A"]);
-        assert_eq!(gate.suppressed().system_keys, 4);
-        let mut gate = OutputGate::new(SourcePermissions::LOCAL, true);
-        assert_eq!(
-            filter(&mut gate, 1, &["down MetaLeft"]).1,
-            ["down MetaLeft"]
-        );
-    }
-
-    #[test]
-    fn each_source_has_its_own_rate_limit() {
-        let mut gate = gate(2);
-        gate.add_source(permissions(SourceRole::Both, 4));
-        let mut tap = |source| {
-            let mut events: Events = ["down A", "up A"]
-                .map(|line| event(1, line))
-                .into_iter()
-                .collect();
-            gate.filter(source, 0, &mut events)
-        };
-        let outcomes = [0, 0, 1, 1, 1].map(&mut tap);
-        assert_eq!(outcomes, [true, false, true, true, false]);
-    }
-
-    /// Returns the events that pass for a source with this role, and the suppressed ones.
-    fn filter_for(role: SourceRole, kinds: &[EventKind]) -> (Vec<EventKind>, Suppressed) {
-        let permissions = SourcePermissions {
-            role,
-            ..SourcePermissions::LOCAL
-        };
-        let mut gate = OutputGate::new(permissions, false);
-        let event = |&kind| OutputEvent {
-            time: Timestamp(1),
-            kind,
-        };
-        let mut events: Events = kinds.iter().map(event).collect();
-        let is_within_limit = gate.filter(0, 0, &mut events);
-        assert!(is_within_limit, "the role does not affect the rate limit");
-        let passed = events.iter().map(|event| event.kind).collect();
-        (passed, gate.suppressed())
-    }
-
-    #[test]
-    fn a_pointer_source_presses_no_keys_and_a_key_source_does_not_point() {
-        let code = |name: &str| name.parse().unwrap();
-        let keys = [
-            EventKind::KeyDown(code("A")),
-            EventKind::KeyDown(code("ShiftLeft")),
-            EventKind::Character('ñ'),
-        ];
-        let pointing = [
-            EventKind::KeyDown(code("MouseLeft")),
-            EventKind::KeyDown(code("PadSouth")),
-            EventKind::MoveBy(3, -4),
-            EventKind::MoveTo(0.5, 0.5),
-            EventKind::Scroll(0, 120),
-            EventKind::Axis(Axis::LeftX, 0.4),
-        ];
-        let all = [&keys[..], &pointing].concat();
-        let suppressed = |keys_by_role, pointing_by_role| Suppressed {
-            keys_by_role,
-            pointing_by_role,
-            ..Suppressed::default()
-        };
-        let (passed, count) = filter_for(SourceRole::Pointer, &all);
-        assert_eq!((&passed[..], count), (&pointing[..], suppressed(3, 0)));
-        let (passed, count) = filter_for(SourceRole::Keys, &all);
-        assert_eq!((&passed[..], count), (&keys[..], suppressed(0, 6)));
-        assert_eq!(filter_for(SourceRole::Both, &all), (all, suppressed(0, 0)));
-    }
-
-    #[test]
-    fn reports_and_returns_to_zero_pass_for_every_role() {
-        let target = TargetId(0);
-        let kinds = [
-            EventKind::Axis(Axis::MoveZ, 0.0),
-            EventKind::Axis(Axis::MoveZ, -0.0),
-            EventKind::Depth(target, 1.0),
-            EventKind::Value(target, 1.0),
-            EventKind::Select(target),
-            EventKind::Unselect(target),
-        ];
-        for role in SourceRole::ALL {
-            let none = Suppressed::default();
-            assert_eq!(filter_for(role, &kinds), (kinds.to_vec(), none));
-        }
-    }
-
-    #[test]
-    fn each_source_has_its_own_role_and_releases_need_none() {
-        let mut gate = OutputGate::new(permissions(SourceRole::Keys, 60), false);
-        gate.add_source(permissions(SourceRole::Pointer, 60));
-        let mut passed = |source, lines: &[&str]| {
-            let mut events: Events = lines.iter().map(|line| event(1, line)).collect();
-            gate.filter(source, 0, &mut events);
-            events.len()
-        };
-        assert_eq!(passed(0, &["down A", "down MouseLeft"]), 1);
-        assert_eq!(passed(1, &["down B", "down MouseLeft"]), 1);
-        assert_eq!(passed(0, &["up MouseLeft"]), 1);
-        assert_eq!(passed(1, &["up B", "up A"]), 1);
-        assert_eq!(gate.suppressed().keys_by_role, 1);
-        assert_eq!(gate.suppressed().pointing_by_role, 1);
-    }
-
-    #[test]
-    fn events_suppressed_by_role_do_not_count_as_presses() {
-        let mut gate = OutputGate::new(permissions(SourceRole::Pointer, 2), false);
-        let keys = ["down A", "write b", "down C"];
-        assert_eq!(filter(&mut gate, 1, &keys), (true, vec![]));
-        assert_eq!(
-            filter(&mut gate, 1, &["down MouseLeft"]),
-            (true, vec!["down MouseLeft".to_owned()])
-        );
-        assert_eq!(gate.suppressed().rate_limited, 0);
-    }
-
-    #[test]
-    fn events_before_the_first_index_are_not_filtered() {
-        let mut gate = gate(60);
-        let mut events: Events = ["up Q", "up Q"]
-            .map(|line| event(1, line))
-            .into_iter()
-            .collect();
-        gate.filter(0, 1, &mut events);
-        assert_eq!(events.len(), 1);
-    }
-}
+mod tests;

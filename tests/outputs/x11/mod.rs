@@ -13,6 +13,7 @@ mod memory;
 mod panics;
 mod replug;
 mod sink;
+mod system_chords;
 mod text;
 mod xev;
 

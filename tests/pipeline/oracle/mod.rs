@@ -325,6 +325,29 @@ fn i3_joint_angles_are_inside_their_limits_and_positions_are_finite() {
 }
 
 #[test]
+fn i1_no_system_chord_is_down_without_permission() {
+    let chord = ["Delete", "ControlRight", "AltLeft"].map(key);
+    let rules = || OutputRules::new(chord.map(Capability::Key), None);
+    let presses = chord.map(EventKind::KeyDown);
+    for allow_system_keys in [false, true] {
+        let settings = PipelineSettings {
+            allow_system_keys,
+            ..immediate()
+        };
+        let mut pipeline = FakePipeline::new(settings);
+        pipeline.oracle = Oracle::new([rules()], settings);
+        pipeline.state = PipelineState::Running;
+        pipeline.step(&presses[..2]).unwrap();
+        let completed = pipeline.step(&presses[2..]);
+        let expected = match allow_system_keys {
+            true => Ok(()),
+            false => Err(Violation::SystemChord(chord[2])),
+        };
+        assert_eq!(completed, expected);
+    }
+}
+
+#[test]
 fn i4_releases_precede_presses() {
     let mut pipeline = FakePipeline::running();
     pipeline.step(&[press("A")]).unwrap();

@@ -95,6 +95,11 @@ impl Rig {
         rules: OutputRules,
         scene: Scene,
     ) -> Self {
+        // The output gate, which suppresses system keys, is not a part of the rig.
+        let settings = PipelineSettings {
+            allow_system_keys: true,
+            ..PipelineSettings::default()
+        };
         let hand = || Hand {
             tracker: ContactTracker::new(&scene),
             angles: JointAngles::default(),
@@ -113,7 +118,7 @@ impl Rig {
             side: Side::Right,
             time: Timestamp(0),
             transcript: Transcript::new(Detail::Every, Timestamp(0)),
-            oracle: Oracle::new([rules], PipelineSettings::default()),
+            oracle: Oracle::new([rules], settings),
             scene,
         }
     }

@@ -1,6 +1,7 @@
 //! A test oracle for the pipeline: checks after every step that the output keeps the safety invariants.
 //!
-//! - **I1** The pipeline emits only events that the active layout may emit.
+//! - **I1** The pipeline emits only events that the active layout may emit. Without permission, the pressed keys never act
+//!   on the system.
 //! - **I2** A key is released before it is pressed again. In every state except
 //!   [`Running`](PipelineState::Running), all keys are released and all axes are centered.
 //! - **I3** Presses, motion and text come only from an accepted reading of the current time, with finite positions
@@ -189,7 +190,7 @@ impl Oracle {
         Self {
             rules: rules.into_iter().collect(),
             limits: Some(JointLimits::human()),
-            output: OutputCheck::default(),
+            output: OutputCheck::new(!settings.allow_system_keys),
             state: StateCheck::new(settings),
             touches: TouchCheck::default(),
             last_time: [None; Side::COUNT],

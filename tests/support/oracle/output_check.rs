@@ -17,6 +17,8 @@ const ROUNDING: f32 = 0.01;
 /// The output that all events so far lead to.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OutputCheck {
+    /// `true` if no system chord may be down.
+    forbids_system_keys: bool,
     pressed: ArrayVec<KeyCode, MAX_PRESSED>,
     axes: [f32; Axis::COUNT],
     pointer: Option<Vec2>,
@@ -24,6 +26,13 @@ pub(super) struct OutputCheck {
 }
 
 impl OutputCheck {
+    pub(super) fn new(forbids_system_keys: bool) -> Self {
+        Self {
+            forbids_system_keys,
+            ..Self::default()
+        }
+    }
+
     /// Accepts any position as the next one of the pointer.
     pub(super) fn reset_pointer(&mut self) {
         self.pointer = None;
@@ -95,7 +104,10 @@ impl OutputCheck {
                 let push = self.pressed.try_push(code);
                 push.map_err(|_| Violation::TooManyPressed(code))?;
                 let _ = totals.pressed.try_push(code);
-                Ok(())
+                match self.forbids_system_keys && is_system_chord(&self.pressed) {
+                    true => Err(Violation::SystemChord(code)),
+                    false => Ok(()),
+                }
             }
             EventKind::KeyUp(code) => {
                 let index = self.pressed.iter().position(|other| *other == code);
@@ -148,6 +160,31 @@ impl OutputCheck {
 struct StepTotals {
     pressed: ArrayVec<KeyCode, MAX_PRESSED>,
     motion: Vec2,
+}
+
+/// Returns whether the pressed keys act on the system: one of them alone, or one of them with Control and Alt.
+fn is_system_chord(pressed: &[KeyCode]) -> bool {
+    let is_pressed = |names: &[&str]| pressed.iter().any(|key| names.contains(&key.name()));
+    is_pressed(&["MetaLeft", "MetaRight", "PrintScreen"])
+        || is_pressed(&["ControlLeft", "ControlRight"])
+            && is_pressed(&["AltLeft", "AltRight"])
+            && is_pressed(&[
+                "Delete",
+                "Backspace",
+                "NumpadDecimal",
+                "F1",
+                "F2",
+                "F3",
+                "F4",
+                "F5",
+                "F6",
+                "F7",
+                "F8",
+                "F9",
+                "F10",
+                "F11",
+                "F12",
+            ])
 }
 
 /// Returns whether an event is permitted without an accepted reading.

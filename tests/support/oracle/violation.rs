@@ -17,6 +17,9 @@ pub enum Violation {
     /// A profile that the setup does not have.
     #[error("I1: the setup has no profile with the index {0}")]
     NoSuchProfile(usize),
+    /// A press after which the pressed keys act on the system, without permission.
+    #[error("I1: `{0}` was pressed, and the pressed keys act on the system")]
+    SystemChord(KeyCode),
     /// A press of a pressed key.
     #[error("I2: `{0}` was pressed twice")]
     PressedTwice(KeyCode),
