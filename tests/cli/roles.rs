@@ -1,11 +1,20 @@
 //! The role of a source on the network: a glove behind a serial-to-TCP converter.
 #![cfg(target_os = "linux")]
 
+use std::io::Write;
+use std::net::TcpListener;
+use std::process::Stdio;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::thread;
 
 use crate::support::binary::ademan;
-use crate::support::run::{ARMED, MOVE_TIME, Run};
+use crate::support::process::Process;
+use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver};
+use ademan::capture::Hc11Format;
+use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
 use ademan::session::control_socket::Client;
+use ademan::setup::Setup;
 use serde_json::Value;
 
 /// A setup without a role.
@@ -86,4 +95,80 @@ fn a_source_on_the_network_types_with_a_role_that_allows_it() {
         run.lift();
         assert_eq!(run.next_event(), "up H");
     }
+}
+
+/// Plays the script `tap pause` on the layout `switches` again and again, and counts how often it has ended.
+fn serve_pause_key(listener: &TcpListener, played: &AtomicU32) {
+    let setup = Setup {
+        layout: "switches".into(),
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("a shipped layout");
+    let (mut line, _) = listener.accept().expect("the program connects");
+    loop {
+        let hand = setup.scripted("tap pause", &Hc11Format::default(), 0.0, 0);
+        let mut hand = hand.expect("the hand reaches the key");
+        while let Some(counts) = hand.next_counts() {
+            let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
+            if line.write_all(&encode(Framing::Double06, &body)).is_err() {
+                return;
+            }
+            thread::sleep(Hc11Format::default().packet_period());
+        }
+        played.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+#[test]
+fn a_source_on_the_network_ends_its_own_pause_but_no_pause_by_a_command() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let setup = "Setup(layout: \"switches\", stall_timeout_ms: 10000)";
+    std::fs::write(folder.path().join("setup.ron"), setup).expect("a file");
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let source = format!("tcp:{}", listener.local_addr().expect("an address"));
+    let played = Arc::new(AtomicU32::new(0));
+    let served = Arc::clone(&played);
+    thread::spawn(move || serve_pause_key(&listener, &served));
+    let mut command = ademan([
+        "run",
+        "setup.ron",
+        "--source",
+        &source,
+        "--control",
+        "c.sock",
+    ]);
+    command
+        .current_dir(folder.path())
+        .env_remove("XDG_RUNTIME_DIR")
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped());
+    let mut program = Process::start(&mut command).expect("it starts");
+    let messages = line_receiver(program.0.stderr.take().expect("it is piped"));
+    let wait_for = |part: &str| {
+        let is_wanted = |line: &String| line.contains(part);
+        let next = || messages.recv_timeout(TIMEOUT).expect("a message");
+        std::iter::repeat_with(next).find(is_wanted)
+    };
+    let ctl = |command: &str| {
+        let mut ctl = ademan(["ctl", "--socket", "c.sock", command]);
+        let output = ctl.current_dir(folder.path()).output();
+        let output = output.expect("the program starts").stdout;
+        String::from_utf8(output).expect("the program writes UTF-8")
+    };
+    let by_layout = "paused by a key or gesture of the layout";
+    wait_for(by_layout);
+    wait_for(ARMED);
+    ctl("pause");
+    let before = played.load(Ordering::Relaxed);
+    while played.load(Ordering::Relaxed) < before + 4 {
+        thread::sleep(MOVE_TIME);
+    }
+    let state = ctl("state");
+    assert!(
+        state.starts_with("state      paused by a command\n"),
+        "{state}"
+    );
+    ctl("resume");
+    wait_for(by_layout);
+    wait_for(ARMED);
 }
