@@ -32,7 +32,7 @@ const fn fault(number: u8, name: &'static str, coverage: Coverage) -> Fault {
 pub const COVERED: &[u8] = &[
     1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 23, 25, 26,
     27, 28, 29, 30, 31, 32, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
-    50, 51, 52, 53, 54, 55, 56, 57, 58, 60,
+    50, 51, 52, 53, 54, 55, 56, 57, 58, 60, 69, 70,
 ];
 
 /// The faults, in the order of their numbers.
@@ -315,8 +315,18 @@ pub const FAULTS: &[Fault] = &[
     fault(66, "the watchdog is stopped by a signal", Missing("no test yet")),
     fault(67, "a busy machine", Missing("no test yet")),
     fault(68, "a pause, a stall or a lost watchdog while presses are queued", Missing("no test yet")),
-    fault(69, "a system chord in any order, by any controls", Missing("no test yet")),
-    fault(70, "a pause from outside, then the pause key of the layout", Missing("no test yet")),
+    fault(69, "a system chord in any order, by any controls", Tests(&[
+        ("src/pipeline/output_gate/tests.rs", "a_system_chord_is_never_down_in_any_order_of_its_keys"),
+        ("src/pipeline/output_gate/tests.rs", "keys_released_early_are_released_once_and_before_all_presses_of_the_step"),
+        ("tests/outputs/x11/system_chords.rs", "switches_in_any_order_leave_control_and_alt_pressed_but_not_delete"),
+        ("tests/fuzzing/main.rs", "the_pipeline_keeps_its_invariants"),
+    ])),
+    fault(70, "a pause from outside, then the pause key of the layout", Tests(&[
+        ("tests/pipeline/pauses.rs", "a_pause_key_ends_the_pause_of_the_layout_and_no_pause_from_outside"),
+        ("tests/pipeline/pauses.rs", "a_source_that_may_only_point_ends_no_pause_from_outside"),
+        ("tests/pipeline/pauses.rs", "presses_beyond_the_rate_limit_pause_until_a_command_from_outside"),
+        ("tests/cli/roles.rs", "a_source_on_the_network_ends_its_own_pause_but_no_pause_by_a_command"),
+    ])),
     fault(71, "a recording with a gap, replayed to a real output", Missing("no test yet")),
     fault(72, "a peer that causes messages", Missing("no test yet")),
     fault(73, "a recording of a stranger with permissions, limits and paths", Missing("no test yet")),
