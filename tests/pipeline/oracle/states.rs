@@ -87,7 +87,7 @@ fn i6_a_stall_restarts_the_arming_delay() {
 #[test]
 fn i6_a_pause_restarts_the_arming_delay_even_if_the_first_reading_arms() {
     let mut pipeline = FakePipeline::running();
-    pipeline.paused_by = Some(CommandOrigin::Client);
+    pipeline.paused_by = Some(CommandOrigin::Layout);
     pipeline.release_all(PipelineState::Paused, &[]).unwrap();
     (0..50).for_each(|_| pipeline.step(&[]).unwrap());
     (pipeline.state, pipeline.paused_by) = (PipelineState::Running, None);
