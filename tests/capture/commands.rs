@@ -115,7 +115,7 @@ fn commands_are_executed_in_order_and_answered() {
     let (mut was_paused, mut is_resumed) = (false, false);
     run(client, |snapshot| {
         was_paused |= snapshot.paused_by.is_some();
-        is_resumed |= was_paused && !snapshot.paused_by.is_some();
+        is_resumed |= was_paused && snapshot.paused_by.is_none();
         is_resumed
     });
     let next = || received.recv().expect("a result");
