@@ -23,9 +23,6 @@ fn row(backend: &Backend) -> Row {
     Row {
         name: format!("{}{}", backend.name, argument.unwrap_or_default()),
         summary: backend.summary.into(),
-        example: Some(format!(
-            "ademan run --source typist:hello --output {}",
-            backend.name
-        )),
+        example: Some(format!("ademan run my-setup.ron --output {}", backend.name)),
     }
 }
