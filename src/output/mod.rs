@@ -134,11 +134,15 @@ pub trait Sink: Send {
     /// Sets the names of the targets in later events, for sinks that write them.
     fn set_target_names(&mut self, _: &TargetNames) {}
 
+    /// Makes presses and characters void that have been sent but not yet delivered; called before the releases of a
+    /// pause, a stall or a stop. They are [counted](Self::dropped_presses). Sinks without a queue ignore it.
+    fn void_presses(&mut self) {}
+
     /// Releases everything that is pressed and waits until all events are delivered, at most 1 s.
     fn close(&mut self) -> Result<(), OutputError>;
 
-    /// Returns the number of presses and characters that were dropped because the queue was full or the output lacks
-    /// the key.
+    /// Returns the number of presses and characters that were dropped because the queue was full, they became void
+    /// before they were delivered, or the output lacks the key.
     fn dropped_presses(&self) -> u64 {
         0
     }
@@ -169,6 +173,10 @@ impl Sink for Box<dyn Sink> {
 
     fn set_target_names(&mut self, names: &TargetNames) {
         (**self).set_target_names(names);
+    }
+
+    fn void_presses(&mut self) {
+        (**self).void_presses();
     }
 
     fn close(&mut self) -> Result<(), OutputError> {

@@ -82,6 +82,12 @@ impl Sink for Router {
         }
     }
 
+    fn void_presses(&mut self) {
+        for sink in &mut self.sinks {
+            sink.void_presses();
+        }
+    }
+
     /// Closes every output, one after the other.
     fn close(&mut self) -> Result<(), OutputError> {
         let mut result = Ok(());

@@ -18,7 +18,7 @@ use crate::contact::TargetNames;
 use crate::device::Events;
 use crate::names::UnknownName;
 use crate::output::Sink;
-use crate::pipeline::{CommandError, Pipeline, StepOutput};
+use crate::pipeline::{CommandError, Pipeline, PipelineState, StepOutput};
 use crate::snapshot::{Snapshot, Stats};
 use crate::time::NO_DEADLINE;
 
@@ -238,7 +238,7 @@ impl SessionLoop<'_> {
 
     /// Executes a command that the pipeline has not executed itself.
     fn execute_layout_command(&mut self, command: Command) -> Result<Next, SessionError> {
-        match layout_operation(&command) {
+        match LayoutOperation::from_command(&command) {
             _ if command == Command::Stop => Ok(Next::End),
             Some(operation) if self.capture.is_live() => {
                 // The layout manager reports the outcome.
@@ -286,7 +286,7 @@ impl SessionLoop<'_> {
         let result = match command {
             Command::Stop => return Ok(Next::End),
             Command::State => Ok(Reply::State(self.status())),
-            _ => match layout_operation(&command) {
+            _ => match LayoutOperation::from_command(&command) {
                 Some(operation) => match self.forward(operation, reply.clone()) {
                     Ok(()) => return Ok(Next::Continue),
                     Err(error) => Err(error),
@@ -404,6 +404,9 @@ impl SessionLoop<'_> {
                 _ => {}
             }
         }
+        if self.commands.is_stopped() {
+            self.sink.0.void_presses();
+        }
         self.events.clear();
         self.pipeline.stop(&mut self.events);
         let sent = self.send_events(None);
@@ -420,6 +423,13 @@ impl SessionLoop<'_> {
             && !step.commands.is_empty()
         {
             self.sink.0.log_commands(&step.commands)?;
+        }
+        // A press that still waits in a queue must not follow the releases of a pause or stall.
+        if matches!(
+            self.pipeline.state(),
+            PipelineState::Paused | PipelineState::Stalled
+        ) {
+            self.sink.0.void_presses();
         }
         Ok(self.sink.0.send(&self.events)?)
     }
@@ -478,16 +488,6 @@ impl SessionLoop<'_> {
         self.profile = self.pipeline.active_profile();
         self.target_names = self.pipeline.target_names().clone();
         self.sink.0.set_target_names(&self.target_names);
-    }
-}
-
-/// The operation of the layout manager that a command stands for. The loop fills in the board poses.
-fn layout_operation(command: &Command) -> Option<LayoutOperation> {
-    match command {
-        Command::Scale { factor } => Some(LayoutOperation::Scale(*factor)),
-        Command::Save => Some(LayoutOperation::Save(Vec::new())),
-        Command::Reload => Some(LayoutOperation::Reload),
-        _ => None,
     }
 }
 

@@ -7,6 +7,7 @@ use crossbeam_channel::{Receiver, Sender, bounded, select};
 
 use super::reply::{ReplySender, RequestError};
 use super::waker::Waker;
+use crate::command::Command;
 use crate::contact::board_pose::BoardPose;
 use crate::pipeline::LayoutInstance;
 
@@ -22,6 +23,18 @@ pub(crate) enum LayoutOperation {
     Scale(f32),
     /// Writes the size of the boards and these poses, in the order of the layout, to the layout file.
     Save(Vec<BoardPose>),
+}
+
+impl LayoutOperation {
+    /// Returns the operation that a command stands for. The loop fills in the board poses.
+    pub(super) fn from_command(command: &Command) -> Option<Self> {
+        match command {
+            Command::Scale { factor } => Some(Self::Scale(*factor)),
+            Command::Save => Some(Self::Save(Vec::new())),
+            Command::Reload => Some(Self::Reload),
+            _ => None,
+        }
+    }
 }
 
 /// An operation, the layout that it concerns and the channel for its reply.

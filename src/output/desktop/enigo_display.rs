@@ -1,4 +1,4 @@
-//! A connection to a desktop through `enigo`: X11, Windows, macOS.
+//! A connection to a desktop through `enigo`: Windows, macOS, and X11 on operating systems other than Linux.
 
 use std::thread;
 use std::time::{Duration, Instant};

@@ -17,16 +17,23 @@ use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Capabilities, Capability, EventKind, KeyCode, KeyKind, OutputEvent};
 use crate::time::Timestamp;
 pub(super) use connect::connect;
-use pending_motion::{PendingMotion, StatelessAction};
+use pending_motion::PendingMotion;
+use press_ticket::MAX_PRESS_AGE;
 pub use wayland::SUPPORTS_WAYLAND;
 use worker::{Injector, Worker, WorkerRequest, WorkerStatus};
 
 mod connect;
+#[cfg_attr(
+    target_os = "linux",
+    allow(dead_code, reason = "compiled on Linux to be checked there")
+)]
 mod enigo_display;
 pub(super) mod pending_motion;
+mod press_ticket;
 mod system;
 mod wayland;
 pub(super) mod worker;
+mod x11;
 
 /// The backend `desktop`.
 pub const BACKEND: Backend = Backend {
@@ -62,7 +69,8 @@ const CHECK_DELAY: Duration = Duration::from_millis(100);
 /// A sink that presses keys and buttons, types characters and moves the pointer on a desktop.
 ///
 /// While the queue is more than half full, presses and characters are dropped and
-/// [counted](Sink::dropped_presses). The release of a dropped press is ignored; no other release is. While the queue
+/// [counted](Sink::dropped_presses), as are those that have been queued for more than 250 ms or that a
+/// [call](Sink::void_presses) made void. The release of a dropped press is ignored; no other release is. While the queue
 /// is three quarters full, motion is [coalesced](Sink::coalesced_motions): the last position counts, relative motion
 /// and scrolls are summed. Pending motion is sent before the next press, so that a click arrives at its position. The
 /// wheel turns by whole detents; the remainder is kept.
@@ -87,7 +95,9 @@ impl Desktop {
     pub fn open(display: Option<&str>, required: &Capabilities) -> Result<Self, OutputError> {
         let display = display.map(str::to_owned);
         let needs_pointer = required.iter().any(needs_pointer);
-        Self::start(None, move || connect(display.as_deref(), needs_pointer))
+        Self::start(None, MAX_PRESS_AGE, move || {
+            connect(display.as_deref(), needs_pointer)
+        })
     }
 
     /// Connects to the desktop of the session and starts a watchdog, which releases keys if this process cannot.
@@ -96,18 +106,21 @@ impl Desktop {
         required: &Capabilities,
     ) -> Result<Self, OutputError> {
         let needs_pointer = required.iter().any(needs_pointer);
-        Self::start(Some(watchdog), move || connect(None, needs_pointer))
+        Self::start(Some(watchdog), MAX_PRESS_AGE, move || {
+            connect(None, needs_pointer)
+        })
     }
 
     /// Starts the thread and waits until it is connected.
     fn start<C: Injector>(
         watchdog: Option<&WatchdogSettings>,
+        max_press_age: Duration,
         mut connect: impl FnMut() -> Result<C, String> + Send + 'static,
     ) -> Result<Self, OutputError> {
         let (requests, queue) = bounded(QUEUE);
         let (connected, connection) = bounded(1);
         let (end, thread_ended) = bounded::<()>(0);
-        let status = Arc::new(WorkerStatus::default());
+        let status = Arc::new(WorkerStatus::new(max_press_age));
         let worker_status = Arc::clone(&status);
         let settings = watchdog.cloned();
         let thread = thread::Builder::new()
@@ -157,7 +170,7 @@ impl Desktop {
             return Ok(());
         }
         self.send_motion()?;
-        self.request(WorkerRequest::Press(key))
+        self.request(WorkerRequest::Press(key, self.status.tickets.issue()))
     }
 
     fn type_character(&mut self, character: char) -> Result<(), OutputError> {
@@ -165,8 +178,8 @@ impl Desktop {
             return Ok(());
         }
         self.send_motion()?;
-        let action = StatelessAction::Character(character);
-        self.request(WorkerRequest::Perform(action))
+        let ticket = self.status.tickets.issue();
+        self.request(WorkerRequest::Type(character, ticket))
     }
 
     /// Returns `true` if the queue has room for a press, and counts a dropped press otherwise.
@@ -274,8 +287,12 @@ impl Sink for Desktop {
         self.result()
     }
 
+    fn void_presses(&mut self) {
+        self.status.tickets.void();
+    }
+
     fn dropped_presses(&self) -> u64 {
-        self.dropped_presses
+        self.dropped_presses + self.status.void_presses.load(Ordering::Relaxed)
     }
 
     fn coalesced_motions(&self) -> u64 {

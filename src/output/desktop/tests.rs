@@ -1,5 +1,6 @@
 //! Requests to a display that records them.
 
+use super::pending_motion::StatelessAction;
 use super::*;
 use crate::device::pressed_keys::KeyDirection;
 use crate::output::RETRIES;
@@ -18,6 +19,8 @@ struct DisplayState {
     is_first_connection_broken: bool,
     rejects_connections: bool,
     connections: usize,
+    /// Number of times that a worker waited until the display responds.
+    waits: usize,
 }
 
 struct Connection {
@@ -27,11 +30,16 @@ struct Connection {
 }
 
 impl TestDisplay {
-    /// Opens a sink on this display. Each call of the connection blocks until the returned gate is dropped.
+    /// Opens a sink on this display. Each call of the connection blocks until the returned gate is dropped; presses may
+    /// wait for that.
     fn open(&self) -> (Desktop, Sender<()>) {
+        self.open_with_max_age(Duration::MAX)
+    }
+
+    fn open_with_max_age(&self, max_press_age: Duration) -> (Desktop, Sender<()>) {
         let (gate, gate_dropped) = bounded::<()>(0);
         let display = self.clone();
-        let sink = Desktop::start(None, move || {
+        let sink = Desktop::start(None, max_press_age, move || {
             let mut state = display.0.lock().unwrap();
             let index = state.connections;
             state.connections += 1;
@@ -83,6 +91,12 @@ impl Injector for Connection {
             return Err("busy".into());
         }
         state.lines.push(format!("{action:?}"));
+        Ok(())
+    }
+
+    fn wait_until_responsive(&mut self) -> Result<(), String> {
+        self.display.0.lock().unwrap().waits += 1;
+        let _ = self.gate.recv();
         Ok(())
     }
 }
@@ -142,6 +156,53 @@ fn a_full_queue_drops_presses_but_no_release() {
     assert_eq!(count("+A"), QUEUE - dropped);
     assert_eq!(count("-A"), count("+A"));
     assert_eq!(count("-ShiftLeft"), 1);
+}
+
+/// Sends a press that waits in the queue behind a call that blocks.
+fn queue_a_press(sink: &mut Desktop) {
+    sink.send(&[event(1, EventKind::MoveBy(1, 0))]).unwrap();
+    sink.send(&[down(1, "A"), event(1, EventKind::Character('x'))])
+        .unwrap();
+}
+
+#[test]
+fn void_presses_and_their_releases_are_not_sent_and_later_presses_are() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    queue_a_press(&mut sink);
+    sink.void_presses();
+    sink.send(&[up(2, "A"), down(2, "B")]).unwrap();
+    drop(gate);
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["MoveBy(1, 0)", "+B", "-B"]);
+    assert_eq!(sink.dropped_presses(), 2);
+}
+
+#[test]
+fn a_press_that_has_waited_too_long_is_not_sent() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open_with_max_age(Duration::ZERO);
+    queue_a_press(&mut sink);
+    thread::sleep(Duration::from_millis(1));
+    drop(gate);
+    sink.close().unwrap();
+    assert_eq!(display.lines(), ["MoveBy(1, 0)"]);
+    assert_eq!(sink.dropped_presses(), 2);
+}
+
+#[test]
+fn a_press_is_not_sent_if_it_becomes_void_while_the_display_does_not_respond() {
+    let display = TestDisplay::default();
+    let (mut sink, gate) = display.open();
+    sink.send(&[down(1, "A")]).unwrap();
+    while display.0.lock().unwrap().waits == 0 {
+        thread::yield_now();
+    }
+    sink.void_presses();
+    drop(gate);
+    sink.close().unwrap();
+    assert_eq!(display.lines(), [""; 0]);
+    assert_eq!(sink.dropped_presses(), 1);
 }
 
 #[test]

@@ -10,9 +10,10 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{Receiver, never, select};
 
 use super::pending_motion::StatelessAction;
+use super::press_ticket::{PressTicket, PressTickets};
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
-use crate::output::watchdog::{HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient, WatchdogLost};
+use crate::output::watchdog::{HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient};
 use crate::output::{RETRIES, RETRY_DELAY};
 use crate::time::NO_DEADLINE;
 
@@ -24,19 +25,37 @@ pub trait Injector {
     /// Performs an action that leaves nothing pressed.
     fn perform(&mut self, action: StatelessAction) -> Result<(), String>;
 
+    /// Waits until the display has executed all requests, so that the next is executed at once.
+    fn wait_until_responsive(&mut self) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Returns those of `keys` that are pressed on the display, or `None` if it does not report them.
+    fn query_pressed(&mut self, _: &PressedKeys) -> Result<Option<PressedKeys>, String> {
+        Ok(None)
+    }
+
     /// Returns the handle with which the watchdog releases keys that this injector has pressed.
     fn release_target(&self) -> ReleaseTarget {
         ReleaseTarget::default()
     }
 }
 
-impl Injector for Box<dyn Injector> {
+impl Injector for Box<dyn Injector + Send> {
     fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String> {
         (**self).inject(key, direction)
     }
 
     fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
         (**self).perform(action)
+    }
+
+    fn wait_until_responsive(&mut self) -> Result<(), String> {
+        (**self).wait_until_responsive()
+    }
+
+    fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {
+        (**self).query_pressed(keys)
     }
 
     fn release_target(&self) -> ReleaseTarget {
@@ -47,7 +66,8 @@ impl Injector for Box<dyn Injector> {
 /// A request from the loop to the thread.
 #[derive(Clone, Copy)]
 pub enum WorkerRequest {
-    Press(KeyCode),
+    Press(KeyCode, PressTicket),
+    Type(char, PressTicket),
     Release(KeyCode),
     Perform(StatelessAction),
 }
@@ -56,7 +76,6 @@ pub enum WorkerRequest {
 const LOOP_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// State shared by the loop and the thread.
-#[derive(Default)]
 pub struct WorkerStatus {
     /// The first failure.
     pub failure: OnceLock<String>,
@@ -64,13 +83,28 @@ pub struct WorkerStatus {
     pub stuck_keys: OnceLock<String>,
     /// Number of calls from the loop, as a sign of life.
     pub loop_calls: AtomicU64,
+    /// The validity of queued presses.
+    pub tickets: PressTickets,
+    /// Number of presses and characters that were not sent because their tickets were void.
+    pub void_presses: AtomicU64,
+}
+
+impl WorkerStatus {
+    /// Creates the state for presses that are sent within `max_press_age`.
+    pub fn new(max_press_age: Duration) -> Self {
+        Self {
+            failure: OnceLock::new(),
+            stuck_keys: OnceLock::new(),
+            loop_calls: AtomicU64::new(0),
+            tickets: PressTickets::new(max_press_age),
+            void_presses: AtomicU64::new(0),
+        }
+    }
 }
 
 /// The state of the thread: the pressed keys and the connection.
 pub struct Worker<'a, C> {
-    /// The connection.
     pub injector: C,
-    /// The pressed keys; the watchdog process inserts those that its client has pressed.
     pub pressed: PressedKeys,
     status: &'a WorkerStatus,
     watchdog: Option<WatchdogClient>,
@@ -166,7 +200,7 @@ impl<'a, C: Injector> Worker<'a, C> {
     }
 
     fn send_heartbeat_if_due(&mut self) {
-        let Some(watchdog) = &self.watchdog else {
+        let Some(watchdog) = &mut self.watchdog else {
             return;
         };
         let now = Instant::now();
@@ -187,6 +221,7 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Releases every key and restarts the watchdog. Returns the channel that closes when the new one exits.
     fn restart_watchdog(&mut self) -> Receiver<()> {
+        self.status.tickets.void();
         self.release_all();
         // The lost watchdog did not accept the reports of these releases.
         self.is_watchdog_lost = false;
@@ -205,19 +240,8 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Reports a key to the watchdog. Returns `false` if it did not accept the report.
     fn report_key(&mut self, key: KeyCode, direction: KeyDirection) -> bool {
-        self.report(|watchdog| watchdog.report_key(key, direction))
-    }
-
-    /// Reports the start or end of a character to the watchdog. Returns `false` if it did not accept the report.
-    fn report_text(&mut self, is_typing: bool) -> bool {
-        self.report(|watchdog| watchdog.report_text(is_typing))
-    }
-
-    fn report(&mut self, send: impl FnOnce(&WatchdogClient) -> Result<(), WatchdogLost>) -> bool {
-        let is_accepted = self
-            .watchdog
-            .as_ref()
-            .is_none_or(|watchdog| send(watchdog).is_ok());
+        let report = |watchdog: &WatchdogClient| watchdog.report_key(key, direction).is_ok();
+        let is_accepted = self.watchdog.as_ref().is_none_or(report);
         self.is_watchdog_lost |= !is_accepted;
         is_accepted
     }
@@ -226,25 +250,44 @@ impl<'a, C: Injector> Worker<'a, C> {
         match request {
             WorkerRequest::Release(key) => self.release(key),
             _ if self.status.failure.get().is_some() => {}
-            WorkerRequest::Press(key) => {
+            WorkerRequest::Press(key, ticket) => {
                 // The watchdog could not release a key that it does not know.
-                if !self.report_key(key, KeyDirection::Press) {
-                    return;
-                }
-                // Added first: a press that failed may have arrived.
-                self.pressed.press(key);
-                self.inject(key, KeyDirection::Press);
-            }
-            WorkerRequest::Perform(StatelessAction::Character(_)) if !self.report_text(true) => {}
-            // Not repeated: an action that failed may have arrived.
-            WorkerRequest::Perform(action) => {
-                if let Err(reason) = self.injector.perform(action) {
-                    self.fail(&reason);
-                }
-                if let StatelessAction::Character(_) = action {
-                    self.report_text(false);
+                if self.may_send(ticket) && self.report_key(key, KeyDirection::Press) {
+                    // Added first: a press that failed may have arrived.
+                    self.pressed.press(key);
+                    self.inject(key, KeyDirection::Press);
                 }
             }
+            WorkerRequest::Type(character, ticket) => {
+                if self.may_send(ticket) {
+                    self.perform(StatelessAction::Character(character));
+                }
+            }
+            WorkerRequest::Perform(action) => self.perform(action),
+        }
+    }
+
+    /// Returns `true` if a press may be sent, and counts it as dropped otherwise.
+    fn may_send(&mut self, ticket: PressTicket) -> bool {
+        // A display that hangs executes a press when it continues, however late that is.
+        if self.status.tickets.is_valid(ticket)
+            && let Err(reason) = self.injector.wait_until_responsive()
+        {
+            self.fail(&reason);
+            return false;
+        }
+        let is_valid = self.status.tickets.is_valid(ticket);
+        let dropped = u64::from(!is_valid);
+        self.status
+            .void_presses
+            .fetch_add(dropped, Ordering::Relaxed);
+        is_valid
+    }
+
+    /// Performs an action. It is not repeated, as one that failed may have arrived.
+    fn perform(&mut self, action: StatelessAction) {
+        if let Err(reason) = self.injector.perform(action) {
+            self.fail(&reason);
         }
     }
 

@@ -27,10 +27,6 @@ impl WatchdogClient {
         match self.0 {}
     }
 
-    pub fn report_text(&self, _: bool) -> Result<(), WatchdogLost> {
-        match self.0 {}
-    }
-
     pub fn send_heartbeat(&self) -> Result<(), WatchdogLost> {
         match self.0 {}
     }

@@ -81,14 +81,6 @@ impl WatchdogClient {
         })
     }
 
-    /// Reports a character: `true` before it is typed, `false` after.
-    pub fn report_text(&self, is_typing: bool) -> Result<(), WatchdogLost> {
-        self.send(match is_typing {
-            true => WatchdogMessage::TextStarted,
-            false => WatchdogMessage::TextFinished,
-        })
-    }
-
     /// Sends a heartbeat.
     pub fn send_heartbeat(&self) -> Result<(), WatchdogLost> {
         self.send(WatchdogMessage::Heartbeat)

@@ -17,10 +17,6 @@ pub enum WatchdogMessage {
     AxesDeflected,
     /// All axes are centered.
     AxesCentered,
-    /// A character is about to be typed, with keys that only the display library knows.
-    TextStarted,
-    /// The character has been typed.
-    TextFinished,
     /// The process is alive.
     Heartbeat,
 }
@@ -44,8 +40,6 @@ impl WatchdogMessage {
             Self::KeyUp(key) => (b'u', key.event_code()),
             Self::AxesDeflected => (b'x', 0),
             Self::AxesCentered => (b'c', 0),
-            Self::TextStarted => (b'w', 0),
-            Self::TextFinished => (b'n', 0),
             Self::Heartbeat => (b'a', 0),
         };
         let [high, low] = code.to_be_bytes();
@@ -60,8 +54,6 @@ impl WatchdogMessage {
             b'u' => key().map(Self::KeyUp),
             b'x' => Some(Self::AxesDeflected),
             b'c' => Some(Self::AxesCentered),
-            b'w' => Some(Self::TextStarted),
-            b'n' => Some(Self::TextFinished),
             b'a' => Some(Self::Heartbeat),
             _ => None,
         }
@@ -79,8 +71,6 @@ mod tests {
         let others = [
             WatchdogMessage::AxesDeflected,
             WatchdogMessage::AxesCentered,
-            WatchdogMessage::TextStarted,
-            WatchdogMessage::TextFinished,
             WatchdogMessage::Heartbeat,
         ];
         for message in down.chain(up).chain(others) {

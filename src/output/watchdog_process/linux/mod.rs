@@ -1,7 +1,6 @@
 //! The watchdog's main loop: receives messages, and releases keys when the client is lost.
 
 mod releaser;
-mod stuck_keys;
 
 use std::io::{ErrorKind, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -35,7 +34,7 @@ pub fn run(log: impl Fn(&str)) -> Result<(), String> {
             return Err(reason);
         }
     };
-    let status = WorkerStatus::default();
+    let status = WorkerStatus::new(Duration::MAX);
     let mut worker = Worker::new(releaser, &status);
     socket
         .write_all(&[READY])
@@ -48,13 +47,6 @@ pub fn run(log: impl Fn(&str)) -> Result<(), String> {
         worker.finish(connect);
         if std::mem::take(&mut client.are_axes_deflected) {
             worker.injector.center_axes();
-        }
-        if std::mem::take(&mut client.is_typing)
-            && let Err(reason) = worker.injector.release_stuck_keys()
-        {
-            log(&format!(
-                "a key of a character may still be pressed: {reason}"
-            ));
         }
         match (loss, count) {
             (ClientLoss::Exited, 0) => return Ok(()),
@@ -85,7 +77,6 @@ struct ClientState {
     socket: UnixStream,
     pressed: PressedKeys,
     are_axes_deflected: bool,
-    is_typing: bool,
     last_message: Instant,
     /// The bytes of an incomplete message.
     incomplete: Vec<u8>,
@@ -97,7 +88,6 @@ impl ClientState {
             socket,
             pressed: PressedKeys::default(),
             are_axes_deflected: false,
-            is_typing: false,
             last_message: Instant::now(),
             incomplete: Vec::new(),
         }
@@ -107,7 +97,7 @@ impl ClientState {
     fn wait_for_loss(&mut self) -> ClientLoss {
         loop {
             let remaining = HEARTBEAT_TIMEOUT.saturating_sub(self.last_message.elapsed());
-            let is_idle = self.pressed.is_empty() && !self.are_axes_deflected && !self.is_typing;
+            let is_idle = self.pressed.is_empty() && !self.are_axes_deflected;
             // The system may have delayed this process and not the client, so the time-out is never zero.
             let timeout = (!is_idle).then_some(remaining.max(MIN_READ_TIMEOUT));
             if self.socket.set_read_timeout(timeout).is_err() {
@@ -138,8 +128,6 @@ impl ClientState {
                 Some(WatchdogMessage::KeyUp(key)) => _ = self.pressed.release(key),
                 Some(WatchdogMessage::AxesDeflected) => self.are_axes_deflected = true,
                 Some(WatchdogMessage::AxesCentered) => self.are_axes_deflected = false,
-                Some(WatchdogMessage::TextStarted) => self.is_typing = true,
-                Some(WatchdogMessage::TextFinished) => self.is_typing = false,
                 Some(WatchdogMessage::Heartbeat) | None => {}
             }
         }

@@ -4,7 +4,6 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::time::Instant;
 
-use super::stuck_keys;
 use crate::device::pressed_keys::KeyDirection;
 use crate::device::{KeyCode, KeyKind};
 use crate::output::desktop::connect;
@@ -20,9 +19,9 @@ pub struct KeyReleaser {
 }
 
 enum Connection {
-    Display(Box<dyn Injector>),
+    Display(Box<dyn Injector + Send>),
     /// The connection to a compositor for keys, the id of its virtual keyboard, and a connection for buttons.
-    WaylandKeyboard(File, u32, Box<dyn Injector>),
+    WaylandKeyboard(File, u32, Box<dyn Injector + Send>),
     /// The devices, and whether each has axes.
     Devices(Vec<(UinputNode, bool)>),
 }
@@ -51,15 +50,6 @@ impl KeyReleaser {
             connection,
             start: Instant::now(),
         })
-    }
-
-    /// Releases the keys of an incomplete character. Only X11 can have any: a compositor receives press and release
-    /// together, and devices type no characters.
-    pub fn release_stuck_keys(&self) -> Result<(), String> {
-        match self.connection {
-            Connection::Display(_) => stuck_keys::release_stuck_keys(),
-            Connection::WaylandKeyboard(..) | Connection::Devices(_) => Ok(()),
-        }
     }
 
     /// Centers the axes of all devices.

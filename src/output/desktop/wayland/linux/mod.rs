@@ -57,7 +57,7 @@ struct CharacterKeyboard {
 
 /// Connects to the compositor of this name, which has the form of `WAYLAND_DISPLAY`. Fails if the compositor has no
 /// virtual keyboard, or no virtual pointer and one is needed.
-pub fn connect(name: &OsStr, needs_pointer: bool) -> Result<Box<dyn Injector>, String> {
+pub fn connect(name: &OsStr, needs_pointer: bool) -> Result<Box<dyn Injector + Send>, String> {
     let mut connection = CompositorConnection::open(name)?;
     let keymap = Keymap::from_seat(connection.seat_keymap()?)?;
     let keyboard = connection.create_keyboard();
@@ -174,6 +174,10 @@ impl Injector for WaylandInjector {
             motion => self.move_pointer(motion)?,
         }
         self.connection.flush()
+    }
+
+    fn wait_until_responsive(&mut self) -> Result<(), String> {
+        self.connection.roundtrip()
     }
 
     fn release_target(&self) -> ReleaseTarget {

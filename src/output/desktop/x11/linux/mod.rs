@@ -1,0 +1,232 @@
+//! A connection to an X server that injects keys through the extension XTEST.
+//!
+//! The connection is impervious to grabs of the server (`XTestGrabControl`). A screen locker, a window manager or a
+//! screenshot tool that grabs the server would otherwise delay a release, and the key would repeat until the grab ends.
+
+mod characters;
+
+use std::ops::RangeInclusive;
+
+use x11rb::connection::Connection;
+use x11rb::errors::ReplyError;
+use x11rb::protocol::xproto::{
+    BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT, ConnectionExt as _, KEY_PRESS_EVENT,
+    KEY_RELEASE_EVENT, KeyButMask, MOTION_NOTIFY_EVENT,
+};
+use x11rb::protocol::xtest::ConnectionExt as _;
+use x11rb::rust_connection::RustConnection;
+
+use crate::device::pressed_keys::{KeyDirection, PressedKeys};
+use crate::device::{KeyCode, KeyKind};
+use crate::output::desktop::pending_motion::StatelessAction;
+use crate::output::desktop::system;
+use crate::output::desktop::worker::Injector;
+use characters::CharacterKeys;
+
+/// The version of XTEST that has `XTestGrabControl`.
+const XTEST_VERSION: (u8, u16) = (2, 2);
+
+/// Wheel detents are clicks of these buttons.
+const WHEEL_UP: u8 = 4;
+const WHEEL_DOWN: u8 = 5;
+const WHEEL_LEFT: u8 = 6;
+const WHEEL_RIGHT: u8 = 7;
+
+/// Buttons whose state `QueryPointer` reports.
+const QUERIED_BUTTONS: RangeInclusive<u8> = 1..=5;
+
+/// Values of the detail field of a motion.
+const ABSOLUTE: u8 = 0;
+const RELATIVE: u8 = 1;
+
+/// A connection to an X server.
+pub struct X11Injector {
+    server: RustConnection,
+    root: u32,
+    character_keys: CharacterKeys,
+}
+
+/// Connects to the X server of this name, or to that of `DISPLAY`.
+pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector + Send>, String> {
+    let (server, screen) = x11rb::connect(name).map_err(|_| system::no_display(name))?;
+    let (major, minor) = XTEST_VERSION;
+    let version = server.xtest_get_version(major, minor);
+    version
+        .map_err(ReplyError::from)
+        .and_then(|version| version.reply())
+        .map_err(|error| format!("the X server has no extension XTEST ({error}); enable it"))?;
+    let injector = X11Injector {
+        root: server.setup().roots[screen].root,
+        server,
+        character_keys: CharacterKeys::default(),
+    };
+    injector.ignore_grabs().map_err(message)?;
+    Ok(Box::new(injector))
+}
+
+impl X11Injector {
+    fn ignore_grabs(&self) -> Result<(), ReplyError> {
+        self.server.xtest_grab_control(true)?.check()
+    }
+
+    /// Sends an input event and waits until the server has executed it.
+    fn fake(&self, kind: u8, detail: u8) -> Result<(), ReplyError> {
+        self.discard_events()?;
+        let event = self
+            .server
+            .xtest_fake_input(kind, detail, 0, self.root, 0, 0, 0)?;
+        event.check()
+    }
+
+    /// Clicks a button `count` times. All clicks are in one write, so that none is cut in half if this process is killed.
+    fn click(&self, button: u8, count: u32) -> Result<(), ReplyError> {
+        for _ in 0..count {
+            for kind in [BUTTON_PRESS_EVENT, BUTTON_RELEASE_EVENT] {
+                let event = self
+                    .server
+                    .xtest_fake_input(kind, button, 0, self.root, 0, 0, 0)?;
+                event.ignore_error();
+            }
+        }
+        self.wait()
+    }
+
+    fn move_pointer(&self, detail: u8, x: i16, y: i16) -> Result<(), ReplyError> {
+        let (kind, none) = (MOTION_NOTIFY_EVENT, x11rb::NONE);
+        let event = self
+            .server
+            .xtest_fake_input(kind, detail, 0, none, x, y, 0)?;
+        event.check()
+    }
+
+    fn move_to(&self, x: f32, y: f32) -> Result<(), ReplyError> {
+        // Queried each time, as the size of the screen changes with its monitors.
+        let screen = self.server.get_geometry(self.root)?.reply()?;
+        let pixel = |fraction: f32, size: u16| (fraction * (f32::from(size) - 1.0)).round() as i16;
+        self.move_pointer(ABSOLUTE, pixel(x, screen.width), pixel(y, screen.height))
+    }
+
+    fn scroll(&self, right: i32, up: i32) -> Result<(), ReplyError> {
+        let horizontal = if right > 0 { WHEEL_RIGHT } else { WHEEL_LEFT };
+        let vertical = if up > 0 { WHEEL_UP } else { WHEEL_DOWN };
+        self.click(horizontal, right.unsigned_abs())?;
+        self.click(vertical, up.unsigned_abs())
+    }
+
+    fn type_character(&mut self, character: char) -> Result<(), String> {
+        let keys = &mut self.character_keys;
+        let is_typed = keys.click(&self.server, self.root, character);
+        self.discard_events().map_err(message)?;
+        match is_typed.map_err(message)? {
+            true => Ok(()),
+            false => Err("the keymap of the X server has no unused key for a character".into()),
+        }
+    }
+
+    /// Waits until the server has executed all requests.
+    fn wait(&self) -> Result<(), ReplyError> {
+        self.discard_events()?;
+        self.server.get_input_focus()?.reply().map(drop)
+    }
+
+    /// Discards events: a server sends changes of the keymap to every client, and the library would collect them.
+    fn discard_events(&self) -> Result<(), ReplyError> {
+        while self.server.poll_for_event()?.is_some() {}
+        Ok(())
+    }
+
+    /// Returns those of `keys` that are pressed. A button whose state the server does not report counts as pressed.
+    fn pressed_among(&self, keys: &PressedKeys) -> Result<PressedKeys, ReplyError> {
+        let bits = self.server.query_keymap()?.reply()?.keys;
+        let buttons = u16::from(self.server.query_pointer(self.root)?.reply()?.mask);
+        let is_key_pressed = |code: u8| bits[usize::from(code / 8)] >> (code % 8) & 1 == 1;
+        let first_button = u16::from(KeyButMask::BUTTON1);
+        let is_pressed = |key: &KeyCode| match input(*key) {
+            Ok(Input::Key(code)) => is_key_pressed(code),
+            Ok(Input::Button(button)) if QUERIED_BUTTONS.contains(&button) => {
+                buttons & first_button << (button - 1) != 0
+            }
+            Ok(Input::Button(_)) => true,
+            Err(_) => false,
+        };
+        let mut pressed = PressedKeys::default();
+        let mut pressed_keys: Vec<_> = keys.release_order().filter(is_pressed).collect();
+        pressed_keys.reverse();
+        for key in pressed_keys {
+            pressed.press(key);
+        }
+        Ok(pressed)
+    }
+}
+
+impl Injector for X11Injector {
+    fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String> {
+        let is_press = direction == KeyDirection::Press;
+        let (kind, detail) = match (input(key)?, is_press) {
+            (Input::Key(code), true) => (KEY_PRESS_EVENT, code),
+            (Input::Key(code), false) => (KEY_RELEASE_EVENT, code),
+            (Input::Button(button), true) => (BUTTON_PRESS_EVENT, button),
+            (Input::Button(button), false) => (BUTTON_RELEASE_EVENT, button),
+        };
+        self.fake(kind, detail).map_err(message)
+    }
+
+    fn perform(&mut self, action: StatelessAction) -> Result<(), String> {
+        let performed = match action {
+            StatelessAction::Character(character) => return self.type_character(character),
+            StatelessAction::MoveBy(x, y) => self.move_pointer(RELATIVE, x as i16, y as i16),
+            StatelessAction::MoveTo(x, y) => self.move_to(x, y),
+            StatelessAction::Scroll(right, up) => self.scroll(right, up),
+        };
+        performed
+            .and_then(|()| self.discard_events())
+            .map_err(message)
+    }
+
+    fn wait_until_responsive(&mut self) -> Result<(), String> {
+        self.wait().map_err(message)
+    }
+
+    fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {
+        self.pressed_among(keys).map(Some).map_err(message)
+    }
+}
+
+impl Drop for X11Injector {
+    fn drop(&mut self) {
+        // A server that is gone has no keymap to restore.
+        let _ = self.character_keys.remove_from_keymap(&self.server);
+    }
+}
+
+/// A key or button as the server numbers it.
+enum Input {
+    Key(u8),
+    Button(u8),
+}
+
+fn input(key: KeyCode) -> Result<Input, String> {
+    if key.kind() == KeyKind::Keyboard {
+        let code = u8::try_from(key.x11_code());
+        return code
+            .map(Input::Key)
+            .map_err(|_| format!("an X server has no key {key}; remove it from the layout"));
+    }
+    Ok(Input::Button(match key.name() {
+        "MouseLeft" => 1,
+        "MouseMiddle" => 2,
+        "MouseRight" => 3,
+        "MouseBack" => 8,
+        "MouseForward" => 9,
+        _ => return Err("a desktop has no such button; remove it from the layout".into()),
+    }))
+}
+
+fn message(error: ReplyError) -> String {
+    match error {
+        ReplyError::ConnectionError(error) => {
+            format!("the connection to the X server failed: {error}; check that it runs")
+        }
+        ReplyError::X11Error(error) => format!("the X server rejected a request: {error:?}"),
+    }
+}
