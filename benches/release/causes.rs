@@ -16,7 +16,7 @@ pub enum Cause {
     Unplugged,
     Sent(Signal),
     Pause,
-    WatchdogKilled,
+    SentToWatchdog(Signal),
 }
 
 /// Name, cause, whether the control socket is under load, and the goal in ms.
@@ -31,7 +31,8 @@ const ROWS: &[(&str, Cause, bool, u32)] = &[
     ("SIGKILL", Cause::Sent(Signal::KILL), false, 100),
     ("SIGABRT (abort, out of memory)", Cause::Sent(Signal::ABORT), false, 100),
     ("SIGSTOP", Cause::Sent(Signal::STOP), false, 300),
-    ("the watchdog is killed", Cause::WatchdogKilled, false, 100),
+    ("the watchdog is killed", Cause::SentToWatchdog(Signal::KILL), false, 100),
+    ("the watchdog is stopped", Cause::SentToWatchdog(Signal::STOP), false, 400),
     ("emergency stop: SIGUSR1", Cause::Sent(Signal::USR1), false, 20),
     ("emergency stop: control socket", Cause::Pause, false, 20),
     ("emergency stop: SIGUSR1, under load", Cause::Sent(Signal::USR1), true, 20),

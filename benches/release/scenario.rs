@@ -89,7 +89,7 @@ impl Scenario {
             Cause::Pause => client
                 .write_all(b"{\"command\":\"pause\"}\n")
                 .expect("the program reads"),
-            Cause::WatchdogKilled => kill_process(watchdog, Signal::KILL).expect("it runs"),
+            Cause::SentToWatchdog(signal) => kill_process(watchdog, signal).expect("it runs"),
         }
         while !target.is_released() {
             assert!(

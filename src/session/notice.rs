@@ -60,7 +60,7 @@ pub enum Notice {
     PointingSuppressed(u64),
     /// Sensors of these fingers are faulty; their keys are released. Empty after a recovery.
     UntrustedFingers(FingerSet),
-    /// The watchdog exited unexpectedly.
+    /// The watchdog exited unexpectedly or does not respond.
     WatchdogLost,
     /// Outcome of a change to a layout.
     Layout(LayoutReport),
@@ -112,7 +112,9 @@ impl fmt::Display for Notice {
                 counted(*count, "pointer event")
             ),
             Self::UntrustedFingers(fingers) => write_untrusted(f, *fingers),
-            Self::WatchdogLost => f.write_str("the watchdog exited: everything is released"),
+            Self::WatchdogLost => {
+                f.write_str("the watchdog exited or hangs: everything is released")
+            }
             Self::Layout(report) => report.fmt(f),
         }
     }

@@ -69,7 +69,7 @@ pub struct WatchdogProgram {
     pub program: PathBuf,
     /// Arguments that select the watchdog.
     pub arguments: Vec<OsString>,
-    /// Command that the session executes when the watchdog exits unexpectedly.
+    /// Command that the session executes when the watchdog exits unexpectedly or does not respond.
     pub on_lost: Command,
 }
 

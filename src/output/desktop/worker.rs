@@ -104,8 +104,8 @@ impl WorkerStatus {
 
 /// The state of the thread: the pressed keys and the connection.
 pub struct Worker<'a, C> {
-    pub injector: C,
-    pub pressed: PressedKeys,
+    injector: C,
+    pressed: PressedKeys,
     status: &'a WorkerStatus,
     watchdog: Option<WatchdogClient>,
     /// The watchdog did not accept a message, or has exited.
@@ -176,7 +176,7 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Releases every key, on a new connection if this one has failed: the display keeps a key pressed although the
     /// connection that pressed it is gone.
-    pub fn finish(&mut self, mut connect: impl FnMut() -> Result<C, String>) {
+    fn finish(&mut self, mut connect: impl FnMut() -> Result<C, String>) {
         self.release_all();
         if self.pressed.is_empty() {
             return;

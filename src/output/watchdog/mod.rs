@@ -3,7 +3,8 @@
 //! An X server keeps a key pressed after its client is gone, a Wayland compositor keeps buttons pressed, and every
 //! receiver, including the kernel, keeps the keys of a stopped process pressed. A process that presses keys therefore
 //! starts a watchdog and reports every key to it, before the press and after the release. The watchdog releases all
-//! pressed keys if the process exits for any reason, or sends no heartbeat for 200 ms while a key is pressed.
+//! pressed keys if the process exits for any reason, or sends no heartbeat for 200 ms while a key is pressed. It replies
+//! to each heartbeat: if it does not for 300 ms, the process releases all keys and replaces it.
 //!
 //! On X11 the watchdog has a connection of its own. A compositor and the kernel accept a release only from the device
 //! that sent the press, so there it has a duplicate of the connection or of the device (see `ReleaseTarget`).
@@ -33,6 +34,11 @@ pub(super) const HEARTBEAT_INTERVAL: Duration = Duration::from_millis(50);
 #[cfg_attr(not(target_os = "linux"), expect(dead_code))]
 pub(super) const HEARTBEAT_TIMEOUT: Duration = Duration::from_millis(200);
 
+/// Number of heartbeats without a reply after which the watchdog counts as lost: it has not replied for 300 ms. They are
+/// counted instead of timed, as this process may have been stopped itself.
+#[cfg_attr(not(target_os = "linux"), expect(dead_code))]
+pub(super) const MAX_UNANSWERED: u64 = 6;
+
 /// The command with which a process starts its watchdog.
 #[derive(Clone)]
 pub struct WatchdogSettings {
@@ -40,8 +46,8 @@ pub struct WatchdogSettings {
     pub program: PathBuf,
     /// The arguments that make it call [`run_watchdog`](crate::output::run_watchdog).
     pub arguments: Vec<OsString>,
-    /// Called when the watchdog has exited unexpectedly, after all keys were released. The watchdog is restarted once.
-    /// Must not block.
+    /// Called when the watchdog has exited unexpectedly or does not respond, after all keys were released. The watchdog
+    /// is replaced, unless it is lost within 10 s of a replacement. Must not block.
     pub on_lost: Arc<dyn Fn() + Send + Sync>,
 }
 

@@ -27,7 +27,7 @@ impl WatchdogClient {
         match self.0 {}
     }
 
-    pub fn send_heartbeat(&self) -> Result<(), WatchdogLost> {
+    pub fn send_heartbeat(&mut self) -> Result<(), WatchdogLost> {
         match self.0 {}
     }
 

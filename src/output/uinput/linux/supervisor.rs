@@ -20,7 +20,7 @@ pub struct WatchdogSupervisor {
     failure: Option<String>,
     reported_keys: PressedKeys,
     is_deflection_reported: bool,
-    /// The watchdog did not accept a message.
+    /// The watchdog did not accept a message, or does not reply.
     is_unresponsive: bool,
     last_heartbeat: Instant,
 }
@@ -77,7 +77,8 @@ impl WatchdogSupervisor {
         let is_idle = self.reported_keys.is_empty() && !self.is_deflection_reported;
         if !is_idle && self.last_heartbeat.elapsed() >= HEARTBEAT_INTERVAL {
             self.last_heartbeat = Instant::now();
-            self.report(WatchdogClient::send_heartbeat);
+            let sent = self.client.as_mut().map(WatchdogClient::send_heartbeat);
+            self.is_unresponsive |= sent == Some(Err(WatchdogLost));
         }
     }
 

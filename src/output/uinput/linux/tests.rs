@@ -8,7 +8,7 @@ use crate::output::watchdog::HEARTBEAT_INTERVAL;
 use evdev::InputEvent;
 use std::fs;
 use std::os::fd::OwnedFd;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::sleep;
@@ -349,6 +349,11 @@ impl RecordedWatchdog {
         self.folder.path().join("messages")
     }
 
+    /// Returns the path of the file with its process id, which exists once it is ready.
+    fn process_path(&self) -> PathBuf {
+        format!("{}.process", self.path().display()).into()
+    }
+
     /// Returns the first letters of all messages so far.
     fn messages(&self) -> String {
         let bytes = fs::read(self.path()).unwrap_or_default();
@@ -364,7 +369,7 @@ impl RecordedWatchdog {
     }
 
     fn kill(&self) {
-        let path = format!("{}.process", self.path().display());
+        let path = self.process_path();
         let process = fs::read_to_string(&path).unwrap();
         fs::remove_file(path).unwrap();
         let process = rustix::process::Pid::from_raw(process.trim().parse().unwrap()).unwrap();
@@ -372,7 +377,7 @@ impl RecordedWatchdog {
     }
 
     fn is_ready(&self) -> bool {
-        Path::new(&format!("{}.process", self.path().display())).exists()
+        self.process_path().exists()
     }
 }
 
@@ -448,4 +453,26 @@ fn when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_
         recorder.reports(),
         ["keyboard: key 48=1", "keyboard: key 48=0"]
     );
+}
+
+#[test]
+fn a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released() {
+    let watchdog = RecordedWatchdog::new();
+    let recorder = Recorder::default();
+    let mut keyboard = recorder.keyboard(&["A"]);
+    keyboard.start_watchdog(&watchdog.settings()).unwrap();
+    wait_for("watchdog", || watchdog.is_ready());
+    keyboard.send(&[down(1, "A")]).unwrap();
+    fs::remove_file(watchdog.process_path()).unwrap();
+    let start = Instant::now();
+    while recorder.report_count() < 2 {
+        assert!(start.elapsed() < Duration::from_secs(10));
+        keyboard.send(&[]).unwrap();
+    }
+    assert_eq!(
+        recorder.reports(),
+        ["keyboard: key 30=1", "keyboard: key 30=0"]
+    );
+    wait_for("replacement", || watchdog.is_ready());
+    assert_eq!(watchdog.losses.load(Ordering::Relaxed), 1);
 }

@@ -5,6 +5,8 @@ use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -14,13 +16,16 @@ use rustix::net::{SendFlags, send};
 use super::{READY, ReleaseTarget, WatchdogMessage};
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
-use crate::output::watchdog::WatchdogSettings;
+use crate::output::watchdog::{MAX_UNANSWERED, WatchdogSettings};
 
 /// Longest time in which a watchdog connects to the display.
 const START_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Longest time in which it exits after its socket is closed.
 const EXIT_TIMEOUT: Duration = Duration::from_millis(200);
+
+/// Shortest service of a replacement: one that is lost earlier is not replaced, as the next would be lost too.
+const MIN_SERVICE: Duration = Duration::from_secs(10);
 
 /// Maximum length of the reason for which a watchdog cannot work, in bytes.
 const MAX_REASON: u64 = 4096;
@@ -36,7 +41,10 @@ pub struct WatchdogClient {
     process: Child,
     socket: UnixStream,
     exited: Receiver<()>,
-    may_restart: bool,
+    started: Instant,
+    is_replacement: bool,
+    sent_heartbeats: u64,
+    replies: Arc<AtomicU64>,
 }
 
 impl WatchdogClient {
@@ -57,14 +65,18 @@ impl WatchdogClient {
             process,
             exited: bounded(0).1,
             socket,
-            may_restart: true,
+            started: Instant::now(),
+            is_replacement: false,
+            sent_heartbeats: 0,
+            replies: Arc::default(),
         };
         watchdog
             .target
             .send(&watchdog.socket)
             .map_err(start_error)?;
         watchdog.wait_until_ready()?;
-        watchdog.exited = watch_for_exit(&watchdog.socket).map_err(start_error)?;
+        let replies = Arc::clone(&watchdog.replies);
+        watchdog.exited = receive_replies(&watchdog.socket, replies).map_err(start_error)?;
         Ok(watchdog)
     }
 
@@ -81,9 +93,18 @@ impl WatchdogClient {
         })
     }
 
-    /// Sends a heartbeat.
-    pub fn send_heartbeat(&self) -> Result<(), WatchdogLost> {
-        self.send(WatchdogMessage::Heartbeat)
+    /// Sends a heartbeat. Fails if too many have no reply.
+    pub fn send_heartbeat(&mut self) -> Result<(), WatchdogLost> {
+        if self
+            .sent_heartbeats
+            .saturating_sub(self.replies.load(Ordering::Relaxed))
+            >= MAX_UNANSWERED
+        {
+            return Err(WatchdogLost);
+        }
+        self.send(WatchdogMessage::Heartbeat)?;
+        self.sent_heartbeats += 1;
+        Ok(())
     }
 
     /// Returns a channel that is closed when the watchdog has exited.
@@ -91,15 +112,19 @@ impl WatchdogClient {
         &self.exited
     }
 
-    /// Reports the loss of the watchdog and starts another one; no key may be pressed. Fails at the second call,
-    /// because a watchdog that exits twice would exit again.
+    /// Reports the loss of the watchdog and starts another one; no key may be pressed. Fails if this one is a
+    /// replacement that was lost soon.
     pub fn restart(&mut self) -> Result<(), String> {
         (self.settings.on_lost)();
-        if !self.may_restart {
-            return Err("the watchdog exited a second time".into());
+        // A stopped watchdog that continues later would release keys that are pressed then.
+        let _ = self.process.kill();
+        if self.is_replacement && self.started.elapsed() < MIN_SERVICE {
+            return Err(
+                "the watchdog was lost a second time within 10 s; start the run again".into(),
+            );
         }
         *self = Self::start(&self.settings, std::mem::take(&mut self.target))?;
-        self.may_restart = false;
+        self.is_replacement = true;
         Ok(())
     }
 
@@ -137,20 +162,21 @@ impl Drop for WatchdogClient {
         while matches!(self.process.try_wait(), Ok(None)) && start.elapsed() < EXIT_TIMEOUT {
             thread::sleep(Duration::from_millis(1));
         }
-        let _ = self.process.kill();
-        let _ = self.process.try_wait();
+        // One that still runs releases keys on a display that does not respond; it exits afterwards.
     }
 }
 
-/// Returns a channel that is closed when the other end of the socket is.
-fn watch_for_exit(socket: &UnixStream) -> io::Result<Receiver<()>> {
+/// Counts the replies to heartbeats. Returns a channel that is closed when the other end of the socket is.
+fn receive_replies(socket: &UnixStream, replies: Arc<AtomicU64>) -> io::Result<Receiver<()>> {
     let (end, exited) = bounded::<()>(0);
     let mut socket = socket.try_clone()?;
     thread::Builder::new()
         .name("watchdog".into())
         .spawn(move || {
             let _end = end;
-            while matches!(socket.read(&mut [0; 16]), Ok(1..)) {}
+            while let Ok(count @ 1..) = socket.read(&mut [0; 16]) {
+                replies.fetch_add(count as u64, Ordering::Relaxed);
+            }
         })?;
     Ok(exited)
 }

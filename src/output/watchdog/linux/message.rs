@@ -17,7 +17,7 @@ pub enum WatchdogMessage {
     AxesDeflected,
     /// All axes are centered.
     AxesCentered,
-    /// The process is alive.
+    /// The process is alive. The watchdog replies with one byte.
     Heartbeat,
 }
 

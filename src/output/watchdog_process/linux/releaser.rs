@@ -1,10 +1,13 @@
 //! The injector of the watchdog, which only releases keys.
 
 use std::fs::File;
-use std::io::{self, Write};
+use std::io::{self, ErrorKind, Write};
 use std::time::Instant;
 
-use crate::device::pressed_keys::KeyDirection;
+use rustix::event::{PollFd, PollFlags, poll};
+
+use super::release_thread::Releaser;
+use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::device::{KeyCode, KeyKind};
 use crate::output::desktop::connect;
 use crate::output::desktop::pending_motion::StatelessAction;
@@ -51,9 +54,10 @@ impl KeyReleaser {
             start: Instant::now(),
         })
     }
+}
 
-    /// Centers the axes of all devices.
-    pub fn center_axes(&mut self) {
+impl Releaser for KeyReleaser {
+    fn center_axes(&mut self) {
         if let Connection::Devices(nodes) = &mut self.connection {
             for (node, _) in nodes.iter_mut().filter(|(_, has_axes)| *has_axes) {
                 // A device that rejects the events has no other remedy.
@@ -70,7 +74,7 @@ impl Injector for KeyReleaser {
             Connection::WaylandKeyboard(connection, id, _) if key.kind() == KeyKind::Keyboard => {
                 let time = self.start.elapsed().as_millis() as u32;
                 let requests = release_requests(*id, time, key);
-                connection.write_all(&requests).map_err(failed)
+                write_to_nonblocking(connection, &requests).map_err(failed)
             }
             Connection::Display(display) | Connection::WaylandKeyboard(_, _, display) => {
                 display.inject(key, KeyDirection::Release)
@@ -86,6 +90,29 @@ impl Injector for KeyReleaser {
     fn perform(&mut self, _: StatelessAction) -> Result<(), String> {
         Err("the watchdog only releases keys".into())
     }
+
+    fn query_pressed(&mut self, keys: &PressedKeys) -> Result<Option<PressedKeys>, String> {
+        match &mut self.connection {
+            Connection::Display(display) => display.query_pressed(keys),
+            // Releases follow the presses of the client on the same connection or device.
+            Connection::WaylandKeyboard(..) | Connection::Devices(_) => Ok(None),
+        }
+    }
+}
+
+/// Writes to a connection that the client made non-blocking, and waits while a compositor that hangs does not read.
+fn write_to_nonblocking(connection: &mut File, mut bytes: &[u8]) -> io::Result<()> {
+    while !bytes.is_empty() {
+        match connection.write(bytes) {
+            Ok(written) => bytes = &bytes[written..],
+            Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                poll(&mut [PollFd::new(connection, PollFlags::OUT)], None)?;
+            }
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
 }
 
 /// Returns the Wayland requests that release a key of the virtual keyboard with this object id: id, length and opcode,

@@ -1,0 +1,227 @@
+//! The client, as its messages show it.
+
+use std::io::{ErrorKind, Read};
+use std::os::unix::net::UnixStream;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rustix::net::{SendFlags, send};
+
+use super::record::SharedRecord;
+use crate::output::watchdog::{HEARTBEAT_TIMEOUT, WatchdogMessage};
+
+/// Shortest time-out of a read, so that messages that have already arrived are read before the client counts as hung.
+const MIN_READ_TIMEOUT: Duration = Duration::from_millis(1);
+
+/// The byte that replies to a heartbeat.
+const REPLY: u8 = b'a';
+
+/// The loss of the client.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ClientLoss {
+    /// The process has exited, or closed its socket.
+    Exited,
+    /// It has sent no message for [`HEARTBEAT_TIMEOUT`] while a key is pressed.
+    Hung,
+}
+
+/// The receiver of the client's messages.
+pub struct ClientState {
+    socket: UnixStream,
+    record: Arc<SharedRecord>,
+    last_message: Instant,
+    /// The bytes of an incomplete message.
+    incomplete: Vec<u8>,
+}
+
+impl ClientState {
+    /// Creates a receiver that keeps `record` up to date.
+    pub fn new(socket: UnixStream, record: Arc<SharedRecord>) -> Self {
+        Self {
+            socket,
+            record,
+            last_message: Instant::now(),
+            incomplete: Vec::new(),
+        }
+    }
+
+    /// Receives messages until the client is lost. A client that is hung is lost again after its next message.
+    pub fn wait_for_loss(&mut self) -> ClientLoss {
+        let loss = self.receive_until_loss();
+        self.record.set_client_lost(true);
+        loss
+    }
+
+    fn receive_until_loss(&mut self) -> ClientLoss {
+        loop {
+            if self.socket.set_read_timeout(self.read_timeout()).is_err() {
+                return ClientLoss::Exited;
+            }
+            let mut bytes = [0; 64 * WatchdogMessage::BYTES];
+            match self.socket.read(&mut bytes) {
+                Ok(0) => return ClientLoss::Exited,
+                Ok(count) => {
+                    self.last_message = Instant::now();
+                    self.record.set_client_lost(false);
+                    self.decode(&bytes[..count]);
+                }
+                Err(error) => match error.kind() {
+                    ErrorKind::Interrupted => {}
+                    ErrorKind::WouldBlock | ErrorKind::TimedOut => return ClientLoss::Hung,
+                    _ => return ClientLoss::Exited,
+                },
+            }
+        }
+    }
+
+    /// Returns the time until the client counts as hung; `None` if it does already, or has nothing pressed.
+    fn read_timeout(&self) -> Option<Duration> {
+        let can_hang = !self.record.is_client_lost() && !self.record.lock().is_empty();
+        let remaining = HEARTBEAT_TIMEOUT.saturating_sub(self.last_message.elapsed());
+        // The system may have delayed this process and not the client, so the time-out is never zero.
+        can_hang.then_some(remaining.max(MIN_READ_TIMEOUT))
+    }
+
+    fn decode(&mut self, bytes: &[u8]) {
+        self.incomplete.extend(bytes);
+        let complete = self.incomplete.len() - self.incomplete.len() % WatchdogMessage::BYTES;
+        for bytes in self.incomplete[..complete].as_chunks().0 {
+            let Some(message) = WatchdogMessage::from_bytes(*bytes) else {
+                continue;
+            };
+            self.record.lock().apply(message);
+            if message == WatchdogMessage::Heartbeat {
+                // A client that does not read replies is stopped; the next read shows it.
+                let _ = send(
+                    &self.socket,
+                    &[REPLY],
+                    SendFlags::DONTWAIT | SendFlags::NOSIGNAL,
+                );
+            }
+        }
+        self.incomplete.drain(..complete);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::tests::key;
+    use std::io::Write;
+
+    fn client() -> (UnixStream, ClientState) {
+        let (socket, watchdog) = UnixStream::pair().unwrap();
+        (socket, ClientState::new(watchdog, Arc::default()))
+    }
+
+    fn send(mut socket: &UnixStream, messages: &[WatchdogMessage]) {
+        for message in messages {
+            socket.write_all(&message.to_bytes()).unwrap();
+        }
+    }
+
+    #[test]
+    fn keys_that_are_pressed_when_the_client_exits_are_known() {
+        let (socket, mut client) = client();
+        let (a, shift) = (key("A"), key("ShiftLeft"));
+        send(
+            &socket,
+            &[
+                WatchdogMessage::KeyDown(shift),
+                WatchdogMessage::KeyDown(a),
+                WatchdogMessage::KeyUp(a),
+            ],
+        );
+        drop(socket);
+        assert_eq!(client.wait_for_loss(), ClientLoss::Exited);
+        let record = client.record.lock().clone();
+        assert_eq!(record.pressed.release_order().collect::<Vec<_>>(), [shift]);
+    }
+
+    #[test]
+    fn a_key_and_an_axis_stay_in_the_record_until_the_client_reports_their_release() {
+        let (socket, mut client) = client();
+        let a = key("A");
+        let pressed = [WatchdogMessage::KeyDown(a), WatchdogMessage::AxesDeflected];
+        send(&socket, &pressed);
+        for _ in 0..2 {
+            assert_eq!(client.wait_for_loss(), ClientLoss::Hung);
+            assert!(client.record.is_client_lost());
+            let record = client.record.lock().clone();
+            assert!(record.pressed.contains(a) && record.are_axes_deflected);
+            send(&socket, &[WatchdogMessage::Heartbeat]);
+        }
+        let released = [WatchdogMessage::KeyUp(a), WatchdogMessage::AxesCentered];
+        send(&socket, &released);
+        drop(socket);
+        while client.wait_for_loss() != ClientLoss::Exited {}
+        assert!(client.record.lock().is_empty());
+    }
+
+    #[test]
+    fn each_heartbeat_has_a_reply() {
+        let (mut socket, mut client) = client();
+        send(&socket, &[WatchdogMessage::Heartbeat; 3]);
+        socket.shutdown(std::net::Shutdown::Write).unwrap();
+        assert_eq!(client.wait_for_loss(), ClientLoss::Exited);
+        drop(client);
+        let mut replies = Vec::new();
+        socket.read_to_end(&mut replies).unwrap();
+        assert_eq!(replies, [REPLY; 3]);
+    }
+
+    /// A busy machine may delay the heartbeats, so the test searches the times at which they were sent for a gap.
+    #[test]
+    fn a_silent_client_is_hung_only_while_a_key_is_pressed() {
+        let (socket, mut client) = client();
+        let a = key("A");
+        let times = std::thread::scope(|scope| {
+            let sender = scope.spawn(|| {
+                let mut times = Vec::new();
+                let mut send_timed = |message| {
+                    times.push(Instant::now());
+                    send(&socket, &[message]);
+                };
+                send_timed(WatchdogMessage::KeyDown(a));
+                send_timed(WatchdogMessage::KeyUp(a));
+                std::thread::sleep(2 * HEARTBEAT_TIMEOUT);
+                send_timed(WatchdogMessage::KeyDown(a));
+                for _ in 0..6 {
+                    std::thread::sleep(Duration::from_millis(50));
+                    send_timed(WatchdogMessage::Heartbeat);
+                }
+                times
+            });
+            assert_eq!(client.wait_for_loss(), ClientLoss::Hung);
+            let loss = Instant::now();
+            let times = sender.join().unwrap().into_iter();
+            times
+                .filter(|time| *time < loss)
+                .chain([loss])
+                .collect::<Vec<_>>()
+        });
+        assert!(client.record.lock().pressed.contains(a));
+        // No key is pressed between the second and the third message.
+        let mut gaps = times.windows(2).enumerate();
+        let is_loss = |(index, gap): (usize, &[Instant])| {
+            index != 1 && gap[1] - gap[0] >= HEARTBEAT_TIMEOUT - MIN_READ_TIMEOUT
+        };
+        assert!(gaps.any(is_loss), "{times:?}");
+    }
+
+    #[test]
+    fn a_message_that_arrives_in_parts_is_decoded() {
+        let (socket, mut client) = client();
+        let bytes = WatchdogMessage::KeyDown(key("A")).to_bytes();
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                for byte in bytes {
+                    (&socket).write_all(&[byte]).unwrap();
+                    std::thread::sleep(Duration::from_millis(5));
+                }
+            });
+            assert_eq!(client.wait_for_loss(), ClientLoss::Exited);
+        });
+        assert!(client.record.lock().pressed.contains(key("A")));
+    }
+}
