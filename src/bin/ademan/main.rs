@@ -43,6 +43,7 @@ mod record;
 mod replay;
 mod run;
 mod setup_args;
+mod signal_mask;
 mod signals;
 mod source_value;
 mod sources;
@@ -92,9 +93,23 @@ subcommands! {
 fn main() -> ExitCode {
     let cli = Cli::parse();
     start_log();
-    match panics::catch(|| cli.command.run()) {
+    match panics::catch(|| {
+        // Before any thread is started, as threads inherit the mask.
+        cli.command.block_signals()?;
+        cli.command.run()
+    }) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
+    }
+}
+
+impl Subcommand {
+    /// Ignores the signals that the subcommand has no use for.
+    fn block_signals(&self) -> Result<(), Failure> {
+        match self {
+            Self::Watchdog(_) => signal_mask::block_all(),
+            _ => signal_mask::block_unused(),
+        }
     }
 }
 

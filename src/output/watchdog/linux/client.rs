@@ -3,7 +3,6 @@
 use std::io::{self, Read};
 use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
-use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -51,10 +50,8 @@ impl WatchdogClient {
     /// Starts a watchdog and waits until it is ready to release keys on `target`.
     pub fn start(settings: &WatchdogSettings, target: ReleaseTarget) -> Result<Self, String> {
         let (socket, watchdog_end) = UnixStream::pair().map_err(start_error)?;
-        // A process group of its own: a signal from the terminal must not end the watchdog first.
         let process = Command::new(&settings.program)
             .args(&settings.arguments)
-            .process_group(0)
             .stdin(Stdio::from(OwnedFd::from(watchdog_end)))
             .stdout(Stdio::null())
             .spawn()

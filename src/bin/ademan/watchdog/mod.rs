@@ -1,5 +1,15 @@
 //! `ademan watchdog`: the second process, which releases keys if the main process dies or hangs.
 
+#[cfg(target_os = "linux")]
+mod linux;
+#[cfg(not(target_os = "linux"))]
+mod unsupported;
+
+#[cfg(target_os = "linux")]
+use linux as system;
+#[cfg(not(target_os = "linux"))]
+use unsupported as system;
+
 use ademan::command::Command;
 use ademan::output;
 use ademan::session::WatchdogProgram;
@@ -14,21 +24,14 @@ pub const COMMAND: &str = "watchdog";
 pub struct Args {}
 
 pub fn run(_: Args) -> Result<(), Failure> {
-    // A signal to the process group, such as SIGTERM, must not end the watchdog before the main process.
-    ctrlc::set_handler(|| {})
-        .map_err(|error| Failure::job(format!("cannot ignore signals: {error}")))?;
+    system::detach();
     output::run_watchdog(|line| say!("watchdog: {line}")).map_err(Failure::wrong_use)
 }
 
-/// This program as its own watchdog. `on_lost` is executed if the watchdog is killed.
+/// This program as its own watchdog. `on_lost` is executed if the watchdog is lost.
 pub fn program(on_lost: Command) -> Result<WatchdogProgram, Failure> {
-    let program = std::env::current_exe().map_err(|error| {
-        Failure::wrong_use(format!(
-            "cannot find the path of this program, which starts itself as the watchdog: {error}"
-        ))
-    })?;
     Ok(WatchdogProgram {
-        program,
+        program: system::running_image()?,
         arguments: vec![COMMAND.into()],
         on_lost,
     })

@@ -1,0 +1,13 @@
+//! Signals that the program does not handle: by default most of them end a process.
+
+#[cfg(unix)]
+mod unix;
+#[cfg(not(unix))]
+mod unsupported;
+
+#[cfg(unix)]
+use unix as system;
+#[cfg(not(unix))]
+use unsupported as system;
+
+pub use system::{block_all, block_unused};

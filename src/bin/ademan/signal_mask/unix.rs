@@ -1,0 +1,48 @@
+//! The signal mask on Unix systems. Threads inherit it, so it is set before the first is started.
+
+use nix::errno::Errno;
+use nix::sys::signal::{SigSet, Signal};
+
+use crate::failure::Failure;
+
+/// The signals with a handler, and those whose default action a person or the system relies on.
+const USED: &[Signal] = &[
+    Signal::SIGHUP,
+    Signal::SIGINT,
+    Signal::SIGQUIT,
+    Signal::SIGILL,
+    Signal::SIGTRAP,
+    Signal::SIGABRT,
+    Signal::SIGBUS,
+    Signal::SIGFPE,
+    Signal::SIGUSR1,
+    Signal::SIGSEGV,
+    Signal::SIGPIPE,
+    Signal::SIGTERM,
+    Signal::SIGCHLD,
+    Signal::SIGCONT,
+    Signal::SIGTSTP,
+    Signal::SIGTTIN,
+    Signal::SIGTTOU,
+    Signal::SIGXCPU,
+    Signal::SIGWINCH,
+    Signal::SIGSYS,
+];
+
+/// Ignores every signal that can be ignored: no signal to all processes of this program may end the watchdog.
+pub fn block_all() -> Result<(), Failure> {
+    SigSet::all().thread_block().map_err(failed)
+}
+
+/// Ignores the signals that this program has no use for.
+pub fn block_unused() -> Result<(), Failure> {
+    let mut unused = SigSet::all();
+    for signal in USED {
+        unused.remove(*signal);
+    }
+    unused.thread_block().map_err(failed)
+}
+
+fn failed(error: Errno) -> Failure {
+    Failure::job(format!("cannot ignore signals: {error}"))
+}
