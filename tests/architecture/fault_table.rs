@@ -32,7 +32,7 @@ const fn fault(number: u8, name: &'static str, coverage: Coverage) -> Fault {
 pub const COVERED: &[u8] = &[
     1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 23, 25, 26,
     27, 28, 29, 30, 31, 32, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
-    50, 51, 52, 53, 54, 55, 56, 57, 58, 60, 69, 70,
+    50, 51, 52, 53, 54, 55, 56, 57, 58, 60, 61, 62, 65, 66, 68, 69, 70,
 ];
 
 /// The faults, in the order of their numbers.
@@ -270,7 +270,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/watchdog.rs", "ctrl_z_releases_keys_before_the_stop_and_the_hand_must_leave_them_after_it"),
     ])),
     fault(53, "the watchdog is killed", Tests(&[
-        ("tests/outputs/x11/watchdog.rs", "a_killed_watchdog_is_restarted_once_and_the_run_pauses"),
+        ("tests/outputs/x11/lost_watchdog.rs", "a_killed_watchdog_is_restarted_once_and_the_run_pauses"),
         ("src/output/uinput/linux/tests.rs", "when_the_watchdog_is_lost_keys_are_released_and_none_is_pressed_until_it_has_restarted"),
     ])),
     fault(54, "the system is suspended while a key is held", Tests(&[
@@ -307,14 +307,34 @@ pub const FAULTS: &[Fault] = &[
         ("tests/cli/signals.rs", "a_run_continues_when_its_standard_error_is_closed"),
     ])),
     // Found by attack.
-    fault(61, "another client grabs the X server around a press, or the server is frozen, then the program dies", Missing("no test yet")),
-    fault(62, "a grab of another client while a key is down", Missing("no test yet")),
+    fault(61, "another client grabs the X server around a press, or the server is frozen, then the program dies", Tests(&[
+        ("tests/outputs/x11/grabs.rs", "no_key_stays_pressed_if_the_program_is_killed_while_another_client_has_a_grab"),
+        ("tests/outputs/x11/grabs.rs", "no_key_stays_pressed_if_the_program_is_killed_while_the_server_hangs"),
+        ("src/output/watchdog_process/linux/release_thread.rs", "a_press_that_the_display_executes_after_the_release_is_released_too"),
+        ("src/output/watchdog_process/linux/release_thread.rs", "a_key_is_released_at_every_fault_until_the_client_reports_its_release"),
+        ("src/output/watchdog_process/linux/client_state.rs", "a_key_and_an_axis_stay_in_the_record_until_the_client_reports_their_release"),
+    ])),
+    fault(62, "a grab of another client while a key is down", Tests(&[
+        ("tests/outputs/x11/grabs.rs", "a_release_passes_the_grab_of_another_client"),
+    ])),
     fault(63, "standard error or output is full and nobody reads", Missing("no test yet")),
     fault(64, "program and watchdog killed in the same instant", Missing("no test yet")),
-    fault(65, "SIGUSR1, or any signal but KILL and STOP, to all processes of the program", Missing("no test yet")),
-    fault(66, "the watchdog is stopped by a signal", Missing("no test yet")),
+    fault(65, "SIGUSR1, or any signal but KILL and STOP, to all processes of the program", Tests(&[
+        ("tests/outputs/x11/watchdog.rs", "sigusr1_to_all_processes_is_an_emergency_stop_as_often_as_it_is_sent"),
+        ("tests/outputs/x11/watchdog.rs", "no_signal_but_kill_and_stop_ends_or_stops_the_watchdog"),
+        ("tests/outputs/x11/watchdog.rs", "signals_without_a_use_have_no_effect"),
+    ])),
+    fault(66, "the watchdog is stopped by a signal", Tests(&[
+        ("tests/outputs/x11/lost_watchdog.rs", "a_stopped_watchdog_is_noticed_and_replaced"),
+        ("src/output/uinput/linux/tests.rs", "a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released"),
+    ])),
     fault(67, "a busy machine", Missing("no test yet")),
-    fault(68, "a pause, a stall or a lost watchdog while presses are queued", Missing("no test yet")),
+    fault(68, "a pause, a stall or a lost watchdog while presses are queued", Tests(&[
+        ("tests/outputs/x11/grabs.rs", "presses_that_wait_for_a_server_that_hangs_are_not_sent_after_a_pause"),
+        ("src/output/desktop/tests.rs", "void_presses_and_their_releases_are_not_sent_and_later_presses_are"),
+        ("src/output/desktop/tests.rs", "a_press_that_has_waited_too_long_is_not_sent"),
+        ("src/output/desktop/tests.rs", "a_press_is_not_sent_if_it_becomes_void_while_the_display_does_not_respond"),
+    ])),
     fault(69, "a system chord in any order, by any controls", Tests(&[
         ("src/pipeline/output_gate/tests.rs", "a_system_chord_is_never_down_in_any_order_of_its_keys"),
         ("src/pipeline/output_gate/tests.rs", "keys_released_early_are_released_once_and_before_all_presses_of_the_step"),

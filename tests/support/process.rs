@@ -23,6 +23,15 @@ impl Drop for Process {
     }
 }
 
+/// Sends a signal to a process. Its name is that of `kill -s`: `STOP`.
+pub fn signal(signal: &str, process: u32) {
+    let mut kill = Command::new("kill");
+    kill.args(["-s", signal, &process.to_string()]);
+    let mut kill = Process::start(&mut kill).expect("kill is installed");
+    let status = kill.0.wait().expect("kill exits");
+    assert!(status.success(), "no process {process}");
+}
+
 /// Collects the lines of a stream in a thread.
 pub fn collect_lines(stream: impl Read + Send + 'static) -> Arc<Mutex<Vec<String>>> {
     let lines = Arc::new(Mutex::new(Vec::new()));

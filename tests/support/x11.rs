@@ -16,7 +16,7 @@ use x11rb::protocol::xproto::{
 };
 use x11rb::rust_connection::RustConnection;
 
-use super::process::Process;
+use super::process::{Process, signal};
 
 /// Longest time for anything on a busy machine.
 const TIMEOUT: Duration = Duration::from_secs(60);
@@ -126,6 +126,28 @@ impl XServer {
         self.process.0.wait().expect("the server exits");
     }
 
+    /// Grabs the server for the client of this test, as a screen locker does: requests of other clients wait.
+    pub fn grab(&self) {
+        let grab = self.client.grab_server().expect("the server runs");
+        grab.check().expect("no other client has a grab");
+    }
+
+    /// Ends the grab.
+    pub fn ungrab(&self) {
+        let ungrab = self.client.ungrab_server().expect("the server runs");
+        ungrab.check().expect("the server answers");
+    }
+
+    /// Stops the server; requests wait until it [continues](Self::thaw).
+    pub fn freeze(&self) {
+        signal("STOP", self.process.0.id());
+    }
+
+    /// Continues the server.
+    pub fn thaw(&self) {
+        signal("CONT", self.process.0.id());
+    }
+
     fn windows(&self) -> Vec<Window> {
         let root = self.client.setup().roots[0].root;
         let tree = self.client.query_tree(root).expect("the server runs");
@@ -215,6 +237,19 @@ impl InputWindow {
             let mut next = || self.connection.poll_for_event().expect("the server runs");
             std::iter::from_fn(&mut next).any(|event| matches!(event, Event::KeyPress(_)))
         })
+    }
+
+    /// Returns the codes of the keys that were pressed since the previous call.
+    pub fn pressed_keys(&self) -> Vec<u8> {
+        let focus = self.connection.get_input_focus().expect("the server runs");
+        focus.reply().expect("the server answers");
+        let mut next = || self.connection.poll_for_event().expect("the server runs");
+        let events = std::iter::from_fn(&mut next);
+        let code = |event| match event {
+            Event::KeyPress(press) => Some(press.detail),
+            _ => None,
+        };
+        events.filter_map(code).collect()
     }
 
     /// Waits for the event `last` and returns all events since the previous call: `down 1 at 3,4`, `up 1 at 3,4`,

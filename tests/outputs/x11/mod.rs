@@ -4,6 +4,9 @@
 
 mod doctor;
 mod ends;
+mod grabs;
+#[cfg(target_os = "linux")]
+mod lost_watchdog;
 #[cfg(target_os = "linux")]
 mod watchdog;
 mod held;

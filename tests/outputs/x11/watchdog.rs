@@ -8,12 +8,13 @@ use super::ends::{Typing, held_keys};
 use super::{hold, wait_for_release};
 use crate::support::glove::Glove;
 use crate::support::press::{Press, x11_code};
+use crate::support::process::signal;
 use crate::support::program::Program;
 use crate::support::x11::{InputWindow, XServer, wait_for};
 
 impl Typing {
     /// Returns the process id of the watchdog.
-    fn watchdog(&self) -> u32 {
+    pub fn watchdog(&self) -> u32 {
         let mut found = None;
         let is_running = || {
             found = self
@@ -88,7 +89,8 @@ fn no_key_stays_pressed_after_a_kill_while_a_character_is_typed() {
     }
 }
 
-fn is_alive(process: u32) -> bool {
+/// Returns `true` if the process exists and has not exited.
+pub fn is_alive(process: u32) -> bool {
     let state = fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
     !state.is_empty() && !state.contains(") Z")
 }
@@ -148,38 +150,6 @@ fn all_keys_are_released_while_the_program_is_stopped_and_it_must_be_armed_again
 }
 
 #[test]
-fn a_killed_watchdog_is_restarted_once_and_the_run_pauses() {
-    let Some(mut typing) = Typing::start() else {
-        return;
-    };
-    let first = typing.watchdog();
-    let start = Instant::now();
-    kill(first);
-    wait_for_release(&typing.server, start, "watchdog killed");
-    typing.program.wait_for_line("paused", 2);
-    assert!(
-        wait_for(|| !is_alive(first)),
-        "the first watchdog still runs"
-    );
-    let second = typing.watchdog();
-    std::thread::sleep(Duration::from_millis(500));
-    kill(second);
-    let status = typing.program.wait_for_exit();
-    assert_eq!(status.code(), Some(1));
-    // On a busy machine the second watchdog is killed before it is ready.
-    let (again, early) = (
-        "the watchdog exited a second time",
-        "cannot start the watchdog",
-    );
-    let lines = typing.program.stderr_lines();
-    let is_reported = lines
-        .iter()
-        .any(|line| line.contains(again) || line.contains(early));
-    assert!(is_reported, "{lines:#?}");
-    assert_eq!(typing.server.pressed_keys(), [0; 0]);
-}
-
-#[test]
 fn ctrl_z_releases_keys_before_the_stop_and_the_hand_must_leave_them_after_it() {
     let Some(mut typing) = Typing::start() else {
         return;
@@ -218,24 +188,19 @@ fn sigusr1_pauses_until_a_resume() {
     assert_eq!(typing.program.wait_for_exit().code(), Some(0));
 }
 
-fn kill(process: u32) {
-    send("-KILL", process);
-}
-
-fn send(signal: &str, process: u32) {
-    let status = std::process::Command::new("kill")
-        .args([signal, &process.to_string()])
-        .status();
-    assert!(status.expect("kill is installed").success());
-}
+/// Signals that end or stop a process which does not handle them, without those that the kernel reserves.
+const SIGNALS: &str = "HUP INT QUIT ILL TRAP ABRT BUS FPE USR1 SEGV USR2 PIPE ALRM TERM STKFLT TSTP TTIN TTOU XCPU \
+                       XFSZ VTALRM PROF IO PWR SYS RTMIN";
 
 #[test]
-fn sigterm_does_not_end_the_watchdog() {
+fn no_signal_but_kill_and_stop_ends_or_stops_the_watchdog() {
     let Some(mut typing) = Typing::start() else {
         return;
     };
     let watchdog = typing.watchdog();
-    send("-TERM", watchdog);
+    for name in SIGNALS.split_whitespace() {
+        signal(name, watchdog);
+    }
     std::thread::sleep(Duration::from_millis(200));
     assert!(is_alive(watchdog));
     assert_eq!(
@@ -247,4 +212,37 @@ fn sigterm_does_not_end_the_watchdog() {
     typing.program.signal(&["KILL"]);
     assert!(typing.server.wait_for_keys(&[]));
     assert_eq!(typing.program.wait_for_exit().code(), None);
+}
+
+#[test]
+fn signals_without_a_use_have_no_effect() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    for name in "USR2 ALRM VTALRM PROF IO PWR STKFLT RTMIN".split(' ') {
+        signal(name, typing.program.id());
+    }
+    std::thread::sleep(Duration::from_millis(200));
+    assert_eq!(typing.server.pressed_keys(), held_keys());
+    typing.program.signal(&["TERM"]);
+    assert_eq!(typing.program.wait_for_exit().code(), Some(0));
+}
+
+#[test]
+fn sigusr1_to_all_processes_is_an_emergency_stop_as_often_as_it_is_sent() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    let watchdog = typing.watchdog();
+    let start = Instant::now();
+    for _ in 0..3 {
+        signal("USR1", typing.program.id());
+        signal("USR1", watchdog);
+    }
+    wait_for_release(&typing.server, start, "USR1 to both");
+    typing.program.wait_for_line("paused by a signal", 1);
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(is_alive(watchdog) && typing.program.is_running());
+    typing.program.signal(&["TERM"]);
+    assert_eq!(typing.program.wait_for_exit().code(), Some(0));
 }

@@ -1,0 +1,124 @@
+//! Another client grabs the server, or the server hangs.
+
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use tempfile::TempDir;
+
+use super::ends::Typing;
+use super::wait_for_release;
+use crate::support::glove::Glove;
+use crate::support::press::{Press, glove_format};
+use crate::support::program::Program;
+use crate::support::x11::{InputWindow, XServer};
+
+/// Number of presses while the server hangs.
+const PRESSES: usize = 3;
+
+/// An armed run with the hand clear of all keys.
+struct Armed {
+    program: Program,
+    glove: Glove,
+    press: Press,
+    _folder: TempDir,
+}
+
+impl Armed {
+    fn start(server: &XServer) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let port = folder.path().join("glove");
+        let press = Press::for_text("h");
+        let glove = Glove::plug_in(&port, press.clear());
+        let source = format!("serial:{}", port.display());
+        let run = ["run", "--output", "desktop", "--source", &source];
+        let program = Program::start(server, run);
+        program.wait_for_line("armed", 1);
+        Self {
+            program,
+            glove,
+            press,
+            _folder: folder,
+        }
+    }
+
+    /// Presses a key and waits until the watchdog has noticed that the program is silent.
+    fn press_and_wait(&self) {
+        self.glove.play(&self.press.approach);
+        let approach = glove_format().packet_period() * self.press.approach.len() as u32;
+        sleep(approach + Duration::from_millis(600));
+    }
+}
+
+#[test]
+fn a_release_passes_the_grab_of_another_client() {
+    let Some(mut typing) = Typing::start() else {
+        return;
+    };
+    typing.server.grab();
+    let start = Instant::now();
+    typing.glove.unplug();
+    wait_for_release(&typing.server, start, "unplugged during a grab");
+    typing.server.ungrab();
+    typing.program.signal(&["TERM"]);
+    assert_eq!(typing.program.wait_for_exit().code(), Some(0));
+}
+
+#[test]
+fn no_key_stays_pressed_if_the_program_is_killed_while_another_client_has_a_grab() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    for round in 0..4 {
+        let mut run = Armed::start(&server);
+        server.grab();
+        run.press_and_wait();
+        run.program.signal(&["KILL"]);
+        server.ungrab();
+        assert_all_keys_are_released(&server, round);
+        run.program.wait_for_exit();
+    }
+}
+
+#[test]
+fn no_key_stays_pressed_if_the_program_is_killed_while_the_server_hangs() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    for round in 0..4 {
+        let mut run = Armed::start(&server);
+        server.freeze();
+        run.press_and_wait();
+        run.program.signal(&["KILL"]);
+        server.thaw();
+        assert_all_keys_are_released(&server, round);
+        run.program.wait_for_exit();
+    }
+}
+
+/// Checks that no key is pressed, also after the server has executed all requests of a dead client.
+fn assert_all_keys_are_released(server: &XServer, round: usize) {
+    assert!(server.wait_for_keys(&[]), "{round}");
+    sleep(Duration::from_millis(500));
+    assert_eq!(server.pressed_keys(), [0; 0], "{round}");
+}
+
+#[test]
+fn presses_that_wait_for_a_server_that_hangs_are_not_sent_after_a_pause() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let window = InputWindow::open(&server);
+    let mut run = Armed::start(&server);
+    window.pressed_keys();
+    server.freeze();
+    let tap = [&run.press.approach[..], &run.press.lift].concat();
+    run.glove.play(&tap.repeat(PRESSES));
+    sleep(Duration::from_secs(4));
+    run.program.signal(&["USR1"]);
+    run.program.wait_for_line("paused by a signal", 1);
+    server.thaw();
+    run.program.signal(&["TERM"]);
+    assert_eq!(run.program.wait_for_exit().code(), Some(0));
+    assert_eq!(window.pressed_keys(), [0; 0]);
+    assert_eq!(server.pressed_keys(), [0; 0]);
+}
