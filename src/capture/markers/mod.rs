@@ -5,16 +5,19 @@
 //! | observations of two cameras → pairs | [`match_rays`] |
 //! | rays of one marker → its position | [`closest_points`] for two rays, [`triangulate`] for two or more |
 //! | markers on the skin → joint centres | [`wrist_center`], [`elbow_bend`], [`ElbowCenter`] |
+//! | joint centres → rotations of rigid bones | [`bone_rotation`] |
 //!
 //! All functions use `f64` and any unit of length.
 
 mod assignment;
+mod bone_rotation;
 mod joint_centers;
 mod matching;
 mod ray;
 mod triangulation;
 
 pub use assignment::{CostMatrix, assign};
+pub use bone_rotation::{BoneRotation, bone_rotation};
 pub use joint_centers::{Bend, ElbowCenter, elbow_bend, wrist_center};
 pub use matching::match_rays;
 pub use ray::{ClosestPoints, Ray, RayError, closest_points};

@@ -1,7 +1,7 @@
 use ademan::capture::markers::{
-    Ray, RayError, closest_points, elbow_bend, match_rays, triangulate, wrist_center,
+    Ray, RayError, bone_rotation, closest_points, elbow_bend, match_rays, triangulate, wrist_center,
 };
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use serde_json::Value;
 
 use super::check::{assert_close, list, number, numbers, text};
@@ -119,5 +119,42 @@ pub fn skeleton_fit(file: &Value) -> usize {
         let joint = elbow + number(&case["offset"]) * normal;
         assert_vector(joint, &case["joint"], tolerance, name);
     }
-    cases.len()
+    let relative = list(&file["relative"]);
+    for case in relative {
+        assert_relative(case, tolerance);
+    }
+    cases.len() + relative.len()
+}
+
+fn assert_relative(case: &Value, tolerance: f64) {
+    let name = text(&case["name"]);
+    let point = |field: &str| vector(&case[field]);
+    let found = bone_rotation(point("a"), point("b"), point("c"));
+    let status = match &found {
+        None => "degenerate",
+        Some(found) if found.axis.is_none() => "parallel",
+        Some(found) if (found.matrix * found.matrix).abs_diff_eq(DMat3::IDENTITY, 1e-9) => {
+            "antiparallel"
+        }
+        Some(_) => "ok",
+    };
+    assert_eq!(status, text(&case["status"]), "{name}");
+    let Some(found) = found else { return };
+    assert_close(found.angle, number(&case["angle"]), tolerance, name);
+    if status == "antiparallel" {
+        // Any axis perpendicular to the bone is right.
+        let bone = point("b") - point("a");
+        let turned = found.matrix * bone;
+        assert!(
+            turned.distance(-bone) <= tolerance * bone.length(),
+            "{name}"
+        );
+        return;
+    }
+    if let Some(axis) = found.axis {
+        assert_vector(axis, &case["axis"], tolerance, name);
+    }
+    for (index, row) in list(&case["rotation"]).iter().enumerate() {
+        assert_vector(found.matrix.row(index), row, tolerance, name);
+    }
 }
