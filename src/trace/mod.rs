@@ -13,6 +13,8 @@
 //! are in metres and orientations are unit quaternions in the world frame, for the joints of the arm model. A target has the
 //! name from the layout, or its index if it has none. Objects keep their order and numbers their full precision.
 
+pub mod bvh;
+
 use serde::{Serialize, Serializer};
 
 use crate::capture::recording;

@@ -4,12 +4,15 @@
 mod support;
 
 mod body_landmarks;
+#[cfg(unix)]
+mod bvh;
 mod commands;
 mod file;
 #[cfg(unix)]
 mod markers;
 #[cfg(unix)]
 mod serial;
+mod peers;
 mod statistics;
 mod tcp;
 #[cfg(unix)]

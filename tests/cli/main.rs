@@ -4,6 +4,7 @@
 mod support;
 
 mod body_landmarks;
+mod bvh;
 #[cfg(unix)]
 mod control;
 mod demos;

@@ -8,6 +8,7 @@ use ademan::estimate::{Estimate, Estimator, EstimatorSettings, Smoothing};
 use ademan::hand::Joint;
 use ademan::kinematics::{ArmModel, HandPose};
 use ademan::setup::Setup;
+use ademan::trace::bvh::PoseWriter;
 use serde_json::json;
 
 /// Returns the next event that is not `Idle`. Panics after `timeout`.
@@ -59,6 +60,17 @@ pub fn typing_poses(text: &str) -> Vec<HandPose> {
         .iter()
         .map(|estimate| arm.forward(estimate))
         .collect()
+}
+
+/// Returns the motion capture of a hand that types `text` on the default layout: each frame is a pose.
+pub fn bvh_text(text: &str) -> Vec<u8> {
+    let mut file = std::io::Cursor::new(Vec::new());
+    let mut writer = PoseWriter::new(&mut file, TYPING_RATE_HZ);
+    for pose in typing_poses(text) {
+        writer.push(&pose).expect("memory accepts all bytes");
+    }
+    writer.finish().expect("memory accepts all bytes");
+    file.into_inner()
 }
 
 /// Returns the lines of three cameras around a hand that types `text` on the default layout. They see a marker over each

@@ -30,6 +30,7 @@ mod completions;
 mod ctl;
 mod demo;
 mod doctor;
+mod export;
 mod failure;
 mod gloves;
 mod layout;
@@ -76,6 +77,7 @@ subcommands! {
     Ctl(ctl),
     Record(record),
     Replay(replay),
+    Export(export),
     Trace(trace),
     Layout(layout),
     Sources(sources),

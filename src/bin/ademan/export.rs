@@ -1,0 +1,86 @@
+//! `ademan export`: the poses of a source as a BVH file.
+
+use std::fs::{File, OpenOptions};
+use std::io::{BufWriter, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use ademan::command::Command;
+use ademan::output;
+use ademan::session::{Session, SessionHandle, SessionOptions};
+use ademan::trace::bvh::PoseWriter;
+
+use crate::failure::Failure;
+use crate::setup_args::{SetupArgs, number_in};
+use crate::signals;
+
+/// Write the poses of a hand to a BVH file for animation programs, without typing
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan export hand.bvh --source recording:session.mcap\n  ademan export hand.bvh --source serial:/dev/ttyUSB0 --rate-hz 60"
+)]
+pub struct Args {
+    /// BVH file to create; an existing file is not overwritten
+    file: PathBuf,
+    /// Frames per second
+    #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
+    rate_hz: f64,
+    /// Setup file
+    #[arg(long)]
+    setup: Option<String>,
+    #[command(flatten)]
+    flags: SetupArgs,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let setup = args.flags.read_setup(args.setup.as_deref())?;
+    let setup = setup.load_files()?;
+    let file = create(&args.file)?;
+    signals::install()?;
+    let options = SessionOptions {
+        output: Some(output::open("none", &setup.required_capabilities())?),
+        lossless_snapshots: true,
+        ..SessionOptions::default()
+    };
+    let session = Session::start(setup, options)?;
+    let commands = session.commands().clone();
+    signals::on_stop(move || _ = commands.send(Command::Stop));
+    let written = write(&session, file, args.rate_hz);
+    session.commands().send(Command::Stop)?;
+    session.join()?;
+    match written? {
+        0 => Err(Failure::job(format!(
+            "the source gave no pose, so {} is empty; look at its readings with `ademan trace readings`",
+            args.file.display()
+        ))),
+        frames => {
+            say!("{frames} frames written to {}", args.file.display());
+            Ok(())
+        }
+    }
+}
+
+/// Creates a file that only its owner can read: it shows what a hand typed.
+fn create(path: &Path) -> Result<File, Failure> {
+    let file = output::owner_only(OpenOptions::new().write(true).create_new(true)).open(path);
+    file.map_err(|error| {
+        let reason = match error.kind() {
+            ErrorKind::AlreadyExists => "it exists; choose another name or remove it".to_owned(),
+            _ => error.to_string(),
+        };
+        Failure::wrong_use(format!("cannot create {}: {reason}", path.display()))
+    })
+}
+
+fn write(session: &SessionHandle, file: File, rate_hz: f64) -> std::io::Result<u64> {
+    let mut writer = PoseWriter::new(BufWriter::new(file), rate_hz);
+    for snapshot in session.snapshots() {
+        if let Some(pose) = &snapshot.pose {
+            writer.push(pose)?;
+        }
+    }
+    writer.finish()
+}
+
+fn rate(text: &str) -> Result<f64, String> {
+    number_in(text, 1.0, 1000.0, "frames per second")
+}

@@ -1,0 +1,201 @@
+//! A BVH skeleton that follows the poses of an arm and hand.
+
+use glam::{DMat3, DVec3};
+
+use crate::capture::bvh::{Channel, Node, Skeleton};
+use crate::geometry::{EulerOrder, rotation_between};
+use crate::hand::{Finger, Joint, Side};
+use crate::kinematics::HandPose;
+
+/// Units of the file per metre.
+const CENTIMETRES: f64 = 100.0;
+
+/// Smallest sine of the angle between two bones that determine a rotation.
+const MIN_SINE: f64 = 0.05;
+
+/// Shortest bone in the unit of the file. The direction of a shorter one is rounding.
+const MIN_LENGTH: f64 = 1e-4;
+
+const ROTATIONS: [Channel; 3] = [Channel::ZRotation, Channel::XRotation, Channel::YRotation];
+
+/// The skeleton of the first pose and the joints of its nodes, depth first.
+#[derive(Debug)]
+pub(super) struct PoseSkeleton {
+    skeleton: Skeleton,
+    joints: Vec<Joint>,
+    /// Index of each node's parent.
+    parents: Vec<Option<usize>>,
+    /// Position of each node in the first pose.
+    rest: Vec<DVec3>,
+    rotations: Vec<DMat3>,
+}
+
+impl PoseSkeleton {
+    /// Creates the skeleton of the known joints of `pose`.
+    pub fn new(pose: &HandPose) -> Self {
+        let mut new = Self {
+            skeleton: Skeleton::default(),
+            joints: Vec::new(),
+            parents: Vec::new(),
+            rest: Vec::new(),
+            rotations: Vec::new(),
+        };
+        let mut trunk = None;
+        for joint in [Joint::Shoulder, Joint::Elbow, Joint::Wrist] {
+            trunk = new.add(pose, joint, trunk).or(trunk);
+        }
+        for &finger in Finger::ALL {
+            let mut parent = trunk;
+            for &joint in finger_joints(finger) {
+                parent = new.add(pose, joint, parent).or(parent);
+            }
+        }
+        new
+    }
+
+    /// Adds a joint if the pose has it, and returns its index.
+    fn add(&mut self, pose: &HandPose, joint: Joint, parent: Option<usize>) -> Option<usize> {
+        let position = position(pose, joint)?;
+        let origin = parent.map_or(DVec3::ZERO, |parent| self.rest[parent]);
+        let is_end = is_tip(joint) && parent.is_some_and(|parent| is_finger(self.joints[parent]));
+        let channels = match (is_end, parent) {
+            (true, _) => Vec::new(),
+            (false, Some(_)) => ROTATIONS.to_vec(),
+            (false, None) => {
+                let positions = [Channel::XPosition, Channel::YPosition, Channel::ZPosition];
+                positions.into_iter().chain(ROTATIONS).collect()
+            }
+        };
+        let offset = match parent {
+            // Readers differ in what the offset of a root with position channels means.
+            None => DVec3::ZERO,
+            Some(_) => position - origin,
+        };
+        self.joints.push(joint);
+        self.parents.push(parent);
+        self.rest.push(position);
+        self.rotations.push(DMat3::IDENTITY);
+        Some(self.skeleton.push(Node {
+            name: (!is_end).then(|| name(joint, pose.side)),
+            parent,
+            offset,
+            channels,
+        }))
+    }
+
+    /// Returns the skeleton.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.skeleton
+    }
+
+    /// Computes the channel values of a pose.
+    pub fn frame(&mut self, pose: &HandPose, values: &mut Vec<f64>) {
+        values.clear();
+        for index in 0..self.joints.len() {
+            let parent = match self.parents[index] {
+                Some(parent) => self.rotations[parent],
+                None => {
+                    let root = position(pose, self.joints[index]).unwrap_or(self.rest[index]);
+                    values.extend(root.to_array());
+                    DMat3::IDENTITY
+                }
+            };
+            if self.skeleton.nodes()[index].name.is_none() {
+                continue;
+            }
+            let rotation = self.rotation(index, pose, &parent);
+            self.rotations[index] = rotation;
+            let local = parent.transpose() * rotation;
+            let angles = EulerOrder::Zxy.angles(&local).unwrap_or_default();
+            values.extend(angles.map(f64::to_degrees));
+        }
+    }
+
+    /// Returns the world rotation of a joint, which turns its bones from the first pose into `pose`: two bones determine
+    /// it, and one determines it up to the twist, which is that of the parent.
+    fn rotation(&self, index: usize, pose: &HandPose, parent: &DMat3) -> DMat3 {
+        let from_here = |joint: usize| {
+            let now = position(pose, self.joints[joint])? - position(pose, self.joints[index])?;
+            let rest = self.rest[joint] - self.rest[index];
+            (rest.length() > MIN_LENGTH && now.length() > MIN_LENGTH).then_some((rest, now))
+        };
+        let children =
+            (index + 1..self.joints.len()).filter(|&child| self.parents[child] == Some(index));
+        let mut bones = children.filter_map(from_here);
+        let Some((rest, now)) = bones.next() else {
+            return *parent;
+        };
+        let is_apart = |(other, _): &(DVec3, DVec3)| {
+            rest.cross(*other).length() > MIN_SINE * rest.length() * other.length()
+        };
+        if let Some((other_rest, other_now)) = bones.rfind(is_apart)
+            && let (Some(from), Some(to)) = (frame(rest, other_rest), frame(now, other_now))
+        {
+            return to * from.transpose();
+        }
+        match rotation_between(*parent * rest, now) {
+            Some(turn) => turn * *parent,
+            None => *parent,
+        }
+    }
+}
+
+/// Returns a frame with its X axis along the first direction and its Z axis across both.
+fn frame(first: DVec3, second: DVec3) -> Option<DMat3> {
+    let x = first.try_normalize()?;
+    let z = first.cross(second).try_normalize()?;
+    Some(DMat3::from_cols(x, z.cross(x), z))
+}
+
+/// Returns the position of a joint in the axes and the unit of the file.
+fn position(pose: &HandPose, joint: Joint) -> Option<DVec3> {
+    let position = pose.position(joint)?.as_dvec3() * CENTIMETRES;
+    Some(DVec3::new(-position.x, position.y, -position.z))
+}
+
+/// Returns the joints of a finger from its base to its tip.
+fn finger_joints(finger: Finger) -> &'static [Joint] {
+    let tip = Joint::tip(finger).index();
+    let count = if finger == Finger::Thumb { 3 } else { 4 };
+    &Joint::ALL[tip - count..=tip]
+}
+
+fn is_finger(joint: Joint) -> bool {
+    joint.index() > Joint::Wrist.index()
+}
+
+fn is_tip(joint: Joint) -> bool {
+    Finger::ALL
+        .iter()
+        .any(|&finger| Joint::tip(finger) == joint)
+}
+
+/// Returns the name of a joint in the convention of Mixamo, without its name space.
+fn name(joint: Joint, side: Side) -> String {
+    let side = match side {
+        Side::Left => "Left",
+        Side::Right => "Right",
+    };
+    let arm = match joint {
+        Joint::Shoulder => "Arm",
+        Joint::Elbow => "ForeArm",
+        Joint::Wrist => "Hand",
+        _ => return format!("{side}{}", finger_name(joint)),
+    };
+    format!("{side}{arm}")
+}
+
+fn finger_name(joint: Joint) -> String {
+    let names = ["Thumb", "Index", "Middle", "Ring", "Pinky"];
+    let found = Finger::ALL.iter().zip(names).find_map(|(&finger, name)| {
+        let joints = finger_joints(finger);
+        let number = joints.iter().position(|&other| other == joint)?;
+        let has_metacarpal_bone = finger != Finger::Thumb;
+        Some(match (has_metacarpal_bone, number) {
+            (true, 0) => format!("InHand{name}"),
+            (true, number) => format!("Hand{name}{number}"),
+            (false, number) => format!("Hand{name}{}", number + 1),
+        })
+    });
+    found.unwrap_or_default()
+}
