@@ -3,6 +3,8 @@
 mod support;
 #[path = "../../tests/fuzzing/lines.rs"]
 pub mod lines;
+#[path = "../../tests/fuzzing/motion.rs"]
+pub mod motion;
 #[path = "../../tests/fuzzing/packets.rs"]
 pub mod packets;
 #[path = "../../tests/fuzzing/pipeline.rs"]

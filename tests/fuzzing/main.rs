@@ -5,6 +5,7 @@
 
 mod inputs;
 mod lines;
+mod motion;
 mod packets;
 mod pipeline;
 mod recordings;
@@ -84,6 +85,16 @@ fn packets_are_separated_from_noise() {
 #[test]
 fn lines_are_separated_from_noise() {
     run("lines", lines::seeds(), lines::lines);
+}
+
+#[test]
+fn motion_captures_are_separated_from_noise() {
+    run("bvh", motion::bvh_seeds(), motion::bvh);
+}
+
+#[test]
+fn markers_are_separated_from_noise() {
+    run("markers", motion::marker_seeds(), motion::markers);
 }
 
 #[test]

@@ -3,12 +3,14 @@
 use std::fs;
 use std::path::Path;
 
-use ademan_fuzz::{lines, packets, recordings, seeds};
+use ademan_fuzz::{lines, motion, packets, recordings, seeds};
 
 fn main() -> std::io::Result<()> {
     let all = [
         ("packets", packets::seeds()),
         ("lines", lines::seeds()),
+        ("bvh", motion::bvh_seeds()),
+        ("markers", motion::marker_seeds()),
         ("layouts", seeds::layouts()),
         ("setups", seeds::setups()),
         ("gloves", seeds::gloves()),

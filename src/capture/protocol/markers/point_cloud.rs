@@ -51,14 +51,17 @@ impl PointCloud {
             }
         }
         let free: Vec<usize> = (0..known).filter(|&index| is_free[index]).collect();
+        let places: Vec<Place> = free
+            .iter()
+            .map(|&index| self.markers[index].place())
+            .collect();
         let costs = CostMatrix::new(unmatched.len(), free.len(), |row, column| {
             let marker = &self.markers[free[column]];
             if marker.label.is_some() && unmatched[row].label.is_some() {
                 return None;
             }
-            marker
-                .gap(&unmatched[row].ray)
-                .filter(|gap| *gap <= max_gap)
+            let gap = places[column].gap(&unmatched[row].ray);
+            gap.filter(|gap| *gap <= max_gap)
         });
         let mut columns = assign(&costs);
         columns.resize(unmatched.len(), None);
@@ -88,17 +91,41 @@ impl PointCloud {
     }
 }
 
-impl Marker {
-    /// Returns the distance of a ray from the marker: that of two rays, or twice the distance from the point of more rays.
-    /// `None` if it does not determine a point in front of the cameras.
+/// The knowledge of where a marker is, before the next camera.
+enum Place {
+    /// Somewhere along the only ray.
+    Along(Ray),
+    /// At the point of two or more rays.
+    At(DVec3),
+    /// Its rays determine no point.
+    Nowhere,
+}
+
+impl Place {
+    /// Returns the distance of a ray: that of two rays, or twice that from a point. `None` if the ray does not lead to the
+    /// marker in front of the camera.
     fn gap(&self, ray: &Ray) -> Option<f64> {
-        if let [only] = self.rays[..] {
-            let closest = closest_points(&only, ray).ok()?;
-            return closest.is_in_front().then(|| closest.gap());
+        match self {
+            Self::Along(only) => {
+                let closest = closest_points(only, ray).ok()?;
+                closest.is_in_front().then(|| closest.gap())
+            }
+            Self::At(point) => {
+                let k = ray.nearest(*point);
+                (k > 0.0).then(|| 2.0 * ray.at(k).distance(*point))
+            }
+            Self::Nowhere => None,
         }
-        let point = triangulate(&self.rays).ok()?.point;
-        let k = ray.nearest(point);
-        (k > 0.0).then(|| 2.0 * ray.at(k).distance(point))
+    }
+}
+
+impl Marker {
+    fn place(&self) -> Place {
+        match (&self.rays[..], triangulate(&self.rays)) {
+            ([only], _) => Place::Along(*only),
+            (_, Ok(found)) => Place::At(found.point),
+            (_, Err(_)) => Place::Nowhere,
+        }
     }
 
     fn position(&self, max_gap: f64) -> Option<DVec3> {
