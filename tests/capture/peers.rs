@@ -1,4 +1,5 @@
-//! Data that other programs wrote: motion capture files with positions that independent readers computed.
+//! Data that other programs wrote: motion capture files with positions that independent readers computed, and key points
+//! in the images of four cameras with positions that another optimiser computed.
 //!
 //! They are in the folder `ADEMAN_PEERS` (default: `../shared/peers`), which is not part of the project.
 
@@ -6,8 +7,12 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use ademan::capture::Sample;
 use ademan::capture::bvh::{Bvh, HandJoints, PositionChannels, Skeleton};
-use ademan::hand::{Joint, Side};
+use ademan::capture::protocol::{ProtocolOptions, markers};
+use ademan::hand::{Joint, JointPositions, Side};
+use glam::{DMat3, DQuat, DVec2, DVec3};
+use serde_json::{Value, json};
 
 /// Largest difference, as a fraction of the size of the figure.
 const TOLERANCE: f64 = 1e-6;
@@ -110,4 +115,143 @@ fn arms_and_fingers_of_all_conventions_are_found() {
         };
         assert!(count >= least, "{name}: {joints:?}");
     }
+}
+
+/// Least confidence of a key point that counts.
+const MIN_CONFIDENCE: f64 = 0.3;
+
+fn numbers(value: &Value) -> Vec<f64> {
+    serde_json::from_value(value.clone()).expect("a list of numbers")
+}
+
+/// A camera in the convention of OpenCV, with its key points as a camera of a marker line.
+fn camera(camera: &Value, names: &[String], points: &Value) -> Value {
+    let rotation = DVec3::from_slice(&numbers(&camera["rotation"]));
+    let world_from_camera = DQuat::from_scaled_axis(rotation).inverse();
+    let position = -(world_from_camera * DVec3::from_slice(&numbers(&camera["translation"])));
+    let rows: Vec<Vec<f64>> = camera["matrix"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(numbers)
+        .collect();
+    let matrix = DMat3::from_cols_array_2d(&std::array::from_fn(|column| {
+        std::array::from_fn(|row| rows[row][column])
+    }));
+    let (focal, center) = ([rows[0][0], rows[1][1]], [rows[0][2], rows[1][2]]);
+    let seen = names
+        .iter()
+        .zip(points.as_array().unwrap())
+        .filter_map(|(name, point)| {
+            let point = numbers(point);
+            let pixel = matrix.inverse() * DVec3::new(point[0], point[1], 1.0);
+            let ideal = undistorted(pixel.truncate(), &numbers(&camera["distortions"]));
+            let image = DVec2::from(focal) * ideal + DVec2::from(center);
+            (point[2] >= MIN_CONFIDENCE).then(|| json!({"label": name, "image": image.to_array()}))
+        });
+    json!({
+        "position": position.to_array(),
+        "orientation": world_from_camera.to_array(),
+        "focal_px": focal,
+        "center_px": center,
+        "markers": seen.collect::<Vec<_>>(),
+    })
+}
+
+/// Inverts the distortion k1, k2, p1, p2 of OpenCV by iteration.
+fn undistorted(distorted: DVec2, coefficients: &[f64]) -> DVec2 {
+    let [k1, k2, p1, p2] = coefficients[..] else {
+        panic!("four coefficients");
+    };
+    let mut ideal = distorted;
+    for _ in 0..20 {
+        let r2 = ideal.length_squared();
+        let radial = 1.0 + k1 * r2 + k2 * r2 * r2;
+        let DVec2 { x, y } = ideal;
+        let tangential = DVec2::new(
+            2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+            p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y,
+        );
+        ideal = (distorted - tangential) / radial;
+    }
+    ideal
+}
+
+/// Decodes one line of markers of a hand in metres with +Z up.
+fn decode(hand: &str, line: &Value) -> JointPositions {
+    let mut options = ProtocolOptions::default();
+    for (name, value) in [("hand", hand), ("up", "z"), ("max_gap_mm", "300")] {
+        let found = markers::PROTOCOL
+            .options
+            .iter()
+            .find(|option| option.name == name);
+        options.set(found.expect("an option"), value).unwrap();
+    }
+    let mut decoded = JointPositions::default();
+    let mut decoder = (markers::PROTOCOL.decoder)(&options);
+    decoder.push(
+        format!("{line}\n").as_bytes(),
+        &mut |packet| match packet.sample {
+            Sample::Joints { positions } => decoded = positions,
+            other => panic!("{other:?}"),
+        },
+    );
+    decoded
+}
+
+#[test]
+fn the_arms_of_a_person_before_four_cameras_are_where_another_program_found_them() {
+    let path = folder().join("markers/pose2sim_balancing_4cam.json");
+    let Ok(text) = fs::read(&path) else {
+        println!("SKIPPED: there is no file {}", path.display());
+        return;
+    };
+    let file: Value = serde_json::from_slice(&text).unwrap();
+    let names: Vec<String> = serde_json::from_value(file["keypoint_names"].clone()).unwrap();
+    let cameras = file["cameras"].as_object().unwrap();
+    let (mut distances, mut consistent) = (Vec::new(), Vec::new());
+    for frame in file["frames"].as_array().unwrap() {
+        let seen = cameras
+            .iter()
+            .map(|(name, described)| camera(described, &names, &frame["points2d"][name]));
+        let line = json!({"cameras": seen.collect::<Vec<_>>()});
+        for (hand, letter) in [("right", "R"), ("left", "L")] {
+            let decoded = decode(hand, &line);
+            for (joint, name) in [
+                (Joint::Shoulder, "Shoulder"),
+                (Joint::Elbow, "Elbow"),
+                (Joint::Wrist, "Wrist"),
+            ] {
+                let name = format!("{letter}{name}");
+                let (Some(found), Some(expected)) =
+                    (decoded.get(joint), frame["xyz_lsq"].get(&name).map(numbers))
+                else {
+                    continue;
+                };
+                let expected = DVec3::new(expected[0], expected[2], -expected[1]);
+                let distance = found.distance(expected);
+                distances.push(distance);
+                if frame["rms_px"][&name].as_f64().unwrap() < 8.0 {
+                    consistent.push(distance);
+                }
+            }
+        }
+    }
+    distances.sort_by(f64::total_cmp);
+    consistent.sort_by(f64::total_cmp);
+    let median = distances[distances.len() / 2];
+    println!(
+        "{} positions, median distance {:.1} mm; {} with a residual below 8 pixels, largest distance {:.1} mm",
+        distances.len(),
+        median * 1000.0,
+        consistent.len(),
+        consistent.last().copied().unwrap_or_default() * 1000.0
+    );
+    assert!(distances.len() > 200);
+    // The published calibration has a residual of 14 pixels, 25 mm at the distance of the person.
+    assert!(median < 0.015, "{median}");
+    assert!(
+        consistent.iter().all(|&distance| distance < 0.01),
+        "{consistent:?}"
+    );
 }
