@@ -112,7 +112,8 @@ impl PartialEq for MeasuredJoints {
 named_enum! {
     /// The reason why a reading was rejected.
     pub enum Rejection ("reason") {
-        /// The reading has too few channels or no angles, or no glove is configured for its channels.
+        /// The reading has too few channels, no angles or no distance between its joints, or no glove is configured for its
+        /// channels.
         WrongShape = "wrong-shape",
         /// Its time stamp is not later than that of the previous reading.
         OutOfOrder = "out-of-order",

@@ -122,6 +122,8 @@ pub const FAULTS: &[Fault] = &[
     // Capture, network and recordings.
     fault(19, "a datagram too short or too long", Tests(&[
         ("tests/capture/body_landmarks.rs", "datagrams_deliver_landmarks_and_those_too_short_or_too_long_are_skipped"),
+        ("tests/capture/markers.rs", "a_datagram_holds_the_markers_of_all_cameras_and_a_cut_one_is_dropped"),
+        ("tests/capture/text_line.rs", "udp_datagrams_deliver_angles_with_or_without_a_line_end"),
     ])),
     fault(20, "datagrams out of order, twice, lost", Missing("no source checks datagrams of this kind yet")),
     fault(21, "a datagram of an unknown sender", Missing("no source checks datagrams of this kind yet")),
@@ -168,6 +170,10 @@ pub const FAULTS: &[Fault] = &[
         ("tests/pipeline/body_landmarks.rs", "landmarks_that_show_no_arm_are_rejected_with_their_reason"),
         ("src/estimate/arm_attributes/tests.rs", "a_pose_without_a_plane_or_a_length_is_refused"),
         ("src/estimate/t_pose.rs", "a_body_without_a_direction_is_refused_by_name"),
+        (
+            "src/estimate/samples/joints.rs",
+            "positions_that_are_not_finite_far_away_or_all_the_same_are_rejected",
+        ),
     ])),
     fault(32, "the hand jumps to another position", Tests(&[
         ("tests/pipeline/faulty_readings.rs", "a_hand_that_jumps_to_and_fro_releases_at_the_third_reading_and_presses_nothing"),
@@ -178,6 +184,11 @@ pub const FAULTS: &[Fault] = &[
     fault(34, "the hand leaves the field of view", Tests(&[
         ("tests/pipeline/body_landmarks.rs", "an_arm_that_is_lost_releases_its_key_after_the_hold_time_and_the_other_hand_goes_on"),
         ("tests/pipeline/body_landmarks.rs", "an_arm_that_comes_back_on_its_key_presses_it_only_after_it_has_left_it"),
+        ("tests/pipeline/joint_positions.rs", "a_finger_that_leaves_the_view_releases_its_key_with_the_same_reading"),
+        (
+            "src/estimate/samples/joints.rs",
+            "a_hidden_tip_is_untrusted_and_a_hidden_elbow_distrusts_the_hand_after_200_ms",
+        ),
     ])),
     fault(35, "the sender's clock jumps", Tests(&[
         ("tests/pipeline/faulty_readings.rs", "a_clock_that_jumps_or_stops_releases_everything_and_is_counted"),

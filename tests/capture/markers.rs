@@ -49,7 +49,7 @@ fn markers_arrive_over_tcp_and_an_invalid_line_keeps_the_connection() {
 }
 
 #[test]
-fn a_datagram_holds_the_markers_of_all_cameras() {
+fn a_datagram_holds_the_markers_of_all_cameras_and_a_cut_one_is_dropped() {
     let lines = marker_lines(TEXT);
     let sender = UdpSocket::bind("127.0.0.1:0").expect("a free port");
     let address = {
@@ -58,6 +58,8 @@ fn a_datagram_holds_the_markers_of_all_cameras() {
     };
     let mut source = open(&uri(&format!("udp:{address}?protocol=markers"))).unwrap();
     assert!(lines[0].len() > 4096, "a long datagram");
+    let (cut, _) = lines[0].split_at(1000);
+    sender.send_to(cut.as_bytes(), address).unwrap();
     sender
         .send_to(lines[0].trim_end().as_bytes(), address)
         .unwrap();
@@ -68,6 +70,7 @@ fn a_datagram_holds_the_markers_of_all_cameras() {
         }
         other => panic!("no reading: {other:?}"),
     }
+    assert_eq!(source.stats().skipped_bytes, 1000);
 }
 
 #[test]

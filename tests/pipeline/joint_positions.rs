@@ -1,13 +1,19 @@
 //! Joint angles from the positions of joints.
 
+use std::time::Duration;
+
 use ademan::capture::{Reading, Sample};
+use ademan::device::{EventKind, Events};
 use ademan::estimate::{
     Estimate, Estimator, EstimatorSettings, JointAngles, JointLimits, Rejection, Smoothing,
     hand_angles,
 };
 use ademan::hand::{Dof, Finger, Joint, JointPositions, Side};
 use ademan::kinematics::{ArmModel, BoneLengths, HandPose};
+use ademan::setup::Setup;
 use ademan::time::Timestamp;
+
+use crate::support::source::typing_poses;
 
 fn model(side: Side) -> ArmModel {
     let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).expect("a human arm");
@@ -86,10 +92,14 @@ fn reading(milliseconds: u64, right: f64) -> Reading {
     for (joint, position) in positions(&model(Side::Right).forward(&estimate)).known() {
         moved.set(joint, position + glam::DVec3::X * right);
     }
+    reading_at(Timestamp(milliseconds * 1000), moved)
+}
+
+fn reading_at(time: Timestamp, positions: JointPositions) -> Reading {
     Reading {
-        time: Timestamp(milliseconds * 1000),
+        time,
         side: Some(Side::Right),
-        sample: Sample::Joints { positions: moved },
+        sample: Sample::Joints { positions },
     }
 }
 
@@ -114,6 +124,45 @@ fn a_hand_that_appears_elsewhere_is_rejected_until_three_readings_agree() {
     assert_eq!(update(30, 1.0), Err(Rejection::TooFast));
     assert_eq!(update(40, 1.0), Err(Rejection::TooFast));
     assert!(matches!(update(50, 1.0), Ok((true, Some(_)))));
+}
+
+#[test]
+fn a_finger_that_leaves_the_view_releases_its_key_with_the_same_reading() {
+    let setup = Setup::default().load_files().expect("the default setup");
+    let mut pipeline = setup.pipeline();
+    let mut events = Events::new();
+    let (mut time, mut pressed) = (Timestamp(0), None);
+    for pose in typing_poses("h") {
+        events.clear();
+        let reading = reading_at(pose.time, positions(&pose));
+        pipeline
+            .step(&reading, &mut events)
+            .expect("a valid reading");
+        time = pose.time;
+        pressed = events.iter().find_map(|event| match event.kind {
+            EventKind::KeyDown(key) => Some((key, pose)),
+            _ => None,
+        });
+        if pressed.is_some() {
+            break;
+        }
+    }
+    let (key, pose) = pressed.expect("a key is pressed");
+    let mut hidden = JointPositions::default();
+    for (joint, position) in positions(&pose).known() {
+        if joint <= Joint::Wrist {
+            hidden.set(joint, position);
+        }
+    }
+    events.clear();
+    let reading = reading_at(time + Duration::from_millis(1), hidden);
+    pipeline
+        .step(&reading, &mut events)
+        .expect("a valid reading");
+    let released = events
+        .iter()
+        .any(|event| event.kind == EventKind::KeyUp(key));
+    assert!(released, "{events:?}");
 }
 
 #[test]

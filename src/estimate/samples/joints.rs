@@ -9,6 +9,9 @@ use crate::time::Timestamp;
 /// Largest distance of a joint from the origin along an axis, in metres. It keeps `f32` exact to 0.01 mm.
 const MAX_COORDINATE: f64 = 100.0;
 
+/// Smallest distance between the joints of a hand that are furthest apart, in metres.
+const MIN_EXTENT: f64 = 1e-3;
+
 /// The time for which an elbow or a wrist that is hidden keeps its last position before the whole hand is untrusted:
 /// boards may be anchored to it.
 const HOLD: Duration = Duration::from_millis(200);
@@ -47,6 +50,9 @@ impl JointConverter {
                 return Err(Rejection::OutsideLimits);
             }
         }
+        if all_coincide(positions) {
+            return Err(Rejection::WrongShape);
+        }
         for (joint, position) in positions.known() {
             self.last.set(joint, position.as_vec3());
         }
@@ -72,6 +78,16 @@ impl JointConverter {
             .filter(|&&finger| positions.get(Joint::tip(finger)).is_none());
         hidden.fold(FingerSet::NONE, |hidden, &finger| hidden.with(finger))
     }
+}
+
+/// Returns whether two or more joints are all at one place, as a tracker reports that has lost the hand.
+fn all_coincide(positions: &JointPositions) -> bool {
+    let mut known = positions.known();
+    let Some((_, first)) = known.next() else {
+        return false;
+    };
+    let mut others = known.peekable();
+    others.peek().is_some() && others.all(|(_, other)| other.distance(first) < MIN_EXTENT)
 }
 
 #[cfg(test)]
@@ -124,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn positions_that_are_not_finite_or_far_away_are_rejected() {
+    fn positions_that_are_not_finite_far_away_or_all_the_same_are_rejected() {
         let mut converter = JointConverter::default();
         let mut reject = |joints: &[(Joint, DVec3)]| {
             let sample = sample(joints);
@@ -135,5 +151,7 @@ mod tests {
         let at = |x: f64| [(Joint::Wrist, DVec3::X * x)];
         assert_eq!(reject(&at(f64::NAN)), Rejection::NotFinite);
         assert_eq!(reject(&at(101.0)), Rejection::OutsideLimits);
+        let together = [Joint::Elbow, Joint::Wrist, Joint::IndexTip].map(|joint| (joint, DVec3::Y));
+        assert_eq!(reject(&together), Rejection::WrongShape);
     }
 }
