@@ -144,6 +144,15 @@ named_enum! {
     }
 }
 
+impl Finger {
+    /// Returns the joints from the base to the tip: four of the thumb, five of another finger.
+    pub fn joints(self) -> &'static [Joint] {
+        let tip = Joint::tip(self).index();
+        let joints = if self == Self::Thumb { 4 } else { 5 };
+        &Joint::ALL[tip + 1 - joints..=tip]
+    }
+}
+
 impl Joint {
     /// Returns the tip of `finger`.
     pub const fn tip(finger: Finger) -> Self {
@@ -252,6 +261,13 @@ mod tests {
         );
         assert_eq!(Dof::WristFlexion.finger(), None);
         assert_eq!(Dof::ThumbCmcAbduction.finger(), Some(Finger::Thumb));
+    }
+
+    #[test]
+    fn the_joints_of_the_fingers_follow_the_wrist() {
+        let joints = Finger::ALL.iter().flat_map(|finger| finger.joints());
+        let expected = &Joint::ALL[Joint::Wrist.index() + 1..];
+        assert_eq!(joints.copied().collect::<Vec<_>>(), expected);
     }
 
     #[test]

@@ -155,7 +155,9 @@ impl LinkTree {
             full.parse()
                 .expect("every finger has these degrees of freedom")
         };
-        let joints = joints_of(finger);
+        let [joints @ .., _] = finger.joints() else {
+            unreachable!("every finger has a tip");
+        };
         let (root, lengths, names) = if finger == Finger::Thumb {
             let root = self.add(
                 Some(palm),
@@ -184,13 +186,6 @@ impl LinkTree {
         }
         self.links[parent].fingertip = Some(finger);
     }
-}
-
-/// Returns the joints of a finger from the wrist outwards, without its tip.
-fn joints_of(finger: Finger) -> &'static [Joint] {
-    let tip = Joint::tip(finger).index();
-    let count = if finger == Finger::Thumb { 3 } else { 4 };
-    &Joint::ALL[tip - count..tip]
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use arrayvec::ArrayVec;
 
-use super::joint_names::{chain, joint_of};
+use super::joint_names::joint_of;
 use super::skeleton::{Node, Skeleton};
 use crate::hand::{Finger, Joint, Side};
 
@@ -76,7 +76,8 @@ impl HandJoints {
     }
 
     fn add_tip(&mut self, finger: Finger, nodes: &[Node]) {
-        let last = chain(finger)
+        let last = finger
+            .joints()
             .iter()
             .rev()
             .find_map(|&joint| self.node(joint));

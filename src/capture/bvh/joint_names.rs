@@ -86,16 +86,8 @@ fn finger_joint(part: &str) -> Option<Joint> {
         (true, _) => return None,
         (false, segment) => segment,
     };
-    let chain = chain(finger);
     let index = segment_index(finger, segment, style)?;
-    chain.get(index).copied()
-}
-
-/// Returns the joints of a finger from its base to its tip.
-pub(super) fn chain(finger: Finger) -> &'static [Joint] {
-    let tip = Joint::tip(finger).index();
-    let count = if finger == Finger::Thumb { 3 } else { 4 };
-    &Joint::ALL[tip - count..=tip]
+    finger.joints().get(index).copied()
 }
 
 /// The names that a convention gives the segments of the thumb.
@@ -143,7 +135,7 @@ fn finger_of(part: &str) -> Option<(Finger, &str, ThumbStyle)> {
         })
 }
 
-/// Returns the index in [`chain`] of the joint at the near end of a segment.
+/// Returns the index in [`Finger::joints`] of the joint at the near end of a segment.
 fn segment_index(finger: Finger, segment: &str, style: ThumbStyle) -> Option<usize> {
     let is_thumb = finger == Finger::Thumb;
     let first = if is_thumb { 0 } else { 1 };

@@ -46,7 +46,7 @@ impl PoseSkeleton {
         }
         for &finger in Finger::ALL {
             let mut parent = trunk;
-            for &joint in finger_joints(finger) {
+            for &joint in finger.joints() {
                 parent = new.add(pose, joint, parent).or(parent);
             }
         }
@@ -153,13 +153,6 @@ fn position(pose: &HandPose, joint: Joint) -> Option<DVec3> {
     Some(DVec3::new(-position.x, position.y, -position.z))
 }
 
-/// Returns the joints of a finger from its base to its tip.
-fn finger_joints(finger: Finger) -> &'static [Joint] {
-    let tip = Joint::tip(finger).index();
-    let count = if finger == Finger::Thumb { 3 } else { 4 };
-    &Joint::ALL[tip - count..=tip]
-}
-
 fn is_finger(joint: Joint) -> bool {
     joint.index() > Joint::Wrist.index()
 }
@@ -188,7 +181,7 @@ fn name(joint: Joint, side: Side) -> String {
 fn finger_name(joint: Joint) -> String {
     let names = ["Thumb", "Index", "Middle", "Ring", "Pinky"];
     let found = Finger::ALL.iter().zip(names).find_map(|(&finger, name)| {
-        let joints = finger_joints(finger);
+        let joints = finger.joints();
         let number = joints.iter().position(|&other| other == joint)?;
         let has_metacarpal_bone = finger != Finger::Thumb;
         Some(match (has_metacarpal_bone, number) {
