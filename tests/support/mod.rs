@@ -8,6 +8,7 @@ pub mod body;
 pub mod checked;
 pub mod glove;
 pub mod hand;
+pub mod key_log;
 pub mod oracle;
 pub mod press;
 pub mod process;

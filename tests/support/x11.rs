@@ -184,8 +184,7 @@ impl XServer {
 
 /// A window over the whole screen that has the focus and receives all events of keyboard and mouse.
 ///
-/// The server sends every event. Polling the keymap would miss a key that is pressed for less than the
-/// interval.
+/// A grab of another client hides events from it; a [`KeyLog`](super::key_log::KeyLog) has them all.
 pub struct InputWindow {
     connection: RustConnection,
 }
@@ -229,14 +228,6 @@ impl InputWindow {
         );
         server.focus(window);
         Self { connection }
-    }
-
-    /// Waits for the press of any key; returns `false` if none comes in time. Earlier events are dropped.
-    pub fn receives_a_key(&self) -> bool {
-        wait_for(|| {
-            let mut next = || self.connection.poll_for_event().expect("the server runs");
-            std::iter::from_fn(&mut next).any(|event| matches!(event, Event::KeyPress(_)))
-        })
     }
 
     /// Returns the codes of the keys that were pressed since the previous call.

@@ -10,6 +10,7 @@ mod lost_watchdog;
 #[cfg(target_os = "linux")]
 mod watchdog;
 mod held;
+mod key_log;
 mod keymaps;
 #[cfg(target_os = "linux")]
 mod memory;

@@ -7,10 +7,11 @@ use std::time::{Duration, Instant};
 use super::ends::{Typing, held_keys};
 use super::{hold, wait_for_release};
 use crate::support::glove::Glove;
+use crate::support::key_log::KeyLog;
 use crate::support::press::{Press, x11_code};
 use crate::support::process::signal;
 use crate::support::program::Program;
-use crate::support::x11::{InputWindow, XServer, wait_for};
+use crate::support::x11::{XServer, wait_for};
 
 impl Typing {
     /// Returns the process id of the watchdog.
@@ -61,7 +62,7 @@ fn no_key_stays_pressed_after_a_kill_while_a_character_is_typed() {
     let Some(server) = XServer::start() else {
         return;
     };
-    let window = InputWindow::open(&server);
+    let log = KeyLog::start(&server);
     let press = Press::for_text("h");
     for round in 0..8 {
         let folder = tempfile::tempdir().expect("a folder");
@@ -74,8 +75,9 @@ fn no_key_stays_pressed_after_a_kill_while_a_character_is_typed() {
         ];
         let mut program = Program::start(&server, run);
         program.wait_for_line("armed", 1);
+        let before = log.len();
         glove.play(&press.approach);
-        assert!(window.receives_a_key(), "no key arrives");
+        assert!(log.wait_for_press(before), "no key arrives");
         program.signal(&["KILL"]);
         assert_eq!(program.wait_for_exit().code(), None);
         assert!(
@@ -86,6 +88,7 @@ fn no_key_stays_pressed_after_a_kill_while_a_character_is_typed() {
         // The server may still execute requests.
         std::thread::sleep(Duration::from_millis(200));
         assert_eq!(server.pressed_keys(), [0; 0], "{round}");
+        assert!(log.pressed().is_empty(), "{round}: {:?}", log.pressed());
     }
 }
 
@@ -128,12 +131,13 @@ fn all_keys_are_released_while_the_program_is_stopped_and_it_must_be_armed_again
     typing.program.signal(&["STOP"]);
     wait_for_release(&typing.server, start, "STOP");
     typing.program.wait_for_line("does not respond", 1);
+    let log = KeyLog::start(&typing.server);
     std::thread::sleep(Duration::from_secs(1));
     typing.program.signal(&["CONT"]);
     typing.program.wait_for_line("stalled", 1);
     // The finger on the key keeps the run from being armed.
     std::thread::sleep(Duration::from_millis(700));
-    assert_eq!(typing.server.pressed_keys(), [0; 0]);
+    assert_eq!(log.events(), []);
     let press = Press::for_text("H");
     typing.glove.play(&press.lift);
     typing.program.wait_for_line("armed", 2);
