@@ -54,7 +54,7 @@ impl Glove {
         self.send(Message::StopSending);
     }
 
-    /// Sends random bytes from now on.
+    /// Sends random bytes until the next posture.
     pub fn send_noise(&self) {
         self.send(Message::SendNoise);
     }
@@ -88,7 +88,7 @@ fn play(mut line: Box<dyn Write + Send>, messages: &Receiver<Message>, posture: 
     let mut due = Instant::now();
     loop {
         match messages.recv_deadline(due) {
-            Ok(Message::Play(new)) => (postures, index) = (new, 0),
+            Ok(Message::Play(new)) => (postures, index, is_noise) = (new, 0, false),
             Ok(Message::StopSending) => postures.clear(),
             Ok(Message::SendNoise) => is_noise = true,
             Err(RecvTimeoutError::Disconnected) => return,

@@ -10,6 +10,8 @@ pub mod glove;
 pub mod hand;
 pub mod key_log;
 pub mod oracle;
+#[cfg(target_os = "linux")]
+pub mod output_pipe;
 pub mod press;
 pub mod process;
 pub mod program;

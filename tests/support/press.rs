@@ -52,6 +52,13 @@ impl Press {
     }
 }
 
+/// Returns the movement of a hand that types a text on the default layout.
+pub fn typing(text: &str) -> Vec<Posture> {
+    let setup = Setup::default().load_files().expect("the default setup");
+    let typist = setup.typist(text, &glove_format(), 0.0, 0);
+    postures(typist.expect("the hand can type the text"))
+}
+
 /// Returns the X11 key code of a key.
 pub fn x11_code(name: &str) -> u16 {
     let key: KeyCode = name.parse().expect("the name of a key");

@@ -1,5 +1,6 @@
 //! Child processes of a test.
 
+use std::fs;
 use std::io::{self, BufRead, BufReader, Read};
 use std::process::{Child, Command};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -30,6 +31,18 @@ pub fn signal(signal: &str, process: u32) {
     let mut kill = Process::start(&mut kill).expect("kill is installed");
     let status = kill.0.wait().expect("kill exits");
     assert!(status.success(), "no process {process}");
+}
+
+/// Returns the ids of the child processes of a process (Linux).
+pub fn children(process: u32) -> Vec<u32> {
+    let threads = fs::read_dir(format!("/proc/{process}/task"));
+    let threads = threads.into_iter().flatten().flatten();
+    let children = |thread: fs::DirEntry| {
+        fs::read_to_string(thread.path().join("children")).unwrap_or_default()
+    };
+    let lists: String = threads.map(children).collect();
+    let ids = lists.split_whitespace();
+    ids.filter_map(|id| id.parse().ok()).collect()
 }
 
 /// Collects the lines of a stream in a thread.

@@ -1,12 +1,11 @@
 //! The binary as a child process with a display.
 
 use std::ffi::OsStr;
-use std::fs;
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex};
 
 use super::binary::ademan;
-use super::process::{Process, collect_lines};
+use super::process::{Process, children, collect_lines};
 use super::x11::{XServer, wait_for};
 
 /// A running `ademan`.
@@ -82,14 +81,7 @@ impl Program {
 
     /// Returns the ids of its child processes (Linux).
     pub fn children(&self) -> Vec<u32> {
-        let threads = fs::read_dir(format!("/proc/{}/task", self.id()));
-        let threads = threads.expect("the program runs").flatten();
-        let children = |thread: fs::DirEntry| {
-            fs::read_to_string(thread.path().join("children")).unwrap_or_default()
-        };
-        let lists: String = threads.map(children).collect();
-        let ids = lists.split_whitespace();
-        ids.filter_map(|id| id.parse().ok()).collect()
+        children(self.id())
     }
 
     /// Returns `true` if the program has not exited.
