@@ -41,7 +41,7 @@ pub trait Injector {
     }
 }
 
-impl Injector for Box<dyn Injector + Send> {
+impl Injector for Box<dyn Injector> {
     fn inject(&mut self, key: KeyCode, direction: KeyDirection) -> Result<(), String> {
         (**self).inject(key, direction)
     }

@@ -6,6 +6,6 @@ use crate::advice;
 use crate::output::desktop::worker::Injector;
 
 /// Returns an error with the advice to use a build that has Wayland support.
-pub fn connect(_: &OsStr, _: bool) -> Result<Box<dyn Injector + Send>, String> {
+pub fn connect(_: &OsStr, _: bool) -> Result<Box<dyn Injector>, String> {
     Err(advice::built_without_wayland().to_string())
 }

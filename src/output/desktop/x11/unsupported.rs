@@ -4,6 +4,6 @@ use crate::output::desktop::enigo_display::EnigoDisplay;
 use crate::output::desktop::worker::Injector;
 
 /// Connects to the X server of this name, or to the desktop of the session.
-pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector + Send>, String> {
+pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector>, String> {
     Ok(Box::new(EnigoDisplay::connect(name)?))
 }

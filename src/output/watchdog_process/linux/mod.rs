@@ -28,7 +28,8 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
     let target = ReleaseTarget::receive(&socket)
         .map_err(|error| format!("no handle to release keys with: {error}"))?;
     let record = Arc::<SharedRecord>::default();
-    let releases = match start_releases(target, Arc::clone(&record), log) {
+    let connect = move || KeyReleaser::connect(&target);
+    let releases = match ReleaseThread::start(Arc::clone(&record), connect, log) {
         Ok(releases) => releases,
         Err(reason) => {
             let _ = socket.write_all(reason.as_bytes());
@@ -44,15 +45,4 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
     }
     releases.finish();
     Ok(())
-}
-
-fn start_releases(
-    target: ReleaseTarget,
-    record: Arc<SharedRecord>,
-    log: impl Fn(&str) + Send + 'static,
-) -> Result<ReleaseThread, String> {
-    let releaser = KeyReleaser::connect(&target)?;
-    let connect = move || KeyReleaser::connect(&target);
-    ReleaseThread::start(releaser, record, connect, log)
-        .map_err(|error| format!("cannot start a thread: {error}; close other programs"))
 }

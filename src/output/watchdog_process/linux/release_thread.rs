@@ -1,6 +1,5 @@
 //! The thread that releases the keys of a lost client. A display that hangs blocks it, and not the main loop.
 
-use std::io;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -23,7 +22,7 @@ const RESPONSE_TIME: Duration = Duration::from_millis(50);
 const POLL_INTERVAL: Duration = Duration::from_millis(5);
 
 /// An injector that only releases keys, and centers axes.
-pub trait Releaser: Injector + Send + 'static {
+pub trait Releaser: Injector {
     /// Centers the axes of all devices.
     fn center_axes(&mut self);
 }
@@ -35,23 +34,37 @@ pub struct ReleaseThread {
 }
 
 impl ReleaseThread {
-    /// Starts the thread. `connect` makes another connection after a failure; `log` must not block.
+    /// Starts the thread and waits until it is connected. `connect` makes the connection, and another one after a
+    /// failure; `log` must not block.
     pub fn start<R: Releaser>(
-        releaser: R,
         record: Arc<SharedRecord>,
         connect: impl Fn() -> Result<R, String> + Send + 'static,
         log: impl Fn(&str) + Send + 'static,
-    ) -> io::Result<Self> {
+    ) -> Result<Self, String> {
         let (faults, received) = bounded(1);
-        let mut state = ReleaseState {
-            releaser,
-            record,
-            connect,
-            log,
+        let (connected, connection) = bounded(1);
+        let run = move || {
+            // Here, as a connection cannot always move to another thread.
+            let releaser = match connect() {
+                Ok(releaser) => releaser,
+                Err(reason) => return drop(connected.send(Err(reason))),
+            };
+            let _ = connected.send(Ok(()));
+            let mut state = ReleaseState {
+                releaser,
+                record,
+                connect,
+                log,
+            };
+            state.run(&received);
         };
-        let thread = thread::Builder::new().name("releases".into());
-        let thread = thread.spawn(move || state.run(&received))?;
-        Ok(Self { faults, thread })
+        let thread = thread::Builder::new().name("releases".into()).spawn(run);
+        let thread = thread
+            .map_err(|error| format!("cannot start a thread: {error}; close other programs"))?;
+        match connection.recv() {
+            Ok(result) => result.map(|()| Self { faults, thread }),
+            Err(_) => Err("connecting to the display panicked".into()),
+        }
     }
 
     /// Has everything in the record released, because the client hangs.
@@ -223,9 +236,9 @@ mod tests {
             record.lock().apply(*message);
         }
         record.set_client_lost(true);
-        let other = display.clone();
-        let connect = move || Ok(other.clone());
-        let thread = ReleaseThread::start(display.clone(), Arc::clone(&record), connect, |_| {});
+        let display = display.clone();
+        let connect = move || Ok(display.clone());
+        let thread = ReleaseThread::start(Arc::clone(&record), connect, |_| {});
         (thread.unwrap(), record)
     }
 

@@ -22,9 +22,9 @@ pub struct KeyReleaser {
 }
 
 enum Connection {
-    Display(Box<dyn Injector + Send>),
+    Display(Box<dyn Injector>),
     /// The connection to a compositor for keys, the id of its virtual keyboard, and a connection for buttons.
-    WaylandKeyboard(File, u32, Box<dyn Injector + Send>),
+    WaylandKeyboard(File, u32, Box<dyn Injector>),
     /// The devices, and whether each has axes.
     Devices(Vec<(UinputNode, bool)>),
 }

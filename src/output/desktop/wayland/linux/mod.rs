@@ -57,7 +57,7 @@ struct CharacterKeyboard {
 
 /// Connects to the compositor of this name, which has the form of `WAYLAND_DISPLAY`. Fails if the compositor has no
 /// virtual keyboard, or no virtual pointer and one is needed.
-pub fn connect(name: &OsStr, needs_pointer: bool) -> Result<Box<dyn Injector + Send>, String> {
+pub fn connect(name: &OsStr, needs_pointer: bool) -> Result<Box<dyn Injector>, String> {
     let mut connection = CompositorConnection::open(name)?;
     let keymap = Keymap::from_seat(connection.seat_keymap()?)?;
     let keyboard = connection.create_keyboard();

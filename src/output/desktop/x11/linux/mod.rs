@@ -47,7 +47,7 @@ pub struct X11Injector {
 }
 
 /// Connects to the X server of this name, or to that of `DISPLAY`.
-pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector + Send>, String> {
+pub fn connect(name: Option<&str>) -> Result<Box<dyn Injector>, String> {
     let (server, screen) = x11rb::connect(name).map_err(|_| system::no_display(name))?;
     let (major, minor) = XTEST_VERSION;
     let version = server.xtest_get_version(major, minor);
