@@ -51,6 +51,7 @@ pub mod time;
 pub mod names;
 pub mod hand;
 pub mod geometry;
+pub mod files;
 pub mod document;
 pub mod command;
 pub mod advice;

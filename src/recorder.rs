@@ -5,7 +5,7 @@
 //! source, in nanoseconds.
 
 use std::collections::BTreeMap;
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,7 @@ use mcap::{McapError, WriteOptions, Writer};
 use crate::capture::recording::{
     FORMAT_RECORD, FORMAT_VERSION, MAX_RECORD_BYTES, MESSAGE_ENCODING, RecordedSetup, SETUP_RECORD,
 };
-use crate::output;
+use crate::files::{self, FileError};
 use crate::snapshot::Snapshot;
 use crate::time::Timestamp;
 use crate::trace::Stage;
@@ -69,13 +69,12 @@ impl Recorder {
             reason,
         };
         check(setup).map_err(cannot_create)?;
-        let file = output::owner_only(OpenOptions::new().write(true).create_new(true)).open(path);
-        let file = file.map_err(|error| {
-            cannot_create(match error.kind() {
-                io::ErrorKind::AlreadyExists => {
+        let file = files::create_private(path).map_err(|error| {
+            cannot_create(match error {
+                FileError::Io(error) if error.kind() == io::ErrorKind::AlreadyExists => {
                     "the file exists; choose another name or remove it".into()
                 }
-                _ => error.to_string(),
+                error => error.to_string(),
             })
         })?;
         let (writer, channels) =

@@ -17,17 +17,17 @@ pub(crate) use ranged::{format_number, ranged_numbers};
 pub use shipped::{shipped_gloves, shipped_layouts};
 pub use spanned::Spanned;
 
-use std::fs::{self, File};
-use std::io::{ErrorKind, Read};
+use std::fs;
+use std::io::{self, ErrorKind, Read};
 use std::path::Path;
 
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
+use crate::files::{self, FileError};
+
 /// The largest file that is read, in bytes: 1 MiB.
 pub const MAX_BYTES: u64 = 1 << 20;
-
-const IS_DIRECTORY: &str = "this is a directory, name a file in it";
 
 /// Some editors write a byte order mark at the start of a UTF-8 file.
 const BYTE_ORDER_MARK: char = '\u{feff}';
@@ -52,32 +52,21 @@ impl Document {
 
     /// As [`open`](Self::open), with relative paths resolved against `folder`.
     pub fn open_relative_to(folder: &Path, name: &str) -> Result<Self, DocumentError> {
-        let file_error = |message: String| DocumentError::for_file(name, message);
         let path = folder.join(name);
         let is_directory = fs::metadata(&path).map(|metadata| metadata.is_dir());
         match (is_directory, shipped::find(name)) {
-            (Ok(false), _) => Self::read(&path, name),
-            (_, Some(document)) => Ok(document),
-            (Ok(true), None) => Err(file_error(IS_DIRECTORY.into())),
+            (Ok(true) | Err(_), Some(document)) => Ok(document),
             (Err(error), None) if is_not_found(&error) => {
-                Err(file_error(shipped::not_found_message(name)))
+                let message = shipped::not_found_message(name);
+                Err(DocumentError::for_file(name, message))
             }
-            (Err(error), None) => Err(file_error(format!("cannot read the file: {error}"))),
+            _ => Self::read(&path, name),
         }
     }
 
     /// Reads the regular file at `path`. Does not fall back to a shipped file.
     pub fn from_path(path: &str) -> Result<Self, DocumentError> {
-        let file_error = |message: String| DocumentError::for_file(path, message);
-        match fs::metadata(path) {
-            Ok(metadata) if metadata.is_dir() => Err(file_error(IS_DIRECTORY.into())),
-            Ok(metadata) if !metadata.is_file() => {
-                Err(file_error("this is not a regular file".into()))
-            }
-            Ok(_) => Self::read(Path::new(path), path),
-            Err(error) if is_not_found(&error) => Err(file_error("there is no such file".into())),
-            Err(error) => Err(file_error(format!("cannot read the file: {error}"))),
-        }
+        Self::read(Path::new(path), path)
     }
 
     /// Returns the shipped file with that name. Ignores files on the disk.
@@ -101,9 +90,10 @@ impl Document {
     fn read(path: &Path, name: &str) -> Result<Self, DocumentError> {
         let file_error = |message: String| DocumentError::for_file(name, message);
         let mut bytes = Vec::new();
-        File::open(path)
-            .and_then(|file| file.take(MAX_BYTES + 1).read_to_end(&mut bytes))
-            .map_err(|error| file_error(format!("cannot read the file: {error}")))?;
+        let file = files::open_regular(path).map_err(|error| file_error(reason(error)))?;
+        file.take(MAX_BYTES + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|error| file_error(reason(error.into())))?;
         if bytes.len() as u64 > MAX_BYTES {
             return Err(file_error("the file is larger than 1 MiB".into()));
         }
@@ -143,7 +133,16 @@ pub fn parse_ron<'a, T: Deserialize<'a>>(text: &'a str, file: &str) -> Result<T,
         })
 }
 
-fn is_not_found(error: &std::io::Error) -> bool {
+/// Returns the reason why a file cannot be read.
+fn reason(error: FileError) -> String {
+    match error {
+        FileError::Io(error) if is_not_found(&error) => "there is no such file".into(),
+        FileError::Io(error) => format!("cannot read the file: {error}"),
+        error => error.to_string(),
+    }
+}
+
+fn is_not_found(error: &io::Error) -> bool {
     matches!(
         error.kind(),
         ErrorKind::NotFound | ErrorKind::NotADirectory | ErrorKind::InvalidInput

@@ -5,7 +5,6 @@
 //!
 //! Adding a backend takes its file or folder, with a constant `BACKEND`, and one line in [`BACKENDS`].
 
-use std::fs::OpenOptions;
 use std::time::Duration;
 
 use crate::contact::TargetNames;
@@ -245,18 +244,6 @@ impl OutputError {
             reason: reason.to_string(),
         }
     }
-}
-
-/// Makes a file created with these options readable by its owner only, as it contains what a person types.
-#[cfg(unix)]
-pub fn owner_only(options: &mut OpenOptions) -> &mut OpenOptions {
-    std::os::unix::fs::OpenOptionsExt::mode(options, 0o600)
-}
-
-/// Returns the options unchanged: on this operating system the folder determines who may read the file.
-#[cfg(not(unix))]
-pub fn owner_only(options: &mut OpenOptions) -> &mut OpenOptions {
-    options
 }
 
 #[cfg(test)]

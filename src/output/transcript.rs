@@ -11,15 +11,16 @@
 //! ```
 
 use std::fmt;
-use std::fs::OpenOptions;
 use std::io::{self, BufWriter, Write};
+use std::path::Path;
 
 use super::axis_state::AxisState;
-use super::{Backend, OpenRequest, OutputError, Sink, owner_only};
+use super::{Backend, OpenRequest, OutputError, Sink};
 use crate::command::Command;
 use crate::contact::TargetNames;
 use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Capabilities, EventKind, OutputEvent, TimedCommand, TimedCommands};
+use crate::files;
 use crate::time::Timestamp;
 
 /// The backend `transcript`.
@@ -34,14 +35,14 @@ pub const BACKEND: Backend = Backend {
     open,
 };
 
-/// Opens a transcript on the standard output, or in a file that is truncated or created readable by its owner only.
+/// Opens a transcript on the standard output, or in a file that only its owner can read, and whose content it replaces.
 fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
     let Some(path) = request.argument else {
         let writer = BufWriter::new(io::stdout());
         return Ok(Box::new(Transcript::new(request.name, writer)));
     };
-    let file = owner_only(OpenOptions::new().write(true).create(true).truncate(true)).open(path);
-    let file = file.map_err(|error| OutputError::open(request.name, error))?;
+    let file = files::replace_private(Path::new(path))
+        .map_err(|error| OutputError::open(request.name, error))?;
     Ok(Box::new(Transcript::new(
         request.name,
         BufWriter::new(file),

@@ -60,6 +60,6 @@ fn a_file_of_text_lines_plays_at_its_rate_and_needs_no_last_line_end() {
 fn folders_and_missing_files_are_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let message = |path: &Path| open(&uri(path, "baud=9600")).err().unwrap().to_string();
-    assert!(message(folder.path()).contains("it is not a regular file"));
+    assert!(message(folder.path()).contains("this is a directory"));
     assert!(message(&folder.path().join("absent")).contains("cannot open file:"));
 }

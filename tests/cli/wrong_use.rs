@@ -88,7 +88,7 @@ fn invalid_sources_are_refused_with_a_remedy() {
             "run --source file:/nope",
             &["cannot open file:/nope", "No such file"],
         ),
-        ("run --source file:/", &["not a regular file"]),
+        ("run --source file:/", &["this is a directory"]),
         (
             "run --source tcp:127.0.0.1:1",
             &["check that the server is on"],
@@ -159,7 +159,7 @@ fn wrong_names_are_refused_with_the_valid_ones() {
         ),
         ("run no.ron", &["no.ron: there is no such file"]),
         ("replay /nope", &["cannot open recording:/nope"]),
-        ("replay /", &["it is a directory, name a file in it"]),
+        ("replay /", &["this is a directory, name a file in it"]),
         ("layout show arrow", &["did you mean `arrows`?"]),
         (
             "layout show arrows --svg /no/x.svg",

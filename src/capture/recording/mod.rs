@@ -16,6 +16,7 @@ use std::time::Duration;
 use mcap::records::Metadata;
 
 use super::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
+use crate::files;
 use records::{Content, Records, Stop};
 
 /// Topic of the channel of readings.
@@ -123,10 +124,7 @@ impl Replay {
             source_name: name.clone(),
             reason,
         };
-        let file = File::open(path).map_err(|error| open_error(error.to_string()))?;
-        if path.is_dir() {
-            return Err(open_error("it is a directory, name a file in it".into()));
-        }
+        let file = files::open_regular(path).map_err(|error| open_error(error.to_string()))?;
         Self::from_reader(name, file)
     }
 }

@@ -9,6 +9,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounde
 use super::cancel::{CancelHandle, cancel_token};
 use super::suspend::SuspendDetector;
 use super::{CancelToken, CaptureError, Reading, Source, SourceEvent, SourceStats};
+use crate::advice;
 
 /// Message of a capture thread.
 ///
@@ -74,11 +75,12 @@ pub fn spawn(mut source: impl Source + 'static) -> Result<CaptureThread, Capture
     let name = source.name().to_owned();
     let packet_period = source.packet_period();
     let is_live = source.is_live();
-    let open_error = |missing: &str, error| CaptureError::Open {
+    let open_error = |reason: String| CaptureError::Open {
         source_name: name.clone(),
-        reason: format!("no {missing} for it: {error}; close other programs"),
+        reason,
     };
-    let (cancel, token) = cancel_token().map_err(|error| open_error("pipe", error))?;
+    let no_pipe = |error| format!("no pipe for it: {error}; close other programs");
+    let (cancel, token) = cancel_token().map_err(|error| open_error(no_pipe(error)))?;
     source.set_cancel_token(&token);
     let (sender, events) = bounded(QUEUE_CAPACITY);
     let (end_of_thread, ended) = bounded(0);
@@ -98,7 +100,7 @@ pub fn spawn(mut source: impl Source + 'static) -> Result<CaptureThread, Capture
     let thread = std::thread::Builder::new()
         .name("capture".to_owned())
         .spawn(run);
-    let thread = thread.map_err(|error| open_error("thread", error))?;
+    let thread = thread.map_err(|error| open_error(advice::no_thread(&error).to_string()))?;
     Ok(CaptureThread {
         events,
         name,

@@ -1,10 +1,10 @@
 //! File with the raw bytes of a stream.
 
-use std::fs::File;
 use std::path::PathBuf;
 
 use super::{Scheme, Transport, open_stream};
 use crate::capture::connection::{ConnectError, Connection, Connector};
+use crate::files::{self, FileError};
 
 /// The `file` transport.
 pub const TRANSPORT: Transport = Transport {
@@ -39,15 +39,10 @@ impl Connector for FileConnector {
     const RECONNECTS: bool = false;
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {
-        let absent = |error: std::io::Error| ConnectError::Absent(error.to_string());
-        let metadata = std::fs::metadata(&self.path).map_err(absent)?;
-        if !metadata.is_file() {
-            // Pipes and devices block, and a source that blocks cannot be stopped.
-            return Err(ConnectError::Unusable(
-                "it is not a regular file".to_owned(),
-            ));
-        }
-        let file = File::open(&self.path).map_err(absent)?;
+        let file = files::open_regular(&self.path).map_err(|error| match error {
+            FileError::Io(error) => ConnectError::Absent(error.to_string()),
+            error => ConnectError::Unusable(error.to_string()),
+        })?;
         Ok(Connection {
             bytes: Box::new(file),
             readiness: None,

@@ -9,6 +9,7 @@ use super::LayoutReport;
 use super::watched_file::WatchedFile;
 use crate::contact::board_pose::BoardPose;
 use crate::document::{Document, DocumentError};
+use crate::files::{self, FileError};
 use crate::layout::{self, Layout};
 use crate::pipeline::LayoutInstance;
 use crate::session::layout_link::{LayoutLink, SessionEnded};
@@ -142,33 +143,27 @@ impl ActiveLayout {
     }
 }
 
-/// Replaces the content of a file atomically: a reader sees the old or the new text, also after a crash. Permissions and
-/// symbolic links are kept.
-fn write(path: &Path, text: &str) -> io::Result<()> {
-    let path = fs::canonicalize(path)?;
+/// Replaces the content of a file of this user atomically: a reader sees the old or the new text, also after a crash.
+/// Permissions and symbolic links are kept.
+fn write(path: &Path, text: &str) -> Result<(), FileError> {
+    let path = files::own_target(path)?;
     let permissions = fs::metadata(&path)?.permissions();
     if permissions.readonly() {
-        return Err(io::Error::new(
-            io::ErrorKind::PermissionDenied,
-            "it is read-only",
-        ));
+        let error = io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only");
+        return Err(error.into());
     }
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let temporary = path.with_file_name(format!(".{name}.{}", std::process::id()));
-    let written = fs::File::options()
-        .write(true)
-        .create_new(true)
-        .open(&temporary)
-        .and_then(|mut file| {
-            file.set_permissions(permissions)?;
-            file.write_all(text.as_bytes())?;
-            file.sync_all()
-        })
+    let mut file = files::create_private(&temporary)?;
+    let written = file
+        .set_permissions(permissions)
+        .and_then(|()| file.write_all(text.as_bytes()))
+        .and_then(|()| file.sync_all())
         .and_then(|()| fs::rename(&temporary, &path));
     if written.is_err() {
         let _ = fs::remove_file(&temporary);
     }
-    written
+    Ok(written?)
 }
 
 #[cfg(test)]

@@ -1,0 +1,129 @@
+//! Access to the files of a person: only regular files are read, and what a person types is written only where nobody
+//! else can read it.
+//!
+//! Opening a pipe waits for its other end, and opening a device may act on it: a path that leads to one of them is
+//! refused before it is opened, and checked again on the open file.
+
+use std::fs::{self, File, FileType, Metadata};
+use std::io;
+use std::path::{Path, PathBuf};
+
+#[cfg(unix)]
+mod unix;
+#[cfg(unix)]
+use unix as system;
+
+#[cfg(not(unix))]
+mod unsupported;
+#[cfg(not(unix))]
+use unsupported as system;
+
+/// Reason why a file is not opened.
+#[derive(Debug, thiserror::Error)]
+pub enum FileError {
+    /// The path leads to a directory.
+    #[error("this is a directory, name a file in it")]
+    IsDirectory,
+    /// The path leads to something else that is no regular file.
+    #[error("this is not a regular file but {0}, name a file")]
+    NotRegular(&'static str),
+    /// The path is a symbolic link.
+    #[error("this is a symbolic link, name the file itself")]
+    IsLink,
+    /// The file belongs to another user, who could read what is written.
+    #[error("this file belongs to another user, use one of your own")]
+    OtherOwner,
+    /// The file has several names, so that it may lie where another user put it.
+    #[error("this file has {0} names (hard links), use one that has a single name")]
+    HardLinks(u64),
+    /// Other users may access the folder.
+    #[error("other users may access {path}; restrict it to yourself: chmod 700 {path}", path = .0.display())]
+    OpenFolder(PathBuf),
+    /// The operating system refuses.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+}
+
+/// Opens a regular file for reading. Follows symbolic links, and never waits.
+pub fn open_regular(path: &Path) -> Result<File, FileError> {
+    check_regular(fs::metadata(path)?.file_type())?;
+    let file = system::open_without_waiting(path)?;
+    check_regular(file.metadata()?.file_type())?;
+    system::wait_from_now_on(&file)?;
+    Ok(file)
+}
+
+/// Creates a file that only its owner can access. Fails if anything exists at the path.
+pub fn create_private(path: &Path) -> Result<File, FileError> {
+    Ok(system::create_private(path)?)
+}
+
+/// Opens a file that only its owner can access for writing, or creates it. The content of an existing file stays.
+///
+/// An existing file must be a regular file of this user, with one name and not behind a symbolic link; its mode becomes
+/// 0600 before this function returns.
+pub fn open_private(path: &Path) -> Result<File, FileError> {
+    match fs::symlink_metadata(path) {
+        Ok(metadata) => check_own(&metadata)?,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => return Err(error.into()),
+    }
+    let file = system::open_private(path)?;
+    check_own(&file.metadata()?)?;
+    system::make_private(&file)?;
+    system::wait_from_now_on(&file)?;
+    Ok(file)
+}
+
+/// Opens a file as [`open_private`] does, and removes its content.
+pub fn replace_private(path: &Path) -> Result<File, FileError> {
+    let file = open_private(path)?;
+    file.set_len(0)?;
+    Ok(file)
+}
+
+/// Creates a folder that only its owner can access. An existing one must be such a folder.
+pub fn create_private_folder(path: &Path) -> Result<(), FileError> {
+    match system::create_folder(path) {
+        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error.into()),
+        _ => {}
+    }
+    match system::is_private_folder(&fs::symlink_metadata(path)?) {
+        true => Ok(()),
+        false => Err(FileError::OpenFolder(path.into())),
+    }
+}
+
+/// Returns the file that an edited file is written to: the target of symbolic links, which must be a regular file of this
+/// user.
+///
+/// Managers of personal files link them from another folder; such a link is kept and its target is replaced.
+pub fn own_target(path: &Path) -> Result<PathBuf, FileError> {
+    let target = fs::canonicalize(path)?;
+    let metadata = fs::metadata(&target)?;
+    check_regular(metadata.file_type())?;
+    system::check_owner(&metadata)?;
+    Ok(target)
+}
+
+fn check_own(metadata: &Metadata) -> Result<(), FileError> {
+    if metadata.is_symlink() {
+        return Err(FileError::IsLink);
+    }
+    check_regular(metadata.file_type())?;
+    system::check_owner(metadata)?;
+    system::check_names(metadata)
+}
+
+fn check_regular(kind: FileType) -> Result<(), FileError> {
+    if kind.is_file() {
+        return Ok(());
+    }
+    Err(match kind.is_dir() {
+        true => FileError::IsDirectory,
+        false => FileError::NotRegular(system::name_of(kind)),
+    })
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests;

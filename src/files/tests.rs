@@ -1,0 +1,123 @@
+use super::*;
+use std::fs::Permissions;
+use std::os::unix::fs::{PermissionsExt, chown, symlink};
+use std::os::unix::net::UnixListener;
+
+use rustix::fs::{CWD, Mode};
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn at(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// Creates a file with this mode and returns its path.
+    fn file(&self, name: &str, mode: u32) -> PathBuf {
+        let path = self.at(name);
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, Permissions::from_mode(mode)).unwrap();
+        path
+    }
+
+    fn pipe(&self, name: &str) -> PathBuf {
+        let path = self.at(name);
+        let mode = Mode::RUSR | Mode::WUSR;
+        rustix::fs::mkfifoat(CWD, &path, mode).unwrap();
+        path
+    }
+}
+
+fn mode(path: &Path) -> u32 {
+    fs::metadata(path).unwrap().permissions().mode() & 0o777
+}
+
+#[test]
+fn only_regular_files_are_opened_and_none_makes_the_caller_wait() {
+    let folder = Folder::new();
+    let (pipe, socket) = (folder.pipe("pipe"), folder.at("socket"));
+    let _listener = UnixListener::bind(&socket).unwrap();
+    let table = [
+        (pipe.as_path(), "a pipe"),
+        (&socket, "a socket"),
+        (Path::new("/dev/zero"), "a device"),
+    ];
+    for (path, kind) in table {
+        let expected = format!("this is not a regular file but {kind}, name a file");
+        for opened in [
+            open_regular(path),
+            open_private(path),
+            replace_private(path),
+        ] {
+            assert_eq!(opened.unwrap_err().to_string(), expected);
+        }
+    }
+    for opened in [open_regular(folder.0.path()), open_private(folder.0.path())] {
+        assert!(matches!(opened, Err(FileError::IsDirectory)));
+    }
+    let absent = open_regular(&folder.at("absent")).unwrap_err();
+    assert!(matches!(absent, FileError::Io(error) if error.kind() == io::ErrorKind::NotFound));
+}
+
+#[test]
+fn a_regular_file_is_read_through_links() {
+    let folder = Folder::new();
+    let file = folder.file("file", 0o644);
+    symlink(&file, folder.at("link")).unwrap();
+    let text = io::read_to_string(open_regular(&folder.at("link")).unwrap()).unwrap();
+    assert_eq!(text, "old");
+}
+
+#[test]
+fn an_existing_file_becomes_private_before_it_is_written() {
+    let folder = Folder::new();
+    let path = folder.file("wide", 0o666);
+    let lock = open_private(&path).unwrap();
+    assert_eq!(
+        (mode(&path), fs::read(&path).unwrap()),
+        (0o600, b"old".to_vec())
+    );
+    drop(lock);
+    fs::set_permissions(&path, Permissions::from_mode(0o644)).unwrap();
+    replace_private(&path).unwrap();
+    assert_eq!((mode(&path), fs::read(&path).unwrap()), (0o600, Vec::new()));
+    let new = folder.at("new");
+    open_private(&new).unwrap();
+    assert_eq!(mode(&new), 0o600);
+    assert!(create_private(&new).is_err());
+}
+
+#[test]
+fn links_and_files_of_other_users_are_not_written() {
+    let folder = Folder::new();
+    let file = folder.file("file", 0o644);
+    let link = folder.at("link");
+    symlink(&file, &link).unwrap();
+    assert!(matches!(replace_private(&link), Err(FileError::IsLink)));
+    assert_eq!(own_target(&link).unwrap(), fs::canonicalize(&file).unwrap());
+
+    fs::hard_link(&file, folder.at("name")).unwrap();
+    assert!(matches!(
+        replace_private(&file),
+        Err(FileError::HardLinks(2))
+    ));
+    fs::remove_file(folder.at("name")).unwrap();
+
+    const NOBODY: u32 = 65_534;
+    if chown(&file, Some(NOBODY), None).is_err() {
+        println!("SKIPPED: only root can give a file to another user");
+        return;
+    }
+    for opened in [replace_private(&file), open_private(&file)] {
+        assert!(matches!(opened, Err(FileError::OtherOwner)));
+    }
+    assert!(matches!(own_target(&link), Err(FileError::OtherOwner)));
+    assert_eq!(
+        (mode(&file), fs::read(&file).unwrap()),
+        (0o644, b"old".to_vec())
+    );
+}

@@ -1,0 +1,90 @@
+//! Files of Unix.
+
+use std::fs::{DirBuilder, File, FileType, Metadata, OpenOptions, Permissions};
+use std::io;
+use std::os::unix::fs::{DirBuilderExt, FileTypeExt, MetadataExt, OpenOptionsExt, PermissionsExt};
+use std::path::Path;
+
+use rustix::fs::{OFlags, fcntl_getfl, fcntl_setfl};
+use rustix::process::geteuid;
+
+use super::FileError;
+
+const OWNER_ONLY: u32 = 0o600;
+
+/// Opens a file for reading. A pipe that took its place does not block, and a terminal does not become the controlling
+/// one.
+pub fn open_without_waiting(path: &Path) -> io::Result<File> {
+    let flags = OFlags::NONBLOCK | OFlags::NOCTTY;
+    OpenOptions::new()
+        .read(true)
+        .custom_flags(flags.bits() as i32)
+        .open(path)
+}
+
+/// Creates a file that must not exist.
+pub fn create_private(path: &Path) -> io::Result<File> {
+    OpenOptions::new()
+        .write(true)
+        .create_new(true)
+        .mode(OWNER_ONLY)
+        .open(path)
+}
+
+/// Opens a file for writing as it is, or creates it. Neither follows a link nor waits, whatever took its place.
+pub fn open_private(path: &Path) -> io::Result<File> {
+    let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::NOCTTY;
+    OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .mode(OWNER_ONLY)
+        .custom_flags(flags.bits() as i32)
+        .open(path)
+}
+
+/// Undoes the flag with which a file was opened, for file systems on which it has an effect on regular files.
+pub fn wait_from_now_on(file: &File) -> io::Result<()> {
+    let flags = fcntl_getfl(file)?;
+    Ok(fcntl_setfl(file, flags - OFlags::NONBLOCK)?)
+}
+
+/// Sets the mode of an open file, which the mode at its creation does not do for one that existed.
+pub fn make_private(file: &File) -> io::Result<()> {
+    file.set_permissions(Permissions::from_mode(OWNER_ONLY))
+}
+
+/// Checks that a file belongs to the user of this process.
+pub fn check_owner(metadata: &Metadata) -> Result<(), FileError> {
+    match metadata.uid() == geteuid().as_raw() {
+        true => Ok(()),
+        false => Err(FileError::OtherOwner),
+    }
+}
+
+/// Checks that a file has one name.
+pub fn check_names(metadata: &Metadata) -> Result<(), FileError> {
+    match metadata.nlink() {
+        0 | 1 => Ok(()),
+        count => Err(FileError::HardLinks(count)),
+    }
+}
+
+/// Returns the name of a kind of file that is neither a regular file nor a directory.
+pub fn name_of(kind: FileType) -> &'static str {
+    match kind {
+        kind if kind.is_fifo() => "a pipe",
+        kind if kind.is_socket() => "a socket",
+        _ => "a device",
+    }
+}
+
+/// Creates a folder.
+pub fn create_folder(path: &Path) -> io::Result<()> {
+    DirBuilder::new().mode(0o700).create(path)
+}
+
+/// Returns whether this is a folder that only the user of this process can access.
+pub fn is_private_folder(metadata: &Metadata) -> bool {
+    metadata.is_dir() && check_owner(metadata).is_ok() && metadata.mode() & 0o077 == 0
+}
