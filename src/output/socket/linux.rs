@@ -2,19 +2,25 @@
 
 use std::ffi::OsStr;
 use std::fmt;
-use std::fs::{self, DirBuilder, File, OpenOptions, TryLockError};
+use std::fs::{self, File, TryLockError};
 use std::io;
-use std::os::fd::{AsFd, BorrowedFd};
-use std::os::unix::fs::{DirBuilderExt, FileTypeExt, MetadataExt, OpenOptionsExt};
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
+use std::os::unix::fs::{FileTypeExt, MetadataExt};
 use std::os::unix::net::{UnixListener, UnixStream};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
-use rustix::fs::{Mode, OFlags, fchmod};
-use rustix::net::sockopt::{set_socket_send_buffer_size, socket_peercred};
+use rustix::fs::{Mode, fchmod};
+use rustix::io::{Errno, retry_on_intr};
+use rustix::net::sockopt::{
+    Timeout, set_socket_send_buffer_size, set_socket_timeout, socket_peercred,
+};
 use rustix::net::{
     AddressFamily, SocketAddrUnix, SocketFlags, SocketType, bind, listen, socket_with,
 };
 use rustix::process::geteuid;
+
+use crate::files;
 
 /// A connection to a client.
 pub(crate) type Stream = UnixStream;
@@ -28,6 +34,9 @@ const BACKLOG: i32 = 16;
 /// Send buffer per client, in bytes; the kernel rounds up to at least 4.5 KiB. With the default of a few hundred KiB a
 /// client that hangs would be detected minutes later.
 const SEND_BUFFER: usize = 8192;
+
+/// Longest time in which a server accepts a connection.
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// A failure to create a socket. The messages contain the cause; the remedy depends on the purpose of the socket.
 #[derive(Debug, thiserror::Error)]
@@ -83,7 +92,8 @@ impl Listener {
             .and_then(default_path)
             .is_some_and(|default| default == path)
         {
-            create_private_folder(path)?;
+            let folder = path.parent().unwrap_or(Path::new("."));
+            files::create_private_folder(folder).map_err(SocketError::other)?;
         }
         let lock = lock(path)?;
         remove_stale(path)?;
@@ -129,7 +139,7 @@ impl Listener {
     /// Removes the socket file and wakes a thread that blocks in [`accept`](Self::accept). Clients stay connected.
     pub fn close(&self) {
         // Only a client can end an `accept`.
-        let _ = UnixStream::connect(&self.path);
+        let _ = connect_to_any(&self.path);
         self.remove();
     }
 
@@ -161,32 +171,40 @@ pub(crate) fn check_path(path: &Path) -> Result<(), SocketError> {
     }
 }
 
-/// Connects as a client.
+/// Connects as a client. Fails if the server belongs to another user, who could read the requests and answer what pleases.
 pub(crate) fn connect(path: &Path) -> io::Result<Stream> {
-    UnixStream::connect(path)
+    let stream = connect_to_any(path)?;
+    match socket_peercred(&stream)?.uid == geteuid() {
+        true => Ok(stream),
+        false => Err(io::Error::new(
+            io::ErrorKind::PermissionDenied,
+            "the program that listens there belongs to another user",
+        )),
+    }
 }
 
-fn create_private_folder(path: &Path) -> Result<(), SocketError> {
-    let folder = path.parent().unwrap_or(Path::new("."));
-    match DirBuilder::new().mode(0o700).create(folder) {
-        Err(error) if error.kind() != io::ErrorKind::AlreadyExists => {
-            return Err(SocketError::Other(format!(
-                "cannot create {}: {error}",
-                folder.display()
-            )));
+/// Connects to a server of any user, within [`CONNECT_TIMEOUT`].
+fn connect_to_any(path: &Path) -> io::Result<UnixStream> {
+    let socket = stream_socket()?;
+    let address = SocketAddrUnix::new(path)?;
+    // The kernel applies the time-out of writes to a full backlog (`unix_stream_connect` in net/unix/af_unix.c).
+    set_socket_timeout(&socket, Timeout::Send, Some(CONNECT_TIMEOUT))?;
+    match retry_on_intr(|| rustix::net::connect(&socket, &address)) {
+        Err(Errno::AGAIN) => Err(io::Error::new(
+            io::ErrorKind::TimedOut,
+            "the program that listens there accepts no connection",
+        )),
+        connected => {
+            connected?;
+            set_socket_timeout(&socket, Timeout::Send, None)?;
+            Ok(UnixStream::from(socket))
         }
-        _ => {}
     }
-    let metadata = fs::symlink_metadata(folder)?;
-    let is_private =
-        metadata.is_dir() && metadata.uid() == geteuid().as_raw() && metadata.mode() & 0o077 == 0;
-    match is_private {
-        true => Ok(()),
-        false => Err(SocketError::Other(format!(
-            "other users may access {0}; restrict it to yourself: chmod 700 {0}",
-            folder.display()
-        ))),
-    }
+}
+
+fn stream_socket() -> rustix::io::Result<OwnedFd> {
+    let flags = SocketFlags::CLOEXEC;
+    socket_with(AddressFamily::UNIX, SocketType::STREAM, flags, None)
 }
 
 /// Locks the file beside a socket. The owner of the lock owns the socket; the kernel drops the lock when the process
@@ -194,16 +212,10 @@ fn create_private_folder(path: &Path) -> Result<(), SocketError> {
 fn lock(path: &Path) -> Result<File, SocketError> {
     let mut lock_path = path.as_os_str().to_owned();
     lock_path.push(".lock");
-    let lock = OpenOptions::new()
-        .write(true)
-        .create(true)
-        .truncate(false)
-        .mode(0o600)
-        .custom_flags(OFlags::NOFOLLOW.bits() as i32)
-        .open(&lock_path)
-        .map_err(|error| {
-            SocketError::Other(format!("cannot open {}: {error}", lock_path.display()))
-        })?;
+    let lock_path = Path::new(&lock_path);
+    let lock = files::open_private(lock_path).map_err(|error| {
+        SocketError::Other(format!("cannot open {}: {error}", lock_path.display()))
+    })?;
     match lock.try_lock() {
         Ok(()) => Ok(lock),
         Err(TryLockError::WouldBlock) => Err(SocketError::InUse),
@@ -219,21 +231,18 @@ fn remove_stale(path: &Path) -> Result<(), SocketError> {
         Ok(metadata) if !metadata.file_type().is_socket() => Err(SocketError::other(
             "the file there is not a socket; use another path",
         )),
-        // A server that does not use the lock.
-        Ok(_) if UnixStream::connect(path).is_ok() => Err(SocketError::InUse),
-        Ok(_) => Ok(fs::remove_file(path)?),
+        Ok(_) => match connect_to_any(path) {
+            Err(error) if error.kind() != io::ErrorKind::TimedOut => Ok(fs::remove_file(path)?),
+            // A server that does not use the lock.
+            _ => Err(SocketError::InUse),
+        },
     }
 }
 
 /// Binds a socket with mode 0600. Linux gives the file the mode of the socket, less the umask (`unix_bind_bsd` in
 /// net/unix/af_unix.c), so the mode is never wider, and the umask of the process is unchanged.
 fn bind_private(path: &Path) -> rustix::io::Result<UnixListener> {
-    let socket = socket_with(
-        AddressFamily::UNIX,
-        SocketType::STREAM,
-        SocketFlags::CLOEXEC,
-        None,
-    )?;
+    let socket = stream_socket()?;
     fchmod(&socket, Mode::RUSR | Mode::WUSR)?;
     bind(&socket, &SocketAddrUnix::new(path)?)?;
     listen(&socket, BACKLOG)?;

@@ -1,14 +1,14 @@
 //! The connection to one client: requests and responses, and notifications in between.
 
-use std::io::{self, BufRead, BufReader, ErrorKind, Write};
-use std::net::Shutdown;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::io::{self, BufRead, BufReader, ErrorKind};
+use std::sync::Arc;
 use std::thread;
-use std::time::Duration;
 
 use crossbeam_channel::{Receiver, Sender, bounded, select};
 
+use super::clients::{ClientSlot, MAX_SUBSCRIBERS};
 use super::context::ServerContext;
+use super::line_writer::LineWriter;
 use super::notification::{Subscribers, Subscription};
 use super::request::{MAX_LINE_BYTES, Request};
 use super::response::{self, JsonLine};
@@ -16,31 +16,34 @@ use crate::command::Command;
 use crate::output::socket::Stream;
 use crate::session::reply::Reply;
 
-/// Time-out of a write. A client that does not read for so long is disconnected.
-const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
-
 /// Serves a client until it disconnects or stops reading.
 pub(super) fn serve(
     stream: Stream,
-    writer: LineWriter,
+    writer: Arc<LineWriter>,
+    slot: &ClientSlot,
     context: &ServerContext,
     subscribers: &Subscribers,
 ) {
     let mut connection = ClientConnection {
-        writer: Arc::new(writer),
+        writer,
+        slot,
         context,
         subscribers,
         notifications: None,
     };
     let mut reader = LineReader::new(stream);
     while let Ok(Some(line)) = reader.next_line()
+        && slot.begin_request()
         && connection.handle(line).is_ok()
-    {}
+    {
+        slot.end_request();
+    }
     connection.writer.shutdown();
 }
 
 struct ClientConnection<'a> {
     writer: Arc<LineWriter>,
+    slot: &'a ClientSlot,
     context: &'a ServerContext,
     subscribers: &'a Subscribers,
     /// Ends the thread that writes notifications when it is dropped.
@@ -86,6 +89,10 @@ impl ClientConnection<'_> {
             let error = "this connection has subscribed already";
             return self.writer.write_line(&response::failure(error));
         }
+        if !self.slot.subscribe() {
+            let error = format!("at most {MAX_SUBSCRIBERS} clients can subscribe; end one of them");
+            return self.writer.write_line(&response::failure(&error));
+        }
         let subscription = self.subscribers.add();
         // The response precedes the first notification.
         self.writer.write_line(&response::success(None))?;
@@ -116,33 +123,6 @@ fn write_notifications(subscription: &Subscription, writer: &LineWriter, end: &R
         if written.and_then(|()| writer.write_line(&line)).is_err() {
             return;
         }
-    }
-}
-
-/// The writing end of a connection, shared by responses and notifications.
-pub(super) struct LineWriter(Mutex<Stream>);
-
-impl LineWriter {
-    /// Creates a writer for a stream, which can still be read.
-    pub fn new(stream: &Stream) -> io::Result<Self> {
-        let stream = stream.try_clone()?;
-        stream.set_write_timeout(Some(WRITE_TIMEOUT))?;
-        Ok(Self(Mutex::new(stream)))
-    }
-
-    /// Writes a line. On an error, such as a client that does not read for 1 s, the client is disconnected.
-    pub fn write_line(&self, line: &JsonLine) -> io::Result<()> {
-        let mut stream = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let written = stream.write_all(format!("{line}\n").as_bytes());
-        if written.is_err() {
-            let _ = stream.shutdown(Shutdown::Both);
-        }
-        written
-    }
-
-    fn shutdown(&self) {
-        let stream = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let _ = stream.shutdown(Shutdown::Both);
     }
 }
 

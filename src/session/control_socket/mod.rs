@@ -7,12 +7,17 @@
 //! `missed`; and lines with a `command`, which are those of the stage `commands`.
 //!
 //! A client cannot delay the session. Commands go through [`CommandSender`](crate::session::CommandSender).
-//! A client that does not read loses the oldest of 64 notifications, and is disconnected when a write takes 1 s.
+//! A client that does not read loses the oldest of 64 notifications, and is disconnected when a write takes 1 s. At most 16
+//! clients are connected: another one takes the place of the client that has been idle for the longest time.
 
 pub mod request;
 mod response;
 mod notification;
 mod context;
+mod line_writer;
+mod clients;
+#[cfg(all(test, target_os = "linux"))]
+mod clients_tests;
 mod connection;
 mod server;
 mod client;

@@ -3,18 +3,17 @@
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-use super::connection::{self, LineWriter};
+use super::clients::{Clients, MAX_CLIENTS};
+use super::connection;
 use super::context::ServerContext;
+use super::line_writer::LineWriter;
 use super::notification::{NotificationQueue, Notifier, Subscribers, broadcast};
 use super::{ControlError, response};
 use crate::output::socket::{Listener, Stream};
-
-/// Largest number of connected clients.
-const MAX_CLIENTS: usize = 16;
 
 /// Delay after a failure to accept a client, such as a lack of file descriptors.
 const RETRY_DELAY: Duration = Duration::from_millis(100);
@@ -66,7 +65,7 @@ impl ControlServer {
             is_closed: self.is_closed.clone(),
             subscribers: queue.subscribers.clone(),
             context: Arc::new(context),
-            clients: Arc::default(),
+            clients: Clients::default(),
         };
         spawn("control notify", move || broadcast(&queue))?;
         spawn("control", move || acceptor.run())
@@ -86,7 +85,7 @@ struct Acceptor {
     is_closed: Arc<AtomicBool>,
     subscribers: Subscribers,
     context: Arc<ServerContext>,
-    clients: Arc<AtomicUsize>,
+    clients: Clients,
 }
 
 impl Acceptor {
@@ -108,8 +107,8 @@ impl Acceptor {
     }
 
     fn serve_client(&self, stream: Stream) -> io::Result<()> {
-        let writer = LineWriter::new(&stream)?;
-        let Some(slot) = ClientSlot::acquire(&self.clients) else {
+        let writer = Arc::new(LineWriter::new(&stream)?);
+        let Some(slot) = self.clients.add(writer.clone()) else {
             let error = format!("all {MAX_CLIENTS} connections are in use; try again later");
             // The buffer of a new connection has room for this line.
             let _ = writer.write_line(&response::failure(&error));
@@ -117,26 +116,8 @@ impl Acceptor {
         };
         let (context, subscribers) = (self.context.clone(), self.subscribers.clone());
         spawn("control client", move || {
-            connection::serve(stream, writer, &context, &subscribers);
-            drop(slot);
+            connection::serve(stream, writer, &slot, &context, &subscribers);
         })
-    }
-}
-
-/// One of the connections, which is free again when the slot is dropped.
-struct ClientSlot(Arc<AtomicUsize>);
-
-impl ClientSlot {
-    fn acquire(used: &Arc<AtomicUsize>) -> Option<Self> {
-        let slot = Self(used.clone());
-        let before = used.fetch_add(1, Ordering::Relaxed);
-        (before < MAX_CLIENTS).then_some(slot)
-    }
-}
-
-impl Drop for ClientSlot {
-    fn drop(&mut self) {
-        self.0.fetch_sub(1, Ordering::Relaxed);
     }
 }
 

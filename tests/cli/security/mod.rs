@@ -1,4 +1,5 @@
 //! Requirements of SECURITY.md that the program itself has to meet.
 
+mod files;
 mod replays;
 mod sockets;
