@@ -3,6 +3,7 @@
 //! Sources and outputs add it to their errors; the [doctor](crate::doctor) gives it in advance.
 
 use std::fmt;
+use std::io;
 use std::path::Path;
 
 /// Applies new udev rules without a reboot.
@@ -67,6 +68,14 @@ impl fmt::Display for Advice {
             false => write!(f, "{}; {}", self.reason, steps.join(", ")),
         }
     }
+}
+
+/// Returns the advice for a thread or a process that the operating system refuses to start.
+pub fn no_thread(error: &io::Error) -> Advice {
+    Advice::new(
+        format!("cannot start a thread: {error}"),
+        "close other programs, or raise the limit of processes (`ulimit -u`)",
+    )
 }
 
 /// Reason why the user may not open a device.

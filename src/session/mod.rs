@@ -40,6 +40,7 @@ use self::panic_keys::PanicKeysError;
 use self::recorder_thread::RecorderThread;
 use self::reload::{FilePolicy, LayoutReport, LayoutSource};
 use self::status::StatusLog;
+use crate::advice;
 use crate::capture::{CaptureError, SourceUri};
 use crate::command::{Command, CommandOrigin};
 use crate::layout::Layout;
@@ -86,7 +87,7 @@ pub enum SessionError {
     #[error(transparent)]
     Record(#[from] RecordError),
     /// The operating system refused a thread.
-    #[error("cannot start a thread: {0}; close other programs")]
+    #[error("{}", advice::no_thread(.0))]
     Thread(#[from] io::Error),
 }
 

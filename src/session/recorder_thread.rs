@@ -1,10 +1,12 @@
 //! A recorder on its own thread, so that a slow disk does not delay the session loop.
 
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::thread::{self, JoinHandle};
 
 use crossbeam_channel::{Sender, bounded};
 
+use crate::advice;
 use crate::capture::recording::RecordedSetup;
 use crate::recorder::{RecordError, Recorder};
 use crate::snapshot::Snapshot;
@@ -41,9 +43,13 @@ impl RecorderThread {
         Ok(Self {
             path: path.to_owned(),
             queue,
-            writer: writer.map_err(|error| RecordError::Create {
-                path: path.to_owned(),
-                reason: format!("cannot start a thread: {error}; close other programs"),
+            writer: writer.map_err(|error| {
+                // A further attempt must not fail because of the file of this one.
+                let _ = fs::remove_file(path);
+                RecordError::Create {
+                    path: path.to_owned(),
+                    reason: advice::no_thread(&error).to_string(),
+                }
             })?,
             is_lossless,
             missed: 0,

@@ -4,6 +4,7 @@ use std::fmt;
 use std::io;
 use std::process::ExitCode;
 
+use ademan::advice;
 use ademan::capture::CaptureError;
 use ademan::document::DocumentError;
 use ademan::output::OutputError;
@@ -40,6 +41,11 @@ impl Failure {
     /// The recording is damaged; everything before the damage was used.
     pub fn damaged(message: impl Into<String>) -> Self {
         Self::new(anyhow::anyhow!(message.into()), DAMAGED)
+    }
+
+    /// The operating system refuses to start a thread.
+    pub fn no_thread(error: io::Error) -> Self {
+        Self::job(advice::no_thread(&error).to_string())
     }
 
     fn new(error: impl Into<anyhow::Error>, code: u8) -> Self {

@@ -18,8 +18,10 @@ static ACTION: OnceLock<Box<dyn Fn() + Send + Sync>> = OnceLock::new();
 
 /// Handles the signals from now on.
 pub fn install() -> Result<(), Failure> {
-    ctrlc::set_handler(request_stop)
-        .map_err(|error| Failure::job(format!("cannot handle Ctrl-C: {error}")))
+    ctrlc::set_handler(request_stop).map_err(|error| match error {
+        ctrlc::Error::System(error) => Failure::no_thread(error),
+        error => Failure::job(format!("cannot handle Ctrl-C: {error}")),
+    })
 }
 
 /// Sets the action that stops the program in an orderly way, and calls it at once if a signal came before. Only the first

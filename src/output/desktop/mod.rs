@@ -14,6 +14,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounde
 use super::watchdog::{WatchdogClient, WatchdogSettings};
 use super::{Backend, OpenRequest, OutputError, Sink};
 use crate::device::pressed_keys::PressedKeys;
+use crate::advice;
 use crate::device::{Capabilities, Capability, EventKind, KeyCode, KeyKind, OutputEvent};
 use crate::time::Timestamp;
 pub(super) use connect::connect;
@@ -142,7 +143,7 @@ impl Desktop {
                     worker.run(&queue, connect);
                 }
             })
-            .map_err(|error| open_error(format!("cannot start its thread: {error}")))?;
+            .map_err(|error| open_error(advice::no_thread(&error)))?;
         match connection.recv_timeout(CONNECT_TIMEOUT) {
             Ok(Ok(())) => {}
             Ok(Err(reason)) => return Err(open_error(reason)),

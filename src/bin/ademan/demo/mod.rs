@@ -130,7 +130,7 @@ fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
     };
     let session = Session::start(setup, options)?;
     session.wait_until_started();
-    let player = Player::start(hand, writers, line, session.commands().clone());
+    let player = Player::start(hand, writers, line, session.commands().clone())?;
     *current.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(player.canceller()));
     if signals::is_stop_requested() {
         player.cancel();

@@ -29,9 +29,9 @@ impl Player {
         mut writers: PacketWriters,
         line: Hc11Format,
         session: CommandSender,
-    ) -> Self {
+    ) -> Result<Self, Failure> {
         let (cancel, cancelled) = bounded(1);
-        let thread = thread::spawn(move || {
+        let run = move || {
             let played = play(typist, &mut writers, line, &cancelled);
             if let Ok(played) = &played {
                 wait_for_packets(
@@ -41,8 +41,10 @@ impl Player {
             }
             let _ = session.send(Command::Stop);
             (writers, played)
-        });
-        Self { cancel, thread }
+        };
+        let thread = thread::Builder::new().name("simulated glove".into());
+        let thread = thread.spawn(run).map_err(Failure::no_thread)?;
+        Ok(Self { cancel, thread })
     }
 
     /// An action that ends the playback early.

@@ -4,6 +4,7 @@ use std::io;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
+use ademan::advice;
 use ademan::contact::{Phase, TargetId};
 use ademan::layout::Layout;
 use ademan::snapshot::Snapshot;
@@ -52,8 +53,18 @@ impl Screen {
                 goal,
             },
         };
-        screen.pictures = Some(pictures);
-        screen.painter = Some(thread::spawn(move || painter.run(&queue)));
+        let thread = thread::Builder::new().name("screen".into());
+        match thread.spawn(move || painter.run(&queue)) {
+            Ok(painter) => {
+                screen.pictures = Some(pictures);
+                screen.painter = Some(painter);
+            }
+            Err(error) => {
+                ratatui::restore();
+                let advice = advice::no_thread(&error);
+                tracing::warn!("continuing without the drawing: {advice}");
+            }
+        }
         screen
     }
 

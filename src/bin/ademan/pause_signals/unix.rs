@@ -32,7 +32,7 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
         }
     };
     let thread = thread::Builder::new().name("signals".into());
-    thread.spawn(handle).map(drop).map_err(failed)
+    thread.spawn(handle).map(drop).map_err(Failure::no_thread)
 }
 
 /// Pauses the session and stops the process. The session resumes when the process is continued, unless another pause was
