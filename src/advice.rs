@@ -213,6 +213,17 @@ pub fn no_runtime_dir() -> Advice {
     )
 }
 
+/// Returns the advice for threads that get no high priority but this nice value.
+pub fn no_priority(nice: i32) -> Advice {
+    Advice::with_commands(
+        format!(
+            "the threads that press and release keys get nice {nice}: a busy machine can delay a release"
+        ),
+        &["echo \"$USER - nice -20\" | sudo tee /etc/security/limits.d/60-ademan.conf"],
+        "log in again; for the user unit see docs/install.md",
+    )
+}
+
 /// Returns the advice for root.
 pub fn running_as_root() -> Advice {
     Advice::new(

@@ -55,6 +55,7 @@ pub mod files;
 pub mod document;
 pub mod command;
 pub mod advice;
+pub mod priority;
 
 // Stages, in the order of the data flow. A browser has no devices, files and threads: outputs and sessions are not built
 // for WebAssembly.

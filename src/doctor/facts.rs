@@ -19,6 +19,8 @@ pub struct Facts {
     pub compositor: Compositor,
     /// `true` if this program was built with Wayland support.
     pub has_wayland: bool,
+    /// Nice value of the threads that press and release keys, 0 for the normal priority.
+    pub granted_nice: i32,
     /// Directory of the control socket.
     pub runtime: RuntimeDir,
 }

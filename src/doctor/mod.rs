@@ -76,7 +76,7 @@ impl CheckStatus {
 /// The result of one check.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// Subject of the check: `user`, `serial port`, `uinput`, `display`, `compositor`, `sockets`, `outputs`.
+    /// Subject of the check: `user`, `serial port`, `uinput`, `display`, `compositor`, `priority`, `sockets`, `outputs`.
     pub check: &'static str,
     /// Status of the subject.
     pub status: CheckStatus,

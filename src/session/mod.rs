@@ -47,6 +47,7 @@ use crate::layout::Layout;
 use crate::output::watchdog::WatchdogSettings;
 use crate::output::{self, OutputError, Sink};
 use crate::pipeline::SourceRole;
+use crate::priority;
 use crate::recorder::RecordError;
 use crate::setup::{LoadedSetup, SetupError};
 use crate::snapshot::{Snapshot, Stats};
@@ -219,6 +220,10 @@ impl Session {
             publish(snapshots, snapshot, is_lossless);
         };
         let mut pipeline = self.setup.pipeline();
+        // Not for a replay, which needs all of a processor. The thread of the source, which notices a pulled cable, inherits it.
+        if is_live {
+            priority::raise_thread_priority();
+        }
         let ended = run_pipeline(
             source,
             &mut pipeline,

@@ -16,6 +16,8 @@ mod files;
 #[cfg(target_os = "linux")]
 mod idle;
 mod markers;
+#[cfg(target_os = "linux")]
+mod process_limits;
 #[cfg(unix)]
 mod reload;
 #[cfg(unix)]

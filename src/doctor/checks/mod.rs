@@ -12,6 +12,7 @@ pub fn check(facts: &Facts, requirements: &Requirements) -> Vec<Finding> {
     findings.push(check_uinput(&facts.uinput, requirements));
     findings.push(check_display(facts, requirements));
     findings.push(check_compositor(facts, requirements));
+    findings.push(check_priority(facts));
     findings.push(check_sockets(&facts.runtime));
     findings
 }
@@ -144,6 +145,17 @@ fn check_compositor(facts: &Facts, requirements: &Requirements) -> Finding {
         (true, true) => (CheckStatus::Ok, advice::no_virtual_pointer(Some(name))),
     };
     finding("compositor", status, needed, advice)
+}
+
+/// Checks the priority of the threads that press and release keys. They work without one.
+fn check_priority(facts: &Facts) -> Finding {
+    let nice = facts.granted_nice;
+    if nice < 0 {
+        let text = format!("the threads that press and release keys get nice {nice}");
+        return ok("priority", false, text);
+    }
+    let advice = advice::no_priority(nice);
+    finding("priority", CheckStatus::Missing, false, advice)
 }
 
 /// Checks the control socket. A session works without one, but not with the one of another session.

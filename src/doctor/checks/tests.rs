@@ -29,6 +29,7 @@ fn complete() -> Facts {
         display: XDisplay::Reachable(":0".into()),
         compositor: Compositor::Unset,
         has_wayland: false,
+        granted_nice: -11,
         runtime: RuntimeDir::Present {
             socket: "/run/user/1000/ademan/control.sock".into(),
             run: None,
@@ -53,6 +54,7 @@ fn bare() -> Facts {
         display: XDisplay::Unset,
         compositor: Compositor::Unset,
         has_wayland: false,
+        granted_nice: 0,
         runtime: RuntimeDir::Absent,
     }
 }
@@ -85,6 +87,7 @@ fn a_complete_machine_needs_no_step() {
         "uinput: needed, ok",
         "display: needed, ok",
         "compositor: ok",
+        "priority: ok",
         "sockets: needed, ok",
     ];
     assert_eq!(lines(&complete(), &all_requirements()), expected);
@@ -103,6 +106,8 @@ fn a_bare_machine_gets_a_step_for_each_check() {
         "uinput: needed, missing: sudo modprobe uinput".into(),
         format!("display: needed, missing: {session}"),
         "compositor: ok".into(),
+        "priority: missing: echo \"$USER - nice -20\" | sudo tee /etc/security/limits.d/60-ademan.conf"
+            .into(),
         "sockets: missing: name a path with --control PATH".into(),
     ];
     assert_eq!(lines(&facts, &all_requirements()), expected);

@@ -19,6 +19,7 @@ use super::wayland;
 use crate::advice::AccessDenied;
 use crate::output::SUPPORTS_WAYLAND;
 use crate::output::uinput::is_missing;
+use crate::priority;
 
 /// Prefixes of the device nodes of USB serial adapters.
 const ADAPTERS: [&str; 2] = ["ttyUSB", "ttyACM"];
@@ -57,6 +58,7 @@ pub(in crate::doctor) fn gather_facts(
         display: machine.display(environment.display.as_deref()),
         compositor: machine.compositor(environment),
         has_wayland: SUPPORTS_WAYLAND,
+        granted_nice: priority::granted_nice(),
         runtime: runtime_dir(environment.runtime_dir.as_deref()),
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::super::Requirements;
 use super::super::facts::{Compositor, DeviceNode, Facts, RuntimeDir, UinputFacts, User, XDisplay};
 use crate::output::SUPPORTS_WAYLAND;
+use crate::priority;
 
 /// The environment variables, none of which is used here.
 pub(in crate::doctor) struct Environment;
@@ -38,6 +39,7 @@ pub(in crate::doctor) fn gather_facts(
         display: XDisplay::Unknown("the desktop is not checked on this system".into()),
         compositor: Compositor::Unset,
         has_wayland: SUPPORTS_WAYLAND,
+        granted_nice: priority::granted_nice(),
         runtime: RuntimeDir::Absent,
     }
 }
