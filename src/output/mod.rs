@@ -15,6 +15,7 @@ mod axis_state;
 pub mod desktop;
 mod null;
 mod open;
+mod pressed_key_file;
 pub mod router;
 pub(crate) mod socket;
 pub mod spacenav;
@@ -30,7 +31,7 @@ pub use open::{
 pub use router::Router;
 pub use transcript::Transcript;
 use watchdog::WatchdogSettings;
-pub use watchdog_process::run as run_watchdog;
+pub use watchdog_process::{release_abandoned_keys, run as run_watchdog};
 
 /// All backends of this build, in the order in which messages and help texts list them.
 pub const BACKENDS: &[&Backend] = &[

@@ -41,6 +41,7 @@ mod outputs;
 mod panics;
 mod pause_signals;
 mod record;
+mod release_keys;
 mod replay;
 mod run;
 mod setup_args;
@@ -86,6 +87,8 @@ subcommands! {
     Doctor(doctor),
     #[command(name = watchdog::COMMAND, hide = true)]
     Watchdog(watchdog),
+    #[command(name = release_keys::COMMAND, hide = true)]
+    ReleaseKeys(release_keys),
     #[command(name = "system-files")]
     SystemFiles(system_files),
     Completions(completions),

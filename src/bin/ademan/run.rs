@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use ademan::command::Command;
 use ademan::session::{ControlSocket, Session, SessionOptions};
-use ademan::{advice, doctor};
+use ademan::{advice, doctor, output};
 
 use crate::failure::Failure;
 use crate::output_list::OutputList;
@@ -66,6 +66,9 @@ pub fn run(args: Args) -> Result<(), Failure> {
         on_notice: Some(Box::new(|notice| say!("{notice}"))),
         ..SessionOptions::default()
     };
+    if let Ok(count @ 1..) = output::release_abandoned_keys() {
+        say!("released the keys of a killed run ({count})");
+    }
     let session = Session::start(setup.load_files()?, options)?;
     let commands = session.commands().clone();
     signals::on_stop(move || _ = commands.send(Command::Stop));

@@ -11,11 +11,13 @@ use std::time::Duration;
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
+use super::pressed_key_file::PressedKeyFile;
 use super::watchdog::{WatchdogClient, WatchdogSettings};
 use super::{Backend, OpenRequest, OutputError, Sink};
-use crate::device::pressed_keys::PressedKeys;
 use crate::advice;
+use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Capabilities, Capability, EventKind, KeyCode, KeyKind, OutputEvent};
+use crate::priority;
 use crate::time::Timestamp;
 pub(super) use connect::connect;
 use pending_motion::PendingMotion;
@@ -139,7 +141,11 @@ impl Desktop {
                     Err(reason) => return drop(connected.send(Err(reason))),
                 };
                 if connected.send(Ok(())).is_ok() {
-                    let worker = Worker::new(injector, &worker_status).with_watchdog(watchdog);
+                    priority::raise_thread_priority();
+                    let key_file = watchdog.is_some().then(PressedKeyFile::create).flatten();
+                    let worker = Worker::new(injector, &worker_status)
+                        .with_watchdog(watchdog)
+                        .with_key_file(key_file);
                     worker.run(&queue, connect);
                 }
             })

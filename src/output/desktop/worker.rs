@@ -13,6 +13,7 @@ use super::pending_motion::StatelessAction;
 use super::press_ticket::{PressTicket, PressTickets};
 use crate::device::KeyCode;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
+use crate::output::pressed_key_file::PressedKeyFile;
 use crate::output::watchdog::{HEARTBEAT_INTERVAL, ReleaseTarget, WatchdogClient};
 use crate::output::{RETRIES, RETRY_DELAY};
 use crate::time::NO_DEADLINE;
@@ -108,6 +109,8 @@ pub struct Worker<'a, C> {
     pressed: PressedKeys,
     status: &'a WorkerStatus,
     watchdog: Option<WatchdogClient>,
+    /// The record for the case that this process and the watchdog are killed in the same instant.
+    key_file: Option<PressedKeyFile>,
     /// The watchdog did not accept a message, or has exited.
     is_watchdog_lost: bool,
     liveness: Liveness,
@@ -129,6 +132,7 @@ impl<'a, C: Injector> Worker<'a, C> {
             pressed: PressedKeys::default(),
             status,
             watchdog: None,
+            key_file: None,
             is_watchdog_lost: false,
             liveness: Liveness {
                 last_heartbeat: now,
@@ -141,6 +145,12 @@ impl<'a, C: Injector> Worker<'a, C> {
     /// Sets the watchdog, to which every press and release is reported.
     pub fn with_watchdog(mut self, watchdog: Option<WatchdogClient>) -> Self {
         self.watchdog = watchdog;
+        self
+    }
+
+    /// Sets the file in which every pressed key is recorded.
+    pub fn with_key_file(mut self, key_file: Option<PressedKeyFile>) -> Self {
+        self.key_file = key_file;
         self
     }
 
@@ -188,6 +198,9 @@ impl<'a, C: Injector> Worker<'a, C> {
         let stuck: Vec<_> = self.pressed.release_order().map(KeyCode::name).collect();
         if !stuck.is_empty() {
             let _ = self.status.stuck_keys.set(stuck.join(", "));
+            if let Some(file) = self.key_file.take() {
+                file.abandon();
+            }
         }
     }
 
@@ -240,6 +253,9 @@ impl<'a, C: Injector> Worker<'a, C> {
 
     /// Reports a key to the watchdog. Returns `false` if it did not accept the report.
     fn report_key(&mut self, key: KeyCode, direction: KeyDirection) -> bool {
+        if let Some(file) = &self.key_file {
+            file.record(key, direction);
+        }
         let report = |watchdog: &WatchdogClient| watchdog.report_key(key, direction).is_ok();
         let is_accepted = self.watchdog.as_ref().is_none_or(report);
         self.is_watchdog_lost |= !is_accepted;

@@ -2,6 +2,8 @@
 //!
 //! An X server keeps a key pressed after its client is gone. Each test has a server of its own and queries its state.
 
+#[cfg(target_os = "linux")]
+mod both_killed;
 mod doctor;
 mod ends;
 mod grabs;
@@ -15,6 +17,8 @@ mod keymaps;
 #[cfg(target_os = "linux")]
 mod memory;
 mod panics;
+#[cfg(target_os = "linux")]
+mod priority;
 mod replug;
 mod sink;
 mod system_chords;

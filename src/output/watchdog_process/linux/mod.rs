@@ -1,5 +1,6 @@
 //! The watchdog's main loop: receives messages, and has keys released when the client is lost.
 
+mod abandoned;
 mod client_state;
 mod record;
 mod release_thread;
@@ -10,6 +11,8 @@ use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 
 use crate::output::watchdog::{READY, ReleaseTarget};
+use crate::priority;
+pub use abandoned::release_abandoned_keys;
 use client_state::{ClientLoss, ClientState};
 use record::SharedRecord;
 use release_thread::ReleaseThread;
@@ -27,6 +30,8 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
     }
     let target = ReleaseTarget::receive(&socket)
         .map_err(|error| format!("no handle to release keys with: {error}"))?;
+    // The thread that releases keys inherits it.
+    priority::raise_thread_priority();
     let record = Arc::<SharedRecord>::default();
     let connect = move || KeyReleaser::connect(&target);
     let releases = match ReleaseThread::start(Arc::clone(&record), connect, log) {

@@ -1,0 +1,193 @@
+//! Files of pressed keys in `$XDG_RUNTIME_DIR/ademan`.
+
+use std::env;
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::os::unix::fs::FileExt;
+use std::path::{Path, PathBuf};
+
+use crate::device::KeyCode;
+use crate::device::pressed_keys::{KeyDirection, PressedKeys};
+use crate::files;
+use crate::output::socket;
+
+/// Start of the names of the files.
+const PREFIX: &str = "pressed-";
+
+/// Number of event codes (`KEY_CNT` in linux/input-event-codes.h).
+const KEY_COUNT: usize = 0x300;
+
+/// Largest number of files of a process, which has one for each output to a display.
+const MAX_OUTPUTS: u32 = 16;
+
+/// Longest name of a display that is read, in bytes.
+const MAX_NAME: u64 = 4096;
+
+/// The file of an output of this process.
+pub struct PressedKeyFile {
+    file: File,
+    path: PathBuf,
+}
+
+impl PressedKeyFile {
+    /// Creates a file for the display of the session. `None` without a runtime folder.
+    pub fn create() -> Option<Self> {
+        let process = std::process::id();
+        let path = |number| socket::default_path(&format!("{PREFIX}{process}-{number}"));
+        let mut paths = (0..MAX_OUTPUTS).map_while(path);
+        let unused = paths.find(|path| !path.exists())?;
+        Self::create_at(unused, &display()).ok()
+    }
+
+    fn create_at(path: PathBuf, display: &str) -> io::Result<Self> {
+        let folder = path.parent().unwrap_or(Path::new("."));
+        files::create_private_folder(folder).map_err(io::Error::other)?;
+        // It gets its name when it is locked: without a lock it would count as abandoned.
+        let unnamed = path.with_extension("new");
+        let _ = fs::remove_file(&unnamed);
+        let file = files::create_private(&unnamed).map_err(io::Error::other)?;
+        file.try_lock()?;
+        file.set_len(KEY_COUNT as u64)?;
+        file.write_all_at(display.as_bytes(), KEY_COUNT as u64)?;
+        fs::rename(unnamed, &path)?;
+        Ok(Self { file, path })
+    }
+
+    /// Records a key: before a press and after a release. Writes one byte, which a reader sees entirely or not at all.
+    pub fn record(&self, key: KeyCode, direction: KeyDirection) {
+        let is_pressed = direction == KeyDirection::Press;
+        // The watchdog remains if the file cannot be written.
+        let _ = self
+            .file
+            .write_at(&[u8::from(is_pressed)], key.event_code().into());
+    }
+
+    /// Leaves the file behind at the end: keys could not be released.
+    pub fn abandon(mut self) {
+        self.path = PathBuf::new();
+    }
+}
+
+impl Drop for PressedKeyFile {
+    /// Removes the file: every key was released.
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// The keys of a process that ended without releasing them.
+pub struct AbandonedKeys {
+    /// The keys and buttons.
+    pub keys: PressedKeys,
+    path: PathBuf,
+    /// Keeps other processes from releasing the keys too.
+    _lock: File,
+}
+
+impl AbandonedKeys {
+    /// Returns the abandoned keys of the display of the session.
+    pub fn find() -> Vec<Self> {
+        let folder = socket::default_path(PREFIX);
+        let folder = folder.as_deref().and_then(Path::parent);
+        folder.map_or_else(Vec::new, |folder| Self::find_in(folder, &display()))
+    }
+
+    fn find_in(folder: &Path, display: &str) -> Vec<Self> {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        let paths = entries.map(|entry| entry.path()).filter(|path| {
+            let name = path.file_name().unwrap_or_default();
+            name.to_string_lossy().starts_with(PREFIX) && path.extension().is_none()
+        });
+        paths
+            .filter_map(|path| Self::read(path, display).ok().flatten())
+            .collect()
+    }
+
+    /// Reads a file. `None` if its process runs or it is of another display.
+    fn read(path: PathBuf, display: &str) -> io::Result<Option<Self>> {
+        let mut file = files::open_regular(&path).map_err(io::Error::other)?;
+        if file.try_lock().is_err() {
+            return Ok(None);
+        }
+        let mut bytes = [0; KEY_COUNT];
+        file.read_exact(&mut bytes)?;
+        let mut name = String::new();
+        (&file).take(MAX_NAME).read_to_string(&mut name)?;
+        if name != display {
+            return Ok(None);
+        }
+        let mut keys = PressedKeys::default();
+        for key in KeyCode::all().filter(|key| bytes[usize::from(key.event_code())] == 1) {
+            keys.press(key);
+        }
+        Ok(Some(Self {
+            keys,
+            path,
+            _lock: file,
+        }))
+    }
+
+    /// Removes the file: the keys were released.
+    pub fn forget(self) {
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Returns the name of the display of the session.
+fn display() -> String {
+    let name = |variable| env::var_os(variable).filter(|name| !name.is_empty());
+    let name = name("WAYLAND_DISPLAY").or_else(|| name("DISPLAY"));
+    name.unwrap_or_default().to_string_lossy().into_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::tests::key;
+    use std::os::unix::fs::PermissionsExt;
+
+    fn path(folder: &tempfile::TempDir, name: &str) -> PathBuf {
+        folder.path().join("ademan").join(name)
+    }
+
+    #[test]
+    fn keys_are_abandoned_when_the_lock_ends_and_only_on_their_display() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = path(&folder, "pressed-1-0");
+        let inside = path.parent().unwrap().to_owned();
+        let file = PressedKeyFile::create_at(path.clone(), ":7").unwrap();
+        assert_eq!(
+            fs::metadata(&path).unwrap().permissions().mode() & 0o777,
+            0o600
+        );
+        file.record(key("A"), KeyDirection::Press);
+        file.record(key("MouseLeft"), KeyDirection::Press);
+        file.record(key("A"), KeyDirection::Release);
+        assert!(AbandonedKeys::find_in(&inside, ":7").is_empty());
+
+        let copy = file.file.try_clone().unwrap();
+        std::mem::forget(file);
+        copy.unlock().unwrap();
+        assert!(AbandonedKeys::find_in(&inside, ":8").is_empty());
+        let mut found = AbandonedKeys::find_in(&inside, ":7");
+        let found = found.pop().expect("an abandoned file");
+        let keys: Vec<_> = found.keys.release_order().collect();
+        assert_eq!(keys, [key("MouseLeft")]);
+        assert!(
+            AbandonedKeys::find_in(&inside, ":7").is_empty(),
+            "found twice"
+        );
+        found.forget();
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn an_orderly_end_removes_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = path(&folder, "pressed-1-0");
+        let file = PressedKeyFile::create_at(path.clone(), ":7").unwrap();
+        assert!(path.exists());
+        drop(file);
+        assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 0);
+    }
+}

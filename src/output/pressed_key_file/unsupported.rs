@@ -1,0 +1,22 @@
+//! The stand-in on operating systems without a runtime folder of the user.
+
+use crate::device::KeyCode;
+use crate::device::pressed_keys::KeyDirection;
+
+/// A file that cannot exist.
+pub enum PressedKeyFile {}
+
+impl PressedKeyFile {
+    /// Returns `None`.
+    pub fn create() -> Option<Self> {
+        None
+    }
+
+    pub fn record(&self, _: KeyCode, _: KeyDirection) {
+        match *self {}
+    }
+
+    pub fn abandon(self) {
+        match self {}
+    }
+}

@@ -1,0 +1,33 @@
+//! The release of keys whose process was killed together with its watchdog.
+
+use super::releaser::KeyReleaser;
+use crate::device::pressed_keys::{KeyDirection, PressedKeys};
+use crate::output::desktop::worker::Injector;
+use crate::output::pressed_key_file::AbandonedKeys;
+use crate::output::watchdog::ReleaseTarget;
+
+/// Releases the keys that processes without a watchdog have left pressed on the display of the session. Returns their
+/// number.
+///
+/// # Errors
+/// If the display cannot be reached, or a release failed. Then a further call tries again.
+pub fn release_abandoned_keys() -> Result<usize, String> {
+    let mut count = 0;
+    for abandoned in AbandonedKeys::find() {
+        if !abandoned.keys.is_empty() {
+            release(&abandoned.keys)?;
+            count += abandoned.keys.count();
+        }
+        abandoned.forget();
+    }
+    Ok(count)
+}
+
+fn release(keys: &PressedKeys) -> Result<(), String> {
+    let mut releaser = KeyReleaser::connect(&ReleaseTarget::Display)?;
+    for key in keys.release_order() {
+        releaser.inject(key, KeyDirection::Release)?;
+    }
+    // The display answers when it has executed the releases. A key of a real keyboard may still be pressed.
+    releaser.query_pressed(keys).map(drop)
+}

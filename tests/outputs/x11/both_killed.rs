@@ -1,0 +1,131 @@
+//! A program that is killed in the same instant as its watchdog.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+use tempfile::TempDir;
+
+use super::ends::held_keys;
+use super::hold;
+use crate::support::binary::ademan;
+use crate::support::glove::Glove;
+use crate::support::press::Press;
+use crate::support::process::Process;
+use crate::support::program::Program;
+use crate::support::x11::{XServer, wait_for};
+
+const ATTEMPTS: usize = 5;
+
+/// A server on which a killed run has left keys pressed, and the runtime folder of the user.
+struct Killed {
+    server: XServer,
+    runtime: TempDir,
+    _glove: Glove,
+}
+
+/// Adds the environment of the user to a command.
+fn in_session(mut command: Command, server: &XServer, runtime: &Path) -> Command {
+    command
+        .env("DISPLAY", server.display())
+        .env("XDG_RUNTIME_DIR", runtime)
+        .env_remove("WAYLAND_DISPLAY");
+    command
+}
+
+impl Killed {
+    /// Kills a run that holds two keys, and its watchdog. Returns `None` without an X server.
+    fn new() -> Option<Self> {
+        // On a busy machine the program may run between the two signals, and release the keys.
+        for _ in 0..ATTEMPTS {
+            let killed = Self::attempt()?;
+            if killed.server.pressed_keys() == held_keys() {
+                return Some(killed);
+            }
+        }
+        panic!("the keys never stayed pressed");
+    }
+
+    fn attempt() -> Option<Self> {
+        let server = XServer::start()?;
+        let press = Press::for_text("H");
+        let runtime = tempfile::tempdir().expect("a folder");
+        let port = runtime.path().join("glove");
+        let glove = Glove::plug_in(&port, press.clear());
+        let source = format!("serial:{}", port.display());
+        let run = ademan(["run", "--output", "desktop", "--source", &source]);
+        let mut program = Program::from_command(in_session(run, &server, runtime.path()));
+        program.wait_for_line("armed", 1);
+        hold(&server, &program, &glove, &press, &held_keys());
+        let [watchdog] = program.children()[..] else {
+            panic!("one child: {:?}", program.children());
+        };
+        let kill = format!("kill -s KILL {watchdog} {}", program.id());
+        let mut shell = Process::start(Command::new("sh").args(["-c", &kill])).expect("a shell");
+        shell.0.wait().expect("the shell exits");
+        assert_eq!(program.wait_for_exit().code(), None);
+        Some(Self {
+            server,
+            runtime,
+            _glove: glove,
+        })
+    }
+
+    /// Returns the files in the folder of the program.
+    fn files(&self) -> Vec<String> {
+        let folder = fs::read_dir(self.runtime.path().join("ademan")).expect("it exists");
+        let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+        folder.flatten().map(name).collect()
+    }
+
+    fn command<const N: usize>(&self, arguments: [&str; N]) -> Command {
+        in_session(ademan(arguments), &self.server, self.runtime.path())
+    }
+
+    fn is_released(&self) -> bool {
+        let is_free = || self.server.pressed_keys().is_empty();
+        wait_for(is_free)
+    }
+}
+
+/// The unit executes the command after each run.
+#[test]
+fn keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_command_of_the_unit() {
+    let unit = include_str!("../../../packaging/ademan.service");
+    assert!(unit.contains("\nExecStopPost=-/usr/bin/ademan release-keys\n"));
+    let Some(killed) = Killed::new() else {
+        return;
+    };
+    let output = killed
+        .command(["release-keys"])
+        .output()
+        .expect("it starts");
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(0), "{err}");
+    assert!(
+        err.contains("released the keys of a killed run (2)"),
+        "{err}"
+    );
+    assert!(killed.is_released(), "{:?}", killed.server.pressed_keys());
+    let files = killed.files();
+    assert!(
+        !files.iter().any(|name| name.starts_with("pressed-")),
+        "{files:?}"
+    );
+    let output = killed
+        .command(["release-keys"])
+        .output()
+        .expect("it starts");
+    assert!(output.stderr.is_empty(), "{output:?}");
+}
+
+#[test]
+fn keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_next_run() {
+    let Some(killed) = Killed::new() else {
+        return;
+    };
+    let mut run = killed.command(["run", "--source", "script:wait 60000", "--output", "none"]);
+    run.stdout(Stdio::null()).stderr(Stdio::null());
+    let _run = Process::start(&mut run).expect("it starts");
+    assert!(killed.is_released(), "{:?}", killed.server.pressed_keys());
+}
