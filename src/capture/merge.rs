@@ -111,6 +111,7 @@ impl MergedSource {
                 input.stats = stats;
                 Ok(None)
             }
+            Some(CaptureEvent::Elapsed(_)) => Ok(None),
             Some(CaptureEvent::Lost(error)) => {
                 input.stats.losses += 1;
                 Err(error)

@@ -11,6 +11,7 @@
 //!     match event {
 //!         CaptureEvent::Reading { reading, .. } => println!("{reading:?}"),
 //!         CaptureEvent::Lost(error) | CaptureEvent::Failed(error) => eprintln!("{error}"),
+//!         CaptureEvent::Elapsed(time) => println!("no reading until {time:?}"),
 //!         CaptureEvent::Noise(stats) | CaptureEvent::End(stats) => println!("{stats:?}"),
 //!     }
 //! }
@@ -235,6 +236,14 @@ pub trait Source: Send {
         true
     }
 
+    /// Returns the present time on the clock of the source while it waits for a reading that it knows already; `None` if
+    /// it knows none. It is earlier than that reading.
+    ///
+    /// A replay in real time knows it, so that its consumer detects a long gap before the gap ends.
+    fn clock(&self) -> Option<Timestamp> {
+        None
+    }
+
     /// Returns the statistics since the source was opened.
     fn stats(&self) -> SourceStats {
         SourceStats::default()
@@ -260,6 +269,10 @@ impl Source for Box<dyn Source> {
 
     fn is_live(&self) -> bool {
         (**self).is_live()
+    }
+
+    fn clock(&self) -> Option<Timestamp> {
+        (**self).clock()
     }
 
     fn stats(&self) -> SourceStats {

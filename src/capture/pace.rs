@@ -8,8 +8,8 @@ use crate::time::Timestamp;
 /// Longest wait for one reading. Longer gaps are shortened to it.
 pub const MAX_GAP: Duration = Duration::from_secs(2);
 
-/// Longest sleep per call: half of [`MAX_BLOCK`], so that the inner source may use the other half.
-const MAX_SLEEP: Duration = MAX_BLOCK.checked_div(2).unwrap();
+/// Longest sleep per call, and so the delay with which a gap in the readings is detected.
+const MAX_SLEEP: Duration = Duration::from_millis(10);
 
 /// A source that is not live, whose readings are returned at the pace of their timestamps.
 ///
@@ -18,9 +18,17 @@ const MAX_SLEEP: Duration = MAX_BLOCK.checked_div(2).unwrap();
 pub struct PacedSource<S> {
     source: S,
     speed: f64,
-    /// Next reading, and the time at which it is due.
-    pending: Option<(Reading, Instant)>,
-    /// Timestamp of the previous reading, and the time at which it was due.
+    pending: Option<Pending>,
+    /// Timestamp of the last reading of the inner source, and the time at which it is due.
+    last: Option<(Timestamp, Instant)>,
+}
+
+/// A reading that waits.
+struct Pending {
+    reading: Reading,
+    /// Time at which it is due.
+    due: Instant,
+    /// Timestamp of the reading before it, and the time at which that was due.
     previous: Option<(Timestamp, Instant)>,
 }
 
@@ -32,14 +40,14 @@ impl<S: Source> PacedSource<S> {
             source,
             speed: speed.clamp(0.01, 1000.0),
             pending: None,
-            previous: None,
+            last: None,
         }
     }
 
     /// Returns the time at which a reading with timestamp `time` is due.
     fn schedule(&mut self, time: Timestamp) -> Instant {
         let now = Instant::now();
-        let due = match self.previous {
+        let due = match self.last {
             Some((previous, due)) => {
                 let gap = time.since(previous).div_f64(self.speed);
                 due + gap.min(MAX_GAP)
@@ -48,30 +56,31 @@ impl<S: Source> PacedSource<S> {
         };
         let is_far_behind = now.saturating_duration_since(due) > MAX_BLOCK;
         let due = if is_far_behind { now } else { due };
-        self.previous = Some((time, due));
+        self.last = Some((time, due));
         due
     }
 }
 
 impl<S: Source> Source for PacedSource<S> {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        let (reading, due) = match self.pending.take() {
+        let pending = match self.pending.take() {
             Some(pending) => pending,
             None => match self.source.next()? {
-                SourceEvent::Reading(reading) => {
-                    let due = self.schedule(reading.time);
-                    (reading, due)
-                }
+                SourceEvent::Reading(reading) => Pending {
+                    previous: self.last,
+                    due: self.schedule(reading.time),
+                    reading,
+                },
                 idle_or_end => return Ok(idle_or_end),
             },
         };
-        let wait = due.saturating_duration_since(Instant::now());
+        let wait = pending.due.saturating_duration_since(Instant::now());
         std::thread::sleep(wait.min(MAX_SLEEP));
         if wait > MAX_SLEEP {
-            self.pending = Some((reading, due));
+            self.pending = Some(pending);
             return Ok(SourceEvent::Idle);
         }
-        Ok(SourceEvent::Reading(reading))
+        Ok(SourceEvent::Reading(pending.reading))
     }
 
     fn name(&self) -> &str {
@@ -85,6 +94,18 @@ impl<S: Source> Source for PacedSource<S> {
 
     fn is_live(&self) -> bool {
         self.source.is_live()
+    }
+
+    /// Returns the time of the recording that the playback has reached while a reading waits.
+    fn clock(&self) -> Option<Timestamp> {
+        let pending = self.pending.as_ref()?;
+        let (previous, due) = pending.previous?;
+        let elapsed = Instant::now().saturating_duration_since(due);
+        let time = previous + elapsed.mul_f64(self.speed);
+        // The reading itself is not due yet, even if a long gap is shortened or this thread is late.
+        Some(Timestamp(
+            time.0.min(pending.reading.time.0.saturating_sub(1)),
+        ))
     }
 
     fn stats(&self) -> SourceStats {
@@ -171,6 +192,23 @@ mod tests {
             returned_at[1] >= MAX_GAP && returned_at[1] < Duration::from_secs(20),
             "{returned_at:?}"
         );
+    }
+
+    #[test]
+    fn the_clock_passes_through_a_gap_and_stays_before_the_next_reading() {
+        for (speed, gap_ms) in [(1.0, 1_500), (20.0, 30_000), (1.0, 365 * 86_400_000)] {
+            let mut paced = PacedSource::new(TimedSource(vec![0, gap_ms]), speed);
+            paced.next().unwrap();
+            let mut clock = Vec::new();
+            while paced.next().unwrap() == SourceEvent::Idle {
+                clock.extend(paced.clock());
+            }
+            assert!(clock.is_sorted(), "{clock:?}");
+            let passes_stall_timeout = |time: &Timestamp| time.0 > 200_000;
+            assert!(clock.iter().any(passes_stall_timeout), "{clock:?}");
+            assert!(clock.iter().all(|time| time.0 < gap_ms * 1000), "{clock:?}");
+            assert_eq!(paced.clock(), None);
+        }
     }
 
     #[test]

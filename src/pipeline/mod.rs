@@ -189,6 +189,24 @@ impl Pipeline {
         self.disarm(time, PipelineState::Stalled, events);
     }
 
+    /// Releases everything as [`stall`](Self::stall) does if, at `time`, no hand has had a reading for longer than the
+    /// [`stall_timeout`](Self::stall_timeout). Returns whether it did.
+    ///
+    /// The result is that of the first later reading, which would detect the same gap, so that a replay emits the same
+    /// events whether it waits for that reading or not.
+    pub fn stall_if_overdue(&mut self, time: Timestamp, events: &mut Events) -> bool {
+        let last = self
+            .hands
+            .iter()
+            .filter_map(|hand| hand.last_accepted)
+            .max();
+        let is_overdue = last.is_some_and(|last| time.since(last) > self.settings.stall_timeout);
+        if is_overdue {
+            self.stall(events);
+        }
+        is_overdue
+    }
+
     /// Releases everything and emits no events until [`resume`](Self::resume), whatever happens to the
     /// readings or the layouts meanwhile. If the pipeline is paused already, the stronger origin applies.
     pub fn pause(&mut self, origin: CommandOrigin, events: &mut Events) {

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::{TryRecvError, bounded, select};
 use hdrhistogram::Histogram;
 
+use super::close_on_panic::CloseOnPanic;
 use super::command_channel::{CommandReceiver, Message, QueuedCommand};
 use super::layout_link::{LayoutOperation, LayoutRequest, LayoutSwap};
 use super::reply::{Reply, ReplySender, RequestError, SessionStatus};
@@ -20,7 +21,7 @@ use crate::names::UnknownName;
 use crate::output::Sink;
 use crate::pipeline::{CommandError, Pipeline, PipelineState, StepOutput};
 use crate::snapshot::{Snapshot, Stats};
-use crate::time::NO_DEADLINE;
+use crate::time::{NO_DEADLINE, Timestamp};
 
 /// Upper limit of the stall timeout that follows from a source's packet period. Three packets at 1200 baud take 1.7 s; a
 /// recording may claim any period.
@@ -38,7 +39,8 @@ const LAYOUT_TIMEOUT: Duration = Duration::from_secs(10);
 ///
 /// `observe` sees every step and must not block. The sink is closed in every case, even after a panic, which releases all
 /// keys. A live source stalls the pipeline when no reading comes for longer than the stall timeout, but at least three
-/// packet periods (2 s at most).
+/// packet periods (2 s at most). A source that has a [clock](Source::clock), such as a replay in real time, does so when its
+/// clock has passed the timeout.
 pub fn run_pipeline(
     source: impl Source + 'static,
     pipeline: &mut Pipeline,
@@ -76,19 +78,6 @@ pub fn run_pipeline(
         latency_ns: session.latency_ns,
         record_error: None,
     })
-}
-
-/// Closes the sink when the loop panics.
-struct CloseOnPanic<'a>(&'a mut dyn Sink);
-
-impl Drop for CloseOnPanic<'_> {
-    fn drop(&mut self) {
-        if thread::panicking()
-            && let Err(error) = self.0.close()
-        {
-            tracing::error!("{error}");
-        }
-    }
 }
 
 /// The continuation of the loop.
@@ -195,6 +184,7 @@ impl SessionLoop<'_> {
                 self.source_stats = stats;
                 return self.step(reading, received_at);
             }
+            CaptureEvent::Elapsed(time) => self.pass_gap(time)?,
             CaptureEvent::Noise(stats) => self.source_stats = stats,
             CaptureEvent::Lost(error) => {
                 self.source_stats.losses += 1;
@@ -380,6 +370,18 @@ impl SessionLoop<'_> {
         // A reading that waits in the channel prevents the stall.
         if self.capture.events().is_empty() && self.time_to_stall().is_zero() {
             self.stall(None)?;
+        }
+        Ok(())
+    }
+
+    /// Handles the wait of a replay for its next reading: stalls if the recording has a gap, and keeps the output alive.
+    fn pass_gap(&mut self, time: Timestamp) -> Result<(), SessionError> {
+        self.events.clear();
+        let is_stalled = self.pipeline.stall_if_overdue(time, &mut self.events);
+        self.send_events(None)?;
+        if is_stalled {
+            self.last_reading_at = None;
+            self.publish(None, None, None);
         }
         Ok(())
     }

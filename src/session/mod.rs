@@ -12,6 +12,7 @@
 //!                                       └──────────── LayoutSwap ◀───┘
 //! ```
 
+mod close_on_panic;
 mod command_channel;
 pub mod control_socket;
 mod event_loop;

@@ -8,6 +8,7 @@ mod body_landmarks;
 mod bvh;
 mod commands;
 mod file;
+mod gap;
 #[cfg(unix)]
 mod markers;
 #[cfg(unix)]

@@ -10,6 +10,7 @@ use super::cancel::{CancelHandle, cancel_token};
 use super::suspend::SuspendDetector;
 use super::{CancelToken, CaptureError, Reading, Source, SourceEvent, SourceStats};
 use crate::advice;
+use crate::time::Timestamp;
 
 /// Message of a capture thread.
 ///
@@ -30,6 +31,8 @@ pub enum CaptureEvent {
         /// Statistics up to and including this reading.
         stats: SourceStats,
     },
+    /// The [clock](Source::clock) of a source that waits: no reading precedes this time.
+    Elapsed(Timestamp),
     /// Bytes arrive, but none of them belongs to a reading. Sent at most twice a second.
     Noise(SourceStats),
     /// The device was lost and the source reconnects, or the readings were interrupted. Never dropped, and always
@@ -174,6 +177,9 @@ fn run(mut source: impl Source, suspend: &mut SuspendDetector, sender: &mut Even
             suspends += 1;
             sender.send_suspend(source.name());
         }
+        if let (Ok(SourceEvent::Idle), Some(time)) = (&event, source.clock()) {
+            sender.send(|_| CaptureEvent::Elapsed(time));
+        }
         let stats = || {
             let stats = source.stats();
             SourceStats {
@@ -277,7 +283,7 @@ impl EventSender {
             match self.queue.try_recv() {
                 Ok(CaptureEvent::Reading { .. }) => self.dropped += 1,
                 // The statistics of later events include these.
-                Ok(CaptureEvent::Noise(_)) => {}
+                Ok(CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_)) => {}
                 Ok(loss) => self.keep_last_loss(loss),
                 // The consumer was faster.
                 Err(_) => {}
@@ -290,7 +296,7 @@ impl EventSender {
         while let Ok(event) = self.queue.try_recv() {
             match event {
                 CaptureEvent::Reading { .. } => self.dropped += 1,
-                CaptureEvent::Noise(_) => {}
+                CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_) => {}
                 later => loss = later,
             }
         }

@@ -4,11 +4,14 @@
 //! intended change:
 //! `ADEMAN_WRITE=1 cargo test --test cli determinism`, and review the difference.
 
+mod gap;
+
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
+use ademan::capture::Source;
 use ademan::capture::recording::Replay;
 use ademan::output::{self, Transcript};
 use ademan::recorder::Recorder;
@@ -61,6 +64,16 @@ fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathB
     let loaded = setup.load_files().expect("a shipped layout");
     let source = format!("script:{script}").parse().expect("a source");
     let hand = loaded.open_source(&source).expect("the hand can do it");
+    record_source(folder, name, &loaded, hand)
+}
+
+/// Records the readings of a source with a setup.
+fn record_source(
+    folder: &TempDir,
+    name: &str,
+    loaded: &LoadedSetup,
+    source: Box<dyn Source>,
+) -> PathBuf {
     let path = folder.path().join(format!("{name}.mcap"));
     let recorder = Recorder::create(&path, &loaded.recorded_setup());
     let mut recorder = recorder.expect("a file");
@@ -68,7 +81,7 @@ fn record(folder: &TempDir, (name, layout, script): (&str, &str, &str)) -> PathB
     let mut observe = |snapshot: &Snapshot| recorder.write(snapshot).expect("room on the disk");
     let mut pipeline = loaded.pipeline();
     let run = run_pipeline(
-        hand,
+        source,
         &mut pipeline,
         &mut *nowhere,
         &CommandReceiver::disconnected(),

@@ -11,6 +11,7 @@ mod grabs;
 mod lost_watchdog;
 #[cfg(target_os = "linux")]
 mod watchdog;
+mod gap;
 mod held;
 mod key_log;
 mod keymaps;
