@@ -6,7 +6,7 @@ use std::path::Path;
 
 use ademan::capture::recording::Replay;
 use ademan::session::{Session, SessionOptions};
-use ademan::setup::{LoadedSetup, Setup};
+use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 
 fn main() -> anyhow::Result<()> {
     if let Some(path) = std::env::args_os().nth(1) {
@@ -21,7 +21,7 @@ fn main() -> anyhow::Result<()> {
 /// Plays a recording, which contains the setup that it was made with, and prints a transcript.
 fn replay(path: &Path) -> anyhow::Result<()> {
     let recording = Replay::open(path)?;
-    let mut setup = LoadedSetup::from_recording(recording.setup(), None, None)?;
+    let mut setup = LoadedSetup::from_recording(recording.setup(), &ReplaySettings::default())?;
     setup.setup.output = "transcript".to_owned();
     let options = SessionOptions {
         source: Some(Box::new(recording)),

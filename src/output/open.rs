@@ -88,6 +88,14 @@ pub fn check_layout_change(
     Ok(())
 }
 
+/// Returns `true` if events reach another program: an output is neither a log nor [`none`](super::BACKENDS). Also if the names
+/// are invalid.
+pub fn has_effect(names: &str) -> bool {
+    let is_effective =
+        |output: &NamedOutput| !output.backend.is_log && output.backend != &null::BACKEND;
+    parse(names).map_or(true, |outputs| outputs.iter().any(is_effective))
+}
+
 /// Returns `true` if one of the outputs writes to the standard output.
 pub fn uses_stdout(names: &str) -> bool {
     uses_backend(names, transcript::BACKEND.name)

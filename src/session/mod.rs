@@ -29,7 +29,6 @@ mod status;
 mod waker;
 
 use std::io;
-use std::path::Path;
 use std::sync::Arc;
 
 use crossbeam_channel::Sender;
@@ -325,9 +324,7 @@ fn start_layout_manager(
     let layouts: Vec<_> = setup
         .layouts()
         .map(|layout| LayoutSource {
-            path: Path::new(&layout.file)
-                .is_file()
-                .then(|| layout.file.clone()),
+            path: setup.layout_path(layout).map(str::to_owned),
             layout: layout.clone(),
         })
         .collect();

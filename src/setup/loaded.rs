@@ -1,9 +1,10 @@
 //! A setup with all files that it names.
 
-use ron::ser::PrettyConfig;
+use std::path::Path;
 
+use super::recorded::kind;
 use super::{ArmSetup, OtherHand, Setup, SetupError};
-use crate::capture::recording::{RecordedSetup, Replay};
+use crate::capture::recording::Replay;
 use crate::capture::{self, Hc11Format, MergedSource, SidedSource, Source, SourceUri};
 use crate::command::ProfileName;
 use crate::device::Capabilities;
@@ -13,6 +14,7 @@ use crate::hand::Side;
 use crate::kinematics::ArmModel;
 use crate::layout::{Glove, Layout};
 use crate::names::UnknownName;
+use crate::output;
 use crate::pipeline::{
     LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings, SourcePermissions,
 };
@@ -33,7 +35,11 @@ pub struct LoadedSetup {
     /// The further layouts, in the order of the setup.
     pub profiles: Vec<Profile>,
     /// The documents of all files, with the kind of each.
-    documents: Vec<(String, Document)>,
+    pub(super) documents: Vec<(String, Document)>,
+    /// `false` for the setup of a recording, whose names are not paths on this machine.
+    pub(super) has_files: bool,
+    /// The names of recorded permissions that differ from those that apply.
+    pub ignored_permissions: Vec<&'static str>,
     estimator: EstimatorSettings,
     pipeline: PipelineSettings,
 }
@@ -54,21 +60,6 @@ pub struct Profile {
     pub name: String,
     /// The layout.
     pub layout: Layout,
-}
-
-/// The kinds of documents in a recording.
-mod kind {
-    pub const SETUP: &str = "setup";
-    pub const GLOVE: &str = "glove";
-    pub const ARM: &str = "arm";
-    pub const OTHER_GLOVE: &str = "other-glove";
-    pub const OTHER_ARM: &str = "other-arm";
-    pub const LAYOUT: &str = "layout";
-
-    /// Returns the kind of a further layout.
-    pub fn profile(name: &str) -> String {
-        format!("layout:{name}")
-    }
 }
 
 /// Reads the document of a kind and name.
@@ -168,6 +159,8 @@ impl LoadedSetup {
             layout: loader.layout(kind::LAYOUT, &setup.layout)?,
             profiles: loader.profiles(&setup)?,
             documents: loader.documents,
+            has_files: true,
+            ignored_permissions: Vec::new(),
             estimator: EstimatorSettings {
                 smoothing: setup.smoothing_filter()?,
                 ..EstimatorSettings::default()
@@ -181,46 +174,6 @@ impl LoadedSetup {
         Ok(loaded)
     }
 
-    /// Loads the setup of a recording. `glove` and `layout` replace the recorded ones.
-    pub fn from_recording(
-        recorded: &RecordedSetup,
-        glove: Option<&str>,
-        layout: Option<&str>,
-    ) -> Result<Self, SetupError> {
-        let document = |kind: &str| {
-            let entry = recorded.get(kind)?;
-            Some(Document::new(entry.name.as_str(), entry.text.as_str()))
-        };
-        let setup: Setup = match document(kind::SETUP) {
-            Some(setup) => setup.parse()?,
-            None => Setup::default(),
-        };
-        Self::new(setup, &|kind, name| {
-            let replacement = match kind {
-                kind::GLOVE => glove,
-                kind::LAYOUT => layout,
-                _ => None,
-            };
-            match (replacement, document(kind)) {
-                (Some(name), _) => Document::open(name),
-                (None, Some(document)) => Ok(document),
-                (None, None) => Document::open(name),
-            }
-        })
-    }
-
-    /// Returns the setup and all its files as texts, for a recording.
-    pub fn recorded_setup(&self) -> RecordedSetup {
-        let setup = ron::ser::to_string_pretty(&self.setup, PrettyConfig::new().struct_names(true))
-            .expect("a setup is plain data");
-        let recorded = RecordedSetup::default().with(kind::SETUP, "setup", &setup);
-        self.documents
-            .iter()
-            .fold(recorded, |recorded, (kind, document)| {
-                recorded.with(kind, &document.file, &document.text)
-            })
-    }
-
     /// Returns all layouts. The first one is active at the start.
     pub fn layouts(&self) -> impl Iterator<Item = &Layout> {
         let further = self.profiles.iter().map(|profile| &profile.layout);
@@ -231,6 +184,12 @@ impl LoadedSetup {
     pub fn profile_names(&self) -> impl Iterator<Item = &str> {
         let further = self.profiles.iter().map(|profile| profile.name.as_str());
         std::iter::once(MAIN_PROFILE).chain(further)
+    }
+
+    /// Returns the path of the file of a layout, or `None` if it comes with the program or a recording.
+    pub fn layout_path<'a>(&self, layout: &'a Layout) -> Option<&'a str> {
+        let is_file = self.has_files && Path::new(&layout.file).is_file();
+        is_file.then_some(layout.file.as_str())
     }
 
     /// Returns everything that the layouts can ever emit.
@@ -339,7 +298,13 @@ impl LoadedSetup {
     ) -> Result<Box<dyn Source>, SetupError> {
         let format = Hc11Format::default();
         Ok(match source {
-            SourceUri::Recording { path } => Box::new(Replay::open(path)?),
+            SourceUri::Recording { path } => {
+                let replay = Replay::open(path)?;
+                match output::has_effect(&self.setup.output) {
+                    true => Box::new(replay.without_packet_period()),
+                    false => Box::new(replay),
+                }
+            }
             SourceUri::Typist { text } => Box::new(self.typist(text, &format, 0.0, 0)?),
             SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
             _ => {

@@ -2,9 +2,11 @@
 
 mod check;
 mod loaded;
+mod recorded;
 mod simulated;
 
 pub use loaded::{GloveAndArm, LoadedSetup, Profile, layout_instance};
+pub use recorded::ReplaySettings;
 
 use std::path::Path;
 

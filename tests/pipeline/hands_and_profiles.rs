@@ -10,7 +10,7 @@ use ademan::estimate::{ChannelMap, Estimate, JointAngles};
 use ademan::hand::Side;
 use ademan::pipeline::PipelineState;
 use ademan::pipeline::SourceRole;
-use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, Setup};
+use ademan::setup::{LoadedSetup, OtherHand, ProfileSetup, ReplaySettings, Setup};
 use ademan::sim::TypingHand;
 use ademan::time::Timestamp;
 
@@ -379,7 +379,8 @@ fn a_setup_with_two_hands_and_profiles_survives_a_recording() {
     setup.other_hand = Some(OtherHand::default());
     let loaded = setup.load_files().expect("a setup");
     let recorded = loaded.recorded_setup();
-    let again = LoadedSetup::from_recording(&recorded, None, None).expect("it was recorded");
+    let again = LoadedSetup::from_recording(&recorded, &ReplaySettings::default())
+        .expect("it was recorded");
     let texts = |loaded: &LoadedSetup| -> Vec<String> {
         loaded.layouts().map(|layout| layout.text.clone()).collect()
     };

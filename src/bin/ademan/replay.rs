@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
+use ademan::output;
 use ademan::session::{Session, SessionOptions};
-use ademan::setup::LoadedSetup;
+use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 
 use crate::failure::Failure;
 use crate::output_list::OutputList;
@@ -26,24 +27,32 @@ pub struct Args {
     /// Layout that replaces the recorded one
     #[arg(long)]
     layout: Option<String>,
+    /// Setup whose permissions apply: role, press rate limit, stall timeout, arming, system keys and panic keys. Without it,
+    /// an output that types has the default permissions, and a transcript those of the recording
+    #[arg(long, value_name = "FILE")]
+    setup: Option<String>,
     /// Outputs, as for `ademan run`
     #[arg(long, value_name = "OUTPUTS", default_value = "transcript", value_parser = OutputList)]
     output: String,
-    /// Playback speed, 1 for real time. The default is as fast as possible
+    /// Playback speed, 1 for real time. The default is 1 for an output that types, and as fast as possible for a transcript
     #[arg(long, value_parser = speed, allow_negative_numbers = true)]
     speed: Option<f64>,
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    let replay = Replay::open(&args.file)?;
-    let (glove, layout) = (args.glove.as_deref(), args.layout.as_deref());
-    let mut setup = LoadedSetup::from_recording(replay.setup(), glove, layout)?;
-    setup.setup.output = args.output;
+    let has_effect = output::has_effect(&args.output);
+    let mut replay = Replay::open(&args.file)?;
+    if has_effect {
+        replay = replay.without_packet_period();
+    }
+    let setup = load_setup(&args, &replay, has_effect)?;
     let cut = replay.shared_truncation();
     signals::install()?;
     let options = SessionOptions {
         source: Some(Box::new(replay)),
-        speed: args.speed,
+        // The rate limit counts in the time of the recording, which is that of the receiver only at speed 1.
+        speed: args.speed.or(has_effect.then_some(1.0)),
+        use_panic_keys: has_effect,
         watchdog: Some(watchdog::program(Command::Stop)?),
         on_notice: Some(Box::new(|notice| say!("{notice}"))),
         ..SessionOptions::default()
@@ -60,6 +69,31 @@ pub fn run(args: Args) -> Result<(), Failure> {
             cut.offset
         ))),
     }
+}
+
+/// Loads the setup of a recording. The permissions for an output with an effect are the person's own; a recording may come
+/// from anybody.
+fn load_setup(args: &Args, replay: &Replay, has_effect: bool) -> Result<LoadedSetup, Failure> {
+    let own = match &args.setup {
+        Some(path) => Some(Setup::load(path)?),
+        None => has_effect.then(Setup::default),
+    };
+    let settings = ReplaySettings {
+        glove: args.glove.as_deref(),
+        layout: args.layout.as_deref(),
+        permissions: own.as_ref(),
+    };
+    let mut setup = LoadedSetup::from_recording(replay.setup(), &settings)?;
+    if !setup.ignored_permissions.is_empty() {
+        let names = setup.ignored_permissions.iter();
+        let fields: Vec<_> = names.map(|name| format!("`{name}`")).collect();
+        say!(
+            "ignored in the setup of the recording: {}; a setup of your own after --setup sets them",
+            fields.join(", ")
+        );
+    }
+    setup.setup.output.clone_from(&args.output);
+    Ok(setup)
 }
 
 fn speed(text: &str) -> Result<f64, String> {

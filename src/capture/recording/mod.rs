@@ -154,6 +154,16 @@ impl<R: Read + Send> Replay<R> {
         &self.setup
     }
 
+    /// Removes the recorded packet period, which raises the stall timeout: for outputs whose keys a recording must not hold
+    /// for longer than the person permits who replays it.
+    #[must_use]
+    pub fn without_packet_period(mut self) -> Self {
+        self.setup
+            .entries
+            .retain(|entry| entry.kind != PACKET_PERIOD);
+        self
+    }
+
     /// Returns the truncation of the recording, once the replay has reached it.
     pub fn truncation(&self) -> Option<&Truncation> {
         self.truncation.get()

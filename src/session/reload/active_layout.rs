@@ -14,15 +14,14 @@ use crate::layout::{self, Layout};
 use crate::pipeline::LayoutInstance;
 use crate::session::layout_link::{LayoutLink, SessionEnded};
 
-const SHIPPED: &str =
-    "the layout comes with the program and has no file; create one with `ademan layout new`";
+const SHIPPED: &str = "the layout comes with the program or a recording and has no file; create one with `ademan layout new`";
 
 /// A function that builds a layout for the session loop, or returns the reason why the session cannot use it.
 pub(super) type Build<'a> = &'a dyn Fn(&Layout) -> Result<LayoutInstance, String>;
 
 /// One layout of the setup as the session loop uses it, and its file.
 pub(super) struct ActiveLayout {
-    /// `None` for a layout that comes with the program.
+    /// `None` for a layout that comes with the program or a recording.
     file: Option<WatchedFile>,
     /// The layout with its present size, but with the board poses of the file.
     layout: Layout,

@@ -48,7 +48,7 @@ impl fmt::Display for LayoutReport {
 pub struct LayoutSource {
     /// The layout.
     pub layout: Layout,
-    /// Path of its file; `None` for a layout that comes with the program.
+    /// Path of its file; `None` for a layout that comes with the program or a recording.
     pub path: Option<String>,
 }
 

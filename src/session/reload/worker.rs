@@ -252,7 +252,10 @@ where
             }
         }
         Ok(match texts.is_empty() {
-            true => Err("the layout comes with the program and has no file to read again".into()),
+            true => Err(
+                "the layout comes with the program or a recording and has no file to read again"
+                    .into(),
+            ),
             false => Ok(texts.join("\n")),
         })
     }

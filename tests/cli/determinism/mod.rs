@@ -16,7 +16,7 @@ use ademan::capture::recording::Replay;
 use ademan::output::{self, Transcript};
 use ademan::recorder::Recorder;
 use ademan::session::{CommandReceiver, run_pipeline};
-use ademan::setup::{LoadedSetup, Setup};
+use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use ademan::snapshot::Snapshot;
 use tempfile::TempDir;
 
@@ -95,8 +95,8 @@ fn record_source(
 /// Returns the transcript of a recording, replayed without delays.
 fn replay(path: &Path) -> Vec<u8> {
     let replay = Replay::open(path).expect("a recording");
-    let loaded =
-        LoadedSetup::from_recording(replay.setup(), None, None).expect("the recorded setup");
+    let loaded = LoadedSetup::from_recording(replay.setup(), &ReplaySettings::default())
+        .expect("the recorded setup");
     let page = SharedBuffer::default();
     let mut transcript = Transcript::new("test", page.clone());
     let mut pipeline = loaded.pipeline();
