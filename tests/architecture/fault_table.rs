@@ -32,7 +32,7 @@ const fn fault(number: u8, name: &'static str, coverage: Coverage) -> Fault {
 pub const COVERED: &[u8] = &[
     1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 23, 25, 26,
     27, 28, 29, 30, 31, 32, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
-    50, 51, 52, 53, 54, 55, 56, 57, 58, 60, 61, 62, 64, 65, 66, 67, 68, 69, 70, 75, 76, 77,
+    50, 51, 52, 53, 54, 55, 56, 57, 58, 60, 61, 62, 64, 65, 66, 67, 68, 69, 70, 71, 73, 75, 76, 77,
 ];
 
 /// The faults, in the order of their numbers.
@@ -365,9 +365,20 @@ pub const FAULTS: &[Fault] = &[
         ("tests/pipeline/pauses.rs", "presses_beyond_the_rate_limit_pause_until_a_command_from_outside"),
         ("tests/cli/roles.rs", "a_source_on_the_network_ends_its_own_pause_but_no_pause_by_a_command"),
     ])),
-    fault(71, "a recording with a gap, replayed to a real output", Missing("no test yet")),
+    fault(71, "a recording with a gap, replayed to a real output", Tests(&[
+        ("tests/capture/gap.rs", "a_key_is_released_in_the_gap_of_a_paced_replay_with_the_time_of_the_stall"),
+        ("tests/cli/determinism/gap.rs", "a_recording_with_a_gap_gives_the_same_bytes_at_any_speed"),
+        ("tests/outputs/x11/gap.rs", "the_transcript_of_a_replay_with_a_gap_agrees_with_the_display"),
+        ("src/capture/pace.rs", "the_clock_passes_through_a_gap_and_stays_before_the_next_reading"),
+    ])),
     fault(72, "a peer that causes messages", Missing("no test yet")),
-    fault(73, "a recording of a stranger with permissions, limits and paths", Missing("no test yet")),
+    fault(73, "a recording of a stranger with permissions, limits and paths", Tests(&[
+        ("tests/cli/security/recordings.rs", "no_file_is_opened_because_a_recording_names_it"),
+        ("tests/cli/security/recordings.rs", "a_replay_neither_writes_nor_reads_the_layout_file_that_a_recording_names"),
+        ("tests/cli/security/recordings.rs", "system_chords_of_a_replay_need_the_permission_of_the_person_who_replays_it"),
+        ("tests/cli/security/recordings.rs", "a_layout_with_system_keys_is_refused_for_an_output_that_types"),
+        ("src/setup/recorded.rs", "permissions_are_those_of_the_person_and_never_those_of_the_recording"),
+    ])),
     fault(74, "escape sequences and line breaks in names from files and peers", Missing("no test yet")),
     fault(75, "an existing transcript: another owner, a symbolic link, mode 0666", Tests(&[
         ("tests/cli/security/files.rs", "an_existing_transcript_becomes_private_and_links_and_files_of_others_are_refused"),
