@@ -119,6 +119,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "system_keys_are_suppressed_unless_they_are_allowed",
             ),
             (
+                "src/pipeline/output_gate/tests.rs",
+                "a_system_chord_is_never_down_in_any_order_of_its_keys",
+            ),
+            (
                 "src/output/uinput/linux/spec.rs",
                 "each_device_has_the_required_capabilities_only",
             ),
@@ -293,10 +297,16 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         20,
         "a replay types only on request",
-        Status::Met(&[(
-            "tests/cli/security/replays.rs",
-            "a_replay_presses_nothing_unless_the_output_desktop_is_named",
-        )]),
+        Status::Met(&[
+            (
+                "tests/cli/security/replays.rs",
+                "a_replay_presses_nothing_unless_the_output_desktop_is_named",
+            ),
+            (
+                "tests/cli/security/recordings.rs",
+                "system_chords_of_a_replay_need_the_permission_of_the_person_who_replays_it",
+            ),
+        ]),
     ),
     requirement(
         21,
