@@ -1,9 +1,12 @@
 //! The demo in a terminal, which `script` of util-linux provides.
 #![cfg(target_os = "linux")]
 
+use std::fs;
 use std::io::{ErrorKind, Read, Write};
 use std::process::{Command, Stdio};
 use std::sync::mpsc;
+use std::thread;
+use std::time::{Duration, Instant};
 
 const ENTER_ALTERNATE_SCREEN: &str = "\x1b[?1049h";
 const LEAVE_ALTERNATE_SCREEN: &str = "\x1b[?1049l";
@@ -101,4 +104,55 @@ fn a_transcript_on_the_terminal_is_not_drawn_over() {
     assert_eq!(code, Some(0), "{shown}");
     assert!(shown.contains("down A"), "{shown}");
     assert!(!shown.contains(ENTER_ALTERNATE_SCREEN), "{shown}");
+}
+
+#[test]
+fn closing_the_terminal_ends_the_demo_and_removes_its_serial_port() {
+    let folder = tempfile::tempdir().unwrap();
+    let process_id = folder.path().join("id");
+    let ports = folder.path().join("ports");
+    fs::create_dir(&ports).unwrap();
+    let demo = format!(
+        "stty rows 30 columns 100; echo $$ > {}; exec {} demo",
+        process_id.display(),
+        env!("CARGO_BIN_EXE_ademan")
+    );
+    let spawned = Command::new("script")
+        .args(["--quiet", "--command", &demo, "/dev/null"])
+        .env("TERM", "xterm-256color")
+        .env("SHELL", "/bin/sh")
+        .env("TMPDIR", &ports)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn();
+    let mut script = match spawned {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            println!("SKIPPED: `script` of util-linux is not installed");
+            return;
+        }
+        spawned => spawned.unwrap(),
+    };
+    let mut screen = script.stdout.take().unwrap();
+    let mut shown = Vec::new();
+    while !String::from_utf8_lossy(&shown).contains("running") {
+        let mut buffer = [0; 4096];
+        let length = screen.read(&mut buffer).unwrap();
+        assert!(length > 0, "{}", String::from_utf8_lossy(&shown));
+        shown.extend(&buffer[..length]);
+    }
+    assert_eq!(fs::read_dir(&ports).unwrap().count(), 1);
+    script.kill().unwrap();
+    script.wait().unwrap();
+    let status = format!(
+        "/proc/{}/stat",
+        fs::read_to_string(&process_id).unwrap().trim()
+    );
+    // An ended process whose parent is gone may stay as a zombie.
+    let has_ended = || fs::read_to_string(&status).map_or(true, |status| status.contains(") Z "));
+    let start = Instant::now();
+    while !has_ended() && start.elapsed() < Duration::from_secs(60) {
+        thread::sleep(Duration::from_millis(20));
+    }
+    assert!(has_ended(), "the demo goes on without a terminal");
+    assert_eq!(fs::read_dir(&ports).unwrap().count(), 0);
 }

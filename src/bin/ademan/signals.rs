@@ -14,6 +14,7 @@ const INTERRUPTED: i32 = 130;
 const GRACE: Duration = Duration::from_secs(1);
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
+static BEFORE_EXIT: OnceLock<fn()> = OnceLock::new();
 static ACTION: OnceLock<Box<dyn Fn() + Send + Sync>> = OnceLock::new();
 
 /// Handles the signals from now on.
@@ -33,10 +34,18 @@ pub fn on_stop(action: impl Fn() + Send + Sync + 'static) {
     }
 }
 
+/// Sets the last action before a second request ends the process. Only the first one counts.
+pub fn before_exit(action: fn()) {
+    let _ = BEFORE_EXIT.set(action);
+}
+
 /// Stops the program in an orderly way. A second request ends even a program that hangs, after 1 s.
 pub fn request_stop() {
     if REQUESTED.swap(true, Ordering::SeqCst) {
         thread::sleep(GRACE);
+        if let Some(action) = BEFORE_EXIT.get() {
+            action();
+        }
         std::process::exit(INTERRUPTED);
     }
     run_action();

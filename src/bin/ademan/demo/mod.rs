@@ -1,6 +1,7 @@
 //! `ademan demo`: a simulated hand types or plays a script, from glove bytes to events.
 
 mod draw;
+mod interrupt;
 mod player;
 mod screen;
 mod script;

@@ -11,9 +11,9 @@ use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 use ratatui::DefaultTerminal;
-use ratatui::crossterm::event::{self, Event, KeyCode, KeyModifiers};
 
 use super::draw::{Picture, Scene};
+use super::interrupt;
 use crate::signals;
 
 /// Time between two pictures without events.
@@ -36,14 +36,17 @@ impl Screen {
     /// cannot be taken over stays as it is.
     pub fn open(layout: &Layout, goal: String) -> Self {
         let mut screen = Self::closed(layout);
-        let terminal = match ratatui::try_init() {
-            Ok(terminal) => terminal,
-            Err(error) => {
-                ratatui::restore();
-                tracing::warn!("cannot draw in this terminal, continuing without: {error}");
-                return screen;
-            }
-        };
+        // A second Ctrl-C ends the process without dropping the screen.
+        signals::before_exit(restore);
+        let terminal =
+            match ratatui::try_init().and_then(|terminal| interrupt::enable().map(|()| terminal)) {
+                Ok(terminal) => terminal,
+                Err(error) => {
+                    restore();
+                    tracing::warn!("cannot draw in this terminal, continuing without: {error}");
+                    return screen;
+                }
+            };
         let (pictures, queue) = bounded(1);
         let painter = Painter {
             terminal,
@@ -121,12 +124,19 @@ impl Drop for Screen {
         let painted = painter.join();
         // The panic hook has restored it already; a second time would put the cursor on the message.
         if !std::thread::panicking() && painted.is_ok() {
-            ratatui::restore();
+            restore();
         }
+        interrupt::discard_input();
         if !matches!(painted, Ok(Ok(()))) {
             tracing::warn!("cannot draw in this terminal");
         }
     }
+}
+
+/// Restores the terminal as far as it still exists. The function of the library reports a failure on standard error and
+/// panics if that is gone too.
+fn restore() {
+    let _ = ratatui::try_restore();
 }
 
 struct Painter {
@@ -136,6 +146,16 @@ struct Painter {
 
 impl Painter {
     fn run(mut self, pictures: &Receiver<Picture>) -> io::Result<()> {
+        let painted = self.paint(pictures);
+        // A terminal that is dropped with a hidden cursor shows it, and panics if neither that nor a message about the
+        // failure can be written, as when the window is closed.
+        if self.terminal.show_cursor().is_err() {
+            std::mem::forget(self.terminal);
+        }
+        painted
+    }
+
+    fn paint(&mut self, pictures: &Receiver<Picture>) -> io::Result<()> {
         loop {
             match pictures.recv_timeout(KEY_PERIOD) {
                 Ok(picture) => {
@@ -145,28 +165,7 @@ impl Painter {
                 Err(RecvTimeoutError::Timeout) => {}
                 Err(RecvTimeoutError::Disconnected) => return Ok(()),
             }
-            handle_keys()?;
+            interrupt::check()?;
         }
     }
-}
-
-/// In raw mode the terminal sends no signal for Ctrl-C.
-fn handle_keys() -> io::Result<()> {
-    while event::poll(Duration::ZERO)? {
-        if !is_ctrl_c(&event::read()?) {
-            continue;
-        }
-        if signals::is_stop_requested() {
-            // The second request ends the process without dropping the screen.
-            ratatui::restore();
-        }
-        signals::request_stop();
-    }
-    Ok(())
-}
-
-fn is_ctrl_c(event: &Event) -> bool {
-    event.as_key_press_event().is_some_and(|key| {
-        key.code == KeyCode::Char('c') && key.modifiers.contains(KeyModifiers::CONTROL)
-    })
 }
