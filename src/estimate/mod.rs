@@ -112,8 +112,7 @@ impl PartialEq for MeasuredJoints {
 named_enum! {
     /// The reason why a reading was rejected.
     pub enum Rejection ("reason") {
-        /// The reading has too few channels, no angles or no distance between its joints, or no glove is configured for its
-        /// channels.
+        /// The reading has too few channels, no angles or no joints, or no glove is configured for its channels.
         WrongShape = "wrong-shape",
         /// Its time stamp is not later than that of the previous reading.
         OutOfOrder = "out-of-order",
@@ -125,7 +124,7 @@ named_enum! {
         TooFast = "too-fast",
         /// Landmarks are not trusted and the arm was not seen before.
         LowConfidence = "low-confidence",
-        /// Landmarks coincide or lie on a line, so that they show no direction.
+        /// Landmarks or joints coincide or lie on a line, so that they show no direction.
         Collapsed = "collapsed",
     }
 }

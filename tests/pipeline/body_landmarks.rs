@@ -167,6 +167,32 @@ fn landmarks_that_show_no_arm_are_rejected_with_their_reason() {
 }
 
 #[test]
+fn the_path_of_an_arm_that_was_lost_is_unknown() {
+    let mut estimator = Estimator::new(EstimatorSettings::default());
+    let mut frames = 0;
+    let mut jumped = |person: Person| {
+        frames += 1;
+        let reading = Reading {
+            time: Timestamp::from_seconds(f64::from(frames) / RATE_HZ),
+            side: Some(Side::Right),
+            sample: Sample::Body(person.landmarks()),
+        };
+        estimator.update(&reading).expect("an arm").jumped
+    };
+    let person = Person::new();
+    assert!(!jumped(person));
+    for _ in 0..HELD_FRAMES {
+        assert!(!jumped(hidden(person, Side::Right)));
+    }
+    assert!(!jumped(person), "seen again within the hold time");
+    for _ in 0..=HELD_FRAMES {
+        jumped(hidden(person, Side::Right));
+    }
+    assert!(jumped(person));
+    assert!(!jumped(person));
+}
+
+#[test]
 fn an_arm_that_was_never_seen_has_no_pose() {
     let mut estimator = Estimator::new(EstimatorSettings::default());
     let reading = Reading {

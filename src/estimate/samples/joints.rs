@@ -51,7 +51,7 @@ impl JointConverter {
             }
         }
         if all_coincide(positions) {
-            return Err(Rejection::WrongShape);
+            return Err(Rejection::Collapsed);
         }
         for (joint, position) in positions.known() {
             self.last.set(joint, position.as_vec3());
@@ -152,6 +152,6 @@ mod tests {
         assert_eq!(reject(&at(f64::NAN)), Rejection::NotFinite);
         assert_eq!(reject(&at(101.0)), Rejection::OutsideLimits);
         let together = [Joint::Elbow, Joint::Wrist, Joint::IndexTip].map(|joint| (joint, DVec3::Y));
-        assert_eq!(reject(&together), Rejection::WrongShape);
+        assert_eq!(reject(&together), Rejection::Collapsed);
     }
 }
