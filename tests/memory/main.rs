@@ -4,5 +4,6 @@
 mod support;
 
 mod landmarks;
+mod motion;
 mod soak;
 mod steady_state;

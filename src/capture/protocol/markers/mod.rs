@@ -74,6 +74,10 @@ const RATE: ProtocolOption = ProtocolOption {
     check: |value| space::check_range(value, 0.1..=10_000.0, "lines per second"),
 };
 
+/// Times in a line that are earlier by up to this many microseconds are of datagrams that overtook each other. Earlier
+/// ones are of a sender that has started again.
+const MAX_DELAY_US: u64 = 1_000_000;
+
 /// Latest time in a line, in microseconds: 285 years, which JSON numbers hold exactly.
 const MAX_TIME_US: u64 = 1 << 53;
 
@@ -86,6 +90,8 @@ struct MarkerParser {
     max_gap: f64,
     points: PointCloud,
     markers: HandMarkers,
+    /// Latest `time_us` so far.
+    latest: Option<u64>,
 }
 
 impl MarkerParser {
@@ -97,7 +103,14 @@ impl MarkerParser {
             max_gap: space::number(options, &MAX_GAP) / unit_mm,
             points: PointCloud::default(),
             markers: HandMarkers::new(space::number(options, &ELBOW_OFFSET) / 1000.0),
+            latest: None,
         }
+    }
+
+    /// Returns whether a line is later than all before it, or of a sender that has started again.
+    fn is_newer(&self, time: u64) -> bool {
+        self.latest
+            .is_none_or(|latest| time > latest || latest - time > MAX_DELAY_US)
     }
 
     /// Returns the markers of the hand in the world, in metres.
@@ -122,8 +135,11 @@ impl LineParser for MarkerParser {
 
     fn parse(&mut self, line: &[u8]) -> Option<Packet> {
         let line: Line = serde_json::from_slice(line).ok()?;
-        if line.time_us.is_some_and(|time| time > MAX_TIME_US) {
-            return None;
+        if let Some(time) = line.time_us {
+            if time > MAX_TIME_US || !self.is_newer(time) {
+                return None;
+            }
+            self.latest = Some(time);
         }
         let sites = self.sites(&line)?;
         let positions = self.markers.joints(&sites);
@@ -139,6 +155,7 @@ impl LineParser for MarkerParser {
 
     fn reset(&mut self) {
         self.markers.reset();
+        self.latest = None;
     }
 }
 

@@ -165,6 +165,21 @@ fn the_elbow_is_corrected_and_the_wrist_lies_between_its_markers() {
 }
 
 #[test]
+fn lines_that_are_late_or_come_twice_are_dropped_and_a_restarted_sender_is_accepted() {
+    let valid = line(&CAMERAS.map(|camera| (camera, &[("elbow", ELBOW)][..])));
+    let timed = |time: u64| valid.replacen('{', &format!(r#"{{"time_us":{time},"#), 1);
+    let sent = [
+        2_000_000, 2_010_000, 2_005_000, 2_010_000, 2_020_000, 4_000, 8_000,
+    ];
+    let packets = decode(&options(&[]), &sent.map(timed));
+    let times: Vec<u64> = packets
+        .iter()
+        .map(|packet| packet.time.unwrap().0)
+        .collect();
+    assert_eq!(times, [2_000_000, 2_010_000, 2_020_000, 4_000, 8_000]);
+}
+
+#[test]
 fn invalid_lines_are_skipped_and_times_are_kept() {
     let valid = line(&CAMERAS.map(|camera| (camera, &[("elbow", ELBOW)][..])));
     let timed = |time: &str| valid.replacen('{', &format!(r#"{{"time_us":{time},"#), 1);
