@@ -48,6 +48,7 @@
 
 // Types shared by every stage.
 pub mod time;
+pub mod message;
 pub mod names;
 pub mod hand;
 pub mod geometry;

@@ -1,5 +1,7 @@
 //! Enums with one spelling per value in files, messages and output, and suggestions for misspelled names.
 
+use crate::message::escape;
+
 /// Declares a field-less enum whose values have one name in files, messages and output.
 ///
 /// Generates `ALL`, `COUNT`, `name`, `index`, `Display`, `FromStr` (whose error suggests the closest valid name) and
@@ -68,7 +70,7 @@ pub(crate) use named_enum;
 
 /// A name that is not one of the valid names.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("unknown {kind} `{text}`{}", suggestion(.nearest))]
+#[error("unknown {kind} `{}`{}", escape(.text), suggestion(.nearest))]
 pub struct UnknownName {
     /// The kind of thing that the name stands for, such as "joint" or "key".
     pub kind: &'static str,
@@ -95,7 +97,7 @@ impl UnknownName {
 
 fn suggestion(nearest: &Option<String>) -> String {
     match nearest {
-        Some(name) => format!(", did you mean `{name}`?"),
+        Some(name) => format!(", did you mean `{}`?", escape(name)),
         None => String::new(),
     }
 }

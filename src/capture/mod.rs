@@ -61,6 +61,7 @@ use serde::{Deserialize, Serialize};
 
 use self::body::BodyLandmarks;
 use crate::hand::{JointAngles, JointPositions, Side};
+use crate::message::{escape, escape_lines};
 use crate::time::Timestamp;
 
 pub use cancel::CancelToken;
@@ -305,7 +306,7 @@ pub struct SourceStats {
 #[non_exhaustive]
 pub enum CaptureError {
     /// The text is not a source URI.
-    #[error("cannot read `{text}` as a source: {reason}")]
+    #[error("cannot read `{}` as a source: {}", escape(.text), escape(.reason))]
     InvalidUri {
         /// The text as written.
         text: String,
@@ -313,7 +314,7 @@ pub enum CaptureError {
         reason: String,
     },
     /// The device or file cannot be opened.
-    #[error("cannot open {source_name}: {reason}")]
+    #[error("cannot open {}: {}", escape(.source_name), escape_lines(.reason))]
     Open {
         /// Name of the source.
         source_name: String,
@@ -321,7 +322,7 @@ pub enum CaptureError {
         reason: String,
     },
     /// The device was lost. The source reconnects.
-    #[error("lost {source_name}: {reason}; reconnecting")]
+    #[error("lost {}: {}; reconnecting", escape(.source_name), escape(.reason))]
     Lost {
         /// Name of the source.
         source_name: String,
@@ -329,7 +330,10 @@ pub enum CaptureError {
         reason: String,
     },
     /// The readings before and after the interruption may be unrelated.
-    #[error("{source_name} was interrupted: {reason}; hold the hand off all keys for a moment")]
+    #[error(
+        "{} was interrupted: {}; hold the hand off all keys for a moment",
+        escape(.source_name), escape(.reason)
+    )]
     Interrupted {
         /// Name of the source.
         source_name: String,
@@ -337,7 +341,7 @@ pub enum CaptureError {
         reason: String,
     },
     /// The data of the source cannot be used.
-    #[error("cannot use {source_name}: {reason}")]
+    #[error("cannot use {}: {}", escape(.source_name), escape_lines(.reason))]
     Malformed {
         /// Name of the source.
         source_name: String,
@@ -350,5 +354,16 @@ impl CaptureError {
     /// Returns `true` if the source continues, so that [`Source::next`] may be called again.
     pub const fn is_recoverable(&self) -> bool {
         matches!(self, Self::Lost { .. } | Self::Interrupted { .. })
+    }
+
+    /// Returns the name of the source; the text as written if it is not a URI.
+    pub fn source_name(&self) -> &str {
+        match self {
+            Self::InvalidUri { text, .. } => text,
+            Self::Open { source_name, .. }
+            | Self::Lost { source_name, .. }
+            | Self::Interrupted { source_name, .. }
+            | Self::Malformed { source_name, .. } => source_name,
+        }
     }
 }

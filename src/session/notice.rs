@@ -2,6 +2,8 @@
 
 use std::fmt;
 use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 use std::time::Duration;
 
@@ -13,6 +15,7 @@ use crate::capture::SourceUri;
 use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{Finger, FingerSet};
+use crate::message::HeldBack;
 
 /// Notices that wait for the receiver of the user.
 const QUEUE_LENGTH: usize = 64;
@@ -64,6 +67,10 @@ pub enum Notice {
     WatchdogLost,
     /// Outcome of a change to a layout.
     Layout(LayoutReport),
+    /// Notices of one kind and source that were held back, as there was one of them a short time ago.
+    HeldBack(Box<HeldBack<Notice>>),
+    /// This many notices were dropped because the receiver was too slow.
+    Missed(u64),
 }
 
 impl fmt::Display for Notice {
@@ -116,6 +123,12 @@ impl fmt::Display for Notice {
                 f.write_str("the watchdog exited or hangs: everything is released")
             }
             Self::Layout(report) => report.fmt(f),
+            Self::HeldBack(held_back) => held_back.fmt(f),
+            Self::Missed(count) => write!(
+                f,
+                "{} dropped: nobody has read them in time",
+                counted(*count, "message")
+            ),
         }
     }
 }
@@ -151,20 +164,25 @@ fn write_untrusted(f: &mut fmt::Formatter<'_>, fingers: FingerSet) -> fmt::Resul
     }
 }
 
-/// Sends notices without waiting; drops them when the queue is full.
+/// Sends notices without waiting; drops and counts them when the queue is full.
 #[derive(Clone)]
-pub(super) struct NoticeSender(Sender<Option<Notice>>);
+pub(super) struct NoticeSender {
+    sender: Sender<Option<Notice>>,
+    missed: Arc<AtomicU64>,
+}
 
 impl NoticeSender {
     /// Sends a notice.
     pub fn send(&self, notice: Notice) {
-        let _ = self.0.try_send(Some(notice));
+        if self.sender.try_send(Some(notice)).is_err() {
+            self.missed.fetch_add(1, Ordering::Relaxed);
+        }
     }
 }
 
 /// A thread that hands notices to the user's receiver, which may block on a terminal.
 pub(super) struct NoticeThread {
-    sender: Sender<Option<Notice>>,
+    sender: NoticeSender,
     /// Disconnected when all notices were handled.
     finished: Receiver<()>,
 }
@@ -173,6 +191,11 @@ impl NoticeThread {
     /// Starts the thread. Without a receiver all notices are dropped.
     pub fn start(on_notice: Option<Box<dyn FnMut(Notice) + Send>>) -> io::Result<Self> {
         let (sender, notices) = bounded::<Option<Notice>>(QUEUE_LENGTH);
+        let missed = Arc::new(AtomicU64::new(0));
+        let sender = NoticeSender {
+            sender,
+            missed: missed.clone(),
+        };
         let Some(mut on_notice) = on_notice else {
             return Ok(Self {
                 sender,
@@ -186,6 +209,10 @@ impl NoticeThread {
                 // `None` marks the end: other threads may keep their senders.
                 for notice in notices.iter().map_while(|notice| notice) {
                     on_notice(notice);
+                    let missed = missed.swap(0, Ordering::Relaxed);
+                    if missed > 0 {
+                        on_notice(Notice::Missed(missed));
+                    }
                 }
                 drop(finish);
             })?;
@@ -194,12 +221,13 @@ impl NoticeThread {
 
     /// A sender for any thread.
     pub fn sender(&self) -> NoticeSender {
-        NoticeSender(self.sender.clone())
+        self.sender.clone()
     }
 
     /// Waits until all notices were handled, up to 1 s.
     pub fn finish(&self) {
-        if self.sender.send_timeout(None, FLUSH_TIMEOUT).is_ok() {
+        let sender = &self.sender.sender;
+        if sender.send_timeout(None, FLUSH_TIMEOUT).is_ok() {
             let _ = self.finished.recv_timeout(FLUSH_TIMEOUT);
         }
     }

@@ -1,108 +1,150 @@
 //! Notices that follow from changes of the state of a session.
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use super::notice::Notice;
 use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{FingerSet, Side};
+use crate::message::MessageLimits;
 use crate::pipeline::PipelineState;
 use crate::snapshot::{Snapshot, Stats};
 
-/// Shortest time between two notices of the same kind of loss.
-const REPEAT_INTERVAL: Duration = Duration::from_secs(10);
+/// Notices per 10 s that a person waits for: the pause that somebody asked for, and the start of typing, which must never
+/// be a surprise.
+const AWAITED: u32 = 10;
 
-/// Derives notices from snapshots: one for each change of state, and one per kind of loss in 10 s.
+/// Derives notices from snapshots: one for each change of state and each loss, but at most one per kind and source in
+/// 10 s, as a peer can cause them. Only those that a person waits for may come more often.
 #[derive(Default)]
 pub(super) struct StatusLog {
+    limits: MessageLimits<Topic, Notice>,
     state: Option<(PipelineState, Option<CommandOrigin>)>,
-    rejected: [RateLimited<u64>; Rejection::COUNT],
-    dropped: RateLimited<u64>,
-    system_keys: RateLimited<u64>,
-    keys_by_role: RateLimited<u64>,
-    pointing_by_role: RateLimited<u64>,
+    rejected: [u64; Rejection::COUNT],
+    dropped: u64,
+    system_keys: u64,
+    keys_by_role: u64,
+    pointing_by_role: u64,
     /// By side.
-    untrusted: [RateLimited<FingerSet>; Side::COUNT],
+    untrusted: [FingerSet; Side::COUNT],
 }
 
-/// A value that is reported when it changes, but at most once per [`REPEAT_INTERVAL`].
-#[derive(Clone, Copy, Default)]
-struct RateLimited<T> {
-    reported: T,
-    reported_at: Option<Instant>,
-}
-
-impl<T: Copy + PartialEq> RateLimited<T> {
-    /// Returns the value reported before, if the new one is due.
-    fn update(&mut self, value: T) -> Option<T> {
-        let is_recent = |at: Instant| at.elapsed() < REPEAT_INTERVAL;
-        if value == self.reported || self.reported_at.is_some_and(is_recent) {
-            return None;
-        }
-        self.reported_at = Some(Instant::now());
-        Some(std::mem::replace(&mut self.reported, value))
-    }
-}
-
-impl RateLimited<u64> {
-    /// Returns the increase since the last report, if one is due.
-    fn increase(&mut self, count: u64) -> Option<u64> {
-        self.update(count).map(|before| count - before)
-    }
+/// The kind and the source of a notice.
+#[derive(Debug, PartialEq)]
+enum Topic {
+    Rejected(Rejection),
+    Dropped,
+    SystemKeys,
+    KeysByRole,
+    PointingByRole,
+    Untrusted(Side),
+    /// The name of the source.
+    Lost(String),
+    Paused,
+    Disarmed,
+    Armed,
+    Stalled,
 }
 
 impl StatusLog {
     /// Reports the changes since the last snapshot.
     pub fn update(&mut self, snapshot: &Snapshot, report: &mut impl FnMut(Notice)) {
+        let now = Instant::now();
         // At the end the readings that were not processed count as dropped.
         if snapshot.state != PipelineState::Stopped {
-            self.report_losses(&snapshot.stats, report);
+            self.report_losses(&snapshot.stats, now, report);
         }
         if let Some(pose) = &snapshot.pose
-            && let untrusted = &mut self.untrusted[pose.side.index()]
-            && untrusted.update(pose.untrusted).is_some()
+            && let reported = &mut self.untrusted[pose.side.index()]
+            && *reported != pose.untrusted
+            && self.limits.admits(Topic::Untrusted(pose.side), now)
         {
+            *reported = pose.untrusted;
             report(Notice::UntrustedFingers(pose.untrusted));
         }
         if let Some(error) = &snapshot.source_error {
-            report(Notice::SourceLost(error.to_string()));
-        }
-        self.report_state(snapshot, report);
-    }
-
-    fn report_losses(&mut self, stats: &Stats, report: &mut impl FnMut(Notice)) {
-        let rejected = self.rejected.iter_mut().zip(stats.rejected);
-        for (&reason, (limited, count)) in Rejection::ALL.iter().zip(rejected) {
-            if let Some(more) = limited.increase(count) {
-                report(Notice::Rejected(more, reason));
+            let topic = Topic::Lost(error.source_name().to_owned());
+            let notice = Notice::SourceLost(error.to_string());
+            if let Some(notice) = self.limits.admit(topic, 1, notice, now) {
+                report(notice);
             }
         }
-        let suppressed = &stats.suppressed;
-        if let Some(more) = self.dropped.increase(stats.source.dropped) {
-            report(Notice::Dropped(more));
-        }
-        if let Some(more) = self.system_keys.increase(suppressed.system_keys) {
-            report(Notice::SystemKeysSuppressed(more));
-        }
-        if let Some(more) = self.keys_by_role.increase(suppressed.keys_by_role) {
-            report(Notice::KeysSuppressed(more));
-        }
-        if let Some(more) = self.pointing_by_role.increase(suppressed.pointing_by_role) {
-            report(Notice::PointingSuppressed(more));
+        self.report_state(snapshot, now, report);
+        let is_end = snapshot.state == PipelineState::Stopped;
+        while let Some(held_back) = match is_end {
+            true => self.limits.take_any(now),
+            false => self.limits.take_due(now),
+        } {
+            report(Notice::HeldBack(Box::new(held_back)));
         }
     }
 
-    fn report_state(&mut self, snapshot: &Snapshot, report: &mut impl FnMut(Notice)) {
+    /// Reports counters that have increased, each with the increase since its last notice.
+    fn report_losses(&mut self, stats: &Stats, now: Instant, report: &mut impl FnMut(Notice)) {
+        let limits = &mut self.limits;
+        let mut update = |topic, reported: &mut u64, count, notice: &dyn Fn(u64) -> Notice| {
+            if count != *reported && limits.admits(topic, now) {
+                report(notice(count - std::mem::replace(reported, count)));
+            }
+        };
+        let rejected = self.rejected.iter_mut().zip(stats.rejected);
+        for (&reason, (reported, count)) in Rejection::ALL.iter().zip(rejected) {
+            let notice = |more| Notice::Rejected(more, reason);
+            update(Topic::Rejected(reason), reported, count, &notice);
+        }
+        let (suppressed, dropped) = (&stats.suppressed, stats.source.dropped);
+        let counters = [
+            (Topic::Dropped, &mut self.dropped, dropped),
+            (
+                Topic::SystemKeys,
+                &mut self.system_keys,
+                suppressed.system_keys,
+            ),
+            (
+                Topic::KeysByRole,
+                &mut self.keys_by_role,
+                suppressed.keys_by_role,
+            ),
+            (
+                Topic::PointingByRole,
+                &mut self.pointing_by_role,
+                suppressed.pointing_by_role,
+            ),
+        ];
+        let notices = [
+            Notice::Dropped,
+            Notice::SystemKeysSuppressed,
+            Notice::KeysSuppressed,
+            Notice::PointingSuppressed,
+        ];
+        for ((topic, reported, count), notice) in counters.into_iter().zip(notices) {
+            update(topic, reported, count, &notice);
+        }
+    }
+
+    fn report_state(&mut self, snapshot: &Snapshot, now: Instant, report: &mut impl FnMut(Notice)) {
         let state = (snapshot.state, snapshot.paused_by);
         if self.state.replace(state) == Some(state) {
             return;
         }
-        match state {
-            (PipelineState::Starting | PipelineState::Stopped, _) => {}
-            (PipelineState::Paused, Some(origin)) => report(Notice::Paused(origin)),
-            (PipelineState::Paused, None) => report(Notice::Disarmed),
-            (PipelineState::Running, _) => report(Notice::Armed),
-            (PipelineState::Stalled, _) => report(Notice::Stalled),
+        let (topic, limit, notice) = match state {
+            (PipelineState::Starting | PipelineState::Stopped, _) => return,
+            (PipelineState::Paused, Some(origin)) => {
+                (Topic::Paused, AWAITED, Notice::Paused(origin))
+            }
+            (PipelineState::Paused, None) => (Topic::Disarmed, 1, Notice::Disarmed),
+            (PipelineState::Running, _) => (Topic::Armed, AWAITED, Notice::Armed),
+            (PipelineState::Stalled, _) => (Topic::Stalled, 1, Notice::Stalled),
+        };
+        let is_pause = topic == Topic::Paused;
+        let Some(notice) = self.limits.admit(topic, limit, notice, now) else {
+            return;
+        };
+        if is_pause {
+            // The person who pauses waits for the notices that follow.
+            self.limits
+                .restart(|topic| matches!(topic, Topic::Disarmed | Topic::Stalled));
         }
+        report(notice);
     }
 }

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 
 use ademan::command::{CommandOrigin, CommandSpec, FieldKind, SPECS};
+use ademan::message::{escape, escape_lines};
 use ademan::session::control_socket::{self, Client};
 use clap::{Arg, ArgMatches, Command, FromArgMatches, Subcommand};
 use serde_json::{Map, Value};
@@ -133,7 +134,9 @@ fn reply_text(command: &str, reply: &Value) -> String {
         "pause" => "paused: everything is released".into(),
         "resume" => "resumed: output is armed once the hand is clear of every key".into(),
         "stop" => "ended".into(),
-        _ => plain_text(&reply["text"]).unwrap_or_else(|| "done".into()),
+        _ => reply["text"]
+            .as_str()
+            .map_or("done".into(), |text| escape_lines(text).into_owned()),
     }
 }
 
@@ -169,11 +172,11 @@ fn non_zero(counts: &Value) -> impl Iterator<Item = (&String, &Value)> {
     counts.filter(|(_, count)| **count != 0)
 }
 
-/// A string without quotes, any other value as JSON, `None` for null.
+/// A string without quotes and escaped, any other value as JSON, `None` for null.
 fn plain_text(value: &Value) -> Option<String> {
     match value {
         Value::Null => None,
-        Value::String(text) => Some(text.clone()),
+        Value::String(text) => Some(escape(text).into_owned()),
         value => Some(value.to_string()),
     }
 }
@@ -198,8 +201,13 @@ fn notification_text(fields: &Map<String, Value>) -> String {
     let is_detail = |(key, value): &(&String, &Value)| {
         !matches!(key.as_str(), "time_us" | "event" | "command") && !value.is_boolean()
     };
-    let details = fields.iter().filter(is_detail).map(|(_, value)| value);
-    let words = event.into_iter().chain(details).filter_map(plain_text);
+    let details = fields.iter().filter(is_detail);
+    let details = details.filter_map(|(key, value)| match (key.as_str(), value) {
+        // An error in a file has several lines.
+        ("text", Value::String(text)) => Some(escape_lines(text).into_owned()),
+        _ => plain_text(value),
+    });
+    let words = event.and_then(plain_text).into_iter().chain(details);
     words.fold(format!("{time:>12}"), |line, word| line + " " + &word)
 }
 

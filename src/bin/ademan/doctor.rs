@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use ademan::doctor::{self, CheckStatus, Finding, Requirements};
+use ademan::message::escape_lines;
 use ademan::output::{self, Backend, OutputError};
 use ademan::setup::LoadedSetup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -52,7 +53,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         && tests.iter().all(|(_, outcome)| outcome.is_ok());
     match args.json {
         true => writeln!(io::stdout(), "{}", as_json(&findings, &tests, is_ok))?,
-        false => io::stdout().write_all(as_text(&findings, &tests).as_bytes())?,
+        false => {
+            let text = as_text(&findings, &tests);
+            io::stdout().write_all(escape_lines(&text).as_bytes())?;
+        }
     }
     match is_ok {
         true => Ok(()),

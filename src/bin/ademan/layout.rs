@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::layout::Layout;
+use ademan::message::{escape, escape_lines};
 use ademan::session::counted;
 use ademan::setup::Setup;
 
@@ -72,7 +73,8 @@ fn check(files: &[String]) -> Result<(), Failure> {
                     0 => String::new(),
                     count => format!("{}, ", counted(count, "other control")),
                 };
-                writeln!(out, "{file}: valid, {keys}, {others}{layers}")?;
+                let name = escape(file);
+                writeln!(out, "{name}: valid, {keys}, {others}{layers}")?;
                 warn_unreachable(file)?;
             }
             Err(error) => {
@@ -102,6 +104,7 @@ fn warn_unreachable(file: &str) -> Result<(), Failure> {
             true => format!("it is {:.0} mm out of reach", metres * 1e3),
             false => "it has no position".into(),
         };
+        let (file, name) = (escape(file), escape(name));
         say!("warning: {file}: the default hand cannot press `{name}`: {distance}");
     }
     Ok(())
@@ -124,11 +127,12 @@ fn new(file: &Path, from: &str) -> Result<(), Failure> {
     let mut created = File::create_new(&path).map_err(cannot_write)?;
     created.write_all(text.as_bytes()).map_err(cannot_write)?;
     let mut out = io::stdout().lock();
-    writeln!(out, "wrote {}, a copy of {}", path.display(), original.file)?;
+    let path = path.to_string_lossy();
+    let (path, original) = (escape(&path), escape(&original.file));
+    writeln!(out, "wrote {path}, a copy of {original}")?;
     writeln!(
         out,
-        "edit it, then: ademan layout check {0} && ademan demo --layout {0}",
-        path.display()
+        "edit it, then: ademan layout check {path} && ademan demo --layout {path}"
     )?;
     Ok(())
 }
@@ -136,7 +140,7 @@ fn new(file: &Path, from: &str) -> Result<(), Failure> {
 fn list(args: &ListArgs) -> Result<(), Failure> {
     let row = |(name, layout): (&str, Layout)| Row {
         name: name.into(),
-        summary: layout.description,
+        summary: escape(&layout.description).into_owned(),
         example: None,
     };
     let rows: Vec<Row> = Layout::shipped()?.into_iter().map(row).collect();
@@ -146,11 +150,11 @@ fn list(args: &ListArgs) -> Result<(), Failure> {
 fn show(file: &str, svg: Option<&Path>) -> Result<(), Failure> {
     let layout = Layout::load(file)?;
     let Some(path) = svg else {
-        io::stdout().write_all(layout.to_text().as_bytes())?;
+        io::stdout().write_all(escape_lines(&layout.to_text()).as_bytes())?;
         return Ok(());
     };
     fs::write(path, layout.to_svg())
         .map_err(|error| Failure::wrong_use(format!("cannot write {}: {error}", path.display())))?;
-    writeln!(io::stdout(), "wrote {}", path.display())?;
+    writeln!(io::stdout(), "wrote {}", escape(&path.to_string_lossy()))?;
     Ok(())
 }

@@ -260,7 +260,8 @@ impl<R: Read + Send> Replay<R> {
                     0 => "the file ends without an end mark".to_owned(),
                     _ => format!("the file ends {rest} bytes into a record"),
                 };
-                tracing::warn!("{} is truncated at byte {offset}: {reason}", self.name);
+                let name = &self.name;
+                tracing::warn!(source = name, "{name} is truncated at byte {offset}: {reason}");
                 let _ = self.truncation.set(Truncation { offset, reason });
                 Ok(())
             }

@@ -112,6 +112,7 @@ impl<C: Connector> StreamSource<C> {
         let has_packet = !self.pending.readings.is_empty();
         if self.garbage.update(now, has_packet) {
             tracing::warn!(
+                source = self.name,
                 "no valid packet from {} for {} s; check baud and protocol",
                 self.name,
                 GarbageDetector::TIMEOUT.as_secs()
@@ -208,13 +209,18 @@ impl<C: Connector> StreamSource<C> {
         match reconnect.wait(self.cancel.as_ref()) {
             ReconnectEvent::Idle => {}
             ReconnectEvent::Unusable(reason) => {
-                tracing::warn!("cannot reconnect to {}: {reason}", self.name);
+                tracing::warn!(
+                    source = self.name,
+                    "cannot reconnect to {}: {reason}",
+                    self.name
+                );
             }
             ReconnectEvent::Stopped => {
                 self.state = State::Reconnecting(self.start_reconnect());
             }
             ReconnectEvent::Connected(connection) => {
-                tracing::info!("reconnected to {} at {}", self.name, connection.endpoint);
+                let (name, endpoint) = (&self.name, &connection.endpoint);
+                tracing::info!(source = name, "reconnected to {name} at {endpoint}");
                 self.last_received = Instant::now();
                 self.state = State::Connected(connection);
             }

@@ -142,7 +142,11 @@ impl Drop for CaptureThread {
     fn drop(&mut self) {
         self.cancel = None;
         if self.ended.recv_timeout(JOIN_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
-            tracing::warn!("{} does not stop, its thread is left behind", self.name);
+            let name = &self.name;
+            tracing::warn!(
+                source = name,
+                "{name} does not stop, its thread is left behind"
+            );
             return;
         }
         if let Some(thread) = self.thread.take() {

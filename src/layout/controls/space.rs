@@ -11,6 +11,7 @@ use crate::layout::builder::LayoutBuilder;
 use crate::layout::model::SpaceTargets;
 use crate::layout::quantity::{Extent, Offset, metres};
 use crate::layout::schema::{Action, PoseSchema};
+use crate::message::escape;
 
 /// Targets in space that move as one.
 #[derive(Debug, Deserialize)]
@@ -116,6 +117,7 @@ pub(in crate::layout) fn describe(targets: &SpaceTargets) -> String {
                 format!("box {:.0} × {:.0} × {:.0} mm", size.x, size.y, size.z)
             }
         };
+        let name = escape(name);
         format!(
             "{name}: {shape} at ({:.0}, {:.0}, {:.0}) mm\n",
             center.x, center.y, center.z

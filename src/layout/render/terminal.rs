@@ -6,6 +6,7 @@ use crate::contact::TargetId;
 use crate::contact::surface::Shape;
 use crate::layout::controls::{pointer, space};
 use crate::layout::model::{Board, Face, Layout};
+use crate::message::escape;
 
 /// Width and height, in characters, of a key as large as the pitch of its board.
 const KEY_COLUMNS: f32 = 5.0;
@@ -146,6 +147,7 @@ impl Cell {
                 };
             }
         }
+        let label = escape(label);
         let max_length = self.width.saturating_sub(2).max(1);
         let length = label.chars().count().min(max_length);
         let start = self.column + (self.width - length) / 2;
@@ -175,10 +177,10 @@ impl Layout {
             let keys = self.keys.iter();
             let changes = keys.filter_map(|key| {
                 let label = self.label_in_layer(key, layer)?;
-                Some(format!("{} {label}", key.face.label))
+                Some(format!("{} {}", escape(&key.face.label), escape(label)))
             });
             let changes = changes.collect::<Vec<_>>().join(", ");
-            text.push_str(&format!("\n{name}: {changes}\n"));
+            text.push_str(&format!("\n{}: {changes}\n", escape(name)));
         }
         text
     }

@@ -18,6 +18,7 @@ use self::worker::{ChangeDetection, ManagedLayout, Worker};
 use super::layout_link::LayoutLink;
 use crate::document::DocumentError;
 use crate::layout::Layout;
+use crate::message::escape;
 use crate::pipeline::LayoutInstance;
 
 /// Outcome of a change to a layout.
@@ -36,7 +37,7 @@ pub enum LayoutReport {
 impl fmt::Display for LayoutReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Activated(layout) => write!(f, "{}: active from now on", layout.file),
+            Self::Activated(layout) => write!(f, "{}: active from now on", escape(&layout.file)),
             Self::Invalid(error) => write!(f, "{error}\nthe active layout stays"),
             Self::Rejected(reason) => f.write_str(reason),
             Self::Command(Ok(text) | Err(text)) => f.write_str(text),

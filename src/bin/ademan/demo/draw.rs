@@ -3,6 +3,7 @@
 use ademan::contact::TargetId;
 use ademan::hand::Finger;
 use ademan::layout::{Cell, Face, Grid, Hover, Layout};
+use ademan::message::escape;
 use ademan::pipeline::PipelineState;
 use ratatui::Frame;
 use ratatui::buffer::Buffer;
@@ -65,7 +66,7 @@ impl Scene {
     }
 
     fn draw_title(&self, frame: &mut Frame, picture: &Picture, cut: Option<(u16, u16)>) {
-        let mut title = format!(" {} · {}", self.layout.name, picture.state);
+        let mut title = format!(" {} · {}", escape(&self.layout.name), picture.state);
         if let Some((columns, rows)) = cut {
             title += &format!(" · needs a window of {columns}×{rows}");
         }
@@ -144,7 +145,7 @@ fn draw_face(buffer: &mut Buffer, area: Rect, face: &Face, lit: bool) {
     let block = Block::bordered().style(style);
     let inside = block.inner(area);
     block.render(area, buffer);
-    Line::from(face.label.as_str())
+    Line::from(escape(&face.label))
         .style(style)
         .centered()
         .render(inside, buffer);
