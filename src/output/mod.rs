@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use crate::contact::TargetNames;
 use crate::device::{Capabilities, OutputEvent, TimedCommand};
+use crate::message::escape;
 use crate::names::UnknownName;
 
 mod axis_state;
@@ -108,7 +109,8 @@ pub struct OpenRequest<'a> {
 ///
 /// Dropping a sink releases every pressed key, as [`close`](Self::close) does.
 pub trait Sink: Send {
-    /// Sends the events of one step, in order; the list may be empty. Does not block.
+    /// Sends the events of one step, in order; the list may be empty. Does not block, except in a lossless log (see
+    /// [`drop_when_full`](Self::drop_when_full)).
     ///
     /// The error may concern events of earlier steps.
     ///
@@ -132,6 +134,15 @@ pub trait Sink: Send {
         false
     }
 
+    /// Returns `true` if something outside of this process changes with the events, such as a pressed key. Then the loop
+    /// must wait for no observer.
+    fn has_effect(&self) -> bool {
+        true
+    }
+
+    /// Makes a log drop lines, and count them, when its reader is too slow. A log is lossless before: it waits.
+    fn drop_when_full(&mut self) {}
+
     /// Sets the names of the targets in later events, for sinks that write them.
     fn set_target_names(&mut self, _: &TargetNames) {}
 
@@ -139,7 +150,8 @@ pub trait Sink: Send {
     /// pause, a stall or a stop. They are [counted](Self::dropped_presses). Sinks without a queue ignore it.
     fn void_presses(&mut self) {}
 
-    /// Releases everything that is pressed and waits until all events are delivered, at most 1 s.
+    /// Releases everything that is pressed and waits until all events are delivered, at most 1 s; a lossless log waits
+    /// for its reader.
     fn close(&mut self) -> Result<(), OutputError>;
 
     /// Returns the number of presses and characters that were dropped because the queue was full, they became void
@@ -172,6 +184,14 @@ impl Sink for Box<dyn Sink> {
         (**self).is_log()
     }
 
+    fn has_effect(&self) -> bool {
+        (**self).has_effect()
+    }
+
+    fn drop_when_full(&mut self) {
+        (**self).drop_when_full();
+    }
+
     fn set_target_names(&mut self, names: &TargetNames) {
         (**self).set_target_names(names);
     }
@@ -198,7 +218,7 @@ impl Sink for Box<dyn Sink> {
 #[non_exhaustive]
 pub enum OutputError {
     /// The output cannot be opened.
-    #[error("cannot open the output `{output}`: {reason}")]
+    #[error("cannot open the output `{}`: {reason}", escape(.output))]
     Open {
         /// The output as written.
         output: String,
@@ -206,7 +226,7 @@ pub enum OutputError {
         reason: String,
     },
     /// The output stopped accepting events.
-    #[error("the output `{output}` failed: {reason}")]
+    #[error("the output `{}` failed: {reason}", escape(.output))]
     Send {
         /// The output as written.
         output: String,
@@ -214,7 +234,7 @@ pub enum OutputError {
         reason: String,
     },
     /// The reader of the output has closed it (`EPIPE`). A program ends without an error message then.
-    #[error("the reader of the output `{output}` has closed it")]
+    #[error("the reader of the output `{}` has closed it", escape(.output))]
     BrokenPipe {
         /// The output as written.
         output: String,

@@ -23,6 +23,10 @@ impl Sink for NullSink {
         Ok(())
     }
 
+    fn has_effect(&self) -> bool {
+        false
+    }
+
     fn close(&mut self) -> Result<(), OutputError> {
         Ok(())
     }

@@ -34,8 +34,12 @@ pub struct Router {
 }
 
 impl Router {
-    /// Creates a router; earlier sinks take precedence.
-    pub fn new(sinks: Vec<Box<dyn Sink>>) -> Self {
+    /// Creates a router; earlier sinks take precedence. Logs next to a sink with an effect
+    /// [drop lines](Sink::drop_when_full) rather than delay its releases.
+    pub fn new(mut sinks: Vec<Box<dyn Sink>>) -> Self {
+        if sinks.iter().any(|sink| sink.has_effect()) {
+            sinks.iter_mut().for_each(|sink| sink.drop_when_full());
+        }
         let route = |sink: &dyn Sink| Route {
             capabilities: sink.capabilities(),
             is_log: sink.is_log(),
@@ -74,6 +78,16 @@ impl Sink for Router {
             result = result.and(sink.log_commands(commands));
         }
         result
+    }
+
+    fn has_effect(&self) -> bool {
+        self.sinks.iter().any(|sink| sink.has_effect())
+    }
+
+    fn drop_when_full(&mut self) {
+        for sink in &mut self.sinks {
+            sink.drop_when_full();
+        }
     }
 
     fn set_target_names(&mut self, names: &TargetNames) {

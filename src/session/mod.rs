@@ -188,11 +188,16 @@ impl Session {
         };
         let mut sink = self.open_output()?;
         let is_live = source.is_live();
+        if is_live && !self.options.lossless_snapshots {
+            sink.drop_when_full();
+        }
+        // A replay may wait for its observers while nothing outside can stay pressed meanwhile.
+        let may_wait = !is_live && !sink.has_effect();
         let mut recorder = match &self.options.record_to {
             Some(path) => {
                 let recorded = self.setup.recorded_setup();
                 let recorded = recorded.with_packet_period(source.packet_period());
-                Some(RecorderThread::start(path, &recorded, !is_live)?)
+                Some(RecorderThread::start(path, &recorded, may_wait)?)
             }
             None => None,
         };

@@ -2,9 +2,12 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::{self, JoinHandle};
+use std::time::Duration;
 
-use crossbeam_channel::{Sender, bounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 
 use crate::advice;
 use crate::capture::recording::RecordedSetup;
@@ -14,18 +17,25 @@ use crate::snapshot::Snapshot;
 /// Steps that wait for the disk: more than 1 s at 175 readings per second.
 const QUEUE_LENGTH: usize = 256;
 
+/// Longest time at the end in which the disk accepts nothing.
+const DISK_TIMEOUT: Duration = Duration::from_secs(2);
+
 /// Writes every step to a recording.
 pub(super) struct RecorderThread {
     path: PathBuf,
     queue: Sender<Snapshot>,
     writer: JoinHandle<Result<(), RecordError>>,
+    /// Disconnected when the writer has ended.
+    ended: Receiver<()>,
+    /// Steps that were written.
+    written: Arc<AtomicU64>,
     is_lossless: bool,
     missed: u64,
 }
 
 impl RecorderThread {
-    /// Creates a recording. A lossless one delays the session loop when the disk is slow; any other one drops steps and
-    /// counts them.
+    /// Creates a recording. A lossless one delays the session loop when the disk is slow, which no output with an effect
+    /// allows; any other one drops steps and counts them.
     pub fn start(
         path: &Path,
         setup: &RecordedSetup,
@@ -33,9 +43,14 @@ impl RecorderThread {
     ) -> Result<Self, RecordError> {
         let mut recorder = Recorder::create(path, setup)?;
         let (queue, steps) = bounded::<Snapshot>(QUEUE_LENGTH);
+        let (end, ended) = bounded::<()>(0);
+        let written = Arc::new(AtomicU64::new(0));
+        let counter = written.clone();
         let write = move || {
+            let _end = end;
             for step in steps {
                 recorder.write(&step)?;
+                counter.fetch_add(1, Ordering::Relaxed);
             }
             recorder.finish()
         };
@@ -51,6 +66,8 @@ impl RecorderThread {
                     reason: advice::no_thread(&error).to_string(),
                 }
             })?,
+            ended,
+            written,
             is_lossless,
             missed: 0,
         })
@@ -65,13 +82,20 @@ impl RecorderThread {
         self.missed += u64::from(!is_queued);
     }
 
-    /// Waits until everything is written.
+    /// Waits until everything is written. A disk that accepts nothing for 2 s is given up.
     pub fn finish(self) -> Result<(), RecordError> {
         drop(self.queue);
         let stopped = |reason: String| RecordError::Write {
             path: self.path.clone(),
             reason,
         };
+        let written = || self.written.load(Ordering::Relaxed);
+        let mut before = written();
+        while self.ended.recv_timeout(DISK_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
+            if std::mem::replace(&mut before, written()) == written() {
+                return Err(stopped("the disk does not respond".into()));
+            }
+        }
         match self.writer.join() {
             Err(_) => Err(stopped("the recorder thread panicked".into())),
             Ok(Err(error)) => Err(error),

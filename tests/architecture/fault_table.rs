@@ -32,7 +32,7 @@ const fn fault(number: u8, name: &'static str, coverage: Coverage) -> Fault {
 pub const COVERED: &[u8] = &[
     1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 20, 23, 25, 26,
     27, 28, 29, 30, 31, 32, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
-    50, 51, 52, 53, 54, 55, 56, 57, 58, 60, 61, 62, 64, 65, 66, 67, 68, 69, 70, 71, 73, 75, 76, 77,
+    50, 51, 52, 53, 54, 55, 56, 57, 58, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75, 76, 77,
 ];
 
 /// The faults, in the order of their numbers.
@@ -333,7 +333,13 @@ pub const FAULTS: &[Fault] = &[
     fault(62, "a grab of another client while a key is down", Tests(&[
         ("tests/outputs/x11/grabs.rs", "a_release_passes_the_grab_of_another_client"),
     ])),
-    fault(63, "standard error or output is full and nobody reads", Missing("no test yet")),
+    fault(63, "standard error or output is full and nobody reads", Tests(&[
+        ("tests/outputs/x11/blocked_streams.rs", "a_key_is_released_when_the_finger_lifts_or_the_cable_is_pulled_and_the_run_ends_on_one_signal"),
+        ("tests/outputs/spacenav/mod.rs", "a_lever_returns_to_its_center_while_nobody_reads_the_standard_streams"),
+        ("tests/cli/faults/blocked_streams.rs", "a_run_with_full_streams_executes_commands_and_ends_in_order_on_one_signal"),
+        ("src/output/transcript/thread.rs", "a_dropping_transcript_never_waits_and_writes_the_count_and_the_releases_later"),
+        ("src/bin/ademan/messages/queue.rs", "a_reader_that_reads_nothing_blocks_nobody_and_gets_the_count_later"),
+    ])),
     fault(64, "program and watchdog killed in the same instant", Tests(&[
         ("tests/outputs/x11/both_killed.rs", "keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_command_of_the_unit"),
         ("tests/outputs/x11/both_killed.rs", "keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_next_run"),
@@ -376,7 +382,11 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/gap.rs", "the_transcript_of_a_replay_with_a_gap_agrees_with_the_display"),
         ("src/capture/pace.rs", "the_clock_passes_through_a_gap_and_stays_before_the_next_reading"),
     ])),
-    fault(72, "a peer that causes messages", Missing("no test yet")),
+    fault(72, "a peer that causes messages", Tests(&[
+        ("tests/cli/faults/message_floods.rs", "text_between_packets_causes_one_message_in_ten_seconds_and_a_count"),
+        ("src/message/limit.rs", "one_message_per_key_and_interval_is_sent_and_the_others_are_counted"),
+        ("src/message/limit.rs", "ever_new_sources_share_a_bounded_number_of_counters"),
+    ])),
     fault(73, "a recording of a stranger with permissions, limits and paths", Tests(&[
         ("tests/cli/security/recordings.rs", "no_file_is_opened_because_a_recording_names_it"),
         ("tests/cli/security/recordings.rs", "a_replay_neither_writes_nor_reads_the_layout_file_that_a_recording_names"),
@@ -384,7 +394,12 @@ pub const FAULTS: &[Fault] = &[
         ("tests/cli/security/recordings.rs", "a_layout_with_system_keys_is_refused_for_an_output_that_types"),
         ("src/setup/recorded.rs", "permissions_are_those_of_the_person_and_never_those_of_the_recording"),
     ])),
-    fault(74, "escape sequences and line breaks in names from files and peers", Missing("no test yet")),
+    fault(74, "escape sequences and line breaks in names from files and peers", Tests(&[
+        ("tests/cli/faults/names.rs", "names_of_layouts_files_and_sources_are_printed_escaped"),
+        ("tests/cli/faults/names.rs", "the_answers_of_a_session_are_printed_escaped"),
+        ("src/message/escape.rs", "a_text_becomes_one_line_that_cannot_act_on_a_terminal"),
+        ("src/document/error.rs", "names_messages_and_excerpts_contain_no_escape_codes"),
+    ])),
     fault(75, "an existing transcript: another owner, a symbolic link, mode 0666", Tests(&[
         ("tests/cli/security/files.rs", "an_existing_transcript_becomes_private_and_links_and_files_of_others_are_refused"),
         ("tests/cli/security/files.rs", "a_layout_of_another_user_is_not_saved"),

@@ -1,11 +1,10 @@
 //! The `ademan` command.
 
-/// Prints a line on standard error. A closed or full standard error is ignored: it must not end a session.
+/// Prints a message on standard error, see [`messages`].
 macro_rules! say {
-    ($($line:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(std::io::stderr(), $($line)*);
-    }};
+    ($($message:tt)*) => {
+        crate::messages::print(&format!($($message)*))
+    };
 }
 
 /// Declares the subcommands: one line each, with the module that holds its `Args` and its `run`.
@@ -36,6 +35,7 @@ mod gloves;
 mod layout;
 mod list;
 mod man;
+mod messages;
 mod output_list;
 mod outputs;
 mod panics;
@@ -97,15 +97,17 @@ subcommands! {
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    start_log();
-    match panics::catch(|| {
+    messages::install_log();
+    let code = match panics::catch(|| {
         // Before any thread is started, as threads inherit the mask.
         cli.command.block_signals()?;
         cli.command.run()
     }) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
-    }
+    };
+    messages::flush();
+    code
 }
 
 impl Subcommand {
@@ -116,16 +118,4 @@ impl Subcommand {
             _ => signal_mask::block_unused(),
         }
     }
-}
-
-/// Log lines go to standard error without a time stamp: a person reads them.
-fn start_log() {
-    tracing_subscriber::fmt()
-        .with_writer(std::io::stderr)
-        .with_max_level(tracing::Level::INFO)
-        .without_time()
-        .with_target(false)
-        .with_ansi(false)
-        .log_internal_errors(false)
-        .init();
 }

@@ -5,9 +5,13 @@ use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
+use std::time::Duration;
 
 use crate::failure::Failure;
-use crate::signals;
+use crate::{messages, signals};
+
+/// Longest wait for the message of a panic that aborts the process.
+const ABORT_DELAY: Duration = Duration::from_millis(20);
 
 static PANICKED: AtomicBool = AtomicBool::new(false);
 static BACKTRACE: OnceLock<Backtrace> = OnceLock::new();
@@ -30,8 +34,8 @@ pub fn catch(run: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
 /// Makes every panic print a message and stop the program.
 pub fn install_hook() {
     panic::set_hook(Box::new(|panic| {
-        PANICKED.store(true, Ordering::Relaxed);
-        signals::request_stop_once();
+        let is_second = PANICKED.swap(true, Ordering::Relaxed);
+        signals::request_stop();
         // Resolving its symbols takes seconds, in which keys would stay down; `catch` prints it at the end.
         let _ = BACKTRACE.set(Backtrace::capture());
         let thread = thread::current();
@@ -39,6 +43,10 @@ pub fn install_hook() {
             "thread '{}' {panic}",
             thread.name().unwrap_or("without a name")
         );
+        if is_second {
+            // A panic during a panic aborts the process next, and the watchdog releases the keys.
+            messages::flush_within(ABORT_DELAY);
+        }
     }));
 }
 

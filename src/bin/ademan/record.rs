@@ -8,7 +8,7 @@ use ademan::session::{Session, SessionOptions};
 
 use crate::failure::Failure;
 use crate::setup_args::SetupArgs;
-use crate::{signals, stats};
+use crate::{messages, signals, stats};
 
 /// Record a source and the results of every stage, without typing
 #[derive(clap::Args)]
@@ -26,6 +26,7 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), Failure> {
     let setup = args.flags.read_setup(args.setup.as_deref())?;
     let setup = setup.load_files()?;
+    messages::start()?;
     signals::install()?;
     let options = SessionOptions {
         output: Some(output::open("none", &setup.required_capabilities())?),

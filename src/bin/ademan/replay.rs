@@ -11,7 +11,7 @@ use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::number_in;
-use crate::{signals, stats, watchdog};
+use crate::{messages, signals, stats, watchdog};
 
 /// Play a recording through the pipeline again
 #[derive(clap::Args)]
@@ -47,6 +47,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     let setup = load_setup(&args, &replay, has_effect)?;
     let cut = replay.shared_truncation();
+    messages::start()?;
     signals::install()?;
     let options = SessionOptions {
         source: Some(Box::new(replay)),

@@ -9,7 +9,7 @@ use ademan::{advice, doctor, output};
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::SetupArgs;
-use crate::{pause_signals, signals, stats, watchdog};
+use crate::{messages, pause_signals, signals, stats, watchdog};
 
 /// Type with a glove
 #[derive(clap::Args)]
@@ -53,6 +53,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         Some(path) => ControlSocket::Path(path.clone()),
         None => ControlSocket::Default,
     };
+    messages::start()?;
     signals::install()?;
     let options = SessionOptions {
         speed: Some(1.0),

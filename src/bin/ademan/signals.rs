@@ -1,4 +1,4 @@
-//! SIGINT (Ctrl-C), SIGTERM and SIGHUP: an orderly end.
+//! SIGINT (Ctrl-C), SIGTERM and SIGHUP: an orderly end within a bounded time.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,8 +7,11 @@ use std::time::Duration;
 
 use crate::failure::Failure;
 
-/// Exit code after a second Ctrl-C.
+/// Exit code of a program that could not end in an orderly way.
 const INTERRUPTED: i32 = 130;
+
+/// Time for an orderly end. It takes some milliseconds, but a standard output that nobody reads would block it forever.
+const END_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// Time for an orderly end before a second Ctrl-C ends the process. Releasing all keys takes a few milliseconds.
 const GRACE: Duration = Duration::from_secs(1);
@@ -19,7 +22,7 @@ static ACTION: OnceLock<Box<dyn Fn() + Send + Sync>> = OnceLock::new();
 
 /// Handles the signals from now on.
 pub fn install() -> Result<(), Failure> {
-    ctrlc::set_handler(request_stop).map_err(|error| match error {
+    ctrlc::set_handler(interrupt).map_err(|error| match error {
         ctrlc::Error::System(error) => Failure::no_thread(error),
         error => Failure::job(format!("cannot handle Ctrl-C: {error}")),
     })
@@ -39,22 +42,30 @@ pub fn before_exit(action: fn()) {
     let _ = BEFORE_EXIT.set(action);
 }
 
-/// Stops the program in an orderly way. A second request ends even a program that hangs, after 1 s.
-pub fn request_stop() {
+/// Handles a signal or Ctrl-C: stops the program in an orderly way. A program that hangs ends after 3 s, or 1 s after a
+/// second request.
+pub fn interrupt() {
     if REQUESTED.swap(true, Ordering::SeqCst) {
-        thread::sleep(GRACE);
-        if let Some(action) = BEFORE_EXIT.get() {
-            action();
-        }
-        std::process::exit(INTERRUPTED);
+        exit_after(GRACE);
     }
+    let deadline = thread::Builder::new().name("end".into());
+    // Without the thread, a second request is the way to end a program that hangs.
+    let _ = deadline.spawn(|| exit_after(END_TIMEOUT));
     run_action();
 }
 
-/// As [`request_stop`], but a second request has no effect.
-pub fn request_stop_once() {
-    if !is_stop_requested() {
-        request_stop();
+fn exit_after(delay: Duration) -> ! {
+    thread::sleep(delay);
+    if let Some(action) = BEFORE_EXIT.get() {
+        action();
+    }
+    std::process::exit(INTERRUPTED)
+}
+
+/// Stops the program in an orderly way. A second request has no effect.
+pub fn request_stop() {
+    if !REQUESTED.swap(true, Ordering::SeqCst) {
+        run_action();
     }
 }
 

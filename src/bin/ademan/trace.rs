@@ -10,7 +10,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
 use crate::setup_args::SetupArgs;
-use crate::signals;
+use crate::{messages, signals};
 
 /// Print the results of a stage, one JSON object per line
 #[derive(clap::Args)]
@@ -33,6 +33,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     // Nothing is typed, so that the trace may begin with the first reading.
     setup.arm_immediately = true;
     let setup = setup.load_files()?;
+    messages::start()?;
     signals::install()?;
     let options = SessionOptions {
         output: Some(output::open("none", &setup.required_capabilities())?),

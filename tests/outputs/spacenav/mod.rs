@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use self::client::{Client, TIMEOUT};
 use crate::support::binary::ademan;
+use crate::support::full_pipe::full_pipe;
 use crate::support::process::Process;
 use ademan::device::{Axis, Capabilities, EventKind, OutputEvent};
 use ademan::output::{self, OutputError, Sink};
@@ -240,6 +241,21 @@ fn a_lever_sends_motion() {
     let with = format!("SPNAV_SOCKET={}", path.display());
     let paths = lines.iter().filter(|line| line.ends_with(&with));
     assert_eq!(paths.count(), 1, "{lines:#?}");
+}
+
+#[test]
+fn a_lever_returns_to_its_center_while_nobody_reads_the_standard_streams() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("spnav.sock");
+    let ((_out, stdout), (_err, stderr)) = (full_pipe(), full_pipe());
+    // The transcript comes first, so that the server waits for it, if anything does.
+    let output = format!("transcript,spacenav:{},none", path.display());
+    let mut command = run("workshop", LEVER, &output);
+    let mut program = Process::start(command.stdout(stdout).stderr(stderr)).unwrap();
+    wait_for(&path);
+    let received = Client::connect(&path).read_to_end();
+    assert_lifted(&received.iter().map(|packet| packet[2]).collect::<Vec<_>>());
+    assert!(program.0.wait().unwrap().success());
 }
 
 /// Compiles a client with Debian's libspnav. Returns `None` with a message if it is not installed.

@@ -4,6 +4,7 @@
 
 #[cfg(target_os = "linux")]
 mod both_killed;
+mod blocked_streams;
 mod doctor;
 mod ends;
 mod grabs;

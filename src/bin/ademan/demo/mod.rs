@@ -17,6 +17,7 @@ use ademan::command::Command;
 use ademan::document::shipped_layouts;
 use ademan::hand::Side;
 use ademan::layout::Layout;
+use ademan::message::escape;
 use ademan::output;
 use ademan::session::{Session, SessionOptions, Summary};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
@@ -25,7 +26,7 @@ use ademan::sim::{PacketWriters, PlaybackStats, SimulatedTypist};
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::number_in;
-use crate::{signals, stats, watchdog};
+use crate::{messages, signals, stats, watchdog};
 use player::Player;
 use screen::Screen;
 use task::Task;
@@ -67,6 +68,7 @@ pub struct Args {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
+    messages::start()?;
     signals::install()?;
     // The players come and go, and signals have one action.
     let player = Arc::new(Mutex::new(None));
@@ -114,7 +116,7 @@ fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
         io::stdout(),
         "a simulated hand {} on {} over {}",
         task.description(),
-        setup.layout.name,
+        escape(&setup.layout.name),
         source.name()
     )?;
     let uses_terminal = io::stdout().is_terminal() && !output::uses_stdout(&args.output);

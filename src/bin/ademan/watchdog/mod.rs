@@ -15,6 +15,7 @@ use ademan::output;
 use ademan::session::WatchdogProgram;
 
 use crate::failure::Failure;
+use crate::messages;
 
 /// Name of the hidden subcommand.
 pub const COMMAND: &str = "watchdog";
@@ -25,6 +26,7 @@ pub struct Args {}
 
 pub fn run(_: Args) -> Result<(), Failure> {
     system::detach();
+    messages::start()?;
     output::run_watchdog(|line| say!("watchdog: {line}")).map_err(Failure::wrong_use)
 }
 

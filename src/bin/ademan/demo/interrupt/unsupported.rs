@@ -16,7 +16,7 @@ pub fn enable() -> io::Result<()> {
 pub fn check() -> io::Result<()> {
     while event::poll(Duration::ZERO)? {
         if is_ctrl_c(&event::read()?) {
-            signals::request_stop();
+            signals::interrupt();
         }
     }
     Ok(())

@@ -9,19 +9,28 @@
 //!     1240.250 depth 3 0.512
 //!     1300.001 up   Q
 //! ```
+//!
+//! A line `missed 17` states that 17 lines are missing because the reader was too slow for a live source.
 
-use std::fmt;
+mod line;
+mod missed_lines;
+mod thread;
+
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::axis_state::AxisState;
 use super::{Backend, OpenRequest, OutputError, Sink};
-use crate::command::Command;
 use crate::contact::TargetNames;
 use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Capabilities, EventKind, OutputEvent, TimedCommand, TimedCommands};
 use crate::files;
 use crate::time::Timestamp;
+use line::MissedLine;
+use missed_lines::MissedLines;
+use thread::TranscriptThread;
+
+pub use line::{CommandLine, EventLine};
 
 /// The backend `transcript`.
 pub const BACKEND: Backend = Backend {
@@ -37,22 +46,22 @@ pub const BACKEND: Backend = Backend {
 
 /// Opens a transcript on the standard output, or in a file that only its owner can read, and whose content it replaces.
 fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
-    let Some(path) = request.argument else {
-        let writer = BufWriter::new(io::stdout());
-        return Ok(Box::new(Transcript::new(request.name, writer)));
+    let open_error = |error| OutputError::open(request.name, error);
+    let writer: Box<dyn Write + Send> = match request.argument {
+        None => Box::new(io::stdout()),
+        Some(path) => {
+            let file = files::replace_private(Path::new(path));
+            Box::new(file.map_err(|error| OutputError::open(request.name, error))?)
+        }
     };
-    let file = files::replace_private(Path::new(path))
-        .map_err(|error| OutputError::open(request.name, error))?;
-    Ok(Box::new(Transcript::new(
-        request.name,
-        BufWriter::new(file),
-    )))
+    let thread = TranscriptThread::start(request.name, BufWriter::new(writer));
+    Ok(Box::new(thread.map_err(open_error)?))
 }
 
 /// A sink that writes one line per event and flushes after each step.
 ///
-/// A transcript is complete: it blocks until the writer accepts each line. A release of a key that is not pressed and
-/// a second press of a pressed key are not written.
+/// A transcript is complete: it blocks until the writer accepts each line, and the backend gives it a thread of its own.
+/// A release of a key that is not pressed and a second press of a pressed key are not written.
 pub struct Transcript<W: Write + Send> {
     name: String,
     target_names: TargetNames,
@@ -82,8 +91,24 @@ impl<W: Write + Send> Transcript<W> {
 
     fn write_commands(&mut self) -> io::Result<()> {
         for command in std::mem::take(&mut self.commands) {
-            self.last_time = self.last_time.max(command.time);
-            writeln!(self.writer, "{}", CommandLine(&command))?;
+            self.write_command(&command)?;
+        }
+        Ok(())
+    }
+
+    fn write_command(&mut self, command: &TimedCommand) -> io::Result<()> {
+        self.last_time = self.last_time.max(command.time);
+        writeln!(self.writer, "{}", CommandLine(command))
+    }
+
+    /// Writes the number of lines that are missing, and what was released in them.
+    fn write_missed(&mut self, missed: &MissedLines) -> io::Result<()> {
+        self.last_time = self.last_time.max(missed.time);
+        let time = self.last_time;
+        writeln!(self.writer, "{}", MissedLine(time, missed.count))?;
+        let releases: Vec<_> = missed.releases_of(&self.pressed, &self.axes).collect();
+        for kind in releases {
+            self.write(&OutputEvent { time, kind })?;
         }
         Ok(())
     }
@@ -151,6 +176,10 @@ impl<W: Write + Send> Sink for Transcript<W> {
         true
     }
 
+    fn has_effect(&self) -> bool {
+        false
+    }
+
     fn set_target_names(&mut self, names: &TargetNames) {
         self.target_names = names.clone();
     }
@@ -167,49 +196,6 @@ impl<W: Write + Send> Drop for Transcript<W> {
             let _ = self.release_all();
         }
     }
-}
-
-/// One event as a line of text without a line end; the second field names its target.
-#[derive(Clone, Copy, Debug)]
-pub struct EventLine<'a>(pub &'a OutputEvent, pub &'a TargetNames);
-
-impl fmt::Display for EventLine<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = |target| self.1.get(target);
-        write_time(f, self.0.time)?;
-        match self.0.kind {
-            EventKind::KeyDown(key) => write!(f, "down {key}"),
-            EventKind::KeyUp(key) => write!(f, "up   {key}"),
-            EventKind::Character(character) => write!(f, "write {character:?}"),
-            EventKind::MoveBy(x, y) => write!(f, "move {x:+} {y:+}"),
-            EventKind::MoveTo(x, y) => write!(f, "position {x:.4} {y:.4}"),
-            EventKind::Scroll(x, y) => write!(f, "scroll {x:+} {y:+}"),
-            EventKind::Axis(axis, value) => write!(f, "axis {axis} {value:+.3}"),
-            EventKind::Depth(target, depth) => write!(f, "depth {} {depth:.3}", name(target)),
-            EventKind::Value(target, value) => write!(f, "value {} {value:.3}", name(target)),
-            EventKind::Select(target) => write!(f, "select {}", name(target)),
-            EventKind::Unselect(target) => write!(f, "unselect {}", name(target)),
-        }
-    }
-}
-
-/// One command as a line of text without a line end.
-#[derive(Clone, Copy, Debug)]
-pub struct CommandLine<'a>(pub &'a TimedCommand);
-
-impl fmt::Display for CommandLine<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write_time(f, self.0.time)?;
-        match &self.0.command {
-            command @ Command::Scale { factor } => write!(f, "{} {factor:.3}", command.name()),
-            command => write!(f, "{command}"),
-        }
-    }
-}
-
-/// Writes the first column of a line.
-fn write_time(f: &mut fmt::Formatter<'_>, Timestamp(micros): Timestamp) -> fmt::Result {
-    write!(f, "{:>8}.{:03} ", micros / 1_000, micros % 1_000)
 }
 
 #[cfg(test)]

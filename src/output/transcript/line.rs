@@ -1,0 +1,63 @@
+//! Events and commands as lines of text.
+
+use std::fmt;
+
+use crate::command::Command;
+use crate::contact::TargetNames;
+use crate::device::{EventKind, OutputEvent, TimedCommand};
+use crate::message::escape;
+use crate::time::Timestamp;
+
+/// One event as a line of text without a line end; the second field names its target.
+#[derive(Clone, Copy, Debug)]
+pub struct EventLine<'a>(pub &'a OutputEvent, pub &'a TargetNames);
+
+impl fmt::Display for EventLine<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let name = |target| escape(&self.1.get(target).to_string()).into_owned();
+        write_time(f, self.0.time)?;
+        match self.0.kind {
+            EventKind::KeyDown(key) => write!(f, "down {key}"),
+            EventKind::KeyUp(key) => write!(f, "up   {key}"),
+            EventKind::Character(character) => write!(f, "write {character:?}"),
+            EventKind::MoveBy(x, y) => write!(f, "move {x:+} {y:+}"),
+            EventKind::MoveTo(x, y) => write!(f, "position {x:.4} {y:.4}"),
+            EventKind::Scroll(x, y) => write!(f, "scroll {x:+} {y:+}"),
+            EventKind::Axis(axis, value) => write!(f, "axis {axis} {value:+.3}"),
+            EventKind::Depth(target, depth) => write!(f, "depth {} {depth:.3}", name(target)),
+            EventKind::Value(target, value) => write!(f, "value {} {value:.3}", name(target)),
+            EventKind::Select(target) => write!(f, "select {}", name(target)),
+            EventKind::Unselect(target) => write!(f, "unselect {}", name(target)),
+        }
+    }
+}
+
+/// One command as a line of text without a line end.
+#[derive(Clone, Copy, Debug)]
+pub struct CommandLine<'a>(pub &'a TimedCommand);
+
+impl fmt::Display for CommandLine<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_time(f, self.0.time)?;
+        match &self.0.command {
+            command @ Command::Scale { factor } => write!(f, "{} {factor:.3}", command.name()),
+            command => write!(f, "{command}"),
+        }
+    }
+}
+
+/// The number of lines that are missing, as a line of text without a line end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct MissedLine(pub Timestamp, pub u64);
+
+impl fmt::Display for MissedLine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write_time(f, self.0)?;
+        write!(f, "missed {}", self.1)
+    }
+}
+
+/// Writes the first column of a line.
+fn write_time(f: &mut fmt::Formatter<'_>, Timestamp(micros): Timestamp) -> fmt::Result {
+    write!(f, "{:>8}.{:03} ", micros / 1_000, micros % 1_000)
+}

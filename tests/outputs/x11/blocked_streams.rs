@@ -1,0 +1,69 @@
+//! Keys are released while standard output and standard error are full, and nobody reads them.
+
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use super::wait_for_release;
+use crate::support::binary::ademan;
+use crate::support::full_pipe::full_pipe;
+use crate::support::glove::Glove;
+use crate::support::press::{Press, x11_code};
+use crate::support::process::Process;
+use crate::support::x11::{XServer, wait_at_most, wait_for};
+
+#[test]
+fn a_key_is_released_when_the_finger_lifts_or_the_cable_is_pulled_and_the_run_ends_on_one_signal() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let press = Press::for_text("h");
+    let folder = tempfile::tempdir().expect("a folder");
+    let port = folder.path().join("glove");
+    let mut glove = Glove::plug_in(&port, press.clear());
+    let source = format!("serial:{}", port.display());
+    let ((_out, stdout), (_err, stderr)) = (full_pipe(), full_pipe());
+    // The transcript comes first, so that the other output waits for it, if anything does.
+    let output = "transcript,desktop";
+    let mut command = ademan(["run", "--armed", "--output", output, "--source", &source]);
+    command
+        .args(["--control", "off"])
+        .env("DISPLAY", server.display())
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("XDG_RUNTIME_DIR")
+        .stdin(Stdio::null())
+        .stdout(stdout)
+        .stderr(stderr);
+    let mut program = Process::start(&mut command).expect("the program starts");
+    let key = [x11_code("H")];
+    let hold = |glove: &Glove| {
+        assert!(wait_for(|| {
+            glove.play(&press.approach);
+            wait_at_most(Duration::from_secs(5), || server.pressed_keys() == key)
+        }));
+    };
+    hold(&glove);
+    let start = Instant::now();
+    glove.play(&press.lift);
+    wait_for_release(&server, start, "lifted");
+    hold(&glove);
+    let start = Instant::now();
+    glove.unplug();
+    wait_for_release(&server, start, "unplugged");
+    let start = Instant::now();
+    let process = program.0.id().to_string();
+    let kill = std::process::Command::new("kill").arg(&process).status();
+    assert!(kill.expect("kill exists").success());
+    let mut status = None;
+    wait_for(|| {
+        status = program.0.try_wait().expect("a child process");
+        status.is_some()
+    });
+    println!("ended after {:.1?}", start.elapsed());
+    let status = status.expect("the program ends");
+    assert_eq!(
+        status.code(),
+        Some(0),
+        "in order, and not by the time limit"
+    );
+    assert_eq!(server.pressed_keys(), [0; 0]);
+}
