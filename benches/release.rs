@@ -28,12 +28,18 @@ mod window;
 /// Prints a message as the binary does.
 #[cfg(target_os = "linux")]
 macro_rules! say {
-    ($($text:tt)*) => { eprintln!("ademan: {}", format!($($text)*)) };
+    ($($message:tt)*) => {
+        crate::messages::print(&format!($($message)*))
+    };
 }
 #[cfg(target_os = "linux")]
 #[path = "../src/bin/ademan/failure.rs"]
 #[allow(dead_code)]
 mod failure;
+#[cfg(target_os = "linux")]
+#[path = "../src/bin/ademan/messages/mod.rs"]
+#[allow(dead_code, unused_imports)]
+mod messages;
 #[cfg(target_os = "linux")]
 #[path = "../src/bin/ademan/panics.rs"]
 #[allow(dead_code, unused_imports)]

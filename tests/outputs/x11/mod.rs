@@ -3,8 +3,9 @@
 //! An X server keeps a key pressed after its client is gone. Each test has a server of its own and queries its state.
 
 #[cfg(target_os = "linux")]
-mod both_killed;
 mod blocked_streams;
+#[cfg(target_os = "linux")]
+mod both_killed;
 mod doctor;
 mod ends;
 mod grabs;
