@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use super::recorded::kind;
-use super::{ArmSetup, OtherHand, Setup, SetupError};
+use super::{ArmSetup, OtherHand, Setup, SetupError, kind};
 use crate::capture::recording::Replay;
 use crate::capture::{self, Hc11Format, MergedSource, SidedSource, Source, SourceUri};
 use crate::command::ProfileName;

@@ -1,6 +1,7 @@
 //! Setups: sources, gloves, arms, layouts, output and limits, as written in a file and as loaded.
 
 mod check;
+mod kind;
 mod loaded;
 mod recorded;
 mod simulated;

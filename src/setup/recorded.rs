@@ -6,24 +6,9 @@
 
 use ron::ser::PrettyConfig;
 
-use super::{LoadedSetup, OtherHand, Setup, SetupError};
+use super::{LoadedSetup, OtherHand, Setup, SetupError, kind};
 use crate::capture::recording::RecordedSetup;
 use crate::document::{Document, DocumentError};
-
-/// The kinds of documents in a recording.
-pub(super) mod kind {
-    pub const SETUP: &str = "setup";
-    pub const GLOVE: &str = "glove";
-    pub const ARM: &str = "arm";
-    pub const OTHER_GLOVE: &str = "other-glove";
-    pub const OTHER_ARM: &str = "other-arm";
-    pub const LAYOUT: &str = "layout";
-
-    /// Returns the kind of a further layout.
-    pub fn profile(name: &str) -> String {
-        format!("layout:{name}")
-    }
-}
 
 /// Changes to the setup of a recording.
 #[derive(Clone, Copy, Debug, Default)]
