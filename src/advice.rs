@@ -73,7 +73,7 @@ impl fmt::Display for Advice {
 /// Returns the advice for a thread or a process that the operating system refuses to start.
 pub fn no_thread(error: &io::Error) -> Advice {
     Advice::new(
-        format!("cannot start a thread: {error}"),
+        format!("cannot start a thread or process: {error}"),
         "close other programs, or raise the limit of processes (`ulimit -u`)",
     )
 }

@@ -13,6 +13,7 @@ use crossbeam_channel::{Receiver, bounded};
 use rustix::net::{SendFlags, send};
 
 use super::{READY, ReleaseTarget, WatchdogMessage};
+use crate::advice;
 use crate::device::KeyCode;
 use crate::device::pressed_keys::KeyDirection;
 use crate::output::watchdog::{MAX_UNANSWERED, WatchdogSettings};
@@ -55,7 +56,7 @@ impl WatchdogClient {
             .stdin(Stdio::from(OwnedFd::from(watchdog_end)))
             .stdout(Stdio::null())
             .spawn()
-            .map_err(start_error)?;
+            .map_err(spawn_error)?;
         let mut watchdog = Self {
             settings: settings.clone(),
             target,
@@ -73,7 +74,7 @@ impl WatchdogClient {
             .map_err(start_error)?;
         watchdog.wait_until_ready()?;
         let replies = Arc::clone(&watchdog.replies);
-        watchdog.exited = receive_replies(&watchdog.socket, replies).map_err(start_error)?;
+        watchdog.exited = receive_replies(&watchdog.socket, replies).map_err(spawn_error)?;
         Ok(watchdog)
     }
 
@@ -176,6 +177,14 @@ fn receive_replies(socket: &UnixStream, replies: Arc<AtomicU64>) -> io::Result<R
             }
         })?;
     Ok(exited)
+}
+
+fn spawn_error(error: io::Error) -> String {
+    match error.kind() {
+        // The limit of threads and processes is reached.
+        io::ErrorKind::WouldBlock => start_error(advice::no_thread(&error)),
+        _ => start_error(error),
+    }
 }
 
 fn start_error(reason: impl std::fmt::Display) -> String {

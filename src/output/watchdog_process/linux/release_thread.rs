@@ -8,6 +8,7 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 
 use super::client_state::ClientLoss;
 use super::record::{Record, SharedRecord};
+use crate::advice;
 use crate::device::pressed_keys::{KeyDirection, PressedKeys};
 use crate::output::desktop::worker::Injector;
 
@@ -59,8 +60,7 @@ impl ReleaseThread {
             state.run(&received);
         };
         let thread = thread::Builder::new().name("releases".into()).spawn(run);
-        let thread = thread
-            .map_err(|error| format!("cannot start a thread: {error}; close other programs"))?;
+        let thread = thread.map_err(|error| advice::no_thread(&error).to_string())?;
         match connection.recv() {
             Ok(result) => result.map(|()| Self { faults, thread }),
             Err(_) => Err("connecting to the display panicked".into()),
