@@ -68,7 +68,7 @@ impl Attack {
         Self::ConnectFloodingClient,
     ];
 
-    /// The attacks that the program withstands. The others show faults that are still to be removed.
+    /// The attacks of a run without a setting, which is known to pass.
     pub const ENABLED: [Self; 10] = [
         Self::StopProgram,
         Self::KillProgram,

@@ -17,8 +17,11 @@ use crate::support::x11::{XServer, wait_at_most, wait_for};
 /// The longest time until all keys are released. An idle machine needs at most 400 ms; the rest is for a busy one.
 const BOUND: Duration = Duration::from_secs(5);
 
-/// The time after which arming and pressing a key is tried again. The movement takes 2 s on an idle machine.
-const RETRY: Duration = Duration::from_secs(20);
+/// The longest time for a movement of the hand, which takes 2 s on an idle machine.
+const MOVEMENT: Duration = Duration::from_secs(60);
+
+/// The number of attempts to arm the run and press a key: a stall of a busy machine ends one.
+const ATTEMPTS: usize = 8;
 
 /// The number of messages to print after a violation.
 const MESSAGES: usize = 40;
@@ -105,21 +108,23 @@ impl Rig {
 
     /// Starts the program if it has exited, arms it, and waits until a key is pressed.
     fn start_pressing(&mut self, is_typing: bool) -> Result<(), String> {
-        let is_pressed = || {
+        for _ in 0..ATTEMPTS {
             if let Some(status) = self.scene.subject.exit_status() {
                 let last = self.scene.subject.stderr.lines().pop();
                 println!("{status}, {}", last.unwrap_or_default());
                 self.scene.restart_program();
                 self.stats.starts += 1;
             }
-            let before = self.log.len();
+            let stalls = || self.scene.subject.stderr.count("stalled");
+            let (presses_before, stalls_before) = (self.log.len(), stalls());
             self.scene.start_pressing(is_typing);
-            wait_at_most(RETRY, || self.log.presses_after(before) > 0)
-        };
-        match wait_for(is_pressed) {
-            true => Ok(()),
-            false => Err("the program does not type again".into()),
+            let is_pressed = || self.log.presses_after(presses_before) > 0;
+            wait_at_most(MOVEMENT, || is_pressed() || stalls() > stalls_before);
+            if is_pressed() {
+                return Ok(());
+            }
         }
+        Err("the program does not type again".into())
     }
 
     /// Begins all attacks, and ends those on the X server.

@@ -22,7 +22,7 @@ use crate::support::x11::XServer;
 const CLIENTS: usize = 16;
 
 /// Packets of a hand that is clear of all keys, for longer than a run needs to be armed.
-const CLEAR_PACKETS: usize = 100;
+const CLEAR_PACKETS: usize = 70;
 
 pub struct Scene {
     pub server: XServer,
