@@ -12,8 +12,8 @@ use crate::support::output_pipe::OutputPipe;
 use crate::support::process::{Process, children};
 use crate::support::x11::{XServer, wait_for};
 
-/// A setup with which a busy machine rarely causes a stall.
-const SETUP: &str = "Setup(stall_timeout_ms: 1000)";
+/// A setup with which a busy machine rarely causes a stall. The time-out is below the bound of the rig.
+const SETUP: &str = "Setup(stall_timeout_ms: 3000)";
 
 /// A running program with a glove, a layout file and a control socket in a folder.
 pub struct Subject {
