@@ -69,16 +69,22 @@ impl Attack {
     ];
 
     /// The attacks of a run without a setting, which is known to pass.
-    pub const ENABLED: [Self; 10] = [
+    pub const ENABLED: [Self; 16] = [
+        Self::GrabServer,
+        Self::FreezeServer,
+        Self::BlockStderr,
+        Self::BlockStdout,
         Self::StopProgram,
         Self::KillProgram,
         Self::TerminateProgram,
+        Self::StopWatchdog,
         Self::KillWatchdog,
         Self::UnplugGlove,
         Self::SendJunk,
         Self::SaveLayout,
         Self::SaveInvalidLayout,
         Self::PauseByCommand,
+        Self::PauseBySignal,
         Self::ConnectFloodingClient,
     ];
 
@@ -143,7 +149,8 @@ impl Attack {
             Self::StopProgram
                 | Self::KillProgram
                 | Self::TerminateProgram
-                // A second time, it ends the run.
+                // A second watchdog that is lost within 10 s ends the run.
+                | Self::StopWatchdog
                 | Self::KillWatchdog
         )
     }
