@@ -21,6 +21,7 @@ use std::path::Path;
 
 use super::axis_state::AxisState;
 use super::{Backend, OpenRequest, OutputError, Sink};
+use crate::advice;
 use crate::contact::TargetNames;
 use crate::device::pressed_keys::PressedKeys;
 use crate::device::{Capabilities, EventKind, OutputEvent, TimedCommand, TimedCommands};
@@ -46,7 +47,6 @@ pub const BACKEND: Backend = Backend {
 
 /// Opens a transcript on the standard output, or in a file that only its owner can read, and whose content it replaces.
 fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
-    let open_error = |error| OutputError::open(request.name, error);
     let writer: Box<dyn Write + Send> = match request.argument {
         None => Box::new(io::stdout()),
         Some(path) => {
@@ -55,7 +55,8 @@ fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
         }
     };
     let thread = TranscriptThread::start(request.name, BufWriter::new(writer));
-    Ok(Box::new(thread.map_err(open_error)?))
+    let no_thread = |error| OutputError::open(request.name, advice::no_thread(&error));
+    Ok(Box::new(thread.map_err(no_thread)?))
 }
 
 /// A sink that writes one line per event and flushes after each step.

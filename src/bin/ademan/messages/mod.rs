@@ -28,11 +28,7 @@ pub fn install_log() {
 
 /// Prints all later messages on a thread of its own.
 pub fn start() -> Result<(), Failure> {
-    let queue = MessageQueue::start(io::stderr(), log::take_due).map_err(|error| {
-        Failure::job(format!(
-            "cannot start a thread: {error}; close other programs"
-        ))
-    })?;
+    let queue = MessageQueue::start(io::stderr(), log::take_due).map_err(Failure::no_thread)?;
     // A second queue would have no messages.
     let _ = QUEUE.set(queue);
     Ok(())
