@@ -324,8 +324,8 @@ pub const FAULTS: &[Fault] = &[
     ])),
     // Found by attack.
     fault(61, "another client grabs the X server around a press, or the server is frozen, then the program dies", Tests(&[
-        ("tests/outputs/x11/grabs.rs", "no_key_stays_pressed_if_the_program_is_killed_while_another_client_has_a_grab"),
-        ("tests/outputs/x11/grabs.rs", "no_key_stays_pressed_if_the_program_is_killed_while_the_server_hangs"),
+        ("tests/outputs/x11/grabs.rs", "no_key_stays_pressed_if_the_program_is_killed_after_a_press_during_a_grab"),
+        ("tests/outputs/x11/grabs.rs", "no_key_stays_pressed_if_the_program_is_killed_after_a_press_while_the_server_hangs"),
         ("src/output/watchdog_process/linux/release_thread.rs", "a_press_that_the_display_executes_after_the_release_is_released_too"),
         ("src/output/watchdog_process/linux/release_thread.rs", "a_key_is_released_at_every_fault_until_the_client_reports_its_release"),
         ("src/output/watchdog_process/linux/client_state.rs", "a_key_and_an_axis_stay_in_the_record_until_the_client_reports_their_release"),

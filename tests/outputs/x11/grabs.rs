@@ -47,6 +47,14 @@ impl Armed {
         let approach = glove_format().packet_period() * self.press.approach.len() as u32;
         sleep(approach + Duration::from_millis(600));
     }
+
+    /// Kills the program when the server has executed all requests so far, and checks that no key is pressed.
+    fn kill(mut self, server: &XServer, round: usize) {
+        sleep(Duration::from_millis(300));
+        self.program.signal(&["KILL"]);
+        assert_all_keys_are_released(server, round);
+        self.program.wait_for_exit();
+    }
 }
 
 #[test]
@@ -64,34 +72,30 @@ fn a_release_passes_the_grab_of_another_client() {
 }
 
 #[test]
-fn no_key_stays_pressed_if_the_program_is_killed_while_another_client_has_a_grab() {
+fn no_key_stays_pressed_if_the_program_is_killed_after_a_press_during_a_grab() {
     let Some(server) = XServer::start() else {
         return;
     };
-    for round in 0..4 {
-        let mut run = Armed::start(&server);
+    for round in 0..6 {
+        let run = Armed::start(&server);
         server.grab();
         run.press_and_wait();
-        run.program.signal(&["KILL"]);
         server.ungrab();
-        assert_all_keys_are_released(&server, round);
-        run.program.wait_for_exit();
+        run.kill(&server, round);
     }
 }
 
 #[test]
-fn no_key_stays_pressed_if_the_program_is_killed_while_the_server_hangs() {
+fn no_key_stays_pressed_if_the_program_is_killed_after_a_press_while_the_server_hangs() {
     let Some(server) = XServer::start() else {
         return;
     };
-    for round in 0..4 {
-        let mut run = Armed::start(&server);
+    for round in 0..6 {
+        let run = Armed::start(&server);
         server.freeze();
         run.press_and_wait();
-        run.program.signal(&["KILL"]);
         server.thaw();
-        assert_all_keys_are_released(&server, round);
-        run.program.wait_for_exit();
+        run.kill(&server, round);
     }
 }
 
