@@ -55,7 +55,7 @@ fn open(request: &OpenRequest) -> Result<Box<dyn Sink>, OutputError> {
         }
     };
     let thread = TranscriptThread::start(request.name, BufWriter::new(writer));
-    let no_thread = |error| OutputError::open(request.name, advice::no_thread(&error));
+    let no_thread = |error: io::Error| OutputError::open(request.name, advice::no_thread(&error));
     Ok(Box::new(thread.map_err(no_thread)?))
 }
 
