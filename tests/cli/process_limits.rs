@@ -97,10 +97,6 @@ fn a_program_that_may_start_few_threads_ends_with_a_remedy_and_not_with_a_panic(
             for recording in ["run.mcap", "hand.mcap"] {
                 let _ = fs::remove_file(user.path().join(recording));
             }
-            // An attempt that failed may have created its recording.
-            for recording in ["run.mcap", "hand.mcap"] {
-                let _ = fs::remove_file(user.path().join(recording));
-            }
             let ended = user.run_with(*limit, command);
             let err = &ended.err;
             assert!(!err.contains("panicked"), "{command:?}, {limit}: {err}");
