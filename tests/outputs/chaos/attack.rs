@@ -69,7 +69,7 @@ impl Attack {
     ];
 
     /// The attacks of a run without a setting, which is known to pass.
-    pub const ENABLED: [Self; 16] = [
+    pub const ENABLED: [Self; 17] = [
         Self::GrabServer,
         Self::FreezeServer,
         Self::BlockStderr,
@@ -85,6 +85,7 @@ impl Attack {
         Self::SaveInvalidLayout,
         Self::PauseByCommand,
         Self::PauseBySignal,
+        Self::ConnectSilentClients,
         Self::ConnectFloodingClient,
     ];
 
