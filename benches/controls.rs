@@ -47,7 +47,7 @@ const KINDS: [(&str, &str); 7] = [
     ),
     (
         "knobs",
-        "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, output: Axis(\"LeftX\"))",
+        "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, output: ScrollX(10))",
     ),
     (
         "levers",
@@ -59,7 +59,7 @@ const KINDS: [(&str, &str); 7] = [
     ),
     (
         "joysticks",
-        "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, axes: (\"RightX\", \"RightY\"))",
+        "(name: \"{name}\", at_mm: {at}, diameter_mm: 20, pointer_px_per_s: 400)",
     ),
     (
         "touch_surfaces",

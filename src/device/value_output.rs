@@ -12,8 +12,8 @@ const DETENT: f32 = 120.0;
 pub enum ValueOutput {
     /// Nothing else.
     ValueOnly,
-    /// An axis. A trigger axis is set to the value, any other axis to −1 for 0 and 1 for 1, unless the control
-    /// [rests at 0](ValueEmitter::with_axis_at_rest_for_zero).
+    /// An axis. A trigger axis, and every axis of a control that rests at the value 0, is set to the value; any other
+    /// axis to −1 for 0 and 1 for 1.
     Axis(Axis),
     /// The wheel: detents to the right over the whole range; negative for left.
     ScrollX(f32),

@@ -25,7 +25,7 @@ pub(super) use linux::{
 #[cfg(not(target_os = "linux"))]
 mod unsupported;
 #[cfg(not(target_os = "linux"))]
-pub(super) use unsupported::{ReleaseTarget, WatchdogClient, WatchdogLost};
+pub(super) use unsupported::{ReleaseTarget, WatchdogClient};
 
 /// Interval of the heartbeats while a key is pressed.
 pub(super) const HEARTBEAT_INTERVAL: Duration = Duration::from_millis(50);

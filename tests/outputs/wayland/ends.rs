@@ -13,8 +13,8 @@ use crate::support::program::Program;
 use crate::support::x11::{wait_at_most, wait_for};
 
 /// A run with a glove.
-struct GloveRun {
-    program: Program,
+pub(super) struct GloveRun {
+    pub(super) program: Program,
     glove: Glove,
     _folder: TempDir,
 }
@@ -49,15 +49,15 @@ impl GloveRun {
 }
 
 /// A run whose wearer holds Shift and H, a second one as another keyboard, and a window that receives their events.
-struct Typing {
-    window: Window,
-    typing: GloveRun,
+pub(super) struct Typing {
+    pub(super) window: Window,
+    pub(super) typing: GloveRun,
     other: GloveRun,
-    _compositor: Compositor,
+    pub(super) compositor: Compositor,
 }
 
 impl Typing {
-    fn start() -> Option<Self> {
+    pub(super) fn start() -> Option<Self> {
         let compositor = Compositor::sway()?;
         let window = Window::open(&compositor)?;
         let press = Press::for_text("H");
@@ -68,7 +68,7 @@ impl Typing {
             window,
             typing,
             other,
-            _compositor: compositor,
+            compositor,
         })
     }
 

@@ -3,6 +3,7 @@
 //!
 //! `cargo test --features wayland --test outputs wayland::`; on Debian, install `sway foot wev weston`.
 
+mod attacks;
 mod compositor;
 mod ends;
 mod floods;
