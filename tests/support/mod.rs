@@ -16,6 +16,7 @@ pub mod output_pipe;
 pub mod press;
 pub mod process;
 pub mod program;
+pub mod recording;
 pub mod run;
 pub mod source;
 pub mod wearer;

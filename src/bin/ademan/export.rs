@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use ademan::command::Command;
 use ademan::files::{self, FileError};
 use ademan::output;
-use ademan::session::{Session, SessionHandle, SessionOptions};
+use ademan::session::{SessionHandle, SessionOptions};
 use ademan::trace::bvh::PoseWriter;
 
 use crate::failure::Failure;
+use crate::session;
 use crate::setup_args::{SetupArgs, number_in};
-use crate::signals;
 
 /// Write the poses of a hand to a BVH file for animation programs, without typing
 #[derive(clap::Args)]
@@ -36,15 +36,13 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let setup = args.flags.read_setup(args.setup.as_deref())?;
     let setup = setup.load_files()?;
     let file = create(&args.file)?;
-    signals::install()?;
+    session::prepare()?;
     let options = SessionOptions {
         output: Some(output::open("none", &setup.required_capabilities())?),
         lossless_snapshots: true,
         ..SessionOptions::default()
     };
-    let session = Session::start(setup, options)?;
-    let commands = session.commands().clone();
-    signals::on_stop(move || _ = commands.send(Command::Stop));
+    let session = session::start(setup, options)?;
     let written = write(&session, file, args.rate_hz);
     session.commands().send(Command::Stop)?;
     session.join()?;

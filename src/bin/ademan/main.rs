@@ -44,6 +44,7 @@ mod record;
 mod release_keys;
 mod replay;
 mod run;
+mod session;
 mod setup_args;
 mod signal_mask;
 mod signals;

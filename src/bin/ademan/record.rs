@@ -2,13 +2,12 @@
 
 use std::path::PathBuf;
 
-use ademan::command::Command;
 use ademan::output;
-use ademan::session::{Session, SessionOptions};
+use ademan::session::SessionOptions;
 
 use crate::failure::Failure;
 use crate::setup_args::SetupArgs;
-use crate::{messages, signals, stats};
+use crate::{session, stats};
 
 /// Record a source and the results of every stage, without typing
 #[derive(clap::Args)]
@@ -26,8 +25,7 @@ pub struct Args {
 pub fn run(args: Args) -> Result<(), Failure> {
     let setup = args.flags.read_setup(args.setup.as_deref())?;
     let setup = setup.load_files()?;
-    messages::start()?;
-    signals::install()?;
+    session::prepare()?;
     let options = SessionOptions {
         output: Some(output::open("none", &setup.required_capabilities())?),
         record_to: Some(args.file.clone()),
@@ -35,9 +33,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         on_notice: Some(Box::new(|notice| say!("{notice}"))),
         ..SessionOptions::default()
     };
-    let session = Session::start(setup, options)?;
-    let commands = session.commands().clone();
-    signals::on_stop(move || _ = commands.send(Command::Stop));
+    let session = session::start(setup, options)?;
     say!("recording to {}", args.file.display());
     stats::report(session.join()?)
 }

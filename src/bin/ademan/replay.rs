@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
 use ademan::output;
-use ademan::session::{Session, SessionOptions};
+use ademan::session::SessionOptions;
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::number_in;
-use crate::{messages, signals, stats, watchdog};
+use crate::{session, stats, watchdog};
 
 /// Play a recording through the pipeline again
 #[derive(clap::Args)]
@@ -47,8 +47,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     let setup = load_setup(&args, &replay, has_effect)?;
     let cut = replay.shared_truncation();
-    messages::start()?;
-    signals::install()?;
+    session::prepare()?;
     let options = SessionOptions {
         source: Some(Box::new(replay)),
         // The rate limit counts in the time of the recording, which is that of the receiver only at speed 1.
@@ -58,9 +57,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         on_notice: Some(Box::new(|notice| say!("{notice}"))),
         ..SessionOptions::default()
     };
-    let session = Session::start(setup, options)?;
-    let commands = session.commands().clone();
-    signals::on_stop(move || _ = commands.send(Command::Stop));
+    let session = session::start(setup, options)?;
     stats::report(session.join()?)?;
     match cut.get() {
         None => Ok(()),

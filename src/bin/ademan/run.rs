@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 
 use ademan::command::Command;
-use ademan::session::{ControlSocket, Session, SessionOptions};
+use ademan::session::{ControlSocket, SessionOptions};
 use ademan::{advice, doctor, output};
 
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::SetupArgs;
-use crate::{messages, pause_signals, signals, stats, watchdog};
+use crate::{pause_signals, session, stats, watchdog};
 
 /// Type with a glove
 #[derive(clap::Args)]
@@ -53,8 +53,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         Some(path) => ControlSocket::Path(path.clone()),
         None => ControlSocket::Default,
     };
-    messages::start()?;
-    signals::install()?;
+    session::prepare()?;
     let options = SessionOptions {
         speed: Some(1.0),
         wait_for_source: args.wait,
@@ -70,9 +69,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     if let Ok(count @ 1..) = output::release_abandoned_keys() {
         say!("released the keys of a killed run ({count})");
     }
-    let session = Session::start(setup.load_files()?, options)?;
-    let commands = session.commands().clone();
-    signals::on_stop(move || _ = commands.send(Command::Stop));
+    let session = session::start(setup.load_files()?, options)?;
     pause_signals::install(session.commands().clone())?;
     stats::report(session.join()?)
 }

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 /// Exit code of a program that could not end in an orderly way.
 const INTERRUPTED: i32 = 130;
 
-/// Time for an orderly end. It takes some milliseconds, but a standard output that nobody reads would block it forever.
+/// Time for an orderly end. It takes some milliseconds, but a full pipe on standard output would block it forever.
 const END_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// Time for an orderly end before a second Ctrl-C ends the process. Releasing all keys takes a few milliseconds.

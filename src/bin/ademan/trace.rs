@@ -4,13 +4,13 @@ use std::io::{self, BufWriter, Write};
 
 use ademan::command::Command;
 use ademan::output;
-use ademan::session::{Session, SessionHandle, SessionOptions};
+use ademan::session::{SessionHandle, SessionOptions};
 use ademan::trace::Stage;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
+use crate::session;
 use crate::setup_args::SetupArgs;
-use crate::{messages, signals};
 
 /// Print the results of a stage, one JSON object per line
 #[derive(clap::Args)]
@@ -33,16 +33,13 @@ pub fn run(args: Args) -> Result<(), Failure> {
     // Nothing is typed, so that the trace may begin with the first reading.
     setup.arm_immediately = true;
     let setup = setup.load_files()?;
-    messages::start()?;
-    signals::install()?;
+    session::prepare()?;
     let options = SessionOptions {
         output: Some(output::open("none", &setup.required_capabilities())?),
         lossless_snapshots: true,
         ..SessionOptions::default()
     };
-    let session = Session::start(setup, options)?;
-    let commands = session.commands().clone();
-    signals::on_stop(move || _ = commands.send(Command::Stop));
+    let session = session::start(setup, options)?;
     let printed = print(&session, args.stage);
     session.commands().send(Command::Stop)?;
     session.join()?;

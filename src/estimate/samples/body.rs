@@ -17,7 +17,7 @@ use crate::time::Timestamp;
 const FIRST_ROW: usize = 11;
 
 /// The pairs of landmarks, from that of the shoulders, without which an arm is not seen: all but the thumbs and hips. The
-/// hips of somebody at a desk are never visible, and models still place them well.
+/// hips of a person at a desk are never visible, and models still place them well.
 const REQUIRED_PAIRS: usize = 5;
 
 /// The elbow flexion, in radians, below which the plane of the arm is mostly noise.

@@ -202,7 +202,7 @@ impl Sink for TranscriptThread {
                 "the output `{}` is not read: its last lines are lost",
                 self.name
             );
-            // It ends with the program, or when somebody reads.
+            // It ends with the program, or when the reader continues.
             self.thread = None;
             return Ok(());
         }

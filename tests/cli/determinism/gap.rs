@@ -2,32 +2,15 @@
 
 use std::time::Duration;
 
-use ademan::capture::{CaptureError, Reading, Source, SourceEvent};
 use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
 use super::{assert_same, record_source, replay_by_program};
 use crate::support::press::{Posture, Press, glove_format, reading};
+use crate::support::recording::Readings;
 
 /// The gap, during which a key is pressed.
 const GAP: Duration = Duration::from_millis(1_500);
-
-/// Readings without delays.
-struct Readings(std::vec::IntoIter<Reading>);
-
-impl Source for Readings {
-    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        Ok(self.0.next().map_or(SourceEvent::End, SourceEvent::Reading))
-    }
-
-    fn name(&self) -> &str {
-        "readings"
-    }
-
-    fn is_live(&self) -> bool {
-        false
-    }
-}
 
 #[test]
 fn a_recording_with_a_gap_gives_the_same_bytes_at_any_speed() {
@@ -51,7 +34,7 @@ fn a_recording_with_a_gap_gives_the_same_bytes_at_any_speed() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let setup = Setup::default().load_files().expect("the default setup");
-    let source = Box::new(Readings(readings.into_iter()));
+    let source = Box::new(Readings::new(readings));
     let path = record_source(&folder, "gap", &setup, source);
     let first = replay_by_program(&path, None);
     let text = String::from_utf8(first.clone()).expect("UTF-8");

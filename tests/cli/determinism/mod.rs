@@ -13,12 +13,12 @@ use std::sync::{Arc, Mutex};
 
 use ademan::capture::Source;
 use ademan::capture::recording::Replay;
-use ademan::output::{self, Transcript};
-use ademan::recorder::Recorder;
+use ademan::output::Transcript;
 use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
-use ademan::snapshot::Snapshot;
 use tempfile::TempDir;
+
+use crate::support::recording;
 
 /// The number of replays of each recording.
 const TIMES: usize = 100;
@@ -75,20 +75,7 @@ fn record_source(
     source: Box<dyn Source>,
 ) -> PathBuf {
     let path = folder.path().join(format!("{name}.mcap"));
-    let recorder = Recorder::create(&path, &loaded.recorded_setup());
-    let mut recorder = recorder.expect("a file");
-    let mut nowhere = output::open("none", &loaded.required_capabilities()).expect("nowhere");
-    let mut observe = |snapshot: &Snapshot| recorder.write(snapshot).expect("room on the disk");
-    let mut pipeline = loaded.pipeline();
-    let run = run_pipeline(
-        source,
-        &mut pipeline,
-        &mut *nowhere,
-        &CommandReceiver::disconnected(),
-        &mut observe,
-    );
-    run.expect("a run");
-    recorder.finish().expect("room on the disk");
+    recording::record_source(&path, loaded, source);
     path
 }
 

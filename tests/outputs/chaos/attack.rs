@@ -68,27 +68,6 @@ impl Attack {
         Self::ConnectFloodingClient,
     ];
 
-    /// The attacks of a run without a setting, which is known to pass.
-    pub const ENABLED: [Self; 17] = [
-        Self::GrabServer,
-        Self::FreezeServer,
-        Self::BlockStderr,
-        Self::BlockStdout,
-        Self::StopProgram,
-        Self::KillProgram,
-        Self::TerminateProgram,
-        Self::StopWatchdog,
-        Self::KillWatchdog,
-        Self::UnplugGlove,
-        Self::SendJunk,
-        Self::SaveLayout,
-        Self::SaveInvalidLayout,
-        Self::PauseByCommand,
-        Self::PauseBySignal,
-        Self::ConnectSilentClients,
-        Self::ConnectFloodingClient,
-    ];
-
     pub fn target(self) -> Target {
         match self {
             Self::GrabServer | Self::FreezeServer => Target::Display,

@@ -2,7 +2,7 @@
 //! fail at random times, several at once, while a hand holds a key or types.
 //!
 //! The run takes 20 s. `ADEMAN_CHAOS_SECONDS=600` sets its length, `ADEMAN_CHAOS_SEED` the seed, and
-//! `ADEMAN_CHAOS_ATTACKS=KillProgram,GrabServer` or `=all` the attacks; `-- --nocapture` prints the statistics:
+//! `ADEMAN_CHAOS_ATTACKS=KillProgram,GrabServer` the attacks; `-- --nocapture` prints the statistics:
 //!
 //! ```sh
 //! ADEMAN_CHAOS_SECONDS=600 cargo test --test outputs chaos::run -- --nocapture
@@ -39,20 +39,17 @@ fn setting<T: std::str::FromStr>(name: &str, default: T) -> T {
     })
 }
 
-/// Returns the attacks of the run: those of the setting, or all that are enabled.
+/// Returns the attacks of the run: those of the setting, or all.
 fn attacks() -> Vec<Attack> {
     let Ok(names) = std::env::var("ADEMAN_CHAOS_ATTACKS") else {
-        return Attack::ENABLED.to_vec();
+        return Attack::ALL.to_vec();
     };
     let attack = |name: &str| {
         let mut all = Attack::ALL.into_iter();
         all.find(|attack| format!("{attack:?}") == name)
             .unwrap_or_else(|| panic!("no attack {name}; there are {:?}", Attack::ALL))
     };
-    match names.as_str() {
-        "all" => Attack::ALL.to_vec(),
-        names => names.split(',').map(attack).collect(),
-    }
+    names.split(',').map(attack).collect()
 }
 
 #[test]

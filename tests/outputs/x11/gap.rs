@@ -4,36 +4,16 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use ademan::capture::{CaptureError, Reading, Source, SourceEvent};
-use ademan::output;
-use ademan::recorder::Recorder;
-use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
 use crate::support::press::{Posture, Press, glove_format, reading, x11_code};
 use crate::support::program::Program;
+use crate::support::recording::{Readings, record_source};
 use crate::support::x11::XServer;
 
 /// The gap, during which a key is pressed.
 const GAP: Duration = Duration::from_secs(2);
-
-/// Readings without delays.
-struct Readings(std::vec::IntoIter<Reading>);
-
-impl Source for Readings {
-    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        Ok(self.0.next().map_or(SourceEvent::End, SourceEvent::Reading))
-    }
-
-    fn name(&self) -> &str {
-        "readings"
-    }
-
-    fn is_live(&self) -> bool {
-        false
-    }
-}
 
 /// Records a press of H that lasts until after a gap.
 fn record(path: &Path) {
@@ -51,17 +31,7 @@ fn record(path: &Path) {
         reading.time = reading.time + GAP;
     }
     let setup = Setup::default().load_files().expect("the default setup");
-    let mut recorder = Recorder::create(path, &setup.recorded_setup()).expect("a file");
-    let mut sink = output::open("none", &setup.required_capabilities()).expect("no output");
-    run_pipeline(
-        Readings(readings.into_iter()),
-        &mut setup.pipeline(),
-        &mut *sink,
-        &CommandReceiver::disconnected(),
-        &mut |snapshot| recorder.write(snapshot).expect("room on the disk"),
-    )
-    .expect("the readings end");
-    recorder.finish().expect("room on the disk");
+    record_source(path, &setup, Readings::new(readings));
 }
 
 #[test]

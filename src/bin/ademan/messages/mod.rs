@@ -1,7 +1,7 @@
-//! Messages on standard error, which may be a terminal that is stopped or a pipe that nobody reads.
+//! Messages on standard error, which may be a terminal that is stopped or a full pipe.
 //!
 //! A command that runs a session [starts](start) a queue with a thread of its own, so that no message delays a release.
-//! A full queue drops messages, and their number is printed once somebody reads again. The other commands print at once.
+//! A full queue drops messages, and their number is printed once the stream accepts data again. The other commands print at once.
 //! Text of others is escaped, and log messages are limited by kind and source.
 
 mod log;

@@ -99,7 +99,7 @@ impl<W: Write> Printer<W> {
     }
 
     fn print(&mut self, message: &str) {
-        // Nobody is left to be told of a failure.
+        // A failure here has nowhere to be reported.
         let _ = self.writer.write_all(message.as_bytes());
     }
 
