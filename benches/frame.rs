@@ -188,11 +188,11 @@ impl Typing {
         for number in 0..READINGS {
             let counts = typist.next_counts().expect("the text is long enough");
             let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
-            let reading = Reading {
-                time: Timestamp(5_729 * (number as u64 + 1)),
-                side: None,
-                sample: Sample::Channels(hc11::channels(&body)),
-            };
+            let reading = Reading::new(
+                Timestamp(5_729 * (number as u64 + 1)),
+                None,
+                Sample::Channels(hc11::channels(&body)),
+            );
             let estimate = *estimator.update(&reading).expect("a plausible reading");
             let pose = typing.setup.arm.forward(&estimate);
             let mut touches = Touches::new();
@@ -358,14 +358,7 @@ fn h_bytes_to_events(bencher: Bencher, board: Board) {
             time.0 += 5_729;
             let sample = packet.sample;
             events.clear();
-            let _ = black_box(&pipeline.step(
-                &Reading {
-                    time,
-                    side: None,
-                    sample,
-                },
-                &mut events,
-            ));
+            let _ = black_box(&pipeline.step(&Reading::new(time, None, sample), &mut events));
             black_box(&events);
         });
     });

@@ -31,11 +31,11 @@ impl Source for NoddingHand {
         let mut angles = JointAngles::default();
         // From 0 to 1.2 rad and back.
         angles.set(Dof::IndexMcpFlexion, 0.6 - 0.6 * (TAU * seconds).cos());
-        Ok(SourceEvent::Reading(Reading {
-            time: Timestamp::from_seconds(seconds),
-            side: None,
-            sample: Sample::Angles { angles },
-        }))
+        Ok(SourceEvent::Reading(Reading::new(
+            Timestamp::from_seconds(seconds),
+            None,
+            Sample::Angles { angles },
+        )))
     }
 
     fn name(&self) -> &str {

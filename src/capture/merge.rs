@@ -228,14 +228,14 @@ mod tests {
             if self.1.is_empty() {
                 return Ok(SourceEvent::End);
             }
-            Ok(SourceEvent::Reading(Reading {
-                time: Timestamp(self.1.remove(0)),
-                side: None,
-                sample: Sample::Channels(Channels {
+            Ok(SourceEvent::Reading(Reading::new(
+                Timestamp(self.1.remove(0)),
+                None,
+                Sample::Channels(Channels {
                     full_scale: 255,
                     counts: Default::default(),
                 }),
-            }))
+            )))
         }
 
         fn name(&self) -> &str {

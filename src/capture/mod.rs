@@ -60,7 +60,7 @@ use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
 use self::body::BodyLandmarks;
-use crate::hand::{JointAngles, JointPositions, Side};
+use crate::hand::{HandPart, JointAngles, JointPositions, Side};
 use crate::message::{escape, escape_lines};
 use crate::time::Timestamp;
 
@@ -115,9 +115,24 @@ pub struct Reading {
     /// Hand that was measured. `None` if the source measures only one, or both at once.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub side: Option<Side>,
+    /// Part of the hand that counts, if another source measures the rest. `None` if all of it counts.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub part: Option<HandPart>,
     /// The values.
     #[serde(flatten)]
     pub sample: Sample,
+}
+
+impl Reading {
+    /// Creates a reading whose values all count.
+    pub const fn new(time: Timestamp, side: Option<Side>, sample: Sample) -> Self {
+        Self {
+            time,
+            side,
+            part: None,
+            sample,
+        }
+    }
 }
 
 /// Sensor values by kind of sensor.

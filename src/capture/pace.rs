@@ -126,14 +126,14 @@ mod tests {
             if self.0.is_empty() {
                 return Ok(SourceEvent::End);
             }
-            Ok(SourceEvent::Reading(Reading {
-                time: Timestamp(self.0.remove(0) * 1000),
-                side: None,
-                sample: Sample::Channels(Channels {
+            Ok(SourceEvent::Reading(Reading::new(
+                Timestamp(self.0.remove(0) * 1000),
+                None,
+                Sample::Channels(Channels {
                     full_scale: 255,
                     counts: Default::default(),
                 }),
-            }))
+            )))
         }
 
         fn name(&self) -> &str {

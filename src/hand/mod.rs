@@ -1,5 +1,5 @@
-//! Types that every stage shares: sides, fingers, joints, degrees of freedom, joint angles and joint positions of an arm
-//! and hand.
+//! Types that every stage shares: sides and parts of a hand, fingers, joints, degrees of freedom, joint angles and joint
+//! positions.
 
 mod joint_angles;
 mod joint_positions;
@@ -26,6 +26,16 @@ impl Side {
             Self::Left => Self::Right,
             Self::Right => Self::Left,
         }
+    }
+}
+
+named_enum! {
+    /// A part of an arm and hand that one of several sources measures.
+    pub enum HandPart ("part of a hand") {
+        /// The arm up to the wrist, which places the hand in the world.
+        Arm = "arm",
+        /// The fingers.
+        Fingers = "fingers",
     }
 }
 

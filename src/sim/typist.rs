@@ -184,11 +184,11 @@ impl Source for SimulatedTypist {
             let is_one = self.hands.len() == 1;
             for (glove, counts) in self.hands.iter().zip(packets) {
                 let full_scale = glove.hand.full_scale();
-                self.pending.push_back(Reading {
+                self.pending.push_back(Reading::new(
                     time,
-                    side: (!is_one).then_some(glove.side),
-                    sample: Sample::Channels(Channels { full_scale, counts }),
-                });
+                    (!is_one).then_some(glove.side),
+                    Sample::Channels(Channels { full_scale, counts }),
+                ));
             }
         }
         let Some(reading) = self.pending.pop_front() else {

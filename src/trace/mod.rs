@@ -335,11 +335,7 @@ mod tests {
             profile: 0,
             target_names: names(),
             paused_by: None,
-            reading: Some(Reading {
-                time,
-                side: None,
-                sample: Sample::Channels(channels),
-            }),
+            reading: Some(Reading::new(time, None, Sample::Channels(channels))),
             source_error: None,
             angles: Some(angles),
             pose: Some(pose),

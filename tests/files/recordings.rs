@@ -23,14 +23,14 @@ const READINGS: u64 = 40;
 
 fn reading(number: u64) -> Reading {
     let count = |channel: u64| (number * 31 + channel * 7) as u16 % 256;
-    Reading {
-        time: Timestamp(number * 5_729),
-        side: None,
-        sample: Sample::Channels(Channels {
+    Reading::new(
+        Timestamp(number * 5_729),
+        None,
+        Sample::Channels(Channels {
             full_scale: 255,
             counts: (0..64).map(count).collect(),
         }),
-    }
+    )
 }
 
 fn snapshot(number: u64) -> Snapshot {

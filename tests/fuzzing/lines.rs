@@ -61,11 +61,11 @@ fn samples(mut decoder: Box<dyn Decoder>, stream: &[u8], length: usize) -> Vec<S
 fn estimate(samples: &[Sample]) {
     let mut estimator = Estimator::new(EstimatorSettings::default());
     for (number, sample) in samples.iter().enumerate() {
-        let reading = ademan::capture::Reading {
-            time: ademan::time::Timestamp(33_000 * (number as u64 + 1)),
-            side: Some(Side::ALL[number % Side::COUNT]),
-            sample: sample.clone(),
-        };
+        let reading = ademan::capture::Reading::new(
+            ademan::time::Timestamp(33_000 * (number as u64 + 1)),
+            Some(Side::ALL[number % Side::COUNT]),
+            sample.clone(),
+        );
         let Ok(estimate) = estimator.update(&reading) else {
             continue;
         };

@@ -358,11 +358,7 @@ impl FuzzRun<'_> {
 
     fn read(&mut self, channels: Channels, step: i64) {
         self.time = self.time.saturating_add_signed(step);
-        let reading = Reading {
-            time: Timestamp(self.time),
-            side: self.side,
-            sample: Sample::Channels(channels),
-        };
+        let reading = Reading::new(Timestamp(self.time), self.side, Sample::Channels(channels));
         self.events.clear();
         let _ = self.pipeline.step(&reading, &mut self.events);
         self.count(false);

@@ -38,11 +38,11 @@ fn landmarks_are_processed_to_events_without_allocation() {
     for chunk in lines.as_bytes().chunks(1_000) {
         decoder.push(chunk, &mut |packet| {
             steps += 1;
-            let reading = Reading {
-                time: Timestamp::from_seconds(steps as f64 / RATE_HZ),
-                side: Some(Side::Right),
-                sample: packet.sample,
-            };
+            let reading = Reading::new(
+                Timestamp::from_seconds(steps as f64 / RATE_HZ),
+                Some(Side::Right),
+                packet.sample,
+            );
             events.clear();
             let _ = std::hint::black_box(pipeline.step(&reading, &mut events));
             sent += events.len();

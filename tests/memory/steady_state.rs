@@ -112,11 +112,11 @@ fn moving_and_auto_recentering_boards_do_not_allocate() {
     let mut pipeline = setup.pipeline();
     let mut events = Events::new();
     let mut step = |pipeline: &mut Pipeline, index: u64| {
-        let reading = Reading {
-            time: Timestamp(10_000 * index),
-            side: None,
-            sample: Sample::Channels(hc11::channels(&body)),
-        };
+        let reading = Reading::new(
+            Timestamp(10_000 * index),
+            None,
+            Sample::Channels(hc11::channels(&body)),
+        );
         let before = allocations();
         pipeline
             .step(&reading, &mut events)
@@ -158,11 +158,7 @@ fn a_packet_is_processed_to_events_without_allocation() {
     for chunk in bytes.chunks(29) {
         decoder.push(chunk, &mut |packet| {
             steps += 1;
-            let reading = Reading {
-                time: Timestamp(5_729 * steps),
-                side: None,
-                sample: packet.sample,
-            };
+            let reading = Reading::new(Timestamp(5_729 * steps), None, packet.sample);
             events.clear();
             let _ = std::hint::black_box(pipeline.step(&reading, &mut events));
             sent += events.len();
@@ -186,11 +182,11 @@ fn readings(setup: &LoadedSetup, text: &str) -> Vec<Reading> {
     let mut readings = Vec::new();
     while let Some(counts) = typist.next_counts() {
         let body = std::array::from_fn(|channel| counts[channel] as u8);
-        readings.push(Reading {
-            time: Timestamp(5_729 * (readings.len() as u64 + 1)),
-            side: None,
-            sample: Sample::Channels(hc11::channels(&body)),
-        });
+        readings.push(Reading::new(
+            Timestamp(5_729 * (readings.len() as u64 + 1)),
+            None,
+            Sample::Channels(hc11::channels(&body)),
+        ));
     }
     readings
 }

@@ -72,11 +72,11 @@ impl Wearer {
     }
 
     fn send(&mut self, channels: &Channels) -> Option<Rejection> {
-        let reading = Reading {
-            time: Timestamp(self.time_ms * 1_000),
-            side: None,
-            sample: Sample::Channels(channels.clone()),
-        };
+        let reading = Reading::new(
+            Timestamp(self.time_ms * 1_000),
+            None,
+            Sample::Channels(channels.clone()),
+        );
         let mut events = Events::new();
         let rejection = self.pipeline.step(&reading, &mut events).err();
         self.write(&events);
@@ -231,11 +231,11 @@ fn a_stall_ends_every_contact() {
     let mut wearer = Wearer::armed();
     wearer.press_for(300);
     wearer.skip(1_000);
-    let reading = Reading {
-        time: Timestamp(wearer.time_ms * 1_000),
-        side: None,
-        sample: Sample::Channels(wearer.hover.clone()),
-    };
+    let reading = Reading::new(
+        Timestamp(wearer.time_ms * 1_000),
+        None,
+        Sample::Channels(wearer.hover.clone()),
+    );
     let step = wearer.pipeline.step(&reading, &mut Events::new());
     let touches = &step.expect("a plausible reading").touches;
     assert!(touches.is_empty(), "{touches:?}");

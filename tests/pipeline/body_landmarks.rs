@@ -54,11 +54,11 @@ impl Camera {
     fn frame(&mut self, body: &BodyLandmarks) -> [Result<FingerSet, Rejection>; Side::COUNT] {
         self.frames += 1;
         [Side::Left, Side::Right].map(|side| {
-            let reading = Reading {
-                time: Timestamp::from_seconds(self.frames as f64 / RATE_HZ),
-                side: Some(side),
-                sample: Sample::Body(body.clone()),
-            };
+            let reading = Reading::new(
+                Timestamp::from_seconds(self.frames as f64 / RATE_HZ),
+                Some(side),
+                Sample::Body(body.clone()),
+            );
             let mut events = Events::new();
             let outcome = self.pipeline.step(&reading, &mut events);
             let outcome = outcome.map(|output| output.pose.untrusted);
@@ -172,11 +172,11 @@ fn the_path_of_an_arm_that_was_lost_is_unknown() {
     let mut frames = 0;
     let mut jumped = |person: Person| {
         frames += 1;
-        let reading = Reading {
-            time: Timestamp::from_seconds(f64::from(frames) / RATE_HZ),
-            side: Some(Side::Right),
-            sample: Sample::Body(person.landmarks()),
-        };
+        let reading = Reading::new(
+            Timestamp::from_seconds(f64::from(frames) / RATE_HZ),
+            Some(Side::Right),
+            Sample::Body(person.landmarks()),
+        );
         estimator.update(&reading).expect("an arm").jumped
     };
     let person = Person::new();
@@ -195,11 +195,11 @@ fn the_path_of_an_arm_that_was_lost_is_unknown() {
 #[test]
 fn an_arm_that_was_never_seen_has_no_pose() {
     let mut estimator = Estimator::new(EstimatorSettings::default());
-    let reading = Reading {
-        time: Timestamp(1_000),
-        side: Some(Side::Right),
-        sample: Sample::Body(hidden(Person::new(), Side::Right).landmarks()),
-    };
+    let reading = Reading::new(
+        Timestamp(1_000),
+        Some(Side::Right),
+        Sample::Body(hidden(Person::new(), Side::Right).landmarks()),
+    );
     assert_eq!(
         estimator.update(&reading).err(),
         Some(Rejection::LowConfidence)
@@ -215,11 +215,11 @@ fn the_joints_are_where_the_camera_sees_them_in_the_frame_of_the_body() {
         .into_iter()
         .enumerate()
     {
-        let reading = Reading {
-            time: Timestamp(1_000 + number as u64),
-            side: Some(side),
-            sample: Sample::Body(person.landmarks()),
-        };
+        let reading = Reading::new(
+            Timestamp(1_000 + number as u64),
+            Some(side),
+            Sample::Body(person.landmarks()),
+        );
         let estimate = estimator.update(&reading).expect("an arm");
         for (joint, expected) in [
             (Joint::Shoulder, Vec3::ZERO),

@@ -41,14 +41,14 @@ impl GloveHand {
     }
 
     fn reading(&self) -> Reading {
-        Reading {
-            time: Timestamp(self.time_ms * 1_000),
-            side: None,
-            sample: Sample::Channels(Channels {
+        Reading::new(
+            Timestamp(self.time_ms * 1_000),
+            None,
+            Sample::Channels(Channels {
                 full_scale: 255,
                 counts: self.counts.into_iter().collect(),
             }),
-        }
+        )
     }
 
     fn next(&mut self) -> Result<Estimate, Rejection> {
@@ -250,11 +250,11 @@ fn angles(time_ms: u64, angles: &[(Dof, f64)]) -> Reading {
     for &(dof, radians) in angles {
         known.set(dof, radians);
     }
-    Reading {
-        time: Timestamp(time_ms * 1_000),
-        side: None,
-        sample: Sample::Angles { angles: known },
-    }
+    Reading::new(
+        Timestamp(time_ms * 1_000),
+        None,
+        Sample::Angles { angles: known },
+    )
 }
 
 #[test]

@@ -70,11 +70,11 @@ impl Wearer {
                 let Some(shown) = self.shown[side.index()].clone() else {
                     continue;
                 };
-                let reading = Reading {
-                    time: Timestamp(self.time_ms * 1_000),
-                    side: self.loaded.other_hand.is_some().then_some(side),
-                    sample: Sample::Channels(shown),
-                };
+                let reading = Reading::new(
+                    Timestamp(self.time_ms * 1_000),
+                    self.loaded.other_hand.is_some().then_some(side),
+                    Sample::Channels(shown),
+                );
                 let mut events = Events::new();
                 if let Ok(step) = self.pipeline.step(&reading, &mut events) {
                     let commands = step.commands.iter();

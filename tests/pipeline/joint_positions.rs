@@ -96,11 +96,7 @@ fn reading(milliseconds: u64, right: f64) -> Reading {
 }
 
 fn reading_at(time: Timestamp, positions: JointPositions) -> Reading {
-    Reading {
-        time,
-        side: Some(Side::Right),
-        sample: Sample::Joints { positions },
-    }
+    Reading::new(time, Some(Side::Right), Sample::Joints { positions })
 }
 
 #[test]

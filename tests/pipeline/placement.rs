@@ -114,11 +114,11 @@ impl Wearer {
     fn hold_still(&mut self, milliseconds: u64) {
         for _ in 0..milliseconds / 10 {
             self.time_ms += 10;
-            let reading = Reading {
-                time: Timestamp(self.time_ms * 1_000),
-                side: None,
-                sample: Sample::Channels(self.shown.clone()),
-            };
+            let reading = Reading::new(
+                Timestamp(self.time_ms * 1_000),
+                None,
+                Sample::Channels(self.shown.clone()),
+            );
             let mut events = Events::new();
             if let Ok(step) = self.pipeline.step(&reading, &mut events) {
                 let commands = step.commands.iter();

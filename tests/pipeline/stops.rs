@@ -132,11 +132,11 @@ impl TwoHands {
 
     /// Steps the pipeline with a reading of one hand. Returns its events and the rejection, if any.
     fn step(&mut self, side: Side, channels: &Channels) -> (Vec<EventKind>, Option<Rejection>) {
-        let reading = Reading {
-            time: Timestamp(self.milliseconds * 1_000),
-            side: Some(side),
-            sample: Sample::Channels(channels.clone()),
-        };
+        let reading = Reading::new(
+            Timestamp(self.milliseconds * 1_000),
+            Some(side),
+            Sample::Channels(channels.clone()),
+        );
         let other = OutputEvent {
             time: reading.time,
             kind: EventKind::MoveBy(0, 0),

@@ -67,14 +67,14 @@ pub fn x11_code(name: &str) -> u16 {
 
 /// Returns the reading of a posture.
 pub fn reading(time: Timestamp, posture: &Posture) -> Reading {
-    Reading {
+    Reading::new(
         time,
-        side: None,
-        sample: Sample::Channels(Channels {
+        None,
+        Sample::Channels(Channels {
             full_scale: 255,
             counts: posture.iter().copied().map(u16::from).collect(),
         }),
-    }
+    )
 }
 
 fn postures(mut typist: SimulatedTypist) -> Vec<Posture> {

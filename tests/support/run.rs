@@ -40,11 +40,11 @@ pub fn postures() -> (Posture, Posture) {
         let counts = typist.next_counts().expect("the hand presses the key");
         let posture = std::array::from_fn(|channel| counts[channel] as u8);
         over.get_or_insert(posture);
-        let reading = Reading {
-            time: Timestamp(5_729 * number),
-            side: None,
-            sample: Sample::Channels(hc11::channels(&posture)),
-        };
+        let reading = Reading::new(
+            Timestamp(5_729 * number),
+            None,
+            Sample::Channels(hc11::channels(&posture)),
+        );
         let step = pipeline.step(&reading, &mut Events::new());
         let touches = &step.expect("an accepted reading").touches;
         if touches

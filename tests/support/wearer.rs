@@ -86,11 +86,11 @@ impl GloveWearer {
 
     /// Gives the pipeline a posture at the current time.
     pub fn show(&mut self, posture: &Posture) -> Option<Rejection> {
-        let reading = Reading {
-            time: Timestamp(self.now),
-            side: None,
-            sample: Sample::Channels(channels(posture)),
-        };
+        let reading = Reading::new(
+            Timestamp(self.now),
+            None,
+            Sample::Channels(channels(posture)),
+        );
         let mut events = Events::new();
         let rejection = self.pipeline.step(&reading, &mut events).err();
         self.write(&events);

@@ -9,14 +9,14 @@ use crate::time::Timestamp;
 const TIMEOUT: Duration = Duration::from_secs(10);
 
 fn reading(number: u64) -> SourceEvent {
-    SourceEvent::Reading(Reading {
-        time: Timestamp(number),
-        side: None,
-        sample: Sample::Channels(Channels {
+    SourceEvent::Reading(Reading::new(
+        Timestamp(number),
+        None,
+        Sample::Channels(Channels {
             full_scale: 255,
             counts: Default::default(),
         }),
-    })
+    ))
 }
 
 fn lost() -> CaptureError {

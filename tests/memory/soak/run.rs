@@ -290,11 +290,11 @@ impl<'a> SoakRun<'a> {
         };
         self.last = (self.now - microseconds_ago).max(self.last + 1);
         let time = self.last.saturating_add_signed(self.clock_offset);
-        let reading = Reading {
-            time: Timestamp(time),
-            side: Some(side),
-            sample: Sample::Channels(hc11::channels(body)),
-        };
+        let reading = Reading::new(
+            Timestamp(time),
+            Some(side),
+            Sample::Channels(hc11::channels(body)),
+        );
         let mut events = Events::new();
         if self.pipeline.step(&reading, &mut events).is_ok() {
             self.last_reading_at = self.now;

@@ -43,11 +43,11 @@ impl HandMotion {
         let mut pipeline = setup.pipeline();
         let mut all_events = Vec::new();
         for (index, posture) in postures.iter().enumerate() {
-            let reading = Reading {
-                time: Timestamp(0) + Hc11Format::default().packet_period() * index as u32,
-                side: None,
-                sample: Sample::Channels(channels(posture)),
-            };
+            let reading = Reading::new(
+                Timestamp(0) + Hc11Format::default().packet_period() * index as u32,
+                None,
+                Sample::Channels(channels(posture)),
+            );
             let mut events = Events::new();
             pipeline
                 .step(&reading, &mut events)

@@ -413,11 +413,11 @@ impl<'a> Rig<'a> {
             let simulated = &mut self.gloves[glove];
             simulated.last = (self.now - after).max(simulated.last + 1);
             let moment = simulated.last;
-            let reading = Reading {
-                time: self.time(moment),
-                side: (self.gloves.len() > 1).then_some(side),
-                sample: Sample::Channels(hc11::channels(body)),
-            };
+            let reading = Reading::new(
+                self.time(moment),
+                (self.gloves.len() > 1).then_some(side),
+                Sample::Channels(hc11::channels(body)),
+            );
             let mut events = Events::new();
             let step = self.pipeline.step(&reading, &mut events);
             let commands = step.map(|step| step.commands.clone());

@@ -36,14 +36,14 @@ fn dof_of(arm: &ArmModel, link: &str) -> Dof {
 }
 
 fn reading(number: u64, body: &[u8]) -> Reading {
-    Reading {
-        time: Timestamp(1_000 * (number + 1)),
-        side: None,
-        sample: Sample::Channels(Channels {
+    Reading::new(
+        Timestamp(1_000 * (number + 1)),
+        None,
+        Sample::Channels(Channels {
             full_scale: 255,
             counts: body.iter().map(|byte| u16::from(*byte)).collect(),
         }),
-    }
+    )
 }
 
 fn estimator(map: ChannelMap) -> Estimator {
