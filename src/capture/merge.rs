@@ -208,6 +208,7 @@ impl Source for MergedSource {
             bytes: first.bytes + second.bytes,
             skipped_bytes: first.skipped_bytes + second.skipped_bytes,
             resyncs: first.resyncs + second.resyncs,
+            invalid: first.invalid + second.invalid,
             readings: first.readings + second.readings,
             dropped: first.dropped + second.dropped,
             losses: first.losses + second.losses,

@@ -67,8 +67,8 @@ use crate::time::Timestamp;
 pub use cancel::CancelToken;
 pub use merge::MergedSource;
 pub use pace::PacedSource;
-pub use protocol::StreamFormat;
 pub use protocol::hc11::{self, Hc11Format};
+pub use protocol::{InvalidPacket, InvalidPackets, StreamFormat};
 pub use sides::SidedSource;
 pub use thread::{CaptureEvent, CaptureThread, spawn};
 #[cfg(not(target_family = "wasm"))]
@@ -308,6 +308,8 @@ pub struct SourceStats {
     pub skipped_bytes: u64,
     /// Number of times that the decoder had to search for the next packet.
     pub resyncs: u64,
+    /// Packets that the decoder refused, by reason. Formats that mark no ends of packets have none.
+    pub invalid: InvalidPackets,
     /// Readings returned.
     pub readings: u64,
     /// Readings that were dropped for a newer one, or were still queued at the end.

@@ -37,6 +37,14 @@ pub fn line(stats: &Stats) -> String {
     if source.dropped > 0 {
         line += &format!(", {} dropped", source.dropped);
     }
+    if source.invalid.total() > 0 {
+        let reasons = source.invalid.known();
+        let reasons: Vec<_> = reasons
+            .map(|(reason, count)| format!("{count} {reason}"))
+            .collect();
+        let packets = counted(source.invalid.total(), "invalid packet");
+        line += &format!("; {packets} ({})", reasons.join(", "));
+    }
     if source.skipped_bytes > 0 {
         line += &format!(
             "; {} of {} bytes belonged to no packet",

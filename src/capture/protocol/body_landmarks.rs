@@ -11,7 +11,7 @@
 use serde::Deserialize;
 
 use super::lines::{LineDecoder, LineParser};
-use super::{Packet, Protocol, ProtocolOption, space};
+use super::{InvalidPacket, Packet, PacketError, Protocol, ProtocolOption, space};
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use crate::capture::{Sample, SampleKind};
 
@@ -52,9 +52,10 @@ impl LineParser for BodyParser {
     /// 33 landmarks of four numbers with 17 digits are 3 kB; the rest is for other fields.
     const MAX_LINE_BYTES: usize = 24 * 1024;
 
-    fn parse(&mut self, line: &[u8]) -> Option<Packet> {
-        let body = parse(std::str::from_utf8(line).ok()?).ok()?;
-        Some(Packet::new(Sample::Body(body), 0))
+    fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
+        let body = parse(std::str::from_utf8(line)?)?;
+        emit(Packet::new(Sample::Body(body), 0));
+        Ok(())
     }
 }
 
@@ -65,25 +66,27 @@ struct Line {
 }
 
 /// Reads a line. An error states why it is not valid.
-pub fn parse(line: &str) -> Result<BodyLandmarks, String> {
-    let line: Line = serde_json::from_str(line).map_err(|error| error.to_string())?;
+pub fn parse(line: &str) -> Result<BodyLandmarks, PacketError> {
+    let line: Line = serde_json::from_str(line)?;
     let points = line.pose_world_landmarks;
     if points.len() != BODY_LANDMARKS {
-        return Err(format!(
-            "{} landmarks instead of {BODY_LANDMARKS}",
-            points.len()
+        return Err(PacketError::new(
+            InvalidPacket::WrongSize,
+            format!("{} landmarks instead of {BODY_LANDMARKS}", points.len()),
         ));
     }
     for (index, landmark) in points.iter().enumerate() {
         let is_near = |coordinate: &f32| coordinate.abs() <= MAX_COORDINATE;
         if !landmark.position.iter().all(is_near) {
-            return Err(format!(
-                "landmark {index} is more than {MAX_COORDINATE} m away"
+            return Err(PacketError::new(
+                InvalidPacket::NotFinite,
+                format!("landmark {index} is more than {MAX_COORDINATE} m away"),
             ));
         }
         if !(0.0..=1.0).contains(&landmark.confidence) {
-            return Err(format!(
-                "the visibility of landmark {index} is not from 0 to 1"
+            return Err(PacketError::new(
+                InvalidPacket::NotFinite,
+                format!("the visibility of landmark {index} is not from 0 to 1"),
             ));
         }
     }
@@ -162,7 +165,7 @@ mod tests {
                 "duplicate field",
             ),
         ] {
-            let error = parse(&line).expect_err("an invalid line");
+            let error = parse(&line).expect_err("an invalid line").to_string();
             assert!(error.contains(reason), "{reason}: {error}");
         }
     }

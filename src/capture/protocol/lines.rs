@@ -1,15 +1,15 @@
 //! Protocols with one packet per line of text.
 
-use super::{Decoder, Packet};
+use super::{Decoder, InvalidPacket, Packet, PacketError};
 use crate::capture::SourceStats;
 
-/// Parser of a line without its line end: returns `None` for an invalid line. The end of the packet is filled in later.
+/// Parser of a line without its line end. The ends of the packets are filled in later.
 pub trait LineParser: Send {
     /// Longest line in bytes, line end excluded. The rest of a longer one is skipped.
     const MAX_LINE_BYTES: usize;
 
-    /// Parses a line.
-    fn parse(&mut self, line: &[u8]) -> Option<Packet>;
+    /// Parses a line and passes its packets to `emit`: one or more, or none if the line is invalid.
+    fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError>;
 
     /// Forgets earlier lines, after a stream broke off.
     fn reset(&mut self) {}
@@ -29,6 +29,7 @@ pub struct LineDecoder<P> {
     line_start: u64,
     /// The previous line was skipped.
     is_searching: bool,
+    last_error: Option<PacketError>,
 }
 
 impl<P: LineParser> LineDecoder<P> {
@@ -41,6 +42,7 @@ impl<P: LineParser> LineDecoder<P> {
             stats: SourceStats::default(),
             line_start: 0,
             is_searching: false,
+            last_error: None,
         }
     }
 
@@ -53,24 +55,24 @@ impl<P: LineParser> LineDecoder<P> {
     /// Handles the line so far, which occupies `bytes` of the stream, line end included.
     fn end_line(&mut self, bytes: u64, emit: &mut dyn FnMut(Packet)) {
         self.line_start += bytes;
-        let is_too_long = std::mem::take(&mut self.is_skipping);
-        let packet = match is_too_long {
-            true => None,
-            false => self.parser.parse(&self.line),
+        let end = self.line_start;
+        let mut packets = 0;
+        let result = match std::mem::take(&mut self.is_skipping) {
+            true => Err(too_long::<P>()),
+            false => self.parser.parse(&self.line, &mut |packet| {
+                packets += 1;
+                emit(Packet { end, ..packet });
+            }),
         };
         self.line.clear();
-        let Some(packet) = packet else {
+        self.stats.readings += packets;
+        if let Err(error) = &result {
             self.stats.skipped_bytes += bytes;
             self.stats.resyncs += u64::from(!self.is_searching);
-            self.is_searching = true;
-            return;
-        };
-        self.stats.readings += 1;
-        self.is_searching = false;
-        emit(Packet {
-            end: self.line_start,
-            ..packet
-        });
+            self.stats.invalid.count(error.reason);
+        }
+        self.is_searching = result.is_err();
+        self.last_error = result.err();
     }
 
     fn push_to_line(&mut self, bytes: &[u8]) {
@@ -82,6 +84,11 @@ impl<P: LineParser> LineDecoder<P> {
             self.line.extend_from_slice(bytes);
         }
     }
+}
+
+fn too_long<P: LineParser>() -> PacketError {
+    let text = format!("a line is longer than {} bytes", P::MAX_LINE_BYTES);
+    PacketError::new(InvalidPacket::WrongSize, text)
 }
 
 impl<P: LineParser> Decoder for LineDecoder<P> {
@@ -123,5 +130,9 @@ impl<P: LineParser> Decoder for LineDecoder<P> {
 
     fn stats(&self) -> SourceStats {
         self.stats
+    }
+
+    fn last_error(&self) -> Option<&PacketError> {
+        self.last_error.as_ref()
     }
 }

@@ -5,6 +5,7 @@
 pub mod body_landmarks;
 pub mod bvh;
 pub mod hc11;
+mod invalid;
 mod lines;
 pub mod markers;
 mod restart_text;
@@ -18,6 +19,8 @@ use std::time::Duration;
 use super::{Sample, SampleKind, SourceStats};
 use crate::hand::Side;
 use crate::time::Timestamp;
+
+pub use invalid::{InvalidPacket, InvalidPackets, PacketError};
 
 /// All protocols. The first one is the default.
 pub const PROTOCOLS: &[&Protocol] = &[
@@ -217,6 +220,11 @@ pub trait Decoder: Send {
 
     /// Returns the statistics. `readings` counts packets; `resyncs` counts runs of skipped bytes.
     fn stats(&self) -> SourceStats;
+
+    /// Returns the error in the latest packet that was refused, as long as no valid one followed.
+    fn last_error(&self) -> Option<&PacketError> {
+        None
+    }
 
     /// Returns once the reason why the rest of the stream cannot be decoded. Everything after it is skipped.
     fn take_error(&mut self) -> Option<String> {

@@ -7,9 +7,10 @@
 use std::fmt::Write;
 
 use super::lines::{LineDecoder, LineParser};
-use super::{Packet, Protocol, ProtocolOption, ProtocolOptions};
+use super::{InvalidPacket, Packet, PacketError, Protocol, ProtocolOption, ProtocolOptions};
 use crate::capture::{Sample, SampleKind};
 use crate::hand::{Dof, JointAngles};
+use crate::message::escape;
 
 /// The text line protocol.
 pub const PROTOCOL: Protocol = Protocol {
@@ -74,15 +75,17 @@ const WIRE_INDICES: [(usize, Dof); 21] = [
 ];
 
 /// Reads the numbers of a line; the line end may be missing. An error states why the line is not valid.
-pub fn parse(line: &str) -> Result<[f64; VALUES], String> {
+pub fn parse(line: &str) -> Result<[f64; VALUES], PacketError> {
     let mut values = [0.0; VALUES];
     let mut count = 0;
     for word in line.split_ascii_whitespace() {
-        let value: f64 = word
-            .parse()
-            .map_err(|_| format!("`{word}` is not a number"))?;
+        let value: f64 = word.parse().map_err(|_| {
+            let text = format!("`{}` is not a number", escape(word));
+            PacketError::new(InvalidPacket::Unknown, text)
+        })?;
         if !value.is_finite() {
-            return Err(format!("`{word}` is not finite"));
+            let text = format!("`{word}` is not finite");
+            return Err(PacketError::new(InvalidPacket::NotFinite, text));
         }
         if let Some(slot) = values.get_mut(count) {
             *slot = value;
@@ -90,7 +93,12 @@ pub fn parse(line: &str) -> Result<[f64; VALUES], String> {
         count += 1;
     }
     if count != VALUES {
-        return Err(format!("{count} values instead of {VALUES}"));
+        let reason = match count < VALUES {
+            true => InvalidPacket::Truncated,
+            false => InvalidPacket::WrongSize,
+        };
+        let text = format!("{count} values instead of {VALUES}");
+        return Err(PacketError::new(reason, text));
     }
     Ok(values)
 }
@@ -129,10 +137,11 @@ impl LineParser for TextLineParser {
     /// 64 numbers of 63 characters.
     const MAX_LINE_BYTES: usize = 4096;
 
-    fn parse(&mut self, line: &[u8]) -> Option<Packet> {
-        let values = parse(std::str::from_utf8(line).ok()?).ok()?;
+    fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
+        let values = parse(std::str::from_utf8(line)?)?;
         let angles = angles(&values);
-        Some(Packet::new(Sample::Angles { angles }, 0))
+        emit(Packet::new(Sample::Angles { angles }, 0));
+        Ok(())
     }
 }
 
@@ -188,7 +197,9 @@ mod tests {
             match (parse(&line), values) {
                 (Ok(parsed), Ok(expected)) => assert_eq!(parsed[..], expected, "{name}"),
                 (Err(error), Err(expected)) => assert!(
-                    error.contains(expected.trim_start_matches("a ")),
+                    error
+                        .to_string()
+                        .contains(expected.trim_start_matches("a ")),
                     "{name}: {error}, not {expected}"
                 ),
                 (parsed, expected) => panic!("{name}: {parsed:?}, not {expected:?}"),

@@ -11,6 +11,7 @@ use super::packet_clock::PacketClock;
 use super::protocol::{Decoder, Packet, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
 use super::{CaptureError, Reading, Source, SourceEvent, SourceStats};
+use crate::message::escape;
 
 /// Source that decodes the bytes of a connection.
 pub(super) struct StreamSource<C> {
@@ -113,9 +114,10 @@ impl<C: Connector> StreamSource<C> {
         if self.garbage.update(now, has_packet) {
             tracing::warn!(
                 source = self.name,
-                "no valid packet from {} for {} s; check baud and protocol",
+                "no valid packet from {} for {} s{}; check baud and protocol",
                 self.name,
-                GarbageDetector::TIMEOUT.as_secs()
+                GarbageDetector::TIMEOUT.as_secs(),
+                self.last_error()
             );
         }
         if has_packet {
@@ -129,6 +131,14 @@ impl<C: Connector> StreamSource<C> {
             });
         }
         Ok(self.pending.pop().unwrap_or(SourceEvent::Idle))
+    }
+
+    /// Returns the error in the latest packet for a message, with its separator; empty if there is none.
+    fn last_error(&self) -> String {
+        let error = self.decoder.last_error();
+        error.map_or(String::new(), |error| {
+            format!(": {}", escape(&error.to_string()))
+        })
     }
 
     fn handle_silence(&mut self) -> Result<SourceEvent, CaptureError> {
@@ -155,7 +165,21 @@ impl<C: Connector> StreamSource<C> {
         }
         match self.decoder.take_error() {
             Some(reason) => Err(self.end_of_format(reason)),
-            None => Ok(SourceEvent::End),
+            None => {
+                self.warn_if_nothing_was_valid();
+                Ok(SourceEvent::End)
+            }
+        }
+    }
+
+    fn warn_if_nothing_was_valid(&self) {
+        if self.decoder.stats().readings == 0 && self.decoder.last_error().is_some() {
+            tracing::warn!(
+                source = self.name,
+                "no valid packet in {}{}",
+                self.name,
+                self.last_error()
+            );
         }
     }
 

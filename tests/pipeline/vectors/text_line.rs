@@ -16,7 +16,10 @@ pub fn lines(file: &Value) -> usize {
             (Err(ours), Some(theirs)) => {
                 let theirs = theirs.replace("no values", "0 values");
                 let theirs = theirs.trim_start_matches("a ");
-                assert!(ours.contains(theirs), "{name}: {ours}, not {theirs}");
+                assert!(
+                    ours.to_string().contains(theirs),
+                    "{name}: {ours}, not {theirs}"
+                );
             }
             (ours, theirs) => panic!("{name}: {ours:?}, not {theirs:?}"),
         }

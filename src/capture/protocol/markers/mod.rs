@@ -27,7 +27,7 @@ use self::line::Line;
 use self::point_cloud::PointCloud;
 use super::lines::{LineDecoder, LineParser};
 use super::space::{self, Facing, HAND, UP, WorldFromSource};
-use super::{Packet, Protocol, ProtocolOption, ProtocolOptions};
+use super::{InvalidPacket, Packet, PacketError, Protocol, ProtocolOption, ProtocolOptions};
 use crate::capture::{Sample, SampleKind};
 use crate::hand::Side;
 use crate::time::Timestamp;
@@ -74,8 +74,10 @@ const RATE: ProtocolOption = ProtocolOption {
     check: |value| space::check_range(value, 0.1..=10_000.0, "lines per second"),
 };
 
-/// Times in a line that are earlier by up to this many microseconds are of datagrams that overtook each other. Earlier
-/// ones are of a sender that has started again.
+/// Times in a line that are earlier by up to this many microseconds are of datagrams that overtook each other.
+const MAX_DISORDER_US: u64 = 100_000;
+
+/// Those that are earlier by up to this many were under way too long. Earlier ones are of a sender that has started again.
 const MAX_DELAY_US: u64 = 1_000_000;
 
 /// Latest time in a line, in microseconds: 285 years, which JSON numbers hold exactly.
@@ -107,25 +109,41 @@ impl MarkerParser {
         }
     }
 
-    /// Returns whether a line is later than all before it, or of a sender that has started again.
-    fn is_newer(&self, time: u64) -> bool {
-        self.latest
-            .is_none_or(|latest| time > latest || latest - time > MAX_DELAY_US)
+    /// Accepts a time that is later than all before it, or of a sender that has started again.
+    fn check_time(&mut self, time: u64) -> Result<(), PacketError> {
+        if time > MAX_TIME_US {
+            let text = format!("`time_us` is beyond {MAX_TIME_US}");
+            return Err(PacketError::new(InvalidPacket::NotFinite, text));
+        }
+        let delay = self.latest.and_then(|latest| latest.checked_sub(time));
+        let reason = match delay {
+            Some(..=MAX_DISORDER_US) => InvalidPacket::OutOfOrder,
+            Some(..=MAX_DELAY_US) => InvalidPacket::TooOld,
+            _ => {
+                self.latest = Some(time);
+                return Ok(());
+            }
+        };
+        let text = "`time_us` is not later than that of an earlier line";
+        Err(PacketError::new(reason, text))
     }
 
     /// Returns the markers of the hand in the world, in metres.
-    fn sites(&mut self, line: &Line) -> Option<Vec<(MarkerSite, DVec3)>> {
+    fn sites(&mut self, line: &Line) -> Result<Vec<(MarkerSite, DVec3)>, PacketError> {
         self.points.clear();
         for camera in &line.cameras {
-            self.points
-                .add_camera(&camera.observations()?, self.max_gap);
+            let observations = camera.observations().ok_or_else(|| {
+                let text = "a marker has no direction, or `image` without `orientation`";
+                PacketError::new(InvalidPacket::Unknown, text)
+            })?;
+            self.points.add_camera(&observations, self.max_gap);
         }
         let points = self.points.positions(self.max_gap);
         let sites = points.filter_map(|(label, position)| {
             let site = MarkerSite::from_label(label?, self.hand)?;
             Some((site, self.world.position(position)))
         });
-        Some(sites.collect())
+        Ok(sites.collect())
     }
 }
 
@@ -133,24 +151,23 @@ impl LineParser for MarkerParser {
     /// 8 cameras that see 40 markers, at 160 bytes each.
     const MAX_LINE_BYTES: usize = 1 << 16;
 
-    fn parse(&mut self, line: &[u8]) -> Option<Packet> {
-        let line: Line = serde_json::from_slice(line).ok()?;
+    fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
+        let line: Line = serde_json::from_slice(line)?;
         if let Some(time) = line.time_us {
-            if time > MAX_TIME_US || !self.is_newer(time) {
-                return None;
-            }
-            self.latest = Some(time);
+            self.check_time(time)?;
         }
         let sites = self.sites(&line)?;
         let positions = self.markers.joints(&sites);
         if positions.is_empty() {
-            return None;
+            let text = "no labelled marker of the hand is seen by two cameras";
+            return Err(PacketError::new(InvalidPacket::Unknown, text));
         }
-        Some(Packet {
+        emit(Packet {
             time: line.time_us.map(Timestamp),
             side: Some(self.hand),
             ..Packet::new(Sample::Joints { positions }, 0)
-        })
+        });
+        Ok(())
     }
 
     fn reset(&mut self) {

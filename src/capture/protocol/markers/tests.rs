@@ -202,3 +202,44 @@ fn invalid_lines_are_skipped_and_times_are_kept() {
             .all(|packet| packet.side == Some(Side::Right))
     );
 }
+
+#[test]
+fn invalid_lines_are_counted_by_reason() {
+    let valid = line(&CAMERAS.map(|camera| (camera, &[("elbow", ELBOW)][..])));
+    let timed = |time: u64| valid.replacen('{', &format!(r#"{{"time_us":{time},"#), 1);
+    let mut decoder = (PROTOCOL.decoder)(&options(&[]));
+    for (sent, expected) in [
+        (timed(2_000_000), None),
+        (timed(2_000_000), Some(InvalidPacket::OutOfOrder)),
+        (timed(1_950_000), Some(InvalidPacket::OutOfOrder)),
+        (timed(1_500_000), Some(InvalidPacket::TooOld)),
+        (timed(500_000), None),
+        (
+            valid[..valid.len() / 2].to_owned(),
+            Some(InvalidPacket::Truncated),
+        ),
+        (
+            line(&[(CAMERAS[0], &[("-", TIP); 65][..])]),
+            Some(InvalidPacket::WrongSize),
+        ),
+        (
+            " ".repeat(MarkerParser::MAX_LINE_BYTES + 1),
+            Some(InvalidPacket::WrongSize),
+        ),
+        (
+            valid.replacen("[2.0", "[1e999", 1),
+            Some(InvalidPacket::NotFinite),
+        ),
+        ("noise".to_owned(), Some(InvalidPacket::Unknown)),
+    ] {
+        let before = decoder.stats().invalid;
+        decoder.push(format!("{sent}\n").as_bytes(), &mut |_| {});
+        let mut counted = before;
+        if let Some(reason) = expected {
+            counted.count(reason);
+        }
+        let after = decoder.stats().invalid;
+        assert_eq!(after, counted, "{:.40}", sent);
+        assert_eq!(decoder.last_error().map(|error| error.reason), expected);
+    }
+}
