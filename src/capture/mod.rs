@@ -65,7 +65,7 @@ use crate::message::{escape, escape_lines};
 use crate::time::Timestamp;
 
 pub use cancel::CancelToken;
-pub use merge::MergedSource;
+pub use merge::{MAX_SOURCES, MergedSource, PartialSource};
 pub use pace::PacedSource;
 pub use protocol::hc11::{self, Hc11Format};
 pub use protocol::{InvalidPacket, InvalidPackets, StreamFormat};
@@ -346,6 +346,16 @@ pub enum CaptureError {
         /// Cause.
         reason: String,
     },
+    /// One of several merged sources was lost or interrupted. The others continue.
+    #[error("{error}")]
+    PartLost {
+        /// Hand that it measures; `None` for both.
+        side: Option<Side>,
+        /// Part of the hand that it measures; `None` for all of it.
+        part: Option<HandPart>,
+        /// Cause.
+        error: Box<CaptureError>,
+    },
     /// The readings before and after the interruption may be unrelated.
     #[error(
         "{} was interrupted: {}; hold the hand off all keys for a moment",
@@ -370,7 +380,10 @@ pub enum CaptureError {
 impl CaptureError {
     /// Returns `true` if the source continues, so that [`Source::next`] may be called again.
     pub const fn is_recoverable(&self) -> bool {
-        matches!(self, Self::Lost { .. } | Self::Interrupted { .. })
+        matches!(
+            self,
+            Self::Lost { .. } | Self::PartLost { .. } | Self::Interrupted { .. }
+        )
     }
 
     /// Returns the name of the source; the text as written if it is not a URI.
@@ -381,6 +394,7 @@ impl CaptureError {
             | Self::Lost { source_name, .. }
             | Self::Interrupted { source_name, .. }
             | Self::Malformed { source_name, .. } => source_name,
+            Self::PartLost { error, .. } => error.source_name(),
         }
     }
 }

@@ -38,7 +38,9 @@ impl Requirements {
         let other = setup.other_hand.as_ref();
         let sources = [
             setup.source.as_ref(),
+            setup.arm_source.as_ref(),
             other.and_then(|hand| hand.source.as_ref()),
+            other.and_then(|hand| hand.arm_source.as_ref()),
         ];
         let port = |source: &SourceUri| source.serial_port().map(str::to_owned);
         let uses = |backend: &Backend| output::uses_backend(&setup.output, backend.name);

@@ -4,7 +4,9 @@ pub mod arm_attributes;
 mod calibration;
 mod channel_map;
 mod estimator;
+mod fusion;
 mod hand_angles;
+mod hand_estimator;
 mod limits;
 mod one_euro;
 mod samples;
@@ -15,7 +17,9 @@ pub mod t_pose;
 pub use calibration::{AffineMap, FitError, divider_resistance};
 pub use channel_map::{ChannelMap, ChannelRow, MAX_ROWS};
 pub use estimator::Estimator;
+pub use fusion::FusedEstimator;
 pub use hand_angles::hand_angles;
+pub use hand_estimator::HandEstimator;
 pub use limits::JointLimits;
 pub use one_euro::{OneEuroFilter, OneEuroSettings};
 pub use settings::{EstimatorSettings, LandmarkSettings};
@@ -40,6 +44,9 @@ pub struct Estimate {
     pub untrusted: FingerSet,
     /// `true` if the hand was re-acquired at another position. The movement in between was not seen.
     pub jumped: bool,
+    /// `false` if the position of the hand in the world is not known, as when the source of its arm was lost. Nothing can be
+    /// touched or pointed at.
+    pub is_placed: bool,
     /// The pose of the arm's root in the world (metres), or `None` if the sensor does not measure it.
     pub root: Option<Pose>,
     /// The joint positions that the sensor measures directly. They override those of forward kinematics.
@@ -54,6 +61,7 @@ impl Estimate {
             angles,
             untrusted: FingerSet::NONE,
             jumped: false,
+            is_placed: true,
             root: None,
             measured: MeasuredJoints::default(),
         }
@@ -66,8 +74,17 @@ impl Estimate {
         self.angles = JointAngles::default();
         self.untrusted = FingerSet::NONE;
         self.jumped = false;
+        self.is_placed = true;
         self.root = None;
         self.measured.known = 0;
+    }
+
+    /// Forgets the hand: it is nowhere, and its movement until it is seen again is not known.
+    pub fn lose_hand(&mut self) {
+        self.reset(self.time);
+        self.untrusted = FingerSet::ALL;
+        self.jumped = true;
+        self.is_placed = false;
     }
 }
 
@@ -83,6 +100,11 @@ impl MeasuredJoints {
     pub fn set(&mut self, joint: Joint, position: Vec3) {
         self.positions[joint.index()] = position;
         self.known |= 1 << joint.index();
+    }
+
+    /// Returns whether no joint was measured.
+    pub fn is_empty(&self) -> bool {
+        self.known == 0
     }
 
     /// Returns the position of a joint (metres), or `None` if it was not measured.

@@ -6,6 +6,7 @@ use parry3d::math::{Mat3, Pose, Vec3};
 
 use super::HandPose;
 use super::joint_rotations::JointRotations;
+use super::measured::follow_measured_arm;
 use crate::estimate::{Estimate, JointAngles};
 use crate::hand::{Dof, Finger, Joint, Side};
 
@@ -160,13 +161,20 @@ impl ArmModel {
     }
 
     /// Computes the pose of the arm and hand by forward kinematics. A measured root pose replaces that of the model, and
-    /// measured joint positions replace the computed ones.
+    /// measured joint positions replace the computed ones; those of shoulder, elbow and wrist move what lies beyond them.
+    /// No joint of a hand that is [nowhere](Estimate::is_placed) is known.
     pub fn forward(&self, estimate: &Estimate) -> HandPose {
-        let world_from_root = estimate.root.unwrap_or(self.world_from_root);
-        let poses = self.link_poses_from(&world_from_root, &estimate.angles);
         let mut hand = HandPose::new(estimate.time, self.side, self.tip_radius);
         hand.untrusted = estimate.untrusted;
         hand.jumped = estimate.jumped;
+        if !estimate.is_placed {
+            return hand;
+        }
+        let world_from_root = estimate.root.unwrap_or(self.world_from_root);
+        let mut poses = self.link_poses_from(&world_from_root, &estimate.angles);
+        if !estimate.measured.is_empty() {
+            follow_measured_arm(&self.links, &mut poses, &estimate.measured);
+        }
         for (link, pose) in self.links.iter().zip(&poses) {
             if let Some(joint) = link.joint {
                 hand.set(joint, *pose);

@@ -4,6 +4,7 @@ mod anthropometry;
 mod arm_model;
 mod inverse;
 mod joint_rotations;
+mod measured;
 
 pub use anthropometry::BoneLengths;
 pub use arm_model::{ArmModel, ArmModelError, Link, MAX_LINKS};

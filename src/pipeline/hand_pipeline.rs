@@ -3,8 +3,8 @@
 use super::StepOutput;
 use crate::contact::Touches;
 use crate::device::TimedCommands;
-use crate::estimate::{Estimate, Estimator, JointAngles};
-use crate::hand::Side;
+use crate::estimate::{Estimate, HandEstimator, JointAngles};
+use crate::hand::{HandPart, Side};
 use crate::kinematics::ArmModel;
 use crate::time::Timestamp;
 
@@ -14,19 +14,19 @@ const MAX_CONSECUTIVE_REJECTIONS: u8 = 3;
 
 /// The estimator, arm model and latest output of one hand.
 pub(super) struct HandPipeline {
-    pub(super) estimator: Estimator,
+    pub(super) estimator: HandEstimator,
     pub(super) arm: ArmModel,
     /// The latest output, updated in place because it is too large to move for every reading.
     pub(super) output: StepOutput,
     /// The time of the last accepted reading; `None` if none is expected.
     pub(super) last_accepted: Option<Timestamp>,
-    /// `true` if the latest pose was clear of every control.
+    /// `true` if the latest pose was clear of every control. A lost hand is not clear.
     pub(super) is_clear: bool,
     consecutive_rejections: u8,
 }
 
 impl HandPipeline {
-    pub(super) fn new(estimator: Estimator, arm: ArmModel) -> Self {
+    pub(super) fn new(estimator: impl Into<HandEstimator>, arm: ArmModel) -> Self {
         let estimate = Estimate::new(Timestamp::default(), JointAngles::default());
         Self {
             output: StepOutput {
@@ -35,7 +35,7 @@ impl HandPipeline {
                 touches: Touches::new(),
                 commands: TimedCommands::new(),
             },
-            estimator,
+            estimator: estimator.into(),
             arm,
             last_accepted: None,
             is_clear: false,
@@ -50,6 +50,23 @@ impl HandPipeline {
             false => 0,
         };
         self.consecutive_rejections == MAX_CONSECUTIVE_REJECTIONS
+    }
+
+    /// Forgets a part of the hand, or all of it: nothing of what was lost touches or points at anything.
+    pub(super) fn lose(&mut self, part: Option<HandPart>) {
+        self.is_clear = false;
+        match self.estimator.lose(part) {
+            Some(rest) => self.output.estimate = *rest,
+            None => {
+                self.output.estimate.lose_hand();
+                self.last_accepted = None;
+            }
+        }
+    }
+
+    /// Returns whether output may not be armed yet because of this hand: it is tracked, and not clear of every control.
+    pub(super) fn blocks_arming(&self) -> bool {
+        self.last_accepted.is_some() && self.output.estimate.is_placed && !self.is_clear
     }
 
     pub(super) fn side(&self) -> Side {

@@ -11,6 +11,7 @@ mod permissions;
 mod rate_limit;
 mod release_order;
 mod settings;
+mod stalls;
 mod state;
 
 pub use command_error::CommandError;
@@ -29,7 +30,7 @@ use crate::command::{Command, CommandOrigin, ProfileName};
 use crate::contact::board_pose::BoardPose;
 use crate::contact::{TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
-use crate::estimate::{Estimate, Estimator, Rejection};
+use crate::estimate::{Estimate, HandEstimator, Rejection};
 use crate::hand::Side;
 use crate::kinematics::{ArmModel, HandPose};
 use crate::time::Timestamp;
@@ -84,7 +85,7 @@ struct Profile {
 impl Pipeline {
     /// Creates a pipeline for one hand, with the profile [`MAIN_PROFILE`].
     pub fn new(
-        estimator: Estimator,
+        estimator: impl Into<HandEstimator>,
         arm: ArmModel,
         layout: LayoutInstance,
         settings: PipelineSettings,
@@ -109,7 +110,7 @@ impl Pipeline {
     /// Adds the second hand. A reading belongs to the hand with its [side](Reading::side), or to the first
     /// hand if the reading has no side or no hand has it.
     #[must_use]
-    pub fn with_second_hand(mut self, estimator: Estimator, arm: ArmModel) -> Self {
+    pub fn with_second_hand(mut self, estimator: impl Into<HandEstimator>, arm: ArmModel) -> Self {
         self.hands.truncate(1);
         self.hands.push(HandPipeline::new(estimator, arm));
         self
@@ -144,7 +145,7 @@ impl Pipeline {
         events: &mut Events,
     ) -> Result<&StepOutput, Rejection> {
         let index = self.hand_index(reading);
-        self.detect_gaps(index, reading.time, events);
+        self.detect_gaps(reading.time, events);
         let hand = &mut self.hands[index];
         let estimate = &mut hand.output.estimate;
         let updated = hand.estimator.update(reading).map(|new| *estimate = *new);
@@ -152,59 +153,31 @@ impl Pipeline {
             self.release_all(self.time, events);
         }
         updated.inspect_err(|&reason| self.rejected[reason.index()] += 1)?;
+        self.accepted += 1;
+        self.time = self.time.max(reading.time);
+        self.hands[index].last_accepted = Some(reading.time);
+        self.update_pose(index);
+        self.arm_if_clear(index);
+        self.update_devices(index, events);
+        Ok(&self.hands[index].output)
+    }
+
+    /// Runs forward kinematics and contact for the present estimate of a hand.
+    fn update_pose(&mut self, index: usize) {
         let hand = &mut self.hands[index];
         let output = &mut hand.output;
         output.pose = hand.arm.forward(&output.estimate);
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;
         layout.track(&output.pose, &mut output.touches);
-        self.accepted += 1;
-        self.time = self.time.max(reading.time);
-        hand.last_accepted = Some(reading.time);
-        self.arm_if_clear(index);
+    }
+
+    fn update_devices(&mut self, index: usize, events: &mut Events) {
         if self.state == PipelineState::Running {
             self.run_devices(index, events);
         } else if self.is_paused() {
             self.run_devices_paused(index);
         }
-        Ok(&self.hands[index].output)
-    }
-
-    /// Releases everything because readings stopped for longer than the [`stall_timeout`](Self::stall_timeout).
-    ///
-    /// Output is armed again after the hand has been clear of every control.
-    pub fn stall(&mut self, events: &mut Events) {
-        if self.state == PipelineState::Stopped {
-            return;
-        }
-        let last = self.hands.iter().filter_map(|hand| hand.last_accepted);
-        let Some(last) = last.max() else {
-            return;
-        };
-        for hand in &mut self.hands {
-            hand.last_accepted = None;
-        }
-        self.stalls += 1;
-        let time = last + self.settings.stall_timeout;
-        self.disarm(time, PipelineState::Stalled, events);
-    }
-
-    /// Releases everything as [`stall`](Self::stall) does if, at `time`, no hand has had a reading for longer than the
-    /// [`stall_timeout`](Self::stall_timeout). Returns whether it did.
-    ///
-    /// The result is that of the first later reading, which would detect the same gap, so that a replay emits the same
-    /// events whether it waits for that reading or not.
-    pub fn stall_if_overdue(&mut self, time: Timestamp, events: &mut Events) -> bool {
-        let last = self
-            .hands
-            .iter()
-            .filter_map(|hand| hand.last_accepted)
-            .max();
-        let is_overdue = last.is_some_and(|last| time.since(last) > self.settings.stall_timeout);
-        if is_overdue {
-            self.stall(events);
-        }
-        is_overdue
     }
 
     /// Releases everything and emits no events until [`resume`](Self::resume), whatever happens to the
@@ -371,26 +344,6 @@ impl Pipeline {
         self.hands.iter().position(is_hand).unwrap_or(0)
     }
 
-    /// Detects a stall from the time stamps of readings, so that the replay of a recorded stall repeats it. Also detects
-    /// that one hand stopped while the other continues.
-    fn detect_gaps(&mut self, index: usize, time: Timestamp, events: &mut Events) {
-        let timeout = self.settings.stall_timeout;
-        let is_overdue = |hand: &HandPipeline| {
-            hand.last_accepted
-                .is_some_and(|last| time.since(last) > timeout)
-        };
-        if !self.hands.iter().any(is_overdue) {
-            return;
-        }
-        // A stall of the other hand does not end the expectation of readings of this one.
-        let last_accepted = self.hands[index].last_accepted;
-        let was_overdue = is_overdue(&self.hands[index]);
-        self.stall(events);
-        if !was_overdue {
-            self.hands[index].last_accepted = last_accepted;
-        }
-    }
-
     /// Updates the devices, filters their events and executes their commands.
     fn run_devices(&mut self, index: usize, events: &mut Events) {
         let first = events.len();
@@ -466,8 +419,8 @@ impl Pipeline {
         let hand = &mut self.hands[index];
         let layout = &self.profiles[self.active_profile].layout;
         hand.is_clear = layout.is_clear(&hand.output.pose);
-        let blocks_arming = |hand: &HandPipeline| hand.last_accepted.is_some() && !hand.is_clear;
-        if self.hands.iter().any(blocks_arming) {
+        let is_clear = self.hands.iter().any(|hand| hand.is_clear);
+        if !is_clear || self.hands.iter().any(HandPipeline::blocks_arming) {
             self.clear_since = None;
             return;
         }

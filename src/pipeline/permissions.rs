@@ -79,6 +79,20 @@ pub struct SourcePermissions {
 }
 
 impl SourcePermissions {
+    /// Returns the permissions that both sources of one hand have. Roles that exclude each other permit only pointing, which
+    /// the setup refuses.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self {
+            role: match self.role {
+                SourceRole::Both => other.role,
+                role if other.role == SourceRole::Both || other.role == role => role,
+                _ => SourceRole::Pointer,
+            },
+            rate_limit: self.rate_limit.min(other.rate_limit),
+        }
+    }
+
     /// The default for sources on this machine: all events.
     pub const LOCAL: Self = Self {
         role: SourceRole::Both,

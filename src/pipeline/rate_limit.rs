@@ -3,7 +3,7 @@
 use crate::time::Timestamp;
 
 /// A rate limit for presses of keys and buttons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PressRateLimit {
     /// The sustained rate in presses per second. Half as many may come at once.
     pub per_second: u32,

@@ -188,7 +188,7 @@ impl SessionLoop<'_> {
             CaptureEvent::Noise(stats) => self.source_stats = stats,
             CaptureEvent::Lost(error) => {
                 self.source_stats.losses += 1;
-                self.stall(Some(error))?;
+                self.lose(error)?;
             }
             CaptureEvent::Failed(error) => return Err(error.into()),
             CaptureEvent::End(stats) => {
@@ -383,6 +383,21 @@ impl SessionLoop<'_> {
             self.last_reading_at = None;
             self.publish(None, None, None);
         }
+        Ok(())
+    }
+
+    /// Releases what the lost source held.
+    fn lose(&mut self, error: CaptureError) -> Result<(), SessionError> {
+        let CaptureError::PartLost { side, part, .. } = error else {
+            return self.stall(Some(error));
+        };
+        self.events.clear();
+        self.pipeline.lose(side, part, &mut self.events);
+        if !self.pipeline.expects_readings() {
+            self.last_reading_at = None;
+        }
+        self.send_events(None)?;
+        self.publish(None, None, Some(error));
         Ok(())
     }
 

@@ -286,13 +286,13 @@ impl Session {
         if !self.setup.required_capabilities().include_typing() {
             return;
         }
-        for (index, (source, permissions)) in self.setup.sources().enumerate() {
-            if let Some(source) = source.filter(|source| source.is_remote())
-                && permissions.role == SourceRole::Pointer
+        for source in self.setup.named_sources() {
+            if let Some(uri) = source.uri.filter(|uri| uri.is_remote())
+                && source.permissions.role == SourceRole::Pointer
             {
                 self.report_status(Notice::PointerOnly {
-                    source: source.clone(),
-                    is_first: index == 0,
+                    source: uri.clone(),
+                    remedy: source.remedy,
                 });
             }
         }

@@ -30,8 +30,8 @@ pub enum Notice {
     PointerOnly {
         /// The source.
         source: SourceUri,
-        /// `true` if the flag `--role` applies to it.
-        is_first: bool,
+        /// The field of the setup, and the flag, that let it press keys.
+        remedy: &'static str,
     },
     /// The session waits for a device, for this reason.
     WaitingForSource(String),
@@ -76,12 +76,10 @@ pub enum Notice {
 impl fmt::Display for Notice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::PointerOnly { source, is_first } => {
-                let flag = if *is_first { " or `--role both`" } else { "" };
+            Self::PointerOnly { source, remedy } => {
                 write!(
                     f,
-                    "{source} is on the network and only a pointer: it presses no keys of the layout; `role: Both` \
-                     next to this source in the setup{flag} lets it type"
+                    "{source} is on the network and only a pointer: it presses no keys of the layout; {remedy} lets it type"
                 )
             }
             Self::WaitingForSource(reason) => write!(f, "waiting: {reason}; Ctrl-C ends"),

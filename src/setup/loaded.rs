@@ -3,20 +3,16 @@
 use std::path::Path;
 
 use super::{ArmSetup, OtherHand, Setup, SetupError, kind};
-use crate::capture::recording::Replay;
-use crate::capture::{self, Hc11Format, MergedSource, SidedSource, Source, SourceUri};
+use crate::capture::SourceUri;
 use crate::command::ProfileName;
 use crate::device::Capabilities;
 use crate::document::{Document, DocumentError};
-use crate::estimate::{Estimator, EstimatorSettings};
+use crate::estimate::{Estimator, EstimatorSettings, FusedEstimator, HandEstimator};
 use crate::hand::Side;
 use crate::kinematics::ArmModel;
 use crate::layout::{Glove, Layout};
 use crate::names::UnknownName;
-use crate::output;
-use crate::pipeline::{
-    LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings, SourcePermissions,
-};
+use crate::pipeline::{LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings};
 
 /// A setup with all files that it names, checked.
 #[derive(Clone, Debug)]
@@ -167,6 +163,7 @@ impl LoadedSetup {
             pipeline: setup.pipeline_settings()?,
             setup,
         };
+        loaded.check_roles()?;
         for layout in loaded.layouts() {
             loaded.check_layout(layout)?;
         }
@@ -231,7 +228,7 @@ impl LoadedSetup {
     /// Returns a pipeline without readings.
     pub fn pipeline(&self) -> Pipeline {
         let pipeline = Pipeline::new(
-            self.estimator(self.glove.as_ref()),
+            self.estimator(self.glove.as_ref(), self.setup.arm_source.as_ref()),
             self.arm.clone(),
             layout_instance(&self.layout),
             self.pipeline,
@@ -244,7 +241,8 @@ impl LoadedSetup {
         let pipeline = pipeline.with_profiles(profiles);
         let pipeline = match &self.other_hand {
             Some(GloveAndArm { glove, arm }) => {
-                pipeline.with_second_hand(self.estimator(glove.as_ref()), arm.clone())
+                let estimator = self.estimator(glove.as_ref(), self.other_arm_source());
+                pipeline.with_second_hand(estimator, arm.clone())
             }
             None => pipeline,
         };
@@ -254,66 +252,20 @@ impl LoadedSetup {
         })
     }
 
-    fn estimator(&self, glove: Option<&Glove>) -> Estimator {
-        let estimator = Estimator::new(self.estimator);
-        match glove {
-            Some(glove) => estimator.with_channels(&glove.map),
-            None => estimator,
+    /// Returns the estimator of a hand, whose arm may have a source of its own.
+    fn estimator(&self, glove: Option<&Glove>, arm_source: Option<&SourceUri>) -> HandEstimator {
+        let fingers = Estimator::new(self.estimator);
+        let fingers = match glove {
+            Some(glove) => fingers.with_channels(&glove.map),
+            None => fingers,
+        };
+        match arm_source {
+            Some(_) => {
+                let arm = Estimator::new(self.estimator);
+                FusedEstimator::new(arm, fingers, self.pipeline.stall_timeout).into()
+            }
+            None => fingers.into(),
         }
-    }
-
-    /// Returns the sources with their permissions: the first source, then that of the other hand if it has one.
-    pub fn sources(&self) -> impl Iterator<Item = (Option<&SourceUri>, SourcePermissions)> {
-        let setup = &self.setup;
-        let first = (setup.source.as_ref(), setup.role);
-        let other = setup.other_hand.as_ref();
-        let other = other.filter(|hand| hand.source.is_some());
-        let other = other.map(|hand| (hand.source.as_ref(), hand.role));
-        let sources = std::iter::once(first).chain(other);
-        sources.map(|(source, role)| (source, setup.permissions(source, role)))
-    }
-
-    /// Opens a source, merged with that of the other hand if it has one.
-    pub fn open_source(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
-        let first_side = self.arm.side();
-        let Some(hand) = &self.other_hand else {
-            return self.open_single_source(source, [first_side]);
-        };
-        let (other, second_side) = (self.setup.other_hand.as_ref(), hand.arm.side());
-        let Some(other) = other.and_then(|hand| hand.source.as_ref()) else {
-            return self.open_single_source(source, [first_side, second_side]);
-        };
-        let first = self.open_single_source(source, [first_side])?;
-        let second = self.open_single_source(other, [second_side])?;
-        let sources = [(first_side, first), (second_side, second)];
-        Ok(Box::new(MergedSource::start(sources)?))
-    }
-
-    /// Opens a source that measures the hands of these sides.
-    fn open_single_source(
-        &self,
-        source: &SourceUri,
-        sides: impl IntoIterator<Item = Side>,
-    ) -> Result<Box<dyn Source>, SetupError> {
-        let format = Hc11Format::default();
-        Ok(match source {
-            SourceUri::Recording { path } => {
-                let replay = Replay::open(path)?;
-                match output::has_effect(&self.setup.output) {
-                    true => Box::new(replay.without_packet_period()),
-                    false => Box::new(replay),
-                }
-            }
-            SourceUri::Typist { text } => Box::new(self.typist(text, &format, 0.0, 0)?),
-            SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
-            _ => {
-                let opened = capture::open(source)?;
-                match source.shows_both_arms() {
-                    true => Box::new(SidedSource::new(opened, sides)),
-                    false => opened,
-                }
-            }
-        })
     }
 }
 

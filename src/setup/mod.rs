@@ -5,9 +5,11 @@ mod kind;
 mod loaded;
 mod recorded;
 mod simulated;
+mod sources;
 
 pub use loaded::{GloveAndArm, LoadedSetup, Profile, layout_instance};
 pub use recorded::ReplaySettings;
+pub use sources::NamedSource;
 
 use std::path::Path;
 
@@ -31,6 +33,10 @@ pub struct Setup {
     pub source: Option<SourceUri>,
     /// The events that the source may cause. Default: all, or pointer events if the source is on the network.
     pub role: Option<SourceRole>,
+    /// The source of the arm, if another one than that of the fingers: a camera beside a glove.
+    pub arm_source: Option<SourceUri>,
+    /// The events that the source of the arm may cause. The hand causes only those that both of its sources may.
+    pub arm_role: Option<SourceRole>,
     /// The glove: a shipped name or a path. Default: `unam-hc11`, if the source provides channels.
     pub glove: Option<String>,
     /// The arm.
@@ -66,6 +72,10 @@ pub struct OtherHand {
     pub source: Option<SourceUri>,
     /// The events that its source may cause.
     pub role: Option<SourceRole>,
+    /// The source of the arm. Default: that of the first hand, if it shows both arms.
+    pub arm_source: Option<SourceUri>,
+    /// The events that the source of the arm may cause.
+    pub arm_role: Option<SourceRole>,
     /// The glove: a shipped name or a path. Default: `unam-hc11-left`, if the source provides channels.
     pub glove: Option<String>,
     /// The arm.
@@ -141,6 +151,8 @@ impl Default for Setup {
         Self {
             source: None,
             role: None,
+            arm_source: None,
+            arm_role: None,
             glove: None,
             arm: ArmSetup::default(),
             other_hand: None,

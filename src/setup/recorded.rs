@@ -6,7 +6,7 @@
 
 use ron::ser::PrettyConfig;
 
-use super::{LoadedSetup, OtherHand, Setup, SetupError, kind};
+use super::{LoadedSetup, Setup, SetupError, kind};
 use crate::capture::recording::RecordedSetup;
 use crate::document::{Document, DocumentError};
 
@@ -82,11 +82,13 @@ impl Setup {
     ///
     /// The defaults are those of a source on this machine, whatever source the recording names.
     fn replace_permissions(&mut self, own: &Self) -> Vec<&'static str> {
-        let other_role = self.other_hand.as_ref().and_then(|hand| hand.role);
+        let other = self.other_hand.as_ref();
+        let other_roles = other.map_or([None; 2], |hand| [hand.role, hand.arm_role]);
+        let mut further_roles = other_roles.into_iter().chain([self.arm_role]).flatten();
         let fields = [
             (
                 "role",
-                self.role != own.role || other_role.is_some_and(|role| Some(role) != own.role),
+                self.role != own.role || further_roles.any(|role| Some(role) != own.role),
             ),
             (
                 "stall_timeout_ms",
@@ -107,14 +109,10 @@ impl Setup {
             ("panic_keys", self.panic_keys != own.panic_keys),
         ];
         let permissions = own.permissions(None, own.role);
-        self.role = Some(permissions.role);
-        if let Some(OtherHand {
-            source: Some(_),
-            role,
-            ..
-        }) = &mut self.other_hand
-        {
-            *role = Some(permissions.role);
+        let role = Some(permissions.role);
+        (self.role, self.arm_role) = (role, role);
+        if let Some(other) = &mut self.other_hand {
+            (other.role, other.arm_role) = (role, role);
         }
         self.max_presses_per_second = Some(permissions.rate_limit.per_second);
         self.stall_timeout_ms = own.stall_timeout_ms;

@@ -28,6 +28,7 @@ mod signals;
 mod terminal;
 mod text_line;
 mod traces;
+mod two_sources;
 mod writes;
 mod wrong_use;
 

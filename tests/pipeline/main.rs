@@ -8,6 +8,7 @@ mod body_landmarks;
 mod estimator;
 mod examples;
 mod faulty_readings;
+mod fusion;
 mod gestures;
 mod hands_and_profiles;
 mod oracle;

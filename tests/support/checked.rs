@@ -7,6 +7,7 @@ use ademan::capture::Reading;
 use ademan::command::CommandOrigin;
 use ademan::device::Events;
 use ademan::estimate::Rejection;
+use ademan::hand::{HandPart, Side};
 use ademan::layout::Layout;
 use ademan::pipeline::{
     CommandError, LayoutInstance, Pipeline, PipelineSettings, PipelineState, StepOutput,
@@ -78,6 +79,13 @@ impl CheckedPipeline {
     pub fn stall(&mut self, events: &mut Events) {
         let releases = self.pipeline.expects_readings();
         self.command(releases, events, Pipeline::stall);
+    }
+
+    #[track_caller]
+    pub fn lose(&mut self, side: Option<Side>, part: Option<HandPart>, events: &mut Events) {
+        self.command(false, events, |pipeline, events| {
+            pipeline.lose(side, part, events);
+        });
     }
 
     #[track_caller]

@@ -30,7 +30,7 @@ pub fn next_within(
 pub const TYPING_RATE_HZ: f64 = 11_520.0 / 66.0;
 
 /// Returns the estimates of a hand that types `text` on the default layout, at [`TYPING_RATE_HZ`], and its arm.
-fn typing(text: &str) -> (Vec<Estimate>, ArmModel) {
+pub fn typing_estimates(text: &str) -> (Vec<Estimate>, ArmModel) {
     let setup = Setup::default().load_files().expect("the default setup");
     let hand = setup.typist(text, &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.expect("the text can be typed");
@@ -48,14 +48,14 @@ fn typing(text: &str) -> (Vec<Estimate>, ArmModel) {
 ///
 /// The angles of the thumb are not exact, because its MCP and IP joints share a wire index.
 pub fn text_lines(text: &str) -> Vec<String> {
-    let (estimates, _) = typing(text);
+    let (estimates, _) = typing_estimates(text);
     let encode = |estimate: &Estimate| text_line::encode(&estimate.angles);
     estimates.iter().map(encode).collect()
 }
 
 /// Returns the poses of a hand that types `text` on the default layout.
 pub fn typing_poses(text: &str) -> Vec<HandPose> {
-    let (estimates, arm) = typing(text);
+    let (estimates, arm) = typing_estimates(text);
     estimates
         .iter()
         .map(|estimate| arm.forward(estimate))

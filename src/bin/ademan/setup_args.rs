@@ -13,10 +13,16 @@ use crate::source_value::{self, SourceValue};
 pub struct SetupArgs {
     #[arg(long, value_name = "URI", value_parser = SourceValue, help = "Source of readings", long_help = source_value::help())]
     source: Option<SourceUri>,
+    /// Source of the arm, if another one than that of the fingers: a camera beside a glove
+    #[arg(long, value_name = "URI", value_parser = SourceValue)]
+    arm_source: Option<SourceUri>,
     /// Events that the source may cause: pointer, keys or both. The default is both, and pointer for a source on the
     /// network
     #[arg(long, value_parser = role())]
     role: Option<SourceRole>,
+    /// Events that the source of the arm may cause. The hand causes only those that both of its sources may
+    #[arg(long, value_parser = role())]
+    arm_role: Option<SourceRole>,
     /// Glove: the name of one that comes with the program, or a file
     #[arg(long)]
     glove: Option<String>,
@@ -33,6 +39,8 @@ impl SetupArgs {
             None => Setup::default(),
         };
         setup.source = self.source.or(setup.source);
+        setup.arm_source = self.arm_source.or(setup.arm_source);
+        setup.arm_role = self.arm_role.or(setup.arm_role);
         setup.role = self.role.or(setup.role);
         setup.glove = self.glove.or(setup.glove);
         setup.layout = self.layout.unwrap_or(setup.layout);

@@ -37,11 +37,7 @@ pub fn open_tcp_loopback(format: impl Into<StreamFormat>) -> Result<Loopback> {
     };
     Ok(Loopback {
         writer: Box::new(writer),
-        uri: SourceUri::Stream(StreamUri {
-            transport: &tcp::TRANSPORT,
-            address,
-            format: format.into(),
-        }),
+        uri: SourceUri::Stream(StreamUri::new(&tcp::TRANSPORT, address, format)),
     })
 }
 

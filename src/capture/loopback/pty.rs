@@ -33,11 +33,7 @@ pub fn open_loopback(format: impl Into<StreamFormat>) -> Result<Loopback> {
     };
     Ok(Loopback {
         writer: Box::new(writer),
-        uri: SourceUri::Stream(StreamUri {
-            transport: &serial::TRANSPORT,
-            address,
-            format: format.into(),
-        }),
+        uri: SourceUri::Stream(StreamUri::new(&serial::TRANSPORT, address, format)),
     })
 }
 

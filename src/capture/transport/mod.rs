@@ -11,6 +11,7 @@ mod usb_port;
 
 use std::fmt;
 use std::num::NonZeroU32;
+use std::time::Duration;
 
 use super::connection::Connector;
 use super::protocol::StreamFormat;
@@ -77,12 +78,37 @@ pub struct StreamUri {
     pub address: String,
     /// Format of the bytes.
     pub format: StreamFormat,
+    /// Time from a movement to the arrival of its reading, 0 to [`MAX_DELAY`].
+    pub delay: Duration,
+}
+
+/// Longest delay of a source.
+pub const MAX_DELAY: Duration = Duration::from_millis(500);
+
+impl StreamUri {
+    /// Creates a URI of a source without a delay.
+    pub(super) fn new(
+        transport: &'static Transport,
+        address: String,
+        format: impl Into<StreamFormat>,
+    ) -> Self {
+        Self {
+            transport,
+            address,
+            format: format.into(),
+            delay: Duration::ZERO,
+        }
+    }
 }
 
 impl fmt::Display for StreamUri {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let scheme = self.transport.scheme.name;
-        write!(f, "{scheme}:{}{}", self.address, self.format)
+        write!(f, "{scheme}:{}{}", self.address, self.format)?;
+        match self.delay {
+            Duration::ZERO => Ok(()),
+            delay => write!(f, "&delay_ms={}", delay.as_millis()),
+        }
     }
 }
 

@@ -4,12 +4,13 @@ use std::fmt;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::str::FromStr;
+use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
 use super::CaptureError;
 use super::protocol::{PROTOCOLS, Protocol, StreamFormat};
-use super::transport::{Scheme, StreamUri, TRANSPORTS, Transport};
+use super::transport::{MAX_DELAY, Scheme, StreamUri, TRANSPORTS, Transport};
 use crate::names::{UnknownName, nearest};
 
 /// Origin of readings.
@@ -28,7 +29,8 @@ use crate::names::{UnknownName, nearest};
 /// Sources on the network (`tcp:`, `udp:`) press keys only with `role: Both` or `role: Keys` in the setup.
 ///
 /// Options are `key=value` pairs joined by `&`: `protocol` (see [`PROTOCOLS`]), `baud` (bits per second of the serial
-/// line, 1 or more) and the options of the protocol.
+/// line, 1 or more), `delay_ms` (time from a movement to the arrival of its reading, 0 to 500, by which the sources of one
+/// hand are aligned) and the options of the protocol.
 ///
 /// Options start at the last `?` after which the text consists of such pairs; any other `?` belongs to the path. A
 /// file whose name ends like options is written with an added option: `file:what?a=b?protocol=hc11`. The text after
@@ -109,6 +111,14 @@ impl SourceUri {
         }
     }
 
+    /// Returns the time from a movement to the arrival of its reading.
+    pub fn delay(&self) -> Duration {
+        match self {
+            Self::Stream(stream) => stream.delay,
+            _ => Duration::ZERO,
+        }
+    }
+
     /// Returns the serial port as the operating system names it.
     pub fn serial_port(&self) -> Option<&str> {
         match self {
@@ -184,7 +194,7 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
         });
     }
     (transport.check_address)(address)?;
-    let format = parse_format(options, transport.default_baud)?;
+    let (format, delay) = parse_options(options, transport.default_baud)?;
     if transport.is_datagram && !format.protocol.has_datagrams {
         return Err(format!(
             "protocol `{}` needs a stream from its start, which datagrams do not carry; use `file:` or `tcp:`",
@@ -192,9 +202,8 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
         ));
     }
     Ok(StreamUri {
-        transport,
-        address: address.to_owned(),
-        format,
+        delay,
+        ..StreamUri::new(transport, address.to_owned(), format)
     })
 }
 
@@ -210,7 +219,11 @@ fn are_pairs(options: &str) -> bool {
     })
 }
 
-fn parse_format(options: &str, default_baud: Option<NonZeroU32>) -> Result<StreamFormat, String> {
+/// Returns the format of the bytes and the delay of the readings.
+fn parse_options(
+    options: &str,
+    default_baud: Option<NonZeroU32>,
+) -> Result<(StreamFormat, Duration), String> {
     let pairs = options.split('&').filter(|pair| !pair.is_empty());
     let pairs: Vec<(&str, &str)> = pairs
         .map(|pair| pair.split_once('=').unwrap_or((pair, "")))
@@ -226,14 +239,16 @@ fn parse_format(options: &str, default_baud: Option<NonZeroU32>) -> Result<Strea
     };
     let mut format = StreamFormat::new(protocol);
     format.baud = format.baud.or(default_baud);
+    let mut delay = Duration::ZERO;
     for (key, value) in pairs {
         match key {
             "protocol" => {}
             "baud" => format.baud = Some(parse_baud(value)?),
+            "delay_ms" => delay = parse_delay(value)?,
             _ => set_option(&mut format, key, value)?,
         }
     }
-    Ok(format)
+    Ok((format, delay))
 }
 
 fn find_protocol(name: &str) -> Result<&'static Protocol, String> {
@@ -255,12 +270,20 @@ fn parse_baud(value: &str) -> Result<NonZeroU32, String> {
         .map_err(|_| format!("`{value}` is not a bit rate, write bits per second: `baud=115200`"))
 }
 
+fn parse_delay(value: &str) -> Result<Duration, String> {
+    let delay = value.parse().ok().map(Duration::from_millis);
+    delay.filter(|delay| *delay <= MAX_DELAY).ok_or_else(|| {
+        let longest = MAX_DELAY.as_millis();
+        format!("`{value}` is not a delay, write 0 to {longest} ms: `delay_ms=40`")
+    })
+}
+
 fn set_option(format: &mut StreamFormat, key: &str, value: &str) -> Result<(), String> {
     let options = format.protocol.options;
     match options.iter().find(|option| option.name == key) {
         Some(option) => format.options.set(option, value),
         None => {
-            let names = ["protocol", "baud"].into_iter();
+            let names = ["protocol", "baud", "delay_ms"].into_iter();
             let names: Vec<&str> = names
                 .chain(options.iter().map(|option| option.name))
                 .collect();

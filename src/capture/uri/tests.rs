@@ -5,13 +5,12 @@ use crate::capture::hc11::{Framing, Hc11Format};
 
 fn stream(scheme: &str, address: &str, format: impl Into<StreamFormat>) -> SourceUri {
     let mut transports = TRANSPORTS.iter();
-    SourceUri::Stream(StreamUri {
-        transport: transports
-            .find(|transport| transport.scheme.name == scheme)
-            .unwrap(),
-        address: address.to_owned(),
-        format: format.into(),
-    })
+    let transport = transports.find(|transport| transport.scheme.name == scheme);
+    SourceUri::Stream(StreamUri::new(
+        transport.unwrap(),
+        address.to_owned(),
+        format,
+    ))
 }
 
 fn hc11(framing: Framing, baud: u32) -> Hc11Format {

@@ -1,0 +1,188 @@
+use super::*;
+use crate::capture::{Channels, Sample};
+
+/// Source with a name and readings at these times, in microseconds. One named `live` is live.
+struct TimedSource(&'static str, Vec<u64>);
+
+impl Source for TimedSource {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        if self.1.is_empty() {
+            return Ok(SourceEvent::End);
+        }
+        Ok(SourceEvent::Reading(Reading::new(
+            Timestamp(self.1.remove(0)),
+            None,
+            Sample::Channels(Channels {
+                full_scale: 255,
+                counts: Default::default(),
+            }),
+        )))
+    }
+
+    fn name(&self) -> &str {
+        self.0
+    }
+
+    fn is_live(&self) -> bool {
+        self.0 == "live"
+    }
+
+    fn stats(&self) -> SourceStats {
+        SourceStats {
+            readings: 1,
+            ..SourceStats::default()
+        }
+    }
+}
+
+fn merge(left: TimedSource, right: TimedSource) -> (Vec<(Side, u64)>, MergedSource) {
+    let sources = [(Side::Left, left), (Side::Right, right)];
+    let sources = sources.map(|(side, source)| PartialSource {
+        source: Box::new(source),
+        side: Some(side),
+        part: None,
+        delay: Duration::ZERO,
+    });
+    let mut merged = MergedSource::start(sources.into_iter().collect()).unwrap();
+    let mut readings = Vec::new();
+    loop {
+        match merged.next().unwrap() {
+            SourceEvent::Reading(reading) => {
+                readings.push((reading.side.unwrap(), reading.time.0));
+            }
+            SourceEvent::Idle => {}
+            SourceEvent::End => return (readings, merged),
+        }
+    }
+}
+
+#[test]
+fn recordings_of_two_hands_are_merged_in_order_of_time() {
+    let left = TimedSource("a", vec![10, 30, 31]);
+    let right = TimedSource("b", vec![20, 30, 50, 60]);
+    let (readings, merged) = merge(left, right);
+    let expected = [
+        (Side::Left, 10),
+        (Side::Right, 20),
+        (Side::Left, 30),
+        (Side::Right, 30),
+        (Side::Left, 31),
+        (Side::Right, 50),
+        (Side::Right, 60),
+    ];
+    assert_eq!(readings, expected);
+    assert_eq!((merged.name(), merged.stats().readings), ("a and b", 2));
+}
+
+#[test]
+fn live_sources_share_a_clock_that_never_decreases() {
+    let left = TimedSource("live", vec![5_000_000, 5_000_100, 5_000_200]);
+    let right = TimedSource("live", vec![7, 8, 9]);
+    let (readings, _) = merge(left, right);
+    assert_eq!(readings.len(), 6);
+    assert!(
+        readings.windows(2).all(|pair| pair[0].1 <= pair[1].1),
+        "{readings:?}"
+    );
+    assert!(
+        readings[5].1 < 4_000_000,
+        "not the time since the start: {readings:?}"
+    );
+}
+
+/// Live source that gives events at once and then waits.
+struct PartSource(Vec<Result<u64, CaptureError>>);
+
+impl Source for PartSource {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        if self.0.is_empty() {
+            std::thread::sleep(Duration::from_millis(1));
+            return Ok(SourceEvent::Idle);
+        }
+        let angles = Default::default();
+        let time = Timestamp(self.0.remove(0)?);
+        let reading = Reading::new(time, None, Sample::Angles { angles });
+        Ok(SourceEvent::Reading(reading))
+    }
+
+    fn name(&self) -> &str {
+        "part"
+    }
+}
+
+/// Merges a fast source of fingers and a source of the arm that is late by `delay`.
+fn merge_parts(
+    fingers: Vec<Result<u64, CaptureError>>,
+    arm: Vec<Result<u64, CaptureError>>,
+    delay: Duration,
+) -> MergedSource {
+    let parts = [
+        (HandPart::Fingers, fingers, Duration::ZERO),
+        (HandPart::Arm, arm, delay),
+    ];
+    let parts = parts.map(|(part, events, delay)| PartialSource {
+        source: Box::new(PartSource(events)),
+        side: Some(Side::Right),
+        part: Some(part),
+        delay,
+    });
+    MergedSource::start(parts.into_iter().collect()).unwrap()
+}
+
+#[test]
+fn a_fast_source_waits_for_the_moment_that_a_late_source_shows() {
+    let delay = Duration::from_millis(500);
+    let mut merged = merge_parts(vec![Ok(7), Ok(8)], vec![Ok(100)], delay);
+    let mut readings = Vec::new();
+    while readings.len() < 3 {
+        if let SourceEvent::Reading(reading) = merged.next().unwrap() {
+            readings.push(reading);
+        }
+    }
+    let parts: Vec<_> = readings
+        .iter()
+        .map(|reading| reading.part.unwrap())
+        .collect();
+    assert_eq!(parts, [HandPart::Arm, HandPart::Fingers, HandPart::Fingers]);
+    // All arrived at the start, so that the fingers show a moment that is later by the delay.
+    let between = readings[1].time.since(readings[0].time);
+    assert!(between > Duration::from_millis(300), "{between:?}");
+    assert!(readings[2].time > readings[1].time);
+    assert!(
+        readings
+            .iter()
+            .all(|reading| reading.side == Some(Side::Right))
+    );
+}
+
+#[test]
+fn the_loss_of_a_source_names_its_part_and_the_other_continues() {
+    let lost = CaptureError::Lost {
+        source_name: "tcp:camera:4001".into(),
+        reason: "connection closed".into(),
+    };
+    let mut merged = merge_parts(vec![Ok(7)], vec![Err(lost), Ok(8)], Duration::ZERO);
+    let (mut readings, mut losses) = (Vec::new(), Vec::new());
+    while readings.len() < 2 || losses.is_empty() {
+        match merged.next() {
+            Ok(SourceEvent::Reading(reading)) => readings.push(reading.part),
+            Ok(_) => {}
+            Err(error) => losses.push(error),
+        }
+    }
+    readings.sort_by_key(|part| part.map(HandPart::index));
+    assert_eq!(readings, [Some(HandPart::Arm), Some(HandPart::Fingers)]);
+    let [error] = losses.as_slice() else {
+        panic!("{losses:?}");
+    };
+    assert!(error.is_recoverable());
+    assert_eq!(error.source_name(), "tcp:camera:4001");
+    assert_eq!(
+        error.to_string(),
+        "lost tcp:camera:4001: connection closed; reconnecting"
+    );
+    let CaptureError::PartLost { side, part, .. } = error else {
+        panic!("{error:?}");
+    };
+    assert_eq!((*side, *part), (Some(Side::Right), Some(HandPart::Arm)));
+}

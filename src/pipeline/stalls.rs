@@ -1,0 +1,100 @@
+//! Hands whose readings stop, and the release of what they hold.
+
+use super::hand_pipeline::HandPipeline;
+use super::{Pipeline, PipelineState};
+use crate::device::Events;
+use crate::hand::{HandPart, Side};
+use crate::time::Timestamp;
+
+impl Pipeline {
+    /// Releases everything because readings stopped for longer than the [`stall_timeout`](Self::stall_timeout).
+    ///
+    /// Output is armed again after the hand has been clear of every control.
+    pub fn stall(&mut self, events: &mut Events) {
+        if self.state == PipelineState::Stopped {
+            return;
+        }
+        let last = self.hands.iter().filter_map(|hand| hand.last_accepted);
+        let Some(last) = last.max() else {
+            return;
+        };
+        for hand in &mut self.hands {
+            hand.last_accepted = None;
+            hand.is_clear = false;
+        }
+        self.stalls += 1;
+        let time = last + self.settings.stall_timeout;
+        self.disarm(time, PipelineState::Stalled, events);
+    }
+
+    /// Releases everything as [`stall`](Self::stall) does if, at `time`, no hand has had a reading for longer than the
+    /// [`stall_timeout`](Self::stall_timeout). Returns whether it did.
+    ///
+    /// The result is that of the first later reading, which would detect the same gap, so that a replay emits the same
+    /// events whether it waits for that reading or not.
+    pub fn stall_if_overdue(&mut self, time: Timestamp, events: &mut Events) -> bool {
+        let last = self
+            .hands
+            .iter()
+            .filter_map(|hand| hand.last_accepted)
+            .max();
+        let is_overdue = last.is_some_and(|last| time.since(last) > self.settings.stall_timeout);
+        if is_overdue {
+            self.stall(events);
+        }
+        is_overdue
+    }
+
+    /// Releases what a hand holds because the source of it, or of a part of it, was lost. The other hand, and what the other
+    /// part drives, continue. Everything [stalls](Self::stall) if nothing is left.
+    pub fn lose(&mut self, side: Option<Side>, part: Option<HandPart>, events: &mut Events) {
+        let last = self
+            .hands
+            .iter()
+            .filter_map(|hand| hand.last_accepted)
+            .max();
+        for index in 0..self.hands.len() {
+            if side.is_none_or(|side| side == self.hands[index].side()) {
+                self.hands[index].lose(part);
+                self.release_lost(index, events);
+            }
+        }
+        if last.is_some() && !self.expects_readings() {
+            self.stalls += 1;
+            self.disarm(self.time, PipelineState::Stalled, events);
+        }
+    }
+
+    /// Detects from the time stamps of readings that all hands stopped, or that one did while the other continued, so that the
+    /// replay of a recorded stall repeats it.
+    pub(super) fn detect_gaps(&mut self, time: Timestamp, events: &mut Events) {
+        let timeout = self.settings.stall_timeout;
+        let is_expected = |hand: &&HandPipeline| hand.last_accepted.is_some();
+        let is_overdue = |hand: &HandPipeline| {
+            hand.last_accepted
+                .is_some_and(|last| time.since(last) > timeout)
+        };
+        if !self.hands.iter().any(is_overdue) {
+            return;
+        }
+        if self.hands.iter().filter(is_expected).all(is_overdue) {
+            self.stall(events);
+            return;
+        }
+        self.stalls += 1;
+        for index in 0..self.hands.len() {
+            if is_overdue(&self.hands[index]) {
+                self.hands[index].lose(None);
+                self.release_lost(index, events);
+            }
+        }
+    }
+
+    /// Passes a hand that lost a part on to the devices, which release what that part held.
+    fn release_lost(&mut self, index: usize, events: &mut Events) {
+        let estimate = &mut self.hands[index].output.estimate;
+        estimate.time = estimate.time.max(self.time);
+        self.update_pose(index);
+        self.update_devices(index, events);
+    }
+}

@@ -1,0 +1,198 @@
+//! The sources of a setup: who measures which hand or part of a hand, and the permissions of each.
+
+use arrayvec::ArrayVec;
+
+use super::{LoadedSetup, SetupError};
+use crate::capture::recording::Replay;
+use crate::capture::{
+    self, Hc11Format, MAX_SOURCES, MergedSource, PartialSource, SidedSource, Source, SourceUri,
+};
+use crate::hand::{HandPart, Side};
+use crate::output;
+use crate::pipeline::{SourcePermissions, SourceRole};
+
+/// A source that the setup names.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedSource<'a> {
+    /// The source.
+    pub uri: Option<&'a SourceUri>,
+    /// Its own permissions. A hand has those that all of its sources have.
+    pub permissions: SourcePermissions,
+    /// The field of the setup, and the flag, that let it press keys.
+    pub remedy: &'static str,
+}
+
+/// A source to open.
+struct OpenedPart<'a> {
+    uri: &'a SourceUri,
+    /// The hands that it measures.
+    sides: ArrayVec<Side, { Side::COUNT }>,
+    part: Option<HandPart>,
+}
+
+impl LoadedSetup {
+    /// Returns all sources, at most four: the first source, that of its arm, and those of the other hand.
+    pub fn named_sources(&self) -> impl Iterator<Item = NamedSource<'_>> {
+        let setup = &self.setup;
+        let named = |uri, role, remedy| NamedSource {
+            uri,
+            permissions: setup.permissions(uri, role),
+            remedy,
+        };
+        let first = named(
+            setup.source.as_ref(),
+            setup.role,
+            "`role: Both` next to this source in the setup or `--role both`",
+        );
+        let arm_remedy = "`arm_role: Both` next to this source in the setup or `--arm-role both`";
+        let arm = setup.arm_source.as_ref();
+        let arm = arm.map(|uri| named(Some(uri), setup.arm_role, arm_remedy));
+        let other = setup.other_hand.iter().flat_map(move |hand| {
+            let source = hand.source.as_ref();
+            let remedy = "`role: Both` next to this source in the setup";
+            let source = source.map(|uri| named(Some(uri), hand.role, remedy));
+            let arm = hand.arm_source.as_ref();
+            let remedy = "`arm_role: Both` next to this source in the setup";
+            let arm = arm.map(|uri| named(Some(uri), hand.arm_role, remedy));
+            source.into_iter().chain(arm)
+        });
+        std::iter::once(first).chain(arm).chain(other)
+    }
+
+    /// Returns the sources of fingers with the permissions of their hands: the first source, then that of the other hand if
+    /// it has one. A hand may cause only what the source of its arm may cause too.
+    pub fn sources(&self) -> impl Iterator<Item = (Option<&SourceUri>, SourcePermissions)> {
+        let setup = &self.setup;
+        let mut first = setup.permissions(setup.source.as_ref(), setup.role);
+        if let Some(arm) = &setup.arm_source {
+            first = first.and(setup.permissions(Some(arm), setup.arm_role));
+        }
+        let mut second = None;
+        if let Some(other) = &setup.other_hand {
+            let arm = match (&other.arm_source, self.other_arm_source()) {
+                (Some(arm), _) => Some(setup.permissions(Some(arm), other.arm_role)),
+                (None, Some(arm)) => Some(setup.permissions(Some(arm), setup.arm_role)),
+                (None, None) => None,
+            };
+            match &other.source {
+                Some(source) => {
+                    let own = setup.permissions(Some(source), other.role);
+                    let both = arm.map_or(own, |arm| own.and(arm));
+                    second = Some((Some(source), both));
+                }
+                None => first = arm.map_or(first, |arm| first.and(arm)),
+            }
+        }
+        std::iter::once((setup.source.as_ref(), first)).chain(second)
+    }
+
+    /// Checks that the roles of the sources of a hand permit anything together.
+    pub(super) fn check_roles(&self) -> Result<(), SetupError> {
+        let has = |role| {
+            self.named_sources()
+                .any(|source| source.permissions.role == role)
+        };
+        let has_arm = self
+            .named_sources()
+            .any(|source| source.remedy.contains("arm_role"));
+        if has_arm && has(SourceRole::Keys) && has(SourceRole::Pointer) {
+            let message = "`role: Keys` of one source and the role `Pointer` of another one permit nothing together; a \
+                           source on the network has the role `Pointer` unless the setup says otherwise: set `arm_role: Keys`";
+            return Err(SetupError::Value(message.into()));
+        }
+        Ok(())
+    }
+
+    /// Returns the source of the other hand's arm: its own, or that of the first hand if that shows both arms.
+    pub(super) fn other_arm_source(&self) -> Option<&SourceUri> {
+        let own = self.setup.other_hand.as_ref()?.arm_source.as_ref();
+        let first = self.setup.arm_source.as_ref();
+        own.or(first.filter(|source| source.shows_both_arms()))
+    }
+
+    /// Opens a source, merged with all others of the setup.
+    pub fn open_source(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
+        let mut parts = self.parts(source);
+        if parts.len() == 1 {
+            let part = parts.remove(0);
+            return self.open_single_source(part.uri, part.sides);
+        }
+        let mut sources = ArrayVec::new();
+        for OpenedPart { uri, sides, part } in parts {
+            let side = match sides.as_slice() {
+                [side] => Some(*side),
+                _ => None,
+            };
+            sources.push(PartialSource {
+                source: self.open_single_source(uri, sides)?,
+                side,
+                part,
+                delay: uri.delay(),
+            });
+        }
+        Ok(Box::new(MergedSource::start(sources)?))
+    }
+
+    /// Returns what each source measures. `first` replaces the first source of the setup.
+    fn parts<'a>(&'a self, first: &'a SourceUri) -> ArrayVec<OpenedPart<'a>, MAX_SOURCES> {
+        let setup = &self.setup;
+        let other = setup.other_hand.as_ref().zip(self.other_hand.as_ref());
+        let second_source = other.and_then(|(hand, _)| hand.source.as_ref());
+        let second_arm = other.and_then(|(hand, _)| hand.arm_source.as_ref());
+        let first_side = self.arm.side();
+        let second_side = other.map(|(_, hand)| hand.arm.side());
+        let fingers = |arm: Option<&SourceUri>| arm.map(|_| HandPart::Fingers);
+        let mut parts = ArrayVec::new();
+        let mut add = |uri, sides: [Option<Side>; Side::COUNT], part| {
+            let sides = sides.into_iter().flatten().collect();
+            parts.push(OpenedPart { uri, sides, part });
+        };
+        let shared = second_side.filter(|_| second_source.is_none());
+        let part = fingers(setup.arm_source.as_ref()).or(fingers(
+            self.other_arm_source().filter(|_| shared.is_some()),
+        ));
+        add(first, [Some(first_side), shared], part);
+        if let Some(arm) = &setup.arm_source {
+            let shared = second_side.filter(|_| second_arm.is_none() && arm.shows_both_arms());
+            add(arm, [Some(first_side), shared], Some(HandPart::Arm));
+        }
+        if let Some(source) = second_source {
+            add(
+                source,
+                [second_side, None],
+                fingers(self.other_arm_source()),
+            );
+        }
+        if let Some(arm) = second_arm {
+            add(arm, [second_side, None], Some(HandPart::Arm));
+        }
+        parts
+    }
+
+    /// Opens a source that measures the hands of these sides.
+    fn open_single_source(
+        &self,
+        source: &SourceUri,
+        sides: impl IntoIterator<Item = Side>,
+    ) -> Result<Box<dyn Source>, SetupError> {
+        let format = Hc11Format::default();
+        Ok(match source {
+            SourceUri::Recording { path } => {
+                let replay = Replay::open(path)?;
+                match output::has_effect(&self.setup.output) {
+                    true => Box::new(replay.without_packet_period()),
+                    false => Box::new(replay),
+                }
+            }
+            SourceUri::Typist { text } => Box::new(self.typist(text, &format, 0.0, 0)?),
+            SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
+            _ => {
+                let opened = capture::open(source)?;
+                match source.shows_both_arms() {
+                    true => Box::new(SidedSource::new(opened, sides)),
+                    false => opened,
+                }
+            }
+        })
+    }
+}

@@ -1,0 +1,98 @@
+//! One hand from two sources of the program: the fingers from one, the arm from another.
+
+use std::io::Write;
+use std::net::{TcpListener, TcpStream};
+use std::process::Stdio;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::ademan;
+use crate::support::source::{TYPING_RATE_HZ, text_lines};
+use crate::text_line::pressed_keys;
+
+/// The indices of a text line that hold angles of the arm: the wrist, the forearm and the elbow.
+const ARM_INDICES: [usize; 4] = [4, 17, 25, 41];
+
+/// Returns a line with only the angles of the arm, or only those of the fingers; the others are 0.
+fn part_of(line: &str, is_arm: bool) -> String {
+    let values = line.split_ascii_whitespace().enumerate();
+    let values = values.map(
+        |(index, value)| match ARM_INDICES.contains(&index) == is_arm {
+            true => value,
+            false => "0",
+        },
+    );
+    values.collect::<Vec<_>>().join(" ") + "\n"
+}
+
+struct Server {
+    listener: TcpListener,
+    peer: Option<TcpStream>,
+}
+
+impl Server {
+    fn start() -> Self {
+        Self {
+            listener: TcpListener::bind("127.0.0.1:0").expect("a free port"),
+            peer: None,
+        }
+    }
+
+    fn uri(&self, delay_ms: u64) -> String {
+        let port = self.listener.local_addr().expect("it is bound").port();
+        format!("tcp:127.0.0.1:{port}?protocol=text-line&delay_ms={delay_ms}")
+    }
+
+    fn accept(&mut self) {
+        let (peer, _) = self.listener.accept().expect("a client");
+        peer.set_nodelay(true).expect("a TCP socket");
+        self.peer = Some(peer);
+    }
+
+    fn send(&mut self, line: &str) {
+        let peer = self.peer.as_mut().expect("it is connected");
+        peer.write_all(line.as_bytes()).expect("it is read");
+    }
+}
+
+#[test]
+fn fingers_and_an_arm_that_is_40_ms_late_type_together_and_are_replayed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let recording = folder.path().join("hand.mcap");
+    let (mut fingers, mut arm) = (Server::start(), Server::start());
+    let program = ademan(["record"])
+        .arg(&recording)
+        .args(["--source", &fingers.uri(0), "--role", "both"])
+        .args(["--arm-source", &arm.uri(150), "--arm-role", "both"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    fingers.accept();
+    arm.accept();
+    let lines = text_lines("Hola");
+    let period = Duration::from_secs_f64(1.0 / TYPING_RATE_HZ);
+    let delay = (0.15 * TYPING_RATE_HZ) as usize;
+    let start = Instant::now();
+    for index in 0..lines.len() + delay {
+        thread::sleep((period * index as u32).saturating_sub(start.elapsed()));
+        if let Some(line) = lines.get(index) {
+            fingers.send(&part_of(line, false));
+        }
+        if let Some(line) = index.checked_sub(delay).and_then(|index| lines.get(index)) {
+            arm.send(&part_of(line, true));
+        }
+    }
+    thread::sleep(Duration::from_millis(200));
+    crate::support::process::signal("INT", program.id());
+    let output = program.wait_with_output().expect("the program ends");
+    let messages = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{messages}");
+    let replayed = ademan(["replay"])
+        .arg(&recording)
+        .output()
+        .expect("the program starts");
+    let transcript = String::from_utf8(replayed.stdout).unwrap();
+    let typed = ["ShiftLeft", "H", "O", "L", "A"];
+    assert_eq!(pressed_keys(&transcript), typed, "{messages}");
+}

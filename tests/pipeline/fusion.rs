@@ -1,0 +1,235 @@
+//! A hand whose arm and fingers are measured by two sources, and the loss of one of them.
+
+use ademan::capture::{Reading, Sample};
+use ademan::device::{EventKind, Events};
+use ademan::estimate::{Estimate, JointAngles};
+use ademan::hand::{Dof, HandPart, Joint, JointPositions, Side};
+use ademan::kinematics::HandPose;
+use ademan::pipeline::{PipelineState, SourceRole};
+use ademan::setup::Setup;
+use ademan::time::Timestamp;
+
+use crate::support::checked::CheckedPipeline;
+use crate::support::source::typing_estimates;
+
+/// A wearer of a glove without arm sensors, whose elbow and wrist a tracker sees.
+struct Wearer {
+    pipeline: CheckedPipeline,
+    postures: Vec<(Estimate, HandPose)>,
+    /// The index of the next posture.
+    next: usize,
+    time_us: u64,
+    transcript: Vec<String>,
+}
+
+impl Wearer {
+    fn new(layout: &str, text: &str) -> Self {
+        let setup = Setup {
+            arm_source: Some(
+                "udp:127.0.0.1:9000?protocol=markers"
+                    .parse()
+                    .expect("a source"),
+            ),
+            arm_role: Some(SourceRole::Both),
+            layout: layout.into(),
+            ..Setup::default()
+        };
+        let (estimates, arm) = typing_estimates(text);
+        let postures = estimates
+            .iter()
+            .map(|estimate| (*estimate, arm.forward(estimate)));
+        Self {
+            pipeline: CheckedPipeline::new(&setup.load_files().expect("a setup")),
+            postures: postures.collect(),
+            next: 0,
+            time_us: 0,
+            transcript: Vec::new(),
+        }
+    }
+
+    /// Plays postures until all are played or a key is pressed.
+    fn play_until_press(&mut self) {
+        let before = self.transcript.len();
+        while self.next < self.postures.len() && self.transcript.len() == before {
+            self.show([true, true]);
+            self.next += 1;
+        }
+    }
+
+    fn play(&mut self) {
+        while self.next < self.postures.len() {
+            self.play_until_press();
+        }
+    }
+
+    /// Holds the present posture, which only the parts `seen` show.
+    fn hold(&mut self, seen: [bool; HandPart::COUNT], milliseconds: u64) {
+        for _ in 0..milliseconds / 5 {
+            self.show(seen);
+        }
+    }
+
+    fn show(&mut self, seen: [bool; HandPart::COUNT]) {
+        self.time_us += 5_000;
+        let (estimate, pose) = self.postures[self.next.min(self.postures.len() - 1)];
+        let samples = [arm_sample(&pose), finger_sample(&estimate)];
+        for (index, sample) in samples.into_iter().enumerate() {
+            if seen[index] {
+                let time = Timestamp(self.time_us + index as u64);
+                let mut reading = Reading::new(time, Some(Side::Right), sample);
+                reading.part = Some(HandPart::ALL[index]);
+                self.step(&reading);
+            }
+        }
+    }
+
+    fn step(&mut self, reading: &Reading) {
+        let mut events = Events::new();
+        self.pipeline
+            .step(reading, &mut events)
+            .expect("a valid reading");
+        self.write(&events);
+    }
+
+    fn write(&mut self, events: &Events) {
+        for event in events {
+            match event.kind {
+                EventKind::KeyDown(key) => self.transcript.push(format!("+{key}")),
+                EventKind::KeyUp(key) => self.transcript.push(format!("-{key}")),
+                EventKind::MoveTo(..) | EventKind::MoveBy(..) => {
+                    self.transcript.push("move".into());
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn transcript(&mut self) -> String {
+        std::mem::take(&mut self.transcript).join(" ")
+    }
+}
+
+fn arm_sample(pose: &HandPose) -> Sample {
+    let mut positions = JointPositions::default();
+    for joint in [Joint::Elbow, Joint::Wrist] {
+        let position = pose.position(joint).expect("the model has the joint");
+        positions.set(joint, position.as_dvec3());
+    }
+    Sample::Joints { positions }
+}
+
+fn finger_sample(estimate: &Estimate) -> Sample {
+    let mut angles = JointAngles::default();
+    for (dof, radians) in estimate.angles.known() {
+        if dof != Dof::ElbowFlexion {
+            angles.set(dof, radians);
+        }
+    }
+    Sample::Angles { angles }
+}
+
+#[test]
+fn a_glove_and_a_tracker_of_the_arm_type_together() {
+    let mut wearer = Wearer::new("qwerty-flat", "hola");
+    wearer.play();
+    assert_eq!(wearer.transcript(), "+H -H +O -O +L -L +A -A");
+}
+
+#[test]
+fn a_lost_arm_releases_its_key_and_the_hand_must_leave_the_key_first() {
+    let mut wearer = Wearer::new("qwerty-flat", "h");
+    wearer.play_until_press();
+    assert_eq!(wearer.transcript(), "+H");
+    wearer.hold([false, true], 150);
+    assert_eq!(wearer.transcript(), "", "a short gap of the tracker");
+    wearer.hold([false, true], 100);
+    assert_eq!(wearer.transcript(), "-H");
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    wearer.hold([true, true], 500);
+    assert_eq!(wearer.transcript(), "", "the finger is still in the key");
+    wearer.play();
+    assert_eq!(wearer.transcript(), "");
+    wearer.next = 0;
+    wearer.play();
+    assert_eq!(wearer.transcript(), "+H -H");
+}
+
+#[test]
+fn lost_fingers_release_their_key_and_the_arm_still_points() {
+    let mut wearer = Wearer::new("qwerty-flat", "h");
+    wearer.play_until_press();
+    wearer.hold([true, false], 250);
+    assert_eq!(wearer.transcript(), "+H -H");
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+
+    let mut wearer = Wearer::new("joint", "h");
+    wearer.hold([true, true], 500);
+    wearer.hold([true, false], 300);
+    assert_eq!(wearer.transcript(), "");
+    for step in 0..50 {
+        wearer.time_us += 5_000;
+        let mut angles = JointAngles::default();
+        angles.set(Dof::ElbowFlexion, 0.8);
+        angles.set(Dof::WristFlexion, 0.0);
+        angles.set(Dof::WristDeviation, f64::from(step) * 0.004);
+        let time = Timestamp(wearer.time_us);
+        let mut reading = Reading::new(time, Some(Side::Right), Sample::Angles { angles });
+        reading.part = Some(HandPart::Arm);
+        wearer.step(&reading);
+    }
+    assert!(wearer.transcript().contains("move"), "the wrist points");
+}
+
+#[test]
+fn the_loss_of_a_source_releases_at_once_and_the_loss_of_both_stalls() {
+    let mut wearer = Wearer::new("qwerty-flat", "h");
+    wearer.play_until_press();
+    let mut events = Events::new();
+    let (side, part) = (Some(Side::Right), Some(HandPart::Arm));
+    wearer.pipeline.lose(side, part, &mut events);
+    wearer.write(&events);
+    assert_eq!(wearer.transcript(), "+H -H");
+    assert_eq!(wearer.pipeline.state(), PipelineState::Running);
+    events.clear();
+    wearer
+        .pipeline
+        .lose(side, Some(HandPart::Fingers), &mut events);
+    assert_eq!(wearer.pipeline.state(), PipelineState::Stalled);
+    assert!(!wearer.pipeline.expects_readings());
+}
+
+#[test]
+fn a_hand_does_only_what_both_of_its_sources_may() {
+    let roles = |setup: Setup| {
+        let setup = setup.load_files()?;
+        let roles = setup.sources().map(|(_, permissions)| permissions.role);
+        Ok::<_, ademan::setup::SetupError>(roles.collect::<Vec<_>>())
+    };
+    let camera = Setup {
+        source: Some("serial:/dev/x".parse().expect("a source")),
+        arm_source: Some(
+            "tcp:camera:4001?protocol=body-landmarks"
+                .parse()
+                .expect("a source"),
+        ),
+        ..Setup::default()
+    };
+    assert_eq!(
+        roles(camera.clone()).expect("a setup"),
+        [SourceRole::Pointer]
+    );
+    let trusted = Setup {
+        arm_role: Some(SourceRole::Both),
+        ..camera.clone()
+    };
+    assert_eq!(roles(trusted).expect("a setup"), [SourceRole::Both]);
+    let nothing = Setup {
+        role: Some(SourceRole::Keys),
+        ..camera
+    };
+    let error = roles(nothing).expect_err("roles that exclude each other");
+    assert!(
+        error.to_string().contains("set `arm_role: Keys`"),
+        "{error}"
+    );
+}
