@@ -90,6 +90,11 @@ impl FusedEstimator {
         Ok(&self.estimate)
     }
 
+    /// Sets the time without a reading after which a part is lost.
+    pub fn set_timeout(&mut self, timeout: Duration) {
+        self.timeout = timeout;
+    }
+
     /// Forgets a part whose source was lost. Returns the other part, or `None` if that is lost too.
     pub fn lose(&mut self, part: HandPart) -> Option<&Estimate> {
         self.parts[part.index()].seen_at = None;

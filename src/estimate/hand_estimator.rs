@@ -1,5 +1,7 @@
 //! The estimator of a hand that one or two sources measure.
 
+use std::time::Duration;
+
 use super::{Estimate, Estimator, FusedEstimator, Rejection};
 use crate::capture::Reading;
 use crate::hand::HandPart;
@@ -31,6 +33,13 @@ impl HandEstimator {
         match self {
             Self::Single(estimator) => estimator.update(reading),
             Self::Fused(estimator) => estimator.update(reading),
+        }
+    }
+
+    /// Sets the time without a reading after which one of two parts is lost.
+    pub fn set_timeout(&mut self, timeout: Duration) {
+        if let Self::Fused(estimator) = self {
+            estimator.set_timeout(timeout);
         }
     }
 

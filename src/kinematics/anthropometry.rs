@@ -2,7 +2,8 @@
 
 use parry3d::math::Vec3;
 
-use super::arm_model::{ArmModel, ArmModelError, Link};
+use super::arm_model::{ArmModel, ArmModelError};
+use super::link::Link;
 use crate::hand::{Dof, Finger, Joint, Side};
 
 /// Hand breadth as a fraction of hand length: 84/183 mm and 75/166 mm (Buryanov & Kotiuk 2010).

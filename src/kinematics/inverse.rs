@@ -4,7 +4,8 @@ use arrayvec::ArrayVec;
 use glam::{DMat3, DVec3};
 use parry3d::math::{Pose, Vec3};
 
-use super::arm_model::{ArmModel, MAX_LINKS, far_end};
+use super::arm_model::{ArmModel, far_end};
+use super::link::MAX_LINKS;
 use crate::estimate::{AffineMap, JointAngles};
 use crate::hand::{Dof, Finger};
 

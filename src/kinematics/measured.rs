@@ -3,7 +3,7 @@
 use glam::Quat;
 use parry3d::math::{Pose, Vec3};
 
-use super::{Link, MAX_LINKS};
+use super::link::{Link, MAX_LINKS};
 use crate::estimate::MeasuredJoints;
 use crate::hand::Joint;
 

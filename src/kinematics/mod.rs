@@ -4,11 +4,13 @@ mod anthropometry;
 mod arm_model;
 mod inverse;
 mod joint_rotations;
+mod link;
 mod measured;
 
 pub use anthropometry::BoneLengths;
-pub use arm_model::{ArmModel, ArmModelError, Link, MAX_LINKS};
+pub use arm_model::{ArmModel, ArmModelError};
 pub use inverse::{IkSolution, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik};
+pub use link::{Link, MAX_LINKS};
 
 use parry3d::math::{Pose, Vec3};
 

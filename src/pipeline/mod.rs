@@ -303,6 +303,9 @@ impl Pipeline {
     /// Sets the longest gap between two readings.
     pub fn set_stall_timeout(&mut self, timeout: Duration) {
         self.settings.stall_timeout = timeout;
+        for hand in &mut self.hands {
+            hand.estimator.set_timeout(timeout);
+        }
     }
 
     /// Returns the number of accepted readings.

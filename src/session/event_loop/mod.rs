@@ -1,15 +1,17 @@
 //! The loop of a session: readings through the pipeline to the output, live or from a recording.
 
+mod layouts;
+
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{TryRecvError, bounded, select};
+use crossbeam_channel::TryRecvError;
 use hdrhistogram::Histogram;
 
 use super::close_on_panic::CloseOnPanic;
 use super::command_channel::{CommandReceiver, Message, QueuedCommand};
-use super::layout_link::{LayoutOperation, LayoutRequest, LayoutSwap};
-use super::reply::{Reply, ReplySender, RequestError, SessionStatus};
+use super::layout_link::LayoutOperation;
+use super::reply::{Reply, RequestError, SessionStatus};
 use super::{SessionError, Summary};
 use crate::capture::{
     CaptureError, CaptureEvent, CaptureThread, Reading, Source, SourceStats, spawn,
@@ -30,9 +32,6 @@ const MAX_STALL_TIMEOUT: Duration = Duration::from_secs(2);
 /// Longest time without a call of the output while readings are expected. The watchdog releases all keys after 200 ms
 /// without a heartbeat.
 const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
-
-/// Longest time that a replay waits for the layout manager to execute a command of the layout.
-const LAYOUT_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Passes readings from `source` through `pipeline` to `sink` on the calling thread, until the source ends or a `Stop`
 /// command arrives.
@@ -226,46 +225,6 @@ impl SessionLoop<'_> {
         Ok(Next::Continue)
     }
 
-    /// Executes a command that the pipeline has not executed itself.
-    fn execute_layout_command(&mut self, command: Command) -> Result<Next, SessionError> {
-        match LayoutOperation::from_command(&command) {
-            _ if command == Command::Stop => Ok(Next::End),
-            Some(operation) if self.capture.is_live() => {
-                // The layout manager reports the outcome.
-                let _ = self.forward(operation, None);
-                Ok(Next::Continue)
-            }
-            Some(operation) => {
-                self.run_layout_operation(operation)?;
-                Ok(Next::Continue)
-            }
-            None => Ok(Next::Continue),
-        }
-    }
-
-    /// Waits for the layout manager, so that a replay gives the same events at any speed.
-    fn run_layout_operation(&mut self, operation: LayoutOperation) -> Result<(), SessionError> {
-        let Some(link) = self.commands.layouts() else {
-            return Ok(());
-        };
-        let (reply, replies) = bounded(1);
-        if self.forward(operation, Some(reply)).is_err() {
-            return Ok(());
-        }
-        let swaps = link.swaps().clone();
-        loop {
-            let swap = select! {
-                recv(swaps) -> swap => swap,
-                recv(replies) -> _ => return Ok(()),
-                default(LAYOUT_TIMEOUT) => return Ok(()),
-            };
-            let Ok(swap) = swap else {
-                return Ok(());
-            };
-            self.swap_layout(swap)?;
-        }
-    }
-
     /// Executes a command from outside the pipeline and sends the reply, if one is expected.
     fn execute(&mut self, queued: QueuedCommand) -> Result<Next, SessionError> {
         let QueuedCommand {
@@ -322,48 +281,6 @@ impl SessionLoop<'_> {
                 format!("{unknown}; available: {}", names.join(", "))
             }
         })
-    }
-
-    /// Hands an operation to the layout manager.
-    fn forward(
-        &self,
-        operation: LayoutOperation,
-        reply: Option<ReplySender>,
-    ) -> Result<(), RequestError> {
-        let link = self.commands.layouts().ok_or_else(|| {
-            RequestError::Layout("this session cannot change its layouts".to_owned())
-        })?;
-        let operation = match operation {
-            LayoutOperation::Save(_) => {
-                LayoutOperation::Save(self.pipeline.board_poses().collect())
-            }
-            operation => operation,
-        };
-        link.forward(LayoutRequest {
-            operation,
-            profile: self.pipeline.active_profile(),
-            reply,
-        })
-    }
-
-    fn swap_layout(&mut self, swap: LayoutSwap) -> Result<(), SessionError> {
-        let LayoutSwap {
-            mut layout,
-            profile,
-            keep_board_poses,
-            retired,
-        } = swap;
-        if keep_board_poses {
-            self.pipeline.keep_board_poses(profile, &mut layout);
-        }
-        self.events.clear();
-        self.pipeline
-            .replace_profile(profile, &mut layout, &mut self.events);
-        self.send_events(None)?;
-        self.publish(None, None, None);
-        self.update_target_names();
-        let _ = retired.try_send(layout);
-        Ok(())
     }
 
     fn stall_if_overdue(&mut self) -> Result<(), SessionError> {
