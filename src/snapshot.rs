@@ -7,6 +7,7 @@ use crate::command::CommandOrigin;
 use crate::contact::{TargetNames, Touches};
 use crate::device::{Events, TimedCommands};
 use crate::estimate::{JointAngles, Rejection};
+use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::pipeline::{PipelineState, Suppressed};
 
@@ -35,6 +36,8 @@ pub struct Snapshot {
     pub events: Events,
     /// Commands that the devices issued.
     pub commands: TimedCommands,
+    /// Hands that are not tracked while the session goes on, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
+    pub lost_hands: [bool; Side::COUNT],
     /// Statistics of all readings so far.
     pub stats: Stats,
 }

@@ -22,6 +22,8 @@ pub(super) struct HandPipeline {
     pub(super) last_accepted: Option<Timestamp>,
     /// `true` if the latest pose was clear of every control. A lost hand is not clear.
     pub(super) is_clear: bool,
+    /// `true` once the position of the hand was known.
+    was_placed: bool,
     consecutive_rejections: u8,
 }
 
@@ -39,6 +41,7 @@ impl HandPipeline {
             arm,
             last_accepted: None,
             is_clear: false,
+            was_placed: false,
             consecutive_rejections: 0,
         }
     }
@@ -52,6 +55,12 @@ impl HandPipeline {
         self.consecutive_rejections == MAX_CONSECUTIVE_REJECTIONS
     }
 
+    /// Notes that a reading was accepted.
+    pub(super) fn accept(&mut self, time: Timestamp) {
+        self.last_accepted = Some(time);
+        self.was_placed |= self.output.estimate.is_placed;
+    }
+
     /// Forgets a part of the hand, or all of it: nothing of what was lost touches or points at anything.
     pub(super) fn lose(&mut self, part: Option<HandPart>) {
         self.is_clear = false;
@@ -62,6 +71,11 @@ impl HandPipeline {
                 self.last_accepted = None;
             }
         }
+    }
+
+    /// Returns whether the hand was tracked and is lost.
+    pub(super) fn is_lost(&self) -> bool {
+        self.was_placed && !self.output.estimate.is_placed
     }
 
     /// Returns whether output may not be armed yet because of this hand: it is tracked, and not clear of every control.

@@ -155,7 +155,7 @@ impl Pipeline {
         updated.inspect_err(|&reason| self.rejected[reason.index()] += 1)?;
         self.accepted += 1;
         self.time = self.time.max(reading.time);
-        self.hands[index].last_accepted = Some(reading.time);
+        self.hands[index].accept(reading.time);
         self.update_pose(index);
         self.arm_if_clear(index);
         self.update_devices(index, events);

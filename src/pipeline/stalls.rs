@@ -65,6 +65,16 @@ impl Pipeline {
         }
     }
 
+    /// Returns, by side, whether a hand that was tracked before was lost while readings of something else still arrived: of the
+    /// other hand, or of its own fingers.
+    pub fn lost_hands(&self) -> [bool; Side::COUNT] {
+        let mut lost = [false; Side::COUNT];
+        for hand in &self.hands {
+            lost[hand.side().index()] = hand.is_lost();
+        }
+        lost
+    }
+
     /// Detects from the time stamps of readings that all hands stopped, or that one did while the other continued, so that the
     /// replay of a recorded stall repeats it.
     pub(super) fn detect_gaps(&mut self, time: Timestamp, events: &mut Events) {

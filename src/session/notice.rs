@@ -14,7 +14,7 @@ use crate::advice;
 use crate::capture::SourceUri;
 use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
-use crate::hand::{Finger, FingerSet};
+use crate::hand::{Finger, FingerSet, Side};
 use crate::message::HeldBack;
 
 /// Notices that wait for the receiver of the user.
@@ -63,6 +63,10 @@ pub enum Notice {
     PointingSuppressed(u64),
     /// Sensors of these fingers are faulty; their keys are released. Empty after a recovery.
     UntrustedFingers(FingerSet),
+    /// This hand is not tracked; what it held is released. Readings of something else still arrive.
+    HandLost(Side),
+    /// This hand is tracked again.
+    HandFound(Side),
     /// The watchdog exited unexpectedly or does not respond.
     WatchdogLost,
     /// Outcome of a change to a layout.
@@ -117,6 +121,11 @@ impl fmt::Display for Notice {
                 counted(*count, "pointer event")
             ),
             Self::UntrustedFingers(fingers) => write_untrusted(f, *fingers),
+            Self::HandLost(side) => write!(
+                f,
+                "the {side} hand is not tracked: what it held is released, and it touches nothing"
+            ),
+            Self::HandFound(side) => write!(f, "the {side} hand is tracked again"),
             Self::WatchdogLost => {
                 f.write_str("the watchdog exited or hangs: everything is released")
             }

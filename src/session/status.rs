@@ -27,6 +27,8 @@ pub(super) struct StatusLog {
     pointing_by_role: u64,
     /// By side.
     untrusted: [FingerSet; Side::COUNT],
+    /// By side.
+    lost_hands: [bool; Side::COUNT],
 }
 
 /// The kind and the source of a notice.
@@ -38,6 +40,7 @@ enum Topic {
     KeysByRole,
     PointingByRole,
     Untrusted(Side),
+    Hand(Side),
     /// The name of the source.
     Lost(String),
     Paused,
@@ -61,6 +64,17 @@ impl StatusLog {
         {
             *reported = pose.untrusted;
             report(Notice::UntrustedFingers(pose.untrusted));
+        }
+        for &side in Side::ALL {
+            let is_lost = snapshot.lost_hands[side.index()];
+            let reported = &mut self.lost_hands[side.index()];
+            if *reported != is_lost && self.limits.admits(Topic::Hand(side), now) {
+                *reported = is_lost;
+                report(match is_lost {
+                    true => Notice::HandLost(side),
+                    false => Notice::HandFound(side),
+                });
+            }
         }
         if let Some(error) = &snapshot.source_error {
             let topic = Topic::Lost(error.source_name().to_owned());

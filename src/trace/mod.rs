@@ -360,6 +360,7 @@ mod tests {
                     z_mm: 2.0,
                 },
             }]),
+            lost_hands: Default::default(),
             stats: Stats::default(),
         }
     }

@@ -56,7 +56,7 @@ impl Server {
 }
 
 #[test]
-fn fingers_and_an_arm_that_is_40_ms_late_type_together_and_are_replayed() {
+fn fingers_and_an_arm_that_is_late_type_together_until_the_arm_is_lost() {
     let folder = tempfile::tempdir().expect("a folder");
     let recording = folder.path().join("hand.mcap");
     let (mut fingers, mut arm) = (Server::start(), Server::start());
@@ -83,11 +83,22 @@ fn fingers_and_an_arm_that_is_40_ms_late_type_together_and_are_replayed() {
             arm.send(&part_of(line, true));
         }
     }
-    thread::sleep(Duration::from_millis(200));
+    // Without the camera the fingers are nowhere; its server still listens.
+    arm.peer = None;
+    for _ in 0..60 {
+        thread::sleep(period);
+        fingers.send(&part_of(&lines[0], false));
+    }
     crate::support::process::signal("INT", program.id());
     let output = program.wait_with_output().expect("the program ends");
     let messages = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success(), "{messages}");
+    assert!(
+        messages.contains(&format!("lost {}", arm.uri(150))),
+        "{messages}"
+    );
+    let lost = "the right hand is not tracked: what it held is released, and it touches nothing\n";
+    assert!(messages.contains(lost), "{messages}");
     let replayed = ademan(["replay"])
         .arg(&recording)
         .output()

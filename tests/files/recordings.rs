@@ -66,6 +66,7 @@ fn snapshot(number: u64) -> Snapshot {
         touches: Touches::from_iter([touch]),
         events: Events::from_iter([event]),
         commands: Default::default(),
+        lost_hands: Default::default(),
         stats: Stats::default(),
     }
 }

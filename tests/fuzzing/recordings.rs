@@ -91,6 +91,7 @@ fn snapshot(reading: &Reading) -> Snapshot {
         touches: Touches::new(),
         events: Events::new(),
         commands: Default::default(),
+        lost_hands: Default::default(),
         stats: Stats::default(),
     }
 }

@@ -16,16 +16,17 @@ use ademan::device::{
     Axis, DeviceInput, DeviceOutput, EventKind, Events, KeyArbiter, OutputEvent, VirtualDevice,
 };
 use ademan::estimate::{JointAngles, Rejection};
-use ademan::hand::{Dof, Finger, Joint, Side};
+use ademan::hand::{Dof, Finger, HandPart, Joint, JointPositions, Side};
 use ademan::kinematics::HandPose;
 use ademan::layout::Layout as Keys;
-use ademan::pipeline::Pipeline;
-use ademan::pipeline::PipelineState;
+use ademan::pipeline::{Pipeline, PipelineState, SourceRole};
 use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::{LoadedSetup, Setup, layout_instance};
 use ademan::sim::SimulatedTypist;
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Rotation, Vec2, Vec3};
+
+use crate::support::source::typing_estimates;
 
 /// The system allocator with counters for each thread.
 struct CountingAllocator;
@@ -664,5 +665,49 @@ fn a_pointer_and_targets_in_space_do_not_allocate() {
     let allocated = allocations() - before;
 
     assert!(sent.iter().all(|&count| count > 50), "{sent:?}");
+    assert_eq!(allocated, 0);
+}
+
+#[test]
+fn two_sources_of_a_hand_and_the_loss_of_one_do_not_allocate() {
+    let setup = Setup {
+        arm_source: Some(
+            "udp:127.0.0.1:9000?protocol=markers"
+                .parse()
+                .expect("a source"),
+        ),
+        arm_role: Some(SourceRole::Both),
+        ..Setup::default()
+    };
+    let setup = setup.load_files().expect("a setup");
+    let mut pipeline = setup.pipeline();
+    let (estimates, arm) = typing_estimates("ab");
+    let mut readings = Vec::new();
+    for (index, estimate) in estimates.iter().enumerate() {
+        let mut positions = JointPositions::default();
+        let pose = arm.forward(estimate);
+        for joint in [Joint::Elbow, Joint::Wrist] {
+            let position = pose.position(joint).expect("the model has the joint");
+            positions.set(joint, position.as_dvec3());
+        }
+        let angles = estimate.angles;
+        let samples = [Sample::Joints { positions }, Sample::Angles { angles }];
+        for (part, sample) in HandPart::ALL.iter().zip(samples) {
+            let time = 5_729 * (index as u64 + 1) + part.index() as u64;
+            let mut reading = Reading::new(Timestamp(time), Some(Side::Right), sample);
+            reading.part = Some(*part);
+            readings.push(reading);
+        }
+    }
+
+    let before = allocations();
+    let sent = play(&mut pipeline, &mut readings, 0);
+    let mut events = Events::new();
+    pipeline.lose(Some(Side::Right), Some(HandPart::Arm), &mut events);
+    let lost = pipeline.lost_hands();
+    let allocated = allocations() - before;
+
+    assert_eq!(sent, 4, "two keys");
+    assert_eq!(lost, [false, true]);
     assert_eq!(allocated, 0);
 }

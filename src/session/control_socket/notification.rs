@@ -260,6 +260,7 @@ mod tests {
                 kind: EventKind::KeyUp("Q".parse().unwrap()),
             }]),
             commands: TimedCommands::from_iter([issued(nudge), issued(Command::TogglePause)]),
+            lost_hands: Default::default(),
             stats: Stats::default(),
         };
         let (mut notifier, queue) = Notifier::new();

@@ -410,6 +410,7 @@ impl SessionLoop<'_> {
             touches: step.map(|step| step.touches.clone()).unwrap_or_default(),
             events: self.events.clone(),
             commands: step.map(|step| step.commands.clone()).unwrap_or_default(),
+            lost_hands: self.pipeline.lost_hands(),
             stats: self.stats(),
         };
         (self.observe)(&snapshot);
