@@ -3,6 +3,7 @@
 pub mod arm_attributes;
 mod calibration;
 mod channel_map;
+pub mod delay;
 mod estimator;
 mod fusion;
 mod hand_angles;

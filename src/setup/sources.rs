@@ -133,6 +133,11 @@ impl LoadedSetup {
         Ok(Box::new(MergedSource::start(sources)?))
     }
 
+    /// Opens a source for the first hand, without the others of the setup.
+    pub fn open_source_alone(&self, source: &SourceUri) -> Result<Box<dyn Source>, SetupError> {
+        self.open_single_source(source, [self.arm.side()])
+    }
+
     /// Returns what each source measures. `first` replaces the first source of the setup.
     fn parts<'a>(&'a self, first: &'a SourceUri) -> ArrayVec<OpenedPart<'a>, MAX_SOURCES> {
         let setup = &self.setup;

@@ -6,9 +6,9 @@ use std::process::Stdio;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::ademan;
 use crate::support::source::{TYPING_RATE_HZ, text_lines};
 use crate::text_line::pressed_keys;
+use crate::{ademan, file, run};
 
 /// The indices of a text line that hold angles of the arm: the wrist, the forearm and the elbow.
 const ARM_INDICES: [usize; 4] = [4, 17, 25, 41];
@@ -106,4 +106,45 @@ fn fingers_and_an_arm_that_is_late_type_together_until_the_arm_is_lost() {
     let transcript = String::from_utf8(replayed.stdout).unwrap();
     let typed = ["ShiftLeft", "H", "O", "L", "A"];
     assert_eq!(pressed_keys(&transcript), typed, "{messages}");
+}
+
+#[test]
+fn the_delay_of_the_arm_is_measured_and_the_option_for_it_is_given() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let lines = text_lines("Hola amigos");
+    let still = vec![part_of(&lines[0], true); (0.12 * TYPING_RATE_HZ) as usize];
+    let moved = lines.iter().map(|line| part_of(line, true));
+    let arm: Vec<_> = still.into_iter().chain(moved).collect();
+    let uri = |name, lines: Vec<String>| {
+        let path = file(&folder, name, lines.concat());
+        format!("file:{path}?protocol=text-line&rate_hz=174.5")
+    };
+    let (fingers, arm) = (uri("fingers.txt", lines), uri("arm.txt", arm));
+    let measured = run(["delay", "--source", &fingers, "--arm-source", &arm]).done();
+    let late = "arm.txt?protocol=text-line&rate_hz=174.5";
+    assert!(
+        measured.out.contains(&format!("{late} is 11")),
+        "{}",
+        measured.out
+    );
+    assert!(
+        measured.out.contains("add `delay_ms=11"),
+        "{}",
+        measured.out
+    );
+
+    let swapped = run(["delay", "--source", &arm, "--arm-source", &fingers]).done();
+    assert!(
+        swapped.out.contains(&format!("{late} is 11")),
+        "{}",
+        swapped.out
+    );
+
+    let one = run(["delay", "--source", &fingers]);
+    assert_eq!(one.code, Some(2));
+    assert!(
+        one.err.contains("name them with --source and --arm-source"),
+        "{}",
+        one.err
+    );
 }

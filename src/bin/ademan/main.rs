@@ -27,6 +27,7 @@ macro_rules! subcommands {
 
 mod completions;
 mod ctl;
+mod delay;
 mod demo;
 mod doctor;
 mod export;
@@ -81,6 +82,7 @@ subcommands! {
     Replay(replay),
     Export(export),
     Trace(trace),
+    Delay(delay),
     Layout(layout),
     Sources(sources),
     Outputs(outputs),

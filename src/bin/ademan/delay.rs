@@ -1,0 +1,129 @@
+//! `ademan delay`: the delay of the source of the arm behind that of the fingers.
+
+use std::time::{Duration, Instant};
+
+use ademan::capture::{CaptureEvent, CaptureThread, Reading, SourceUri, spawn};
+use ademan::estimate::delay::{Activity, estimate_delay};
+use ademan::estimate::{Estimator, EstimatorSettings, Smoothing};
+use ademan::setup::LoadedSetup;
+use ademan::time::Timestamp;
+
+use crate::failure::Failure;
+use crate::setup_args::{SetupArgs, number_in};
+
+/// Measure the delay between two sources of one hand, from a movement that both see
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example:\n  ademan delay --source serial:/dev/ttyUSB0 --arm-source 'udp:127.0.0.1:5005?protocol=body-landmarks'"
+)]
+pub struct Args {
+    /// Setup file
+    #[arg(long)]
+    setup: Option<String>,
+    /// Time of the movement, in seconds
+    #[arg(long, value_name = "S", default_value = "10", value_parser = seconds)]
+    seconds: f64,
+    #[command(flatten)]
+    flags: SetupArgs,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let setup = args.flags.read_setup(args.setup.as_deref())?;
+    let setup = setup.load_files()?;
+    let (Some(source), Some(arm_source)) = (&setup.setup.source, &setup.setup.arm_source) else {
+        return Err(Failure::wrong_use(
+            "two sources are compared; name them with --source and --arm-source, or in a setup",
+        ));
+    };
+    say!(
+        "for {} s: open and close the hand and move the arm, both at once",
+        args.seconds
+    );
+    let start = Instant::now();
+    let mut records = [
+        Record::start(&setup, source, start)?,
+        Record::start(&setup, arm_source, start)?,
+    ];
+    let end = start + Duration::from_secs_f64(args.seconds);
+    while Instant::now() < end && records.iter().any(|record| !record.has_ended) {
+        for record in &mut records {
+            record.receive()?;
+        }
+    }
+    let [fingers, arm] = records;
+    let delay = estimate_delay(&fingers.activity, &arm.activity).map_err(|error| {
+        Failure::job(format!(
+            "no delay found: {error}; repeat it with larger and irregular movements of hand and arm together"
+        ))
+    })?;
+    let milliseconds = (delay.seconds.abs() * 1e3).round();
+    let (late, early) = match delay.seconds >= 0.0 {
+        true => (arm_source, source),
+        false => (source, arm_source),
+    };
+    println!(
+        "{late} is {milliseconds} ms behind {early} (correlation {:.2})",
+        delay.correlation
+    );
+    println!("add `delay_ms={milliseconds}` to the options of {late}");
+    Ok(())
+}
+
+/// The movement that a source sees.
+struct Record {
+    capture: CaptureThread,
+    estimator: Estimator,
+    activity: Activity,
+    start: Instant,
+    has_ended: bool,
+}
+
+impl Record {
+    fn start(setup: &LoadedSetup, uri: &SourceUri, start: Instant) -> Result<Self, Failure> {
+        // A filter delays, and a limit hides movement.
+        let estimator = Estimator::new(EstimatorSettings::unchecked(Smoothing::Off));
+        let estimator = match &setup.glove {
+            Some(glove) => estimator.with_channels(&glove.map),
+            None => estimator,
+        };
+        Ok(Self {
+            capture: spawn(setup.open_source_alone(uri)?)?,
+            estimator,
+            activity: Activity::default(),
+            start,
+            has_ended: false,
+        })
+    }
+
+    /// Handles the events that have arrived.
+    fn receive(&mut self) -> Result<(), Failure> {
+        let event = self.capture.events().recv_timeout(Duration::from_millis(2));
+        match event {
+            Ok(CaptureEvent::Reading {
+                reading,
+                received_at,
+                ..
+            }) => self.push(&reading, received_at),
+            Ok(CaptureEvent::End(_)) => self.has_ended = true,
+            Ok(CaptureEvent::Lost(error) | CaptureEvent::Failed(error)) => {
+                return Err(error.into());
+            }
+            Ok(CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_)) | Err(_) => {}
+        }
+        Ok(())
+    }
+
+    fn push(&mut self, reading: &Reading, received_at: Instant) {
+        let time = match self.capture.is_live() {
+            true => Timestamp(received_at.duration_since(self.start).as_micros() as u64),
+            false => reading.time,
+        };
+        if let Ok(estimate) = self.estimator.update(reading) {
+            self.activity.push(time, estimate);
+        }
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    number_in(text, 3.0, 60.0, "seconds")
+}
