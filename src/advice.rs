@@ -224,6 +224,18 @@ pub fn no_priority(nice: i32) -> Advice {
     )
 }
 
+/// Returns the advice for a watchdog in the control group of the program.
+pub fn watchdog_without_scope(is_session_running: bool) -> Advice {
+    let reason = match is_session_running {
+        true => "the watchdog of the running session is in the control group of the program",
+        false => "no user manager of systemd: a watchdog stays in the control group of the program",
+    };
+    Advice::new(
+        reason,
+        "if that group is killed as a whole, `ademan release-keys` or the next run releases the keys",
+    )
+}
+
 /// Returns the advice for root.
 pub fn running_as_root() -> Advice {
     Advice::new(

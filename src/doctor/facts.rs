@@ -21,6 +21,8 @@ pub struct Facts {
     pub has_wayland: bool,
     /// Nice value of the threads that press and release keys, 0 for the normal priority.
     pub granted_nice: i32,
+    /// Control group of the watchdog.
+    pub watchdog_scope: WatchdogScope,
     /// Directory of the control socket.
     pub runtime: RuntimeDir,
 }
@@ -92,6 +94,19 @@ pub enum Compositor {
         /// Interfaces that it offers, such as `zwp_virtual_keyboard_manager_v1`.
         globals: Vec<String>,
     },
+}
+
+/// The control group of the watchdog. What kills a control group kills all processes in it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WatchdogScope {
+    /// The watchdog of the running session has a systemd scope of its own.
+    Separate,
+    /// The watchdog of the running session is in the control group of the program.
+    Shared,
+    /// No session runs, and a user manager of systemd can create a scope.
+    Available,
+    /// No session runs, and there is no user manager of systemd.
+    Unavailable,
 }
 
 /// The runtime directory of the user, and the control socket in it.

@@ -10,7 +10,8 @@ mod probe;
 
 pub use checks::check;
 pub use facts::{
-    Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, XDisplay,
+    Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, WatchdogScope,
+    XDisplay,
 };
 
 use std::path::Path;
@@ -78,7 +79,8 @@ impl CheckStatus {
 /// The result of one check.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// Subject of the check: `user`, `serial port`, `uinput`, `display`, `compositor`, `priority`, `sockets`, `outputs`.
+    /// Subject of the check: `user`, `serial port`, `uinput`, `display`, `compositor`, `priority`, `watchdog`,
+    /// `sockets`, `outputs`.
     pub check: &'static str,
     /// Status of the subject.
     pub status: CheckStatus,

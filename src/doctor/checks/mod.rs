@@ -1,6 +1,8 @@
 //! Checks of the facts about a machine.
 
-use super::facts::{Compositor, DeviceNode, Facts, RuntimeDir, UinputFacts, XDisplay};
+use super::facts::{
+    Compositor, DeviceNode, Facts, RuntimeDir, UinputFacts, WatchdogScope, XDisplay,
+};
 use super::{CheckStatus, Finding, Requirements};
 use crate::advice::{self, Advice, KEYBOARD_PROTOCOL, POINTER_PROTOCOL};
 use crate::session::control_socket::{self, ControlError};
@@ -13,6 +15,7 @@ pub fn check(facts: &Facts, requirements: &Requirements) -> Vec<Finding> {
     findings.push(check_display(facts, requirements));
     findings.push(check_compositor(facts, requirements));
     findings.push(check_priority(facts));
+    findings.push(check_watchdog(facts.watchdog_scope));
     findings.push(check_sockets(&facts.runtime));
     findings
 }
@@ -156,6 +159,35 @@ fn check_priority(facts: &Facts) -> Finding {
     }
     let advice = advice::no_priority(nice);
     finding("priority", CheckStatus::Missing, false, advice)
+}
+
+/// Checks the control group of the watchdog. It works in any group that is not killed as a whole.
+fn check_watchdog(scope: WatchdogScope) -> Finding {
+    let text = match scope {
+        WatchdogScope::Separate => {
+            "the watchdog of the running session has a systemd scope of its own"
+        }
+        WatchdogScope::Available => {
+            "a watchdog gets a scope of its own from the user manager of systemd"
+        }
+        WatchdogScope::Shared => {
+            return finding(
+                "watchdog",
+                CheckStatus::Missing,
+                false,
+                advice::watchdog_without_scope(true),
+            );
+        }
+        WatchdogScope::Unavailable => {
+            return finding(
+                "watchdog",
+                CheckStatus::Missing,
+                false,
+                advice::watchdog_without_scope(false),
+            );
+        }
+    };
+    ok("watchdog", false, text)
 }
 
 /// Checks the control socket. A session works without one, but not with the one of another session.

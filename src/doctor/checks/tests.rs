@@ -30,6 +30,7 @@ fn complete() -> Facts {
         compositor: Compositor::Unset,
         has_wayland: false,
         granted_nice: -11,
+        watchdog_scope: WatchdogScope::Available,
         runtime: RuntimeDir::Present {
             socket: "/run/user/1000/ademan/control.sock".into(),
             run: None,
@@ -55,6 +56,7 @@ fn bare() -> Facts {
         compositor: Compositor::Unset,
         has_wayland: false,
         granted_nice: 0,
+        watchdog_scope: WatchdogScope::Unavailable,
         runtime: RuntimeDir::Absent,
     }
 }
@@ -88,6 +90,7 @@ fn a_complete_machine_needs_no_step() {
         "display: needed, ok",
         "compositor: ok",
         "priority: ok",
+        "watchdog: ok",
         "sockets: needed, ok",
     ];
     assert_eq!(lines(&complete(), &all_requirements()), expected);
@@ -108,6 +111,7 @@ fn a_bare_machine_gets_a_step_for_each_check() {
         "compositor: ok".into(),
         "priority: missing: echo \"$USER - nice -20\" | sudo tee /etc/security/limits.d/60-ademan.conf"
             .into(),
+        format!("watchdog: missing: {RELEASE}"),
         "sockets: missing: name a path with --control PATH".into(),
     ];
     assert_eq!(lines(&facts, &all_requirements()), expected);
@@ -225,6 +229,25 @@ fn an_unknown_status_does_not_satisfy() {
     let display = "display: needed, unknown: test it: `ademan doctor --test desktop`";
     assert_eq!(lines(&facts, &all_requirements())[3], display);
     assert!(!is_satisfied(&facts, &all_requirements()));
+}
+
+/// The next step for a watchdog without a scope.
+const RELEASE: &str =
+    "if that group is killed as a whole, `ademan release-keys` or the next run releases the keys";
+
+#[test]
+fn a_watchdog_that_shares_the_group_of_the_program_is_reported_and_needs_no_step() {
+    let of_scope = |watchdog_scope| {
+        let facts = Facts {
+            watchdog_scope,
+            ..complete()
+        };
+        assert!(is_satisfied(&facts, &all_requirements()));
+        lines(&facts, &all_requirements())[6].clone()
+    };
+    assert_eq!(of_scope(WatchdogScope::Separate), "watchdog: ok");
+    let shared = format!("watchdog: missing: {RELEASE}");
+    assert_eq!(of_scope(WatchdogScope::Shared), shared);
 }
 
 fn sockets_finding(facts: &Facts) -> Finding {

@@ -13,12 +13,15 @@ use rustix::process::{getegid, geteuid, getgroups};
 
 use super::super::Requirements;
 use super::super::facts::{
-    Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, XDisplay,
+    Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, WatchdogScope,
+    XDisplay,
 };
 use super::wayland;
 use crate::advice::AccessDenied;
 use crate::output::SUPPORTS_WAYLAND;
+use crate::output::socket;
 use crate::output::uinput::is_missing;
+use crate::output::watchdog::scope_name;
 use crate::priority;
 
 /// Prefixes of the device nodes of USB serial adapters.
@@ -51,6 +54,7 @@ pub(in crate::doctor) fn gather_facts(
     requirements: &Requirements,
 ) -> Facts {
     let machine = Machine::new(root);
+    let runtime = runtime_dir(environment.runtime_dir.as_deref());
     Facts {
         user: machine.user(),
         ports: machine.ports(requirements),
@@ -59,7 +63,8 @@ pub(in crate::doctor) fn gather_facts(
         compositor: machine.compositor(environment),
         has_wayland: SUPPORTS_WAYLAND,
         granted_nice: priority::granted_nice(),
-        runtime: runtime_dir(environment.runtime_dir.as_deref()),
+        watchdog_scope: machine.watchdog_scope(environment.runtime_dir.as_deref(), &runtime),
+        runtime,
     }
 }
 
@@ -244,6 +249,44 @@ impl<'a> Machine<'a> {
                 reason: error.to_string(),
             },
         }
+    }
+
+    fn watchdog_scope(&self, folder: Option<&Path>, runtime: &RuntimeDir) -> WatchdogScope {
+        if let RuntimeDir::Present { run: Some(run), .. } = runtime
+            && let Some(watchdog) = run.process.and_then(|process| self.watchdog(process))
+        {
+            let groups = fs::read_to_string(self.at(format!("/proc/{watchdog}/cgroup")));
+            let scope = format!("/{}", scope_name(watchdog));
+            let is_separate =
+                groups.is_ok_and(|text| text.lines().any(|line| line.ends_with(&scope)));
+            return match is_separate {
+                true => WatchdogScope::Separate,
+                false => WatchdogScope::Shared,
+            };
+        }
+        let listens =
+            |name| folder.is_some_and(|folder| socket::connect(&folder.join(name)).is_ok());
+        match ["systemd/private", "bus"].into_iter().all(listens) {
+            true => WatchdogScope::Available,
+            false => WatchdogScope::Unavailable,
+        }
+    }
+
+    /// Returns the process id of the watchdog that a run has started.
+    fn watchdog(&self, run: i32) -> Option<u32> {
+        let threads = fs::read_dir(self.at(format!("/proc/{run}/task"))).ok()?;
+        let children =
+            |thread: fs::DirEntry| fs::read_to_string(thread.path().join("children")).ok();
+        let lists: String = threads.flatten().filter_map(children).collect();
+        let is_watchdog = |process: &u32| {
+            let arguments =
+                fs::read(self.at(format!("/proc/{process}/cmdline"))).unwrap_or_default();
+            arguments.split(|byte| *byte == 0).nth(1) == Some(b"watchdog")
+        };
+        lists
+            .split_whitespace()
+            .filter_map(|id| id.parse().ok())
+            .find(is_watchdog)
     }
 
     fn program(&self, process: i32) -> Option<String> {

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use super::super::Requirements;
-use super::super::facts::{Compositor, DeviceNode, Facts, RuntimeDir, UinputFacts, User, XDisplay};
+use super::super::facts::{
+    Compositor, DeviceNode, Facts, RuntimeDir, UinputFacts, User, WatchdogScope, XDisplay,
+};
 use crate::output::SUPPORTS_WAYLAND;
 use crate::priority;
 
@@ -40,6 +42,7 @@ pub(in crate::doctor) fn gather_facts(
         compositor: Compositor::Unset,
         has_wayland: SUPPORTS_WAYLAND,
         granted_nice: priority::granted_nice(),
+        watchdog_scope: WatchdogScope::Unavailable,
         runtime: RuntimeDir::Absent,
     }
 }

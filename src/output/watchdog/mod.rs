@@ -8,6 +8,9 @@
 //!
 //! On X11 the watchdog has a connection of its own. A compositor and the kernel accept a release only from the device
 //! that sent the press, so there it has a duplicate of the connection or of the device (see `ReleaseTarget`).
+//!
+//! The watchdog leaves the terminal session of the program, and its control group where a user manager of systemd runs, so
+//! that what kills the program by either does not kill both.
 
 use std::ffi::OsString;
 use std::fmt;
@@ -17,6 +20,8 @@ use std::time::Duration;
 
 #[cfg(target_os = "linux")]
 mod linux;
+#[cfg(target_os = "linux")]
+pub(crate) use linux::scope_name;
 #[cfg(target_os = "linux")]
 pub(super) use linux::{
     DeviceHandle, READY, ReleaseTarget, WatchdogClient, WatchdogLost, WatchdogMessage,

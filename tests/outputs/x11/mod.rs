@@ -23,6 +23,8 @@ mod panics;
 #[cfg(target_os = "linux")]
 mod priority;
 mod replug;
+#[cfg(target_os = "linux")]
+mod service_manager;
 mod sink;
 mod system_chords;
 mod text;

@@ -7,3 +7,8 @@ mod release_target;
 pub use client::{WatchdogClient, WatchdogLost};
 pub use message::{READY, WatchdogMessage};
 pub use release_target::{DeviceHandle, ReleaseTarget};
+
+/// Returns the name of the systemd scope of the watchdog with this process id.
+pub fn scope_name(process: u32) -> String {
+    format!("ademan-watchdog-{process}.scope")
+}

@@ -5,6 +5,7 @@ mod client_state;
 mod record;
 mod release_thread;
 mod releaser;
+mod scope;
 
 use std::io::Write;
 use std::os::unix::net::UnixStream;
@@ -44,6 +45,7 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
     socket
         .write_all(&[READY])
         .map_err(|error| error.to_string())?;
+    scope::enter();
     let mut client = ClientState::new(socket, record);
     while client.wait_for_loss() == ClientLoss::Hung {
         releases.release();
