@@ -56,7 +56,12 @@ pub struct KeyLog {
 impl KeyLog {
     /// Starts to record. Events before this call are not in the log.
     pub fn start(server: &XServer) -> Self {
-        let (connection, _) = x11rb::connect(Some(server.display())).expect("the server answers");
+        Self::on_display(server.display())
+    }
+
+    /// Starts to record on the server of this name.
+    pub fn on_display(display: &str) -> Self {
+        let (connection, _) = x11rb::connect(Some(display)).expect("the server answers");
         let context = create_context(&connection);
         let events = Arc::new(Mutex::new(Vec::new()));
         let log = Self {

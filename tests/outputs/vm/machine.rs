@@ -20,7 +20,7 @@ pub const TIMEOUT: Duration = Duration::from_secs(60);
 const INTERVAL: Duration = Duration::from_millis(100);
 
 /// The processor is always emulated: `/dev/kvm` may exist and not work.
-const MACHINE: &str = "-accel tcg -machine q35 -m 512 -smp 2 -nodefaults -no-user-config -no-reboot -display none \
+const MACHINE: &str = "-accel tcg -machine q35 -m 768 -smp 2 -nodefaults -no-user-config -no-reboot -display none \
                        -device qemu-xhci";
 
 /// A virtual machine that runs until this is dropped.
@@ -38,6 +38,20 @@ pub struct Machine {
 impl Machine {
     /// Starts a machine with `vmlinuz` and `initrd` of this folder. The kernel log is written to it.
     pub fn start(folder: &Path) -> Self {
+        Self::boot(folder, "initrd", "", &[])
+    }
+
+    /// Starts a machine with systemd: `initrd-systemd`. Its X server is reached at this port of the host.
+    pub fn with_systemd(folder: &Path, port: u16) -> Self {
+        let init =
+            "rdinit=/init-systemd systemd.unit=machine.target systemd.unified_cgroup_hierarchy=1";
+        let network =
+            format!("user,id=net,restrict=on,hostfwd=tcp:127.0.0.1:{port}-10.0.2.15:6000");
+        let devices = ["-netdev", &network, "-device", "e1000,netdev=net"];
+        Self::boot(folder, "initrd-systemd", init, &devices)
+    }
+
+    fn boot(folder: &Path, image: &str, parameters: &str, devices: &[&str]) -> Self {
         let sockets = tempfile::tempdir().expect("a folder");
         let socket = |name: &str| sockets.path().join(name);
         let chardev = |name: &str| {
@@ -50,9 +64,11 @@ impl Machine {
             .arg("-kernel")
             .arg(folder.join("vmlinuz"))
             .arg("-initrd")
-            .arg(folder.join("initrd"));
-        command.args(["-append", "console=ttyS0 quiet panic=-1"]);
-        let log = folder.join("console.log");
+            .arg(folder.join(image))
+            .args(devices);
+        let parameters = format!("console=ttyS0 quiet panic=-1 {parameters}");
+        command.args(["-append", parameters.trim_end()]);
+        let log = folder.join(format!("console-{image}.log"));
         command.args(["-serial", &format!("file:{}", log.display())]);
         command.args(["-chardev", &chardev("shell"), "-serial", "chardev:shell"]);
         command.args(["-chardev", &chardev("glove")]);

@@ -5,7 +5,9 @@
 mod devices;
 mod doctor;
 mod glove;
+mod killed;
 mod machine;
+mod service;
 mod typing;
 mod witness;
 
@@ -43,6 +45,12 @@ impl Scene {
 
     /// Starts the program after the adapter of the glove is connected.
     fn start_program(&mut self, layout: &str) {
+        self.launch(layout, "/tmp/ademan.log");
+        self.wait_for_line("listening to", 1);
+    }
+
+    /// Starts the program with its output in this file.
+    fn launch(&mut self, layout: &str, log: &str) {
         self.libinput.forget(&mut self.machine);
         self.machine.wait_for("a serial port", |machine| {
             machine
@@ -56,10 +64,9 @@ impl Scene {
              panic_keys: [\"ControlLeft\", \"ControlRight\"])"
         );
         self.machine.run(&format!("echo '{setup}' >/tmp/setup.ron"));
-        self.machine.run(
-            "ademan run --allow-root /tmp/setup.ron --control /tmp/control >/tmp/ademan.log 2>&1 & echo $! >/tmp/ademan.pid",
-        );
-        self.wait_for_line("listening to", 1);
+        self.machine.run(&format!(
+            "ademan run --allow-root /tmp/setup.ron --control /tmp/control >{log} 2>&1 & echo $! >/tmp/ademan.pid"
+        ));
     }
 
     /// Ends the program with SIGINT.
@@ -108,6 +115,7 @@ fn kernel_and_libinput_receive_the_events() {
     let mut scene = Scene::of(Path::new(&folder));
     scene.report("the kernel runs");
     typing::all(&mut scene);
+    killed::all(&mut scene);
     devices::all(&mut scene);
     doctor::all(&mut scene);
     for log in ["/tmp/ademan.log", "/tmp/evtest-*.log"] {

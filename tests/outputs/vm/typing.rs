@@ -4,8 +4,8 @@ use super::Scene;
 use super::glove::HandMotion;
 use super::witness::Evtest;
 
-const LAYOUT: &str = "qwerty-flat";
-const KEYBOARD: &str = "Ademan keyboard";
+pub const LAYOUT: &str = "qwerty-flat";
+pub const KEYBOARD: &str = "Ademan keyboard";
 const H: u16 = 35;
 
 pub fn all(scene: &mut Scene) {
@@ -97,7 +97,7 @@ fn types(scene: &mut Scene, evtest: &Evtest, text: &HandMotion) {
 }
 
 /// Holds the key H.
-fn hold(scene: &mut Scene, evtest: &Evtest, press: &HandMotion) {
+pub fn hold(scene: &mut Scene, evtest: &Evtest, press: &HandMotion) {
     scene.libinput.forget(&mut scene.machine);
     scene.glove.play(press.until_pressed());
     scene.machine.wait_for("a pressed key", |machine| {
@@ -106,7 +106,7 @@ fn hold(scene: &mut Scene, evtest: &Evtest, press: &HandMotion) {
 }
 
 /// Waits until kernel and libinput report the release of H.
-fn released(scene: &mut Scene, evtest: &Evtest) {
+pub fn released(scene: &mut Scene, evtest: &Evtest) {
     scene.machine.wait_for("a released key", |machine| {
         (evtest.keys(machine).last() == Some(&(H, false))).then_some(())
     });
