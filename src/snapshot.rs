@@ -55,4 +55,7 @@ pub struct Stats {
     pub stalls: u64,
     /// Suppressed events.
     pub suppressed: Suppressed,
+    /// Presses and characters that the output did not deliver (see
+    /// [`Sink::dropped_presses`](crate::output::Sink::dropped_presses)).
+    pub dropped_presses: u64,
 }

@@ -55,6 +55,8 @@ pub enum Notice {
     Rejected(u64, Rejection),
     /// This many readings were dropped because the loop was late.
     Dropped(u64),
+    /// This many presses and characters were dropped by the output.
+    DroppedPresses(u64),
     /// This many system keys were suppressed.
     SystemKeysSuppressed(u64),
     /// This many keys were suppressed because of the role of their source.
@@ -104,6 +106,11 @@ impl fmt::Display for Notice {
                 f,
                 "{} dropped: this machine is too busy",
                 counted(*count, "reading")
+            ),
+            Self::DroppedPresses(count) => write!(
+                f,
+                "{} dropped: the output did not accept them within 250 ms or before a pause, or has no such key",
+                counted(*count, "keystroke")
             ),
             Self::SystemKeysSuppressed(count) => write!(
                 f,

@@ -57,6 +57,4 @@ pub struct SessionStatus {
     pub profile: usize,
     /// Statistics of all readings so far.
     pub stats: Stats,
-    /// Presses that the output dropped because it was busy.
-    pub dropped_presses: u64,
 }

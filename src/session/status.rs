@@ -22,6 +22,7 @@ pub(super) struct StatusLog {
     state: Option<(PipelineState, Option<CommandOrigin>)>,
     rejected: [u64; Rejection::COUNT],
     dropped: u64,
+    dropped_presses: u64,
     system_keys: u64,
     keys_by_role: u64,
     pointing_by_role: u64,
@@ -36,6 +37,7 @@ pub(super) struct StatusLog {
 enum Topic {
     Rejected(Rejection),
     Dropped,
+    DroppedPresses,
     SystemKeys,
     KeysByRole,
     PointingByRole,
@@ -110,6 +112,11 @@ impl StatusLog {
         let counters = [
             (Topic::Dropped, &mut self.dropped, dropped),
             (
+                Topic::DroppedPresses,
+                &mut self.dropped_presses,
+                stats.dropped_presses,
+            ),
+            (
                 Topic::SystemKeys,
                 &mut self.system_keys,
                 suppressed.system_keys,
@@ -127,6 +134,7 @@ impl StatusLog {
         ];
         let notices = [
             Notice::Dropped,
+            Notice::DroppedPresses,
             Notice::SystemKeysSuppressed,
             Notice::KeysSuppressed,
             Notice::PointingSuppressed,

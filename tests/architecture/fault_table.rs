@@ -337,6 +337,7 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/blocked_streams.rs", "a_key_is_released_when_the_finger_lifts_or_the_cable_is_pulled_and_the_run_ends_on_one_signal"),
         ("tests/outputs/spacenav/mod.rs", "a_lever_returns_to_its_center_while_nobody_reads_the_standard_streams"),
         ("tests/cli/faults/blocked_streams.rs", "a_run_with_full_streams_executes_commands_and_ends_in_order_on_one_signal"),
+        ("tests/outputs/vm/killed.rs", "pulling the cable releases uinput keys while standard error is full"),
         ("src/output/transcript/thread.rs", "a_dropping_transcript_never_waits_and_writes_the_count_and_the_releases_later"),
         ("src/bin/ademan/messages/queue.rs", "a_reader_that_reads_nothing_blocks_nobody_and_gets_the_count_later"),
     ])),
@@ -344,6 +345,9 @@ pub const FAULTS: &[Fault] = &[
         ("tests/outputs/x11/both_killed.rs", "keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_command_of_the_unit"),
         ("tests/outputs/x11/both_killed.rs", "keys_of_a_run_that_was_killed_with_its_watchdog_are_released_by_the_next_run"),
         ("src/output/pressed_key_file/linux.rs", "keys_are_abandoned_when_the_lock_ends_and_only_on_their_display"),
+        ("tests/outputs/vm/service.rs", "keys_are_released_when_systemd_kills_the_unit"),
+        ("tests/outputs/x11/service_manager.rs", "a_service_manager_that_does_not_reply_delays_neither_a_press_nor_a_release"),
+        ("tests/outputs/vm/killed.rs", "the kernel releases uinput keys when both processes are killed"),
     ])),
     fault(65, "SIGUSR1, or any signal but KILL and STOP, to all processes of the program", Tests(&[
         ("tests/outputs/x11/watchdog.rs", "sigusr1_to_all_processes_is_an_emergency_stop_as_often_as_it_is_sent"),
@@ -352,6 +356,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(66, "the watchdog is stopped by a signal", Tests(&[
         ("tests/outputs/x11/lost_watchdog.rs", "a_stopped_watchdog_is_noticed_and_replaced"),
+        ("tests/outputs/vm/killed.rs", "the program releases uinput keys when its watchdog is stopped"),
         ("src/output/uinput/linux/tests.rs", "a_watchdog_that_does_not_reply_is_replaced_after_keys_are_released"),
     ])),
     fault(67, "a busy machine", Tests(&[
@@ -360,6 +365,7 @@ pub const FAULTS: &[Fault] = &[
     ])),
     fault(68, "a pause, a stall or a lost watchdog while presses are queued", Tests(&[
         ("tests/outputs/x11/grabs.rs", "presses_that_wait_for_a_server_that_hangs_are_not_sent_after_a_pause"),
+        ("tests/outputs/x11/grabs.rs", "presses_that_a_server_accepts_too_late_are_dropped_and_reported_once"),
         ("src/output/desktop/tests.rs", "void_presses_and_their_releases_are_not_sent_and_later_presses_are"),
         ("src/output/desktop/tests.rs", "a_press_that_has_waited_too_long_is_not_sent"),
         ("src/output/desktop/tests.rs", "a_press_is_not_sent_if_it_becomes_void_while_the_display_does_not_respond"),

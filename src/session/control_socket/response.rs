@@ -38,7 +38,7 @@ pub(super) fn state(status: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLin
         layout: profile.map(|profile| profile.file.as_str()),
         steps: status.stats.accepted + rejected,
         stats: StatsResponse::new(&status.stats),
-        dropped_presses: status.dropped_presses,
+        dropped_presses: status.stats.dropped_presses,
     })
 }
 
@@ -171,6 +171,7 @@ mod tests {
         let mut stats = Stats {
             accepted: 7,
             stalls: 1,
+            dropped_presses: 3,
             ..Stats::default()
         };
         stats.source.readings = 10;
@@ -181,7 +182,6 @@ mod tests {
             paused_by: Some(CommandOrigin::RateLimit),
             profile: 0,
             stats,
-            dropped_presses: 3,
         };
         let profiles = [ProfileInfo {
             name: "My board".into(),

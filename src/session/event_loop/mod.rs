@@ -374,7 +374,6 @@ impl SessionLoop<'_> {
             paused_by: self.pipeline.paused_by(),
             profile: self.pipeline.active_profile(),
             stats: self.stats(),
-            dropped_presses: self.sink.0.dropped_presses(),
         }
     }
 
@@ -388,6 +387,7 @@ impl SessionLoop<'_> {
             rejected: self.pipeline.rejected(),
             stalls: self.pipeline.stalls(),
             suppressed: self.pipeline.suppressed(),
+            dropped_presses: self.sink.0.dropped_presses(),
         }
     }
 

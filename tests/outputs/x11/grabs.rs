@@ -8,6 +8,7 @@ use tempfile::TempDir;
 use super::ends::Typing;
 use super::wait_for_release;
 use crate::support::glove::Glove;
+use crate::support::key_log::KeyLog;
 use crate::support::press::{Press, glove_format};
 use crate::support::program::Program;
 use crate::support::x11::{InputWindow, XServer};
@@ -125,4 +126,26 @@ fn presses_that_wait_for_a_server_that_hangs_are_not_sent_after_a_pause() {
     assert_eq!(run.program.wait_for_exit().code(), Some(0));
     assert_eq!(window.pressed_keys(), [0; 0]);
     assert_eq!(server.pressed_keys(), [0; 0]);
+}
+
+#[test]
+fn presses_that_a_server_accepts_too_late_are_dropped_and_reported_once() {
+    let Some(server) = XServer::start() else {
+        return;
+    };
+    let mut run = Armed::start(&server);
+    let log = KeyLog::start(&server);
+    server.freeze();
+    let tap = [&run.press.approach[..], &run.press.lift].concat();
+    run.glove.play(&tap.repeat(PRESSES));
+    sleep(Duration::from_secs(4));
+    let sent = log.len();
+    server.thaw();
+    run.program
+        .wait_for_line("dropped: the output did not accept them within 250 ms", 1);
+    run.program.signal(&["TERM"]);
+    assert_eq!(run.program.wait_for_exit().code(), Some(0));
+    // The first press was on its way.
+    assert!(log.presses_after(sent) <= 1, "{:?}", log.events());
+    assert_eq!(run.program.count_lines("did not accept them"), 1);
 }
