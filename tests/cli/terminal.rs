@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::io::{ErrorKind, Read, Write};
+use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::mpsc;
 use std::thread;
@@ -143,16 +144,91 @@ fn closing_the_terminal_ends_the_demo_and_removes_its_serial_port() {
     assert_eq!(fs::read_dir(&ports).unwrap().count(), 1);
     script.kill().unwrap();
     script.wait().unwrap();
-    let status = format!(
-        "/proc/{}/stat",
-        fs::read_to_string(&process_id).unwrap().trim()
-    );
+    let process = fs::read_to_string(&process_id).unwrap();
+    assert!(ends(process.trim()), "the demo goes on without a terminal");
+    assert_eq!(fs::read_dir(&ports).unwrap().count(), 0);
+}
+
+/// Waits until a process has ended. Returns `false` after 60 s.
+fn ends(process: &str) -> bool {
+    let status = format!("/proc/{process}/stat");
     // An ended process whose parent is gone may stay as a zombie.
     let has_ended = || fs::read_to_string(&status).map_or(true, |status| status.contains(") Z "));
     let start = Instant::now();
     while !has_ended() && start.elapsed() < Duration::from_secs(60) {
         thread::sleep(Duration::from_millis(20));
     }
-    assert!(has_ended(), "the demo goes on without a terminal");
-    assert_eq!(fs::read_dir(&ports).unwrap().count(), 0);
+    has_ended()
+}
+
+/// Waits until the thread that draws has written nothing for 1 s.
+fn wait_until_blocked(process: &str) {
+    let threads = fs::read_dir(format!("/proc/{process}/task")).unwrap();
+    let is_screen = |folder: &PathBuf| {
+        let name = fs::read_to_string(folder.join("comm"));
+        name.is_ok_and(|name| name == "screen\n")
+    };
+    let mut folders = threads.map(|thread| thread.unwrap().path());
+    let io = folders
+        .find(is_screen)
+        .expect("a thread that draws")
+        .join("io");
+    let mut before = String::new();
+    loop {
+        let now = fs::read_to_string(&io).unwrap();
+        if now == before {
+            return;
+        }
+        before = now;
+        thread::sleep(Duration::from_secs(1));
+    }
+}
+
+#[test]
+fn one_signal_ends_the_demo_in_a_terminal_that_accepts_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let process_id = folder.path().join("id");
+    let demo = format!(
+        "stty rows 30 columns 100; echo $$ > {}; exec {} demo --text '{}'",
+        process_id.display(),
+        env!("CARGO_BIN_EXE_ademan"),
+        "a long text ".repeat(40)
+    );
+    let spawned = Command::new("script")
+        .args(["--quiet", "--command", &demo, "/dev/null"])
+        .env("TERM", "xterm-256color")
+        .env("SHELL", "/bin/sh")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn();
+    let mut script = match spawned {
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            println!("SKIPPED: `script` of util-linux is not installed");
+            return;
+        }
+        spawned => spawned.unwrap(),
+    };
+    let mut screen = script.stdout.take().unwrap();
+    let mut shown = Vec::new();
+    while !String::from_utf8_lossy(&shown).contains("running") {
+        let mut buffer = [0; 4096];
+        let length = screen.read(&mut buffer).unwrap();
+        assert!(length > 0, "{}", String::from_utf8_lossy(&shown));
+        shown.extend(&buffer[..length]);
+    }
+    // As after Ctrl-S: the terminal passes on nothing more, and fills.
+    let stop = |signal: &str, process: u32| {
+        let kill = Command::new("kill")
+            .args(["-s", signal, &process.to_string()])
+            .status();
+        assert!(kill.unwrap().success());
+    };
+    stop("STOP", script.id());
+    let process = fs::read_to_string(&process_id).unwrap();
+    wait_until_blocked(process.trim());
+    stop("INT", process.trim().parse().unwrap());
+    let has_ended = ends(process.trim());
+    script.kill().unwrap();
+    script.wait().unwrap();
+    assert!(has_ended, "the demo waits for its terminal");
 }

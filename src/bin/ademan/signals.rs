@@ -5,6 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
+use crossbeam_channel::bounded;
+
 use crate::failure::Failure;
 
 /// Exit code of a program that could not end in an orderly way.
@@ -15,6 +17,9 @@ const END_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// Time for an orderly end before a second Ctrl-C ends the process. Releasing all keys takes a few milliseconds.
 const GRACE: Duration = Duration::from_secs(1);
+
+/// Longest time for the last action before the process ends.
+const ACTION_TIMEOUT: Duration = Duration::from_millis(200);
 
 static REQUESTED: AtomicBool = AtomicBool::new(false);
 static BEFORE_EXIT: OnceLock<fn()> = OnceLock::new();
@@ -57,7 +62,14 @@ pub fn interrupt() {
 fn exit_after(delay: Duration) -> ! {
     thread::sleep(delay);
     if let Some(action) = BEFORE_EXIT.get() {
-        action();
+        let (end, ended) = bounded::<()>(0);
+        let act = move || {
+            let _end = end;
+            action();
+        };
+        // On a thread of its own: a terminal that is stopped by Ctrl-S would block it.
+        let _ = thread::Builder::new().name("last action".into()).spawn(act);
+        let _ = ended.recv_timeout(ACTION_TIMEOUT);
     }
     std::process::exit(INTERRUPTED)
 }

@@ -9,7 +9,7 @@ use ademan::contact::{Phase, TargetId};
 use ademan::layout::Layout;
 use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
-use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded, never};
 use ratatui::DefaultTerminal;
 
 use super::draw::{Picture, Scene};
@@ -22,10 +22,15 @@ const PERIOD: Duration = Duration::from_millis(33);
 /// Time between two checks for Ctrl-C while nothing is drawn.
 const KEY_PERIOD: Duration = Duration::from_millis(50);
 
+/// Longest time at the end in which the terminal accepts the last picture: one that is stopped by Ctrl-S never does.
+const END_TIMEOUT: Duration = Duration::from_secs(1);
+
 /// Draws snapshots in the terminal, on a thread of its own.
 pub struct Screen {
     pictures: Option<Sender<Picture>>,
     painter: Option<JoinHandle<io::Result<()>>>,
+    /// Disconnected when the painter has ended.
+    ended: Receiver<()>,
     layout: Layout,
     pressed: Vec<TargetId>,
     last_drawn: Timestamp,
@@ -57,8 +62,14 @@ impl Screen {
             },
         };
         let thread = thread::Builder::new().name("screen".into());
-        match thread.spawn(move || painter.run(&queue)) {
+        let (end, ended) = bounded::<()>(0);
+        let paint = move || {
+            let _end = end;
+            painter.run(&queue)
+        };
+        match thread.spawn(paint) {
             Ok(painter) => {
+                screen.ended = ended;
                 screen.pictures = Some(pictures);
                 screen.painter = Some(painter);
             }
@@ -76,6 +87,7 @@ impl Screen {
         Self {
             pictures: None,
             painter: None,
+            ended: never(),
             layout: layout.clone(),
             pressed: Vec::new(),
             last_drawn: Timestamp(0),
@@ -121,6 +133,10 @@ impl Drop for Screen {
         let Some(painter) = self.painter.take() else {
             return;
         };
+        if self.ended.recv_timeout(END_TIMEOUT) == Err(RecvTimeoutError::Timeout) {
+            // Anything else that is written to this terminal would block too.
+            return;
+        }
         let painted = painter.join();
         // The panic hook has restored it already; a second time would put the cursor on the message.
         if !std::thread::panicking() && painted.is_ok() {
