@@ -5,7 +5,8 @@
 //!
 //! `cargo bench --bench release` measures each cause 200 times on an X server, which takes some minutes. `-- wayland 20`
 //! measures 20 times on a compositor (feature `wayland`), and `-- uinput` on kernel devices, where they are available:
-//! `tests/outputs/vm/run release 20`. As a test (`cargo test --bench release`) it measures each cause once.
+//! `tests/outputs/vm/run release 20`. `-- busy 20` measures on a busy machine, with and without the priority that the
+//! program takes; it uses all processors for seconds and needs root. As a test (`cargo test --bench release`) it measures each cause once.
 
 #[cfg(not(target_os = "linux"))]
 fn main() {
@@ -52,6 +53,9 @@ mod signals;
 #[cfg(target_os = "linux")]
 #[path = "release/panic.rs"]
 mod panic;
+#[cfg(target_os = "linux")]
+#[path = "release/busy.rs"]
+mod busy;
 #[cfg(target_os = "linux")]
 #[path = "release/causes.rs"]
 mod causes;

@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use rustix::process::Signal;
 
+use crate::busy;
 use crate::panic;
 use crate::scenario::Scenario;
 use crate::support::press::Press;
@@ -53,19 +54,21 @@ pub fn main() {
         .iter()
         .find(|name| targets.contains(&name.as_str()));
     let name = named.map_or("x11", String::as_str);
+    if arguments.iter().any(|argument| argument == "busy") {
+        return busy::main(name, times);
+    }
     let Some(target) = InputTarget::open(name) else {
         return;
     };
     let press = Press::for_text("h");
-    let title = format!("release times on {name} in ms, {times} times each");
-    println!("{title:50} {:>10} {:>10} {:>6}", "median", "worst", "goal");
+    print_title(name, times);
     for &(name, cause, is_loaded, goal) in ROWS {
-        row(name, times, goal, || {
+        print_row(name, times, goal, || {
             Scenario::start(&target, &press, is_loaded).measure(&target, cause)
         });
     }
     for thread in panic::THREADS {
-        row(
+        print_row(
             &format!("a panic of a {thread}"),
             times,
             AFTER_A_PANIC,
@@ -74,7 +77,14 @@ pub fn main() {
     }
 }
 
-fn row(name: &str, times: usize, goal: u32, measure: impl FnMut() -> Duration) {
+/// Prints the heads of the columns.
+pub fn print_title(target: &str, times: usize) {
+    let title = format!("release times on {target} in ms, {times} times each");
+    println!("{title:50} {:>10} {:>10} {:>6}", "median", "worst", "goal");
+}
+
+/// Measures a number of times and prints the result beside the goal in ms.
+pub fn print_row(name: &str, times: usize, goal: u32, measure: impl FnMut() -> Duration) {
     let mut release_times: Vec<_> = std::iter::repeat_with(measure).take(times).collect();
     release_times.sort_unstable();
     let millis = |time: Duration| time.as_secs_f64() * 1e3;
