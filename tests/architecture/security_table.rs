@@ -262,7 +262,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
         Status::Met(&[
             (
                 "tests/architecture/security_sources.rs",
-                "only_the_watchdog_is_ever_started",
+                "only_the_watchdog_and_its_call_of_systemd_are_ever_started",
             ),
             (
                 "tests/architecture/security_sources.rs",
