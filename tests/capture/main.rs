@@ -6,6 +6,7 @@ mod support;
 mod body_landmarks;
 #[cfg(unix)]
 mod bvh;
+mod bvh_readers;
 mod commands;
 mod file;
 mod gap;
