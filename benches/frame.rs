@@ -322,6 +322,7 @@ fn f_keyboard(bencher: Bencher) {
         let seen = DeviceInput {
             scene: &scene,
             angles: &typing().estimates[0].angles,
+            inputs: &Default::default(),
             pose: &pose,
             touches,
         };

@@ -202,9 +202,14 @@ impl Sample {
 pub struct Channels {
     /// Largest count of the converter (255 for 8 bits).
     pub full_scale: u16,
-    /// One count per channel, 0..=`full_scale`.
+    /// One count per channel, 0..=`full_scale`; [`UNKNOWN`](Self::UNKNOWN) for one that was not measured.
     #[serde(rename = "channels")]
     pub counts: ArrayVec<u16, MAX_CHANNELS>,
+}
+
+impl Channels {
+    /// The count of a channel that was not measured. No converter has so large a count.
+    pub const UNKNOWN: u16 = u16::MAX;
 }
 
 /// Result of a call to [`Source::next`].

@@ -7,7 +7,7 @@ use arrayvec::ArrayVec;
 use crate::command::Command;
 use crate::contact::surface::Scene;
 use crate::contact::{TargetId, Touch};
-use crate::hand::JointAngles;
+use crate::hand::{InputValues, JointAngles};
 use crate::kinematics::HandPose;
 use crate::names::named_enum;
 use crate::time::Timestamp;
@@ -148,6 +148,8 @@ pub struct DeviceInput<'a> {
     pub scene: &'a Scene,
     /// The joint angles of the hand.
     pub angles: &'a JointAngles,
+    /// The sticks, triggers and buttons of the glove.
+    pub inputs: &'a InputValues,
     /// The pose of the hand, and its time.
     pub pose: &'a HandPose,
     /// The touches of the fingertips, in order of time for each finger.

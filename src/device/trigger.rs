@@ -1,9 +1,9 @@
-//! Triggers: a joint angle or a pinch as a control, without a target to touch.
+//! Triggers: a joint angle, a pinch or a button of the glove as a control, without a target to touch.
 
 use super::value_output::{ValueEmitter, ValueOutput};
 use super::{Capabilities, DeviceInput, DeviceOutput, KeyAction, PressSource, VirtualDevice};
 use crate::contact::TargetId;
-use crate::hand::{Dof, Finger, Side};
+use crate::hand::{Dof, Finger, Input, Side};
 use crate::time::Timestamp;
 
 /// Maximum number of triggers of a layout: every step evaluates each of them.
@@ -26,12 +26,13 @@ pub struct Trigger {
     pub side: Option<Side>,
     /// The measurement.
     pub measure: Measure,
-    /// The measurement at which it switches on, in radians or metres.
+    /// The measurement at which it switches on: in radians or metres, or as a fraction for an input of the glove.
     pub on: f32,
-    /// The measurement at which it switches off, in radians or metres; not equal to `on`.
+    /// The measurement at which it switches off, in the same unit; not equal to `on`.
     pub off: f32,
-    /// The measurements for the values 0 and 1, in radians or metres. The value is
-    /// `clamp((measurement − first) / (second − first), 0, 1)`. `None`: the value is 1 while it is on, else 0.
+    /// The measurements for the values 0 and 1, in the same unit. The value is
+    /// `clamp((measurement − first) / (second − first), 0, 1)`; that of an input of the glove can be as low as −1, because a
+    /// stick moves to both sides. `None`: the value is 1 while it is on, else 0.
     pub range: Option<(f32, f32)>,
     /// The action that is held while it is on.
     pub action: Option<KeyAction>,
@@ -46,6 +47,8 @@ pub enum Measure {
     Angle(Dof),
     /// The distance from the fingertip center of the thumb to that of a finger, in metres.
     Pinch(Finger),
+    /// A stick, trigger or button of the glove, −1..=1.
+    Input(Input),
 }
 
 /// The triggers of a layout.
@@ -163,7 +166,11 @@ impl HandTrigger {
         let Some((first, second)) = self.trigger.range else {
             return f32::from(u8::from(self.state == TriggerState::On));
         };
-        let fraction = ((measurement - first) / (second - first)).clamp(0.0, 1.0);
+        let lowest = match self.trigger.measure {
+            Measure::Input(_) => -1.0,
+            Measure::Angle(_) | Measure::Pinch(_) => 0.0,
+        };
+        let fraction = ((measurement - first) / (second - first)).clamp(lowest, 1.0);
         (fraction * VALUE_STEPS).round() / VALUE_STEPS
     }
 }
@@ -172,7 +179,8 @@ impl Measure {
     /// Returns the current measurement, or `None` if it is unknown.
     fn measurement(self, input: &DeviceInput) -> Option<f32> {
         let is_trusted = |finger: Finger| !input.pose.untrusted.contains(finger);
-        if input.pose.jumped {
+        // A button does not depend on the pose of the hand.
+        if input.pose.jumped && !matches!(self, Self::Input(_)) {
             return None;
         }
         let measurement = match self {
@@ -188,6 +196,7 @@ impl Measure {
                 });
                 Some(thumb?.distance(tip?))
             }
+            Self::Input(own) => input.inputs.get(own),
         };
         measurement.filter(|measurement| measurement.is_finite())
     }

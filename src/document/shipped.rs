@@ -13,6 +13,8 @@ macro_rules! shipped_files {
 /// The path below `layouts/` without `.ron`, and the text, of each file.
 const SHIPPED_FILES: &[(&str, &str)] = shipped_files! {
     "arms/unam"
+    "gloves/lucidgloves"
+    "gloves/lucidgloves-left"
     "gloves/unam-hc11"
     "gloves/unam-hc11-left"
     "keyboards/arrows"

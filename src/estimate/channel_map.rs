@@ -2,7 +2,7 @@
 
 use super::calibration::AffineMap;
 use crate::capture::MAX_CHANNELS;
-use crate::hand::{Dof, FingerSet};
+use crate::hand::{Dof, FingerSet, Input};
 
 /// The most rows of a channel map: two for each degree of freedom, more than any glove needs.
 pub const MAX_ROWS: usize = 2 * Dof::COUNT;
@@ -20,11 +20,25 @@ pub struct ChannelRow {
     pub calibration: AffineMap,
 }
 
+/// The assignment of one channel to a stick, trigger or button of the glove.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InputRow {
+    /// The input that the channel measures.
+    pub input: Input,
+    /// The index of the channel in a reading.
+    pub channel: usize,
+    /// The map from counts to the value of the input, which is clamped to −1..=1.
+    pub calibration: AffineMap,
+}
+
 /// The channels of a glove that are in use. If two rows have the same angle, the later one takes precedence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelMap {
     rows: Vec<ChannelRow>,
+    inputs: Vec<InputRow>,
+    assumed: Vec<(Dof, f64)>,
     full_scale: u16,
+    uses_full_range: bool,
 }
 
 impl ChannelMap {
@@ -38,7 +52,54 @@ impl ChannelMap {
             "a channel is at most {}",
             MAX_CHANNELS - 1
         );
-        Self { rows, full_scale }
+        Self {
+            rows,
+            inputs: Vec::new(),
+            assumed: Vec::new(),
+            full_scale,
+            uses_full_range: false,
+        }
+    }
+
+    /// Adds the sticks, triggers and buttons of the glove.
+    ///
+    /// # Panics
+    /// If a row has a channel of 64 or more, which no reading has.
+    #[must_use]
+    pub fn with_inputs(self, inputs: Vec<InputRow>) -> Self {
+        assert!(inputs.iter().all(|row| row.channel < MAX_CHANNELS));
+        Self { inputs, ..self }
+    }
+
+    /// Sets the angles that the glove does not measure, in radians.
+    #[must_use]
+    pub fn with_assumed_angles(self, assumed: Vec<(Dof, f64)>) -> Self {
+        Self { assumed, ..self }
+    }
+
+    /// Sets whether counts are at the ends of their range in normal use, as those of a glove that scales them itself. In
+    /// other gloves such a count is a broken wire.
+    #[must_use]
+    pub fn with_full_range(self, uses_full_range: bool) -> Self {
+        Self {
+            uses_full_range,
+            ..self
+        }
+    }
+
+    /// Returns the sticks, triggers and buttons.
+    pub fn inputs(&self) -> &[InputRow] {
+        &self.inputs
+    }
+
+    /// Returns the angles that the glove does not measure, in radians.
+    pub fn assumed_angles(&self) -> &[(Dof, f64)] {
+        &self.assumed
+    }
+
+    /// Returns whether counts are at the ends of their range in normal use.
+    pub fn uses_full_range(&self) -> bool {
+        self.uses_full_range
     }
 
     /// Returns the rows, in order.
@@ -53,11 +114,9 @@ impl ChannelMap {
 
     /// Returns the number of channels that a reading must have.
     pub fn required_channels(&self) -> usize {
-        self.rows
-            .iter()
-            .map(|row| row.channel + 1)
-            .max()
-            .unwrap_or(0)
+        let angles = self.rows.iter().map(|row| row.channel);
+        let inputs = self.inputs.iter().map(|row| row.channel);
+        angles.chain(inputs).max().map_or(0, |channel| channel + 1)
     }
 
     /// Returns the fingers whose position depends on `channel`: all if it moves the whole hand.

@@ -148,6 +148,7 @@ fn add_fingers(fingers: &Estimate, estimate: &mut Estimate) {
             estimate.angles.set(dof, radians);
         }
     }
+    estimate.inputs = fingers.inputs;
     let wrist = |measured: &MeasuredJoints| measured.get(Joint::Wrist);
     let (Some(to), Some(from)) = (wrist(&estimate.measured), wrist(&fingers.measured)) else {
         return;

@@ -16,7 +16,7 @@ mod smoothing;
 pub mod t_pose;
 
 pub use calibration::{AffineMap, FitError, divider_resistance};
-pub use channel_map::{ChannelMap, ChannelRow, MAX_ROWS};
+pub use channel_map::{ChannelMap, ChannelRow, InputRow, MAX_ROWS};
 pub use estimator::Estimator;
 pub use fusion::FusedEstimator;
 pub use hand_angles::hand_angles;
@@ -30,7 +30,7 @@ pub use crate::hand::JointAngles;
 
 use parry3d::math::{Pose, Vec3};
 
-use crate::hand::{FingerSet, Joint};
+use crate::hand::{FingerSet, InputValues, Joint};
 use crate::names::named_enum;
 use crate::time::Timestamp;
 
@@ -52,6 +52,8 @@ pub struct Estimate {
     pub root: Option<Pose>,
     /// The joint positions that the sensor measures directly. They override those of forward kinematics.
     pub measured: MeasuredJoints,
+    /// The sticks, triggers and buttons of a glove.
+    pub inputs: InputValues,
 }
 
 impl Estimate {
@@ -65,6 +67,7 @@ impl Estimate {
             is_placed: true,
             root: None,
             measured: MeasuredJoints::default(),
+            inputs: InputValues::default(),
         }
     }
 
@@ -78,6 +81,7 @@ impl Estimate {
         self.is_placed = true;
         self.root = None;
         self.measured.known = 0;
+        self.inputs = InputValues::default();
     }
 
     /// Forgets the hand: it is nowhere, and its movement until it is seen again is not known.

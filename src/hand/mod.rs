@@ -1,9 +1,11 @@
-//! Types that every stage shares: sides and parts of a hand, fingers, joints, degrees of freedom, joint angles and joint
-//! positions.
+//! Types that every stage shares: sides and parts of a hand, fingers, joints, degrees of freedom, joint angles, joint
+//! positions, and the inputs of a glove.
 
+mod inputs;
 mod joint_angles;
 mod joint_positions;
 
+pub use inputs::{Input, InputValues};
 pub use joint_angles::JointAngles;
 pub use joint_positions::JointPositions;
 

@@ -1,11 +1,14 @@
 //! Gloves, from `layouts/gloves/*.ron`: the joint angle that each channel measures.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 
-use crate::capture::MAX_CHANNELS;
-use crate::document::{Document, DocumentError};
-use crate::estimate::{AffineMap, ChannelMap, ChannelRow, MAX_ROWS};
-use crate::hand::{Dof, Side};
+use crate::capture::{Channels, MAX_CHANNELS};
+use crate::document::{Document, DocumentError, Spanned};
+use crate::estimate::{AffineMap, ChannelMap, ChannelRow, InputRow, JointLimits, MAX_ROWS};
+use crate::hand::{Dof, Input, Side};
+use crate::names::UnknownName;
 
 /// A glove.
 #[derive(Clone, Debug)]
@@ -29,6 +32,26 @@ struct GloveSchema<'a> {
     full_scale_counts: u16,
     #[serde(borrow)]
     rows: Vec<RowSchema<'a>>,
+    /// The sticks, triggers and buttons.
+    #[serde(borrow, default)]
+    inputs: Vec<InputSchema<'a>>,
+    /// The angles that the glove does not measure, in degrees.
+    #[serde(default)]
+    assumed_deg: BTreeMap<Dof, f64>,
+    /// Counts are at the ends of their range in normal use. Otherwise such a count is a broken wire.
+    #[serde(default)]
+    uses_full_range: bool,
+}
+
+/// The value of an input: (count − zero_counts) / (full_counts − zero_counts), within −1..=1.
+#[derive(Deserialize)]
+#[serde(rename = "Input", deny_unknown_fields)]
+struct InputSchema<'a> {
+    #[serde(borrow)]
+    input: Spanned<'a>,
+    channel: usize,
+    zero_counts: f64,
+    full_counts: f64,
 }
 
 /// The calibration of an angle: offset_rad + (count + offset_counts) × full_scale_rad / full_scale_counts.
@@ -55,10 +78,10 @@ impl Glove {
     pub fn parse(document: &Document) -> Result<Self, DocumentError> {
         let schema: GloveSchema = document.parse()?;
         let full_scale = schema.full_scale_counts;
-        if full_scale < 2 {
+        if !(2..Channels::UNKNOWN).contains(&full_scale) {
             return Err(document.error_at(
                 &document.text,
-                "`full_scale_counts` must be the largest count of a channel, such as 255 for 8 bits",
+                "`full_scale_counts` must be the largest count of a channel, 2 to 65534, such as 255 for 8 bits",
             ));
         }
         if schema.rows.len() > MAX_ROWS {
@@ -71,9 +94,20 @@ impl Glove {
         for row in &schema.rows {
             row.check(document)?;
         }
+        let inputs: Vec<InputRow> = schema
+            .inputs
+            .iter()
+            .map(|input| input.build(document))
+            .collect::<Result<_, _>>()?;
+        let assumed = schema
+            .assumed_angles()
+            .map_err(|message| document.error_at(&document.text, message))?;
         let map = |is_included: &dyn Fn(&RowSchema) -> bool| {
             let rows = schema.rows.iter().filter(|row| is_included(row));
             ChannelMap::new(rows.map(|row| row.build(full_scale)).collect(), full_scale)
+                .with_inputs(inputs.clone())
+                .with_assumed_angles(assumed.clone())
+                .with_full_range(schema.uses_full_range)
         };
         Ok(Self {
             map: map(&|row| row.disabled.is_none()),
@@ -84,16 +118,66 @@ impl Glove {
     }
 }
 
+impl GloveSchema<'_> {
+    /// Returns the assumed angles in radians. An error states what is wrong with one.
+    fn assumed_angles(&self) -> Result<Vec<(Dof, f64)>, String> {
+        let limits = JointLimits::human();
+        let check = |(&dof, degrees): (&Dof, &f64)| {
+            let radians = degrees.to_radians();
+            if !radians.is_finite() || limits.clamp(dof, radians) != radians {
+                return Err(format!(
+                    "{degrees}° for {dof} is outside the range of that joint"
+                ));
+            }
+            match self.rows.iter().any(|row| row.dof == dof) {
+                true => Err(format!(
+                    "{dof} is both measured and assumed, remove one of them"
+                )),
+                false => Ok((dof, radians)),
+            }
+        };
+        self.assumed_deg.iter().map(check).collect()
+    }
+}
+
+/// Checks that a channel exists; `place` is the position of an error.
+fn check_channel(document: &Document, channel: usize, place: &str) -> Result<(), DocumentError> {
+    if channel < MAX_CHANNELS {
+        return Ok(());
+    }
+    let message = format!(
+        "channel {channel} does not exist, channels are 0 to {}",
+        MAX_CHANNELS - 1
+    );
+    Err(document.error_at(place, message))
+}
+
+impl InputSchema<'_> {
+    fn build(&self, document: &Document) -> Result<InputRow, DocumentError> {
+        let name = self.input.text;
+        check_channel(document, self.channel, name)?;
+        let input: Input = name
+            .parse()
+            .map_err(|error: UnknownName| document.error_at(name, error))?;
+        let (zero, full) = (self.zero_counts, self.full_counts);
+        let is_valid = |number: f64| (-1e6..=1e6).contains(&number);
+        if !is_valid(zero) || !is_valid(full) || zero == full {
+            let message = format!(
+                "the input `{input}` needs finite numbers, and a `full_counts` other than its `zero_counts`"
+            );
+            return Err(document.error_at(name, message));
+        }
+        Ok(InputRow {
+            input,
+            channel: self.channel,
+            calibration: AffineMap::from_counts(-zero, 1.0 / (full - zero), 0.0),
+        })
+    }
+}
+
 impl RowSchema<'_> {
     fn check(&self, document: &Document) -> Result<(), DocumentError> {
-        if self.channel >= MAX_CHANNELS {
-            let message = format!(
-                "channel {} does not exist, channels are 0 to {}",
-                self.channel,
-                MAX_CHANNELS - 1
-            );
-            return Err(document.error_at(self.label, message));
-        }
+        check_channel(document, self.channel, self.label)?;
         let numbers = [self.offset_counts, self.full_scale_rad, self.offset_rad];
         let is_valid = |number: &f64| (-1e6..=1e6).contains(number);
         if !numbers.iter().all(is_valid) || self.full_scale_rad == 0.0 {
@@ -120,6 +204,7 @@ impl RowSchema<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::capture::protocol::lucidgloves;
 
     fn error(row: &str) -> String {
         let text = format!(
@@ -136,6 +221,61 @@ mod tests {
         assert_eq!(glove.map.rows().len(), 22);
         assert_eq!(glove.full_map.rows().len(), 26);
         assert_eq!(glove.side, Side::Right);
+    }
+
+    #[test]
+    fn the_shipped_lucidgloves_have_all_inputs_and_finger_joints() {
+        for (name, side) in [
+            ("lucidgloves", Side::Right),
+            ("lucidgloves-left", Side::Left),
+        ] {
+            let map = Glove::load(name).unwrap().map;
+            assert_eq!(Glove::load(name).unwrap().side, side);
+            for &input in Input::ALL {
+                assert!(map.inputs().iter().any(|row| row.input == input), "{input}");
+            }
+            for &dof in Dof::ALL.iter().filter(|dof| dof.finger().is_some()) {
+                assert!(map.rows().iter().any(|row| row.dof == dof), "{dof}");
+            }
+            assert_eq!(map.required_channels(), lucidgloves::CHANNELS);
+            assert_eq!(map.full_scale(), lucidgloves::FULL_SCALE);
+        }
+    }
+
+    #[test]
+    fn invalid_inputs_and_assumed_angles_are_rejected() {
+        let with = |fields: &str| {
+            let text =
+                format!("Glove(name: \"g\", side: \"right\", full_scale_counts: 255, {fields})");
+            let glove = Glove::parse(&Document::new("g.ron", text));
+            glove.unwrap_err().to_string()
+        };
+        let row = "label: \"a\", dof: \"elbow-flexion\", channel: 1, offset_counts: 0, full_scale_rad: 1, offset_rad: 0";
+        for (fields, message) in [
+            (
+                r#"rows: [], inputs: [(input: "stick-z", channel: 1, zero_counts: 0, full_counts: 1)]"#.to_owned(),
+                "did you mean `stick-x`?",
+            ),
+            (
+                r#"rows: [], inputs: [(input: "menu", channel: 64, zero_counts: 0, full_counts: 1)]"#.to_owned(),
+                "channel 64 does not exist",
+            ),
+            (
+                r#"rows: [], inputs: [(input: "menu", channel: 1, zero_counts: 1, full_counts: 1)]"#.to_owned(),
+                "a `full_counts` other than",
+            ),
+            (
+                r#"rows: [], assumed_deg: {"elbow-flexion": 200}"#.to_owned(),
+                "outside the range",
+            ),
+            (
+                format!("rows: [({row})], assumed_deg: {{\"elbow-flexion\": 20}}"),
+                "both measured and assumed",
+            ),
+        ] {
+            let error = with(&fields);
+            assert!(error.contains(message), "{error}");
+        }
     }
 
     #[test]

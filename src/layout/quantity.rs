@@ -39,6 +39,8 @@ ranged_numbers! {
     JointAngle = "an angle", -180.0 ..= 180.0, "°";
     /// Distance between two fingertips, in millimetres.
     FingertipGap = "a gap", 0.0 ..= 200.0, " mm";
+    /// Value of a stick, trigger or button of a glove.
+    InputValue = "a value", -1.0 ..= 1.0, "";
     /// Width, height, depth or diameter of a volume or of the range of a pointer, in millimetres.
     Extent = "an extent", 1.0 ..= 2000.0, " mm", or 200.0;
     /// Exponent of the response curve of a pointer.

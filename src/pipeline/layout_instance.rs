@@ -96,6 +96,7 @@ impl LayoutInstance {
         let input = DeviceInput {
             scene: &self.scene,
             angles: &step.estimate.angles,
+            inputs: &step.estimate.inputs,
             pose: &step.pose,
             touches: &step.touches,
         };

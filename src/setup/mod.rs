@@ -15,14 +15,17 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::capture::protocol::lucidgloves;
 use crate::capture::{CaptureError, SourceUri};
 use crate::document::{Document, DocumentError};
 use crate::pipeline::SourceRole;
 use crate::sim::TypistError;
 
-/// The glove and the arm model of a setup that names none.
-const DEFAULT_GLOVE: &str = "unam-hc11";
-const DEFAULT_OTHER_GLOVE: &str = "unam-hc11-left";
+/// The gloves of a setup that names none: that of the first hand, and that of the other hand.
+const DEFAULT_GLOVES: [&str; 2] = ["unam-hc11", "unam-hc11-left"];
+/// As [`DEFAULT_GLOVES`], for sources that speak the protocol of LucidGloves.
+const DEFAULT_LUCIDGLOVES: [&str; 2] = ["lucidgloves", "lucidgloves-left"];
+/// The arm model of a setup that names none.
 const DEFAULT_ARM: &str = "unam";
 
 /// A setup as written. Every field has a default.
@@ -37,7 +40,7 @@ pub struct Setup {
     pub arm_source: Option<SourceUri>,
     /// The events that the source of the arm may cause. The hand causes only those that both of its sources may.
     pub arm_role: Option<SourceRole>,
-    /// The glove: a shipped name or a path. Default: `unam-hc11`, if the source provides channels.
+    /// The glove: a shipped name or a path. Default: that of the protocol, such as `unam-hc11`, if the source provides channels.
     pub glove: Option<String>,
     /// The arm.
     pub arm: ArmSetup,
@@ -76,7 +79,7 @@ pub struct OtherHand {
     pub arm_source: Option<SourceUri>,
     /// The events that the source of the arm may cause.
     pub arm_role: Option<SourceRole>,
-    /// The glove: a shipped name or a path. Default: `unam-hc11-left`, if the source provides channels.
+    /// The glove: a shipped name or a path. Default: that of the protocol, such as `unam-hc11-left`, if the source provides channels.
     pub glove: Option<String>,
     /// The arm.
     pub arm: ArmSetup,
@@ -213,7 +216,7 @@ impl Setup {
 
     /// The name of the glove file, or `None` if the source needs no glove.
     fn glove_name(&self) -> Option<&str> {
-        glove_name(&self.glove, self.source.as_ref(), DEFAULT_GLOVE)
+        glove_name(&self.glove, self.source.as_ref(), 0)
     }
 }
 
@@ -221,7 +224,7 @@ impl OtherHand {
     /// The name of the glove file, or `None` if the source needs no glove. `first` is the source of a hand without one of its own.
     fn glove_name(&self, first: Option<&SourceUri>) -> Option<&str> {
         let source = self.source.as_ref().or(first);
-        glove_name(&self.glove, source, DEFAULT_OTHER_GLOVE)
+        glove_name(&self.glove, source, 1)
     }
 }
 
@@ -234,11 +237,17 @@ impl ArmSetup {
     }
 }
 
+/// Returns the name of the glove of a hand: 0 is the first hand, 1 the other one.
 fn glove_name<'a>(
     glove: &'a Option<String>,
     source: Option<&SourceUri>,
-    default: &'a str,
+    hand: usize,
 ) -> Option<&'a str> {
+    let protocol = source.and_then(SourceUri::protocol);
+    let default = match protocol == Some(&lucidgloves::PROTOCOL) {
+        true => DEFAULT_LUCIDGLOVES[hand],
+        false => DEFAULT_GLOVES[hand],
+    };
     let needs_glove = source.is_none_or(SourceUri::needs_glove);
     glove.as_deref().or(needs_glove.then_some(default))
 }

@@ -29,6 +29,8 @@ pub(super) struct SimulatedHand {
     active: Option<ActiveMovement>,
     /// Number of packets of the active movement so far.
     packet: u32,
+    /// The counts before the posture is added.
+    resting_counts: GloveCounts,
     noise_counts: f64,
     random: fastrand::Rng,
 }
@@ -64,6 +66,7 @@ impl SimulatedHand {
             begun: 0,
             active: None,
             packet: 0,
+            resting_counts: resting_counts(map),
             noise_counts: settings.noise_counts,
             random: fastrand::Rng::with_seed(settings.seed),
         })
@@ -120,8 +123,7 @@ impl SimulatedHand {
 
     /// Converts the posture to counts of the glove.
     pub(super) fn counts(&mut self) -> GloveCounts {
-        // The input of an unused converter floats. Half of the range cannot be taken for a packet header.
-        let mut counts: GloveCounts = (0..MAX_CHANNELS).map(|_| self.full_scale / 2).collect();
+        let mut counts = self.resting_counts.clone();
         for index in 0..self.values.len() {
             counts[self.hand.channels()[index]] = self.convert(self.values[index]);
         }
@@ -137,6 +139,16 @@ impl SimulatedHand {
         let max = f64::from(self.full_scale - 1);
         (value + noise).round().clamp(1.0, max) as u16
     }
+}
+
+/// Returns the counts of a glove of which no stick, trigger and button is used.
+fn resting_counts(map: &ChannelMap) -> GloveCounts {
+    // The input of an unused converter floats. Half of the range cannot be taken for a packet header.
+    let mut counts: GloveCounts = (0..MAX_CHANNELS).map(|_| map.full_scale() / 2).collect();
+    for row in map.inputs() {
+        counts[row.channel] = row.calibration.apply_inverse(0.0).round() as u16;
+    }
+    counts
 }
 
 /// Returns a sample of the standard normal distribution (Box-Muller transform).

@@ -55,6 +55,8 @@ pub struct TypingHand {
     arm: ArmModel,
     channels: Vec<usize>,
     variables: Vec<IkVariable>,
+    /// The angles that the glove does not measure.
+    assumed: JointAngles,
     resting_pose: HandPose,
 }
 
@@ -100,8 +102,13 @@ impl TypingHand {
         channels.sort_unstable();
         channels.dedup();
         let variables = channels.iter().map(|&channel| variable(map, channel));
+        let mut assumed = JointAngles::default();
+        for &(dof, radians) in map.assumed_angles() {
+            assumed.set(dof, radians);
+        }
         let mut hand = Self {
             arm: arm.clone(),
+            assumed,
             variables: variables.collect(),
             channels,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
@@ -130,7 +137,7 @@ impl TypingHand {
 
     /// Returns the joint angles of a posture.
     pub fn angles(&self, values: &[f64]) -> JointAngles {
-        angles_from_variables(&self.variables, values, &JointAngles::default())
+        angles_from_variables(&self.variables, values, &self.assumed)
     }
 
     /// Returns the pose of the hand in a posture.

@@ -11,6 +11,8 @@ mod commands;
 mod file;
 mod gap;
 #[cfg(unix)]
+mod lucidgloves;
+#[cfg(unix)]
 mod markers;
 #[cfg(unix)]
 mod serial;

@@ -15,6 +15,7 @@ mod faults;
 mod files;
 #[cfg(target_os = "linux")]
 mod idle;
+mod lucidgloves;
 mod markers;
 #[cfg(target_os = "linux")]
 mod process_limits;

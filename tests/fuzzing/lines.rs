@@ -3,16 +3,18 @@
 use ademan::capture::Sample;
 use ademan::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use ademan::capture::protocol::{
-    Decoder, Protocol, ProtocolOptions, body_landmarks, markers, text_line,
+    Decoder, Protocol, ProtocolOptions, body_landmarks, lucidgloves, markers, text_line,
 };
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::hand::{JointAngles, Side};
+use ademan::layout::Glove;
 
 /// The decoders of the protocols of lines.
-const DECODERS: [fn() -> Box<dyn Decoder>; 3] = [
+const DECODERS: [fn() -> Box<dyn Decoder>; 4] = [
     || decoder(&text_line::PROTOCOL),
     || decoder(&markers::PROTOCOL),
     || decoder(&body_landmarks::PROTOCOL),
+    || decoder(&lucidgloves::PROTOCOL),
 ];
 
 fn decoder(protocol: &Protocol) -> Box<dyn Decoder> {
@@ -59,7 +61,8 @@ fn samples(mut decoder: Box<dyn Decoder>, stream: &[u8], length: usize) -> Vec<S
 
 /// Estimates every sample; the results are finite.
 fn estimate(samples: &[Sample]) {
-    let mut estimator = Estimator::new(EstimatorSettings::default());
+    let glove = Glove::load("lucidgloves").expect("a shipped glove");
+    let mut estimator = Estimator::new(EstimatorSettings::default()).with_channels(&glove.map);
     for (number, sample) in samples.iter().enumerate() {
         let reading = ademan::capture::Reading::new(
             ademan::time::Timestamp(33_000 * (number as u64 + 1)),
@@ -104,5 +107,10 @@ pub fn seeds() -> Vec<Vec<u8>> {
     vec![
         stream(text_line::encode(&JointAngles::default()).repeat(3)),
         stream((1..5).map(body).collect()),
+        stream(
+            "A0B4095C2047D-1E99999F2047G2047P4096HJO(AB)2047(EB)0(BAA)1(CAD)4095\r\nA1B2(ZV)3Z\n"
+                .into(),
+        ),
+        stream("0&1023&2047&4095&5&2047&2047&0&1&0&1&0&1\n\r\n".repeat(2)),
     ]
 }

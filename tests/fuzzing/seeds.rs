@@ -15,7 +15,9 @@ pub fn layouts() -> Vec<Vec<u8>> {
 
 /// Returns the shipped gloves.
 pub fn gloves() -> Vec<Vec<u8>> {
-    ["unam-hc11", "unam-hc11-left"].map(shipped).into()
+    ["unam-hc11", "unam-hc11-left", "lucidgloves"]
+        .map(shipped)
+        .into()
 }
 
 /// Returns the shipped arm.

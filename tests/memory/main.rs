@@ -4,6 +4,7 @@
 mod support;
 
 mod landmarks;
+mod lucidgloves;
 mod motion;
 mod soak;
 mod steady_state;

@@ -274,6 +274,7 @@ fn update(
     let input = DeviceInput {
         scene: &ademan::contact::surface::Scene::new(),
         angles: &JointAngles::default(),
+        inputs: &Default::default(),
         pose,
         touches,
     };
@@ -392,6 +393,7 @@ fn controls_and_gestures_do_not_allocate() {
         let input = DeviceInput {
             scene: &layout.scene,
             angles: &angles,
+            inputs: &Default::default(),
             pose: &pose,
             touches: &touches,
         };
@@ -560,6 +562,7 @@ fn handles_do_not_allocate_and_return_to_rest() {
         let input = DeviceInput {
             scene: &layout.scene,
             angles: &JointAngles::default(),
+            inputs: &Default::default(),
             pose: &pose,
             touches: &touches,
         };
@@ -637,6 +640,7 @@ fn a_pointer_and_targets_in_space_do_not_allocate() {
         let input = DeviceInput {
             scene: &layout.scene,
             angles: &angles,
+            inputs: &Default::default(),
             pose: &pose,
             touches: &[],
         };

@@ -14,6 +14,7 @@ mod hands_and_profiles;
 mod oracle;
 mod joint_positions;
 mod limits;
+mod lucidgloves;
 mod panels;
 mod pauses;
 mod placement;

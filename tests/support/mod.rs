@@ -10,6 +10,7 @@ pub mod full_pipe;
 pub mod glove;
 pub mod hand;
 pub mod key_log;
+pub mod lucidgloves;
 pub mod oracle;
 #[cfg(target_os = "linux")]
 pub mod output_pipe;

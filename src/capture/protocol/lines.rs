@@ -15,7 +15,7 @@ pub trait LineParser: Send {
     fn reset(&mut self) {}
 }
 
-/// Decoder of lines, which end with LF or CR LF. An invalid line is skipped. In a datagram the last line end may be
+/// Decoder of lines, which end with LF or CR LF. A blank line has no meaning; an invalid one is skipped. In a datagram the last line end may be
 /// missing.
 #[derive(Clone, Debug)]
 pub struct LineDecoder<P> {
@@ -56,8 +56,15 @@ impl<P: LineParser> LineDecoder<P> {
     fn end_line(&mut self, bytes: u64, emit: &mut dyn FnMut(Packet)) {
         self.line_start += bytes;
         let end = self.line_start;
+        let is_too_long = std::mem::take(&mut self.is_skipping);
+        if !is_too_long && self.line.trim_ascii().is_empty() {
+            // Some senders separate lines by blank ones.
+            self.line.clear();
+            self.stats.skipped_bytes += bytes;
+            return;
+        }
         let mut packets = 0;
-        let result = match std::mem::take(&mut self.is_skipping) {
+        let result = match is_too_long {
             true => Err(too_long::<P>()),
             false => self.parser.parse(&self.line, &mut |packet| {
                 packets += 1;

@@ -7,6 +7,7 @@ pub mod bvh;
 pub mod hc11;
 mod invalid;
 mod lines;
+pub mod lucidgloves;
 pub mod markers;
 mod restart_text;
 mod space;
@@ -29,6 +30,7 @@ pub const PROTOCOLS: &[&Protocol] = &[
     &markers::PROTOCOL,
     &bvh::PROTOCOL,
     &body_landmarks::PROTOCOL,
+    &lucidgloves::PROTOCOL,
 ];
 
 /// A wire format: its name, its options and its decoder.

@@ -95,6 +95,14 @@ impl SourceUri {
         matches!(self, Self::Stream(stream) if stream.transport.is_device)
     }
 
+    /// Returns the protocol of a byte stream.
+    pub fn protocol(&self) -> Option<&'static Protocol> {
+        match self {
+            Self::Stream(stream) => Some(stream.format.protocol),
+            _ => None,
+        }
+    }
+
     /// Returns `false` if the source measures joint angles, which need no glove file.
     pub fn needs_glove(&self) -> bool {
         match self {

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use crate::capture::Channels;
 use crate::estimate::limits::JointRange;
-use crate::estimate::{AffineMap, ChannelMap, Estimate, JointLimits, Rejection};
-use crate::hand::{Dof, FingerSet, JointAngles};
+use crate::estimate::{AffineMap, ChannelMap, Estimate, InputRow, JointLimits, Rejection};
+use crate::hand::{Dof, FingerSet, InputValues, JointAngles};
 use crate::time::Timestamp;
 
 /// The converter of one glove.
@@ -14,7 +14,11 @@ pub(super) struct ChannelConverter {
     full_scale: u16,
     required_channels: usize,
     rows: Vec<ConverterRow>,
+    inputs: Vec<InputRow>,
+    assumed: Vec<(Dof, f64)>,
     health: Vec<ChannelHealth>,
+    /// A count at an end of the range is not a broken wire.
+    uses_full_range: bool,
 }
 
 /// The conversion of one channel to one angle.
@@ -65,12 +69,16 @@ impl ChannelConverter {
             full_scale: map.full_scale(),
             required_channels: map.required_channels(),
             rows: rows.collect(),
+            inputs: map.inputs().to_vec(),
+            assumed: map.assumed_angles().to_vec(),
             health,
+            uses_full_range: map.uses_full_range(),
         }
     }
 
     /// Converts counts to angles within the joint limits. Angles of railed channels are clamped; others that are far
-    /// outside are an error. A channel is railed once it has been at one end of its range for `rail_timeout`.
+    /// outside are an error. A channel is railed once it has been at one end of its range for `rail_timeout`. Fingers with an
+    /// unknown channel are untrusted.
     pub(super) fn convert(
         &mut self,
         channels: &Channels,
@@ -81,10 +89,39 @@ impl ChannelConverter {
         {
             return Err(Rejection::WrongShape);
         }
-        if let Some(timeout) = rail_timeout {
+        if let Some(timeout) = rail_timeout.filter(|_| !self.uses_full_range) {
             estimate.untrusted = self.update_health(estimate.time, channels, timeout);
         }
-        self.write_angles(channels, &mut estimate.angles)
+        estimate.untrusted = estimate.untrusted.union(self.unknown_fingers(channels));
+        self.write_inputs(channels, &mut estimate.inputs);
+        self.write_angles(channels, &mut estimate.angles)?;
+        if estimate.angles.is_empty() && !self.rows.is_empty() {
+            return Err(Rejection::WrongShape);
+        }
+        for &(dof, radians) in &self.assumed {
+            estimate.angles.set(dof, radians);
+        }
+        Ok(())
+    }
+
+    /// Returns the fingers that depend on a channel that was not measured.
+    fn unknown_fingers(&self, channels: &Channels) -> FingerSet {
+        let is_unknown = |health: &&ChannelHealth| is_unknown(channels, health.channel);
+        let unknown = self.health.iter().filter(is_unknown);
+        unknown.fold(FingerSet::NONE, |fingers, health| {
+            fingers.union(health.fingers)
+        })
+    }
+
+    fn write_inputs(&self, channels: &Channels, inputs: &mut InputValues) {
+        for row in &self.inputs {
+            if !is_unknown(channels, row.channel) {
+                let value = row
+                    .calibration
+                    .apply(f64::from(channels.counts[row.channel]));
+                inputs.set(row.input, value.clamp(-1.0, 1.0) as f32);
+            }
+        }
     }
 
     /// Updates the state of every channel, and returns the fingers that depend on a railed one.
@@ -106,6 +143,9 @@ impl ChannelConverter {
 
     fn write_angles(&self, channels: &Channels, angles: &mut JointAngles) -> Result<(), Rejection> {
         for row in &self.rows {
+            if is_unknown(channels, row.channel) {
+                continue;
+            }
             let count = f64::from(channels.counts[row.channel]);
             let radians = row.calibration.apply(count);
             if !radians.is_finite() {
@@ -120,6 +160,10 @@ impl ChannelConverter {
         }
         Ok(())
     }
+}
+
+fn is_unknown(channels: &Channels, channel: usize) -> bool {
+    channels.counts[channel] == Channels::UNKNOWN
 }
 
 impl ChannelHealth {

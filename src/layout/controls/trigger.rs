@@ -1,18 +1,21 @@
-//! Triggers: hand postures with an action or a value.
+//! Triggers: hand postures, and buttons of a glove, with an action or a value.
 
 use serde::Deserialize;
 
 use super::value_output::{ValueOutputSchema, value_output};
 use crate::device::trigger::{MAX_TRIGGERS, Measure, Trigger};
 use crate::document::{DocumentError, Spanned};
-use crate::hand::{Dof, Finger, Side};
+use crate::hand::{Dof, Finger, Input, Side};
 use crate::layout::builder::LayoutBuilder;
-use crate::layout::quantity::{FingertipGap, JointAngle, metres};
+use crate::layout::quantity::{FingertipGap, InputValue, JointAngle, metres};
 use crate::layout::schema::Action;
 use crate::names::UnknownName;
 
 /// Default gaps at which a pinch turns on and off, in millimetres: the thresholds of Ultraleap's hand tracking.
 const PINCH_MM: (f64, f64) = (25.0, 30.0);
+
+/// Default values at which an input of the glove turns on and off.
+const INPUT: (f64, f64) = (0.5, 0.4);
 
 /// A hand posture with an action or a value.
 #[derive(Debug, Deserialize)]
@@ -73,10 +76,29 @@ enum MeasureSchema<'a> {
         #[serde(default)]
         full_mm: Option<FingertipGap>,
     },
+    /// A stick, trigger or button of the glove.
+    Input {
+        /// Name of the input.
+        #[serde(borrow)]
+        name: Spanned<'a>,
+        /// Turns on.
+        #[serde(default)]
+        on: Option<InputValue>,
+        /// Turns off.
+        #[serde(default)]
+        off: Option<InputValue>,
+        /// Value 0.
+        #[serde(default)]
+        zero: Option<InputValue>,
+        /// Value 1.
+        #[serde(default)]
+        full: Option<InputValue>,
+    },
 }
 
 /// The numbers of a trigger in the unit of the file.
 struct Thresholds {
+    /// The end of the names of their fields.
     unit: &'static str,
     on: f64,
     off: f64,
@@ -100,6 +122,7 @@ impl<'a> TriggerSchema<'a> {
         let to_si = |value: f64| match measure {
             Measure::Angle(_) => value.to_radians() as f32,
             Measure::Pinch(_) => metres(value),
+            Measure::Input(_) => value as f32,
         };
         let side = self
             .hand
@@ -137,7 +160,7 @@ impl MeasureSchema<'_> {
                 full_deg,
             } => {
                 let thresholds = Thresholds {
-                    unit: "deg",
+                    unit: "_deg",
                     on: on_deg.get(),
                     off: off_deg.get(),
                     zero: zero_deg.map(JointAngle::get),
@@ -153,7 +176,7 @@ impl MeasureSchema<'_> {
                 full_mm,
             } => {
                 let thresholds = Thresholds {
-                    unit: "mm",
+                    unit: "_mm",
                     on: millimetres(on_mm).unwrap_or(PINCH_MM.0),
                     off: millimetres(off_mm).unwrap_or(PINCH_MM.1),
                     zero: millimetres(zero_mm),
@@ -167,6 +190,23 @@ impl MeasureSchema<'_> {
                 }
                 (Measure::Pinch(finger), thresholds)
             }
+            Self::Input {
+                name,
+                on,
+                off,
+                zero,
+                full,
+            } => {
+                let value = |value: Option<InputValue>| value.map(InputValue::get);
+                let thresholds = Thresholds {
+                    unit: "",
+                    on: value(on).unwrap_or(INPUT.0),
+                    off: value(off).unwrap_or(INPUT.1),
+                    zero: value(zero),
+                    full: value(full),
+                };
+                (Measure::Input(parse::<Input>(builder, name)?), thresholds)
+            }
         })
     }
 }
@@ -177,17 +217,17 @@ impl Thresholds {
         let Thresholds { unit, on, off, .. } = *self;
         if on == off {
             return Err(format!(
-                "the trigger `{name}` turns on and off at {on}, set different values for on_{unit} and off_{unit}"
+                "the trigger `{name}` turns on and off at {on}, set different values for on{unit} and off{unit}"
             ));
         }
         match (self.zero, self.full) {
             (None, None) => Ok(None),
             (Some(zero), Some(full)) if zero != full => Ok(Some((zero, full))),
             (Some(zero), Some(_)) => Err(format!(
-                "the value of the trigger `{name}` is 0 and 1 at {zero}, set different values for zero_{unit} and full_{unit}"
+                "the value of the trigger `{name}` is 0 and 1 at {zero}, set different values for zero{unit} and full{unit}"
             )),
             _ => Err(format!(
-                "the trigger `{name}` has only one of zero_{unit} and full_{unit}, set both or none"
+                "the trigger `{name}` has only one of zero{unit} and full{unit}, set both or none"
             )),
         }
     }

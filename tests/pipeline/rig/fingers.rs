@@ -186,6 +186,7 @@ impl Rig {
         let input = DeviceInput {
             scene: &self.scene,
             angles: &angles,
+            inputs: &Default::default(),
             pose,
             touches,
         };

@@ -1,0 +1,69 @@
+//! LucidGloves over every transport.
+
+use std::io::Write;
+use std::net::{TcpListener, UdpSocket};
+
+use ademan::capture::protocol::StreamFormat;
+use ademan::capture::protocol::lucidgloves::{FULL_SCALE, Fields, PROTOCOL};
+use ademan::capture::{Sample, open, open_loopback};
+
+use crate::support::lucidgloves::chords;
+use crate::text_line::{samples, uri};
+
+/// Returns lines of a moving hand and their samples.
+fn lines() -> (Vec<String>, Vec<Sample>) {
+    let fields = &chords()[50..60];
+    let sample = |fields: &Fields| Sample::Channels(fields.channels(FULL_SCALE));
+    (
+        fields.iter().map(Fields::encode).collect(),
+        fields.iter().map(sample).collect(),
+    )
+}
+
+#[test]
+fn a_serial_glove_is_read_past_its_boot_messages() {
+    let (lines, expected) = lines();
+    let mut loopback = open_loopback(StreamFormat::new(&PROTOCOL)).expect("a pseudo-terminal");
+    let mut source = open(&loopback.uri).expect("it opens");
+    let stream = format!(
+        "rst:0x1 (POWERON_RESET),boot:0x13\r\n{}",
+        lines.concat().replace('\n', "\r\n")
+    );
+    for piece in stream.as_bytes().chunks(11) {
+        loopback.writer.write_all(piece).expect("there is room");
+    }
+    assert_eq!(samples(&mut *source, expected.len()), expected);
+}
+
+#[test]
+fn a_tcp_bridge_of_a_wireless_glove_sends_blank_lines() {
+    let (lines, expected) = lines();
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let address = listener.local_addr().expect("its address");
+    let mut source = open(&uri(&format!("tcp:{address}?protocol=lucidgloves"))).unwrap();
+    let (mut peer, _) = listener.accept().expect("the source connects");
+    peer.write_all(lines.join("\r\n").as_bytes()).unwrap();
+    assert_eq!(samples(&mut *source, expected.len()), expected);
+    let stats = source.stats();
+    assert_eq!((stats.resyncs, stats.losses), (0, 0));
+}
+
+#[test]
+fn datagrams_of_a_glove_are_whole_packets_and_cut_ones_are_dropped() {
+    let (lines, expected) = lines();
+    let sender = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    let address = {
+        let probe = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+        probe.local_addr().expect("its address")
+    };
+    let mut source = open(&uri(&format!("udp:{address}?protocol=lucidgloves"))).unwrap();
+    let (start, end) = lines[0].split_at(1);
+    for datagram in [start, end, "", "A1B"] {
+        sender.send_to(datagram.as_bytes(), address).unwrap();
+    }
+    for line in &lines {
+        sender.send_to(line.trim_end().as_bytes(), address).unwrap();
+    }
+    assert_eq!(samples(&mut *source, expected.len()), expected);
+    assert_eq!(source.stats().skipped_bytes, lines[0].len() as u64 + 3);
+}

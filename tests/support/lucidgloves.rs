@@ -1,0 +1,56 @@
+//! A LucidGloves build that measures curls only, as lines of the alpha encoding.
+
+use ademan::capture::protocol::lucidgloves::{FULL_SCALE, Fields};
+use ademan::hand::Finger;
+
+/// The rate of the lines, in hertz.
+pub const RATE_HZ: f64 = 100.0;
+
+/// The text that [`chords`] types with the layout `chords-five`, and the fingers of each letter.
+pub const TEXT: &str = "hoda";
+const CHORDS: [&[Finger]; 4] = [
+    &[Finger::Middle, Finger::Ring],
+    &[Finger::Little],
+    &[Finger::Ring, Finger::Little],
+    &[Finger::Ring],
+];
+
+/// The curl of a finger on its key, as a fraction. A straight finger is above it.
+const PRESSED: f64 = 0.3;
+
+/// Lines of a movement of the fingers down or up.
+const MOVE: usize = 12;
+
+/// Returns the fields of a hand whose fingers have these curls, as fractions, with the stick at rest.
+pub fn curls(curls: [f64; Finger::COUNT]) -> Fields {
+    let count = |curl: f64| Some((curl * f64::from(FULL_SCALE)).round() as i64);
+    Fields {
+        curls: curls.map(count),
+        stick: [Some(2047), Some(2047)],
+        trigger: Some(0),
+        ..Fields::default()
+    }
+}
+
+/// Returns the fields of a straight hand for half a second, then of fingers that press and release, then of the straight hand.
+pub fn taps(chords: &[&[Finger]]) -> Vec<Fields> {
+    let straight = || vec![curls([0.0; Finger::COUNT]); 50];
+    let mut hand = straight();
+    for chord in chords {
+        let down = (1..=MOVE).chain([MOVE; MOVE]);
+        for step in down.chain((0..MOVE).rev()).chain([0; MOVE]) {
+            let curl = PRESSED * step as f64 / MOVE as f64;
+            let pose = |&finger: &Finger| if chord.contains(&finger) { curl } else { 0.0 };
+            hand.push(curls(std::array::from_fn(|index| {
+                pose(&Finger::ALL[index])
+            })));
+        }
+    }
+    hand.extend(straight());
+    hand
+}
+
+/// Returns the fields of a hand that types [`TEXT`] with the layout `chords-five`.
+pub fn chords() -> Vec<Fields> {
+    taps(&CHORDS)
+}
