@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use ademan::command::Command;
 use ademan::session::{ControlSocket, SessionOptions};
-use ademan::{advice, doctor, output};
+use ademan::{advice, doctor, output, priority};
 
 use crate::failure::Failure;
 use crate::output_list::OutputList;
@@ -71,5 +71,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     let session = session::start(setup.load_files()?, options)?;
     pause_signals::install(session.commands().clone())?;
+    // The system prefers this thread for the delivery of signals.
+    priority::raise_thread_priority();
     stats::report(session.join()?)
 }

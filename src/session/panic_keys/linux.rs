@@ -14,6 +14,7 @@ use rustix::io::Errno;
 
 use super::key_combination::KeyCombination;
 use crate::device::KeyCode;
+use crate::priority;
 
 /// Prefix of the names of the devices that this program creates. Their keys are ignored.
 const OWN_PREFIX: &str = "Ademan ";
@@ -49,6 +50,8 @@ pub(super) fn watch(keys: &[KeyCode], stop: impl Fn() + Send + 'static) -> Resul
         });
     }
     let run = move || {
+        // An emergency stop does not wait for other programs.
+        priority::raise_thread_priority();
         while monitor.wait(&stop).is_ok() {}
         tracing::error!("panic_keys: the keyboards can no longer be watched");
     };

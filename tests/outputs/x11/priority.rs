@@ -46,13 +46,11 @@ fn the_loop_the_output_and_the_watchdog_have_the_priority_that_the_doctor_report
     let program = threads(typing.program.id());
     println!("{program:?}");
     // The kernel keeps 15 bytes of a name.
-    for name in ["session", "desktop output"] {
+    for name in ["session", "desktop output", "signals", "ademan"] {
         let thread = (name.to_owned(), nice);
         assert!(program.contains(&thread), "{thread:?}: {program:?}");
     }
-    let others = program
-        .iter()
-        .filter(|(name, _)| name == "notices" || name == "ademan");
+    let others = program.iter().filter(|(name, _)| name == "notices");
     assert!(others.clone().count() > 0 && others.clone().all(|(_, other)| *other > nice));
     let watchdog = typing.program.children();
     let watchdog = threads(watchdog[0]);

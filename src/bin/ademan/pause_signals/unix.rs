@@ -4,6 +4,7 @@ use std::thread;
 use std::time::Duration;
 
 use ademan::command::{Command, CommandOrigin};
+use ademan::priority;
 use ademan::session::{CommandSender, Reply};
 use signal_hook::consts::signal::{SIGTSTP, SIGUSR1};
 use signal_hook::iterator::Signals;
@@ -24,6 +25,8 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
     let pause = commands.with_origin(CommandOrigin::Signal);
     let suspended = commands.with_origin(CommandOrigin::Suspend);
     let handle = move || {
+        // An emergency stop does not wait for other programs.
+        priority::raise_thread_priority();
         for signal in &mut signals {
             match signal {
                 SIGUSR1 => _ = pause.send(Command::Pause),

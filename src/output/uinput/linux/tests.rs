@@ -336,7 +336,7 @@ impl RecordedWatchdog {
         let path = self.path().display().to_string();
         // Sends READY, skips the target, and copies every message.
         let script = format!(
-            "printf . >&0; head -c 5 >/dev/null; echo $$ >{path}.process; exec cat >>{path}"
+            "printf . >&0; head -c 6 >/dev/null; echo $$ >{path}.process; exec cat >>{path}"
         );
         WatchdogSettings {
             program: "sh".into(),

@@ -48,7 +48,8 @@ pub struct WatchdogClient {
 }
 
 impl WatchdogClient {
-    /// Starts a watchdog and waits until it is ready to release keys on `target`.
+    /// Starts a watchdog and waits until it is ready to release keys on `target`. On a display, the calling thread must be
+    /// the one that presses keys until this is dropped.
     pub fn start(settings: &WatchdogSettings, target: ReleaseTarget) -> Result<Self, String> {
         let (socket, watchdog_end) = UnixStream::pair().map_err(start_error)?;
         let process = Command::new(&settings.program)
@@ -68,9 +69,10 @@ impl WatchdogClient {
             sent_heartbeats: 0,
             replies: Arc::default(),
         };
+        let thread = watchdog.target.thread_handle();
         watchdog
             .target
-            .send(&watchdog.socket)
+            .send(&watchdog.socket, thread.as_ref())
             .map_err(start_error)?;
         watchdog.wait_until_ready()?;
         let replies = Arc::clone(&watchdog.replies);

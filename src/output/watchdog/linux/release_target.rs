@@ -6,10 +6,13 @@ use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::os::unix::net::UnixStream;
 
 use rustix::cmsg_space;
+use rustix::fs::OFlags;
 use rustix::net::{
     RecvAncillaryBuffer, RecvAncillaryMessage, RecvFlags, SendAncillaryBuffer,
     SendAncillaryMessage, SendFlags, recvmsg, sendmsg,
 };
+use rustix::process::{PidfdFlags, pidfd_open};
+use rustix::thread::gettid;
 
 /// The handle with which the watchdog releases keys.
 #[derive(Debug, Default)]
@@ -33,29 +36,48 @@ pub struct DeviceHandle {
     pub has_axes: bool,
 }
 
-/// Length of the message beside the file descriptors: the kind of the target and a number.
-const BYTES: usize = 5;
+/// Length of the message beside the file descriptors: the kind of the target, a number, and the number of handles of
+/// threads, 0 or 1.
+const BYTES: usize = 6;
+
+/// Maximum number of file descriptors in the message.
+const MAX_DESCRIPTORS: usize = MAX_DEVICES + 1;
 
 /// Maximum number of devices; a client creates fewer.
 const MAX_DEVICES: usize = 8;
 
 impl ReleaseTarget {
-    /// Sends the target with its file descriptors (`SCM_RIGHTS`).
-    pub fn send(&self, socket: &UnixStream) -> io::Result<()> {
+    /// Returns a handle of the calling thread that is readable when the thread has ended (`PIDFD_THREAD`, Linux 6.9).
+    ///
+    /// A killed process closes its socket when the last of its threads has ended, for which those of normal priority wait
+    /// on a busy machine. The thread that presses keys has a high priority. `None` for devices, which other threads may
+    /// use, and on an older kernel.
+    pub fn thread_handle(&self) -> Option<OwnedFd> {
+        // The flag has the value of another one, and no name in the library.
+        let thread = PidfdFlags::from_bits_retain(OFlags::EXCL.bits());
+        match self {
+            Self::Display | Self::WaylandKeyboard(..) => pidfd_open(gettid(), thread).ok(),
+            Self::Devices(_) => None,
+        }
+    }
+
+    /// Sends the target with its file descriptors (`SCM_RIGHTS`), and the handle of the thread that presses keys.
+    pub fn send(&self, socket: &UnixStream, thread: Option<&OwnedFd>) -> io::Result<()> {
         let (kind, number) = match self {
             Self::Display => (b'd', 0),
             Self::WaylandKeyboard(_, id) => (b'k', *id),
             Self::Devices(devices) => (b'u', axis_bits(devices)),
         };
-        let descriptors = self.descriptors();
-        let mut space = [MaybeUninit::uninit(); cmsg_space!(ScmRights(MAX_DEVICES))];
+        let mut descriptors = self.descriptors();
+        descriptors.extend(thread.map(AsFd::as_fd));
+        let mut space = [MaybeUninit::uninit(); cmsg_space!(ScmRights(MAX_DESCRIPTORS))];
         let mut ancillary = SendAncillaryBuffer::new(&mut space);
         if !descriptors.is_empty() && !ancillary.push(SendAncillaryMessage::ScmRights(&descriptors))
         {
             return Err(io::Error::other("too many devices for the watchdog"));
         }
         let [a, b, c, d] = number.to_be_bytes();
-        let message = [kind, a, b, c, d];
+        let message = [kind, a, b, c, d, thread.is_some().into()];
         let flags = SendFlags::empty();
         match sendmsg(socket, &[IoSlice::new(&message)], &mut ancillary, flags)? {
             BYTES => Ok(()),
@@ -63,10 +85,10 @@ impl ReleaseTarget {
         }
     }
 
-    /// Receives a target.
-    pub fn receive(socket: &UnixStream) -> io::Result<Self> {
+    /// Receives a target, and the handle of the thread that presses keys.
+    pub fn receive(socket: &UnixStream) -> io::Result<(Self, Option<OwnedFd>)> {
         let mut message = [0; BYTES];
-        let mut space = [MaybeUninit::uninit(); cmsg_space!(ScmRights(MAX_DEVICES))];
+        let mut space = [MaybeUninit::uninit(); cmsg_space!(ScmRights(MAX_DESCRIPTORS))];
         let mut ancillary = RecvAncillaryBuffer::new(&mut space);
         let slices = &mut [IoSliceMut::new(&mut message)];
         let received = recvmsg(socket, slices, &mut ancillary, RecvFlags::CMSG_CLOEXEC)?;
@@ -76,16 +98,18 @@ impl ReleaseTarget {
                 descriptors.extend(rights);
             }
         }
-        let [kind, number @ ..] = message;
-        let number = u32::from_be_bytes(number);
-        match (kind, received.bytes) {
-            (b'd', BYTES) => Ok(Self::Display),
-            (b'u', BYTES) => Ok(Self::Devices(devices(descriptors, number))),
+        let [kind, a, b, c, d, has_thread] = message;
+        let number = u32::from_be_bytes([a, b, c, d]);
+        let thread = descriptors.pop_if(|_| has_thread == 1);
+        let target = match (kind, received.bytes) {
+            (b'd', BYTES) => Self::Display,
+            (b'u', BYTES) => Self::Devices(devices(descriptors, number)),
             (b'k', BYTES) if descriptors.len() == 1 => {
-                Ok(Self::WaylandKeyboard(descriptors.swap_remove(0), number))
+                Self::WaylandKeyboard(descriptors.swap_remove(0), number)
             }
-            _ => Err(io::ErrorKind::InvalidData.into()),
-        }
+            _ => return Err(io::ErrorKind::InvalidData.into()),
+        };
+        Ok((target, thread))
     }
 
     fn descriptors(&self) -> Vec<BorrowedFd<'_>> {
@@ -120,8 +144,10 @@ mod tests {
 
     fn transfer(target: &ReleaseTarget) -> io::Result<ReleaseTarget> {
         let (client, watchdog) = UnixStream::pair()?;
-        target.send(&client)?;
-        ReleaseTarget::receive(&watchdog)
+        target.send(&client, None)?;
+        let (target, thread) = ReleaseTarget::receive(&watchdog)?;
+        assert!(thread.is_none());
+        Ok(target)
     }
 
     fn device(has_axes: bool) -> (std::io::PipeReader, DeviceHandle) {
@@ -165,9 +191,9 @@ mod tests {
     #[test]
     fn an_incomplete_or_unknown_target_is_an_error() {
         let (client, watchdog) = UnixStream::pair().unwrap();
-        (&client).write_all(b"k\0\0\0\x01").unwrap();
+        (&client).write_all(b"k\0\0\0\x01\0").unwrap();
         assert!(ReleaseTarget::receive(&watchdog).is_err());
-        (&client).write_all(b"x\0\0\0\0").unwrap();
+        (&client).write_all(b"x\0\0\0\0\0").unwrap();
         assert!(ReleaseTarget::receive(&watchdog).is_err());
         drop(client);
         assert!(ReleaseTarget::receive(&watchdog).is_err());

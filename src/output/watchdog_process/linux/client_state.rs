@@ -1,16 +1,20 @@
 //! The client, as its messages show it.
 
 use std::io::{ErrorKind, Read};
+use std::os::fd::OwnedFd;
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use arrayvec::ArrayVec;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::io::Errno;
 use rustix::net::{SendFlags, send};
 
 use super::record::SharedRecord;
 use crate::output::watchdog::{HEARTBEAT_TIMEOUT, WatchdogMessage};
 
-/// Shortest time-out of a read, so that messages that have already arrived are read before the client counts as hung.
+/// Shortest time-out of a wait, so that messages that have already arrived are read before the client counts as hung.
 const MIN_READ_TIMEOUT: Duration = Duration::from_millis(1);
 
 /// The byte that replies to a heartbeat.
@@ -19,7 +23,7 @@ const REPLY: u8 = b'a';
 /// The loss of the client.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ClientLoss {
-    /// The process has exited, or closed its socket.
+    /// The process has exited or closed its socket, or the thread that presses keys has ended.
     Exited,
     /// It has sent no message for [`HEARTBEAT_TIMEOUT`] while a key is pressed.
     Hung,
@@ -28,6 +32,8 @@ pub enum ClientLoss {
 /// The receiver of the client's messages.
 pub struct ClientState {
     socket: UnixStream,
+    /// The handle of the thread that presses keys; readable when it has ended.
+    thread: Option<OwnedFd>,
     record: Arc<SharedRecord>,
     last_message: Instant,
     /// The bytes of an incomplete message.
@@ -36,9 +42,10 @@ pub struct ClientState {
 
 impl ClientState {
     /// Creates a receiver that keeps `record` up to date.
-    pub fn new(socket: UnixStream, record: Arc<SharedRecord>) -> Self {
+    pub fn new(socket: UnixStream, thread: Option<OwnedFd>, record: Arc<SharedRecord>) -> Self {
         Self {
             socket,
+            thread,
             record,
             last_message: Instant::now(),
             incomplete: Vec::new(),
@@ -54,8 +61,8 @@ impl ClientState {
 
     fn receive_until_loss(&mut self) -> ClientLoss {
         loop {
-            if self.socket.set_read_timeout(self.read_timeout()).is_err() {
-                return ClientLoss::Exited;
+            if let Some(loss) = self.wait_for_message() {
+                return loss;
             }
             let mut bytes = [0; 64 * WatchdogMessage::BYTES];
             match self.socket.read(&mut bytes) {
@@ -67,15 +74,32 @@ impl ClientState {
                 }
                 Err(error) => match error.kind() {
                     ErrorKind::Interrupted => {}
-                    ErrorKind::WouldBlock | ErrorKind::TimedOut => return ClientLoss::Hung,
                     _ => return ClientLoss::Exited,
                 },
             }
         }
     }
 
+    /// Waits until a message can be read. Returns the loss of the client if none follows, or none has come in time.
+    fn wait_for_message(&self) -> Option<ClientLoss> {
+        let socket = PollFd::new(&self.socket, PollFlags::IN);
+        let thread = self.thread.as_ref();
+        let thread = thread.map(|thread| PollFd::new(thread, PollFlags::IN));
+        let mut polled: ArrayVec<_, 2> = std::iter::once(socket).chain(thread).collect();
+        let timeout = self.timeout();
+        let timeout = timeout.and_then(|timeout| Timespec::try_from(timeout).ok());
+        match poll(&mut polled, timeout.as_ref()) {
+            Ok(0) => Some(ClientLoss::Hung),
+            // Messages that the thread sent before its end come first.
+            Ok(_) if !polled[0].revents().is_empty() => None,
+            Ok(_) => Some(ClientLoss::Exited),
+            Err(Errno::INTR) => self.wait_for_message(),
+            Err(_) => Some(ClientLoss::Exited),
+        }
+    }
+
     /// Returns the time until the client counts as hung; `None` if it does already, or has nothing pressed.
-    fn read_timeout(&self) -> Option<Duration> {
+    fn timeout(&self) -> Option<Duration> {
         let can_hang = !self.record.is_client_lost() && !self.record.lock().is_empty();
         let remaining = HEARTBEAT_TIMEOUT.saturating_sub(self.last_message.elapsed());
         // The system may have delayed this process and not the client, so the time-out is never zero.
@@ -107,11 +131,12 @@ impl ClientState {
 mod tests {
     use super::*;
     use crate::output::tests::key;
+    use crate::output::watchdog::ReleaseTarget;
     use std::io::Write;
 
     fn client() -> (UnixStream, ClientState) {
         let (socket, watchdog) = UnixStream::pair().unwrap();
-        (socket, ClientState::new(watchdog, Arc::default()))
+        (socket, ClientState::new(watchdog, None, Arc::default()))
     }
 
     fn send(mut socket: &UnixStream, messages: &[WatchdogMessage]) {
@@ -136,6 +161,26 @@ mod tests {
         assert_eq!(client.wait_for_loss(), ClientLoss::Exited);
         let record = client.record.lock().clone();
         assert_eq!(record.pressed.release_order().collect::<Vec<_>>(), [shift]);
+    }
+
+    #[test]
+    fn a_client_whose_thread_has_ended_has_exited_although_its_socket_is_open() {
+        let (socket, watchdog) = UnixStream::pair().unwrap();
+        let a = key("A");
+        let thread = std::thread::scope(|scope| {
+            let send_and_end = || {
+                send(&socket, &[WatchdogMessage::KeyDown(a)]);
+                ReleaseTarget::Display.thread_handle()
+            };
+            scope.spawn(send_and_end).join().unwrap()
+        });
+        let Some(thread) = thread else {
+            println!("SKIPPED: this kernel has no handles of threads");
+            return;
+        };
+        let mut client = ClientState::new(watchdog, Some(thread), Arc::default());
+        assert_eq!(client.wait_for_loss(), ClientLoss::Exited);
+        assert!(client.record.lock().pressed.contains(a));
     }
 
     #[test]

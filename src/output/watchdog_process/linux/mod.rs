@@ -29,7 +29,7 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
     if socket.peer_addr().is_err() {
         return Err("the watchdog is started by `ademan` itself, not by hand".into());
     }
-    let target = ReleaseTarget::receive(&socket)
+    let (target, thread) = ReleaseTarget::receive(&socket)
         .map_err(|error| format!("no handle to release keys with: {error}"))?;
     // The thread that releases keys inherits it.
     priority::raise_thread_priority();
@@ -46,7 +46,7 @@ pub fn run(log: impl Fn(&str) + Send + 'static) -> Result<(), String> {
         .write_all(&[READY])
         .map_err(|error| error.to_string())?;
     scope::enter();
-    let mut client = ClientState::new(socket, record);
+    let mut client = ClientState::new(socket, thread, record);
     while client.wait_for_loss() == ClientLoss::Hung {
         releases.release();
     }
