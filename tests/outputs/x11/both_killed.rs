@@ -36,7 +36,7 @@ fn in_session(mut command: Command, server: &XServer, runtime: &Path) -> Command
 impl Killed {
     /// Kills a run that holds two keys, and its watchdog. Returns `None` without an X server.
     fn new() -> Option<Self> {
-        // On a busy machine the program may run between the two signals, and release the keys.
+        // On a busy machine the watchdog may notice that the program is stopped, and release the keys.
         for _ in 0..ATTEMPTS {
             let killed = Self::attempt()?;
             if killed.server.pressed_keys() == held_keys() {
@@ -60,7 +60,9 @@ impl Killed {
         let [watchdog] = program.children()[..] else {
             panic!("one child: {:?}", program.children());
         };
-        let kill = format!("kill -s KILL {watchdog} {}", program.id());
+        // A program that is stopped does not release its keys when the watchdog is killed first.
+        let program_id = program.id();
+        let kill = format!("kill -s STOP {program_id}; kill -s KILL {watchdog} {program_id}");
         let mut shell = Process::start(Command::new("sh").args(["-c", &kill])).expect("a shell");
         shell.0.wait().expect("the shell exits");
         assert_eq!(program.wait_for_exit().code(), None);
