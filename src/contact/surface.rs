@@ -97,6 +97,11 @@ impl Surface {
         self.side
     }
 
+    /// Returns the reference point.
+    pub fn anchor(&self) -> Anchor {
+        self.anchor
+    }
+
     /// Returns the pose relative to the anchor, in the axes of the world.
     pub fn anchor_from_surface(&self) -> Pose {
         self.anchor_from_surface

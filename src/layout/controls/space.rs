@@ -11,7 +11,6 @@ use crate::layout::builder::LayoutBuilder;
 use crate::layout::model::SpaceTargets;
 use crate::layout::quantity::{Extent, Offset, metres};
 use crate::layout::schema::{Action, PoseSchema};
-use crate::message::escape;
 
 /// Targets in space that move as one.
 #[derive(Debug, Deserialize)]
@@ -105,10 +104,10 @@ impl TargetSchema<'_> {
     }
 }
 
-/// Describes targets in space, one per line: name, shape and center.
-pub(in crate::layout) fn describe(targets: &SpaceTargets) -> String {
+/// Describes targets in space: the name of each, its shape and its center.
+pub(in crate::layout) fn describe(targets: &SpaceTargets) -> Vec<(String, String)> {
     let volumes = targets.space.volumes.iter();
-    let lines = targets.names.iter().zip(volumes).map(|(name, volume)| {
+    let rows = targets.names.iter().zip(volumes).map(|(name, volume)| {
         let center = volume.center * 1e3;
         let shape = match volume.shape {
             VolumeShape::Ball(radius) => format!("ball {:.0} mm", radius * 2e3),
@@ -117,11 +116,11 @@ pub(in crate::layout) fn describe(targets: &SpaceTargets) -> String {
                 format!("box {:.0} × {:.0} × {:.0} mm", size.x, size.y, size.z)
             }
         };
-        let name = escape(name);
-        format!(
-            "{name}: {shape} at ({:.0}, {:.0}, {:.0}) mm\n",
-            center.x, center.y, center.z
+        let (x, y, z) = (center.x, center.y, center.z);
+        (
+            name.clone(),
+            format!("{shape} at ({x:.0}, {y:.0}, {z:.0}) mm"),
         )
     });
-    lines.collect()
+    rows.collect()
 }

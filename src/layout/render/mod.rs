@@ -2,5 +2,6 @@
 
 mod svg;
 mod terminal;
+mod words;
 
 pub use terminal::{Cell, Grid};

@@ -4,13 +4,19 @@ use parry3d::math::Vec2;
 
 use crate::contact::TargetId;
 use crate::contact::surface::Shape;
-use crate::layout::controls::{pointer, space};
 use crate::layout::model::{Board, Face, Layout};
+use crate::layout::render::words;
 use crate::message::escape;
 
 /// Width and height, in characters, of a key as large as the pitch of its board.
 const KEY_COLUMNS: f32 = 5.0;
 const KEY_ROWS: f32 = 3.0;
+
+/// The largest width, in characters, of a key as large as the pitch. Keys are only as wide as their labels need.
+const MAX_KEY_COLUMNS: f32 = 10.0;
+
+/// The width of a terminal, in characters. A board is not made wider than this for the sake of its labels.
+const TERMINAL_COLUMNS: usize = 80;
 
 /// The maximum size of a drawing, in characters. A larger board is drawn at a smaller scale.
 const MAX_COLUMNS: f32 = 200.0;
@@ -49,7 +55,30 @@ pub struct Cell {
 }
 
 impl Grid {
+    /// Returns the narrowest grid on which every label fits, or the one of the usual size if that is wider than a terminal.
     fn new(board: &Board, faces: &[&Face]) -> Self {
+        let usual = Self::with_key_columns(board, faces, KEY_COLUMNS);
+        let mut key_columns = KEY_COLUMNS;
+        let mut grid = usual.clone();
+        while grid.cuts_a_label(faces) {
+            key_columns += 1.0;
+            if key_columns > MAX_KEY_COLUMNS {
+                return usual;
+            }
+            grid = Self::with_key_columns(board, faces, key_columns);
+            if grid.columns > TERMINAL_COLUMNS {
+                return usual;
+            }
+        }
+        grid
+    }
+
+    fn cuts_a_label(&self, faces: &[&Face]) -> bool {
+        let mut cells = self.cells.iter().zip(faces);
+        cells.any(|(cell, face)| face.label.chars().count() + 2 > cell.width)
+    }
+
+    fn with_key_columns(board: &Board, faces: &[&Face], key_columns: f32) -> Self {
         let half = |face: &Face| board.row_half_extents(face);
         let min_half_width = faces
             .iter()
@@ -68,7 +97,7 @@ impl Grid {
         let (min, max) = (min.unwrap_or_default(), max.unwrap_or_default());
         let size = max - min;
         let character_size = Vec2::new(
-            (board.pitch / KEY_COLUMNS).max(size.x / MAX_COLUMNS),
+            (board.pitch / key_columns).max(size.x / MAX_COLUMNS),
             (board.pitch / KEY_ROWS).max(size.y / MAX_ROWS),
         );
         let mut grid = Self {
@@ -166,22 +195,63 @@ impl Layout {
             .collect()
     }
 
-    /// Returns a drawing for a terminal, which ends with a line break: the boards to scale with straight rows, descriptions of
-    /// the pointer and of targets in space, and the changes of each layer.
+    /// Returns a drawing for a terminal, which ends with a line break: the boards to scale with straight rows, the changes of
+    /// each layer, and lists of chords, controls, triggers, gestures and targets in space.
     pub fn to_text(&self) -> String {
         let mut parts: Vec<String> = self.grids().iter().map(|grid| grid.to_text(self)).collect();
-        parts.extend(self.pointer.as_ref().map(pointer::describe));
-        parts.extend(self.spaces.iter().map(space::describe));
-        let mut text = parts.join("\n");
-        for (layer, name) in self.layers.iter().enumerate().skip(1) {
-            let keys = self.keys.iter();
-            let changes = keys.filter_map(|key| {
-                let label = self.label_in_layer(key, layer)?;
-                Some(format!("{} {}", escape(&key.face.label), escape(label)))
-            });
-            let changes = changes.collect::<Vec<_>>().join(", ");
-            text.push_str(&format!("\n{}: {changes}\n", escape(name)));
+        parts.extend((1..self.layers.len()).map(|layer| self.layer_text(layer)));
+        let chords = words::chords(self).into_iter();
+        let chords = chords.map(|(keys, action)| format!("{}: {}", escape(&keys), escape(&action)));
+        let chords: Vec<String> = chords.collect();
+        if !chords.is_empty() {
+            parts.push(format!("Chords\n{}", wrapped(&chords, " · ", 2)));
         }
-        text
+        for list in words::lists(self) {
+            parts.push(format!("{}\n{}", list.heading, table(&list.rows)));
+        }
+        parts.join("\n")
     }
+
+    fn layer_text(&self, layer: usize) -> String {
+        let changes = self.keys.iter().filter_map(|key| {
+            let label = self.label_in_layer(key, layer)?;
+            Some(format!("{} {}", escape(&key.face.label), escape(label)))
+        });
+        let changes: Vec<String> = changes.collect();
+        let name = escape(&self.layers[layer]).into_owned();
+        format!("Layer {name}\n{}", wrapped(&changes, " · ", 2))
+    }
+}
+
+/// Returns rows of names and descriptions, as wide as a terminal.
+fn table(rows: &[(String, String)]) -> String {
+    let longest = rows.iter().map(|(name, _)| name.chars().count()).max();
+    let column = longest.unwrap_or_default().min(TERMINAL_COLUMNS / 2) + 4;
+    let rows = rows.iter().map(|(name, description)| {
+        let name = format!("  {}", escape(name));
+        let description = escape(description);
+        let words: Vec<String> = description.split(' ').map(str::to_owned).collect();
+        let description = wrapped(&words, " ", column);
+        format!("{name:column$}{}", description.trim_start())
+    });
+    rows.collect()
+}
+
+/// Returns texts with a separator between them, in lines as wide as a terminal, indented by some columns.
+fn wrapped(texts: &[String], separator: &str, indent: usize) -> String {
+    let length = |text: &str| text.chars().count();
+    let mut lines: Vec<String> = Vec::new();
+    for text in texts {
+        match lines.last_mut() {
+            Some(line)
+                if indent + length(line) + length(separator) + length(text) <= TERMINAL_COLUMNS =>
+            {
+                line.push_str(separator);
+                line.push_str(text);
+            }
+            _ => lines.push(text.clone()),
+        }
+    }
+    let indented = lines.iter().map(|line| format!("{:indent$}{line}\n", ""));
+    indented.collect()
 }

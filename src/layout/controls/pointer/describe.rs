@@ -1,42 +1,62 @@
 //! A pointer in words, for the drawing of a layout.
 
+use crate::device::pointer::mode::RayOrigin;
 use crate::device::pointer::{ClickMethod, CursorOutput, Gesture, PointerSettings, PointingMode};
 use crate::layout::model::action_label;
 
-/// Describes a pointer in one line, which ends with a line break.
-pub(in crate::layout) fn describe(settings: &PointerSettings) -> String {
+/// Describes a pointer: what moves it, and the effect of each gesture.
+pub(in crate::layout) fn describe(settings: &PointerSettings) -> Vec<(String, String)> {
     let mode = match settings.mode {
-        PointingMode::Joint(_) => "joint angles",
-        PointingMode::Direct(_) => "index fingertip in a box",
-        PointingMode::Ray(_) => "ray from the hand",
-        PointingMode::Rate(_) => "rate control",
+        PointingMode::Joint(_) => "joint angles".to_owned(),
+        PointingMode::Direct(direct) => {
+            let size = direct.size * 1e3;
+            let (x, y, z) = (size.x, size.y, size.z);
+            format!("index fingertip in a box of {x:.0} × {y:.0} × {z:.0} mm")
+        }
+        PointingMode::Ray(ray) => {
+            let origin = match ray.from {
+                RayOrigin::Hand => "hand",
+                RayOrigin::Index => "index finger",
+            };
+            let (x, y) = (ray.size.x * 1e3, ray.size.y * 1e3);
+            format!("ray from the {origin} through a rectangle of {x:.0} × {y:.0} mm")
+        }
+        PointingMode::Rate(_) => "rate control".to_owned(),
     };
     let output = match settings.output {
         CursorOutput::Absolute => ", absolute",
         CursorOutput::Relative => ", relative",
         CursorOutput::None => "",
     };
-    let mut line = format!("pointer: {mode}{output}");
+    let mut rows = vec![("cursor".to_owned(), format!("{mode}{output}"))];
     for &(method, action) in &settings.clicks {
         let method = match method {
             ClickMethod::Gesture(gesture) => self::gesture(gesture),
-            ClickMethod::Push(_) => "push".into(),
+            ClickMethod::Push(distance) => format!("push of {:.0} mm", distance * 1e3),
         };
-        line += &format!(", {method} {}", action_label(action, &[], &[]));
+        rows.push((method, button(action_label(action, &[], &[]))));
     }
-    if let Some((_, action)) = settings.dwell {
-        line += &format!(", dwell {}", action_label(action, &[], &[]));
+    if let Some((dwell, action)) = settings.dwell {
+        let time = format!("rest of {} ms", dwell.duration.as_millis());
+        rows.push((time, button(action_label(action, &[], &[]))));
     }
     if let Some(scroll) = settings.scroll {
-        line += &format!(", {} scrolls", gesture(scroll.gesture));
+        rows.push((gesture(scroll.gesture), "scrolls".into()));
     }
     if let Some(clutch) = settings.clutch {
-        line += &format!(", moves during {}", gesture(clutch));
+        rows.push((gesture(clutch), "moves the cursor".into()));
     }
     if let Some(precision) = settings.precision_gesture {
-        line += &format!(", slow during {}", gesture(precision));
+        rows.push((gesture(precision), "slows the cursor".into()));
     }
-    line + "\n"
+    rows
+}
+
+fn button(label: &str) -> String {
+    match label {
+        "Left" | "Middle" | "Right" => format!("{} mouse button", label.to_lowercase()),
+        label => label.to_owned(),
+    }
 }
 
 fn gesture(gesture: Gesture) -> String {

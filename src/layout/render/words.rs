@@ -1,0 +1,355 @@
+//! Layouts in words, for what a drawing cannot show: ranges, outputs, gestures and chords.
+
+use std::f32::consts::TAU;
+
+use crate::contact::board_pose::BoardPose;
+use crate::contact::surface::{Anchor, Surface};
+use crate::device::joystick::Joystick;
+use crate::device::keyboard::{Activation, TapHold};
+use crate::device::knob::{Knob, KnobRange};
+use crate::device::slider::{Slider, Track};
+use crate::device::toggle::ToggleOutput;
+use crate::device::touch_surface::TouchMode;
+use crate::device::trigger::{Measure, Trigger};
+use crate::device::value_output::ValueOutput;
+use crate::device::{KeyAction, Latch};
+use crate::hand::Joint;
+use crate::layout::board_shape::BoardShape;
+use crate::layout::controls::{pointer, space};
+use crate::layout::model::{Board, Control, ControlKind, Face, Key, Layout, action_label};
+
+/// A list under a heading.
+pub(super) struct List {
+    /// Heading.
+    pub heading: &'static str,
+    /// The lines: a name and its description.
+    pub rows: Vec<(String, String)>,
+}
+
+/// Returns the lists of a layout that are not empty: keys that do more than press one key,
+/// controls, triggers, pointer, targets in space.
+pub(super) fn lists(layout: &Layout) -> Vec<List> {
+    let words = Words(layout);
+    let keys = layout.keys.iter().filter_map(|key| words.key(key));
+    let controls = layout.controls.iter();
+    let triggers = layout.triggers.iter();
+    let lists = [
+        List {
+            heading: "Special keys",
+            rows: grouped(keys),
+        },
+        List {
+            heading: "Controls",
+            rows: controls
+                .flat_map(|control| words.control(control))
+                .collect(),
+        },
+        List {
+            heading: "Triggers",
+            rows: triggers
+                .map(|(name, trigger)| (name.clone(), words.trigger(trigger)))
+                .collect(),
+        },
+        List {
+            heading: "Pointer",
+            rows: layout
+                .pointer
+                .as_ref()
+                .map_or(Vec::new(), pointer::describe),
+        },
+        List {
+            heading: "Targets",
+            rows: layout.spaces.iter().flat_map(space::describe).collect(),
+        },
+    ];
+    lists
+        .into_iter()
+        .filter(|list| !list.rows.is_empty())
+        .collect()
+}
+
+/// Joins the names of rows with the same description, or counts them if they are many.
+fn grouped(rows: impl Iterator<Item = (String, String)>) -> Vec<(String, String)> {
+    /// The largest number of names in a row.
+    const MAX_NAMES: usize = 2;
+    let mut groups: Vec<(Vec<String>, String)> = Vec::new();
+    for (name, description) in rows {
+        match groups.iter_mut().find(|(_, other)| *other == description) {
+            Some((names, _)) => names.push(name),
+            None => groups.push((vec![name], description)),
+        }
+    }
+    let groups = groups.into_iter().map(|(names, description)| {
+        let title = match names.len() > MAX_NAMES {
+            true => format!("{} keys", names.len()),
+            false => names.join(", "),
+        };
+        (title, description)
+    });
+    groups.collect()
+}
+
+/// Returns the chords: their keys, and the label of their action.
+pub(super) fn chords(layout: &Layout) -> Vec<(String, String)> {
+    let words = Words(layout);
+    let chords = layout.chords.iter();
+    chords
+        .map(|chord| {
+            let keys = chord.keys.iter().filter_map(|target| layout.face(*target));
+            let names: Vec<&str> = keys.map(|face| face.name.as_str()).collect();
+            (names.join(" "), words.action(chord.action))
+        })
+        .collect()
+}
+
+/// Describes the pose and shape of a board: `elbow: 300 mm ahead, 35° to the right, 45 mm below, level`.
+pub(super) fn board(board: &Board, surface: &Surface) -> String {
+    let pose = BoardPose::from_pose(&surface.anchor_from_surface());
+    let mut parts = Vec::new();
+    let mut add = |metres: f32, [positive, negative]: [&str; 2]| {
+        let millimetres = (metres * 1e3).round();
+        if millimetres != 0.0 {
+            let direction = if millimetres > 0.0 {
+                positive
+            } else {
+                negative
+            };
+            parts.push(format!("{:.0} mm {direction}", millimetres.abs()));
+        }
+    };
+    add(pose.forward, ["ahead", "behind"]);
+    add(pose.right, ["to the right", "to the left"]);
+    add(pose.height, ["above", "below"]);
+    parts.extend(bearing(pose.bearing));
+    parts.push(tilt(pose.tilt));
+    let radius = |radius: f32| format!("{:.0} mm", radius * 1e3);
+    match board.shape {
+        BoardShape::Flat => {}
+        BoardShape::Arc(at_zero) => parts.push(format!("rows on arcs of {}", radius(at_zero))),
+        BoardShape::CurvedRows(axis) => parts.push(format!("rows around {}", radius(axis))),
+        BoardShape::CurvedColumns(axis) => parts.push(format!("columns around {}", radius(axis))),
+    }
+    let hand = surface.side().map(|side| format!("{side} hand, "));
+    let anchor = anchor(surface.anchor());
+    format!(
+        "{}from the {anchor}: {}",
+        hand.unwrap_or_default(),
+        parts.join(", ")
+    )
+}
+
+/// Returns the name of an anchor.
+pub(super) fn anchor(anchor: Anchor) -> &'static str {
+    match anchor {
+        Anchor::World => "origin",
+        Anchor::Joint(Joint::Wrist) => "wrist",
+        Anchor::Joint(_) => "elbow",
+    }
+}
+
+/// Describes a bearing, or returns `None` for straight ahead.
+fn bearing(radians: f32) -> Option<String> {
+    let degrees = radians.to_degrees().round();
+    let direction = if degrees > 0.0 { "right" } else { "left" };
+    (degrees != 0.0).then(|| format!("turned {:.0}° to the {direction}", degrees.abs()))
+}
+
+/// Describes a tilt.
+pub(super) fn tilt(radians: f32) -> String {
+    match radians.to_degrees().round() {
+        0.0 => "level".into(),
+        degrees => format!("tilt {degrees:.0}°"),
+    }
+}
+
+/// The functions of a key beside its press, in a few characters; empty if there are none.
+pub(super) fn key_notes(layout: &Layout, key: &Key) -> Vec<String> {
+    let words = Words(layout);
+    let mut notes: Vec<String> = Vec::new();
+    match key.activation {
+        Activation::OnPress => {}
+        Activation::OnRelease => notes.push("release".into()),
+        Activation::Dwell(time) => notes.push(format!("{} ms", time.as_millis())),
+        Activation::TapHold(TapHold { hold_action, .. }) => {
+            notes.push(format!("hold {}", words.action(hold_action)));
+        }
+    }
+    if key.reports_depth {
+        notes.push("depth".into());
+    }
+    notes
+}
+
+/// Describes the duration of a modifier or layer.
+fn duration(latch: Latch) -> &'static str {
+    match latch {
+        Latch::Momentary => "",
+        Latch::OneShot => " for the next key",
+        Latch::Lock => " until the next tap",
+    }
+}
+
+/// Returns the label of a control, with its name if that is another word.
+fn title(face: &Face) -> String {
+    match face.label == face.name {
+        true => face.name.clone(),
+        false => format!("{} ({})", face.label, face.name),
+    }
+}
+
+struct Words<'a>(&'a Layout);
+
+impl Words<'_> {
+    fn action(&self, action: KeyAction) -> String {
+        let label = action_label(action, &self.0.layers, &self.0.texts);
+        match action {
+            KeyAction::Layer(_, latch) => format!("layer {label}{}", duration(latch)),
+            KeyAction::Modifier(_, latch) => format!("{label}{}", duration(latch)),
+            _ => label.to_owned(),
+        }
+    }
+
+    /// Returns the name and the description of a key that does more than press one key.
+    fn key(&self, key: &Key) -> Option<(String, String)> {
+        let mut parts = Vec::new();
+        match key.activation {
+            Activation::OnPress => {}
+            Activation::OnRelease => parts.push("acts at the release".to_owned()),
+            Activation::Dwell(time) => {
+                parts.push(format!("acts after a touch of {} ms", time.as_millis()));
+            }
+            Activation::TapHold(TapHold {
+                hold_action,
+                hold_after,
+            }) => parts.push(format!(
+                "held for {} ms: {}",
+                hold_after.as_millis(),
+                self.action(hold_action)
+            )),
+        }
+        match key.action(0) {
+            Some(action @ (KeyAction::Modifier(_, latch) | KeyAction::Layer(_, latch)))
+                if latch != Latch::Momentary =>
+            {
+                parts.push(self.action(action));
+            }
+            Some(KeyAction::Text(_)) => parts.push("types its text".into()),
+            Some(KeyAction::Command(command)) => parts.push(format!("command `{command}`")),
+            _ => {}
+        }
+        if key.reports_depth {
+            parts.push("reports its depth".into());
+        }
+        (!parts.is_empty()).then(|| (title(&key.face), parts.join(", ")))
+    }
+
+    fn control(&self, control: &Control) -> Vec<(String, String)> {
+        let faces = control.faces.iter();
+        let descriptions: Vec<String> = match &control.kind {
+            ControlKind::Toggle(toggle) => vec![format!("switch{}", self.switched(toggle.output))],
+            ControlKind::Radio(radio) => {
+                let options = radio.options.iter();
+                options
+                    .map(|option| format!("option{}", self.switched(option.output)))
+                    .collect()
+            }
+            ControlKind::TouchSurface(surface) => vec![match surface.mode {
+                TouchMode::Touchscreen(_) => "touchscreen: absolute pointer, left button".into(),
+                TouchMode::Touchpad(_) => "touchpad: pointer, clicks, drag, wheel".into(),
+            }],
+            ControlKind::Slider(slider) => vec![self.slider(slider)],
+            ControlKind::Knob(knob) => vec![self.knob(knob)],
+            ControlKind::Joystick(joystick) => vec![self.joystick(joystick)],
+        };
+        faces.map(title).zip(descriptions).collect()
+    }
+
+    fn switched(&self, output: ToggleOutput) -> String {
+        match output {
+            ToggleOutput::ValueOnly => String::new(),
+            ToggleOutput::Hold(action) => format!(", holds {}", self.action(action)),
+            ToggleOutput::Tap(action) => format!(", taps {}", self.action(action)),
+        }
+    }
+
+    fn slider(&self, slider: &Slider) -> String {
+        let (kind, unit) = match slider.track {
+            Track::Straight => ("slider".to_owned(), "steps"),
+            Track::Hinged(throw) => (format!("lever, {:.0}°", throw.to_degrees()), "detents"),
+        };
+        let steps = slider.steps.map(|steps| format!(", {steps} {unit}"));
+        let spring = if slider.springs_back {
+            ", springs back"
+        } else {
+            ""
+        };
+        let output = self.value_output(slider.output);
+        format!("{kind}{}{spring}{output}", steps.unwrap_or_default())
+    }
+
+    fn knob(&self, knob: &Knob) -> String {
+        let kind = match knob.range {
+            KnobRange::Endless => "endless knob".to_owned(),
+            KnobRange::Limited(range) if range > TAU * 1.01 => {
+                let turns = (range / TAU * 100.0).round() / 100.0;
+                format!("valve, {turns} turns")
+            }
+            KnobRange::Limited(range) => format!("knob, {:.0}°", range.to_degrees()),
+        };
+        let steps = knob.steps.map(|steps| format!(", {steps} steps"));
+        let output = self.value_output(knob.output);
+        format!("{kind}{}{output}", steps.unwrap_or_default())
+    }
+
+    fn joystick(&self, joystick: &Joystick) -> String {
+        let deflection = joystick.max_deflection * 1e3;
+        let mut parts = vec![format!("joystick, {deflection:.0} mm to each side")];
+        if let Some([x, y]) = joystick.axes {
+            parts.push(format!("axes {x} and {y}"));
+        }
+        if let Some(keys) = joystick.direction_keys {
+            let keys = keys.map(|key| self.action(key)).join(" ");
+            parts.push(format!("up, down, left, right: {keys}"));
+        }
+        if joystick.pointer_speed_px_s > 0.0 {
+            parts.push(format!("pointer {:.0} px/s", joystick.pointer_speed_px_s));
+        }
+        if let Some(action) = joystick.push_action {
+            parts.push(format!("push: {}", self.action(action)));
+        }
+        parts.join(", ")
+    }
+
+    fn value_output(&self, output: ValueOutput) -> String {
+        match output {
+            ValueOutput::ValueOnly => String::new(),
+            ValueOutput::Axis(axis) => format!(", axis {axis}"),
+            ValueOutput::ScrollX(detents) => format!(", wheel {detents} to the right"),
+            ValueOutput::ScrollY(detents) => format!(", wheel {detents} up"),
+            ValueOutput::MoveX(pixels) => format!(", pointer {pixels} px to the right"),
+            ValueOutput::MoveY(pixels) => format!(", pointer {pixels} px up"),
+            ValueOutput::Taps {
+                increase,
+                decrease,
+                steps,
+            } => format!(
+                ", {steps} taps of {} or {}",
+                self.action(increase),
+                self.action(decrease)
+            ),
+        }
+    }
+
+    fn trigger(&self, trigger: &Trigger) -> String {
+        let mut parts = vec![match trigger.measure {
+            Measure::Angle(dof) => format!("{dof} {:.0}°", trigger.on.to_degrees()),
+            Measure::Pinch(finger) => format!("{finger} pinch, {:.0} mm", trigger.on * 1e3),
+            Measure::Input(input) => format!("glove {input}, from {:.2}", trigger.on),
+        }];
+        parts.extend(trigger.side.map(|side| format!("{side} hand")));
+        if let Some(action) = trigger.action {
+            parts.push(format!("holds {}", self.action(action)));
+        }
+        parts.join(", ") + &self.value_output(trigger.output)
+    }
+}
