@@ -59,8 +59,8 @@ impl Track {
         value.clamp(0.0, 1.0)
     }
 
-    /// Returns the position of a value; the inverse of [`value`](Self::value).
-    fn position(self, value: f32) -> f32 {
+    /// Returns the position of a value, −1..=1 from end to end.
+    pub fn position(self, value: f32) -> f32 {
         match self {
             Self::Straight => value * 2.0 - 1.0,
             Self::Hinged(throw) => ((value - 0.5) * throw).sin() / (throw / 2.0).sin(),

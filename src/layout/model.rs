@@ -202,6 +202,16 @@ impl Layout {
         keys.chain(controls.flat_map(|control| &control.faces))
     }
 
+    /// Returns the corners of the rectangle around the faces of a board, in the plane of the board, in metres.
+    pub fn extent(&self, board: &Board) -> (Vec2, Vec2) {
+        let corners = self.faces(board).map(|face| {
+            let half = face.outline.aabb_half_extents();
+            (face.outline.center - half, face.outline.center + half)
+        });
+        let both = corners.reduce(|(min, max), (low, high)| (min.min(low), max.max(high)));
+        both.unwrap_or_default()
+    }
+
     /// Returns the face of a target.
     pub fn face(&self, target: TargetId) -> Option<&Face> {
         if let Some(key) = self.key_at(target) {

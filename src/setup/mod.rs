@@ -6,6 +6,7 @@ mod loaded;
 mod recorded;
 mod simulated;
 mod sources;
+mod wearer;
 
 pub use loaded::{GloveAndArm, LoadedSetup, Profile, layout_instance};
 pub use recorded::ReplaySettings;

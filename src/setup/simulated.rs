@@ -180,7 +180,7 @@ impl LoadedSetup {
     }
 
     /// Returns the simulated hand of a side. Without a hand on that side, it is the mirrored other hand.
-    fn typing_hand(&self, side: Side) -> TypingHand {
+    pub(super) fn typing_hand(&self, side: Side) -> TypingHand {
         let other = self.other_hand.as_ref();
         let other = other.filter(|other| other.arm.side() == side);
         let (arm, glove): (ArmModel, _) = match other {

@@ -230,19 +230,6 @@ fn the_layouts_in_the_readme_are_valid() {
 }
 
 #[test]
-fn the_drawing_in_the_readme_is_up_to_date() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("board.svg");
-    run(["layout", "show", "qwerty-arc", "--svg", text(&path)]).done();
-    let drawn = std::fs::read_to_string(path).unwrap();
-    let shown = std::fs::read_to_string(root("docs/qwerty-arc.svg")).unwrap();
-    assert!(
-        drawn == shown,
-        "draw docs/qwerty-arc.svg again: ademan layout show qwerty-arc --svg docs/qwerty-arc.svg"
-    );
-}
-
-#[test]
 fn layouts_are_listed_in_aligned_columns() {
     let list = run(["layout", "list"]).done().out;
     let columns: Vec<usize> = list

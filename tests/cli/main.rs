@@ -17,6 +17,7 @@ mod files;
 mod idle;
 mod lucidgloves;
 mod markers;
+mod pictures;
 #[cfg(target_os = "linux")]
 mod process_limits;
 #[cfg(unix)]

@@ -362,11 +362,6 @@ fn a_drawing_shows_every_key_at_its_position() {
     for (x, y) in [(0.5, 0.0), (-0.01, 0.0), (0.0, 0.01), (0.0, -0.1)] {
         assert_eq!(grid.cell_at(Vec2::new(x, y)), None);
     }
-    let svg = layout.to_svg();
-    assert!(svg.contains(">⎵ &lt;&amp;&gt;</text>"), "{svg}");
-    assert_eq!(svg.matches("<rect class=\"key\"").count(), 3);
-    assert_eq!(svg.matches("<circle class=\"key\"").count(), 1);
-    assert_eq!(svg.matches("<g ").count(), svg.matches("</g>").count());
 }
 
 #[test]

@@ -2,4 +2,5 @@
 
 mod layout_errors;
 mod layouts;
+mod pictures;
 mod recordings;

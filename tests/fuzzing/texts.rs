@@ -7,7 +7,7 @@ use ademan::contact::TargetNames;
 use ademan::contact::board_pose::BoardPose;
 use ademan::document::{Document, DocumentError};
 use ademan::kinematics::ArmModel;
-use ademan::layout::{Glove, Layout, move_boards, scale_boards};
+use ademan::layout::{Glove, Layout, Wearer, move_boards, scale_boards};
 use ademan::session::control_socket::request;
 use ademan::setup::{ArmSetup, Setup, layout_instance};
 use ademan::sim::Script;
@@ -45,7 +45,11 @@ pub fn layout(data: &[u8]) -> bool {
         built.target_names().iter().count()
     );
     assert!(layout.required_capabilities().iter().count() < 4096);
-    assert!(layout.to_svg().starts_with("<svg"));
+    let wearer = Wearer::default();
+    if let Ok(svg) = layout.to_svg(&wearer) {
+        assert!(svg.starts_with("<svg") && !svg.contains("\"NaN") && !svg.contains("\"inf"));
+        assert!(layout.to_html(&wearer).is_ok());
+    }
     assert!(layout.to_text().len() < 1 << 24);
     check_rewriting(&layout, &document);
     true

@@ -1,16 +1,17 @@
 //! `ademan layout`: creates, checks, lists and draws layouts.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use ademan::layout::Layout;
-use ademan::message::{escape, escape_lines};
+use ademan::message::escape;
 use ademan::session::counted;
 use ademan::setup::Setup;
 
 use crate::failure::Failure;
 use crate::list::{ListArgs, Row};
+use crate::picture;
 
 /// Create, check, list and draw layouts
 #[derive(clap::Args)]
@@ -40,15 +41,9 @@ enum Action {
     /// List the layouts that come with the program
     #[command(after_help = "Example: ademan layout list")]
     List(ListArgs),
-    /// Draw a layout
-    #[command(after_help = "Example: ademan layout show qwerty-arc --svg board.svg")]
-    Show {
-        /// A layout file, or the name of a layout that comes with the program
-        file: String,
-        /// Write a drawing to this file instead of the terminal
-        #[arg(long, value_name = "OUT.svg")]
-        svg: Option<PathBuf>,
-    },
+    /// Draw a layout in the terminal, or as a picture
+    #[command(after_help = picture::EXAMPLES)]
+    Show(picture::Args),
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
@@ -56,7 +51,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         Action::New { file, from } => new(&file, &from),
         Action::Check { files } => check(&files),
         Action::List(args) => list(&args),
-        Action::Show { file, svg } => show(&file, svg.as_deref()),
+        Action::Show(args) => picture::show(&args),
     }
 }
 
@@ -145,16 +140,4 @@ fn list(args: &ListArgs) -> Result<(), Failure> {
     };
     let rows: Vec<Row> = Layout::shipped()?.into_iter().map(row).collect();
     args.print(&rows)
-}
-
-fn show(file: &str, svg: Option<&Path>) -> Result<(), Failure> {
-    let layout = Layout::load(file)?;
-    let Some(path) = svg else {
-        io::stdout().write_all(escape_lines(&layout.to_text()).as_bytes())?;
-        return Ok(());
-    };
-    fs::write(path, layout.to_svg())
-        .map_err(|error| Failure::wrong_use(format!("cannot write {}: {error}", path.display())))?;
-    writeln!(io::stdout(), "wrote {}", escape(&path.to_string_lossy()))?;
-    Ok(())
 }

@@ -41,6 +41,7 @@ mod output_list;
 mod outputs;
 mod panics;
 mod pause_signals;
+mod picture;
 mod record;
 mod release_keys;
 mod replay;

@@ -1,7 +1,11 @@
-//! Drawings of a layout: text for a terminal, and SVG.
+//! Drawings of a layout: text for a terminal, SVG, and HTML.
 
+mod html;
 mod svg;
 mod terminal;
+mod wearer;
 mod words;
 
+pub use svg::TooManyShapes;
 pub use terminal::{Cell, Grid};
+pub use wearer::{ReachArea, Wearer};

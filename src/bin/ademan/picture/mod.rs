@@ -1,0 +1,128 @@
+//! `ademan layout show`: a layout in the terminal, or as a picture in a file.
+
+mod png;
+
+use std::fs::{self, File};
+use std::io::{self, ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use ademan::layout::{Layout, Wearer};
+use ademan::message::{escape, escape_lines};
+use ademan::setup::Setup;
+
+use crate::failure::Failure;
+
+/// Examples of the command.
+pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan layout show qwerty-arc --svg board.svg\n  ademan layout show media --html media.html --overwrite\n  ademan layout show game --svg - > game.svg";
+
+/// A layout and the files to draw it to.
+#[derive(clap::Args)]
+pub struct Args {
+    /// A layout file, or the name of a layout that comes with the program
+    file: String,
+    /// Write a picture for documents and browsers; - is standard output
+    #[arg(long, value_name = "OUT.svg")]
+    svg: Option<PathBuf>,
+    /// Write a picture of pixels; needs a program built with the feature `png`; - is standard output
+    #[arg(long, value_name = "OUT.png")]
+    png: Option<PathBuf>,
+    /// Write a page for browsers with a choice of layers; - is standard output
+    #[arg(long, value_name = "OUT.html")]
+    html: Option<PathBuf>,
+    /// Replace files that exist
+    #[arg(long)]
+    overwrite: bool,
+    /// Setup whose hands are drawn, with their reach. Default: the hand of a setup without a file
+    #[arg(long, value_name = "SETUP.ron")]
+    setup: Option<String>,
+}
+
+/// A picture of a file format.
+type Picture = Vec<u8>;
+
+/// Draws a layout to standard output, or to each of the files.
+pub fn show(args: &Args) -> Result<(), Failure> {
+    let layout = Layout::load(&args.file)?;
+    let targets = [&args.svg, &args.png, &args.html];
+    if targets.iter().all(|target| target.is_none()) {
+        io::stdout().write_all(escape_lines(&layout.to_text()).as_bytes())?;
+        return Ok(());
+    }
+    let wearer = wearer(args)?;
+    let drawers: [&dyn Fn() -> Result<Picture, Failure>; 3] = [
+        &|| Ok(svg(&layout, &wearer)?.into_bytes()),
+        &|| png::from_svg(&svg(&layout, &wearer)?).map_err(Failure::job),
+        &|| {
+            let page = layout.to_html(&wearer).map_err(cannot_draw)?;
+            Ok(page.into_bytes())
+        },
+    ];
+    for (target, draw) in targets.into_iter().zip(drawers) {
+        if let Some(path) = target {
+            refuse_existing(path, args.overwrite)?;
+            write(path, &draw()?, args.overwrite)?;
+        }
+    }
+    Ok(())
+}
+
+/// Returns the hands of the setup, at the boards of the layout.
+fn wearer(args: &Args) -> Result<Wearer, Failure> {
+    let setup = match &args.setup {
+        Some(path) => Setup::load(path)?,
+        None => Setup::default(),
+    };
+    let setup = Setup {
+        layout: args.file.clone(),
+        ..setup
+    };
+    Ok(setup.load_files()?.wearer())
+}
+
+fn svg(layout: &Layout, wearer: &Wearer) -> Result<String, Failure> {
+    layout.to_svg(wearer).map_err(cannot_draw)
+}
+
+fn cannot_draw(error: impl std::fmt::Display) -> Failure {
+    Failure::wrong_use(error.to_string())
+}
+
+/// Refuses a file that exists before the time to draw is spent.
+fn refuse_existing(path: &Path, overwrite: bool) -> Result<(), Failure> {
+    match !is_standard_output(path) && !overwrite && fs::symlink_metadata(path).is_ok() {
+        true => Err(exists(path)),
+        false => Ok(()),
+    }
+}
+
+fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
+    if is_standard_output(path) {
+        io::stdout().write_all(picture)?;
+        return Ok(());
+    }
+    let file = match overwrite {
+        true => File::create(path),
+        false => File::create_new(path),
+    };
+    let written = file.and_then(|mut file| file.write_all(picture));
+    written.map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => exists(path),
+        _ => Failure::wrong_use(format!(
+            "cannot write {}: {error}; name a file in a folder that you can write to",
+            path.display()
+        )),
+    })?;
+    say!("wrote {}", escape(&path.to_string_lossy()));
+    Ok(())
+}
+
+fn exists(path: &Path) -> Failure {
+    Failure::wrong_use(format!(
+        "{} exists and is not overwritten; name another file or add --overwrite",
+        path.display()
+    ))
+}
+
+fn is_standard_output(path: &Path) -> bool {
+    path == Path::new("-")
+}

@@ -1,0 +1,10 @@
+//! A program that is built without PNG pictures.
+
+/// Returns the error for a build without the feature `png`.
+pub fn from_svg(_: &str) -> Result<Vec<u8>, String> {
+    Err(
+        "this program is built without PNG pictures; build it with `cargo build --release --features png`, or write --svg and \
+         convert it with `rsvg-convert`"
+            .into(),
+    )
+}

@@ -1,0 +1,82 @@
+//! Chords: the keys of each on a small board, with the action.
+
+use parry3d::math::Vec2;
+
+use super::canvas::{Align, Canvas, Placement};
+use super::controls::{on_page, placement};
+use crate::contact::TargetId;
+use crate::layout::model::{Face, Layout};
+use crate::layout::render::words;
+
+/// The largest number of chord keys that a small board shows clearly.
+const MAX_KEYS: usize = 12;
+
+/// The size of a small board, in millimetres.
+const BOARD_SIZE: Vec2 = Vec2::new(15.0, 16.0);
+
+/// The room for the action beside a small board, in millimetres.
+const ACTION_WIDTH: f32 = 13.0;
+
+/// Draws all chords in lines of `width` millimetres. Returns `None` without chords, or with too many keys to tell apart.
+pub fn draw(layout: &Layout, width: f32) -> Option<Canvas> {
+    let faces: Vec<&Face> = layout
+        .keys
+        .iter()
+        .map(|key| &key.face)
+        .filter(|face| layout.is_chord_key(face.target))
+        .collect();
+    if faces.is_empty() || faces.len() > MAX_KEYS {
+        return None;
+    }
+    let mut chords = Canvas::default();
+    let cell = Vec2::new(BOARD_SIZE.x + ACTION_WIDTH + 3.0, BOARD_SIZE.y + 4.0);
+    let columns = ((width / cell.x) as usize).max(1);
+    for (index, (chord, (_, action))) in layout.chords.iter().zip(words::chords(layout)).enumerate()
+    {
+        let corner = cell * Vec2::new((index % columns) as f32, (index / columns) as f32);
+        draw_board(&faces, &chord.keys, corner, &mut chords);
+        let at = corner + Vec2::new(BOARD_SIZE.x + 2.0, BOARD_SIZE.y / 2.0);
+        let half = Vec2::new(ACTION_WIDTH, BOARD_SIZE.y) / 2.0;
+        draw_action(&action, at, half, &mut chords);
+    }
+    Some(chords)
+}
+
+fn draw_board(faces: &[&Face], pressed: &[TargetId], corner: Vec2, chords: &mut Canvas) {
+    let mut board = Canvas::default();
+    for face in faces {
+        let class = match pressed.contains(&face.target) {
+            true => "lit",
+            false => "well",
+        };
+        let mut front = Canvas::default();
+        let half = face.outline.half_extents() * 1e3;
+        front.rect(class, Vec2::ZERO, half, half.min_element() * 0.5);
+        board.group(placement(&face.outline), None, &front);
+        board.cover(on_page(face.outline.center), Vec2::ZERO);
+    }
+    let (min, max) = board.bounds();
+    let scale = (BOARD_SIZE / (max - min).max(Vec2::splat(0.1))).min_element();
+    let middle = corner + BOARD_SIZE / 2.0;
+    let placement = Placement {
+        at: middle - (min + max) / 2.0 * scale,
+        degrees: 0.0,
+        scale,
+    };
+    chords.group(placement, None, &board);
+}
+
+fn draw_action(action: &str, at: Vec2, half: Vec2, chords: &mut Canvas) {
+    let fitted = super::text::fit(action, 2.0 * half, 5.2);
+    let middle = (fitted.lines.len() as f32 - 1.0) / 2.0;
+    for (index, line) in fitted.lines.iter().enumerate() {
+        let offset = (index as f32 - middle) * fitted.size * super::text::LINE_HEIGHT;
+        chords.text(
+            "label",
+            at + Vec2::Y * offset,
+            Align::Start,
+            fitted.size,
+            line,
+        );
+    }
+}

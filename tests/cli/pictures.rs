@@ -1,0 +1,139 @@
+//! `ademan layout show` with pictures: files, standard output, and the pictures in the documentation.
+
+use std::fs;
+
+#[cfg(feature = "png")]
+use super::ademan;
+use super::{run, text};
+
+/// The pictures in the documentation, with the layout of each.
+const COMMITTED: [(&str, &str); 4] = [
+    ("qwerty-arc", "docs/qwerty-arc.svg"),
+    ("media", "docs/media.svg"),
+    ("direct", "docs/direct.svg"),
+    ("chords-five", "docs/chords-five.svg"),
+];
+
+#[test]
+fn the_pictures_in_the_documentation_are_up_to_date() {
+    for (layout, path) in COMMITTED {
+        let drawn = run(["layout", "show", layout, "--svg", "-"]).done().out;
+        let path = format!("{}/{path}", env!("CARGO_MANIFEST_DIR"));
+        let committed = fs::read_to_string(&path).unwrap_or_default();
+        assert!(
+            drawn == committed,
+            "draw it again: ademan layout show {layout} --overwrite --svg {path}"
+        );
+    }
+}
+
+#[test]
+fn a_picture_goes_to_a_file_or_to_standard_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let svg = folder.path().join("game.svg");
+    let html = folder.path().join("game.html");
+    let both = [
+        "layout",
+        "show",
+        "game",
+        "--svg",
+        text(&svg),
+        "--html",
+        text(&html),
+    ];
+    let ended = run(both).done();
+    assert!(ended.out.is_empty(), "{}", ended.out);
+    assert!(
+        ended.err.contains("wrote") && ended.err.contains("game.html"),
+        "{}",
+        ended.err
+    );
+    let piped = run(["layout", "show", "game", "--svg", "-"]).done();
+    assert_eq!(piped.out, fs::read_to_string(&svg).unwrap());
+    assert_eq!(piped.err, "");
+    assert!(
+        fs::read_to_string(&html)
+            .unwrap()
+            .starts_with("<!DOCTYPE html>")
+    );
+}
+
+#[test]
+fn a_file_is_overwritten_on_request_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.svg");
+    fs::write(&path, "mine").unwrap();
+    let refused = run(["layout", "show", "arrows", "--svg", text(&path)]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.err.contains("add --overwrite"), "{}", refused.err);
+    assert_eq!(fs::read_to_string(&path).unwrap(), "mine");
+    run([
+        "layout",
+        "show",
+        "arrows",
+        "--svg",
+        text(&path),
+        "--overwrite",
+    ])
+    .done();
+    assert!(fs::read_to_string(&path).unwrap().starts_with("<svg"));
+}
+
+#[test]
+fn a_setup_chooses_the_hand_that_is_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let setup = super::file(
+        &folder,
+        "short.ron",
+        "Setup(arm: Measured(hand_length_mm: 150, forearm_length_mm: 200))",
+    );
+    let default = run(["layout", "show", "qwerty-flat", "--svg", "-"])
+        .done()
+        .out;
+    let short = run([
+        "layout",
+        "show",
+        "qwerty-flat",
+        "--svg",
+        "-",
+        "--setup",
+        &setup,
+    ])
+    .done()
+    .out;
+    assert!(short.contains("Out of reach:"), "{short}");
+    assert_ne!(default, short);
+}
+
+#[cfg(not(feature = "png"))]
+#[test]
+fn without_the_feature_a_png_is_refused_with_the_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("board.png");
+    let refused = run(["layout", "show", "arrows", "--png", text(&path)]);
+    assert_ne!(refused.code, Some(0));
+    assert!(refused.err.contains("--features png"), "{}", refused.err);
+    assert!(!path.exists());
+    println!("SKIPPED: PNG pictures of all layouts; run with --features png");
+}
+
+#[cfg(feature = "png")]
+#[test]
+fn every_shipped_layout_has_a_png_that_is_not_blank() {
+    for (name, _) in ademan::layout::Layout::shipped().unwrap() {
+        let picture = ademan(["layout", "show", name, "--png", "-"])
+            .output()
+            .unwrap();
+        let error = String::from_utf8_lossy(&picture.stderr);
+        assert!(picture.status.success(), "{name}: {error}");
+        let pixmap = resvg::tiny_skia::Pixmap::decode_png(&picture.stdout).unwrap();
+        let pixels = pixmap.pixels();
+        let inked = pixels.iter().filter(|pixel| **pixel != pixels[0]).count();
+        assert!(
+            inked * 100 > pixels.len(),
+            "{name}: {inked} of {}",
+            pixels.len()
+        );
+        assert!(pixels.iter().all(|pixel| pixel.alpha() == 255), "{name}");
+    }
+}
