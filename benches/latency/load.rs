@@ -51,6 +51,7 @@ fn context(commands: CommandSender) -> ServerContext {
         profiles: vec![ProfileInfo {
             name: "main".into(),
             file: "qwerty-flat".into(),
+            views: None,
         }],
         commands,
     }

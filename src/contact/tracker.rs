@@ -124,6 +124,13 @@ impl ContactTracker {
         self.fingers.iter().all(|state| state.contact.is_none())
     }
 
+    /// Iterates over the targets that fingertips press.
+    pub fn pressed(&self) -> impl Iterator<Item = TargetId> + '_ {
+        let contacts = self.fingers.iter().filter_map(|state| state.contact);
+        let pressed = contacts.filter(|contact| contact.is_pressed);
+        pressed.map(|contact| contact.location.target)
+    }
+
     /// Returns whether the hand is clear of all targets: no fingertip touches one, no trusted fingertip
     /// is behind a front (inside its outline, at most 0.1 m deep), and at least one trusted fingertip is
     /// known. Does not allocate.

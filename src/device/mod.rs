@@ -3,6 +3,7 @@
 //! One file or folder per kind of control. All devices of a layout share one [`KeyArbiter`].
 
 use arrayvec::ArrayVec;
+use parry3d::math::Vec3;
 
 use crate::command::Command;
 use crate::contact::surface::Scene;
@@ -213,6 +214,19 @@ impl DeviceOutput<'_> {
     }
 }
 
+/// The maximum number of spaces in which the position of a cursor is reported.
+pub const MAX_CURSOR_SPACES: usize = 4;
+
+/// The position of the cursor of a pointer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CursorPosition {
+    /// Its position in its whole range, 0..=1: to the right, up, towards the wearer. `None` without a cursor on the
+    /// screen, and while the hand points nowhere.
+    pub fractions: Option<Vec3>,
+    /// Its position in the frame of each space of the layout, in metres; `None` while it is unknown.
+    pub in_spaces: ArrayVec<Option<Vec3>, MAX_CURSOR_SPACES>,
+}
+
 /// A kind of control: turns the touches of a hand into events.
 pub trait VirtualDevice: Send {
     /// Adds the capabilities that an output needs for every event the device can emit.
@@ -225,4 +239,9 @@ pub trait VirtualDevice: Send {
     /// ends. The [`KeyArbiter`] has already released all presses; the device resets its state, and emits the
     /// values and axes that return to rest.
     fn release_all(&mut self, time: Timestamp, out: &mut DeviceOutput);
+
+    /// Returns the position of its cursor, for displays; `None` for a device without one.
+    fn cursor(&self) -> Option<CursorPosition> {
+        None
+    }
 }

@@ -3,6 +3,7 @@
 use parry3d::math::Vec2;
 
 use super::model::Layout;
+use crate::contact::surface::Scene;
 use crate::hand::Finger;
 use crate::kinematics::HandPose;
 
@@ -20,14 +21,16 @@ pub struct Hover {
 }
 
 impl Layout {
-    /// Returns the position of each tracked fingertip over each board.
-    pub fn hovers(&self, pose: &HandPose) -> Vec<Hover> {
+    /// Returns the position of each tracked fingertip over each board. `scene` is that of the layout, with the present
+    /// poses of the boards.
+    pub fn hovers(&self, scene: &Scene, pose: &HandPose) -> Vec<Hover> {
         let mut hovers = Vec::new();
-        for (index, surface) in self.scene.surfaces().iter().enumerate() {
+        let boards = self.boards.iter().zip(scene.surfaces()).enumerate();
+        for (index, (board, surface)) in boards {
             let Some(world_from_surface) = surface.world_from_surface(pose) else {
                 continue;
             };
-            let shape = self.boards[index].shape;
+            let shape = board.shape;
             for &finger in Finger::ALL {
                 let Some(tip) = pose.fingertip(finger) else {
                     continue;

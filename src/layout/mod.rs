@@ -34,4 +34,4 @@ pub use model::{
     SpaceTargets,
 };
 pub use outline::Outline;
-pub use render::{Cell, Grid, ReachArea, TooManyShapes, Wearer};
+pub use render::{Cell, Grid, KeySize, ReachArea, TooManyShapes, Wearer};

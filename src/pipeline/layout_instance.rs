@@ -1,14 +1,19 @@
 //! A layout at run time: its scene, contact trackers and devices.
 
+use std::sync::Arc;
+
 use super::StepOutput;
 use super::auto_recenter::AutoRecenterState;
 use super::release_order::move_releases_first;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
-use crate::contact::{ContactTracker, TargetNames, Touches};
-use crate::device::{DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice};
+use crate::contact::{ContactTracker, TargetId, TargetNames, Touches};
+use crate::device::{
+    CursorPosition, DeviceInput, DeviceOutput, Events, KeyArbiter, TimedCommands, VirtualDevice,
+};
 use crate::hand::Side;
 use crate::kinematics::HandPose;
+use crate::layout::Layout;
 use crate::time::Timestamp;
 
 /// A layout at run time, for both hands.
@@ -19,6 +24,7 @@ pub struct LayoutInstance {
     key_arbiter: KeyArbiter,
     devices: Vec<Box<dyn VirtualDevice>>,
     pub(super) auto_recenter: AutoRecenterState,
+    layout: Option<Arc<Layout>>,
 }
 
 impl LayoutInstance {
@@ -38,6 +44,16 @@ impl LayoutInstance {
             key_arbiter: KeyArbiter::default(),
             devices,
             auto_recenter: AutoRecenterState::default(),
+            layout: None,
+        }
+    }
+
+    /// Sets the layout that it was made from, for displays.
+    #[must_use]
+    pub fn with_layout(self, layout: Arc<Layout>) -> Self {
+        Self {
+            layout: Some(layout),
+            ..self
         }
     }
 
@@ -65,6 +81,26 @@ impl LayoutInstance {
     /// Returns the names of the targets.
     pub fn target_names(&self) -> &TargetNames {
         &self.target_names
+    }
+
+    /// Returns the layout that it was made from, if that is known.
+    pub fn layout(&self) -> Option<&Arc<Layout>> {
+        self.layout.as_ref()
+    }
+
+    /// Returns the targets with the present poses of the boards.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Iterates over the targets that fingertips of either hand press.
+    pub fn pressed_targets(&self) -> impl Iterator<Item = TargetId> + '_ {
+        self.trackers.iter().flat_map(ContactTracker::pressed)
+    }
+
+    /// Returns the position of the cursor; `None` for a layout without a pointer and targets in space.
+    pub fn cursor(&self) -> Option<CursorPosition> {
+        self.devices.iter().find_map(|device| device.cursor())
     }
 
     /// Updates the contacts of one hand and replaces `touches`.

@@ -277,6 +277,11 @@ impl Pipeline {
         self.active_profile
     }
 
+    /// Returns the active layout.
+    pub fn layout(&self) -> &LayoutInstance {
+        &self.profiles[self.active_profile].layout
+    }
+
     /// Returns the names of the targets of the active layout.
     pub fn target_names(&self) -> &TargetNames {
         self.profiles[self.active_profile].layout.target_names()

@@ -6,6 +6,7 @@ use std::thread::{self, JoinHandle};
 use crossbeam_channel::{Receiver, Sender, bounded, never};
 
 use super::command_channel::CommandSender;
+use super::view::{ViewHub, Viewer};
 use super::{Session, SessionError, Summary};
 use crate::command::Command;
 use crate::snapshot::Snapshot;
@@ -14,10 +15,10 @@ use crate::snapshot::Snapshot;
 const QUEUED_SNAPSHOTS: usize = 16;
 
 /// A running session. Dropping it stops the session and waits until everything is released.
-#[derive(Debug)]
 pub struct SessionHandle {
     commands: CommandSender,
     snapshots: Receiver<Snapshot>,
+    views: ViewHub,
     /// Disconnected once the outputs are open.
     started: Receiver<()>,
     thread: Option<JoinHandle<Result<Summary, SessionError>>>,
@@ -32,6 +33,7 @@ impl SessionHandle {
         mut session: Session,
         commands: CommandSender,
         snapshots: Receiver<Snapshot>,
+        views: ViewHub,
     ) -> Result<Self, SessionError> {
         let thread = thread::Builder::new().name("session".into());
         let (sender, started) = bounded(0);
@@ -39,6 +41,7 @@ impl SessionHandle {
         Ok(Self {
             commands,
             snapshots,
+            views,
             started,
             thread: Some(thread.spawn(move || session.run())?),
         })
@@ -53,6 +56,11 @@ impl SessionHandle {
     /// [`lossless_snapshots`](super::SessionOptions::lossless_snapshots) a full channel drops the newest ones.
     pub fn snapshots(&self) -> &Receiver<Snapshot> {
         &self.snapshots
+    }
+
+    /// Adds a viewer, which receives the present state and then every change, at most about 30 times a second.
+    pub fn add_viewer(&self) -> Viewer {
+        self.views.add_viewer()
     }
 
     /// Waits until the source and the outputs are open, or the session has ended. A compositor takes some tenths of a

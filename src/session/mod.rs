@@ -8,7 +8,8 @@
 //!  keys and gestures ─┐
 //!  control socket ────┤                        ┌─ snapshots ──▶ observer, recorder, control socket
 //!  panic keys ────────┼─ Command ──▶ event loop ┤
-//!  SessionHandle ─────┘                 ▲       └─ LayoutRequest ──▶ layout manager
+//!  SessionHandle ─────┘                 ▲       ├─ views ──▶ terminal, control socket
+//!                                       │       └─ LayoutRequest ──▶ layout manager
 //!                                       └──────────── LayoutSwap ◀───┘
 //! ```
 
@@ -24,8 +25,10 @@ pub mod panic_keys;
 mod recorder_thread;
 pub mod reload;
 mod reply;
+mod run_pipeline;
 mod source;
 mod status;
+pub mod view;
 mod waker;
 
 use std::io;
@@ -35,30 +38,32 @@ use crossbeam_channel::Sender;
 use hdrhistogram::Histogram;
 
 use self::control_socket::{ControlError, ControlServer, Notifier, ProfileInfo, ServerContext};
+use self::event_loop::run_observed;
 use self::notice::NoticeThread;
 use self::panic_keys::PanicKeysError;
 use self::recorder_thread::RecorderThread;
 use self::reload::{FilePolicy, LayoutReport, LayoutSource};
 use self::status::StatusLog;
+use self::view::{SessionNames, ViewHub, ViewPublisher};
 use crate::advice;
 use crate::capture::{CaptureError, SourceUri};
 use crate::command::{Command, CommandOrigin};
 use crate::layout::Layout;
 use crate::output::watchdog::WatchdogSettings;
 use crate::output::{self, OutputError, Sink};
-use crate::pipeline::SourceRole;
+use crate::pipeline::{Pipeline, SourceRole};
 use crate::priority;
 use crate::recorder::RecordError;
 use crate::setup::{LoadedSetup, SetupError};
 use crate::snapshot::{Snapshot, Stats};
 
 pub use self::command_channel::{CommandReceiver, CommandSender, command_channel};
-pub use self::event_loop::run_pipeline;
 pub use self::handle::SessionHandle;
 pub use self::layout_link::LayoutLink;
 pub use self::notice::{Notice, counted};
-pub use self::options::{ControlSocket, SessionOptions, WatchdogProgram};
+pub use self::options::{ControlSocket, NoticeReceiver, SessionOptions, WatchdogProgram};
 pub use self::reply::{Reply, RequestError, SessionStatus};
+pub use self::run_pipeline::run_pipeline;
 pub use crate::pipeline::CommandError;
 
 /// Reason why a session could not start or ended early.
@@ -111,6 +116,7 @@ pub struct Session {
     command_sender: CommandSender,
     notices: NoticeThread,
     snapshots: Sender<Snapshot>,
+    views: ViewPublisher,
     /// Dropped once the outputs are open.
     start_signal: Option<Sender<()>>,
     /// Removes the socket when it is dropped.
@@ -133,7 +139,10 @@ impl Session {
             output::check(&setup.setup.output, &setup.required_capabilities())?;
         }
         let (command_sender, mut commands) = command_channel();
-        let notices = NoticeThread::start(options.on_notice.take())?;
+        let setup = Arc::new(setup);
+        let (hub, views) = start_view_hub(&setup, &options)?;
+        let on_notice = show_in_views(options.on_notice.take(), hub.clone());
+        let notices = NoticeThread::start(on_notice)?;
         let socket_path = options.control_socket.path();
         let mut control = socket_path
             .as_deref()
@@ -145,13 +154,13 @@ impl Session {
             // A full queue means that the loop stands still; then the watchdog releases everything.
             panic_keys::watch(&keys, move || _ = commands.send(Command::Pause))?;
         }
-        let setup = Arc::new(setup);
         let notifier = control.as_ref().map(ControlServer::notifier);
         start_layout_manager(&setup, &options, &mut commands, &notices, notifier)?;
         if let Some(control) = &mut control {
             control.serve(ServerContext {
                 profiles: profiles(&setup),
                 commands: command_sender.clone(),
+                views: Some(hub.clone()),
             })?;
         }
         let (snapshots, snapshot_receiver) = SessionHandle::snapshot_channel();
@@ -162,10 +171,11 @@ impl Session {
             command_sender: command_sender.clone(),
             notices,
             snapshots,
+            views,
             start_signal: None,
             control,
         };
-        SessionHandle::spawn(session, command_sender, snapshot_receiver)
+        SessionHandle::spawn(session, command_sender, snapshot_receiver, hub)
     }
 
     /// Runs the session to its end on the calling thread.
@@ -211,17 +221,20 @@ impl Session {
         let mut status = self.options.report_status.then(StatusLog::default);
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);
         let (notices, snapshots) = (self.notices.sender(), &self.snapshots);
+        let views = &mut self.views;
         let is_lossless = self.options.lossless_snapshots;
-        let mut observe = |snapshot: &Snapshot| {
+        let mut observe = |snapshot: &Snapshot, pipeline: &Pipeline| {
             if let Some(status) = &mut status {
                 status.update(snapshot, &mut |notice| notices.send(notice));
             }
             if let Some(notifier) = &mut notifier {
                 notifier.notify_snapshot(snapshot);
+                notifier.notify_cursor(pipeline.layout());
             }
             if let Some(recorder) = &mut recorder {
                 recorder.push(snapshot);
             }
+            views.update(snapshot, pipeline);
             publish(snapshots, snapshot, is_lossless);
         };
         let mut pipeline = self.setup.pipeline();
@@ -229,7 +242,7 @@ impl Session {
         if is_live {
             priority::raise_thread_priority();
         }
-        let ended = run_pipeline(
+        let ended = run_observed(
             source,
             &mut pipeline,
             &mut *sink,
@@ -307,6 +320,38 @@ fn publish(snapshots: &Sender<Snapshot>, snapshot: &Snapshot, is_lossless: bool)
     } else if !snapshots.is_full() {
         let _ = snapshots.try_send(snapshot.clone());
     }
+}
+
+/// Starts the thread that passes views of a session to displays.
+fn start_view_hub(
+    setup: &LoadedSetup,
+    options: &SessionOptions,
+) -> io::Result<(ViewHub, ViewPublisher)> {
+    let source = match &options.source {
+        Some(source) => source.name().to_owned(),
+        None => {
+            let sources = setup.sources().filter_map(|(source, _)| source);
+            let names: Vec<_> = sources.map(ToString::to_string).collect();
+            names.join(", ")
+        }
+    };
+    let names = SessionNames {
+        profiles: setup.profile_names().map(str::to_owned).collect(),
+        source,
+        output: setup.setup.output.clone(),
+    };
+    ViewHub::start(names, Arc::new(setup.layout.clone()))
+}
+
+/// Returns a receiver of notices that also adds them to the views.
+fn show_in_views(on_notice: Option<NoticeReceiver>, hub: ViewHub) -> Option<NoticeReceiver> {
+    let mut on_notice = on_notice;
+    Some(Box::new(move |notice: Notice| {
+        hub.show_message(notice.to_string());
+        if let Some(on_notice) = &mut on_notice {
+            on_notice(notice);
+        }
+    }))
 }
 
 /// Names and files of the layouts of a setup.

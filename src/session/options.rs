@@ -10,6 +10,9 @@ use crate::capture::Source;
 use crate::command::Command;
 use crate::output::Sink;
 
+/// A function that receives notices.
+pub type NoticeReceiver = Box<dyn FnMut(Notice) + Send>;
+
 /// Options of a session. The default is a session without control socket, recording, watched files or messages.
 #[derive(Default)]
 pub struct SessionOptions {
@@ -36,7 +39,7 @@ pub struct SessionOptions {
     /// Delays the session when the snapshot channel is full, instead of dropping snapshots.
     pub lossless_snapshots: bool,
     /// Receives notices on a thread of its own. Notices are dropped when 64 wait.
-    pub on_notice: Option<Box<dyn FnMut(Notice) + Send>>,
+    pub on_notice: Option<NoticeReceiver>,
 }
 
 /// The control socket of a session.

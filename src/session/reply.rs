@@ -3,11 +3,14 @@
 use crossbeam_channel::Sender;
 
 use crate::command::{CommandOrigin, InvalidCommand};
+use crate::device::CursorPosition;
 use crate::pipeline::{CommandError, PipelineState};
 use crate::snapshot::Stats;
 
 /// Result of a command that succeeded.
 #[derive(Clone, Debug, PartialEq)]
+// A box would be an allocation in the session loop.
+#[allow(clippy::large_enum_variant)]
 pub enum Reply {
     /// The command has no result.
     Done,
@@ -47,7 +50,7 @@ pub enum RequestError {
 pub(crate) type ReplySender = Sender<Result<Reply, RequestError>>;
 
 /// The state of a session between two readings.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SessionStatus {
     /// State of the pipeline.
     pub state: PipelineState,
@@ -57,4 +60,6 @@ pub struct SessionStatus {
     pub profile: usize,
     /// Statistics of all readings so far.
     pub stats: Stats,
+    /// Position of the cursor; `None` for a layout without a pointer and targets in space.
+    pub cursor: Option<CursorPosition>,
 }

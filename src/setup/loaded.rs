@@ -1,6 +1,7 @@
 //! A setup with all files that it names.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::{ArmSetup, OtherHand, Setup, SetupError, kind};
 use crate::capture::SourceUri;
@@ -275,4 +276,5 @@ pub fn layout_instance(layout: &Layout) -> LayoutInstance {
     LayoutInstance::new(scene, names, layout.devices())
         .with_texts(layout.texts.clone())
         .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
+        .with_layout(Arc::new(layout.clone()))
 }

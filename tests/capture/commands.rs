@@ -121,7 +121,7 @@ fn commands_are_executed_in_order_and_answered() {
     let next = || received.recv().expect("a result");
     let state = next();
     assert!(
-        matches!(state, Ok(Reply::State(status)) if status.paused_by == Some(CommandOrigin::Client) && status.state == PipelineState::Paused),
+        matches!(&state, Ok(Reply::State(status)) if status.paused_by == Some(CommandOrigin::Client) && status.state == PipelineState::Paused),
         "{state:?}"
     );
     assert_eq!(next(), Ok(Reply::Done));

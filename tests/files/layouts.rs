@@ -12,7 +12,7 @@ use ademan::device::{KeyAction, Latch};
 use ademan::document::Document;
 use ademan::hand::{Joint, Side};
 use ademan::kinematics::HandPose;
-use ademan::layout::Layout;
+use ademan::layout::{KeySize, Layout};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec2, Vec3};
 
@@ -357,7 +357,7 @@ fn a_drawing_shows_every_key_at_its_position() {
 └────────┘     ╰───╯
 ";
     assert_eq!(layout.to_text(), expected);
-    let grid = &layout.grids()[0];
+    let grid = &layout.grids(KeySize::Labelled)[0];
     assert_eq!(grid.cell_at(Vec2::new(0.019, 0.0)), Some((7, 1)));
     for (x, y) in [(0.5, 0.0), (-0.01, 0.0), (0.0, 0.01), (0.0, -0.1)] {
         assert_eq!(grid.cell_at(Vec2::new(x, y)), None);
@@ -370,7 +370,7 @@ fn the_drawing_of_the_largest_board_is_limited_in_size() {
         "pitch_mm: 1, size_mm: Disc(1), keys: [(code: \"A\", at_mm: (-2000, -2000)), (code: \"B\", at_mm: (2000, 2000))]",
     );
     let layout = Layout::parse(&text, "t.ron").unwrap();
-    let grid = &layout.grids()[0];
+    let grid = &layout.grids(KeySize::Labelled)[0];
     assert!(grid.columns <= 201 && grid.rows <= 81);
     assert_eq!(layout.to_text().lines().count(), grid.rows);
 }

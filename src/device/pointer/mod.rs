@@ -35,8 +35,8 @@ use self::selection::{CursorPoint, Selector};
 use self::trusted_hand::TrustedHand;
 use super::value_output::ValueEmitter;
 use super::{
-    Capabilities, Capability, DeviceInput, DeviceOutput, EventKind, KeyAction, PressSource,
-    VirtualDevice,
+    Capabilities, Capability, CursorPosition, DeviceInput, DeviceOutput, EventKind, KeyAction,
+    PressSource, VirtualDevice,
 };
 use crate::hand::{Finger, Side};
 use crate::time::Timestamp;
@@ -300,5 +300,13 @@ impl VirtualDevice for Pointer {
         }
         self.selector.reset(time, out);
         self.side = None;
+    }
+
+    fn cursor(&self) -> Option<CursorPosition> {
+        let screen = self.screen.as_ref().filter(|screen| screen.time.is_some());
+        Some(CursorPosition {
+            fractions: screen.map(|screen| screen.cursor.fractions()),
+            in_spaces: self.selector.positions().collect(),
+        })
     }
 }

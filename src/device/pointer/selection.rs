@@ -6,7 +6,9 @@ use super::anchored_frame::AnchoredFrame;
 use crate::contact::TargetId;
 use crate::contact::surface::TREMOR_MARGIN;
 use crate::contact::volume::{Volume, VolumeEntry, VolumeSet};
-use crate::device::{Capabilities, DeviceOutput, EventKind, KeyAction, PressSource};
+use crate::device::{
+    Capabilities, DeviceOutput, EventKind, KeyAction, MAX_CURSOR_SPACES, PressSource,
+};
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
 
@@ -93,6 +95,11 @@ impl Selector {
             selected: None,
             pending_unselect: None,
         }
+    }
+
+    /// Iterates over the positions of the cursor in the first spaces, in metres; `None` where it is unknown.
+    pub(super) fn positions(&self) -> impl Iterator<Item = Option<Vec3>> + '_ {
+        self.before.iter().copied().take(MAX_CURSOR_SPACES)
     }
 
     pub(super) fn add_capabilities(&self, required: &mut Capabilities) {

@@ -7,5 +7,5 @@ mod wearer;
 mod words;
 
 pub use svg::TooManyShapes;
-pub use terminal::{Cell, Grid};
+pub use terminal::{Cell, Grid, KeySize};
 pub use wearer::{ReachArea, Wearer};

@@ -8,9 +8,26 @@ use crate::layout::model::{Board, Face, Layout};
 use crate::layout::render::words;
 use crate::message::escape;
 
-/// Width and height, in characters, of a key as large as the pitch of its board.
-const KEY_COLUMNS: f32 = 5.0;
-const KEY_ROWS: f32 = 3.0;
+/// The size of a key as large as the pitch of its board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeySize {
+    /// 3 rows, and 5 to 10 columns, so that the labels fit.
+    Labelled,
+    /// 5 × 3 characters, with room for a border.
+    Bordered,
+    /// 3 × 1 characters.
+    Compact,
+}
+
+impl KeySize {
+    /// Width and height in characters.
+    const fn characters(self) -> Vec2 {
+        match self {
+            Self::Labelled | Self::Bordered => Vec2::new(5.0, 3.0),
+            Self::Compact => Vec2::new(3.0, 1.0),
+        }
+    }
+}
 
 /// The largest width, in characters, of a key as large as the pitch. Keys are only as wide as their labels need.
 const MAX_KEY_COLUMNS: f32 = 10.0;
@@ -55,17 +72,24 @@ pub struct Cell {
 }
 
 impl Grid {
+    fn new(board: &Board, faces: &[&Face], key_size: KeySize) -> Self {
+        let characters = key_size.characters();
+        let usual = Self::with_key_characters(board, faces, characters);
+        match key_size {
+            KeySize::Labelled => Self::widened(board, faces, characters, usual),
+            KeySize::Bordered | KeySize::Compact => usual,
+        }
+    }
+
     /// Returns the narrowest grid on which every label fits, or the one of the usual size if that is wider than a terminal.
-    fn new(board: &Board, faces: &[&Face]) -> Self {
-        let usual = Self::with_key_columns(board, faces, KEY_COLUMNS);
-        let mut key_columns = KEY_COLUMNS;
+    fn widened(board: &Board, faces: &[&Face], mut characters: Vec2, usual: Self) -> Self {
         let mut grid = usual.clone();
         while grid.cuts_a_label(faces) {
-            key_columns += 1.0;
-            if key_columns > MAX_KEY_COLUMNS {
+            characters.x += 1.0;
+            if characters.x > MAX_KEY_COLUMNS {
                 return usual;
             }
-            grid = Self::with_key_columns(board, faces, key_columns);
+            grid = Self::with_key_characters(board, faces, characters);
             if grid.columns > TERMINAL_COLUMNS {
                 return usual;
             }
@@ -78,7 +102,7 @@ impl Grid {
         cells.any(|(cell, face)| face.label.chars().count() + 2 > cell.width)
     }
 
-    fn with_key_columns(board: &Board, faces: &[&Face], key_columns: f32) -> Self {
+    fn with_key_characters(board: &Board, faces: &[&Face], characters: Vec2) -> Self {
         let half = |face: &Face| board.row_half_extents(face);
         let min_half_width = faces
             .iter()
@@ -97,8 +121,8 @@ impl Grid {
         let (min, max) = (min.unwrap_or_default(), max.unwrap_or_default());
         let size = max - min;
         let character_size = Vec2::new(
-            (board.pitch / key_columns).max(size.x / MAX_COLUMNS),
-            (board.pitch / KEY_ROWS).max(size.y / MAX_ROWS),
+            (board.pitch / characters.x).max(size.x / MAX_COLUMNS),
+            (board.pitch / characters.y).max(size.y / MAX_ROWS),
         );
         let mut grid = Self {
             columns: 0,
@@ -188,17 +212,18 @@ impl Cell {
 
 impl Layout {
     /// Returns the boards on grids of characters, for displays that draw keys themselves.
-    pub fn grids(&self) -> Vec<Grid> {
+    pub fn grids(&self, key_size: KeySize) -> Vec<Grid> {
         self.boards
             .iter()
-            .map(|board| Grid::new(board, &self.faces(board).collect::<Vec<_>>()))
+            .map(|board| Grid::new(board, &self.faces(board).collect::<Vec<_>>(), key_size))
             .collect()
     }
 
     /// Returns a drawing for a terminal, which ends with a line break: the boards to scale with straight rows, the changes of
     /// each layer, and lists of chords, controls, triggers, gestures and targets in space.
     pub fn to_text(&self) -> String {
-        let mut parts: Vec<String> = self.grids().iter().map(|grid| grid.to_text(self)).collect();
+        let grids = self.grids(KeySize::Labelled);
+        let mut parts: Vec<String> = grids.iter().map(|grid| grid.to_text(self)).collect();
         parts.extend((1..self.layers.len()).map(|layer| self.layer_text(layer)));
         let chords = words::chords(self).into_iter();
         let chords = chords.map(|(keys, action)| format!("{}: {}", escape(&keys), escape(&action)));

@@ -81,7 +81,7 @@ impl Client {
         Ok(line.strip_suffix('\n').map(str::to_owned))
     }
 
-    fn no_response(&self, reason: &str) -> ControlError {
+    pub(super) fn no_response(&self, reason: &str) -> ControlError {
         ControlError::NoResponse {
             path: self.path.clone(),
             reason: reason.into(),

@@ -13,8 +13,10 @@ use super::notification::{Subscribers, Subscription};
 use super::request::{MAX_LINE_BYTES, Request};
 use super::response::{self, JsonLine};
 use crate::command::Command;
+use crate::layout::Layout;
 use crate::output::socket::Stream;
 use crate::session::reply::Reply;
+use crate::session::view::Viewer;
 
 /// Serves a client until it disconnects or stops reading.
 pub(super) fn serve(
@@ -71,6 +73,7 @@ impl ClientConnection<'_> {
             }
             Ok(Request::Command(command)) => self.writer.write_line(&self.execute(command)),
             Ok(Request::Subscribe) => self.subscribe(),
+            Ok(Request::Watch) => self.watch(),
         }
     }
 
@@ -85,6 +88,29 @@ impl ClientConnection<'_> {
     }
 
     fn subscribe(&mut self) -> io::Result<()> {
+        let subscribers = self.subscribers;
+        self.start_notifications(|| {
+            let subscription = subscribers.add();
+            move |writer: &LineWriter, end: &_| write_notifications(&subscription, writer, end)
+        })
+    }
+
+    fn watch(&mut self) -> io::Result<()> {
+        let Some(views) = &self.context.views else {
+            let error = "this session has no views";
+            return self.writer.write_line(&response::failure(error));
+        };
+        self.start_notifications(|| {
+            let viewer = views.add_viewer();
+            move |writer: &LineWriter, end: &_| write_views(&viewer, writer, end)
+        })
+    }
+
+    /// Starts a thread that writes lines until the connection ends. `prepare` is called if the client may receive them.
+    fn start_notifications<W>(&mut self, prepare: impl FnOnce() -> W) -> io::Result<()>
+    where
+        W: FnOnce(&LineWriter, &Receiver<()>) + Send + 'static,
+    {
         if self.notifications.is_some() {
             let error = "this connection has subscribed already";
             return self.writer.write_line(&response::failure(error));
@@ -93,14 +119,14 @@ impl ClientConnection<'_> {
             let error = format!("at most {MAX_SUBSCRIBERS} clients can subscribe; end one of them");
             return self.writer.write_line(&response::failure(&error));
         }
-        let subscription = self.subscribers.add();
+        let write = prepare();
         // The response precedes the first notification.
         self.writer.write_line(&response::success(None))?;
         let (notifications, end) = bounded(0);
         let writer = self.writer.clone();
         thread::Builder::new()
             .name("control notify".into())
-            .spawn(move || write_notifications(&subscription, &writer, &end))?;
+            .spawn(move || write(&writer, &end))?;
         self.notifications = Some(notifications);
         Ok(())
     }
@@ -121,6 +147,36 @@ fn write_notifications(subscription: &Subscription, writer: &LineWriter, end: &R
             count => writer.write_line(&response::missed_notification(count)),
         };
         if written.and_then(|()| writer.write_line(&line)).is_err() {
+            return;
+        }
+    }
+}
+
+/// Writes views, each after its layout if that is new, until the connection or the session ends.
+fn write_views(viewer: &Viewer, writer: &LineWriter, end: &Receiver<()>) {
+    let mut written: Option<Arc<Layout>> = None;
+    loop {
+        let view = select! {
+            recv(viewer.views()) -> view => view.ok(),
+            recv(end) -> _ => None,
+        };
+        let Some(view) = view else {
+            return;
+        };
+        let is_known = |layout: &Arc<Layout>| Arc::ptr_eq(layout, &view.layout);
+        if !written.as_ref().is_some_and(is_known) {
+            if writer
+                .write_line(&response::layout_notification(&view.layout))
+                .is_err()
+            {
+                return;
+            }
+            written = Some(Arc::clone(&view.layout));
+        }
+        if writer
+            .write_line(&response::view_notification(&view))
+            .is_err()
+        {
             return;
         }
     }

@@ -2,6 +2,7 @@
 
 use super::ProfileInfo;
 use crate::session::command_channel::CommandSender;
+use crate::session::view::ViewHub;
 
 /// The session that a control socket serves.
 pub struct ServerContext {
@@ -9,4 +10,6 @@ pub struct ServerContext {
     pub profiles: Vec<ProfileInfo>,
     /// Channel to the session loop.
     pub commands: CommandSender,
+    /// Views of the session, if it has any.
+    pub views: Option<ViewHub>,
 }

@@ -4,7 +4,8 @@
 //! The response is `{"ok":true}` with the fields of a state or a `text`, or `{"ok":false,"error":"…"}`. An invalid line
 //! gets an error response and the connection stays open. After a subscription the client receives notifications: lines
 //! with an `event`, which are those of the stage `events` of a [`trace`](crate::trace), and `state`, `reload` and
-//! `missed`; and lines with a `command`, which are those of the stage `commands`.
+//! `missed`; and lines with a `command`, which are those of the stage `commands`. After `{"command":"watch"}` it receives
+//! [views](crate::session::view), for displays.
 //!
 //! A client cannot delay the session. Commands go through [`CommandSender`](crate::session::CommandSender).
 //! A client that does not read loses the oldest of 64 notifications, and is disconnected when a write takes 1 s. At most 16
@@ -21,6 +22,7 @@ mod clients_tests;
 mod connection;
 mod server;
 mod client;
+mod watch_client;
 
 use std::path::{Path, PathBuf};
 
@@ -30,6 +32,7 @@ pub use client::Client;
 pub use context::ServerContext;
 pub use notification::Notifier;
 pub use server::ControlServer;
+pub use watch_client::WatchClient;
 
 /// A profile of the setup and its layout.
 #[derive(Clone, Debug, PartialEq, Eq)]

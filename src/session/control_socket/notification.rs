@@ -11,8 +11,8 @@ use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 use super::response::{self, JsonLine};
 use crate::command::CommandOrigin;
 use crate::contact::TargetNames;
-use crate::device::{Events, TimedCommands};
-use crate::pipeline::PipelineState;
+use crate::device::{CursorPosition, Events, TimedCommands};
+use crate::pipeline::{LayoutInstance, PipelineState};
 use crate::session::reload::LayoutReport;
 use crate::snapshot::Snapshot;
 
@@ -27,6 +27,7 @@ const QUEUE_LINES: usize = 64;
 enum Notification {
     Commands(TimedCommands),
     Events(Events, TargetNames),
+    Cursor(CursorPosition),
     State {
         state: PipelineState,
         paused_by: Option<CommandOrigin>,
@@ -43,6 +44,7 @@ pub struct Notifier {
     sender: Sender<Notification>,
     subscribers: Subscribers,
     last: Option<(PipelineState, Option<CommandOrigin>)>,
+    cursor: Option<CursorPosition>,
 }
 
 impl Notifier {
@@ -54,6 +56,7 @@ impl Notifier {
             sender,
             subscribers: subscribers.clone(),
             last: None,
+            cursor: None,
         };
         let queue = NotificationQueue {
             receiver,
@@ -82,6 +85,19 @@ impl Notifier {
         }
     }
 
+    /// Notifies the subscribers of a new position of the cursor of the active layout. Does not wait, and does nothing
+    /// without subscribers.
+    pub fn notify_cursor(&mut self, layout: &LayoutInstance) {
+        if self.subscribers.count.load(Ordering::Relaxed) == 0 {
+            return;
+        }
+        let cursor = layout.cursor();
+        if self.cursor != cursor {
+            self.cursor.clone_from(&cursor);
+            self.send(Notification::Cursor(cursor.unwrap_or_default()));
+        }
+    }
+
     /// Notifies the subscribers of the outcome of a change to a layout. Does not wait.
     pub fn notify_reload(&mut self, report: &LayoutReport) {
         self.send(Notification::Reload {
@@ -94,7 +110,7 @@ impl Notifier {
         let lines = match &notification {
             Notification::Commands(commands) => commands.len() as u64,
             Notification::Events(events, _) => events.len() as u64,
-            Notification::State { .. } | Notification::Reload { .. } => 1,
+            Notification::Cursor(_) | Notification::State { .. } | Notification::Reload { .. } => 1,
         };
         if self.sender.try_send(notification).is_err() {
             self.subscribers.missed.fetch_add(lines, Ordering::Relaxed);
@@ -127,6 +143,9 @@ pub(super) fn broadcast(queue: &NotificationQueue) {
                 for event in &events {
                     subscribers.push(&response::event_notification(event, &names, &mut buffer));
                 }
+            }
+            Notification::Cursor(cursor) => {
+                subscribers.push(&response::cursor_notification(&cursor));
             }
             Notification::State { state, paused_by } => {
                 subscribers.push(&response::state_notification(state, paused_by));

@@ -1,12 +1,13 @@
-//! One line of a client: a command or a subscription.
+//! One line of a client: a command, or a request for notifications or views.
 
 use crate::command::{Command, InvalidCommand};
 
 /// Longest accepted line, in bytes without the line end.
 pub const MAX_LINE_BYTES: usize = 4096;
 
-/// The line that subscribes to notifications. It belongs to the connection and not to the session.
-const SUBSCRIBE: &str = "subscribe";
+/// The requests that belong to the connection and not to the session.
+const OF_CONNECTION: [(&str, Request); 2] =
+    [("subscribe", Request::Subscribe), ("watch", Request::Watch)];
 
 /// A valid line.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +16,8 @@ pub(super) enum Request {
     Command(Command),
     /// Sends notifications to this client from now on.
     Subscribe,
+    /// Sends views to this client from now on.
+    Watch,
 }
 
 /// Reason why a line is invalid.
@@ -32,8 +35,8 @@ impl Request {
     /// Parses a line of JSON.
     pub fn parse(line: &[u8]) -> Result<Self, InvalidRequest> {
         let text = str::from_utf8(line).map_err(|_| InvalidRequest::Encoding)?;
-        if is_subscription(text) {
-            return Ok(Self::Subscribe);
+        if let Some(request) = of_connection(text) {
+            return Ok(request);
         }
         Ok(Self::Command(Command::from_json(text)?))
     }
@@ -44,14 +47,16 @@ pub fn validate(line: &[u8]) -> Result<(), InvalidRequest> {
     Request::parse(line).map(drop)
 }
 
-fn is_subscription(text: &str) -> bool {
+fn of_connection(text: &str) -> Option<Request> {
     #[derive(serde::Deserialize)]
     #[serde(deny_unknown_fields)]
-    struct Subscription {
+    struct Line {
         command: String,
     }
-    serde_json::from_str(text)
-        .is_ok_and(|subscription: Subscription| subscription.command == SUBSCRIBE)
+    let line: Line = serde_json::from_str(text).ok()?;
+    let mut requests = OF_CONNECTION.into_iter();
+    let found = requests.find(|(name, _)| *name == line.command);
+    found.map(|(_, request)| request)
 }
 
 #[cfg(test)]
@@ -67,6 +72,10 @@ mod tests {
         assert_eq!(
             Request::parse(br#"{"command":"subscribe"}"#),
             Ok(Request::Subscribe)
+        );
+        assert_eq!(
+            Request::parse(br#"{"command":"watch"}"#),
+            Ok(Request::Watch)
         );
         assert!(Request::parse(br#"{"command":"subscribe","deg":1}"#).is_err());
     }

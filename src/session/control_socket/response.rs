@@ -5,10 +5,12 @@ use serde::Serialize;
 use super::ProfileInfo;
 use crate::command::CommandOrigin;
 use crate::contact::TargetNames;
-use crate::device::{OutputEvent, TimedCommand};
+use crate::device::{CursorPosition, OutputEvent, TimedCommand};
 use crate::estimate::Rejection;
+use crate::layout::Layout;
 use crate::pipeline::{PipelineState, Suppressed};
 use crate::session::reply::SessionStatus;
+use crate::session::view::{View, ViewState};
 use crate::snapshot::Stats;
 use crate::trace::{command_json, event_json};
 
@@ -39,6 +41,7 @@ pub(super) fn state(status: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLin
         steps: status.stats.accepted + rejected,
         stats: StatsResponse::new(&status.stats),
         dropped_presses: status.stats.dropped_presses,
+        pointer: status.cursor.as_ref().map(CursorJson::from),
     })
 }
 
@@ -78,6 +81,28 @@ pub(super) fn command_notification(issued: &TimedCommand, buffer: &mut Vec<u8>) 
     String::from_utf8_lossy(command_json(issued, buffer)).into()
 }
 
+/// Returns the notification of the layout that the following views show.
+pub(super) fn layout_notification(layout: &Layout) -> JsonLine {
+    json(&NotificationLine::Layout {
+        file: &layout.file,
+        text: &layout.text,
+    })
+}
+
+/// Returns the notification of a view.
+pub(super) fn view_notification(view: &View) -> JsonLine {
+    json(&NotificationLine::View {
+        state: &view.state,
+        messages: &view.messages,
+        missed: view.missed,
+    })
+}
+
+/// Returns the notification of a new position of the cursor.
+pub(super) fn cursor_notification(cursor: &CursorPosition) -> JsonLine {
+    json(&NotificationLine::Pointer(CursorJson::from(cursor)))
+}
+
 fn json(value: &impl Serialize) -> JsonLine {
     serde_json::to_string(value)
         .expect("writing to memory succeeds, and every key is a string")
@@ -109,6 +134,27 @@ struct StateResponse<'a> {
     steps: u64,
     stats: StatsResponse,
     dropped_presses: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pointer: Option<CursorJson>,
+}
+
+/// The position of a cursor: in its range, 0..=1, and in each space in millimetres.
+#[derive(Serialize)]
+struct CursorJson {
+    position: Option<[f32; 3]>,
+    in_spaces_mm: Vec<Option<[f32; 3]>>,
+}
+
+impl From<&CursorPosition> for CursorJson {
+    fn from(cursor: &CursorPosition) -> Self {
+        let in_spaces = cursor.in_spaces.iter();
+        Self {
+            position: cursor.fractions.map(|position| position.to_array()),
+            in_spaces_mm: in_spaces
+                .map(|position| position.map(|position| (position * 1e3).to_array()))
+                .collect(),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -160,6 +206,17 @@ enum NotificationLine<'a> {
     Missed {
         count: u64,
     },
+    Pointer(CursorJson),
+    Layout {
+        file: &'a str,
+        text: &'a str,
+    },
+    View {
+        #[serde(flatten)]
+        state: &'a ViewState,
+        messages: &'a [String],
+        missed: u64,
+    },
 }
 
 #[cfg(test)]
@@ -182,6 +239,7 @@ mod tests {
             paused_by: Some(CommandOrigin::RateLimit),
             profile: 0,
             stats,
+            cursor: None,
         };
         let profiles = [ProfileInfo {
             name: "My board".into(),

@@ -33,19 +33,13 @@ const MAX_STALL_TIMEOUT: Duration = Duration::from_secs(2);
 /// without a heartbeat.
 const HEARTBEAT_PERIOD: Duration = Duration::from_millis(50);
 
-/// Passes readings from `source` through `pipeline` to `sink` on the calling thread, until the source ends or a `Stop`
-/// command arrives.
-///
-/// `observe` sees every step and must not block. The sink is closed in every case, even after a panic, which releases all
-/// keys. A live source stalls the pipeline when no reading comes for longer than the stall timeout, but at least three
-/// packet periods (2 s at most). A source that has a [clock](Source::clock), such as a replay in real time, does so when its
-/// clock has passed the timeout.
-pub fn run_pipeline(
+/// Runs as [`run_pipeline`](super::run_pipeline) does. `observe` sees the pipeline after every step, too.
+pub(super) fn run_observed(
     source: impl Source + 'static,
     pipeline: &mut Pipeline,
     sink: &mut dyn Sink,
     commands: &CommandReceiver,
-    observe: &mut dyn FnMut(&Snapshot),
+    observe: &mut dyn FnMut(&Snapshot, &Pipeline),
 ) -> Result<Summary, SessionError> {
     let capture = spawn(source)?;
     commands.attach();
@@ -94,7 +88,7 @@ struct SessionLoop<'a> {
     profile: usize,
     target_names: TargetNames,
     sink: CloseOnPanic<'a>,
-    observe: &'a mut dyn FnMut(&Snapshot),
+    observe: &'a mut dyn FnMut(&Snapshot, &Pipeline),
     events: Events,
     /// Arrival of the last accepted reading; `None` after a stall.
     last_reading_at: Option<Instant>,
@@ -374,6 +368,7 @@ impl SessionLoop<'_> {
             paused_by: self.pipeline.paused_by(),
             profile: self.pipeline.active_profile(),
             stats: self.stats(),
+            cursor: self.pipeline.layout().cursor(),
         }
     }
 
@@ -413,7 +408,7 @@ impl SessionLoop<'_> {
             lost_hands: self.pipeline.lost_hands(),
             stats: self.stats(),
         };
-        (self.observe)(&snapshot);
+        (self.observe)(&snapshot, self.pipeline);
         if self.profile != self.pipeline.active_profile() {
             self.update_target_names();
         }

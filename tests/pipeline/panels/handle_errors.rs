@@ -1,6 +1,6 @@
 //! Errors in sliders, knobs, levers, valves and joysticks, with their positions.
 
-use ademan::layout::Layout;
+use ademan::layout::{KeySize, Layout};
 
 /// Returns `LINE:COLUMN: message` of the error in a board with these fields in line 2.
 fn refusal(fields: &str) -> String {
@@ -166,7 +166,7 @@ fn the_overlap_of_a_slider_depends_on_its_rotation() {
     };
     assert!(Layout::parse(&board(0), "t.ron").is_err());
     let layout = Layout::parse(&board(90), "t.ron").unwrap();
-    let widths: Vec<usize> = layout.grids()[0]
+    let widths: Vec<usize> = layout.grids(KeySize::Labelled)[0]
         .cells
         .iter()
         .map(|cell| cell.width)

@@ -165,6 +165,7 @@ fn area_within(board: Rect, cell: &Cell) -> Option<Rect> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ademan::layout::KeySize;
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;
 
@@ -172,7 +173,7 @@ mod tests {
     fn drawn(columns: u16, rows: u16) -> Terminal<TestBackend> {
         let layout = Layout::load("qwerty-flat").unwrap();
         let scene = Scene {
-            grids: layout.grids(),
+            grids: layout.grids(KeySize::Bordered),
             goal: "to type  \"to be typed\"".into(),
             layout,
         };

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use ademan::advice;
 use ademan::contact::{Phase, TargetId};
-use ademan::layout::Layout;
+use ademan::layout::{KeySize, Layout};
 use ademan::snapshot::Snapshot;
 use ademan::time::Timestamp;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded, never};
@@ -56,7 +56,7 @@ impl Screen {
         let painter = Painter {
             terminal,
             scene: Scene {
-                grids: layout.grids(),
+                grids: layout.grids(KeySize::Bordered),
                 layout: layout.clone(),
                 goal,
             },
@@ -119,7 +119,7 @@ impl Screen {
             result: result(),
             state: snapshot.state,
             pressed: self.pressed.clone(),
-            fingertips: self.layout.hovers(pose),
+            fingertips: self.layout.hovers(&self.layout.scene, pose),
         };
         // A full channel means that the terminal still draws the previous picture.
         let _ = pictures.try_send(picture);

@@ -1,0 +1,247 @@
+//! The session loop's end: collects what a view shows, and publishes it when something changed or a view is due.
+
+use std::mem;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use arrayvec::ArrayVec;
+
+use super::hub::LatestSender;
+use super::state::{Fingertip, ViewCounts, ViewState};
+use crate::contact::TargetId;
+use crate::device::pressed_keys::PressedKeys;
+use crate::device::{Axis, CursorPosition, EventKind, KeyCode};
+use crate::hand::Side;
+use crate::kinematics::HandPose;
+use crate::layout::Layout;
+use crate::pipeline::{LayoutInstance, Pipeline, PipelineState};
+use crate::snapshot::Snapshot;
+
+/// Time between two views while nothing is pressed or released.
+const PERIOD: Duration = Duration::from_millis(33);
+
+/// Time over which the rate of readings is measured.
+const RATE_PERIOD: Duration = Duration::from_secs(1);
+
+/// Keys and characters of [`ViewState::recent`].
+const MAX_RECENT: usize = 24;
+
+/// The maximum distance of a fingertip from a board that a view shows, in metres.
+const MAX_HEIGHT: f32 = 0.3;
+
+/// The maximum number of fingertips of a view: two hands over eight boards.
+const MAX_FINGERTIPS: usize = 80;
+
+/// A layout and the state of the session that uses it.
+pub(super) struct Published {
+    pub layout: Arc<Layout>,
+    pub state: ViewState,
+}
+
+/// Publishes views of the session loop. Allocates only while there is a viewer.
+pub(in crate::session) struct ViewPublisher {
+    views: LatestSender<Published>,
+    /// The names of the profiles, the source and the outputs.
+    names: SessionNames,
+    layout: Arc<Layout>,
+    profile: usize,
+    state: PipelineState,
+    poses: [Option<HandPose>; Side::COUNT],
+    keys: PressedKeys,
+    recent: ArrayVec<EventKind, MAX_RECENT>,
+    values: Vec<(TargetId, f32)>,
+    axes: [f32; Axis::COUNT],
+    selected: ArrayVec<TargetId, 8>,
+    rate: Rate,
+    last_published: Option<Instant>,
+}
+
+/// Names that do not change.
+pub(in crate::session) struct SessionNames {
+    /// Names of the profiles, in order.
+    pub profiles: Vec<String>,
+    /// Name of the source.
+    pub source: String,
+    /// Names of the outputs.
+    pub output: String,
+}
+
+impl ViewPublisher {
+    pub(super) fn new(
+        views: LatestSender<Published>,
+        names: SessionNames,
+        layout: Arc<Layout>,
+    ) -> Self {
+        Self {
+            views,
+            names,
+            layout,
+            profile: 0,
+            state: PipelineState::Starting,
+            poses: [None; Side::COUNT],
+            keys: PressedKeys::default(),
+            recent: ArrayVec::new(),
+            values: Vec::new(),
+            axes: [0.0; Axis::COUNT],
+            selected: ArrayVec::new(),
+            rate: Rate::default(),
+            last_published: None,
+        }
+    }
+
+    /// Collects the changes of a step, and publishes a view if it is due. Does not wait.
+    pub fn update(&mut self, snapshot: &Snapshot, pipeline: &Pipeline) {
+        let is_new_layout = self.update_layout(pipeline);
+        let is_new_state = mem::replace(&mut self.state, snapshot.state) != snapshot.state;
+        let mut is_pressed = false;
+        for event in &snapshot.events {
+            is_pressed |= self.handle(event.kind);
+        }
+        match &snapshot.pose {
+            Some(pose) => self.poses[pose.side.index()] = Some(*pose),
+            // The hand of before is out of date.
+            None if snapshot.state != PipelineState::Running => self.poses = Default::default(),
+            None => {}
+        }
+        let now = Instant::now();
+        self.rate.update(snapshot.stats.source.readings, now);
+        let is_due = |last: Instant| now.duration_since(last) >= PERIOD;
+        let is_due = self.last_published.is_none_or(is_due);
+        if self.views.is_watched() && (is_due || is_pressed || is_new_state || is_new_layout) {
+            self.last_published = Some(now);
+            self.publish(snapshot, pipeline);
+        }
+    }
+
+    /// Returns whether another layout became active.
+    fn update_layout(&mut self, pipeline: &Pipeline) -> bool {
+        let layout = pipeline.layout().layout();
+        let Some(layout) = layout.filter(|layout| !Arc::ptr_eq(layout, &self.layout)) else {
+            return false;
+        };
+        self.layout = Arc::clone(layout);
+        self.profile = pipeline.active_profile();
+        // They belong to targets of the other layout.
+        self.values.clear();
+        self.selected.clear();
+        true
+    }
+
+    /// Returns whether a key or target is pressed or released.
+    fn handle(&mut self, event: EventKind) -> bool {
+        match event {
+            EventKind::KeyDown(key) => {
+                self.keys.press(key);
+                self.remember(event);
+            }
+            EventKind::KeyUp(key) => _ = self.keys.release(key),
+            EventKind::Character(_) => self.remember(event),
+            EventKind::Select(target) => _ = self.selected.try_push(target),
+            EventKind::Unselect(target) => self.selected.retain(|selected| *selected != target),
+            EventKind::Value(target, value) => {
+                let known = self.values.iter_mut().find(|(known, _)| *known == target);
+                match known {
+                    Some((_, known)) => *known = value,
+                    None => self.values.push((target, value)),
+                }
+                return false;
+            }
+            EventKind::Axis(axis, value) => {
+                self.axes[axis.index()] = value;
+                return false;
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    fn remember(&mut self, event: EventKind) {
+        if self.recent.is_full() {
+            self.recent.remove(0);
+        }
+        self.recent.push(event);
+    }
+
+    fn publish(&self, snapshot: &Snapshot, pipeline: &Pipeline) {
+        let active = pipeline.layout();
+        let CursorPosition {
+            fractions,
+            in_spaces,
+        } = active.cursor().unwrap_or_default();
+        let profile = self.names.profiles.get(self.profile);
+        let axes = Axis::ALL
+            .iter()
+            .map(|axis| (*axis, self.axes[axis.index()]));
+        let time = self.poses.iter().flatten().map(|pose| pose.time).max();
+        let mut keys: Vec<KeyCode> = self.keys.release_order().collect();
+        keys.reverse();
+        let state = ViewState {
+            time_us: time.unwrap_or_default(),
+            state: snapshot.state,
+            paused_by: snapshot.paused_by,
+            profile: profile.cloned().unwrap_or_default(),
+            source: self.names.source.clone(),
+            output: self.names.output.clone(),
+            readings_per_second: self.rate.per_second,
+            counts: ViewCounts::from(&snapshot.stats),
+            fingertips: self.fingertips(active),
+            pressed: active.pressed_targets().collect(),
+            keys,
+            recent: self.recent.iter().filter_map(key_name).collect(),
+            values: self.values.clone(),
+            axes: axes.filter(|(_, value)| *value != 0.0).collect(),
+            pointer: fractions.map(|position| position.to_array()),
+            in_spaces_mm: in_spaces
+                .iter()
+                .map(|position| position.map(|position| (position * 1e3).to_array()))
+                .collect(),
+            selected: self.selected.to_vec(),
+        };
+        let layout = Arc::clone(&self.layout);
+        self.views.send(Published { layout, state });
+    }
+
+    fn fingertips(&self, active: &LayoutInstance) -> Vec<Fingertip> {
+        let poses = self.poses.iter().flatten();
+        let fingertips = poses.flat_map(|pose| {
+            let hovers = self.layout.hovers(active.scene(), pose).into_iter();
+            hovers.map(|hover| Fingertip {
+                side: pose.side,
+                finger: hover.finger,
+                board: hover.board,
+                x_mm: hover.row_position.x * 1e3,
+                y_mm: hover.row_position.y * 1e3,
+                height_mm: hover.height * 1e3,
+            })
+        });
+        let near = fingertips.filter(|tip| tip.height_mm.abs() < MAX_HEIGHT * 1e3);
+        near.take(MAX_FINGERTIPS).collect()
+    }
+}
+
+fn key_name(event: &EventKind) -> Option<String> {
+    match event {
+        EventKind::KeyDown(key) => Some(key.name().to_owned()),
+        EventKind::Character(character) => Some(character.to_string()),
+        _ => None,
+    }
+}
+
+/// The number of readings per second.
+#[derive(Default)]
+struct Rate {
+    per_second: f32,
+    since: Option<(Instant, u64)>,
+}
+
+impl Rate {
+    /// Processes the number of readings so far.
+    fn update(&mut self, readings: u64, now: Instant) {
+        let (since, before) = *self.since.get_or_insert((now, readings));
+        let elapsed = now.duration_since(since);
+        if elapsed >= RATE_PERIOD {
+            self.per_second = readings.saturating_sub(before) as f32 / elapsed.as_secs_f32();
+            self.since = Some((now, readings));
+        }
+    }
+}

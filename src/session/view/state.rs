@@ -1,0 +1,130 @@
+//! The state of a session, as the control socket sends it too.
+
+use serde::{Deserialize, Serialize};
+
+use crate::command::CommandOrigin;
+use crate::contact::TargetId;
+use crate::device::{Axis, KeyCode};
+use crate::hand::{Finger, Side};
+use crate::pipeline::PipelineState;
+use crate::snapshot::Stats;
+use crate::time::Timestamp;
+
+/// The state of a session. Targets have the index that they have in the layout.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ViewState {
+    /// Time of the last reading.
+    pub time_us: Timestamp,
+    /// State of the pipeline.
+    pub state: PipelineState,
+    /// Origin of a requested pause.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub paused_by: Option<CommandOrigin>,
+    /// Name of the active profile.
+    pub profile: String,
+    /// Name of the source.
+    pub source: String,
+    /// Names of the outputs, separated by commas.
+    pub output: String,
+    /// Readings per second over the last second.
+    pub readings_per_second: f32,
+    /// Readings and losses so far.
+    pub counts: ViewCounts,
+    /// Fingertips near a board.
+    pub fingertips: Vec<Fingertip>,
+    /// Targets that fingertips press.
+    pub pressed: Vec<TargetId>,
+    /// Keys and buttons that are down, the first that was pressed first.
+    pub keys: Vec<KeyCode>,
+    /// The latest keys and characters that were pressed, oldest first.
+    pub recent: Vec<String>,
+    /// Values of controls, since each was first moved: 0..=1, or turns.
+    pub values: Vec<(TargetId, f32)>,
+    /// Axes that are off zero.
+    pub axes: Vec<(Axis, f32)>,
+    /// Position of the cursor in its range, 0..=1: to the right, up, towards the wearer.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pointer: Option<[f32; 3]>,
+    /// Position of the cursor in each space, in millimetres.
+    pub in_spaces_mm: Vec<Option<[f32; 3]>>,
+    /// Selected targets in space.
+    pub selected: Vec<TargetId>,
+}
+
+/// Counts of readings and of what went wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ViewCounts {
+    /// Readings received.
+    pub received: u64,
+    /// Readings that gave a pose.
+    pub accepted: u64,
+    /// Readings that gave no joint angles.
+    pub rejected: u64,
+    /// Readings dropped.
+    pub dropped: u64,
+    /// Losses of the device.
+    pub losses: u64,
+    /// Gaps between readings longer than the stall timeout.
+    pub stalls: u64,
+    /// Events suppressed.
+    pub suppressed: u64,
+    /// Presses that the output dropped.
+    pub dropped_presses: u64,
+}
+
+/// A fingertip over a board.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fingertip {
+    /// The hand.
+    pub side: Side,
+    /// The finger.
+    pub finger: Finger,
+    /// Index of the board.
+    pub board: usize,
+    /// Position in row coordinates: to the right.
+    pub x_mm: f32,
+    /// Position in row coordinates: away from the wearer.
+    pub y_mm: f32,
+    /// Distance from the pad of the fingertip to the board; negative while it presses.
+    pub height_mm: f32,
+}
+
+impl ViewState {
+    /// Returns the state before the first reading.
+    pub fn starting(profile: &str, source: &str, output: &str) -> Self {
+        Self {
+            time_us: Timestamp::default(),
+            state: PipelineState::Starting,
+            paused_by: None,
+            profile: profile.to_owned(),
+            source: source.to_owned(),
+            output: output.to_owned(),
+            readings_per_second: 0.0,
+            counts: ViewCounts::default(),
+            fingertips: Vec::new(),
+            pressed: Vec::new(),
+            keys: Vec::new(),
+            recent: Vec::new(),
+            values: Vec::new(),
+            axes: Vec::new(),
+            pointer: None,
+            in_spaces_mm: Vec::new(),
+            selected: Vec::new(),
+        }
+    }
+}
+
+impl From<&Stats> for ViewCounts {
+    fn from(stats: &Stats) -> Self {
+        Self {
+            received: stats.source.readings,
+            accepted: stats.accepted,
+            rejected: stats.rejected.iter().sum(),
+            dropped: stats.source.dropped,
+            losses: stats.source.losses,
+            stalls: stats.stalls,
+            suppressed: stats.suppressed.total(),
+            dropped_presses: stats.dropped_presses,
+        }
+    }
+}
