@@ -8,6 +8,7 @@
 //!  └ own thread ┘└─ bounded channel ─┘└───────────────────────── session loop: Pipeline::step, then Sink::send ──────────────────────────┘
 //!
 //!  keys, gestures, control socket, panic keys, library ──Command──▶ Session ──Snapshot──▶ recorder, trace, control socket, observers
+//!                                                                         └───View──▶ terminal, control socket
 //! ```
 //!
 //! - [`capture`] decodes the bytes of a glove or another sensor into [`Reading`](capture::Reading)s.

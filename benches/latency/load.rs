@@ -51,9 +51,9 @@ fn context(commands: CommandSender) -> ServerContext {
         profiles: vec![ProfileInfo {
             name: "main".into(),
             file: "qwerty-flat".into(),
-            views: None,
         }],
         commands,
+        views: None,
     }
 }
 

@@ -31,6 +31,8 @@ mod terminal;
 mod text_line;
 mod traces;
 mod two_sources;
+#[cfg(target_os = "linux")]
+mod view;
 mod writes;
 mod wrong_use;
 

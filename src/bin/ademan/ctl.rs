@@ -37,13 +37,7 @@ struct Request {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    let path = args.socket.or_else(control_socket::default_path);
-    let path = path.ok_or_else(|| {
-        Failure::wrong_use(
-            "there is no default control socket, as XDG_RUNTIME_DIR names no folder; name the socket with --socket, and \
-             start the session with the same path after --control",
-        )
-    })?;
+    let path = socket_path(args.socket)?;
     let mut client = Client::connect(&path)?;
     let reply = client.request(&args.request.line)?;
     let fields: Value = serde_json::from_str(&reply)
@@ -63,6 +57,17 @@ pub fn run(args: Args) -> Result<(), Failure> {
         _ if args.json => Ok(()),
         command => print_line(&reply_text(command, &fields)),
     }
+}
+
+/// Returns the path of the control socket: the given one, or the default.
+pub fn socket_path(given: Option<PathBuf>) -> Result<PathBuf, Failure> {
+    let path = given.or_else(control_socket::default_path);
+    path.ok_or_else(|| {
+        Failure::wrong_use(
+            "there is no default control socket, as XDG_RUNTIME_DIR names no folder; name the socket with --socket, and \
+             start the session with the same path after --control",
+        )
+    })
 }
 
 impl Subcommand for Request {

@@ -55,6 +55,8 @@ mod sources;
 mod stats;
 mod system_files;
 mod trace;
+mod view;
+mod watch;
 mod watchdog;
 
 use std::process::ExitCode;
@@ -78,6 +80,7 @@ struct Cli {
 subcommands! {
     Demo(demo),
     Run(run),
+    Watch(watch),
     Ctl(ctl),
     Record(record),
     Replay(replay),
@@ -110,6 +113,8 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     };
+    // An error at the start of a session comes before its view.
+    view::abandon();
     messages::flush();
     code
 }

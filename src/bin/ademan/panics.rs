@@ -45,6 +45,7 @@ pub fn install_hook() {
         );
         if is_second {
             // A panic during a panic aborts the process next, and the watchdog releases the keys.
+            signals::run_last_action();
             messages::flush_within(ABORT_DELAY);
         }
     }));

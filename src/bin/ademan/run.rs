@@ -9,12 +9,16 @@ use ademan::{advice, doctor, output, priority};
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::SetupArgs;
-use crate::{pause_signals, session, stats, watchdog};
+use crate::view::{self, LiveView, ViewKind, Views};
+use crate::{messages, pause_signals, session, stats, watchdog};
+
+/// The output without any other.
+const TRANSCRIPT: &str = "transcript";
 
 /// Type with a glove
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n  ademan run my-setup.ron --wait\n\nThe session starts paused. It is armed after the hand has been clear of every key for 300 ms. A layout file is activated when it is saved. Ctrl-C releases everything and ends the session."
+    after_help = "Examples:\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n  ademan run my-setup.ron --wait\n  ademan run my-setup.ron --view log\n\nThe session starts paused. It is armed after the hand has been clear of every key for 300 ms. A layout file is activated when it is saved. Ctrl-C releases everything and ends the session."
 )]
 pub struct Args {
     /// Setup file, such as examples/setup.ron; the flags override it
@@ -36,9 +40,12 @@ pub struct Args {
     /// Run as root
     #[arg(long)]
     allow_root: bool,
-    /// Control socket for `ademan ctl`, or `off`. The default is in $XDG_RUNTIME_DIR
+    /// Control socket for `ademan ctl` and `ademan watch`, or `off`. The default is in $XDG_RUNTIME_DIR
     #[arg(long, value_name = "PATH|off")]
     control: Option<PathBuf>,
+    /// Display. The default is `board` if standard output is a terminal, and `log` otherwise
+    #[arg(long, value_name = "KIND")]
+    view: Option<ViewKind>,
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
@@ -46,7 +53,13 @@ pub fn run(args: Args) -> Result<(), Failure> {
         return Err(Failure::wrong_use(advice::running_as_root().to_string()));
     }
     let mut setup = args.flags.read_setup(args.setup.as_deref())?;
+    let is_output_given = args.output.is_some();
     setup.output = args.output.unwrap_or(setup.output);
+    let view = choose_view(args.view, &setup.output, is_output_given)?;
+    let is_replaced = view == ViewKind::Board && setup.output == TRANSCRIPT;
+    if is_replaced {
+        setup.output = "none".into();
+    }
     setup.arm_immediately |= args.armed;
     let control_socket = match &args.control {
         Some(off) if off.as_os_str() == "off" => ControlSocket::Off,
@@ -63,15 +76,48 @@ pub fn run(args: Args) -> Result<(), Failure> {
         watch_layouts: true,
         use_panic_keys: true,
         report_status: true,
-        on_notice: Some(Box::new(|notice| say!("{notice}"))),
+        on_notice: (view != ViewKind::None).then(session::print_notices),
         ..SessionOptions::default()
     };
     if let Ok(count @ 1..) = output::release_abandoned_keys() {
         say!("released the keys of a killed run ({count})");
     }
-    let session = session::start(setup.load_files()?, options)?;
+    let setup = setup.load_files()?;
+    if view == ViewKind::Board {
+        messages::hold();
+        if is_replaced {
+            say!("shown here only: add `--output desktop` to type into other programs");
+        }
+    }
+    let session = session::start(setup, options)?;
     pause_signals::install(session.commands().clone())?;
-    // The system prefers this thread for the delivery of signals.
+    let view =
+        (view == ViewKind::Board).then(|| LiveView::open(Views::Session(session.add_viewer())));
+    // The system prefers this thread for the delivery of signals. The view does not inherit its priority.
     priority::raise_thread_priority();
-    stats::report(session.join()?)
+    let ended = session.join();
+    drop(view);
+    stats::report(ended?)
+}
+
+/// Returns what to show. A picture and a transcript cannot share a terminal: the picture replaces a transcript that is
+/// only the default output.
+fn choose_view(
+    asked: Option<ViewKind>,
+    output: &str,
+    is_output_given: bool,
+) -> Result<ViewKind, Failure> {
+    let is_replaceable = output == TRANSCRIPT && !is_output_given;
+    let would_mix = output::uses_stdout(output) && !is_replaceable;
+    match asked {
+        Some(ViewKind::Board) if !view::is_possible() => Err(Failure::wrong_use(
+            "cannot draw a board: standard output is no terminal in the foreground that can show a picture; use `--view log`",
+        )),
+        Some(ViewKind::Board) if would_mix => Err(Failure::wrong_use(
+            "`--view board` and a transcript on standard output would mix; use `--view log`, or write the transcript to a file: `--output transcript:FILE`",
+        )),
+        Some(asked) => Ok(asked),
+        None if view::is_possible() && !would_mix => Ok(ViewKind::Board),
+        None => Ok(ViewKind::Log),
+    }
 }

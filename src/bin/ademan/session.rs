@@ -1,7 +1,7 @@
 //! Sessions of the subcommands.
 
 use ademan::command::Command;
-use ademan::session::{Session, SessionHandle, SessionOptions};
+use ademan::session::{NoticeReceiver, Session, SessionHandle, SessionOptions};
 use ademan::setup::LoadedSetup;
 
 use crate::failure::Failure;
@@ -11,6 +11,11 @@ use crate::{messages, signals};
 pub fn prepare() -> Result<(), Failure> {
     messages::start()?;
     signals::install()
+}
+
+/// Returns a receiver that prints notices.
+pub fn print_notices() -> NoticeReceiver {
+    Box::new(|notice| say!("{notice}"))
 }
 
 /// Starts a session that SIGINT, SIGTERM and SIGHUP stop.

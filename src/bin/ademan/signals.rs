@@ -59,8 +59,8 @@ pub fn interrupt() {
     run_action();
 }
 
-fn exit_after(delay: Duration) -> ! {
-    thread::sleep(delay);
+/// Calls the last action, and waits 0.2 s for it at most.
+pub fn run_last_action() {
     if let Some(action) = BEFORE_EXIT.get() {
         let (end, ended) = bounded::<()>(0);
         let act = move || {
@@ -71,6 +71,11 @@ fn exit_after(delay: Duration) -> ! {
         let _ = thread::Builder::new().name("last action".into()).spawn(act);
         let _ = ended.recv_timeout(ACTION_TIMEOUT);
     }
+}
+
+fn exit_after(delay: Duration) -> ! {
+    thread::sleep(delay);
+    run_last_action();
     std::process::exit(INTERRUPTED)
 }
 

@@ -6,8 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use crossbeam_channel::{Receiver, Sender, TrySendError, bounded, select};
+use crossbeam_channel::TryRecvError::Disconnected;
+use crossbeam_channel::{Receiver, Sender, bounded, select};
 
+use super::latest::LatestSender;
 use super::publisher::{Published, SessionNames, ViewPublisher};
 use super::{MAX_MESSAGES, View, ViewState};
 use crate::layout::Layout;
@@ -57,13 +59,8 @@ impl ViewHub {
             }),
             count: Arc::clone(&count),
         });
-        let (sender, views) = bounded(1);
+        let (publisher, views) = LatestSender::new(count);
         let (messages, queue) = bounded(QUEUED_MESSAGES);
-        let publisher = LatestSender {
-            sender,
-            oldest: views.clone(),
-            count,
-        };
         let publisher = ViewPublisher::new(publisher, names, layout);
         let hub = Self {
             shared: Arc::clone(&shared),
@@ -102,7 +99,7 @@ impl Shared {
     }
 
     /// Passes views and notices on until the session loop ends.
-    fn run(&self, views: &LatestReceiver, messages: &Receiver<String>) {
+    fn run(&self, views: &Receiver<Published>, messages: &Receiver<String>) {
         let mut latest = VecDeque::new();
         loop {
             select! {
@@ -191,7 +188,6 @@ impl Viewer {
 impl ViewerSlot {
     /// Replaces a view that was not received yet. Returns `false` if the viewer is gone.
     fn send(&mut self, view: &View) -> bool {
-        use crossbeam_channel::TryRecvError::Disconnected;
         if self.is_gone.try_recv() == Err(Disconnected) {
             return false;
         }
@@ -203,29 +199,5 @@ impl ViewerSlot {
         // Only this slot sends, so there is room.
         let _ = self.sender.try_send(view);
         true
-    }
-}
-
-type LatestReceiver = Receiver<Published>;
-
-/// Sends the newest value and drops an older one that was not received yet.
-pub(super) struct LatestSender<T> {
-    sender: Sender<T>,
-    oldest: Receiver<T>,
-    count: Arc<AtomicUsize>,
-}
-
-impl<T> LatestSender<T> {
-    /// Returns whether there is a viewer.
-    pub fn is_watched(&self) -> bool {
-        self.count.load(Ordering::Relaxed) > 0
-    }
-
-    /// Sends a value without waiting.
-    pub fn send(&self, value: T) {
-        if let Err(TrySendError::Full(value)) = self.sender.try_send(value) {
-            let _ = self.oldest.try_recv();
-            let _ = self.sender.try_send(value);
-        }
     }
 }

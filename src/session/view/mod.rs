@@ -9,6 +9,7 @@
 //! ```
 
 mod hub;
+mod latest;
 mod publisher;
 mod state;
 

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use arrayvec::ArrayVec;
 
-use super::hub::LatestSender;
+use super::latest::LatestSender;
 use super::state::{Fingertip, ViewCounts, ViewState};
 use crate::contact::TargetId;
 use crate::device::pressed_keys::PressedKeys;
@@ -97,12 +97,7 @@ impl ViewPublisher {
         for event in &snapshot.events {
             is_pressed |= self.handle(event.kind);
         }
-        match &snapshot.pose {
-            Some(pose) => self.poses[pose.side.index()] = Some(*pose),
-            // The hand of before is out of date.
-            None if snapshot.state != PipelineState::Running => self.poses = Default::default(),
-            None => {}
-        }
+        self.update_poses(snapshot);
         let now = Instant::now();
         self.rate.update(snapshot.stats.source.readings, now);
         let is_due = |last: Instant| now.duration_since(last) >= PERIOD;
@@ -110,6 +105,20 @@ impl ViewPublisher {
         if self.views.is_watched() && (is_due || is_pressed || is_new_state || is_new_layout) {
             self.last_published = Some(now);
             self.publish(snapshot, pipeline);
+        }
+    }
+
+    /// Keeps the latest pose of each hand that is tracked.
+    fn update_poses(&mut self, snapshot: &Snapshot) {
+        if let Some(pose) = &snapshot.pose {
+            self.poses[pose.side.index()] = Some(*pose);
+        } else if snapshot.state != PipelineState::Running {
+            self.poses = Default::default();
+        }
+        for (pose, is_lost) in self.poses.iter_mut().zip(snapshot.lost_hands) {
+            if is_lost {
+                *pose = None;
+            }
         }
     }
 

@@ -1,14 +1,11 @@
 //! `ademan demo`: a simulated hand types or plays a script, from glove bytes to events.
 
-mod draw;
-mod interrupt;
 mod player;
-mod screen;
 mod script;
 mod task;
 mod text;
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::num::NonZeroU32;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -26,9 +23,9 @@ use ademan::sim::{PacketWriters, PlaybackStats, SimulatedTypist};
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::number_in;
-use crate::{messages, signals, stats, watchdog};
+use crate::view::{self, LiveView, Views};
+use crate::{messages, session, signals, stats, watchdog};
 use player::Player;
-use screen::Screen;
 use task::Task;
 use text::TextChoice;
 
@@ -119,16 +116,11 @@ fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
         escape(&setup.layout.name),
         source.name()
     )?;
-    let uses_terminal = io::stdout().is_terminal() && !output::uses_stdout(&args.output);
-    let mut screen = match uses_terminal {
-        true => Screen::open(&setup.layout, task.goal()),
-        false => Screen::closed(&setup.layout),
-    };
     let options = SessionOptions {
         source: Some(source),
         watchdog: Some(watchdog::program(Command::Stop)?),
         lossless_snapshots: true,
-        on_notice: Some(Box::new(|notice| say!("{notice}"))),
+        on_notice: Some(session::print_notices()),
         ..SessionOptions::default()
     };
     let session = Session::start(setup, options)?;
@@ -138,11 +130,21 @@ fn play(args: &Args, current: &CurrentPlayer) -> Result<(), Failure> {
     if signals::is_stop_requested() {
         player.cancel();
     }
+    let is_drawn = view::is_possible() && !output::uses_stdout(&args.output);
+    let view = is_drawn.then(|| LiveView::open(Views::Session(session.add_viewer())));
+    let show = |task: &Task| {
+        if let Some(view) = &view {
+            view.task().set(vec![task.goal(), task.result()]);
+        }
+    };
+    show(&task);
     for snapshot in session.snapshots() {
         task.update(&snapshot);
-        screen.show(&snapshot, || task.result());
+        if !snapshot.events.is_empty() {
+            show(&task);
+        }
     }
-    drop(screen);
+    drop(view);
     // The session may have ended first, by an error or the loss of the watchdog.
     player.cancel();
     let playback = player.join()?;

@@ -2,10 +2,12 @@
 //!
 //! A command that runs a session [starts](start) a queue with a thread of its own, so that no message delays a release.
 //! A full queue drops messages, and their number is printed once the stream accepts data again. The other commands print at once.
+//! While the live view covers the terminal, messages are [held](hold) for it, and written to standard error when it ends.
 //! Text of others is escaped, and log messages are limited by kind and source.
 
 mod log;
 mod queue;
+mod stream;
 
 use std::io::{self, Write};
 use std::sync::OnceLock;
@@ -14,6 +16,8 @@ use std::time::Duration;
 use ademan::message::escape_lines;
 
 use self::queue::MessageQueue;
+use self::stream::MessageStream;
+pub use self::stream::{hold, latest, release};
 use crate::failure::Failure;
 
 /// Longest wait at the end of the program for a standard error that is not read.
@@ -28,7 +32,7 @@ pub fn install_log() {
 
 /// Prints all later messages on a thread of its own.
 pub fn start() -> Result<(), Failure> {
-    let queue = MessageQueue::start(io::stderr(), log::take_due).map_err(Failure::no_thread)?;
+    let queue = MessageQueue::start(MessageStream, log::take_due).map_err(Failure::no_thread)?;
     // A second queue would have no messages.
     let _ = QUEUE.set(queue);
     Ok(())

@@ -89,8 +89,10 @@ impl<W: Write> Printer<W> {
             Some(time) => self.queue.recv_deadline(time),
             None => self.queue.recv().map_err(RecvTimeoutError::from),
         };
-        if let Ok(Entry::Message(message)) = &entry {
-            self.print(message);
+        match &entry {
+            Ok(Entry::Message(message)) => self.print(message),
+            Ok(Entry::Flush { .. }) => _ = self.writer.flush(),
+            _ => {}
         }
         if self.queue.is_empty() {
             self.print_missed();

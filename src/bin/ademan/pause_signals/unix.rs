@@ -11,6 +11,7 @@ use signal_hook::iterator::Signals;
 use signal_hook::low_level::emulate_default_handler;
 
 use crate::failure::Failure;
+use crate::view;
 
 /// Longest wait for the session; a process that hangs is stopped all the same.
 const REPLY_TIMEOUT: Duration = Duration::from_millis(500);
@@ -48,8 +49,12 @@ fn suspend(commands: &CommandSender) {
         let _ = request(Command::Pause);
     }
     thread::sleep(OUTPUT_DELAY);
+    let was_viewed = view::suspend();
     if let Err(error) = emulate_default_handler(SIGTSTP) {
         say!("cannot stop this process: {error}");
+    }
+    if was_viewed {
+        view::resume();
     }
     if !was_paused {
         let _ = request(Command::Resume);

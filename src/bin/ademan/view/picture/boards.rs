@@ -1,0 +1,206 @@
+//! Boards: keys, other controls and fingertips.
+
+use ademan::contact::TargetId;
+use ademan::hand::Side;
+use ademan::layout::{Cell, ControlKind, Grid, KeySize, Layout};
+use ademan::message::escape;
+use ademan::session::view::Fingertip;
+use parry3d::math::Vec2;
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::Style;
+use ratatui::symbols::border;
+use ratatui::widgets::{Block, Widget};
+
+use super::Picture;
+use super::parts::{Part, PartKind};
+use super::values::value_of;
+use crate::view::look::finger_mark;
+
+/// Returns the boards of a layout: those of the left hand first, then from left to right.
+pub fn parts(layout: &Layout, key_size: KeySize) -> Vec<Part> {
+    let grids = layout.grids(key_size).into_iter().enumerate();
+    let mut parts: Vec<Part> = grids
+        .filter(|(_, grid)| grid.columns > 0)
+        .map(|(index, grid)| {
+            let (columns, rows) = (grid.columns, grid.rows);
+            Part::new(PartKind::Board(index, grid), columns, rows)
+        })
+        .collect();
+    let surfaces = layout.scene.surfaces();
+    parts.sort_by_key(|part| match part.kind {
+        PartKind::Board(index, _) => match surfaces.get(index).and_then(|surface| surface.side()) {
+            Some(Side::Left) => 0,
+            None => 1,
+            Some(Side::Right) => 2,
+        },
+        _ => 3,
+    });
+    parts
+}
+
+/// Draws a board.
+pub fn draw(picture: &Picture, board: usize, grid: &Grid, buffer: &mut Buffer, area: Rect) {
+    let state = &picture.view.state;
+    let is_lit = |cell: &Cell| {
+        state.pressed.contains(&cell.target) || is_on(&picture.view.layout, cell.target, picture)
+    };
+    for cell in grid.cells.iter().filter(|cell| !is_lit(cell)) {
+        draw_cell(picture, cell, buffer, area, Style::new());
+    }
+    let tips = state.fingertips.iter().filter(|tip| tip.board == board);
+    for tip in tips {
+        draw_fingertip(picture, grid, tip, buffer, area);
+    }
+    // A pressed key is drawn over the fingertip that presses it.
+    for cell in grid.cells.iter().filter(|cell| is_lit(cell)) {
+        draw_cell(picture, cell, buffer, area, picture.look.pressed());
+    }
+}
+
+/// Returns whether a target is a switch that is on.
+fn is_on(layout: &Layout, target: TargetId, picture: &Picture) -> bool {
+    let mut controls = layout.controls.iter();
+    let is_switch = controls.any(
+        |control| matches!(&control.kind, ControlKind::Toggle(toggle) if toggle.target == target),
+    );
+    let mut values = picture.view.state.values.iter();
+    is_switch && values.any(|(known, value)| *known == target && *value > 0.5)
+}
+
+fn draw_cell(picture: &Picture, cell: &Cell, buffer: &mut Buffer, board: Rect, style: Style) {
+    let Some(face) = picture.view.layout.face(cell.target) else {
+        return;
+    };
+    let area = Rect::new(
+        board.x + cell.column as u16,
+        board.y + cell.row as u16,
+        cell.width as u16,
+        cell.height as u16,
+    );
+    let area = area.intersection(board).intersection(buffer.area);
+    if area.is_empty() {
+        return;
+    }
+    let is_bordered = area.width >= 3 && area.height >= 3;
+    let inside = match is_bordered {
+        true => {
+            let corners = if cell.round {
+                border::ROUNDED
+            } else {
+                border::PLAIN
+            };
+            let block = Block::bordered().border_set(corners).style(style);
+            let inside = block.inner(area);
+            block.render(area, buffer);
+            inside
+        }
+        false => {
+            buffer.set_style(area, style);
+            area
+        }
+    };
+    // A symbol such as that of Shift is not in every locale.
+    let is_drawable = picture.look.is_unicode || face.label.is_ascii();
+    let label = if is_drawable { &face.label } else { &face.name };
+    let Some(value) = slider_value(picture, cell.target) else {
+        draw_label(label, inside, is_bordered, buffer, style);
+        return;
+    };
+    // The handle needs the inside, so the label is in the border.
+    let top = Rect {
+        height: 1,
+        y: area.y,
+        ..inside
+    };
+    draw_label(label, top, is_bordered, buffer, style);
+    draw_handle(value, inside, buffer, style);
+}
+
+/// Returns the value of a slider, 0..=1; `None` for any other target.
+fn slider_value(picture: &Picture, target: TargetId) -> Option<f32> {
+    let controls = &picture.view.layout.controls;
+    let mut kinds = controls.iter().map(|control| &control.kind);
+    let is_slider =
+        kinds.any(|kind| matches!(kind, ControlKind::Slider(slider) if slider.target == target));
+    let value = value_of(picture.view, target).filter(|_| is_slider)?;
+    Some(value.clamp(0.0, 1.0))
+}
+
+/// Draws the handle of a slider on its track.
+fn draw_handle(value: f32, inside: Rect, buffer: &mut Buffer, style: Style) {
+    // Characters are twice as high as wide.
+    let is_wide = inside.width >= 2 * inside.height;
+    let length = if is_wide { inside.width } else { inside.height };
+    let offset = (value * f32::from(length.saturating_sub(1))).round() as u16;
+    let handle = match is_wide {
+        true => Rect {
+            x: inside.x + offset,
+            width: 1,
+            ..inside
+        },
+        false => Rect {
+            y: inside.bottom().saturating_sub(1 + offset),
+            height: 1,
+            ..inside
+        },
+    };
+    for position in handle.intersection(buffer.area).positions() {
+        buffer[position]
+            .set_symbol(if is_wide { "┃" } else { "━" })
+            .set_style(style);
+    }
+}
+
+/// Draws the label in the middle; one that is too long is cut at its end.
+fn draw_label(label: &str, inside: Rect, is_bordered: bool, buffer: &mut Buffer, style: Style) {
+    if inside.is_empty() {
+        return;
+    }
+    let label = escape(label);
+    // A compact key leaves a gap to the next one.
+    let room = match is_bordered || inside.width < 2 {
+        true => inside.width,
+        false => inside.width - 1,
+    };
+    let width = label.chars().count().min(usize::from(room)) as u16;
+    let x = inside.x + (room - width) / 2;
+    let y = inside.y + (inside.height - 1) / 2;
+    buffer.set_stringn(x, y, label, usize::from(room), style);
+}
+
+fn draw_fingertip(
+    picture: &Picture,
+    grid: &Grid,
+    tip: &Fingertip,
+    buffer: &mut Buffer,
+    area: Rect,
+) {
+    let Some((column, row)) = grid.cell_at(Vec2::new(tip.x_mm, tip.y_mm) * 1e-3) else {
+        return;
+    };
+    let y = area.y + row as u16;
+    let area = area.intersection(buffer.area);
+    let is_label = |x: u16| {
+        let symbol = buffer[(x, y)].symbol();
+        symbol
+            .chars()
+            .any(|character| !" ─│┌┐└┘╭╮╰╯".contains(character))
+    };
+    // A label stays readable: the mark stands beside it.
+    let x = i32::from(area.x) + column as i32;
+    let beside = [0, 1, -1, 2, -2, 3, -3].into_iter();
+    let beside = beside.filter_map(|offset| u16::try_from(x + offset).ok());
+    let mut inside = beside.filter(|&x| area.contains((x, y).into()));
+    let Some(x) = inside
+        .clone()
+        .find(|&x| !is_label(x))
+        .or_else(|| inside.next())
+    else {
+        return;
+    };
+    let mark = finger_mark(tip.finger, tip.height_mm < 0.0);
+    buffer[(x, y)]
+        .set_char(mark)
+        .set_style(picture.look.fingertip(tip.finger));
+}

@@ -1,0 +1,158 @@
+//! One picture of the live view.
+//!
+//! ```text
+//!  running  QWERTY, 19 mm  typist:hello > transcript      state, layout, source and outputs
+//!  ┌───┐┌───┐                                             boards side by side, pointer and targets in space
+//!  fingers ① thumb 31 …                                   heights over the board
+//!  down    ShiftLeft H                                    keys that are down, or the task of the demo
+//!  Volume  ▕█████░░░░░▏ 0.50                              controls and axes
+//!  3218 readings, 174/s, no losses                        counts
+//!  armed: touches are typed                               messages
+//! ```
+
+mod boards;
+mod cut;
+mod lines;
+mod parts;
+mod space;
+#[cfg(test)]
+mod tests;
+mod values;
+
+use ademan::layout::KeySize;
+use ademan::session::view::View;
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::text::Line;
+use ratatui::widgets::Widget;
+
+use self::cut::cut;
+use self::parts::{Part, PartKind, arrange};
+use super::look::Look;
+
+/// Messages that are shown while there is room for more.
+const MIN_MESSAGES: u16 = 2;
+
+/// The content of a picture.
+pub struct Picture<'a> {
+    pub view: &'a View,
+    /// Lines of the command.
+    pub task: &'a [String],
+    /// Oldest first.
+    pub messages: &'a [String],
+    pub look: Look,
+}
+
+impl Picture<'_> {
+    /// Draws the picture. What has no room is left out, and named.
+    pub fn draw(&self, buffer: &mut Buffer, window: Rect) {
+        if window.is_empty() {
+            return;
+        }
+        let mut left_out: Vec<&str> = Vec::new();
+        let below = self.lines_below(window.width);
+        let messages = MIN_MESSAGES.min(self.messages.len() as u16);
+        let reserved = 1
+            + below
+                .iter()
+                .map(|lines| lines.lines.len() as u16)
+                .sum::<u16>()
+            + messages;
+        let room = window.height.saturating_sub(reserved);
+        let mut y = window.y + 1 + self.draw_parts(buffer, window, room, &mut left_out);
+        for LineGroup { name, lines } in below {
+            if y + lines.len() as u16 > window.bottom() {
+                left_out.push(name);
+                continue;
+            }
+            for line in lines {
+                line.render(Rect::new(window.x, y, window.width, 1), buffer);
+                y += 1;
+            }
+        }
+        let shown = self.draw_messages(
+            buffer,
+            Rect::new(window.x, y, window.width, window.bottom().saturating_sub(y)),
+        );
+        if shown < messages {
+            left_out.push("messages");
+        }
+        let title = Rect::new(window.x, window.y, window.width, 1);
+        self.title(&left_out, window.width).render(title, buffer);
+        self.look.apply(buffer);
+    }
+
+    /// Draws boards and spaces in at most `room` rows, at the largest size at which all fit. Returns their height.
+    fn draw_parts(
+        &self,
+        buffer: &mut Buffer,
+        window: Rect,
+        room: u16,
+        left_out: &mut Vec<&str>,
+    ) -> u16 {
+        for key_size in [KeySize::Labelled, KeySize::Bordered, KeySize::Compact] {
+            let mut parts = self.parts(key_size);
+            if key_size != KeySize::Compact && !arrange(&mut parts, window.width, room) {
+                continue;
+            }
+            let mut is_cut = false;
+            while !arrange(&mut parts, window.width, room) {
+                is_cut = true;
+                parts.pop();
+            }
+            if is_cut {
+                left_out.push(if parts.is_empty() {
+                    "boards"
+                } else {
+                    "a board"
+                });
+            }
+            let height = parts.iter().map(|part| part.y + part.height).max();
+            let columns = parts.iter().map(|part| part.x + part.width).max();
+            let margin = window.width.saturating_sub(columns.unwrap_or(0)) / 2;
+            for part in &parts {
+                let area = Rect::new(
+                    window.x + margin + part.x,
+                    window.y + 1 + part.y,
+                    part.width,
+                    part.height,
+                );
+                self.draw_part(part, buffer, area);
+            }
+            return height.unwrap_or(0);
+        }
+        0
+    }
+
+    fn draw_part(&self, part: &Part, buffer: &mut Buffer, area: Rect) {
+        match &part.kind {
+            PartKind::Board(index, grid) => boards::draw(self, *index, grid, buffer, area),
+            PartKind::Range => space::draw_range(self, buffer, area),
+            PartKind::Space(index) => space::draw_space(self, *index, buffer, area),
+        }
+    }
+
+    fn parts(&self, key_size: KeySize) -> Vec<Part> {
+        let mut parts = boards::parts(&self.view.layout, key_size);
+        parts.extend(space::parts(self.view, key_size));
+        parts
+    }
+
+    /// Draws the latest messages that fit, and returns their number.
+    fn draw_messages(&self, buffer: &mut Buffer, area: Rect) -> u16 {
+        let count = usize::from(area.height).min(self.messages.len());
+        let latest = &self.messages[self.messages.len() - count..];
+        for (row, message) in latest.iter().enumerate() {
+            let text = cut(message, area.width);
+            let area = Rect::new(area.x, area.y + row as u16, area.width, 1);
+            Line::styled(text, self.look.faint()).render(area, buffer);
+        }
+        count as u16
+    }
+}
+
+/// Lines that are shown or left out together.
+struct LineGroup {
+    name: &'static str,
+    lines: Vec<Line<'static>>,
+}

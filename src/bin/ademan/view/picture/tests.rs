@@ -1,0 +1,126 @@
+//! Tests of pictures of several layouts in windows of several sizes.
+
+use std::sync::Arc;
+
+use ademan::document::shipped_layouts;
+use ademan::hand::{Finger, Side};
+use ademan::layout::Layout;
+use ademan::pipeline::PipelineState;
+use ademan::session::view::{Fingertip, View, ViewState};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+use super::Picture;
+use crate::view::look::Look;
+
+const COLORED: Look = Look {
+    has_colors: true,
+    is_unicode: true,
+};
+
+/// A view of a layout with both hands, all fingertips over the first key.
+fn view(layout: &str) -> View {
+    let layout = Layout::load(layout).unwrap();
+    let mut state = ViewState::starting("main", "serial:/dev/ttyUSB0", "desktop");
+    state.state = PipelineState::Running;
+    let board = layout.boards.first();
+    let face = board.and_then(|board| layout.faces(board).next());
+    if let Some(face) = face {
+        let position = face.row_position * 1e3;
+        let sides = match layout.has_board_for(Side::Left) {
+            true => Side::ALL,
+            false => &Side::ALL[1..],
+        };
+        for &side in sides {
+            for (number, &finger) in Finger::ALL.iter().enumerate() {
+                state.fingertips.push(Fingertip {
+                    side,
+                    finger,
+                    board: 0,
+                    x_mm: position.x,
+                    y_mm: position.y,
+                    height_mm: number as f32 - 1.5,
+                });
+            }
+        }
+    }
+    View {
+        layout: Arc::new(layout),
+        state: Arc::new(state),
+        messages: Arc::default(),
+        missed: 0,
+    }
+}
+
+fn drawn(view: &View, look: Look, columns: u16, rows: u16) -> Buffer {
+    let area = Rect::new(0, 0, columns, rows);
+    let mut buffer = Buffer::empty(area);
+    let messages = ["first".to_owned(), "second".to_owned()];
+    let picture = Picture {
+        view,
+        task: &[],
+        messages: &messages,
+        look,
+    };
+    picture.draw(&mut buffer, area);
+    buffer
+}
+
+fn text(buffer: &Buffer) -> String {
+    let rows = buffer.content.chunks(usize::from(buffer.area.width.max(1)));
+    let lines = rows.map(|row| row.iter().map(|cell| cell.symbol()).collect::<String>());
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn eighty_by_twenty_four_characters_show_every_shipped_layout() {
+    for layout in shipped_layouts() {
+        let text = text(&drawn(&view(layout), COLORED, 80, 24));
+        assert!(!text.contains("no room"), "{layout}:\n{text}");
+        assert!(text.contains("second"), "{layout}:\n{text}");
+    }
+}
+
+#[test]
+fn two_hands_are_drawn_side_by_side_the_left_one_first() {
+    let text = text(&drawn(&view("qwerty-two-flat"), COLORED, 100, 30));
+    let row = text.lines().find(|line| line.contains("│ W │")).unwrap();
+    assert!(row.find("│ W │") < row.find("│ O │"), "{text}");
+    assert!(row.contains("│ O │"), "{text}");
+}
+
+#[test]
+fn a_small_window_names_what_it_leaves_out() {
+    let view = view("media");
+    let text = text(&drawn(&view, COLORED, 40, 12));
+    println!("{text}");
+    assert!(text.contains("no room for"), "{text}");
+}
+
+#[test]
+fn a_fingertip_does_not_cover_a_label() {
+    let text = text(&drawn(&view("qwerty-flat"), COLORED, 80, 24));
+    assert!(text.lines().nth(2).unwrap().contains('`'), "{text}");
+}
+
+#[test]
+fn drawing_works_in_windows_of_any_size() {
+    for layout in shipped_layouts() {
+        let view = view(layout);
+        for (columns, rows) in [(0, 0), (1, 1), (5, 3), (40, 12), (300, 2), (2, 300)] {
+            drawn(&view, COLORED, columns, rows);
+        }
+    }
+}
+
+#[test]
+fn without_utf_8_everything_is_ascii() {
+    let look = Look {
+        is_unicode: false,
+        ..COLORED
+    };
+    for layout in shipped_layouts() {
+        let text = text(&drawn(&view(layout), look, 80, 24));
+        assert!(text.is_ascii(), "{layout}:\n{text}");
+    }
+}

@@ -1,0 +1,112 @@
+//! The values of controls and axes.
+
+use ademan::contact::TargetId;
+use ademan::device::knob::KnobRange;
+use ademan::layout::{ControlKind, Layout};
+use ademan::message::escape;
+use ademan::session::view::View;
+use ratatui::text::{Line, Span};
+
+use super::cut::cut;
+
+/// Columns of a value, of its name and of its bar.
+const COLUMNS: usize = 26;
+const NAME_COLUMNS: usize = 12;
+const BAR_COLUMNS: usize = 6;
+
+/// Returns the value of a control; that at the start if it has not been moved yet.
+pub fn value_of(view: &View, target: TargetId) -> Option<f32> {
+    let mut values = view.state.values.iter();
+    let value = values.find(|(known, _)| *known == target);
+    value
+        .map(|(_, value)| *value)
+        .or_else(|| initial_value(&view.layout, target))
+}
+
+fn initial_value(layout: &Layout, target: TargetId) -> Option<f32> {
+    layout
+        .controls
+        .iter()
+        .find_map(|control| match &control.kind {
+            ControlKind::Slider(slider) if slider.target == target => Some(slider.initial),
+            ControlKind::Knob(knob) if knob.target == target => Some(knob.initial),
+            ControlKind::Toggle(toggle) if toggle.target == target => Some(0.0),
+            _ => None,
+        })
+}
+
+/// Returns the values of all controls that have one, several in a line.
+pub fn lines(view: &View, width: u16) -> Vec<Line<'static>> {
+    let names = view.layout.target_names();
+    let controls = view.layout.controls.iter();
+    let mut targets: Vec<TargetId> = controls
+        .flat_map(|control| control.faces.iter().map(|face| face.target))
+        .filter(|target| initial_value(&view.layout, *target).is_some())
+        .collect();
+    for (target, _) in &view.state.values {
+        if !targets.contains(target) {
+            targets.push(*target);
+        }
+    }
+    let values = targets.iter().filter_map(|&target| {
+        let name = names.get(target).to_string();
+        Some(value(
+            &name,
+            value_of(view, target)?,
+            range(&view.layout, target),
+        ))
+    });
+    let axes = view.state.axes.iter();
+    let axes = axes.map(|(axis, position)| value(axis.name(), *position, Range::Signed));
+    let cells: Vec<String> = values.chain(axes).collect();
+    let in_line = (usize::from(width) / COLUMNS).max(1);
+    let lines = cells.chunks(in_line);
+    lines
+        .map(|cells| Line::from(Span::raw(cells.concat())))
+        .collect()
+}
+
+/// The range of a value.
+#[derive(Clone, Copy)]
+enum Range {
+    /// 0..=1.
+    Fraction,
+    /// −1..=1.
+    Signed,
+    /// A number of turns.
+    Turns,
+    /// Off and on.
+    Switch,
+}
+
+fn range(layout: &Layout, target: TargetId) -> Range {
+    let mut kinds = layout.controls.iter().map(|control| &control.kind);
+    let found = kinds.find_map(|kind| match kind {
+        ControlKind::Toggle(toggle) if toggle.target == target => Some(Range::Switch),
+        ControlKind::Knob(knob) if knob.target == target && knob.range == KnobRange::Endless => {
+            Some(Range::Turns)
+        }
+        _ => None,
+    });
+    found.unwrap_or(Range::Fraction)
+}
+
+fn value(name: &str, value: f32, range: Range) -> String {
+    let name = escape(name);
+    let name = cut(&name, NAME_COLUMNS as u16);
+    let shown = match range {
+        Range::Switch => if value > 0.5 { "on" } else { "off" }.to_owned(),
+        Range::Turns => format!("{value:.2} turns"),
+        Range::Fraction => format!("▕{}▏{value:.2}", bar(value)),
+        Range::Signed => format!("▕{}▏{value:.2}", bar((value + 1.0) / 2.0)),
+    };
+    format!(
+        "{name:NAME_COLUMNS$} {shown:width$}",
+        width = COLUMNS - NAME_COLUMNS - 1
+    )
+}
+
+fn bar(fraction: f32) -> String {
+    let filled = (fraction.clamp(0.0, 1.0) * BAR_COLUMNS as f32).round() as usize;
+    "█".repeat(filled) + &"░".repeat(BAR_COLUMNS - filled)
+}

@@ -1,0 +1,263 @@
+//! The live view of `run`, `watch` and `demo`, on the screen of a terminal.
+
+mod screen;
+mod watching;
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use ademan::hand::Finger;
+use vt100::Color;
+
+use self::screen::Screen;
+use crate::ademan;
+use crate::support::process::signal;
+
+/// A text that takes longer than a test.
+const LONG_TEXT: &str = "typist:hello hello hello hello hello hello hello hello hello hello hello hello hello hello hello";
+
+/// A run of a simulated hand, in a UTF-8 locale with colours.
+fn run(arguments: &[&str]) -> Command {
+    let mut command = ademan(["run", "--source", LONG_TEXT, "--control", "off"]);
+    command.args(arguments);
+    set_terminal(&mut command);
+    command
+}
+
+/// Sets the environment of a terminal with colours, in a UTF-8 locale.
+pub fn set_terminal(command: &mut Command) {
+    command
+        .env("TERM", "xterm-256color")
+        .env("LC_ALL", "C.UTF-8")
+        .env_remove("NO_COLOR")
+        .env_remove("CLICOLOR")
+        .env_remove("CLICOLOR_FORCE");
+}
+
+fn is_lit(screen: &Screen) -> bool {
+    screen
+        .text_where(|cell| cell.bgcolor() == Color::Idx(2))
+        .contains('H')
+}
+
+/// The lines of a file that another program writes.
+fn lines(path: &Path) -> Vec<String> {
+    let text = fs::read_to_string(path).unwrap_or_default();
+    text.lines().map(str::to_owned).collect()
+}
+
+#[test]
+fn a_run_on_a_terminal_shows_board_fingertips_keys_counts_and_messages() {
+    let mut screen = Screen::start(&run(&[]), 80, 24);
+    screen.wait_for("pressed key H", is_lit);
+    let text = screen.wait_for_text("armed: touches are typed");
+    println!("{text}");
+    for expected in [
+        "running",
+        "QWERTY, 19 mm",
+        "typist:hello",
+        "│ Q ││ W │",
+        " readings",
+        "no losses",
+    ] {
+        assert!(text.contains(expected), "{expected}:\n{text}");
+    }
+    for finger in Finger::ALL {
+        assert!(text.contains(finger.name()), "{finger}:\n{text}");
+    }
+    screen.wait_for_text("typed ");
+    assert!(!text.contains("no room"), "{text}");
+    // The transcript, which is the default output, does not mix with the picture.
+    assert!(!text.contains("  down H"), "{text}");
+    signal("TERM", screen.program.0.id());
+    assert!(screen.wait().success());
+    screen.assert_restored();
+    let text = screen.text();
+    println!("{text}");
+    assert!(
+        text.contains("│ Q ││ W │"),
+        "the last picture stays:\n{text}"
+    );
+    assert!(
+        text.contains("armed: touches are typed"),
+        "messages are kept:\n{text}"
+    );
+    assert!(text.contains("accepted"), "{text}");
+}
+
+#[test]
+fn a_small_window_shows_small_keys_and_says_what_it_leaves_out() {
+    let screen = Screen::start(&run(&[]), 40, 12);
+    screen.wait_for_text("armed");
+    let text = screen.wait_for("pressed key H", is_lit);
+    println!("{text}");
+    // Fingertips stand between the keys.
+    let is_row = |line: &str| line.contains("Q") && line.contains("P") && !line.contains('│');
+    assert!(text.lines().any(is_row), "{text}");
+    assert!(!text.contains('┌'), "{text}");
+    screen.resize(24, 6);
+    let text = screen.wait_for_text("no room for");
+    println!("{text}");
+    screen.resize(80, 24);
+    screen.wait_for_text("│ Q ││ W │");
+    screen.resize(1, 1);
+    screen.resize(80, 30);
+    screen.wait_for_text("│ Q ││ W │");
+}
+
+#[test]
+fn labels_are_cut_at_their_end_only() {
+    let screen = Screen::start(&run(&["--layout", "qwerty-two-flat"]), 80, 24);
+    let text = screen.wait_for_text("│ Q ");
+    println!("{text}");
+    for line in text.lines().filter(|line| line.contains('│')) {
+        for label in line.split('│').map(str::trim) {
+            assert!(
+                !label.starts_with("ackspace") && !label.starts_with("hift"),
+                "{text}"
+            );
+        }
+    }
+}
+
+#[test]
+fn without_colours_a_pressed_key_is_reversed_and_without_utf_8_all_is_ascii() {
+    let mut command = run(&[]);
+    command.env("NO_COLOR", "1").env("LC_ALL", "C");
+    let screen = Screen::start(&command, 80, 24);
+    let text = screen.wait_for("pressed key H", |screen| {
+        screen
+            .text_where(|cell| cell.inverse() && cell.bold())
+            .contains("| H |")
+    });
+    println!("{text}");
+    assert!(text.contains("| Q || W |"), "{text}");
+    let colored = screen
+        .text_where(|cell| cell.fgcolor() != Color::Default || cell.bgcolor() != Color::Default);
+    assert_eq!(colored, "");
+    assert!(screen.written().is_ascii());
+}
+
+#[test]
+fn typing_goes_on_in_a_terminal_that_is_not_read_and_one_signal_ends_it_in_order() {
+    let folder = tempfile::tempdir().unwrap();
+    let events = folder.path().join("events");
+    let output = format!("transcript:{}", events.display());
+    let mut screen = Screen::start_unread(&run(&["--output", &output]), 80, 24);
+    // Two words take some seconds, in which hundreds of pictures do not fit into the terminal.
+    let pressed = |key: &str| {
+        lines(&events)
+            .iter()
+            .filter(|line| line.contains(key))
+            .count()
+    };
+    while pressed("down Space") < 2 {
+        assert!(screen.program.0.try_wait().unwrap().is_none());
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    signal("TERM", screen.program.0.id());
+    assert_eq!(
+        screen.wait().code(),
+        Some(0),
+        "in order, and not by the time limit"
+    );
+    assert_eq!(pressed(" down "), pressed(" up "));
+}
+
+#[test]
+fn ctrl_s_stops_the_picture_only_and_the_end_restores_the_terminal() {
+    let folder = tempfile::tempdir().unwrap();
+    let events = folder.path().join("events");
+    let output = format!("transcript:{}", events.display());
+    let mut screen = Screen::start(&run(&["--output", &output]), 80, 24);
+    screen.wait_for("pressed key H", is_lit);
+    screen.type_keys("\x13");
+    let before = lines(&events).len();
+    while lines(&events).len() < before + 8 {
+        assert!(screen.program.0.try_wait().unwrap().is_none());
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    signal("TERM", screen.program.0.id());
+    assert_eq!(screen.wait().code(), Some(0));
+    screen.assert_restored();
+}
+
+#[test]
+fn ctrl_z_gives_the_terminal_back_until_the_run_continues() {
+    let mut screen = Screen::start(&run(&[]), 80, 24);
+    screen.wait_for_text("│ Q ││ W │");
+    // The parent of this process group is no shell that would be told of the stop.
+    signal("TSTP", screen.program.0.id());
+    screen.wait_for("terminal of before", |screen| {
+        !screen.text().contains("│ Q │")
+    });
+    screen.assert_restored();
+    signal("CONT", screen.program.0.id());
+    screen.wait_for_text("│ Q ││ W │");
+    signal("HUP", screen.program.0.id());
+    assert_eq!(screen.wait().code(), Some(0));
+    screen.assert_restored();
+}
+
+#[test]
+fn a_picture_and_a_transcript_do_not_share_a_terminal() {
+    let mut screen = Screen::start(&run(&["--view", "board", "--output", "transcript"]), 80, 24);
+    assert_eq!(screen.wait().code(), Some(2));
+    let text = screen.text();
+    assert!(text.contains("use `--view log`"), "{text}");
+
+    let screen = Screen::start(&run(&["--output", "transcript"]), 80, 24);
+    screen.wait_for_text("down H");
+    assert!(!screen.text().contains('┌'));
+
+    let ended = crate::run(["run", "--source", "typist:h", "--view", "board"]);
+    assert_eq!(ended.code, Some(2), "{}", ended.err);
+    assert!(
+        ended.err.contains("standard output is no terminal"),
+        "{}",
+        ended.err
+    );
+}
+
+#[test]
+fn the_other_views_print_messages_or_only_errors() {
+    let log = crate::run(["run", "--source", "typist:h", "--view", "log"]).done();
+    assert!(log.err.contains("armed: touches are typed"), "{}", log.err);
+    let none = crate::run(["run", "--source", "typist:h", "--view", "none"]).done();
+    assert!(!none.err.contains("armed"), "{}", none.err);
+}
+
+#[test]
+fn pointers_targets_in_space_sliders_and_axes_are_shown() {
+    let demo = |layout: &str| {
+        let mut command = ademan(["demo", "--layout", layout]);
+        set_terminal(&mut command);
+        Screen::start(&command, 80, 24)
+    };
+    let media = demo("media");
+    let text = media.wait_for("value of the knob", |screen| {
+        let text = screen.text();
+        text.contains("Volume") && text.contains("Seek") && text.contains('┃')
+    });
+    println!("{text}");
+    let space = demo("space");
+    let text = space.wait_for("cursor among the targets", |screen| {
+        let text = screen.text();
+        text.contains("Moon") && text.contains('✛') && text.contains(" mm ")
+    });
+    println!("{text}");
+    let mut direct = demo("direct");
+    let text = direct.wait_for("position of the pointer", |screen| {
+        screen.text().contains("pointer 0.") && screen.text().contains('✛')
+    });
+    println!("{text}");
+    direct.type_keys("\x03");
+    assert_eq!(direct.wait().code(), Some(1));
+    direct.assert_restored();
+    let text = direct.text();
+    assert!(
+        text.contains("pointer 0."),
+        "the last picture stays:\n{text}"
+    );
+}
