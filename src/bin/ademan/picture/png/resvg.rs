@@ -69,7 +69,16 @@ fn view_box(svg: &str) -> Option<(f32, f32)> {
 fn fonts() -> Result<Database, String> {
     let mut fonts = Database::new();
     fonts.load_system_fonts();
-    let is_there = |family: &&str| {
+    let Some(family) = best_family(&fonts) else {
+        return Err("there is no font to write labels with; install one, as with `apt install fonts-dejavu-core`, or write --svg".into());
+    };
+    fonts.set_sans_serif_family(family);
+    Ok(fonts)
+}
+
+/// Returns the best family for labels, or any if none of the list is there.
+fn best_family(fonts: &Database) -> Option<String> {
+    let is_there = |family: &str| {
         let families = [Family::Name(family)];
         let query = Query {
             families: &families,
@@ -77,15 +86,9 @@ fn fonts() -> Result<Database, String> {
         };
         fonts.query(&query).is_some()
     };
-    let found = FAMILIES
-        .iter()
-        .find(is_there)
-        .map(|family| (*family).to_owned());
-    let mut names = fonts.faces().flat_map(|face| face.families.first());
-    let family = found.or_else(|| names.next().map(|(name, _)| name.clone()));
-    let Some(family) = family else {
-        return Err("there is no font to write labels with; install one, as with `apt install fonts-dejavu-core`, or write --svg".into());
-    };
-    fonts.set_sans_serif_family(family);
-    Ok(fonts)
+    if let Some(family) = FAMILIES.into_iter().find(|family| is_there(family)) {
+        return Some(family.to_owned());
+    }
+    let (name, _) = fonts.faces().find_map(|face| face.families.first())?;
+    Some(name.clone())
 }
