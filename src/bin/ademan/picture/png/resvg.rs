@@ -45,7 +45,8 @@ pub fn from_svg(svg: &str) -> Result<Vec<u8>, String> {
         ));
     }
     let scale = px_per_mm * view_box_mm.0 / width;
-    let pixels = |length: f32| (length * scale).ceil().max(1.0) as u32;
+    // Without the last fraction of a pixel, which would be transparent.
+    let pixels = |length: f32| (length * scale).floor().max(1.0) as u32;
     let mut pixmap = Pixmap::new(pixels(width), pixels(height)).ok_or("the drawing is empty")?;
     resvg::render(
         &tree,
