@@ -365,6 +365,45 @@ fn a_drawing_shows_every_key_at_its_position() {
 }
 
 #[test]
+fn drawings_of_shipped_layouts_have_whole_labels_and_fit_into_80_columns() {
+    for (name, layout) in Layout::shipped().unwrap() {
+        let text = layout.to_text();
+        for line in text.lines() {
+            assert!(line.chars().count() <= 80, "{name}: {line}");
+        }
+        let faces = layout.boards.iter().flat_map(|board| layout.faces(board));
+        let labels = faces.map(|face| face.label.as_str());
+        let triggers = layout.triggers.iter().map(|(name, _)| name.as_str());
+        let targets = layout.spaces.iter().flat_map(|space| &space.names);
+        for part in labels.chain(triggers).chain(targets.map(String::as_str)) {
+            assert!(text.contains(part), "{name}: {part} is missing in\n{text}");
+        }
+    }
+}
+
+#[test]
+fn controls_gestures_and_chords_are_listed_below_the_boards() {
+    let cases = [
+        ("workshop", "Water  valve, 3 turns"),
+        (
+            "media",
+            "Volume  knob, 270°, 20 steps, 20 taps of Vol+ or Vol-",
+        ),
+        ("game", "Gas    ring-mcp-flexion 20°, axis RightTrigger"),
+        ("chords-five", "T I: I · I M: N"),
+        ("qwerty-arc", "Q 1 · W 2"),
+        ("direct", "index fingertip in a box of 200 × 120 × 160 mm,"),
+        ("ray", "middle pinch          right mouse button"),
+        ("space", "Door   box 60 × 40 × 30 mm at (160, 50, -320) mm"),
+        ("switches", "F              held for 250 ms: Ctrl"),
+    ];
+    for (name, line) in cases {
+        let text = Layout::load(name).unwrap().to_text();
+        assert!(text.contains(line), "{name}: {line} is missing in\n{text}");
+    }
+}
+
+#[test]
 fn the_drawing_of_the_largest_board_is_limited_in_size() {
     let text = board(
         "pitch_mm: 1, size_mm: Disc(1), keys: [(code: \"A\", at_mm: (-2000, -2000)), (code: \"B\", at_mm: (2000, 2000))]",

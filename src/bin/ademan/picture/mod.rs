@@ -89,7 +89,8 @@ fn cannot_draw(error: impl std::fmt::Display) -> Failure {
 
 /// Refuses a file that exists before the time to draw is spent.
 fn refuse_existing(path: &Path, overwrite: bool) -> Result<(), Failure> {
-    match !is_standard_output(path) && !overwrite && fs::symlink_metadata(path).is_ok() {
+    let replaces = overwrite && !path.is_dir();
+    match !is_standard_output(path) && !replaces && fs::symlink_metadata(path).is_ok() {
         true => Err(exists(path)),
         false => Ok(()),
     }
@@ -117,10 +118,13 @@ fn write(path: &Path, picture: &[u8], overwrite: bool) -> Result<(), Failure> {
 }
 
 fn exists(path: &Path) -> Failure {
-    Failure::wrong_use(format!(
-        "{} exists and is not overwritten; name another file or add --overwrite",
-        path.display()
-    ))
+    let name = path.display();
+    Failure::wrong_use(match path.is_dir() {
+        true => format!("cannot write {name}: it is a folder; name a file in it"),
+        false => {
+            format!("{name} exists and is not overwritten; name another file or add --overwrite")
+        }
+    })
 }
 
 fn is_standard_output(path: &Path) -> bool {
