@@ -131,13 +131,13 @@ pub const FAULTS: &[Fault] = &[
             "lines_that_are_late_or_come_twice_are_dropped_and_a_restarted_sender_is_accepted",
         ),
     ])),
-    fault(21, "a datagram of an unknown sender", Missing("no source checks datagrams of this kind yet")),
+    fault(21, "a datagram of an unknown sender", Missing("`udp:` receives from this machine only, where an address proves nothing; no sender has a key")),
     fault(22, "a valid packet sent again", Missing("no source has tokens or counters")),
     fault(23, "half-open TCP connection", Tests(&[
         ("tests/capture/tcp.rs", "a_silent_peer_is_lost_after_five_seconds"),
         ("tests/pipeline/arming.rs", "a_gap_longer_than_the_stall_timeout_releases_everything"),
     ])),
-    fault(24, "one byte a second", Missing("nothing listens on the network; a source that trickles counts as stalled")),
+    fault(24, "one byte a second", Missing("no source accepts connections; one that trickles counts as stalled")),
     fault(25, "a length of 4 GiB", Tests(&[
         ("tests/cli/faults/files.rs", "a_length_of_four_gigabytes_is_refused_before_memory_is_allocated"),
         ("src/capture/recording/lengths.rs", "any_length_beyond_its_record_is_detected"),
