@@ -374,3 +374,25 @@ fn a_file_without_a_packet_is_a_failure() {
     assert_eq!(ended.code, Some(1), "{}", ended.err);
     assert!(ended.err.contains("sent no valid packet"), "{}", ended.err);
 }
+
+#[test]
+fn a_run_that_cannot_start_leaves_no_recording() {
+    let folder = tempfile::tempdir().unwrap();
+    let recording = folder.path().join("session.mcap");
+    let record = recording.display().to_string();
+    let busy = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let unused = format!("tcp:{}", busy.local_addr().unwrap());
+    drop(busy);
+    let starts = [
+        ["--source", "typist:hi", "--output", "desktop"],
+        ["--source", "typist:hi", "--output", "transcript:/no/folder"],
+        ["--source", "serial:/dev/no-such-glove", "--output", "none"],
+        ["--source", &unused, "--output", "none"],
+    ];
+    for arguments in starts {
+        let flags = ["run", "--control", "off", "--record", &record];
+        let ended = run([&flags[..], &arguments].concat());
+        assert_ne!(ended.code, Some(0), "{arguments:?}");
+        assert!(!recording.exists(), "{arguments:?}: {}", ended.err);
+    }
+}

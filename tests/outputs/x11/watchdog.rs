@@ -218,6 +218,24 @@ fn no_signal_but_kill_and_stop_ends_or_stops_the_watchdog() {
     assert_eq!(typing.program.wait_for_exit().code(), None);
 }
 
+/// Returns the session id of a process.
+fn session(process: u32) -> String {
+    let stat = fs::read_to_string(format!("/proc/{process}/stat")).expect("it runs");
+    // The name is in parentheses; the session is the 6th field, the 4th after it.
+    let (_, rest) = stat.rsplit_once(") ").expect("a name");
+    rest.split(' ').nth(3).expect("a session").to_owned()
+}
+
+#[test]
+fn the_watchdog_leads_a_session_of_its_own_so_that_no_signal_of_the_terminal_reaches_it() {
+    let Some(typing) = Typing::start() else {
+        return;
+    };
+    let watchdog = typing.watchdog();
+    assert_ne!(session(typing.program.id()), session(watchdog));
+    assert_eq!(session(watchdog), watchdog.to_string());
+}
+
 #[test]
 fn signals_without_a_use_have_no_effect() {
     let Some(mut typing) = Typing::start() else {
