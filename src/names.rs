@@ -106,8 +106,8 @@ fn suggestion(nearest: &Option<String>) -> String {
 /// the product of both lengths.
 const MAX_COMPARED_LEN: usize = 128;
 
-/// The lowest similarity, 0..=1, of a name that is suggested.
-const MIN_SIMILARITY: f64 = 0.4;
+/// The lowest similarity, 0..=1, of a name that is suggested: half of its letters. Less suggests `Minus` for `Win`.
+const MIN_SIMILARITY: f64 = 0.5;
 
 /// Returns the name in `valid` that is spelled most like `text`, or `None` if none is similar or `text` is longer
 /// than 128 bytes. Ignores case.
@@ -137,6 +137,7 @@ mod tests {
         let keys = ["ShiftLeft", "Space", "Semicolon"];
         assert_eq!(nearest("shfitleft", keys), Some("ShiftLeft"));
         assert_eq!(nearest("zzzz", keys), None);
+        assert_eq!(nearest("Win", ["Minus", "Quote"]), None);
     }
 
     #[test]

@@ -12,8 +12,8 @@ use crate::names::UnknownName;
 ///
 /// A code is a position, not a character: the keymap of the receiver decides which character it types. The
 /// names are the `code` values of the W3C UI Events specification, for letters and digits without prefix
-/// (`Q`, `1`); the prefix is accepted when parsing (`KeyQ`, `Digit1`). Button names begin with `Mouse` or
-/// `Pad`; those of a gamepad describe their position on it.
+/// (`Q`, `1`); the prefix (`KeyQ`, `Digit1`) and [aliases](Self::aliases) such as `Ctrl` are accepted when
+/// parsing. Button names begin with `Mouse` or `Pad`; those of a gamepad describe their position on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct KeyCode(u16);
 
@@ -305,15 +305,11 @@ impl FromStr for KeyCode {
     type Err = UnknownName;
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
-        let short = ["Key", "Digit"]
-            .iter()
-            .find_map(|prefix| text.strip_prefix(prefix))
-            .filter(|rest| rest.len() == 1)
-            .unwrap_or(text);
-        KEYS.iter()
-            .find(|key| key.name == short)
+        let named = KEYS.iter().find(|key| key.name == text);
+        named
             .map(|key| Self(key.code))
-            .ok_or_else(|| UnknownName::new("key", text, KEYS.iter().map(|key| key.name)))
+            .or_else(|| Self::from_other_name(text))
+            .ok_or_else(|| Self::unknown(text))
     }
 }
 

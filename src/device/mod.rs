@@ -14,6 +14,7 @@ use crate::names::named_enum;
 use crate::time::Timestamp;
 
 pub mod keycode;
+mod key_names;
 pub mod pressed_keys;
 pub mod capabilities;
 pub mod key_arbiter;
