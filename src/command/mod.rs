@@ -92,6 +92,8 @@ pub struct FieldSpec {
     pub name: &'static str,
     /// Description for a help text.
     pub summary: &'static str,
+    /// A value for the example of a help text.
+    pub example: &'static str,
     /// Accepted values.
     pub kind: FieldKind,
 }
@@ -135,6 +137,7 @@ pub const SPECS: &[CommandSpec] = &[
         fields: &[FieldSpec {
             name: "name",
             summary: "Name of the profile",
+            example: "numbers",
             kind: FieldKind::Name,
         }],
     },
@@ -153,9 +156,9 @@ pub const SPECS: &[CommandSpec] = &[
         summary: "Move the boards, in mm",
         key_label: "Move",
         fields: &[
-            number("x_mm", "To the right", -1000.0, 1000.0),
-            number("y_mm", "Up", -1000.0, 1000.0),
-            number("z_mm", "Towards you", -1000.0, 1000.0),
+            number("x_mm", "To the right", "0", -1000.0, 1000.0),
+            number("y_mm", "Up", "0", -1000.0, 1000.0),
+            number("z_mm", "Towards you", "-5", -1000.0, 1000.0),
         ],
     },
     CommandSpec {
@@ -165,6 +168,7 @@ pub const SPECS: &[CommandSpec] = &[
         fields: &[number(
             "deg",
             "Degrees; positive raises the far edge",
+            "2.5",
             -90.0,
             90.0,
         )],
@@ -176,6 +180,7 @@ pub const SPECS: &[CommandSpec] = &[
         fields: &[number(
             "factor",
             "Ratio of the new size to the present one",
+            "0.9",
             0.5,
             2.0,
         )],
@@ -198,10 +203,17 @@ const fn plain(name: &'static str, summary: &'static str, key_label: &'static st
     }
 }
 
-const fn number(name: &'static str, summary: &'static str, min: f32, max: f32) -> FieldSpec {
+const fn number(
+    name: &'static str,
+    summary: &'static str,
+    example: &'static str,
+    min: f32,
+    max: f32,
+) -> FieldSpec {
     FieldSpec {
         name,
         summary,
+        example,
         kind: FieldKind::Number { min, max },
     }
 }

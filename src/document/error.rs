@@ -11,19 +11,34 @@ const EXCERPT_WIDTH: usize = 90;
 /// The number of characters of a long line that are shown before the position.
 const EXCERPT_LEAD: usize = 50;
 
-/// An error in a file.
+/// The maximum number of errors that are listed. Further ones usually have the same cause.
+const MAX_LISTED: usize = 20;
+
+/// The maximum number of lines that are listed for one message.
+const MAX_LINES: usize = 10;
+
+/// The errors in a file: at least one, at most 20.
 ///
-/// Displayed as `FILE:LINE:COLUMN: message`, followed by the source line and carets under the position. An error without a
-/// position, such as a file that cannot be read, is displayed as `FILE: message`.
+/// Each is displayed as `FILE:LINE:COLUMN: message`, followed by the source line and carets under the position. An error without a
+/// position, such as a file that cannot be read, is displayed as `FILE: message`. Errors with the same message are displayed once,
+/// with the lines of all.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{}{}: {}{}",
-    escape(.file), line_and_column(.position), escape(.message), excerpt(.position)
-)]
 pub struct DocumentError {
     file: String,
+    listed: Vec<DocumentFault>,
+    /// Number of errors that are not listed.
+    unlisted: usize,
+}
+
+/// One error in a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DocumentFault {
     message: String,
     position: Option<TextPosition>,
+    /// Further lines with the same error.
+    lines: Vec<usize>,
+    /// Number of further lines that are not listed.
+    unlisted_lines: usize,
 }
 
 /// A range of characters within one line of a text.
@@ -42,21 +57,14 @@ struct TextPosition {
 impl DocumentError {
     /// Creates an error about the file as a whole.
     pub fn for_file(file: &str, message: impl fmt::Display) -> Self {
-        Self {
-            file: file.to_owned(),
-            message: message.to_string(),
-            position: None,
-        }
+        Self::single(file, message.to_string(), None)
     }
 
     /// Creates an error at the bytes `range` of `text`. An end of the range that lies outside the text or inside a character
     /// is moved to the nearest character boundary before it.
     pub fn at(file: &str, text: &str, range: Range<usize>, message: impl fmt::Display) -> Self {
-        Self {
-            file: file.to_owned(),
-            message: message.to_string(),
-            position: Some(TextPosition::new(text, range)),
-        }
+        let position = TextPosition::new(text, range);
+        Self::single(file, message.to_string(), Some(position))
     }
 
     /// Creates an error at `slice`, a slice of `text`. The position is the start of `text` if `slice` is not part of it.
@@ -65,11 +73,81 @@ impl DocumentError {
         Self::at(file, text, start..start + slice.len(), message)
     }
 
+    /// Creates an error without a message, which [`add`](Self::add) ignores: the consequence of an error that is reported.
+    pub(crate) fn none(file: &str) -> Self {
+        Self {
+            file: file.to_owned(),
+            listed: Vec::new(),
+            unlisted: 0,
+        }
+    }
+
+    fn single(file: &str, message: String, position: Option<TextPosition>) -> Self {
+        let error = DocumentFault {
+            message,
+            position,
+            lines: Vec::new(),
+            unlisted_lines: 0,
+        };
+        Self {
+            listed: vec![error],
+            ..Self::none(file)
+        }
+    }
+
+    /// Adds the errors of another part of the file.
+    pub(crate) fn add(&mut self, other: Self) {
+        for error in other.listed {
+            let has_room = self.listed.len() < MAX_LISTED;
+            let mut listed = self.listed.iter_mut();
+            match listed.find(|known| known.message == error.message) {
+                Some(known) => known.add_line(error.line()),
+                None if has_room => self.listed.push(error),
+                None => self.unlisted += 1,
+            }
+        }
+        self.unlisted += other.unlisted;
+    }
+
+    /// Sorts the errors by position.
+    pub(crate) fn in_order(mut self) -> Self {
+        self.listed
+            .sort_by_key(|error| (error.line(), error.column()));
+        self
+    }
+
+    /// Returns `true` if there is no error that is reported.
+    pub(crate) fn is_none(&self) -> bool {
+        self.listed.is_empty()
+    }
+
     /// The file, as its user named it.
     pub fn file(&self) -> &str {
         &self.file
     }
 
+    /// The errors, in the order of the file.
+    pub fn errors(&self) -> &[DocumentFault] {
+        &self.listed
+    }
+
+    /// The message of the first error, without its position.
+    pub fn message(&self) -> &str {
+        self.listed.first().map_or("", DocumentFault::message)
+    }
+
+    /// The line of the first error, from 1, if it has a position.
+    pub fn line(&self) -> Option<usize> {
+        self.listed.first()?.line()
+    }
+
+    /// The column of the first error in characters, from 1, if it has a position.
+    pub fn column(&self) -> Option<usize> {
+        self.listed.first()?.column()
+    }
+}
+
+impl DocumentFault {
     /// The message without the position.
     pub fn message(&self) -> &str {
         &self.message
@@ -83,6 +161,47 @@ impl DocumentError {
     /// The column in characters, from 1, if the error has a position.
     pub fn column(&self) -> Option<usize> {
         self.position.as_ref().map(|position| position.column)
+    }
+
+    fn add_line(&mut self, line: Option<usize>) {
+        let is_listed = line == self.line() || line.is_some_and(|line| self.lines.contains(&line));
+        match line.filter(|_| !is_listed) {
+            Some(line) if self.lines.len() < MAX_LINES => self.lines.push(line),
+            Some(_) => self.unlisted_lines += 1,
+            None => {}
+        }
+    }
+
+    /// Formats the further lines.
+    fn also(&self) -> String {
+        let lines: Vec<String> = self.lines.iter().map(usize::to_string).collect();
+        let more = match self.unlisted_lines {
+            0 => String::new(),
+            count => format!(" and {count} more"),
+        };
+        match lines.len() {
+            0 => String::new(),
+            1 => format!(" (also in line {})", lines[0]),
+            _ => format!(" (also in lines {}{more})", lines.join(", ")),
+        }
+    }
+}
+
+impl fmt::Display for DocumentError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let file = escape(&self.file);
+        for (index, error) in self.listed.iter().enumerate() {
+            let line_end = if index > 0 { "\n" } else { "" };
+            let position = line_and_column(&error.position);
+            let (message, also) = (escape(&error.message), error.also());
+            let excerpt = excerpt(&error.position);
+            write!(f, "{line_end}{file}{position}: {message}{also}{excerpt}")?;
+        }
+        match self.unlisted {
+            0 => Ok(()),
+            1 => write!(f, "\n{file}: 1 more error"),
+            count => write!(f, "\n{file}: {count} more errors"),
+        }
     }
 }
 
@@ -194,6 +313,32 @@ mod tests {
         assert_eq!(position(5..5), (2, 3));
         assert_eq!(position(900..901), (2, 3));
         assert_eq!(position(1..2), (1, 1));
+    }
+
+    #[test]
+    fn equal_messages_are_listed_once_and_at_most_20_different_ones() {
+        let text = "a\nb\n".repeat(20);
+        let mut errors = DocumentError::none("a.ron");
+        for line in (0..40).rev() {
+            let message = format!("wrong {}", if line % 2 == 0 { 0 } else { line });
+            errors.add(DocumentError::at(
+                "a.ron",
+                &text,
+                2 * line..2 * line,
+                message,
+            ));
+        }
+        errors.add(DocumentError::for_file("a.ron", "unreadable"));
+        let listed = errors.in_order().to_string();
+        let lines: Vec<&str> = listed.lines().collect();
+        assert_eq!(lines.len(), 20 * 3 + 1, "{listed}");
+        assert_eq!(lines[0], "a.ron:4:1: wrong 3");
+        let also = "(also in lines 37, 35, 33, 31, 29, 27, 25, 23, 21, 19 and 9 more)";
+        assert!(
+            listed.contains(&format!("a.ron:39:1: wrong 0 {also}")),
+            "{listed}"
+        );
+        assert_eq!(lines[60], "a.ron: 2 more errors");
     }
 
     #[test]

@@ -3,17 +3,25 @@
 //! Layouts, gloves, arms, setups and simulation scripts are all read through a [`Document`]. A document keeps its text, so that an
 //! error can name the line and column, show the line, and underline the part that is wrong.
 
+mod all_errors;
 mod error;
+mod field_names;
+mod format;
 mod pairs;
 mod ranged;
 mod ron_error;
+mod scan;
+mod search;
 mod shipped;
 mod spanned;
 
-pub use error::DocumentError;
+pub use error::{DocumentError, DocumentFault};
 pub(crate) use error::{byte_offset, line_number};
+pub(crate) use field_names::Structure;
+pub(crate) use format::{Format, first_error};
 pub use pairs::Pairs;
 pub(crate) use ranged::{format_number, ranged_numbers};
+pub use search::{own_gloves, own_layouts};
 pub use shipped::{shipped_gloves, shipped_layouts};
 pub use spanned::Spanned;
 
@@ -24,6 +32,7 @@ use std::path::Path;
 use ron::extensions::Extensions;
 use serde::Deserialize;
 
+use self::search::Found;
 use crate::files::{self, FileError};
 
 /// The largest file that is read, in bytes: 1 MiB.
@@ -42,25 +51,34 @@ pub struct Document {
 }
 
 impl Document {
-    /// Reads the file at the path `name`, or the shipped file with that name.
+    /// Reads the file with this name. The first of these that exists is read:
     ///
-    /// An existing file takes precedence. The folder and the `.ron` of a shipped file are optional: `arrows`,
-    /// `keyboards/arrows.ron`. A file larger than [`MAX_BYTES`] is rejected without being read to its end.
+    /// 1. the file at the path `name`,
+    /// 2. the file at this path with `.ron`, such as `mine.ron` in the working folder for `mine`,
+    /// 3. for a name without a folder, `NAME.ron` in `layouts`, `gloves` or `arms` of the
+    ///    [configuration folder](files::config_folder),
+    /// 4. the shipped file. Its folder and `.ron` are optional: `arrows`, `keyboards/arrows.ron`.
+    ///
+    /// A file that hides a shipped one is logged. A file larger than [`MAX_BYTES`] is rejected without being read to its end.
     pub fn open(name: &str) -> Result<Self, DocumentError> {
         Self::open_relative_to(Path::new(""), name)
     }
 
     /// As [`open`](Self::open), with relative paths resolved against `folder`.
     pub fn open_relative_to(folder: &Path, name: &str) -> Result<Self, DocumentError> {
-        let path = folder.join(name);
-        let is_directory = fs::metadata(&path).map(|metadata| metadata.is_dir());
-        match (is_directory, shipped::find(name)) {
-            (Ok(true) | Err(_), Some(document)) => Ok(document),
-            (Err(error), None) if is_not_found(&error) => {
-                let message = shipped::not_found_message(name);
-                Err(DocumentError::for_file(name, message))
+        match search::find(folder, name) {
+            Some(Found::File { path, name }) => Self::read(&path, &name),
+            Some(Found::Shipped(document)) => Ok(document),
+            None => {
+                let path = folder.join(name);
+                match fs::metadata(&path) {
+                    Err(error) if is_not_found(&error) => {
+                        let message = search::not_found_message(name);
+                        Err(DocumentError::for_file(name, message))
+                    }
+                    _ => Self::read(&path, name),
+                }
             }
-            _ => Self::read(&path, name),
         }
     }
 
@@ -72,7 +90,7 @@ impl Document {
     /// Returns the shipped file with that name. Ignores files on the disk.
     pub fn shipped(name: &str) -> Result<Self, DocumentError> {
         shipped::find(name)
-            .ok_or_else(|| DocumentError::for_file(name, shipped::not_found_message(name)))
+            .ok_or_else(|| DocumentError::for_file(name, search::not_found_message(name)))
     }
 
     /// Makes a document of a text. `file` names it in errors.
@@ -110,7 +128,21 @@ impl Document {
 
     /// Deserialises the text; see [`parse_ron`].
     pub fn parse<'a, T: Deserialize<'a>>(&'a self) -> Result<T, DocumentError> {
-        parse_ron(&self.text, &self.file)
+        self.parse_as(&Format::PLAIN)
+    }
+
+    /// Deserialises the text as a format, with all errors.
+    pub(crate) fn parse_as<'a, T: Deserialize<'a>>(
+        &'a self,
+        format: &Format,
+    ) -> Result<T, DocumentError> {
+        let read = ron_options().from_str(&self.text);
+        read.map_err(|error| all_errors::all_errors(self, format, error))
+    }
+
+    /// Returns the value of the first field with this name.
+    pub(crate) fn field_value(&self, name: &str) -> Option<&str> {
+        scan::field_value(&self.text, name)
     }
 
     /// Returns an error at `slice`, a slice of [`text`](Self::text) such as [`Spanned::text`].
@@ -124,13 +156,14 @@ impl Document {
 /// Optional fields are written without `Some`. An error has a position, states what is expected there, and suggests the
 /// nearest valid name. Nesting deeper than 128 levels is an error.
 pub fn parse_ron<'a, T: Deserialize<'a>>(text: &'a str, file: &str) -> Result<T, DocumentError> {
-    ron::Options::default()
-        .with_default_extension(Extensions::IMPLICIT_SOME)
-        .from_str(text)
-        .map_err(|error| {
-            let range = ron_error::byte_range(text, &error);
-            DocumentError::at(file, text, range, ron_error::message(&error.code))
-        })
+    ron_options().from_str(text).map_err(|error| {
+        let explained = ron_error::explain(text, &error, &Format::PLAIN);
+        DocumentError::at(file, text, explained.range, explained.message)
+    })
+}
+
+fn ron_options() -> ron::Options {
+    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
 }
 
 /// Returns the reason why a file cannot be read.

@@ -1,7 +1,6 @@
 //! The files under `layouts/`, compiled into the program.
 
 use super::Document;
-use crate::names;
 
 /// Pairs each path below `layouts/` (without `.ron`) with the text of the file.
 macro_rules! shipped_files {
@@ -66,17 +65,12 @@ pub(super) fn find(name: &str) -> Option<Document> {
         .map(|(path, text)| Document::new(format!("layouts/{path}.ron"), *text))
 }
 
-/// Returns the message for a name that is neither a file nor a shipped file.
-pub(super) fn not_found_message(name: &str) -> String {
-    let stem = file_name(name.strip_suffix(".ron").unwrap_or(name));
-    let nearest = names::nearest(stem, SHIPPED_FILES.iter().map(|(path, _)| file_name(path)));
-    let suggestion = nearest.map_or(String::new(), |nearest| {
-        format!(", did you mean `{nearest}`?")
-    });
-    format!("there is no such file, and no shipped one of that name{suggestion}")
+/// Returns the names of all shipped files, without folder and `.ron`.
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    SHIPPED_FILES.iter().map(|(path, _)| file_name(path))
 }
 
-fn file_name(path: &str) -> &str {
+pub(super) fn file_name(path: &str) -> &str {
     path.rsplit_once('/').map_or(path, |(_, name)| name)
 }
 

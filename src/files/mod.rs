@@ -5,8 +5,12 @@
 //! refused before it is opened, and checked again on the open file.
 
 use std::fs::{self, File, FileType, Metadata};
-use std::io;
+use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
+
+mod config;
+
+pub use config::{config_folder, in_config_folder};
 
 #[cfg(unix)]
 mod unix;
@@ -80,6 +84,22 @@ pub fn replace_private(path: &Path) -> Result<File, FileError> {
     let file = open_private(path)?;
     file.set_len(0)?;
     Ok(file)
+}
+
+/// Opens a file as [`open_private`] does, to write at its end.
+pub fn append_private(path: &Path) -> Result<File, FileError> {
+    let mut file = open_private(path)?;
+    file.seek(SeekFrom::End(0))?;
+    Ok(file)
+}
+
+/// Returns the bytes that the user may still write on the disk of a file, which need not exist. `None` if the system does not
+/// tell.
+pub fn free_bytes(path: &Path) -> Option<u64> {
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    system::free_bytes(folder.unwrap_or(Path::new(".")))
 }
 
 /// Creates a folder that only its owner can access. An existing one must be such a folder.

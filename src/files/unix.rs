@@ -88,3 +88,9 @@ pub fn create_folder(path: &Path) -> io::Result<()> {
 pub fn is_private_folder(metadata: &Metadata) -> bool {
     metadata.is_dir() && check_owner(metadata).is_ok() && metadata.mode() & 0o077 == 0
 }
+
+/// Returns the bytes that the user may still write on the disk of a folder.
+pub fn free_bytes(folder: &Path) -> Option<u64> {
+    let disk = rustix::fs::statvfs(folder).ok()?;
+    Some(disk.f_bavail.saturating_mul(disk.f_frsize))
+}

@@ -49,3 +49,7 @@ pub fn create_folder(path: &Path) -> io::Result<()> {
 pub fn is_private_folder(metadata: &Metadata) -> bool {
     metadata.is_dir()
 }
+
+pub fn free_bytes(_: &Path) -> Option<u64> {
+    None
+}

@@ -5,7 +5,9 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::capture::{Channels, MAX_CHANNELS};
-use crate::document::{Document, DocumentError, Spanned};
+use crate::document::{
+    Document, DocumentError, Format, Spanned, Structure, first_error, ranged_numbers,
+};
 use crate::estimate::{AffineMap, ChannelMap, ChannelRow, InputRow, JointLimits, MAX_ROWS};
 use crate::hand::{Dof, Input, Side};
 use crate::names::UnknownName;
@@ -29,7 +31,7 @@ struct GloveSchema<'a> {
     name: String,
     side: Side,
     /// The largest count of a channel.
-    full_scale_counts: u16,
+    full_scale_counts: FullScaleCounts,
     #[serde(borrow)]
     rows: Vec<RowSchema<'a>>,
     /// The sticks, triggers and buttons.
@@ -49,7 +51,7 @@ struct GloveSchema<'a> {
 struct InputSchema<'a> {
     #[serde(borrow)]
     input: Spanned<'a>,
-    channel: usize,
+    channel: Channel,
     zero_counts: f64,
     full_counts: f64,
 }
@@ -60,13 +62,89 @@ struct InputSchema<'a> {
 struct RowSchema<'a> {
     label: &'a str,
     dof: Dof,
-    channel: usize,
-    offset_counts: f64,
-    full_scale_rad: f64,
-    offset_rad: f64,
+    channel: Channel,
+    offset_counts: OffsetCounts,
+    full_scale_rad: FullScaleRad,
+    offset_rad: OffsetRad,
     /// The reason why the row is disabled.
     disabled: Option<String>,
 }
+
+ranged_numbers! {
+    /// An offset of a channel, in counts.
+    OffsetCounts = "an offset", -1e6 ..= 1e6, " counts";
+    /// An offset of an angle, in radians.
+    OffsetRad = "an offset", -1e6 ..= 1e6, " rad";
+    /// The change of an angle over the range of a channel, in radians.
+    AngleRange = "an angle", -1e6 ..= 1e6, " rad";
+}
+
+/// Index of a channel.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "i64")]
+struct Channel(usize);
+
+impl TryFrom<i64> for Channel {
+    type Error = String;
+
+    fn try_from(index: i64) -> Result<Self, String> {
+        let channel = usize::try_from(index).ok();
+        let channel = channel.filter(|channel| *channel < MAX_CHANNELS);
+        channel.map(Self).ok_or_else(|| {
+            let last = MAX_CHANNELS - 1;
+            format!("channel {index} does not exist, channels are 0 to {last}")
+        })
+    }
+}
+
+/// The largest count of a channel.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "i64")]
+struct FullScaleCounts(u16);
+
+impl TryFrom<i64> for FullScaleCounts {
+    type Error = &'static str;
+
+    fn try_from(counts: i64) -> Result<Self, Self::Error> {
+        let counts = u16::try_from(counts).ok();
+        let counts = counts.filter(|counts| (2..Channels::UNKNOWN).contains(counts));
+        counts
+            .map(Self)
+            .ok_or("this is the largest count of a channel, 2 to 65534, such as 255 for 8 bits")
+    }
+}
+
+/// The change of an angle over the range of a channel, in radians, not 0.
+#[derive(Clone, Copy, Deserialize)]
+#[serde(try_from = "AngleRange")]
+struct FullScaleRad(f64);
+
+impl TryFrom<AngleRange> for FullScaleRad {
+    type Error = &'static str;
+
+    fn try_from(angle: AngleRange) -> Result<Self, Self::Error> {
+        match angle.get() {
+            0.0 => Err(
+                "an angle that does not change is 0: set another value, or `disabled` for the row",
+            ),
+            angle => Ok(Self(angle)),
+        }
+    }
+}
+
+/// The format of glove files.
+const FORMAT: Format = Format {
+    name: "Glove",
+    remedy: "; `ademan glove new NAME` writes a glove to start from",
+    reread: |text| first_error::<GloveSchema>(text),
+    structures: || {
+        vec![
+            Structure::of::<GloveSchema>("Glove"),
+            Structure::of::<RowSchema>("rows"),
+            Structure::of::<InputSchema>("inputs"),
+        ]
+    },
+};
 
 impl Glove {
     /// Loads the glove with this name or path.
@@ -76,23 +154,14 @@ impl Glove {
 
     /// Parses a document.
     pub fn parse(document: &Document) -> Result<Self, DocumentError> {
-        let schema: GloveSchema = document.parse()?;
-        let full_scale = schema.full_scale_counts;
-        if !(2..Channels::UNKNOWN).contains(&full_scale) {
-            return Err(document.error_at(
-                &document.text,
-                "`full_scale_counts` must be the largest count of a channel, 2 to 65534, such as 255 for 8 bits",
-            ));
-        }
+        let schema: GloveSchema = document.parse_as(&FORMAT)?;
+        let FullScaleCounts(full_scale) = schema.full_scale_counts;
         if schema.rows.len() > MAX_ROWS {
             let message = format!(
                 "a glove has at most {MAX_ROWS} rows, this one has {}",
                 schema.rows.len()
             );
             return Err(document.error_at(&document.text, message));
-        }
-        for row in &schema.rows {
-            row.check(document)?;
         }
         let inputs: Vec<InputRow> = schema
             .inputs
@@ -140,22 +209,9 @@ impl GloveSchema<'_> {
     }
 }
 
-/// Checks that a channel exists; `place` is the position of an error.
-fn check_channel(document: &Document, channel: usize, place: &str) -> Result<(), DocumentError> {
-    if channel < MAX_CHANNELS {
-        return Ok(());
-    }
-    let message = format!(
-        "channel {channel} does not exist, channels are 0 to {}",
-        MAX_CHANNELS - 1
-    );
-    Err(document.error_at(place, message))
-}
-
 impl InputSchema<'_> {
     fn build(&self, document: &Document) -> Result<InputRow, DocumentError> {
         let name = self.input.text;
-        check_channel(document, self.channel, name)?;
         let input: Input = name
             .parse()
             .map_err(|error: UnknownName| document.error_at(name, error))?;
@@ -169,34 +225,21 @@ impl InputSchema<'_> {
         }
         Ok(InputRow {
             input,
-            channel: self.channel,
+            channel: self.channel.0,
             calibration: AffineMap::from_counts(-zero, 1.0 / (full - zero), 0.0),
         })
     }
 }
 
 impl RowSchema<'_> {
-    fn check(&self, document: &Document) -> Result<(), DocumentError> {
-        check_channel(document, self.channel, self.label)?;
-        let numbers = [self.offset_counts, self.full_scale_rad, self.offset_rad];
-        let is_valid = |number: &f64| (-1e6..=1e6).contains(number);
-        if !numbers.iter().all(is_valid) || self.full_scale_rad == 0.0 {
-            let message = format!(
-                "the row of {} needs finite numbers, and a `full_scale_rad` other than 0",
-                self.dof
-            );
-            return Err(document.error_at(self.label, message));
-        }
-        Ok(())
-    }
-
     fn build(&self, full_scale: u16) -> ChannelRow {
-        let rad_per_count = self.full_scale_rad / f64::from(full_scale);
+        let rad_per_count = self.full_scale_rad.0 / f64::from(full_scale);
+        let (offset_counts, offset_rad) = (self.offset_counts.get(), self.offset_rad.get());
         ChannelRow {
             label: self.label.to_owned(),
             dof: self.dof,
-            channel: self.channel,
-            calibration: AffineMap::from_counts(self.offset_counts, rad_per_count, self.offset_rad),
+            channel: self.channel.0,
+            calibration: AffineMap::from_counts(offset_counts, rad_per_count, offset_rad),
         }
     }
 }
@@ -287,11 +330,12 @@ mod tests {
         };
         let channel = row("64", "1");
         assert!(
-            channel.starts_with("g.ron:2:10: channel 64 does not exist"),
+            channel.starts_with("g.ron:2:47: channel 64 does not exist, channels are 0 to 63\n"),
             "{channel}"
         );
-        assert!(row("1", "0").contains("other than 0"));
-        assert!(row("1", "NaN").contains("finite"));
+        assert!(row("-1", "1").starts_with("g.ron:2:47: channel -1 does not exist"));
+        assert!(row("1", "0").starts_with("g.ron:2:84: an angle that does not change is 0"));
+        assert!(row("1", "NaN").starts_with("g.ron:2:84: NaN is out of range"));
         let unknown = error("label: \"a\", dof: \"elbow-flexoin\"");
         assert!(
             unknown.contains("did you mean `elbow-flexion`?"),

@@ -11,7 +11,9 @@ use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, r
 use super::model::Layout;
 use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
 use super::schema::{AutoRecenterSchema, BoardShapeSchema, Label, OutlineSchema, PoseSchema};
-use crate::document::{self, Document, DocumentError, Pairs, Spanned};
+use crate::document::{
+    self, Document, DocumentError, Format, Pairs, Spanned, Structure, first_error,
+};
 use crate::hand::Side;
 
 /// A layout file.
@@ -105,15 +107,41 @@ macro_rules! board_schema {
             fn build_controls(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
                 $(
                     for control in &self.$list {
-                        control.build(builder)?;
+                        let built = control.build(builder);
+                        builder.collect(built)?;
                     }
                 )+
                 Ok(())
             }
         }
+
+        /// Returns the structures whose fields are easily taken for those of another one.
+        fn structures() -> Vec<Structure> {
+            vec![
+                Structure::of::<LayoutSchema>("Layout"),
+                Structure::of::<BoardSchema>("boards"),
+                Structure::of::<PoseSchema>("pose"),
+                Structure::of::<RowSchema>("rows"),
+                Structure::of::<KeySchema>("keys"),
+                $(Structure::of::<super::controls::$module::$schema>(stringify!($list)),)+
+                Structure::of::<LayerSchema>("layers"),
+                Structure::of::<ChordSchema>("chords"),
+                Structure::of::<TriggerSchema>("triggers"),
+                Structure::of::<PointerSchema>("pointer"),
+                Structure::of::<SpaceSchema>("spaces"),
+            ]
+        }
     };
 }
 with_control_kinds!(board_schema);
+
+/// The format of layout files.
+const FORMAT: Format = Format {
+    name: "Layout",
+    remedy: "; `ademan layout new NAME` writes a layout to start from",
+    reread: |text| first_error::<LayoutSchema>(text),
+    structures,
+};
 
 impl Layout {
     /// Loads the file at a path, or the shipped layout with that name: `qwerty-flat`, `keyboards/qwerty-flat`; `.ron` is optional.
@@ -128,8 +156,14 @@ impl Layout {
 
     /// Parses and checks a document.
     pub fn from_document(document: Document) -> Result<Self, DocumentError> {
-        let schema: LayoutSchema = document.parse()?;
-        schema.build(&document)
+        let schema: LayoutSchema = document.parse_as(&FORMAT)?;
+        let mut builder = LayoutBuilder::new(&document, schema.name);
+        let built = schema.build(&mut builder);
+        builder.finish(
+            built,
+            schema.description,
+            duration(schema.chord_timeout_ms.get()),
+        )
     }
 
     /// Returns the shipped layouts with their names, folder by folder.
@@ -141,13 +175,15 @@ impl Layout {
 }
 
 impl<'a> LayoutSchema<'a> {
-    fn build(&self, document: &'a Document) -> Result<Layout, DocumentError> {
-        let mut builder = LayoutBuilder::new(document, self.name);
+    /// Adds all parts to the builder, also those after an error.
+    fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
         for layer in &self.layers {
-            builder.declare_layer(layer.name)?;
+            let declared = builder.declare_layer(layer.name);
+            builder.collect(declared)?;
         }
         for board in &self.boards {
-            board.build(&mut builder)?;
+            let built = board.build(builder);
+            builder.collect(built)?;
         }
         let has_controls = !self.boards.is_empty()
             || !self.triggers.is_empty()
@@ -158,26 +194,37 @@ impl<'a> LayoutSchema<'a> {
             return Err(builder.error(self.name.text, message));
         }
         for (name, label) in &self.labels.0 {
-            let index = builder.key_index(name.text)?;
-            builder.key_mut(index).face.label.clone_from(&label.0);
+            let labelled = builder.set_label(name.text, &label.0);
+            builder.collect(labelled)?;
         }
-        for (index, layer) in self.layers.iter().enumerate() {
-            layer.build(&mut builder, index + 1)?;
+        // The indices of declared layers are those of the file.
+        if builder.layers().len() == self.layers.len() + 1 {
+            for (index, layer) in self.layers.iter().enumerate() {
+                layer.build(builder, index + 1)?;
+            }
         }
         for chord in &self.chords {
-            chord.build(&mut builder)?;
+            let built = chord.build(builder);
+            builder.collect(built)?;
         }
-        reject_idle_keys(&builder)?;
+        // A key may have its action in a part that has failed.
+        if builder.failed() == 0 {
+            let rejected = reject_idle_keys(builder);
+            builder.collect(rejected)?;
+        }
         for trigger in &self.triggers {
-            trigger.build(&mut builder)?;
+            let built = trigger.build(builder);
+            builder.collect(built)?;
         }
         if let Some(pointer) = &self.pointer {
-            pointer.build(&mut builder)?;
+            let built = pointer.build(builder);
+            builder.collect(built)?;
         }
         for (index, space) in self.spaces.iter().enumerate() {
-            space.build(&mut builder, index + 1)?;
+            let built = space.build(builder, index + 1);
+            builder.collect(built)?;
         }
-        Ok(builder.finish(self.description, duration(self.chord_timeout_ms.get())))
+        Ok(())
     }
 }
 
@@ -200,7 +247,8 @@ impl<'a> BoardSchema<'a> {
             row.build(builder, defaults)?;
         }
         for key in &self.keys {
-            key.build(builder, defaults)?;
+            let built = key.build(builder, defaults);
+            builder.collect_key(key.name(), built)?;
         }
         self.build_controls(builder)?;
         builder.end_board(

@@ -147,6 +147,21 @@ impl fmt::Display for Notice {
     }
 }
 
+impl Notice {
+    /// Returns `true` for a notice that a person who wants only errors and warnings does not need.
+    pub fn is_routine(&self) -> bool {
+        matches!(
+            self,
+            Self::WaitingForSource(_)
+                | Self::SourceFound(_)
+                | Self::Listening(_)
+                | Self::NoControlSocket
+                | Self::Disarmed
+                | Self::Armed
+        )
+    }
+}
+
 fn write_paused(f: &mut fmt::Formatter<'_>, origin: CommandOrigin) -> fmt::Result {
     write!(f, "paused by {}: ", origin.description())?;
     f.write_str(match origin {

@@ -107,6 +107,6 @@ impl ArmSetup {
         };
         BoneLengths::from_hand_and_forearm(hand_length_mm * 1e-3, forearm_length_mm * 1e-3)
             .map(Some)
-            .map_err(SetupError::Value)
+            .map_err(|reason| SetupError::Value(format!("`arm`: {reason}")))
     }
 }

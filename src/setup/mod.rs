@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::capture::protocol::lucidgloves;
 use crate::capture::{CaptureError, SourceUri};
-use crate::document::{Document, DocumentError};
+use crate::document::{Document, DocumentError, Format, Structure, first_error};
 use crate::pipeline::SourceRole;
 use crate::sim::TypistError;
 
@@ -133,6 +133,20 @@ pub enum SmoothingSetup {
     },
 }
 
+/// The format of setup files.
+const FORMAT: Format = Format {
+    name: "Setup",
+    remedy: "; `ademan setup new NAME` writes a setup to start from",
+    reread: |text| first_error::<Setup>(text),
+    structures: || {
+        vec![
+            Structure::of::<Setup>("Setup"),
+            Structure::of::<OtherHand>("other_hand"),
+            Structure::of::<ProfileSetup>("profiles"),
+        ]
+    },
+};
+
 /// The reason why a setup cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SetupError {
@@ -148,6 +162,18 @@ pub enum SetupError {
     /// The simulated hand cannot type the text.
     #[error(transparent)]
     Typist(#[from] TypistError),
+}
+
+impl SetupError {
+    /// Returns the error at the value of the field that the message names first.
+    fn at_field(self, document: &Document) -> DocumentError {
+        let message = self.to_string();
+        let value = message.split('`').nth(1);
+        match value.and_then(|field| document.field_value(field)) {
+            Some(value) => document.error_at(value, message),
+            None => DocumentError::for_file(&document.file, message),
+        }
+    }
 }
 
 impl Default for Setup {
@@ -183,14 +209,12 @@ impl Setup {
     /// Loads a setup file. Names of files in its folder become paths.
     pub fn load(path: &str) -> Result<Self, SetupError> {
         let document = Document::open(path)?;
-        let mut setup: Self = document.parse()?;
-        setup
-            .check()
-            .map_err(|error| DocumentError::for_file(&document.file, error))?;
+        let mut setup: Self = document.parse_as(&FORMAT)?;
+        setup.check().map_err(|error| error.at_field(&document))?;
         let folder = Path::new(path).parent().unwrap_or(Path::new(""));
         for name in setup.file_names() {
-            let path = folder.join(&*name);
-            if path.is_file() {
+            let paths = [folder.join(&*name), folder.join(format!("{name}.ron"))];
+            if let Some(path) = paths.iter().find(|path| path.is_file()) {
                 *name = path.display().to_string();
             }
         }

@@ -41,8 +41,8 @@ fn an_error_on_a_board_has_its_position() {
             "3:33: unknown key `Entre`, did you mean `Enter`?",
         ),
         (
-            "keys: [(code: \"Spacebar\", at_mm: (0, 0))]".into(),
-            "3:16: unknown key `Spacebar`, did you mean `Space`?",
+            "keys: [(code: \"Spcebar\", at_mm: (0, 0))]".into(),
+            "3:16: unknown key `Spcebar`, did you mean `Spacebar`?",
         ),
         (
             key("size_mm: Bux(1, 2)"),
@@ -106,7 +106,10 @@ fn an_error_on_a_board_has_its_position() {
             "3:16: press_at 0.2 of the key `A` must be greater than release_at 0.25",
         ),
         // Wrong types, missing and duplicate fields.
-        (key("travel_mm: \"4\""), "3:46: expected a number"),
+        (
+            key("travel_mm: \"4\""),
+            "3:46: expected a number, without quotes",
+        ),
         (key("reports_depth: 1"), "3:50: expected `true` or `false`"),
         ("keys: 5".into(), "3:7: expected a list: `[…]`"),
         (
@@ -156,8 +159,8 @@ fn an_error_on_a_board_has_its_position() {
             "3:69: 20 is out of range: a hold time is 50 to 2000 ms",
         ),
         (
-            key("hold: (code: \"Shift\")"),
-            "3:49: unknown key `Shift`, did you mean `ShiftLeft`?",
+            key("hold: (code: \"Shft\")"),
+            "3:49: unknown key `Shft`, did you mean `Shift`?",
         ),
         (
             key("hold: (layer: \"symbols\")"),
@@ -332,7 +335,10 @@ fn an_error_in_a_layer_has_its_position() {
 #[test]
 fn a_syntax_error_has_its_position() {
     for (text, expected) in [
-        ("", "1:1: expected fields in parentheses: `(…)`"),
+        (
+            "",
+            "1:1: the file is empty, expected `Layout(…)`; `ademan layout new NAME` writes a layout to start from",
+        ),
         (
             "Layuot(name: \"x\")",
             "1:1: expected `Layout(…)`, found `Layuot`",

@@ -1,6 +1,7 @@
 //! The files that users write, and recordings.
 
 mod layout_errors;
+mod layout_mistakes;
 mod layouts;
 mod pictures;
 mod recordings;

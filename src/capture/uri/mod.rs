@@ -178,15 +178,19 @@ fn missing_scheme(text: &str) -> String {
     if text.starts_with("/dev/") || text.starts_with("COM") {
         return format!("write `serial:{text}`");
     }
-    match nearest(text, schemes().map(|scheme| scheme.name)) {
-        Some(scheme) => format!("it has no kind of source, did you mean `{scheme}:…`?"),
-        None => {
-            let schemes: Vec<String> = schemes()
-                .map(|scheme| format!("`{}:`", scheme.name))
-                .collect();
-            format!("a source starts with one of {}", schemes.join(", "))
-        }
-    }
+    let schemes: Vec<&str> = schemes().map(|scheme| scheme.name).collect();
+    let nearest = nearest(text, schemes.iter().copied());
+    let suggestion = nearest.map_or(String::new(), |scheme| {
+        format!(", did you mean `{scheme}:…`?")
+    });
+    let schemes: Vec<String> = schemes
+        .iter()
+        .map(|scheme| format!("`{scheme}:`"))
+        .collect();
+    format!(
+        "a source starts with one of {}{suggestion}",
+        schemes.join(", ")
+    )
 }
 
 fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, String> {

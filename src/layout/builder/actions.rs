@@ -59,8 +59,20 @@ impl<'a> LayoutBuilder<'a> {
     /// Parses a key code.
     pub fn key_code(&self, code: Spanned) -> Result<KeyCode, DocumentError> {
         let code = code.text;
-        code.parse()
-            .map_err(|error: UnknownName| self.error(code, error))
+        code.parse().map_err(|error: UnknownName| {
+            let has_comma = code.len() > 1 && code.contains(',');
+            match has_comma {
+                true => self.error(
+                    code,
+                    format!("`{code}` is no key: keys are separated by blanks, not by commas"),
+                ),
+                false if error.nearest.is_none() => self.error(
+                    code,
+                    format!("{error}; `ademan layout keys` lists all keys"),
+                ),
+                false => self.error(code, error),
+            }
+        })
     }
 
     /// Returns the default label of a key: that of its action, or its name if it has none.

@@ -40,6 +40,8 @@ pub(super) struct BoardDraft<'a> {
     outlines: Vec<(Outline, Source<'a>)>,
     first_key: usize,
     first_control: usize,
+    /// Number of parts that failed before this board.
+    failed_before: usize,
 }
 
 /// A target for messages.
@@ -101,6 +103,7 @@ impl Default for BoardDraft<'_> {
             outlines: Vec::new(),
             first_key: 0,
             first_control: 0,
+            failed_before: 0,
         }
     }
 }
@@ -112,6 +115,7 @@ impl<'a> LayoutBuilder<'a> {
             settings,
             first_key: self.keys.len(),
             first_control: self.controls.len(),
+            failed_before: self.failed(),
             ..BoardDraft::default()
         };
     }
@@ -140,6 +144,9 @@ impl<'a> LayoutBuilder<'a> {
             auto_recenter,
         };
         if board.keys.is_empty() && board.controls.is_empty() {
+            if self.failed() > draft.failed_before {
+                return Err(self.consequence());
+            }
             let message = format!("board {} has no keys", self.boards.len() + 1);
             return Err(self.error(self.name.text, message));
         }

@@ -8,7 +8,7 @@ mod board;
 
 pub(super) use board::{BoardSettings, FaceSpec};
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use self::board::BoardDraft;
@@ -47,7 +47,16 @@ pub(super) struct LayoutBuilder<'a> {
     axes: Vec<(Axis, Spanned<'a>)>,
     /// Kind of the target with a name, and its position in the file.
     targets: BTreeMap<&'a str, NamedTarget<'a>>,
+    /// The errors so far.
+    errors: DocumentError,
+    /// Number of parts with an error.
+    failed: usize,
+    /// Names of keys with an error, which are not in `key_indices`.
+    failed_keys: BTreeSet<&'a str>,
 }
+
+/// The number of parts with an error at which the layout is given up. Each error searches the text for its line.
+const MAX_FAILED: usize = 200;
 
 #[derive(Clone, Copy)]
 struct NamedTarget<'a> {
@@ -78,13 +87,62 @@ impl<'a> LayoutBuilder<'a> {
             key_indices: BTreeMap::new(),
             axes: Vec::new(),
             targets: BTreeMap::new(),
+            errors: DocumentError::none(&document.file),
+            failed: 0,
+            failed_keys: BTreeSet::new(),
         }
     }
 
-    /// Completes the layout.
-    pub fn finish(self, description: Option<Spanned>, chord_timeout: Duration) -> Layout {
+    /// Keeps the error of a part, so that the next part can be built. Fails if too many have failed.
+    pub fn collect(&mut self, built: Result<(), DocumentError>) -> Result<(), DocumentError> {
+        let Err(error) = built else {
+            return Ok(());
+        };
+        self.errors.add(error);
+        self.failed += 1;
+        match self.failed < MAX_FAILED {
+            true => Ok(()),
+            false => Err(self.consequence()),
+        }
+    }
+
+    /// As [`collect`](Self::collect), for the key with this name, which layers and chords may name.
+    pub fn collect_key(
+        &mut self,
+        name: &'a str,
+        built: Result<(), DocumentError>,
+    ) -> Result<(), DocumentError> {
+        if built.is_err() {
+            self.failed_keys.insert(name);
+        }
+        self.collect(built)
+    }
+
+    /// The number of parts that have failed. What is missing after a failure may be in such a part.
+    pub fn failed(&self) -> usize {
+        self.failed
+    }
+
+    /// Returns the error of a part that fails because of another one.
+    pub fn consequence(&self) -> DocumentError {
+        DocumentError::none(&self.document.file)
+    }
+
+    /// Completes the layout. `built` is the outcome of its last part.
+    pub fn finish(
+        mut self,
+        built: Result<(), DocumentError>,
+        description: Option<Spanned>,
+        chord_timeout: Duration,
+    ) -> Result<Layout, DocumentError> {
+        if let Err(error) = built {
+            self.errors.add(error);
+        }
+        if !self.errors.is_none() {
+            return Err(self.errors.in_order());
+        }
         let one_line = |text: Spanned| text.text.split_whitespace().collect::<Vec<_>>().join(" ");
-        Layout {
+        Ok(Layout {
             name: one_line(self.name),
             description: description.map_or(String::new(), one_line),
             file: self.document.file.clone(),
@@ -101,7 +159,7 @@ impl<'a> LayoutBuilder<'a> {
             triggers: self.triggers,
             pointer: self.pointer,
             spaces: self.spaces,
-        }
+        })
     }
 
     /// Returns an error at `source`, a slice of the document.
@@ -177,15 +235,25 @@ impl<'a> LayoutBuilder<'a> {
 
     /// Returns the index of the key with this name. Every spelling of a key code is accepted.
     pub fn key_index(&self, name: &str) -> Result<usize, DocumentError> {
-        let code = || Some(name.parse::<KeyCode>().ok()?.name());
-        let index = self
-            .key_indices
-            .get(name)
-            .or_else(|| self.key_indices.get(code()?));
-        index.copied().ok_or_else(|| {
+        let code = name.parse().map_or(name, |key: KeyCode| key.name());
+        let find = |name: &str| self.key_indices.get(name).copied();
+        find(name).or_else(|| find(code)).ok_or_else(|| {
+            if [name, code]
+                .iter()
+                .any(|name| self.failed_keys.contains(name))
+            {
+                return self.consequence();
+            }
             let error = UnknownName::new("key", name, self.key_indices.keys().copied());
             self.error(name, format!("this layout has no such key: {error}"))
         })
+    }
+
+    /// Sets the label of the key with this name.
+    pub fn set_label(&mut self, name: &str, label: &str) -> Result<(), DocumentError> {
+        let index = self.key_index(name)?;
+        label.clone_into(&mut self.keys[index].face.label);
+        Ok(())
     }
 
     /// Returns the key with this index, to change it.

@@ -26,20 +26,32 @@ impl<'a> LayerSchema<'a> {
         layer: usize,
     ) -> Result<(), DocumentError> {
         for &(name, code) in &self.keys.0 {
-            let index = builder.key_index(name.text)?;
-            let action = builder.key_action(code, None)?;
-            check_layer_action(builder, &builder.keys()[index], code, action, layer)?;
-            let actions = &mut builder.key_mut(index).actions;
-            if actions.len() > layer {
-                let message = format!(
-                    "duplicate key `{}` in the layer `{}`",
-                    name.text, self.name.text
-                );
-                return Err(builder.error(name.text, message));
-            }
-            actions.resize(layer, None);
-            actions.push(Some(action));
+            let built = self.build_key(builder, layer, name, code);
+            builder.collect(built)?;
         }
+        Ok(())
+    }
+
+    fn build_key(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        layer: usize,
+        name: Spanned<'a>,
+        code: Spanned<'a>,
+    ) -> Result<(), DocumentError> {
+        let index = builder.key_index(name.text)?;
+        let action = builder.key_action(code, None)?;
+        check_layer_action(builder, &builder.keys()[index], code, action, layer)?;
+        let actions = &mut builder.key_mut(index).actions;
+        if actions.len() > layer {
+            let message = format!(
+                "duplicate key `{}` in the layer `{}`",
+                name.text, self.name.text
+            );
+            return Err(builder.error(name.text, message));
+        }
+        actions.resize(layer, None);
+        actions.push(Some(action));
         Ok(())
     }
 }

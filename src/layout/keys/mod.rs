@@ -18,8 +18,8 @@ use super::quantity::{
     metres,
 };
 use super::schema::{Action, Label, LatchSchema, OutlineSchema};
-use crate::device::KeyAction;
 use crate::device::keyboard::Activation;
+use crate::device::{KeyAction, KeyCode};
 use crate::document::{DocumentError, Spanned};
 
 /// The settings of a board that only its keys use.
@@ -154,33 +154,57 @@ impl<'a> RowSchema<'a> {
         builder: &mut LayoutBuilder<'a>,
         defaults: KeyDefaults,
     ) -> Result<(), DocumentError> {
-        let pitch = metres(self.pitch_mm.unwrap_or(defaults.pitch).get());
         for (column, code) in self.keys.text.split_whitespace().enumerate() {
-            let code = Spanned { text: code };
-            let name = builder.key_code(code)?.name();
-            let action = Some(builder.key_action(code, None)?);
-            let face = FaceSpec {
-                name,
-                label: builder.default_label(action, name),
-                row_offset: pitch * column as f32,
-                size: self.size_mm.unwrap_or(builder.board().size),
-                ..builder.face_spec("key", code, &None, self.at_mm)
-            };
-            let face = builder.add_face(face)?;
-            let key = Key {
-                face,
-                actions: vec![action],
-                reports_depth: defaults.reports_depth,
-                activation: Activation::OnPress,
-                debounce: duration(defaults.debounce.get()),
-            };
-            builder.add_key(name, key);
+            let built = self.build_key(builder, defaults, column, code);
+            let name = code.parse().map_or(code, |key: KeyCode| key.name());
+            builder.collect_key(name, built)?;
         }
+        Ok(())
+    }
+
+    fn build_key(
+        &self,
+        builder: &mut LayoutBuilder<'a>,
+        defaults: KeyDefaults,
+        column: usize,
+        code: &'a str,
+    ) -> Result<(), DocumentError> {
+        let code = Spanned { text: code };
+        let name = builder.key_code(code)?.name();
+        let action = Some(builder.key_action(code, None)?);
+        let pitch = metres(self.pitch_mm.unwrap_or(defaults.pitch).get());
+        let face = FaceSpec {
+            name,
+            label: builder.default_label(action, name),
+            row_offset: pitch * column as f32,
+            size: self.size_mm.unwrap_or(builder.board().size),
+            ..builder.face_spec("key", code, &None, self.at_mm)
+        };
+        let face = builder.add_face(face)?;
+        let key = Key {
+            face,
+            actions: vec![action],
+            reports_depth: defaults.reports_depth,
+            activation: Activation::OnPress,
+            debounce: duration(defaults.debounce.get()),
+        };
+        builder.add_key(name, key);
         Ok(())
     }
 }
 
 impl<'a> KeySchema<'a> {
+    /// The name of the key in layers and chords.
+    pub fn name(&self) -> &'a str {
+        match (self.fields.name, self.action) {
+            (None, Action::Key(code)) => {
+                let name = code.text.parse().map(|key: KeyCode| key.name());
+                name.unwrap_or(code.text)
+            }
+            _ => self.name.text,
+        }
+    }
+
     /// Adds the key to the current board.
     pub fn build(
         &self,
@@ -188,10 +212,7 @@ impl<'a> KeySchema<'a> {
         defaults: KeyDefaults,
     ) -> Result<(), DocumentError> {
         let fields = &self.fields;
-        let name = match (fields.name, self.action) {
-            (None, Action::Key(code)) => builder.key_code(code)?.name(),
-            _ => self.name.text,
-        };
+        let name = self.name();
         let action = match (self.action, fields.latch) {
             (Action::NoOp, None) => None,
             (action, latch) => Some(builder.action(action, latch)?),

@@ -79,6 +79,10 @@ impl Script {
     /// An existing path is read as a file. Any other text is a script if it has more than one word or is an action;
     /// otherwise it is the path of a missing file.
     pub fn open(path_or_text: &str, names: &TargetNames) -> Result<Self, DocumentError> {
+        if path_or_text.trim().is_empty() {
+            let message = "the script is empty; name a file, or write an action such as `tap NAME`";
+            return Err(DocumentError::for_file(INLINE, message));
+        }
         let is_action = path_or_text.parse::<Verb>().is_ok();
         let has_words = path_or_text.contains([' ', '\t', '\n', ';']);
         let is_text = is_action || has_words;

@@ -1,0 +1,111 @@
+//! All errors of a text: what is around an error is blanked out, and the text is read again.
+
+use ron::error::{Error, SpannedError};
+
+use super::format::Format;
+use super::ron_error::{byte_range, explain};
+use super::scan::{Element, elements_around};
+use super::{Document, DocumentError};
+
+/// The maximum number of errors that are read: more than are listed, as equal ones are listed once.
+const MAX_READ: usize = 40;
+
+/// Returns all errors of a document that has at least this one.
+pub(super) fn all_errors(
+    document: &Document,
+    format: &Format,
+    first: SpannedError,
+) -> DocumentError {
+    let Document { file, text } = document;
+    let mut errors = DocumentError::none(file);
+    let mut rest = Some((text.clone(), first));
+    for _ in 0..MAX_READ {
+        let Some((read, error)) = rest else {
+            break;
+        };
+        let explained = explain(&read, &error, format);
+        errors.add(DocumentError::at(
+            file,
+            text,
+            explained.range,
+            explained.message,
+        ));
+        rest = next_error(&read, &error, format);
+    }
+    errors.in_order()
+}
+
+/// Returns the text without the part around an error, and the next error. `None` if there is none, or if the error leaves open where the
+/// part ends.
+fn next_error(text: &str, error: &SpannedError, format: &Format) -> Option<(String, SpannedError)> {
+    if !is_about_content(&error.code) {
+        return None;
+    }
+    let start = byte_range(text, error).start;
+    for element in elements_around(text, start) {
+        let field = element.field(text);
+        if element.bracket == b'(' && field.is_none() {
+            continue;
+        }
+        let blanked = blank_out(text, &element);
+        let next = (format.reread)(&blanked)?;
+        if !is_consequence(&blanked, &next, start, &element, field) {
+            return Some((blanked, next));
+        }
+    }
+    None
+}
+
+/// Returns `true` if the brackets and commas around the error are those of its author.
+fn is_about_content(error: &Error) -> bool {
+    matches!(
+        error,
+        Error::Message(_)
+            | Error::NoSuchStructField { .. }
+            | Error::NoSuchEnumVariant { .. }
+            | Error::MissingStructField { .. }
+            | Error::DuplicateStructField { .. }
+            | Error::ExpectedDifferentStructName { .. }
+            | Error::ExpectedDifferentLength { .. }
+            | Error::ExpectedNamedStructLike(_)
+            | Error::ExpectedStructLike
+            | Error::ExpectedString
+            | Error::ExpectedFloat
+            | Error::ExpectedInteger
+            | Error::ExpectedBoolean
+            | Error::ExpectedArray
+            | Error::ExpectedMap
+            | Error::ExpectedIdentifier
+            | Error::IntegerOutOfBounds
+    )
+}
+
+fn blank_out(text: &str, element: &Element) -> String {
+    let blank = |byte: u8| if byte == b'\n' { '\n' } else { ' ' };
+    let blanks: String = text[element.range.clone()].bytes().map(blank).collect();
+    let (before, after) = (&text[..element.range.start], &text[element.range.end..]);
+    format!("{before}{blanks}{after}")
+}
+
+/// Returns `true` if the next error is the same, or that a field of the same parentheses is missing now.
+fn is_consequence(
+    text: &str,
+    next: &SpannedError,
+    start: usize,
+    element: &Element,
+    field: Option<&str>,
+) -> bool {
+    let next_start = byte_range(text, next).start;
+    if next_start == start || element.range.contains(&next_start) {
+        return true;
+    }
+    // What is missing in parentheses is reported at their end.
+    next_start == element.inside.end
+        && match &next.code {
+            Error::MissingStructField { .. } => true,
+            Error::Message(message) => {
+                field.is_some_and(|field| message.contains(&format!("`{field}`")))
+            }
+            _ => false,
+        }
+}

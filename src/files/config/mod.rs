@@ -1,0 +1,25 @@
+//! The configuration folder of a person.
+
+use std::path::{Path, PathBuf};
+
+#[cfg(not(target_family = "wasm"))]
+mod base;
+#[cfg(not(target_family = "wasm"))]
+use base as system;
+
+#[cfg(target_family = "wasm")]
+mod unsupported;
+#[cfg(target_family = "wasm")]
+use unsupported as system;
+
+/// Returns the folder for files of a person, which may not exist: `~/.config/ademan`, below `$XDG_CONFIG_HOME` if it is set,
+/// or `%APPDATA%\ademan` on Windows. `None` if the system has no such folder.
+pub fn config_folder() -> Option<PathBuf> {
+    Some(system::base_folder()?.join("ademan"))
+}
+
+/// Returns the path of a file of a person in the configuration folder, if the file exists.
+pub fn in_config_folder(path: impl AsRef<Path>) -> Option<PathBuf> {
+    let path = config_folder()?.join(path);
+    path.is_file().then_some(path)
+}

@@ -1,0 +1,7 @@
+//! The stand-in on systems without folders.
+
+use std::path::PathBuf;
+
+pub fn base_folder() -> Option<PathBuf> {
+    None
+}
