@@ -33,6 +33,13 @@ macro_rules! say {
         crate::messages::print(&format!($($message)*))
     };
 }
+/// Prints an error as the binary does.
+#[cfg(target_os = "linux")]
+macro_rules! complain {
+    ($($message:tt)*) => {
+        crate::messages::print_error(&format!($($message)*))
+    };
+}
 #[cfg(target_os = "linux")]
 #[path = "../src/bin/ademan/failure.rs"]
 #[allow(dead_code)]

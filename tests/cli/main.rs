@@ -5,6 +5,9 @@ mod support;
 
 mod body_landmarks;
 mod bvh;
+#[cfg(target_os = "linux")]
+mod completion;
+mod config_folder;
 #[cfg(unix)]
 mod control;
 mod demos;
@@ -13,8 +16,10 @@ mod doctor;
 #[cfg(target_os = "linux")]
 mod faults;
 mod files;
+mod help;
 #[cfg(target_os = "linux")]
 mod idle;
+mod log_options;
 mod lucidgloves;
 mod markers;
 mod pictures;

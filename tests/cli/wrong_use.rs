@@ -42,6 +42,57 @@ fn an_output_without_a_required_capability_is_refused_before_the_source_is_opene
 }
 
 #[test]
+fn arguments_of_a_wrong_kind_are_named_and_what_exists_is_listed() {
+    let number = "this is not a number; write one such as 2.5 or -5";
+    refused(
+        "ctl nudge a b c",
+        &["invalid value 'a' for '<x_mm>'", number],
+    );
+    let all = "`serial:`, `tcp:`, `udp:`, `file:`";
+    refused("run --source typst", &[all, "did you mean `typist:…`?"]);
+    refused("run --source zzz:a", &["available: serial, tcp"]);
+    refused(
+        "run --source file:x?protocol=zzz",
+        &["available: hc11, text-line"],
+    );
+    refused(
+        "run --source typist:a --output zzz",
+        &["available: transcript"],
+    );
+    refused(
+        "layout keys Spaec",
+        &["no key has `Spaec`", "did you mean `Space`?"],
+    );
+    for script in ["", " "] {
+        let ended = run(["demo", "--script", script]);
+        let message = "the script is empty; name a file, or write an action such as `tap NAME`";
+        assert!(ended.err.contains(message), "{}", ended.err);
+        assert_eq!(ended.code, Some(2));
+    }
+}
+
+#[test]
+fn keys_are_found_by_alias_code_and_character() {
+    let keys = |word: &str| run(["layout", "keys", word]).done().out;
+    assert!(
+        keys("vol").contains("AudioVolumeUp                115  123  XF86AudioRaiseVolume  VolUp"),
+        "{}",
+        keys("vol")
+    );
+    assert!(keys("lmb").contains("MouseLeft"), "{}", keys("lmb"));
+    assert!(keys(";").contains("Semicolon"), "{}", keys(";"));
+    assert!(keys("57").contains("Space"), "{}", keys("57"));
+    let json = run(["layout", "keys", "Win", "--json"]).done().out;
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json[0]["name"], "MetaLeft");
+    assert_eq!(
+        (&json[0]["evdev"], &json[0]["x11"]),
+        (&125.into(), &133.into())
+    );
+    assert_eq!(json[0]["keysym"], "Super_L");
+}
+
+#[test]
 fn a_program_built_for_x11_refuses_a_wayland_session() {
     let mut run = ademan(["run", "--output", "desktop", "--source", "typist:hi"]);
     // There might be an X server beside the compositor.
@@ -218,19 +269,19 @@ fn errors_in_a_setup_name_the_file_and_the_position() {
         ),
         (
             "Setup(source: \"typist:a\"",
-            &["bad.ron:1:", "expected a comma or the closing bracket"],
+            &["bad.ron:1:", "the `(` is not closed"],
         ),
         (
             "Setup(stall_timeout_ms: 5)",
-            &["bad.ron: ", "`stall_timeout_ms` is 20 to 10000, not 5"],
+            &["bad.ron:1:25: ", "`stall_timeout_ms` is 20 to 10000, not 5"],
         ),
         (
             "Setup(arm: Measured(hand_length_mm: 1, forearm_length_mm: 250))",
-            &["bad.ron: ", "100 to 300 mm"],
+            &["bad.ron:1:12: ", "100 to 300 mm"],
         ),
         (
             "Setup(smoothing: OneEuro(min_cutoff_hz: 0, beta: 0, derivative_cutoff_hz: 1))",
-            &["bad.ron: ", "0.001 to 10000 Hz"],
+            &["bad.ron:1:18: ", "0.001 to 10000 Hz"],
         ),
     ];
     for (content, words) in cases {

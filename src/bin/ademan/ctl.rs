@@ -74,7 +74,8 @@ impl Subcommand for Request {
     /// One subcommand per command of the session, from its table.
     fn augment_subcommands(parent: Command) -> Command {
         let subscribe = Command::new(SUBSCRIBE)
-            .about("Print all events, including everything that is typed, until the session ends");
+            .about("Print all events, including everything that is typed, until the session ends")
+            .after_help(format!("Example: ademan ctl {SUBSCRIBE}"));
         let commands = SPECS.iter().map(subcommand);
         parent
             .subcommands(commands)
@@ -96,13 +97,24 @@ fn subcommand(spec: &CommandSpec) -> Command {
     let fields = spec.fields.iter().map(|field| {
         let arg = Arg::new(field.name).help(field.summary).required(true);
         match field.kind {
-            FieldKind::Number { .. } => arg
-                .value_parser(clap::value_parser!(f64))
-                .allow_negative_numbers(true),
+            FieldKind::Number { .. } => arg.value_parser(number).allow_negative_numbers(true),
             FieldKind::Name => arg,
         }
     });
-    Command::new(spec.name).about(spec.summary).args(fields)
+    let values = spec
+        .fields
+        .iter()
+        .map(|field| format!(" {}", field.example));
+    let example: String = values.collect();
+    Command::new(spec.name)
+        .about(spec.summary)
+        .args(fields)
+        .after_help(format!("Example: ademan ctl {}{example}", spec.name))
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let number = text.parse();
+    number.map_err(|_| "this is not a number; write one such as 2.5 or -5".into())
 }
 
 impl FromArgMatches for Request {

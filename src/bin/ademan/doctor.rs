@@ -9,6 +9,7 @@ use ademan::setup::LoadedSetup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde_json::{Value, json};
 
+use crate::complete;
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::SetupArgs;
@@ -20,11 +21,12 @@ use crate::setup_args::SetupArgs;
 )]
 pub struct Args {
     /// Setup file; the flags override it
+    #[arg(add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]
     flags: SetupArgs,
     /// Outputs, as for `ademan run`
-    #[arg(long, value_name = "OUTPUTS", value_parser = OutputList)]
+    #[arg(long, value_name = "OUTPUTS", add = complete::outputs(), value_parser = OutputList)]
     output: Option<String>,
     /// Use an output for 1 s without a visible effect
     #[arg(long, value_name = "OUTPUT", value_parser = testable_output())]

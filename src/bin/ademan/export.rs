@@ -10,6 +10,7 @@ use ademan::output;
 use ademan::session::{SessionHandle, SessionOptions};
 use ademan::trace::bvh::PoseWriter;
 
+use crate::complete;
 use crate::failure::Failure;
 use crate::session;
 use crate::setup_args::{SetupArgs, number_in};
@@ -26,7 +27,7 @@ pub struct Args {
     #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
     rate_hz: f64,
     /// Setup file
-    #[arg(long)]
+    #[arg(long, add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]
     flags: SetupArgs,

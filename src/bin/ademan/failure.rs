@@ -60,7 +60,7 @@ impl Failure {
         if self.is_broken_pipe() {
             return ExitCode::SUCCESS;
         }
-        say!("error: {}", self.error);
+        complain!("error: {}", self.error);
         ExitCode::from(self.code)
     }
 

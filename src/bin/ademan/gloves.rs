@@ -1,13 +1,13 @@
 //! `ademan gloves`: the glove files that come with the program.
 
 use ademan::document::Document;
-use ademan::document::shipped_gloves;
+use ademan::document::{own_gloves, shipped_gloves};
 use ademan::layout::Glove;
 
 use crate::failure::Failure;
 use crate::list::{ListArgs, Row};
 
-/// List the gloves that come with the program
+/// List the gloves that come with the program, and those of the configuration folder
 #[derive(clap::Args)]
 #[command(after_help = "Example: ademan gloves")]
 pub struct Args {
@@ -16,14 +16,22 @@ pub struct Args {
 }
 
 pub fn run(args: Args) -> Result<(), Failure> {
-    let rows = shipped_gloves().map(|name| {
-        let glove = Glove::parse(&Document::shipped(name)?)?;
+    let shipped = shipped_gloves().map(|name| (name.to_owned(), Document::shipped(name)));
+    let own = own_gloves().into_iter().map(|name| {
+        let document = Document::open(&name);
+        (name, document)
+    });
+    let rows = shipped.chain(own).map(|(name, document)| {
+        let glove = document.and_then(|document| Glove::parse(&document));
         Ok(Row {
-            name: name.into(),
-            summary: glove.name,
+            summary: glove.map_or_else(
+                |error| format!("invalid: {}", error.message()),
+                |it| it.name,
+            ),
             example: Some(format!(
                 "ademan run --source serial:/dev/ttyUSB0 --glove {name}"
             )),
+            name,
         })
     });
     args.list.print(&rows.collect::<Result<Vec<_>, Failure>>()?)

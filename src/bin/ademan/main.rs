@@ -7,6 +7,13 @@ macro_rules! say {
     };
 }
 
+/// Prints an error or a warning on standard error, also with `--quiet`.
+macro_rules! complain {
+    ($($message:tt)*) => {
+        crate::messages::print_error(&format!($($message)*))
+    };
+}
+
 /// Declares the subcommands: one line each, with the module that holds its `Args` and its `run`.
 macro_rules! subcommands {
     ($($(#[$meta:meta])* $name:ident($module:ident),)+) => {
@@ -25,6 +32,7 @@ macro_rules! subcommands {
     };
 }
 
+mod complete;
 mod completions;
 mod ctl;
 mod delay;
@@ -32,21 +40,29 @@ mod demo;
 mod doctor;
 mod export;
 mod failure;
+mod glove;
 mod gloves;
+mod key_list;
 mod layout;
+mod layout_check;
+mod layouts;
 mod list;
 mod man;
 mod messages;
+mod new_file;
 mod output_list;
 mod outputs;
 mod panics;
 mod pause_signals;
 mod picture;
 mod record;
+mod recording_size;
 mod release_keys;
 mod replay;
 mod run;
+mod script;
 mod session;
+mod setup;
 mod setup_args;
 mod signal_mask;
 mod signals;
@@ -70,11 +86,13 @@ use failure::Failure;
 #[command(
     version,
     propagate_version = true,
-    after_help = "Start with `ademan demo`: it needs no glove."
+    after_help = "Start with `ademan demo`: it needs no glove.\n\nExamples:\n  ademan demo\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop"
 )]
 struct Cli {
     #[command(subcommand)]
     command: Subcommand,
+    #[command(flatten)]
+    messages: messages::LogArgs,
 }
 
 subcommands! {
@@ -90,7 +108,11 @@ subcommands! {
     Layout(layout),
     Sources(sources),
     Outputs(outputs),
+    Layouts(layouts),
     Gloves(gloves),
+    Glove(glove),
+    Setup(setup),
+    Script(script),
     Doctor(doctor),
     #[command(name = watchdog::COMMAND, hide = true)]
     Watchdog(watchdog),
@@ -103,11 +125,12 @@ subcommands! {
 }
 
 fn main() -> ExitCode {
+    completions::answer();
     let cli = Cli::parse();
-    messages::install_log();
     let code = match panics::catch(|| {
         // Before any thread is started, as threads inherit the mask.
         cli.command.block_signals()?;
+        messages::install(&cli.messages)?;
         cli.command.run()
     }) {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,9 +1,11 @@
 //! `ademan man`: manual pages.
 
 use std::fs;
-use std::path::PathBuf;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
 
-use clap::CommandFactory;
+use clap::{Command, CommandFactory};
+use clap_mangen::Man;
 
 use crate::Cli;
 use crate::failure::Failure;
@@ -23,12 +25,62 @@ pub fn run(args: Args) -> Result<(), Failure> {
         let message = format!("{} is a file; name a folder", folder.display());
         return Err(Failure::wrong_use(message));
     }
+    let mut command = Cli::command().disable_help_subcommand(true);
+    command.build();
     fs::create_dir_all(&folder)
-        .and_then(|()| clap_mangen::generate_to(Cli::command(), &folder))
+        .and_then(|()| write_pages(&command, &folder))
         .map_err(|error| {
-            Failure::wrong_use(format!(
-                "cannot write manual pages to {}: {error}",
-                folder.display()
-            ))
+            let message = format!("cannot write to {}: {error}", folder.display());
+            Failure::wrong_use(message)
         })
+}
+
+fn write_pages(command: &Command, folder: &Path) -> io::Result<()> {
+    let subcommands = command.get_subcommands();
+    for subcommand in subcommands.filter(|subcommand| !subcommand.is_hide_set()) {
+        write_pages(subcommand, folder)?;
+    }
+    let man = Man::new(command.clone());
+    let mut page = Vec::new();
+    man.render_title(&mut page)?;
+    man.render_name_section(&mut page)?;
+    man.render_synopsis_section(&mut page)?;
+    man.render_description_section(&mut page)?;
+    if command
+        .get_arguments()
+        .any(|argument| !argument.is_hide_set())
+    {
+        man.render_options_section(&mut page)?;
+    }
+    if command.has_subcommands() {
+        man.render_subcommands_section(&mut page)?;
+    }
+    if let Some(help) = command.get_after_help() {
+        write_examples(&help.to_string(), &mut page)?;
+    }
+    man.render_version_section(&mut page)?;
+    fs::write(folder.join(man.get_filename()), page)
+}
+
+/// Writes the end of the help. Examples are indented lines, or follow `Example: `.
+fn write_examples(help: &str, page: &mut impl Write) -> io::Result<()> {
+    writeln!(page, ".SH EXAMPLES")?;
+    for line in help.lines() {
+        let example = line.strip_prefix("  ").or(line.strip_prefix("Example: "));
+        match (example, line) {
+            (Some(example), _) => writeln!(page, ".nf\n    {}\n.fi", escaped(example))?,
+            (None, "" | "Examples:") => {}
+            (None, text) => writeln!(page, ".PP\n{}", escaped(text))?,
+        }
+    }
+    Ok(())
+}
+
+/// Escapes a line for roff, where a dot or an apostrophe at its start begins a request.
+fn escaped(line: &str) -> String {
+    let line = line.trim().replace('\\', r"\e").replace('-', r"\-");
+    match line.starts_with(['.', '\'']) {
+        true => format!(r"\&{line}"),
+        false => line,
+    }
 }

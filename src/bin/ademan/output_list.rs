@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use ademan::output::{BACKENDS, Backend};
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 
-/// The parser of a list of outputs, separated by commas. Help and completions list the backends; opening the outputs
+/// The parser of a list of outputs, separated by commas. Help lists the backends; opening the outputs
 /// checks the names.
 #[derive(Clone)]
 pub struct OutputList;

@@ -7,7 +7,7 @@ use ademan::session::SessionOptions;
 
 use crate::failure::Failure;
 use crate::setup_args::SetupArgs;
-use crate::{session, stats};
+use crate::{complete, recording_size, session, stats};
 
 /// Record a source and the results of every stage, without typing
 #[derive(clap::Args)]
@@ -16,7 +16,7 @@ pub struct Args {
     /// Recording to create; an existing file is not overwritten
     file: PathBuf,
     /// Setup file
-    #[arg(long)]
+    #[arg(long, add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]
     flags: SetupArgs,
@@ -30,10 +30,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
         output: Some(output::open("none", &setup.required_capabilities())?),
         record_to: Some(args.file.clone()),
         report_status: true,
-        on_notice: Some(Box::new(|notice| say!("{notice}"))),
+        on_notice: Some(session::print_notices()),
         ..SessionOptions::default()
     };
     let session = session::start(setup, options)?;
-    say!("recording to {}", args.file.display());
+    recording_size::announce(&args.file);
     stats::report(session.join()?)
 }

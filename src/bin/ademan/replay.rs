@@ -11,7 +11,7 @@ use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::number_in;
-use crate::{session, stats, watchdog};
+use crate::{complete, session, stats, watchdog};
 
 /// Play a recording through the pipeline again
 #[derive(clap::Args)]
@@ -20,19 +20,20 @@ use crate::{session, stats, watchdog};
 )]
 pub struct Args {
     /// Recording
+    #[arg(add = complete::recording())]
     file: PathBuf,
     /// Glove that replaces the recorded one
-    #[arg(long)]
+    #[arg(long, add = complete::glove())]
     glove: Option<String>,
     /// Layout that replaces the recorded one
-    #[arg(long)]
+    #[arg(long, add = complete::layout())]
     layout: Option<String>,
     /// Setup whose permissions apply: role, press rate limit, stall timeout, arming, system keys and panic keys. Without it,
     /// an output that types has the default permissions, and a transcript those of the recording
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", add = complete::setup())]
     setup: Option<String>,
     /// Outputs, as for `ademan run`
-    #[arg(long, value_name = "OUTPUTS", default_value = "transcript", value_parser = OutputList)]
+    #[arg(long, value_name = "OUTPUTS", default_value = "transcript", add = complete::outputs(), value_parser = OutputList)]
     output: String,
     /// Playback speed, 1 for real time. The default is 1 for an output that types, and as fast as possible for a transcript
     #[arg(long, value_parser = speed, allow_negative_numbers = true)]
@@ -54,7 +55,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         speed: args.speed.or(has_effect.then_some(1.0)),
         use_panic_keys: has_effect,
         watchdog: Some(watchdog::program(Command::Stop)?),
-        on_notice: Some(Box::new(|notice| say!("{notice}"))),
+        on_notice: Some(session::print_notices()),
         ..SessionOptions::default()
     };
     let session = session::start(setup, options)?;

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::SetupArgs;
 use crate::view::{self, LiveView, ViewKind, Views};
-use crate::{messages, pause_signals, session, stats, watchdog};
+use crate::{complete, messages, pause_signals, recording_size, session, stats, watchdog};
 
 /// The output without any other.
 const TRANSCRIPT: &str = "transcript";
@@ -21,12 +21,14 @@ const TRANSCRIPT: &str = "transcript";
     after_help = "Examples:\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n  ademan run my-setup.ron --wait\n  ademan run my-setup.ron --view log\n\nThe session starts paused. It is armed after the hand has been clear of every key for 300 ms. A layout file is activated when it is saved. Ctrl-C releases everything and ends the session."
 )]
 pub struct Args {
-    /// Setup file, such as examples/setup.ron; the flags override it
+    /// Setup file (see `ademan setup new`); the flags override it. The default is setup.ron in the configuration folder, if it
+    /// exists: ~/.config/ademan on Linux
+    #[arg(add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]
     flags: SetupArgs,
     /// Outputs, separated by commas. Each event goes to the first one that supports it, and to all transcripts
-    #[arg(long, value_name = "OUTPUTS", value_parser = OutputList)]
+    #[arg(long, value_name = "OUTPUTS", add = complete::outputs(), value_parser = OutputList)]
     output: Option<String>,
     /// Record the session to this file. It contains everything that is typed
     #[arg(long, value_name = "FILE")]
@@ -66,12 +68,13 @@ pub fn run(args: Args) -> Result<(), Failure> {
         Some(path) => ControlSocket::Path(path.clone()),
         None => ControlSocket::Default,
     };
+    let record_to = args.record;
     session::prepare()?;
     let options = SessionOptions {
         speed: Some(1.0),
         wait_for_source: args.wait,
         watchdog: Some(watchdog::program(Command::Pause)?),
-        record_to: args.record,
+        record_to: record_to.clone(),
         control_socket,
         watch_layouts: true,
         use_panic_keys: true,
@@ -90,6 +93,9 @@ pub fn run(args: Args) -> Result<(), Failure> {
         }
     }
     let session = session::start(setup, options)?;
+    if let Some(path) = &record_to {
+        recording_size::announce(path);
+    }
     pause_signals::install(session.commands().clone())?;
     let view =
         (view == ViewKind::Board).then(|| LiveView::open(Views::Session(session.add_viewer())));

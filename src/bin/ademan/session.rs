@@ -15,7 +15,7 @@ pub fn prepare() -> Result<(), Failure> {
 
 /// Returns a receiver that prints notices.
 pub fn print_notices() -> NoticeReceiver {
-    Box::new(|notice| say!("{notice}"))
+    Box::new(|notice| messages::print_notice(&notice))
 }
 
 /// Starts a session that SIGINT, SIGTERM and SIGHUP stop.

@@ -1,17 +1,22 @@
 //! Flags that override fields of a setup, shared by several subcommands.
 
 use ademan::capture::SourceUri;
+use ademan::files;
 use ademan::pipeline::SourceRole;
 use ademan::setup::Setup;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use crate::complete;
 use crate::failure::Failure;
 use crate::source_value::{self, SourceValue};
+
+/// The setup in the configuration folder that is used if none is named.
+const OWN_SETUP: &str = "setup.ron";
 
 /// Flags that override a setup file.
 #[derive(Clone, clap::Args)]
 pub struct SetupArgs {
-    #[arg(long, value_name = "URI", value_parser = SourceValue, help = "Source of readings", long_help = source_value::help())]
+    #[arg(long, value_name = "URI", value_parser = SourceValue, add = complete::source(), help = "Source of readings", long_help = source_value::help())]
     source: Option<SourceUri>,
     /// Source of the arm, if another one than that of the fingers: a camera beside a glove
     #[arg(long, value_name = "URI", value_parser = SourceValue)]
@@ -24,19 +29,25 @@ pub struct SetupArgs {
     #[arg(long, value_parser = role())]
     arm_role: Option<SourceRole>,
     /// Glove: the name of one that comes with the program, or a file
-    #[arg(long)]
+    #[arg(long, add = complete::glove())]
     glove: Option<String>,
     /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
-    #[arg(long)]
+    #[arg(long, add = complete::layout())]
     layout: Option<String>,
 }
 
 impl SetupArgs {
-    /// Reads a setup file, or takes the default setup, and applies the flags.
+    /// Reads a setup file and applies the flags. Without a file, it is `setup.ron` in the configuration folder if there is one.
     pub fn read_setup(self, file: Option<&str>) -> Result<Setup, Failure> {
-        let mut setup = match file {
-            Some(path) => Setup::load(path)?,
-            None => Setup::default(),
+        let own = files::in_config_folder(OWN_SETUP);
+        let mut setup = match (file, own) {
+            (Some(path), _) => Setup::load(path)?,
+            (None, Some(path)) => {
+                let path = path.to_string_lossy();
+                say!("using {path}");
+                Setup::load(&path)?
+            }
+            (None, None) => Setup::default(),
         };
         setup.source = self.source.or(setup.source);
         setup.arm_source = self.arm_source.or(setup.arm_source);

@@ -9,7 +9,7 @@ use ademan::capture::transport::Scheme;
 use ademan::capture::uri::schemes;
 use clap::builder::{PossibleValue, TypedValueParser};
 
-/// The parser of a source URI. Help and completions list the kinds of source.
+/// The parser of a source URI. Help lists the kinds of source.
 #[derive(Clone)]
 pub struct SourceValue;
 

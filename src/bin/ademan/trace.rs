@@ -8,6 +8,7 @@ use ademan::session::{SessionHandle, SessionOptions};
 use ademan::trace::Stage;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use crate::complete;
 use crate::failure::Failure;
 use crate::session;
 use crate::setup_args::SetupArgs;
@@ -22,7 +23,7 @@ pub struct Args {
     #[arg(value_parser = stage())]
     stage: Stage,
     /// Setup file
-    #[arg(long)]
+    #[arg(long, add = complete::setup())]
     setup: Option<String>,
     #[command(flatten)]
     flags: SetupArgs,

@@ -1,7 +1,7 @@
 //! `ademan demo`: a simulated hand types or plays a script, from glove bytes to events.
 
 mod player;
-mod script;
+pub mod script;
 mod task;
 mod text;
 
@@ -20,6 +20,7 @@ use ademan::session::{Session, SessionOptions, Summary};
 use ademan::setup::{LoadedSetup, OtherHand, Setup};
 use ademan::sim::{PacketWriters, PlaybackStats, SimulatedTypist};
 
+use crate::complete;
 use crate::failure::Failure;
 use crate::output_list::OutputList;
 use crate::setup_args::number_in;
@@ -45,7 +46,7 @@ pub struct Args {
     #[arg(long, value_name = "FILE_OR_TEXT", conflicts_with = "text")]
     script: Option<String>,
     /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
-    #[arg(long, default_value = "qwerty-flat")]
+    #[arg(long, default_value = "qwerty-flat", add = complete::layout())]
     layout: String,
     /// Play every layout that comes with the program for some seconds
     #[arg(long, conflicts_with_all = ["layout", "text", "script"])]
@@ -54,7 +55,7 @@ pub struct Args {
     #[arg(long, default_value_t = 115_200, value_parser = clap::value_parser!(u32).range(1200..=4_000_000))]
     baud: u32,
     /// Outputs besides the screen, separated by commas
-    #[arg(long, value_name = "OUTPUTS", default_value = "none", value_parser = OutputList)]
+    #[arg(long, value_name = "OUTPUTS", default_value = "none", add = complete::outputs(), value_parser = OutputList)]
     output: String,
     /// Noise on every channel of the glove: standard deviation in counts
     #[arg(long, default_value_t = 0.0, value_parser = noise, allow_negative_numbers = true)]

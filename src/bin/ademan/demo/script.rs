@@ -24,6 +24,17 @@ const SCRIPTS: &[(&str, &str)] = scripts! {
     "workshop"
 };
 
+/// Returns the names of the layouts that have a script.
+pub fn layouts() -> impl Iterator<Item = &'static str> {
+    SCRIPTS.iter().map(|(name, _)| *name)
+}
+
+/// Returns the script of a shipped layout.
+pub fn text(layout: &str) -> Option<&'static str> {
+    let script = SCRIPTS.iter().find(|(name, _)| *name == layout);
+    script.map(|(_, text)| *text)
+}
+
 /// Returns the script for a layout that comes with the program, if it has one. A file of the same name has none.
 pub fn for_layout(layout: &str) -> Option<&'static str> {
     let script = SCRIPTS.iter().find(|(name, _)| *name == layout);

@@ -7,9 +7,9 @@ use std::time::Instant;
 use ademan::message::{HeldBack, MessageLimits, escape_lines};
 use tracing::callsite::Identifier;
 use tracing::field::{Field, Visit};
-use tracing::level_filters::LevelFilter;
 use tracing::span::{Attributes, Id, Record};
-use tracing::{Event, Metadata, Subscriber};
+use tracing::{Event, Level, Metadata, Subscriber};
+use tracing_subscriber::filter::Targets;
 
 use super::queue::Due;
 
@@ -18,9 +18,9 @@ type Limits = MessageLimits<(Identifier, String), String>;
 
 static LIMITS: OnceLock<Mutex<Limits>> = OnceLock::new();
 
-/// Prints log messages from now on.
-pub fn install() {
-    tracing::subscriber::set_global_default(Log).expect("this is called once");
+/// Prints log messages of these levels from now on.
+pub fn install(levels: Targets) {
+    tracing::subscriber::set_global_default(Log(levels)).expect("this is called once");
 }
 
 /// Returns the messages that were held back for 10 s.
@@ -47,16 +47,12 @@ fn limits() -> MutexGuard<'static, Limits> {
     limits.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A subscriber that prints events, and ignores spans.
-struct Log;
+/// A subscriber that prints events of these levels, and ignores spans.
+struct Log(Targets);
 
 impl Subscriber for Log {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        metadata.is_event() && *metadata.level() <= LevelFilter::INFO
-    }
-
-    fn max_level_hint(&self) -> Option<LevelFilter> {
-        Some(LevelFilter::INFO)
+        metadata.is_event() && self.0.would_enable(metadata.target(), metadata.level())
     }
 
     fn event(&self, event: &Event<'_>) {
@@ -67,6 +63,7 @@ impl Subscriber for Log {
         let kind = (metadata.callsite(), fields.source);
         let admitted = limits().admit(kind, 1, message, Instant::now());
         match admitted {
+            Some(message) if *metadata.level() <= Level::WARN => super::print_error(&message),
             Some(message) => super::print(&message),
             None => super::wake(),
         }

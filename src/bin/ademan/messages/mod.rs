@@ -3,9 +3,11 @@
 //! A command that runs a session [starts](start) a queue with a thread of its own, so that no message delays a release.
 //! A full queue drops messages, and their number is printed once the stream accepts data again. The other commands print at once.
 //! While the live view covers the terminal, messages are [held](hold) for it, and written to standard error when it ends.
-//! Text of others is escaped, and log messages are limited by kind and source.
+//! Text of others is escaped, and log messages are limited by kind and source. A log file has a queue of its own.
 
+mod args;
 mod log;
+mod log_file;
 mod queue;
 mod stream;
 
@@ -14,8 +16,10 @@ use std::sync::OnceLock;
 use std::time::Duration;
 
 use ademan::message::escape_lines;
+use ademan::session::Notice;
 
-use self::queue::MessageQueue;
+pub use self::args::LogArgs;
+use self::queue::{Due, MessageQueue};
 use self::stream::MessageStream;
 pub use self::stream::{hold, latest, release};
 use crate::failure::Failure;
@@ -25,23 +29,64 @@ const FLUSH_TIMEOUT: Duration = Duration::from_millis(500);
 
 static QUEUE: OnceLock<MessageQueue> = OnceLock::new();
 
-/// Sends log messages of the library to standard error.
-pub fn install_log() {
-    log::install();
+/// Only errors and warnings are printed.
+static IS_QUIET: OnceLock<bool> = OnceLock::new();
+
+/// Prints messages and logs as the arguments say. May start a thread.
+pub fn install(args: &LogArgs) -> Result<(), Failure> {
+    let (verbosity, error) = args.verbosity();
+    // This is called once.
+    let _ = IS_QUIET.set(verbosity.is_quiet);
+    log::install(verbosity.levels);
+    if let Some(path) = &args.log {
+        log_file::open(path)?;
+    }
+    if let Some(error) = error {
+        complain!("warning: {error}");
+    }
+    Ok(())
 }
 
 /// Prints all later messages on a thread of its own.
 pub fn start() -> Result<(), Failure> {
-    let queue = MessageQueue::start(MessageStream, log::take_due).map_err(Failure::no_thread)?;
+    let queue = MessageQueue::start(MessageStream, take_due).map_err(Failure::no_thread)?;
     // A second queue would have no messages.
     let _ = QUEUE.set(queue);
     Ok(())
 }
 
-/// Prints a message of one or more lines. A closed or full standard error is ignored: it must not end a session.
+/// Returns log messages that were held back, and writes them to the log file.
+fn take_due() -> Due {
+    let (due, next_due) = log::take_due();
+    due.iter().for_each(|lines| log_file::write(lines));
+    (due, next_due)
+}
+
+/// Prints a message of one or more lines, unless the program is quiet. A closed or full standard error is ignored: it must not
+/// end a session.
 pub fn print(message: &str) {
+    print_line(message, IS_QUIET.get() == Some(&true));
+}
+
+/// Prints an error or a warning.
+pub fn print_error(message: &str) {
+    print_line(message, false);
+}
+
+/// Prints a notice of a session.
+pub fn print_notice(notice: &Notice) {
+    let message = notice.to_string();
+    match notice.is_routine() {
+        true => print(&message),
+        false => print_error(&message),
+    }
+}
+
+fn print_line(message: &str, is_hidden: bool) {
     let line = format!("{}\n", escape_lines(message));
+    log_file::write(&line);
     match QUEUE.get() {
+        _ if is_hidden => {}
         Some(queue) => queue.push(line),
         None => _ = io::stderr().write_all(line.as_bytes()),
     }
@@ -54,10 +99,13 @@ pub fn flush() {
 
 /// Waits until all messages are printed, or the time is over.
 pub fn flush_within(timeout: Duration) {
-    log::take_all().iter().for_each(|message| print(message));
+    // Those of levels that are not printed were not held back.
+    let held_back = log::take_all();
+    held_back.iter().for_each(|message| print_error(message));
     if let Some(queue) = QUEUE.get() {
         queue.flush(timeout);
     }
+    log_file::flush(timeout);
 }
 
 /// Makes the thread ask for log messages that are held back.

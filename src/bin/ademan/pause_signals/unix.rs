@@ -51,7 +51,7 @@ fn suspend(commands: &CommandSender) {
     thread::sleep(OUTPUT_DELAY);
     let was_viewed = view::suspend();
     if let Err(error) = emulate_default_handler(SIGTSTP) {
-        say!("cannot stop this process: {error}");
+        complain!("cannot stop this process: {error}");
     }
     if was_viewed {
         view::resume();

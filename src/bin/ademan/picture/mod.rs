@@ -10,6 +10,7 @@ use ademan::layout::{Layout, Wearer};
 use ademan::message::{escape, escape_lines};
 use ademan::setup::Setup;
 
+use crate::complete;
 use crate::failure::Failure;
 
 /// Examples of the command.
@@ -19,6 +20,7 @@ pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan
 #[derive(clap::Args)]
 pub struct Args {
     /// A layout file, or the name of a layout that comes with the program
+    #[arg(add = complete::layout())]
     file: String,
     /// Write a picture for documents and browsers; - is standard output
     #[arg(long, value_name = "OUT.svg")]
@@ -33,7 +35,7 @@ pub struct Args {
     #[arg(long)]
     overwrite: bool,
     /// Setup whose hands are drawn, with their reach. Default: the hand of a setup without a file
-    #[arg(long, value_name = "SETUP.ron")]
+    #[arg(long, value_name = "SETUP.ron", add = complete::setup())]
     setup: Option<String>,
 }
 

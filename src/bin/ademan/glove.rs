@@ -1,0 +1,40 @@
+//! `ademan glove`: creates glove files.
+
+use std::path::PathBuf;
+
+use ademan::document::Document;
+use ademan::layout::Glove;
+
+use crate::failure::Failure;
+use crate::{complete, new_file};
+
+/// Create glove files
+#[derive(clap::Args)]
+#[command(after_help = "Example: ademan glove new mine --from unam-hc11")]
+pub struct Args {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(clap::Subcommand)]
+enum Action {
+    /// Create a glove file as a copy of another one
+    #[command(after_help = "Example: ademan glove new mine --from unam-hc11-left")]
+    New {
+        /// File to create (.ron is added); an existing file is not overwritten
+        file: PathBuf,
+        /// Glove to copy: the name of one that comes with the program (see `ademan gloves`), or a file
+        #[arg(long, default_value = "unam-hc11", add = complete::glove())]
+        from: String,
+    },
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let Action::New { file, from } = args.action;
+    let path = new_file::with_extension(&file, "ron");
+    let document = Document::open(&from)?;
+    let glove = Glove::parse(&document)?;
+    let text = new_file::renamed(&document.text, &glove.name, &path);
+    let next = "ademan run --source serial:/dev/ttyUSB0 --glove FILE";
+    new_file::create(&path, &text, &document.file, next)
+}

@@ -1,0 +1,25 @@
+//! The size that a recording grows to.
+
+use std::path::Path;
+
+use ademan::files;
+
+/// Bytes of a reading with the results of all stages, for one hand and the default layout.
+const BYTES_PER_READING: f64 = 4230.0;
+
+/// Readings per second of a glove on the fastest line.
+const READINGS_PER_SECOND: f64 = 175.0;
+
+/// Prints that a recording begins, how fast it grows, and for how long the disk has room.
+pub fn announce(path: &Path) {
+    let per_hour = BYTES_PER_READING * READINGS_PER_SECOND * 3600.0;
+    let left = files::free_bytes(path).map_or(String::new(), |free| {
+        let (free, hours) = (free as f64 / 1e9, free as f64 / per_hour);
+        format!("; {free:.1} GB are free on its disk, enough for {hours:.1} hours")
+    });
+    say!(
+        "recording to {}: {:.1} GB an hour at {READINGS_PER_SECOND} readings per second{left}",
+        path.display(),
+        per_hour / 1e9,
+    );
+}

@@ -1,0 +1,169 @@
+//! Files by name: path, working folder, configuration folder, shipped; and the setup that is found by itself.
+
+use std::fs;
+use std::path::Path;
+
+use tempfile::TempDir;
+
+use super::{Ended, ademan, text};
+
+/// A person's configuration folder and a working folder.
+struct Home(TempDir);
+
+impl Home {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir_all(folder.path().join("config/ademan/layouts")).unwrap();
+        fs::create_dir_all(folder.path().join("config/ademan/gloves")).unwrap();
+        fs::create_dir_all(folder.path().join("work")).unwrap();
+        Self(folder)
+    }
+
+    /// Writes a file below `config/ademan` or `work`.
+    fn write(&self, path: &str, content: impl AsRef<[u8]>) {
+        fs::write(self.0.path().join(path), content).unwrap();
+    }
+
+    /// Runs the program in the working folder.
+    fn run(&self, line: &str) -> Ended {
+        let mut command = ademan(line.split(' '));
+        // Of Linux and macOS, then of Windows.
+        command.env("XDG_CONFIG_HOME", self.0.path().join("config"));
+        command.env("APPDATA", self.0.path().join("config"));
+        command.current_dir(self.0.path().join("work"));
+        command.output().expect("the program starts").into()
+    }
+
+    fn config(&self, path: &str) -> String {
+        text(&self.0.path().join("config/ademan").join(path)).to_owned()
+    }
+}
+
+/// A layout with one key.
+fn layout(name: &str, key: &str) -> String {
+    let row = format!("rows: [(at_mm: (0, 0), keys: \"{key}\")]");
+    let pose = "pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45)";
+    format!("Layout(name: \"{name}\", boards: [({pose}, {row})])")
+}
+
+#[test]
+fn a_path_precedes_the_working_folder_the_configuration_folder_and_a_shipped_layout() {
+    let home = Home::new();
+    let is_drawn = |line: &str, label: &str| {
+        let out = home.run(&format!("layout show {line}")).done().out;
+        assert!(out.contains(label), "{out}");
+    };
+    is_drawn("media", "Seek");
+    home.write(
+        "config/ademan/layouts/media.ron",
+        layout("configuration", "A"),
+    );
+    is_drawn("media", " A ");
+    home.write("work/media.ron", layout("working folder", "B"));
+    is_drawn("media", " B ");
+    home.write("work/media", layout("path", "C"));
+    is_drawn("media", " C ");
+    is_drawn("./media.ron", " B ");
+    // The name with its folder is that of the shipped file.
+    is_drawn("panels/media", "Seek");
+}
+
+#[test]
+fn a_file_that_hides_a_shipped_one_is_reported() {
+    let home = Home::new();
+    assert_eq!(home.run("layout check media").done().err, "");
+    home.write("work/media.ron", layout("mine", "A"));
+    let ended = home.run("layout check media").done();
+    let expected = "using media.ron, which hides the `media` that comes with the program";
+    assert!(ended.err.contains(expected), "{}", ended.err);
+    home.write("work/other.ron", layout("other", "A"));
+    assert_eq!(home.run("layout check other").done().err, "");
+}
+
+#[test]
+fn a_new_layout_is_found_by_its_name_and_one_that_is_missing_suggests_it() {
+    let home = Home::new();
+    home.run("layout new mine --from numpad").done();
+    home.run("run --source typist:1 --layout mine").done();
+    fs::rename(
+        home.0.path().join("work/mine.ron"),
+        home.config("layouts/mine.ron"),
+    )
+    .unwrap();
+    home.run("run --source typist:1 --layout mine").done();
+    let error = home.run("layout check mien");
+    assert!(error.err.contains("did you mean `mine`?"), "{}", error.err);
+    let list = home.run("layouts").done().out;
+    assert!(list.lines().any(|line| line.starts_with("mine ")), "{list}");
+    assert_eq!(list, home.run("layout list").done().out);
+}
+
+#[test]
+fn a_glove_of_the_configuration_folder_is_found_by_its_name() {
+    let home = Home::new();
+    home.run("glove new mine --from unam-hc11").done();
+    fs::rename(
+        home.0.path().join("work/mine.ron"),
+        home.config("gloves/mine.ron"),
+    )
+    .unwrap();
+    home.run("run --source typist:a --glove mine").done();
+    let list = home.run("gloves").done().out;
+    assert!(list.lines().any(|line| line.starts_with("mine ")), "{list}");
+}
+
+#[test]
+fn the_setup_of_the_configuration_folder_is_used_and_said_unless_another_is_named() {
+    let home = Home::new();
+    home.write(
+        "config/ademan/setup.ron",
+        "Setup(layout: \"mine\", source: \"typist:1\")",
+    );
+    home.write("config/ademan/layouts/mine.ron", layout("mine", "1"));
+    let ended = home.run("run").done();
+    let said = format!("using {}", home.config("setup.ron"));
+    assert!(ended.err.contains(&said), "{}", ended.err);
+    assert!(ended.out.contains("down 1"), "{}", ended.out);
+    home.write(
+        "work/other.ron",
+        "Setup(source: \"typist:2\", layout: \"numpad\")",
+    );
+    let ended = home.run("run other").done();
+    assert!(!ended.err.contains("using"), "{}", ended.err);
+    assert!(ended.out.contains("down Numpad2"), "{}", ended.out);
+    home.write("config/ademan/setup.ron", "Setup(stall_timeout_ms: 5)");
+    let ended = home.run("run --source typist:1");
+    let place = format!(
+        "{}:1:25: `stall_timeout_ms` is 20 to 10000",
+        home.config("setup.ron")
+    );
+    assert!(ended.err.contains(&place), "{}", ended.err);
+}
+
+#[test]
+fn files_to_start_from_come_with_the_program_and_are_valid() {
+    let home = Home::new();
+    home.run("setup new my-setup").done();
+    home.run("glove new my-glove --from unam-hc11-left").done();
+    home.run("script new my-script --from media").done();
+    home.run("layout new my-layout --from media").done();
+    home.run("demo --layout my-layout --script my-script.txt")
+        .done();
+    home.run("run my-setup --source typist:a").done();
+    let glove = fs::read_to_string(home.0.path().join("work/my-glove.ron")).unwrap();
+    assert!(glove.contains("name: \"my-glove\""), "{glove}");
+    for line in [
+        "setup new my-setup",
+        "glove new my-glove",
+        "script new my-script --from media",
+    ] {
+        let ended = home.run(line);
+        assert_eq!(ended.code, Some(2), "{line}");
+        assert!(
+            ended.err.contains("choose another name or remove it"),
+            "{}",
+            ended.err
+        );
+    }
+    assert!(Path::new(&home.0.path().join("work/my-script.txt")).exists());
+}

@@ -1,0 +1,99 @@
+//! Messages that are asked for: `--verbose`, `--quiet`, `--log` and `RUST_LOG`.
+
+use std::fs;
+
+use super::{Ended, ademan, text};
+
+fn run_with(log: &str, line: &str) -> Ended {
+    let mut command = ademan(line.split(' '));
+    command.env("RUST_LOG", log);
+    command.output().expect("the program starts").into()
+}
+
+const RUN: &str = "run --source typist:hi";
+
+#[test]
+fn a_quiet_run_prints_errors_only() {
+    let loud = super::run(RUN.split(' ')).done();
+    assert!(loud.err.contains("readings:"), "{}", loud.err);
+    let quiet = super::run(format!("{RUN} --quiet").split(' ')).done();
+    assert_eq!(quiet.err, "");
+    assert_eq!(quiet.out.lines().count(), loud.out.lines().count());
+    let failed = super::run(["-q", "layout", "check", "nowhere.ron"]);
+    assert!(
+        failed.err.contains("there is no such file"),
+        "{}",
+        failed.err
+    );
+}
+
+#[test]
+fn a_log_has_all_messages_with_their_time_and_is_private() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("ademan.log");
+    let line = format!("{RUN} -q --log {}", text(&path));
+    for runs in 1..=2 {
+        super::run(line.split(' ')).done();
+        let log = fs::read_to_string(&path).unwrap();
+        let stats = log.lines().filter(|line| line.contains("readings:"));
+        assert_eq!(stats.count(), runs, "{log}");
+        let has_time = |line: &str| line.starts_with("20") && line[19..].starts_with("Z ");
+        assert!(log.lines().all(has_time), "{log}");
+        assert!(!log.contains("down"), "{log}");
+    }
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::{PermissionsExt, symlink};
+        let mode = fs::metadata(&path).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+        let link = folder.path().join("link.log");
+        symlink(&path, &link).unwrap();
+        let ended = super::run(format!("{RUN} --log {}", text(&link)).split(' '));
+        assert_eq!(ended.code, Some(2));
+        assert!(
+            ended.err.contains("this is a symbolic link"),
+            "{}",
+            ended.err
+        );
+    }
+}
+
+#[test]
+fn a_log_is_a_regular_file() {
+    if !std::path::Path::new("/dev/full").exists() {
+        println!("SKIPPED: there is no /dev/full here");
+        return;
+    }
+    let ended = super::run(format!("{RUN} --log /dev/full").split(' '));
+    assert!(
+        ended.err.contains("not a regular file but a device"),
+        "{}",
+        ended.err
+    );
+}
+
+#[test]
+fn rust_log_is_honoured_and_an_invalid_one_is_reported() {
+    let home = tempfile::tempdir().unwrap();
+    fs::write(
+        home.path().join("media.ron"),
+        ademan::layout::Layout::load("media").unwrap().text,
+    )
+    .unwrap();
+    let hidden = |log: &str, flags: &str| {
+        let line = format!("{flags}layout check media");
+        let mut command = ademan(line.split(' '));
+        command.env("RUST_LOG", log).current_dir(home.path());
+        let ended = Ended::from(command.output().expect("the program starts")).done();
+        ended.err.contains("which hides")
+    };
+    assert!(hidden("", "") && hidden("info", ""));
+    assert!(!hidden("warn", "") && !hidden("ademan::document=off,info", ""));
+    assert!(hidden("warn", "-v "), "a flag precedes the variable");
+    let ended = run_with("ademan=loud", "layouts").done();
+    assert!(
+        ended.err.contains("RUST_LOG has no effect"),
+        "{}",
+        ended.err
+    );
+}
