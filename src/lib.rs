@@ -20,6 +20,7 @@
 //! - [`output`] sends events to the desktop, the kernel or another program.
 //! - [`session`] owns the threads around the pipeline: capture, layouts that are edited while they are used, the control
 //!   socket, panic keys and recordings.
+//! - [`share`] gives joint angles and poses to other programs.
 //! - [`layout`] and [`setup`] read the RON files of users; [`doctor`] checks the machine against a setup.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
 //!
@@ -77,6 +78,8 @@ pub mod snapshot;
 pub mod trace;
 #[cfg(not(target_family = "wasm"))]
 pub mod recorder;
+#[cfg(not(target_family = "wasm"))]
+pub mod share;
 pub mod sim;
 #[cfg(not(target_family = "wasm"))]
 pub mod setup;

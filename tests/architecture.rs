@@ -49,6 +49,7 @@ const FLOW: &[&str] = &[
     "snapshot",
     "trace",
     "recorder",
+    "share",
     "sim",
     "setup",
     "session",
@@ -59,7 +60,14 @@ const FLOW: &[&str] = &[
 const STAGES: &[&str] = &["estimate", "kinematics", "contact", "device", "pipeline"];
 
 /// The folders and files that may read a clock.
-const MAY_READ_A_CLOCK: &[&str] = &["capture/", "output/", "session/", "sim/player.rs", "bin/"];
+const MAY_READ_A_CLOCK: &[&str] = &[
+    "capture/",
+    "output/",
+    "session/",
+    "share/",
+    "sim/player.rs",
+    "bin/",
+];
 
 /// The files that may ask for the operating system, beside those named `mod.rs`, `main.rs` and `tests.rs`.
 const MAY_HAVE_CFG: &[&str] = &["lib.rs"];
@@ -264,7 +272,7 @@ fn stages_use_no_clock_no_lock_no_thread_and_no_hash_map() {
 }
 
 #[test]
-fn only_capture_output_session_and_a_played_glove_read_a_clock() {
+fn only_the_ends_of_the_flow_and_a_played_glove_read_a_clock() {
     for source in sources() {
         let may = MAY_READ_A_CLOCK
             .iter()

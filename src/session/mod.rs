@@ -55,6 +55,7 @@ use crate::pipeline::{Pipeline, SourceRole};
 use crate::priority;
 use crate::recorder::RecordError;
 use crate::setup::{LoadedSetup, SetupError};
+use crate::share::{ShareError, ShareServer};
 use crate::snapshot::{Snapshot, Stats};
 
 pub use self::command_channel::{CommandReceiver, CommandSender, command_channel};
@@ -92,6 +93,9 @@ pub enum SessionError {
     /// The recording cannot be created.
     #[error(transparent)]
     Record(#[from] RecordError),
+    /// Angles or poses cannot be shared.
+    #[error(transparent)]
+    Share(#[from] ShareError),
     /// The operating system refused a thread.
     #[error("{}", advice::no_thread(.0))]
     Thread(#[from] io::Error),
@@ -121,12 +125,14 @@ pub struct Session {
     start_signal: Option<Sender<()>>,
     /// Removes the socket when it is dropped.
     control: Option<ControlServer>,
+    /// Servers of joint angles and poses.
+    servers: Vec<ShareServer>,
 }
 
 impl Session {
     /// Starts a session on threads of its own.
     ///
-    /// Errors in the setup, the control socket and the panic keys are returned at once; errors of the source and the
+    /// Errors in the setup, the control socket, the servers and the panic keys are returned at once; errors of the source and the
     /// output by [`SessionHandle::join`].
     pub fn start(
         setup: LoadedSetup,
@@ -154,6 +160,10 @@ impl Session {
             // A full queue means that the loop stands still; then the watchdog releases everything.
             panic_keys::watch(&keys, move || _ = commands.send(Command::Pause))?;
         }
+        let targets = options.share.iter();
+        let servers: Vec<_> = targets
+            .map(|&target| ShareServer::start(target, setup.arm.side()))
+            .collect::<Result<_, _>>()?;
         let notifier = control.as_ref().map(ControlServer::notifier);
         start_layout_manager(&setup, &options, &mut commands, &notices, notifier)?;
         if let Some(control) = &mut control {
@@ -174,6 +184,7 @@ impl Session {
             views,
             start_signal: None,
             control,
+            servers,
         };
         SessionHandle::spawn(session, command_sender, snapshot_receiver, hub)
     }
@@ -217,12 +228,16 @@ impl Session {
         if self.control.is_none() && self.options.control_socket == ControlSocket::Default {
             self.report_status(Notice::NoControlSocket);
         }
+        for server in &self.servers {
+            self.report_status(Notice::Sharing(server.target()));
+        }
         drop(self.start_signal.take());
         let mut status = self.options.report_status.then(StatusLog::default);
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);
         let (notices, snapshots) = (self.notices.sender(), &self.snapshots);
         let views = &mut self.views;
         let is_lossless = self.options.lossless_snapshots;
+        let servers = &self.servers;
         let mut observe = |snapshot: &Snapshot, pipeline: &Pipeline| {
             if let Some(status) = &mut status {
                 status.update(snapshot, &mut |notice| notices.send(notice));
@@ -235,6 +250,9 @@ impl Session {
                 recorder.push(snapshot);
             }
             views.update(snapshot, pipeline);
+            for server in servers {
+                server.push(snapshot);
+            }
             publish(snapshots, snapshot, is_lossless);
         };
         let mut pipeline = self.setup.pipeline();

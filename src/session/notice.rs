@@ -16,6 +16,7 @@ use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{Finger, FingerSet, Side};
 use crate::message::HeldBack;
+use crate::share::ShareTarget;
 
 /// Notices that wait for the receiver of the user.
 const QUEUE_LENGTH: usize = 64;
@@ -39,6 +40,8 @@ pub enum Notice {
     SourceFound(SourceUri),
     /// The session reads from this live source.
     Listening(SourceUri),
+    /// This server of joint angles or poses listens.
+    Sharing(ShareTarget),
     /// There is no default path for a control socket.
     NoControlSocket,
     /// Output waits until the hand is clear of every control.
@@ -91,6 +94,10 @@ impl fmt::Display for Notice {
             Self::WaitingForSource(reason) => write!(f, "waiting: {reason}; Ctrl-C ends"),
             Self::SourceFound(source) => write!(f, "found {source}"),
             Self::Listening(source) => write!(f, "listening to {source}, Ctrl-C ends"),
+            Self::Sharing(target) => write!(
+                f,
+                "sharing {target}: the angles of a hand tell what it types"
+            ),
             Self::NoControlSocket => write!(f, "{}", advice::no_runtime_dir()),
             Self::Disarmed => {
                 f.write_str("paused: hold the hand clear of all keys for a moment to arm")

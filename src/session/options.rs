@@ -9,6 +9,7 @@ use super::notice::Notice;
 use crate::capture::Source;
 use crate::command::Command;
 use crate::output::Sink;
+use crate::share::ShareTarget;
 
 /// A function that receives notices.
 pub type NoticeReceiver = Box<dyn FnMut(Notice) + Send>;
@@ -28,6 +29,8 @@ pub struct SessionOptions {
     pub watchdog: Option<WatchdogProgram>,
     /// Path of a recording to create.
     pub record_to: Option<PathBuf>,
+    /// Servers of joint angles and poses for other programs.
+    pub share: Vec<ShareTarget>,
     /// Control socket for other programs.
     pub control_socket: ControlSocket,
     /// Activates layout files when they are saved.
@@ -83,6 +86,7 @@ impl fmt::Debug for SessionOptions {
             .field("wait_for_source", &self.wait_for_source)
             .field("watchdog", &self.watchdog)
             .field("record_to", &self.record_to)
+            .field("share", &self.share)
             .field("control_socket", &self.control_socket)
             .field("watch_layouts", &self.watch_layouts)
             .field("use_panic_keys", &self.use_panic_keys)

@@ -20,6 +20,7 @@ use crate::capture::protocol::lucidgloves;
 use crate::capture::{CaptureError, SourceUri};
 use crate::document::{Document, DocumentError, Format, Structure, first_error};
 use crate::pipeline::SourceRole;
+use crate::share::ShareTarget;
 use crate::sim::TypistError;
 
 /// The gloves of a setup that names none: that of the first hand, and that of the other hand.
@@ -53,6 +54,8 @@ pub struct Setup {
     pub profiles: Vec<ProfileSetup>,
     /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, ….
     pub output: String,
+    /// Servers of joint angles and poses for other programs: `text-line:127.0.0.1:10002`. Those of a recording are not started.
+    pub share: Vec<ShareTarget>,
     /// The filter of the joint angles.
     pub smoothing: SmoothingSetup,
     /// Time without readings after which everything is released, 20 to 10000 ms, and at least three packet periods of the source.
@@ -189,6 +192,7 @@ impl Default for Setup {
             layout: "qwerty-flat".into(),
             profiles: Vec::new(),
             output: "transcript".into(),
+            share: Vec::new(),
             smoothing: SmoothingSetup::Default,
             stall_timeout_ms: 200,
             arm_immediately: false,

@@ -97,14 +97,12 @@ impl Stage {
                 .iter()
                 .try_for_each(|reading| write(reading.time, json(reading, buffer))),
             Self::Angles => snapshot.angles.iter().zip(&snapshot.pose).try_for_each(
-                |(angles, &HandPose { time, .. })| {
-                    write(time, json(&AnglesJson::new(time, angles), buffer))
-                },
+                |(angles, &HandPose { time, .. })| write(time, angles_json(time, angles, buffer)),
             ),
             Self::Pose => snapshot
                 .pose
                 .iter()
-                .try_for_each(|pose| write(pose.time, json(&PoseJson::new(pose), buffer))),
+                .try_for_each(|pose| write(pose.time, pose_json(pose, buffer))),
             Self::Touches => snapshot.touches.iter().try_for_each(|touch| {
                 write(touch.time, json(&TouchJson::new(touch, names), buffer))
             }),
@@ -118,6 +116,16 @@ impl Stage {
                 .try_for_each(|issued| write(issued.time, command_json(issued, buffer))),
         }
     }
+}
+
+/// Returns the object of [`Stage::Angles`] without a line end. `buffer` is overwritten.
+pub fn angles_json<'a>(time: Timestamp, angles: &JointAngles, buffer: &'a mut Vec<u8>) -> &'a [u8] {
+    json(&AnglesJson::new(time, angles), buffer)
+}
+
+/// Returns the object of [`Stage::Pose`] without a line end. `buffer` is overwritten.
+pub fn pose_json<'a>(pose: &HandPose, buffer: &'a mut Vec<u8>) -> &'a [u8] {
+    json(&PoseJson::new(pose), buffer)
 }
 
 /// Returns one object of [`Stage::Events`] without a line end. `names` are those of the targets; `buffer` is overwritten.

@@ -32,7 +32,7 @@ const fn fault(number: u8, name: &'static str, coverage: Coverage) -> Fault {
 pub const COVERED: &[u8] = &[
     1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 20, 23, 25, 26,
     27, 28, 29, 30, 31, 32, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
-    50, 51, 52, 53, 54, 55, 56, 57, 58, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75, 76, 77,
+    50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75, 76, 77,
 ];
 
 /// The faults, in the order of their numbers.
@@ -315,7 +315,10 @@ pub const FAULTS: &[Fault] = &[
         ("src/output/desktop/tests.rs", "a_full_queue_drops_presses_but_no_release"),
         ("src/output/desktop/tests.rs", "a_full_queue_coalesces_motion_and_drops_no_release"),
     ])),
-    fault(59, "a client of the joint-angle server stops reading", Missing("there is no joint-angle server")),
+    fault(59, "a client of the joint-angle server stops reading", Tests(&[
+        ("src/share/server.rs", "a_client_that_reads_nothing_is_disconnected_and_the_others_are_served"),
+        ("src/share/server.rs", "a_client_that_sends_is_disconnected"),
+    ])),
     fault(60, "disk full, log closed", Tests(&[
         ("tests/cli/faults/disks.rs", "a_full_closed_or_missing_log_does_not_stop_a_session"),
         ("tests/cli/faults/disks.rs", "a_disk_that_fills_under_a_recording_ends_the_recording_and_not_the_typing"),

@@ -43,6 +43,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "tests/cli/security/sockets.rs",
                 "the_test_detects_network_sockets",
             ),
+            (
+                "tests/cli/share.rs",
+                "an_address_that_others_can_reach_is_refused",
+            ),
         ]),
     ),
     requirement(
@@ -65,12 +69,22 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         5,
         "no web page reaches a port",
-        Status::NotApplicable("there are no ports; sockets are files, which browsers cannot reach"),
+        Status::Met(&[("src/share/server.rs", "a_client_that_sends_is_disconnected")]),
     ),
     requirement(
         6,
         "a joint-angle server is read-only",
-        Status::NotApplicable("there is none"),
+        Status::Met(&[
+            ("src/share/server.rs", "a_client_that_sends_is_disconnected"),
+            (
+                "src/share/mod.rs",
+                "a_target_is_a_format_and_a_loopback_address",
+            ),
+            (
+                "tests/cli/share.rs",
+                "poses_and_angles_are_shared_as_lines_of_json",
+            ),
+        ]),
     ),
     requirement(
         7,

@@ -31,6 +31,7 @@ mod reload;
 mod roles;
 #[cfg(target_os = "linux")]
 mod security;
+mod share;
 mod signals;
 mod terminal;
 mod text_line;

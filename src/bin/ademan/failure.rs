@@ -163,7 +163,9 @@ impl From<SessionError> for Failure {
             SessionError::Control(error) => error.into(),
             SessionError::Record(error) => error.into(),
             SessionError::Thread(_) => Self::new(error, JOB),
-            SessionError::NoSource | SessionError::PanicKeys(_) => Self::new(error, USE),
+            SessionError::NoSource | SessionError::PanicKeys(_) | SessionError::Share(_) => {
+                Self::new(error, USE)
+            }
         }
     }
 }

@@ -1,0 +1,98 @@
+//! Joint angles shared with other programs.
+
+use std::io::{BufRead, BufReader, Read};
+use std::net::TcpStream;
+use std::process::Stdio;
+
+use crate::support::process::{Process, signal};
+use crate::text_line::pressed_keys;
+use crate::{ademan, run};
+
+/// Starts a simulated hand that types and shares. Returns it, and the address of its server.
+fn typist(text: &str, format: &str) -> (Process, String) {
+    let (source, share) = (format!("typist:{text}"), format!("{format}:127.0.0.1:0"));
+    let arguments = [
+        "--control",
+        "off",
+        "--output",
+        "none",
+        "--source",
+        &source,
+        "--share",
+        &share,
+    ];
+    let mut command = ademan(["run"].into_iter().chain(arguments));
+    command.stderr(Stdio::piped());
+    let mut process = Process::start(&mut command).expect("the program starts");
+    let stderr = BufReader::new(process.0.stderr.take().expect("it is piped"));
+    let mut lines = stderr.lines().map_while(Result::ok);
+    let line = lines.find_map(|line| {
+        let (target, _) = line.strip_prefix("sharing ")?.split_once(": ")?;
+        Some(target.to_owned())
+    });
+    let target = line.expect("a message about the server");
+    let address = target.strip_prefix(&format!("{format}:"));
+    (process, address.expect("the format").to_owned())
+}
+
+#[test]
+fn another_program_types_what_the_first_one_shares() {
+    // Long enough for a busy machine to start the second program meanwhile.
+    let text = "hola hola hola hola hola";
+    let (mut first, address) = typist(text, "text-line");
+    let source = format!("tcp:{address}?protocol=text-line");
+    let arguments = [
+        "--control",
+        "off",
+        "--armed",
+        "--role",
+        "both",
+        "--source",
+        &source,
+    ];
+    let mut second = ademan(["run"].into_iter().chain(arguments));
+    second.stdout(Stdio::piped()).stderr(Stdio::null());
+    let mut second = Process::start(&mut second).expect("the program starts");
+    let status = first.0.wait().expect("a child process");
+    assert!(status.success());
+    signal("TERM", second.0.id());
+    let mut transcript = String::new();
+    let mut stdout = second.0.stdout.take().expect("it is piped");
+    stdout.read_to_string(&mut transcript).expect("UTF-8");
+    let typed = pressed_keys(&transcript).concat().replace("Space", " ");
+    assert!(typed.len() >= 5, "{typed}");
+    assert!(text.to_uppercase().ends_with(&typed), "{typed}");
+}
+
+#[test]
+fn poses_and_angles_are_shared_as_lines_of_json() {
+    for (format, field) in [("pose", "positions"), ("angles", "angles")] {
+        let (_typist, address) = typist("hola hola", format);
+        let client = TcpStream::connect(address).expect("it listens");
+        let lines = BufReader::new(client).lines().map_while(Result::ok);
+        let lines: Vec<serde_json::Value> = lines
+            .take(20)
+            .map(|line| serde_json::from_str(&line).expect("JSON"))
+            .collect();
+        assert_eq!(lines.len(), 20);
+        assert!(lines.iter().all(|line| line[field].is_object()));
+        let times: Vec<_> = lines.iter().map(|line| line["time_us"].as_u64()).collect();
+        assert!(times.is_sorted(), "{times:?}");
+    }
+}
+
+#[test]
+fn an_address_that_others_can_reach_is_refused() {
+    let share = |target: &str| run(["run", "--source", "typist:a", "--share", target]);
+    let remote = share("text-line:0.0.0.0:10002");
+    assert_eq!(remote.code, Some(2), "{}", remote.err);
+    assert!(
+        remote.err.contains("only programs on this machine"),
+        "{}",
+        remote.err
+    );
+    let port = std::net::TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let taken = share(&format!("pose:{}", port.local_addr().expect("it is bound")));
+    assert_eq!(taken.code, Some(2), "{}", taken.err);
+    assert!(taken.err.contains("choose another one"), "{}", taken.err);
+}
