@@ -137,6 +137,8 @@ fn without_colours_a_pressed_key_is_reversed_and_without_utf_8_all_is_ascii() {
         .text_where(|cell| cell.fgcolor() != Color::Default || cell.bgcolor() != Color::Default);
     assert_eq!(colored, "");
     assert!(screen.written().is_ascii());
+    let fingertips = screen.text_where(|cell| cell.underline());
+    assert!(fingertips.contains('2'), "{fingertips}");
 }
 
 #[test]

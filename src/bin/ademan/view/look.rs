@@ -80,7 +80,12 @@ impl Look {
             Finger::Ring => Color::LightBlue,
             Finger::Little => Color::LightRed,
         };
-        self.colored(color).add_modifier(Modifier::BOLD)
+        let style = self.colored(color).add_modifier(Modifier::BOLD);
+        match self.is_unicode {
+            true => style,
+            // Its number could be that of a key.
+            false => style.add_modifier(Modifier::UNDERLINED),
+        }
     }
 
     /// Replaces all characters that the locale does not have.

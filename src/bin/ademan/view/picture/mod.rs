@@ -30,8 +30,11 @@ use self::cut::cut;
 use self::parts::{Part, PartKind, arrange};
 use super::look::Look;
 
-/// Messages that are shown while there is room for more.
+/// Messages for which rows are kept, if there are so many.
 const MIN_MESSAGES: u16 = 2;
+
+/// Groups of lines for which rows are kept even if a board has no room: the fingertips, and the keys or the task.
+const ESSENTIAL_GROUPS: usize = 2;
 
 /// The content of a picture.
 pub struct Picture<'a> {
@@ -52,16 +55,21 @@ impl Picture<'_> {
         let mut left_out: Vec<&str> = Vec::new();
         let below = self.lines_below(window.width);
         let messages = MIN_MESSAGES.min(self.messages.len() as u16);
-        let reserved = 1
-            + below
-                .iter()
-                .map(|lines| lines.lines.len() as u16)
-                .sum::<u16>()
-            + messages;
-        let room = window.height.saturating_sub(reserved);
-        let mut y = window.y + 1 + self.draw_parts(buffer, window, room, &mut left_out);
+        let count = |groups: &[LineGroup]| -> u16 {
+            let lines = groups.iter().map(|group| group.lines.len() as u16);
+            lines.sum()
+        };
+        let essential = below.len().min(ESSENTIAL_GROUPS);
+        let rows_without = |reserved: u16| window.height.saturating_sub(1 + reserved);
+        let parts = self.fitting_parts(
+            window.width,
+            rows_without(count(&below) + messages),
+            rows_without(count(&below[..essential]) + messages.min(1)),
+            &mut left_out,
+        );
+        let mut y = window.y + 1 + self.draw_parts(&parts, buffer, window);
         for LineGroup { name, lines } in below {
-            if y + lines.len() as u16 > window.bottom() {
+            if y + lines.len() as u16 + messages.min(1) > window.bottom() {
                 left_out.push(name);
                 continue;
             }
@@ -70,11 +78,9 @@ impl Picture<'_> {
                 y += 1;
             }
         }
-        let shown = self.draw_messages(
-            buffer,
-            Rect::new(window.x, y, window.width, window.bottom().saturating_sub(y)),
-        );
-        if shown < messages {
+        let rest = window.bottom().saturating_sub(y);
+        let shown = self.draw_messages(buffer, Rect::new(window.x, y, window.width, rest));
+        if shown < messages.min(1) {
             left_out.push("messages");
         }
         let title = Rect::new(window.x, window.y, window.width, 1);
@@ -82,46 +88,46 @@ impl Picture<'_> {
         self.look.apply(buffer);
     }
 
-    /// Draws boards and spaces in at most `room` rows, at the largest size at which all fit. Returns their height.
-    fn draw_parts(
+    /// Returns the boards and spaces at the largest size at which all fit into `room` rows. If they fit at no size, returns
+    /// those of the smallest size that fit into `most` rows, where other lines are left out for them.
+    fn fitting_parts(
         &self,
-        buffer: &mut Buffer,
-        window: Rect,
+        width: u16,
         room: u16,
+        most: u16,
         left_out: &mut Vec<&str>,
-    ) -> u16 {
+    ) -> Vec<Part> {
         for key_size in [KeySize::Labelled, KeySize::Bordered, KeySize::Compact] {
             let mut parts = self.parts(key_size);
-            if key_size != KeySize::Compact && !arrange(&mut parts, window.width, room) {
-                continue;
+            if arrange(&mut parts, width, room) {
+                return parts;
             }
-            let mut is_cut = false;
-            while !arrange(&mut parts, window.width, room) {
-                is_cut = true;
-                parts.pop();
-            }
-            if is_cut {
-                left_out.push(if parts.is_empty() {
-                    "boards"
-                } else {
-                    "a board"
-                });
-            }
-            let height = parts.iter().map(|part| part.y + part.height).max();
-            let columns = parts.iter().map(|part| part.x + part.width).max();
-            let margin = window.width.saturating_sub(columns.unwrap_or(0)) / 2;
-            for part in &parts {
-                let area = Rect::new(
-                    window.x + margin + part.x,
-                    window.y + 1 + part.y,
-                    part.width,
-                    part.height,
-                );
-                self.draw_part(part, buffer, area);
-            }
-            return height.unwrap_or(0);
         }
-        0
+        let mut parts = self.parts(KeySize::Compact);
+        while !arrange(&mut parts, width, most) {
+            let name = parts.pop().map_or("", |part| part.kind.name());
+            if !left_out.contains(&name) {
+                left_out.push(name);
+            }
+        }
+        parts
+    }
+
+    /// Draws boards and spaces in the middle. Returns their height.
+    fn draw_parts(&self, parts: &[Part], buffer: &mut Buffer, window: Rect) -> u16 {
+        let height = parts.iter().map(|part| part.y + part.height).max();
+        let columns = parts.iter().map(|part| part.x + part.width).max();
+        let margin = window.width.saturating_sub(columns.unwrap_or(0)) / 2;
+        for part in parts {
+            let area = Rect::new(
+                window.x + margin + part.x,
+                window.y + 1 + part.y,
+                part.width,
+                part.height,
+            );
+            self.draw_part(part, buffer, area);
+        }
+        height.unwrap_or(0)
     }
 
     fn draw_part(&self, part: &Part, buffer: &mut Buffer, area: Rect) {

@@ -24,6 +24,17 @@ pub enum PartKind {
     Space(usize),
 }
 
+impl PartKind {
+    /// The name of one that is left out.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Board(..) => "a board",
+            Self::Range => "the pointer",
+            Self::Space(_) => "targets in space",
+        }
+    }
+}
+
 impl Part {
     pub fn new(kind: PartKind, width: usize, height: usize) -> Self {
         let length = |length: usize| u16::try_from(length).unwrap_or(u16::MAX);

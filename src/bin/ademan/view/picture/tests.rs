@@ -92,9 +92,15 @@ fn two_hands_are_drawn_side_by_side_the_left_one_first() {
 #[test]
 fn a_small_window_names_what_it_leaves_out() {
     let view = view("media");
-    let text = text(&drawn(&view, COLORED, 40, 12));
-    println!("{text}");
-    assert!(text.contains("no room for"), "{text}");
+    let small = text(&drawn(&view, COLORED, 40, 10));
+    println!("{small}");
+    assert!(small.contains("no room for values"), "{small}");
+    assert!(
+        small.contains("Volum") && small.contains("second"),
+        "{small}"
+    );
+    let smaller = text(&drawn(&view, COLORED, 40, 4));
+    assert!(smaller.contains("no room for a board"), "{smaller}");
 }
 
 #[test]
