@@ -9,7 +9,7 @@ use crate::contact::TargetId;
 use crate::contact::surface::{Anchor, Surface, Target};
 use crate::hand::{Joint, Side};
 use crate::kinematics::HandPose;
-use crate::layout::{ReachArea, Wearer};
+use crate::layout::{BoardShape, ReachArea, Wearer};
 use crate::sim::TypingHand;
 
 /// The distance of the area beyond the outermost targets of a board, in metres: inside the panel of the drawing.
@@ -30,7 +30,8 @@ const BISECTIONS: usize = 4;
 impl LoadedSetup {
     /// Returns the hands at rest with the part of each board that the index finger reaches, and the targets out of reach.
     ///
-    /// A board that moves with the wrist has no such part, because it is always at the hand.
+    /// A board that moves with the wrist has no such part, because it is always at the hand, and neither has a cylinder, whose
+    /// targets are not in one plane.
     pub fn wearer(&self) -> Wearer {
         let first = self.arm.side();
         let surfaces = self.layout.scene.surfaces();
@@ -97,11 +98,12 @@ struct Samples<'a> {
 type Edge = (usize, usize);
 
 impl<'a> Samples<'a> {
-    /// Returns `None` for a board that moves with the wrist, and for one without a target in its plane.
+    /// Returns `None` for a board that moves with the wrist, for a cylinder, and for a board without a target in its plane.
     fn new(setup: &'a LoadedSetup, board: usize, hand: &'a TypingHand) -> Option<Self> {
         let surface = setup.layout.scene.surfaces().get(board)?;
         let board = setup.layout.boards.get(board)?;
-        if surface.anchor() == Anchor::Joint(Joint::Wrist) {
+        let is_flat = matches!(board.shape, BoardShape::Flat | BoardShape::Arc(_));
+        if surface.anchor() == Anchor::Joint(Joint::Wrist) || !is_flat {
             return None;
         }
         let target = surface.targets().find(|(_, target)| is_in_plane(target))?;

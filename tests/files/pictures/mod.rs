@@ -279,6 +279,32 @@ fn a_key_out_of_reach_is_marked_and_named() {
 }
 
 #[test]
+fn a_layer_shows_only_the_boards_that_it_changes_and_a_cylinder_has_no_area() {
+    let board = |key, shape| {
+        format!(
+            "(pose: (anchor: elbow, forward_mm: 300), shape: {shape}, keys: [(code: \"{key}\", at_mm: (0, 0))])"
+        )
+    };
+    let (flat, round) = (board("A", "Flat"), board("B", "Cylinder(radius_mm: 200)"));
+    let text = format!(
+        "Layout(name: \"t\", boards: [{flat}, {round}], layers: [(name: \"l\", keys: {{\"B\": \"Q\"}})])"
+    );
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("two.ron");
+    std::fs::write(&path, &text).unwrap();
+    let wearer = wearer(path.to_str().unwrap());
+    let boards: Vec<usize> = wearer.areas.iter().map(|area| area.board).collect();
+    assert_eq!(boards, [0]);
+    let svg = Layout::parse(&text, "t.ron")
+        .unwrap()
+        .to_svg(&wearer)
+        .unwrap();
+    let document = parse(&svg);
+    assert_eq!(groups(&document, "A").len(), 1);
+    assert_eq!(groups(&document, "B").len(), 2);
+}
+
+#[test]
 fn the_largest_layouts_are_drawn_or_refused() {
     let key = |index: usize| {
         let (x, y) = (index % 100 * 20, index / 100 * 20);

@@ -131,13 +131,17 @@ fn draw_caption(layout: &Layout, index: usize, wearer: &Wearer, view: &mut Canva
     }
 }
 
-/// Draws the boards of a layer side by side below its name.
+/// Draws the boards that a layer changes side by side below its name.
 pub fn draw_layer_row(layout: &Layout, layer: usize, scale: f32) -> Canvas {
     /// The distance between two boards, in millimetres.
     const GAP: f32 = 4.0;
     let mut row = Canvas::default();
     let mut left = 0.0;
-    for index in 0..layout.boards.len() {
+    for (index, board) in layout.boards.iter().enumerate() {
+        let mut keys = layout.keys[board.keys.clone()].iter();
+        if !keys.any(|key| layout.label_in_layer(key, layer).is_some()) {
+            continue;
+        }
         let board = draw_layer(layout, index, layer);
         let (min, _) = board.bounds();
         let placement = Placement {
