@@ -68,7 +68,7 @@ pub use cancel::CancelToken;
 pub use merge::{MAX_SOURCES, MergedSource, PartialSource};
 pub use pace::PacedSource;
 pub use protocol::hc11::{self, Hc11Format};
-pub use protocol::{InvalidPacket, InvalidPackets, StreamFormat};
+pub use protocol::{InvalidPacket, InvalidPackets, PositionNoise, StreamFormat};
 pub use sides::SidedSource;
 pub use thread::{CaptureEvent, CaptureThread, spawn};
 #[cfg(not(target_family = "wasm"))]

@@ -1,4 +1,4 @@
-//! A source that measures both arms at once, as one reading for each hand of a setup.
+//! A source that measures both hands, as one reading for each hand of a setup.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use crate::hand::Side;
 
 /// A source whose readings with both arms are repeated for each side.
 ///
-/// Readings with a side of their own and samples of one hand pass unchanged.
+/// Readings of one hand pass unchanged if the setup has that hand. Others are left out.
 pub struct SidedSource {
     source: Box<dyn Source>,
     sides: ArrayVec<Side, { Side::COUNT }>,
@@ -18,6 +18,8 @@ pub struct SidedSource {
     remaining: ArrayVec<Side, { Side::COUNT }>,
     /// Readings returned beyond those of the source.
     repeated: u64,
+    /// Readings of the source that were left out.
+    left_out: u64,
 }
 
 impl SidedSource {
@@ -29,6 +31,7 @@ impl SidedSource {
             pending: None,
             remaining: ArrayVec::new(),
             repeated: 0,
+            left_out: 0,
         }
     }
 
@@ -54,7 +57,14 @@ impl Source for SidedSource {
         let SourceEvent::Reading(reading) = event else {
             return Ok(event);
         };
-        if reading.side.is_some() || !reading.sample.kind().shows_both_arms() {
+        if let Some(side) = reading.side {
+            if self.sides.contains(&side) {
+                return Ok(SourceEvent::Reading(reading));
+            }
+            self.left_out += 1;
+            return Ok(SourceEvent::Idle);
+        }
+        if !reading.sample.kind().shows_both_arms() {
             return Ok(SourceEvent::Reading(reading));
         }
         self.remaining = self.sides.clone();
@@ -82,7 +92,7 @@ impl Source for SidedSource {
     fn stats(&self) -> SourceStats {
         let stats = self.source.stats();
         SourceStats {
-            readings: stats.readings + self.repeated,
+            readings: stats.readings + self.repeated - self.left_out,
             ..stats
         }
     }

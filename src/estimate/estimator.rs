@@ -4,6 +4,7 @@ use std::time::Duration;
 
 use parry3d::math::Vec3;
 
+use super::position_filter::PositionFilter;
 use super::samples::SampleConverter;
 use super::smoothing::Smoother;
 use super::{ChannelMap, Estimate, EstimatorSettings, MeasuredJoints, Rejection};
@@ -19,8 +20,12 @@ const CONSISTENT_READINGS: u8 = 3;
 /// measured time between two readings can be far too short.
 const MIN_PLAUSIBLE_ROTATION: f64 = 0.3;
 
-/// The lever at which a plausible rotation moves a joint, in metres: half an arm.
-const LEVER: f64 = 0.3;
+/// The highest speed of a measured joint that moves with the whole hand, in m/s: more than that of a fast reach, so that a
+/// tracker that takes one hand for the other is noticed.
+const MAX_HAND_SPEED: f64 = 4.0;
+
+/// A distance that is always plausible, in metres, for the same reason.
+const MIN_PLAUSIBLE_DISTANCE: f64 = 0.09;
 
 /// The estimator of one hand. It accepts samples of every kind; those with sensor channels need a
 /// [channel map](Self::with_channels).
@@ -29,6 +34,7 @@ pub struct Estimator {
     settings: EstimatorSettings,
     converter: SampleConverter,
     smoother: Smoother,
+    position_filter: Option<PositionFilter>,
     /// The estimate of the latest reading, updated in place because it is too large to move for every reading.
     estimate: Estimate,
     /// The last accepted angles, before the filter.
@@ -59,6 +65,7 @@ impl Estimator {
             settings,
             converter: SampleConverter::new(),
             smoother: Smoother::new(settings.smoothing),
+            position_filter: settings.position_smoothing.map(PositionFilter::new),
             estimate: Estimate::new(Timestamp::default(), JointAngles::default()),
             last: None,
             candidate: None,
@@ -85,7 +92,8 @@ impl Estimator {
         };
         self.estimate.jumped |= self.check_speed(&raw)?;
         let jumped = self.estimate.jumped;
-        if jumped || gap > self.settings.max_gap || !self.has_same_dofs(&raw.angles) {
+        let is_interrupted = jumped || gap > self.settings.max_gap;
+        if is_interrupted || !self.has_same_dofs(&raw.angles) {
             self.smoother.reset();
         }
         self.last = Some(raw);
@@ -93,6 +101,12 @@ impl Estimator {
         self.smoother.filter(angles, gap.as_secs_f64());
         if let Some(limits) = &self.settings.limits {
             limits.clamp_all(angles);
+        }
+        if let Some(filter) = &mut self.position_filter {
+            if is_interrupted {
+                filter.reset();
+            }
+            filter.filter(&mut self.estimate.measured, gap.as_secs_f64());
         }
         Ok(&self.estimate)
     }
@@ -121,14 +135,17 @@ impl Estimator {
             .candidate
             .as_ref()
             .map_or(last.time, |(candidate, _)| candidate.time);
-        let rotation = max_speed * raw.time.since(previous).as_secs_f64();
-        let rotation = rotation.max(MIN_PLAUSIBLE_ROTATION);
-        if raw.is_within(rotation, last) {
+        let seconds = raw.time.since(previous).as_secs_f64();
+        let reach = Reach {
+            rotation: (max_speed * seconds).max(MIN_PLAUSIBLE_ROTATION),
+            distance: (MAX_HAND_SPEED * seconds).max(MIN_PLAUSIBLE_DISTANCE),
+        };
+        if raw.is_within(&reach, last) {
             self.candidate = None;
             return Ok(false);
         }
         let agreeing = match &self.candidate {
-            Some((candidate, count)) if raw.is_within(rotation, candidate) => count + 1,
+            Some((candidate, count)) if raw.is_within(&reach, candidate) => count + 1,
             _ => 1,
         };
         if agreeing < CONSISTENT_READINGS {
@@ -140,18 +157,27 @@ impl Estimator {
     }
 }
 
+/// The largest plausible change from one reading to another.
+struct Reach {
+    /// Of each angle, in radians.
+    rotation: f64,
+    /// Of a measured position, in metres.
+    distance: f64,
+}
+
 impl RawAngles {
-    /// Returns whether no angle differs from `other` by more than `rotation` (radians), and a measured position not by more
-    /// than that at a lever. Angles and positions that are known in only one of both do not count.
-    fn is_within(&self, rotation: f64, other: &Self) -> bool {
+    /// Returns whether neither an angle nor the measured position is out of reach from `other`. Those that are known in only
+    /// one of both do not count.
+    fn is_within(&self, reach: &Reach, other: &Self) -> bool {
         let distance = match (self.anchor, other.anchor) {
             (Some((joint, now)), Some((same, before))) if joint == same => now.distance(before),
             _ => 0.0,
         };
         let mut known = self.angles.known();
-        f64::from(distance) <= rotation * LEVER
+        f64::from(distance) <= reach.distance
             && known.all(|(dof, radians)| {
-                !other.angles.is_known(dof) || (radians - other.angles.get(dof)).abs() <= rotation
+                !other.angles.is_known(dof)
+                    || (radians - other.angles.get(dof)).abs() <= reach.rotation
             })
     }
 }

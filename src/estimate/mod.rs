@@ -10,6 +10,7 @@ mod hand_angles;
 mod hand_estimator;
 mod limits;
 mod one_euro;
+mod position_filter;
 mod samples;
 mod settings;
 mod smoothing;
@@ -23,6 +24,7 @@ pub use hand_angles::hand_angles;
 pub use hand_estimator::HandEstimator;
 pub use limits::JointLimits;
 pub use one_euro::{OneEuroFilter, OneEuroSettings};
+pub use position_filter::{LANDMARK_SMOOTHING, MARKER_SMOOTHING};
 pub use settings::{EstimatorSettings, LandmarkSettings};
 pub use smoothing::Smoothing;
 

@@ -2,13 +2,15 @@
 
 use std::time::Duration;
 
-use super::{JointLimits, Smoothing};
+use super::{JointLimits, OneEuroSettings, Smoothing};
 
 /// Settings of an [`Estimator`](super::Estimator).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EstimatorSettings {
-    /// The smoothing filter.
+    /// The smoothing filter of the joint angles.
     pub smoothing: Smoothing,
+    /// The smoothing filter of measured joint positions, `beta` in Hz per m/s; `None` for none.
+    pub position_smoothing: Option<OneEuroSettings>,
     /// The ranges of motion; `None` accepts every finite angle.
     pub limits: Option<JointLimits>,
     /// The highest speed of a joint, in rad/s; `None` accepts every change.
@@ -48,6 +50,7 @@ impl Default for EstimatorSettings {
     fn default() -> Self {
         Self {
             smoothing: Smoothing::default(),
+            position_smoothing: None,
             limits: Some(JointLimits::human()),
             max_speed: Some(40.0),
             max_gap: Duration::from_millis(500),
@@ -62,6 +65,7 @@ impl EstimatorSettings {
     pub fn unchecked(smoothing: Smoothing) -> Self {
         Self {
             smoothing,
+            position_smoothing: None,
             limits: None,
             max_speed: None,
             max_gap: Duration::MAX,

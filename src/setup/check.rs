@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use super::{ArmSetup, OtherHand, Setup, SetupError, SmoothingSetup};
-use crate::capture::SourceUri;
-use crate::estimate::{OneEuroSettings, Smoothing};
+use super::{ArmSetup, OtherHand, PositionSmoothingSetup, Setup, SetupError, SmoothingSetup};
+use crate::capture::{PositionNoise, SourceUri};
+use crate::estimate::{LANDMARK_SMOOTHING, MARKER_SMOOTHING, OneEuroSettings, Smoothing};
 use crate::kinematics::BoneLengths;
 use crate::pipeline::{PipelineSettings, PressRateLimit, SourcePermissions, SourceRole};
 
@@ -12,6 +12,7 @@ impl Setup {
     /// Checks all values.
     pub(super) fn check(&self) -> Result<(), SetupError> {
         self.smoothing_filter()?;
+        self.check_position_filter()?;
         self.pipeline_settings()?;
         if let Some(other) = &self.other_hand {
             other.arm.bone_lengths()?;
@@ -21,29 +22,52 @@ impl Setup {
 
     /// Returns the filter of the joint angles.
     pub(super) fn smoothing_filter(&self) -> Result<Smoothing, SetupError> {
-        let (min_cutoff_hz, beta, derivative_cutoff_hz) = match self.smoothing {
-            SmoothingSetup::Default => return Ok(Smoothing::default()),
-            SmoothingSetup::Off => return Ok(Smoothing::Off),
-            SmoothingSetup::RecursiveAverage => return Ok(Smoothing::RecursiveAverage),
+        Ok(match self.smoothing {
+            SmoothingSetup::Default => Smoothing::default(),
+            SmoothingSetup::Off => Smoothing::Off,
+            SmoothingSetup::RecursiveAverage => Smoothing::RecursiveAverage,
             SmoothingSetup::OneEuro {
                 min_cutoff_hz,
                 beta,
                 derivative_cutoff_hz,
-            } => (min_cutoff_hz, beta, derivative_cutoff_hz),
-        };
-        let is_cutoff = |cutoff_hz: f64| (1e-3..=1e4).contains(&cutoff_hz);
-        if !is_cutoff(min_cutoff_hz)
-            || !is_cutoff(derivative_cutoff_hz)
-            || !(0.0..=1e4).contains(&beta)
-        {
-            let message = "`smoothing`: cutoffs are 0.001 to 10000 Hz, `beta` is 0 to 10000";
-            return Err(SetupError::Value(message.into()));
+            } => Smoothing::OneEuro(checked(
+                "smoothing",
+                OneEuroSettings {
+                    min_cutoff_hz,
+                    beta,
+                    derivative_cutoff_hz,
+                },
+            )?),
+        })
+    }
+
+    /// Returns the filter of the positions that a source measures.
+    pub(super) fn position_filter(&self, source: Option<&SourceUri>) -> Option<OneEuroSettings> {
+        match self.position_smoothing {
+            PositionSmoothingSetup::Default => match source?.position_noise() {
+                PositionNoise::Landmarks => Some(LANDMARK_SMOOTHING),
+                PositionNoise::Markers => Some(MARKER_SMOOTHING),
+                PositionNoise::None => None,
+            },
+            PositionSmoothingSetup::Off => None,
+            PositionSmoothingSetup::OneEuro {
+                min_cutoff_hz,
+                beta,
+                derivative_cutoff_hz,
+            } => Some(OneEuroSettings {
+                min_cutoff_hz,
+                beta,
+                derivative_cutoff_hz,
+            }),
         }
-        Ok(Smoothing::OneEuro(OneEuroSettings {
-            min_cutoff_hz,
-            beta,
-            derivative_cutoff_hz,
-        }))
+    }
+
+    /// Checks the filter of positions.
+    pub(super) fn check_position_filter(&self) -> Result<(), SetupError> {
+        match self.position_filter(None) {
+            Some(settings) => checked("position_smoothing", settings).map(drop),
+            None => Ok(()),
+        }
     }
 
     /// Returns the settings of the pipeline.
@@ -92,6 +116,20 @@ impl Setup {
             role: role.unwrap_or(defaults.role),
             rate_limit: rate_limit.unwrap_or(defaults.rate_limit),
         }
+    }
+}
+
+/// Checks the settings of a filter in `field`.
+fn checked(field: &str, settings: OneEuroSettings) -> Result<OneEuroSettings, SetupError> {
+    let is_cutoff = |cutoff_hz: f64| (1e-3..=1e4).contains(&cutoff_hz);
+    let is_valid = is_cutoff(settings.min_cutoff_hz)
+        && is_cutoff(settings.derivative_cutoff_hz)
+        && (0.0..=1e4).contains(&settings.beta);
+    match is_valid {
+        true => Ok(settings),
+        false => Err(SetupError::Value(format!(
+            "`{field}`: cutoffs are 0.001 to 10000 Hz, `beta` is 0 to 10000"
+        ))),
     }
 }
 

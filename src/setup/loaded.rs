@@ -142,7 +142,9 @@ impl LoadedSetup {
             documents: Vec::new(),
         };
         let glove = loader.glove(kind::GLOVE, setup.glove_name())?;
-        let side = glove.as_ref().map_or(Side::Right, |glove| glove.side);
+        let measured = setup.source.as_ref().and_then(SourceUri::hand);
+        let side = glove.as_ref().map(|glove| glove.side).or(measured);
+        let side = side.unwrap_or(Side::Right);
         let arm = loader.arm(kind::ARM, &setup.arm, side)?;
         let other_hand = match &setup.other_hand {
             Some(other) => Some(loader.other_hand(other, setup.source.as_ref(), side)?),
@@ -165,6 +167,7 @@ impl LoadedSetup {
             setup,
         };
         loaded.check_roles()?;
+        loaded.setup.check_position_filter()?;
         for layout in loaded.layouts() {
             loaded.check_layout(layout)?;
         }
@@ -229,7 +232,11 @@ impl LoadedSetup {
     /// Returns a pipeline without readings.
     pub fn pipeline(&self) -> Pipeline {
         let pipeline = Pipeline::new(
-            self.estimator(self.glove.as_ref(), self.setup.arm_source.as_ref()),
+            self.estimator(
+                self.glove.as_ref(),
+                self.setup.source.as_ref(),
+                self.setup.arm_source.as_ref(),
+            ),
             self.arm.clone(),
             layout_instance(&self.layout),
             self.pipeline,
@@ -242,7 +249,10 @@ impl LoadedSetup {
         let pipeline = pipeline.with_profiles(profiles);
         let pipeline = match &self.other_hand {
             Some(GloveAndArm { glove, arm }) => {
-                let estimator = self.estimator(glove.as_ref(), self.other_arm_source());
+                let own = self.setup.other_hand.as_ref();
+                let own = own.and_then(|hand| hand.source.as_ref());
+                let source = own.or(self.setup.source.as_ref());
+                let estimator = self.estimator(glove.as_ref(), source, self.other_arm_source());
                 pipeline.with_second_hand(estimator, arm.clone())
             }
             None => pipeline,
@@ -254,15 +264,24 @@ impl LoadedSetup {
     }
 
     /// Returns the estimator of a hand, whose arm may have a source of its own.
-    fn estimator(&self, glove: Option<&Glove>, arm_source: Option<&SourceUri>) -> HandEstimator {
-        let fingers = Estimator::new(self.estimator);
+    fn estimator(
+        &self,
+        glove: Option<&Glove>,
+        source: Option<&SourceUri>,
+        arm_source: Option<&SourceUri>,
+    ) -> HandEstimator {
+        let settings = |source| EstimatorSettings {
+            position_smoothing: self.setup.position_filter(source),
+            ..self.estimator
+        };
+        let fingers = Estimator::new(settings(source));
         let fingers = match glove {
             Some(glove) => fingers.with_channels(&glove.map),
             None => fingers,
         };
         match arm_source {
             Some(_) => {
-                let arm = Estimator::new(self.estimator);
+                let arm = Estimator::new(settings(arm_source));
                 FusedEstimator::new(arm, fingers, self.pipeline.stall_timeout).into()
             }
             None => fingers.into(),

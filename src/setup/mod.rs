@@ -58,6 +58,8 @@ pub struct Setup {
     pub share: Vec<ShareTarget>,
     /// The filter of the joint angles.
     pub smoothing: SmoothingSetup,
+    /// The filter of joint positions, for sources that measure them.
+    pub position_smoothing: PositionSmoothingSetup,
     /// Time without readings after which everything is released, 20 to 10000 ms, and at least three packet periods of the source.
     pub stall_timeout_ms: u32,
     /// Output is armed by the first reading. Otherwise it is armed after the hand has been clear of every key.
@@ -136,6 +138,26 @@ pub enum SmoothingSetup {
     },
 }
 
+/// The filter of joint positions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename = "PositionSmoothing", deny_unknown_fields)]
+pub enum PositionSmoothingSetup {
+    /// A 1-Euro filter for landmarks, a faster one for markers, none for motion capture files and headsets.
+    #[default]
+    Default,
+    /// None.
+    Off,
+    /// A 1-Euro filter.
+    OneEuro {
+        /// Cutoff frequency at rest, in Hz.
+        min_cutoff_hz: f64,
+        /// Increase of the cutoff frequency, in Hz per m/s.
+        beta: f64,
+        /// Cutoff frequency of the speed, in Hz.
+        derivative_cutoff_hz: f64,
+    },
+}
+
 /// The format of setup files.
 const FORMAT: Format = Format {
     name: "Setup",
@@ -194,6 +216,7 @@ impl Default for Setup {
             output: "transcript".into(),
             share: Vec::new(),
             smoothing: SmoothingSetup::Default,
+            position_smoothing: PositionSmoothingSetup::Default,
             stall_timeout_ms: 200,
             arm_immediately: false,
             max_presses_per_second: None,

@@ -107,7 +107,7 @@ impl LoadedSetup {
     pub(super) fn other_arm_source(&self) -> Option<&SourceUri> {
         let own = self.setup.other_hand.as_ref()?.arm_source.as_ref();
         let first = self.setup.arm_source.as_ref();
-        own.or(first.filter(|source| source.shows_both_arms()))
+        own.or(first.filter(|source| source.has_both_hands()))
     }
 
     /// Opens a source, merged with all others of the setup.
@@ -158,7 +158,7 @@ impl LoadedSetup {
         ));
         add(first, [Some(first_side), shared], part);
         if let Some(arm) = &setup.arm_source {
-            let shared = second_side.filter(|_| second_arm.is_none() && arm.shows_both_arms());
+            let shared = second_side.filter(|_| second_arm.is_none() && arm.has_both_hands());
             add(arm, [Some(first_side), shared], Some(HandPart::Arm));
         }
         if let Some(source) = second_source {
@@ -193,7 +193,7 @@ impl LoadedSetup {
             SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
             _ => {
                 let opened = capture::open(source)?;
-                match source.shows_both_arms() {
+                match source.has_both_hands() {
                     true => Box::new(SidedSource::new(opened, sides)),
                     false => opened,
                 }

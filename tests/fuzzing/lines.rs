@@ -3,17 +3,22 @@
 use ademan::capture::Sample;
 use ademan::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use ademan::capture::protocol::{
-    Decoder, Protocol, ProtocolOptions, body_landmarks, lucidgloves, markers, text_line,
+    Decoder, Protocol, ProtocolOptions, body_landmarks, hand_landmarks, joint_sets, lucidgloves,
+    markers, text_line,
 };
 use ademan::estimate::{Estimator, EstimatorSettings};
-use ademan::hand::{JointAngles, Side};
+use ademan::hand::{Joint, JointAngles, JointPositions, Side};
 use ademan::layout::Glove;
+use glam::DVec3;
 
 /// The decoders of the protocols of lines.
-const DECODERS: [fn() -> Box<dyn Decoder>; 4] = [
+const DECODERS: [fn() -> Box<dyn Decoder>; 7] = [
     || decoder(&text_line::PROTOCOL),
     || decoder(&markers::PROTOCOL),
     || decoder(&body_landmarks::PROTOCOL),
+    || decoder(&hand_landmarks::PROTOCOL),
+    || decoder(&joint_sets::OPENXR),
+    || decoder(&joint_sets::WEBXR),
     || decoder(&lucidgloves::PROTOCOL),
 ];
 
@@ -88,6 +93,16 @@ fn estimate(samples: &[Sample]) {
     }
 }
 
+/// Returns a right hand in front of a camera at the origin.
+fn hand() -> (Side, JointPositions) {
+    let mut positions = JointPositions::default();
+    for &joint in &Joint::ALL[Joint::Wrist.index()..] {
+        let at = joint.index() as f64;
+        positions.set(joint, DVec3::new(0.01 * at, -0.1, -0.3 - 0.002 * at * at));
+    }
+    (Side::Right, positions)
+}
+
 /// Returns a stream of lines of each protocol.
 pub fn seeds() -> Vec<Vec<u8>> {
     let body = |number: usize| {
@@ -112,5 +127,20 @@ pub fn seeds() -> Vec<Vec<u8>> {
                 .into(),
         ),
         stream("0&1023&2047&4095&5&2047&2047&0&1&0&1&0&1\n\r\n".repeat(2)),
+        stream(
+            (1..4)
+                .map(|_| hand_landmarks::encode(None, &[hand()]))
+                .collect(),
+        ),
+        stream(
+            (1..4)
+                .map(|time| joint_sets::encode(&joint_sets::OPENXR, Some(time), &[hand()]))
+                .collect(),
+        ),
+        stream(
+            (1..4)
+                .map(|time| joint_sets::encode(&joint_sets::WEBXR, Some(time), &[hand()]))
+                .collect(),
+        ),
     ]
 }

@@ -8,3 +8,4 @@ mod lucidgloves;
 mod motion;
 mod soak;
 mod steady_state;
+mod tracked_hands;

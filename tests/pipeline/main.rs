@@ -23,5 +23,7 @@ mod rig;
 mod scenarios;
 mod scripts;
 mod stops;
+mod tracked_hands;
 mod typing;
+mod typing_sources;
 mod vectors;

@@ -1,28 +1,34 @@
-//! Landmarks of a person that MediaPipe found in a video, with angles that another program computed from them.
+//! Landmarks of people that MediaPipe found in images, with angles that another program computed from them.
 //!
 //! Reads the folder `ADEMAN_PEERS` (default: `../shared/peers` beside the project), which is not part of the project.
 
 use std::path::PathBuf;
+use std::process::Command;
 
+use ademan::capture::Sample;
+use ademan::capture::protocol::hand_landmarks;
 use ademan::estimate::arm_attributes::{ArmAttributes, HALF_POSE_ROWS, HalfPose};
-use ademan::hand::{Dof, Side};
+use ademan::estimate::hand_angles;
+use ademan::hand::{Dof, Finger, Joint, JointPositions, Side};
 use glam::DVec3;
 use serde_json::Value;
 
 /// The tolerance of the expected angles, in degrees.
 const TOLERANCE_DEG: f64 = 1e-4;
 
-fn squats() -> Option<Value> {
+/// Returns the path of a recording and its content.
+fn recording(name: &str) -> Option<(PathBuf, Value)> {
     let folder = match std::env::var_os("ADEMAN_PEERS") {
         Some(folder) => folder.into(),
         None => PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/peers"),
     };
-    let path = folder.join("landmarks/tfjs_pose_squats_5fps.json");
+    let path = folder.join("landmarks").join(name);
     let text = std::fs::read_to_string(&path);
     if text.is_err() {
         println!("SKIPPED: there is no {}", path.display());
     }
-    Some(serde_json::from_str(&text.ok()?).expect("a file of landmarks"))
+    let content = serde_json::from_str(&text.ok()?).expect("a file of landmarks");
+    Some((path, content))
 }
 
 fn half_pose(frame: &Value) -> HalfPose {
@@ -35,7 +41,7 @@ fn half_pose(frame: &Value) -> HalfPose {
 
 #[test]
 fn elbow_angles_of_a_recorded_person_agree_with_those_of_another_program() {
-    let Some(squats) = squats() else {
+    let Some((_, squats)) = recording("tfjs_pose_squats_5fps.json") else {
         return;
     };
     let frames = squats["frames"].as_array().expect("a list of frames");
@@ -58,6 +64,70 @@ fn elbow_angles_of_a_recorded_person_agree_with_those_of_another_program() {
                 (flexion - expected).abs() < TOLERANCE_DEG,
                 "{number} {side}"
             );
+        }
+    }
+}
+
+/// Returns the angle between the bones at a joint, in degrees: 180 if they are in line.
+fn interior_angle_deg(positions: &JointPositions, joints: &[Joint]) -> f64 {
+    let at = |index: usize| positions.get(joints[index]).expect("a joint");
+    let (before, after) = (at(0) - at(1), at(2) - at(1));
+    let sine = before.cross(after).length();
+    sine.atan2(before.dot(after)).to_degrees()
+}
+
+#[test]
+fn fingers_of_recorded_hands_pass_the_bridge_of_the_webcam_unchanged_and_bend_towards_the_palm() {
+    let Some((path, recorded)) = recording("mediapipe_tasks_hands.json") else {
+        return;
+    };
+    let bridge = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/examples/bridges/mediapipe_webcam.py"
+    );
+    let bridge = Command::new("python3")
+        .arg(bridge)
+        .arg("--from")
+        .arg(path)
+        .output();
+    let Ok(bridge) = bridge else {
+        println!("SKIPPED: there is no python3");
+        return;
+    };
+    assert!(bridge.status.success(), "{bridge:?}");
+    let mut decoder = (hand_landmarks::PROTOCOL.decoder)(&Default::default());
+    let mut hands = Vec::new();
+    decoder.push(&bridge.stdout, &mut |packet| hands.push(packet));
+    let samples = recorded["samples"].as_array().expect("a list of samples");
+    assert_eq!(
+        (hands.len(), decoder.stats().invalid.total()),
+        (samples.len(), 0)
+    );
+    for (hand, sample) in hands.iter().zip(samples) {
+        let name = &sample["name"];
+        assert_eq!(hand.side, Some(Side::Right), "{name}");
+        let Sample::Joints { positions } = &hand.sample else {
+            panic!("{name}: {hand:?}");
+        };
+        let angles = hand_angles(positions, Side::Right);
+        for (&finger, middle_joint, dof) in [
+            (&Finger::Thumb, "thumb_ip", Dof::ThumbIpFlexion),
+            (&Finger::Index, "index_pip", Dof::IndexPipFlexion),
+            (&Finger::Middle, "middle_pip", Dof::MiddlePipFlexion),
+            (&Finger::Ring, "ring_pip", Dof::RingPipFlexion),
+            (&Finger::Little, "pinky_pip", Dof::LittlePipFlexion),
+        ] {
+            let expected = sample["expected_deg_world"][middle_joint].as_f64();
+            let expected = expected.expect("an angle");
+            let found = interior_angle_deg(positions, &finger.joints()[1..]);
+            assert!(
+                (found - expected).abs() < TOLERANCE_DEG,
+                "{name} {finger}: {found}, not {expected}"
+            );
+            if finger != Finger::Thumb {
+                let flexion = angles.get(dof).to_degrees();
+                assert!(flexion > -1.0, "{name} {finger}: {flexion}");
+            }
         }
     }
 }

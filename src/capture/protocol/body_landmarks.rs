@@ -11,7 +11,7 @@
 use serde::Deserialize;
 
 use super::lines::{LineDecoder, LineParser};
-use super::{InvalidPacket, Packet, PacketError, Protocol, ProtocolOption, space};
+use super::{InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, space};
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use crate::capture::{Sample, SampleKind};
 
@@ -20,11 +20,13 @@ pub const PROTOCOL: Protocol = Protocol {
     name: "body-landmarks",
     summary: "33 body landmarks of MediaPipe in metres per line of JSON",
     sample: SampleKind::Body,
+    has_both_hands: true,
+    position_noise: PositionNoise::Landmarks,
     has_datagrams: true,
     // The name of the field, and `[0,0,0],` for each landmark.
     min_packet_bytes: 26 + 8 * BODY_LANDMARKS,
     default_baud: None,
-    options: &[&RATE],
+    options: &[&space::HAND, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |_| Box::new(decoder()),
 };

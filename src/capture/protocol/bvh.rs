@@ -4,7 +4,7 @@
 //! time.
 
 use super::space::{self, Facing, HAND, UP, WorldFromSource};
-use super::{Decoder, Packet, Protocol, ProtocolOption, ProtocolOptions};
+use super::{Decoder, Packet, PositionNoise, Protocol, ProtocolOption, ProtocolOptions};
 use crate::capture::bvh::{BvhParser, HandJoints, Motion, NodePose, PositionChannels};
 use crate::capture::{Sample, SampleKind, SourceStats};
 use crate::hand::{JointPositions, Side};
@@ -15,6 +15,8 @@ pub const PROTOCOL: Protocol = Protocol {
     name: "bvh",
     summary: "motion capture in a BVH text: the joints of one arm and hand, by their names",
     sample: SampleKind::Joints,
+    has_both_hands: false,
+    position_noise: PositionNoise::None,
     has_datagrams: false,
     // Three rotations of shoulder, elbow and wrist: one digit and one separator each.
     min_packet_bytes: 18,

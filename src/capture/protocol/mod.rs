@@ -4,14 +4,18 @@
 
 pub mod body_landmarks;
 pub mod bvh;
+pub mod hand_landmarks;
 pub mod hc11;
 mod invalid;
+pub mod joint_sets;
+mod line_times;
 mod lines;
 pub mod lucidgloves;
 pub mod markers;
 mod restart_text;
 mod space;
 pub mod text_line;
+mod tracked_hands;
 
 use std::fmt;
 use std::num::NonZeroU32;
@@ -31,6 +35,9 @@ pub const PROTOCOLS: &[&Protocol] = &[
     &bvh::PROTOCOL,
     &body_landmarks::PROTOCOL,
     &lucidgloves::PROTOCOL,
+    &hand_landmarks::PROTOCOL,
+    &joint_sets::OPENXR,
+    &joint_sets::WEBXR,
 ];
 
 /// A wire format: its name, its options and its decoder.
@@ -42,6 +49,10 @@ pub struct Protocol {
     pub summary: &'static str,
     /// Kind of sample that the decoder gives.
     pub sample: SampleKind,
+    /// `true` if it shows both hands, so that a setup with one hand reads the one that the option `hand` names.
+    pub has_both_hands: bool,
+    /// Noise of the positions that it carries.
+    pub position_noise: PositionNoise,
     /// `true` if a datagram can hold whole packets. Otherwise the protocol needs a stream from its start.
     pub has_datagrams: bool,
     /// Length of the shortest packet, in bytes.
@@ -54,6 +65,17 @@ pub struct Protocol {
     pub nominal_rate_hz: fn(&ProtocolOptions) -> Option<f64>,
     /// Creates a decoder at the start of a stream.
     pub decoder: fn(&ProtocolOptions) -> Box<dyn Decoder>,
+}
+
+/// Noise of the positions that a protocol carries, which decides how a setup smooths them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PositionNoise {
+    /// No positions, or smoothed by the sender: motion capture files and headsets.
+    None,
+    /// Tenths of a millimetre: optical markers.
+    Markers,
+    /// Millimetres: landmarks that a network finds in an image.
+    Landmarks,
 }
 
 impl PartialEq for Protocol {
@@ -128,6 +150,13 @@ impl StreamFormat {
     /// Creates a decoder at the start of a stream.
     pub fn decoder(&self) -> Box<dyn Decoder> {
         (self.protocol.decoder)(&self.options)
+    }
+
+    /// Returns the hand that the option `hand` names; `None` if the protocol does not have it.
+    pub fn hand(&self) -> Option<Side> {
+        let mut options = self.protocol.options.iter();
+        let option = options.find(|option| option.name == space::HAND.name)?;
+        self.options.get(option).parse().ok()
     }
 
     /// Returns the time that a serial line needs for `bytes`, rounded down to nanoseconds; zero without a bit rate.

@@ -7,7 +7,9 @@
 use std::fmt::Write;
 
 use super::lines::{LineDecoder, LineParser};
-use super::{InvalidPacket, Packet, PacketError, Protocol, ProtocolOption, ProtocolOptions};
+use super::{
+    InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, ProtocolOptions,
+};
 use crate::capture::{Sample, SampleKind};
 use crate::hand::{Dof, JointAngles};
 use crate::message::escape;
@@ -17,6 +19,8 @@ pub const PROTOCOL: Protocol = Protocol {
     name: "text-line",
     summary: "64 joint angles in degrees per line of text, by the wire index of the HC11 glove",
     sample: SampleKind::Angles,
+    has_both_hands: false,
+    position_noise: PositionNoise::None,
     has_datagrams: true,
     // One digit and one separator per value.
     min_packet_bytes: 2 * VALUES,

@@ -8,9 +8,10 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::CaptureError;
 use super::protocol::{PROTOCOLS, Protocol, StreamFormat};
 use super::transport::{MAX_DELAY, Scheme, StreamUri, TRANSPORTS, Transport};
+use super::{CaptureError, PositionNoise};
+use crate::hand::Side;
 use crate::names::{UnknownName, nearest};
 
 /// Origin of readings.
@@ -111,10 +112,10 @@ impl SourceUri {
         }
     }
 
-    /// Returns `true` if each reading shows both arms.
-    pub fn shows_both_arms(&self) -> bool {
+    /// Returns `true` if the source shows both hands.
+    pub fn has_both_hands(&self) -> bool {
         match self {
-            Self::Stream(stream) => stream.format.protocol.sample.shows_both_arms(),
+            Self::Stream(stream) => stream.format.protocol.has_both_hands,
             _ => false,
         }
     }
@@ -124,6 +125,23 @@ impl SourceUri {
         match self {
             Self::Stream(stream) => stream.delay,
             _ => Duration::ZERO,
+        }
+    }
+
+    /// Returns the noise of the positions that the source measures.
+    pub fn position_noise(&self) -> PositionNoise {
+        match self {
+            Self::Stream(stream) => stream.format.protocol.position_noise,
+            _ => PositionNoise::None,
+        }
+    }
+
+    /// Returns the hand that the source measures, the one that a setup with one hand reads if it shows both. `None` if the
+    /// glove decides.
+    pub fn hand(&self) -> Option<Side> {
+        match self {
+            Self::Stream(stream) => stream.format.hand(),
+            _ => None,
         }
     }
 

@@ -2,8 +2,8 @@
 
 use std::time::Duration;
 
-use crate::estimate::{Estimate, JointLimits, MeasuredJoints, Rejection, hand_angles};
-use crate::hand::{Finger, FingerSet, Joint, JointPositions, Side};
+use crate::estimate::{Estimate, EstimatorSettings, MeasuredJoints, Rejection, hand_angles};
+use crate::hand::{Finger, FingerSet, Joint, JointAngles, JointPositions, Side};
 use crate::time::Timestamp;
 
 /// Largest distance of a joint from the origin along an axis, in metres. It keeps `f32` exact to 0.01 mm.
@@ -25,6 +25,18 @@ pub(super) struct JointConverter {
     /// The last position of every joint seen so far.
     last: MeasuredJoints,
     seen_at: [Timestamp; ANCHORS.len()],
+    /// The last hand that was seen; `None` before the first.
+    held: Option<Held>,
+}
+
+/// A hand while it is not seen.
+#[derive(Clone, Copy, Debug)]
+struct Held {
+    time: Timestamp,
+    angles: JointAngles,
+    untrusted: FingerSet,
+    /// It has not been seen for longer than the hold time.
+    is_lost: bool,
 }
 
 impl JointConverter {
@@ -32,15 +44,18 @@ impl JointConverter {
     ///
     /// A joint that is hidden keeps its last position. A finger whose tip is hidden is untrusted, and so are all fingers
     /// once an elbow or wrist that was seen before has been hidden for 200 ms.
+    ///
+    /// A sample without positions is of a hand that is not seen: it keeps its pose for the hold time of the settings. After
+    /// that it is lost: its fingers are untrusted, so that they press nothing, until it is seen again.
     pub(super) fn convert(
         &mut self,
         positions: &JointPositions,
         side: Side,
-        limits: Option<&JointLimits>,
+        settings: &EstimatorSettings,
         estimate: &mut Estimate,
     ) -> Result<(), Rejection> {
         if positions.is_empty() {
-            return Err(Rejection::WrongShape);
+            return self.hold(settings.landmarks.hold, estimate);
         }
         for (_, position) in positions.known() {
             if !position.is_finite() {
@@ -57,11 +72,31 @@ impl JointConverter {
             self.last.set(joint, position.as_vec3());
         }
         estimate.angles = hand_angles(positions, side);
-        if let Some(limits) = limits {
+        if let Some(limits) = &settings.limits {
             limits.clamp_all(&mut estimate.angles);
         }
         estimate.measured = self.last;
         estimate.untrusted = self.untrusted(estimate.time, positions);
+        estimate.jumped = self.held.is_some_and(|held| held.is_lost);
+        self.held = Some(Held {
+            time: estimate.time,
+            angles: estimate.angles,
+            untrusted: estimate.untrusted,
+            is_lost: false,
+        });
+        Ok(())
+    }
+
+    /// Repeats the hand that was seen last.
+    fn hold(&mut self, hold: Duration, estimate: &mut Estimate) -> Result<(), Rejection> {
+        let held = self.held.as_mut().ok_or(Rejection::LowConfidence)?;
+        held.is_lost |= estimate.time.since(held.time) > hold;
+        estimate.angles = held.angles;
+        estimate.measured = self.last;
+        estimate.untrusted = match held.is_lost {
+            true => FingerSet::ALL,
+            false => held.untrusted,
+        };
         Ok(())
     }
 
@@ -95,7 +130,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::hand::JointAngles;
+    use crate::estimate::Smoothing;
 
     fn estimate_at(milliseconds: u64) -> Estimate {
         Estimate::new(Timestamp(milliseconds * 1000), JointAngles::default())
@@ -115,7 +150,8 @@ mod tests {
         let mut convert = |milliseconds: u64, joints: &[(Joint, DVec3)]| {
             let mut estimate = estimate_at(milliseconds);
             let sample = sample(joints);
-            let converted = converter.convert(&sample, Side::Right, None, &mut estimate);
+            let settings = EstimatorSettings::unchecked(Smoothing::Off);
+            let converted = converter.convert(&sample, Side::Right, &settings, &mut estimate);
             assert_eq!(converted, Ok(()));
             estimate
         };
@@ -140,14 +176,40 @@ mod tests {
     }
 
     #[test]
+    fn a_hand_that_is_not_seen_is_held_then_lost_and_its_way_back_is_unknown() {
+        let mut converter = JointConverter::default();
+        let settings = EstimatorSettings::unchecked(Smoothing::Off);
+        let hold = settings.landmarks.hold.as_millis() as u64;
+        let mut convert = |milliseconds: u64, joints: &[(Joint, DVec3)]| {
+            let mut estimate = estimate_at(milliseconds);
+            let sample = sample(joints);
+            let converted = converter.convert(&sample, Side::Right, &settings, &mut estimate);
+            assert_eq!(converted, Ok(()));
+            estimate
+        };
+        let hand = [(Joint::Wrist, DVec3::Y), (Joint::IndexTip, DVec3::X)];
+        let seen = convert(0, &hand);
+        let held = convert(hold, &[]);
+        assert_eq!(
+            (held.untrusted, held.measured),
+            (seen.untrusted, seen.measured)
+        );
+        assert!(!convert(hold, &hand).jumped, "seen again in time");
+        assert_eq!(convert(2 * hold + 1, &[]).untrusted, FingerSet::ALL);
+        assert!(convert(2 * hold + 2, &hand).jumped);
+        assert!(!convert(2 * hold + 3, &hand).jumped);
+    }
+
+    #[test]
     fn positions_that_are_not_finite_far_away_or_all_the_same_are_rejected() {
         let mut converter = JointConverter::default();
         let mut reject = |joints: &[(Joint, DVec3)]| {
             let sample = sample(joints);
-            let converted = converter.convert(&sample, Side::Left, None, &mut estimate_at(1));
+            let settings = EstimatorSettings::unchecked(Smoothing::Off);
+            let converted = converter.convert(&sample, Side::Left, &settings, &mut estimate_at(1));
             converted.unwrap_err()
         };
-        assert_eq!(reject(&[]), Rejection::WrongShape);
+        assert_eq!(reject(&[]), Rejection::LowConfidence);
         let at = |x: f64| [(Joint::Wrist, DVec3::X * x)];
         assert_eq!(reject(&at(f64::NAN)), Rejection::NotFinite);
         assert_eq!(reject(&at(101.0)), Rejection::OutsideLimits);

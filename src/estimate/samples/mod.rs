@@ -50,8 +50,7 @@ impl SampleConverter {
             }
             Sample::Joints { positions } => {
                 let side = reading.side.unwrap_or(Side::Right);
-                let limits = settings.limits.as_ref();
-                self.joints.convert(positions, side, limits, estimate)
+                self.joints.convert(positions, side, settings, estimate)
             }
             Sample::Body(body) => {
                 let side = reading.side.unwrap_or(Side::Right);

@@ -5,7 +5,8 @@ use std::time::Duration;
 
 use super::restart_text::RestartTextDetector;
 use super::{
-    Decoder, Packet, Protocol, ProtocolOption, ProtocolOptions, StreamFormat, transmission_time,
+    Decoder, Packet, PositionNoise, Protocol, ProtocolOption, ProtocolOptions, StreamFormat,
+    transmission_time,
 };
 use crate::capture::{Channels, Sample, SampleKind, SourceStats};
 use crate::names::named_enum;
@@ -15,6 +16,8 @@ pub const PROTOCOL: Protocol = Protocol {
     name: "hc11",
     summary: "flex-sensor glove with the 68HC11 converter: 64 counts of 8 bits per packet",
     sample: SampleKind::Channels,
+    has_both_hands: false,
+    position_noise: PositionNoise::None,
     has_datagrams: true,
     min_packet_bytes: PACKET_BYTES,
     default_baud: Some(DEFAULT_BAUD),

@@ -13,7 +13,10 @@ mod legacy;
 use arrayvec::ArrayVec;
 
 use super::lines::{LineDecoder, LineParser};
-use super::{InvalidPacket, Packet, PacketError, Protocol, ProtocolOption, ProtocolOptions, space};
+use super::{
+    InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, ProtocolOptions,
+    space,
+};
 use crate::capture::{Channels, Sample, SampleKind};
 use crate::hand::Finger;
 
@@ -22,6 +25,8 @@ pub const PROTOCOL: Protocol = Protocol {
     name: "lucidgloves",
     summary: "LucidGloves, alpha or legacy encoding: finger curls, splay, joints, stick and buttons per line of text",
     sample: SampleKind::Channels,
+    has_both_hands: false,
+    position_noise: PositionNoise::None,
     has_datagrams: true,
     // A thumb with one digit.
     min_packet_bytes: 3,

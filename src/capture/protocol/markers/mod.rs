@@ -25,9 +25,12 @@ use glam::DVec3;
 use self::hand_markers::{HandMarkers, MarkerSite};
 use self::line::Line;
 use self::point_cloud::PointCloud;
+use super::line_times::LineTimes;
 use super::lines::{LineDecoder, LineParser};
 use super::space::{self, Facing, HAND, UP, WorldFromSource};
-use super::{InvalidPacket, Packet, PacketError, Protocol, ProtocolOption, ProtocolOptions};
+use super::{
+    InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, ProtocolOptions,
+};
 use crate::capture::{Sample, SampleKind};
 use crate::hand::Side;
 use crate::time::Timestamp;
@@ -37,6 +40,8 @@ pub const PROTOCOL: Protocol = Protocol {
     name: "markers",
     summary: "markers that two or more cameras see, as lines of JSON",
     sample: SampleKind::Joints,
+    has_both_hands: false,
+    position_noise: PositionNoise::Markers,
     has_datagrams: true,
     // Two cameras that see a marker.
     min_packet_bytes: 128,
@@ -74,15 +79,6 @@ const RATE: ProtocolOption = ProtocolOption {
     check: |value| space::check_range(value, 0.1..=10_000.0, "lines per second"),
 };
 
-/// Times in a line that are earlier by up to this many microseconds are of datagrams that overtook each other.
-const MAX_DISORDER_US: u64 = 100_000;
-
-/// Those that are earlier by up to this many were under way too long. Earlier ones are of a sender that has started again.
-const MAX_DELAY_US: u64 = 1_000_000;
-
-/// Latest time in a line, in microseconds: 285 years, which JSON numbers hold exactly.
-const MAX_TIME_US: u64 = 1 << 53;
-
 /// Parser of lines of one hand.
 #[derive(Clone, Debug)]
 struct MarkerParser {
@@ -92,8 +88,7 @@ struct MarkerParser {
     max_gap: f64,
     points: PointCloud,
     markers: HandMarkers,
-    /// Latest `time_us` so far.
-    latest: Option<u64>,
+    times: LineTimes,
 }
 
 impl MarkerParser {
@@ -105,27 +100,8 @@ impl MarkerParser {
             max_gap: space::number(options, &MAX_GAP) / unit_mm,
             points: PointCloud::default(),
             markers: HandMarkers::new(space::number(options, &ELBOW_OFFSET) / 1000.0),
-            latest: None,
+            times: LineTimes::default(),
         }
-    }
-
-    /// Accepts a time that is later than all before it, or of a sender that has started again.
-    fn check_time(&mut self, time: u64) -> Result<(), PacketError> {
-        if time > MAX_TIME_US {
-            let text = format!("`time_us` is beyond {MAX_TIME_US}");
-            return Err(PacketError::new(InvalidPacket::NotFinite, text));
-        }
-        let delay = self.latest.and_then(|latest| latest.checked_sub(time));
-        let reason = match delay {
-            Some(..=MAX_DISORDER_US) => InvalidPacket::OutOfOrder,
-            Some(..=MAX_DELAY_US) => InvalidPacket::TooOld,
-            _ => {
-                self.latest = Some(time);
-                return Ok(());
-            }
-        };
-        let text = "`time_us` is not later than that of an earlier line";
-        Err(PacketError::new(reason, text))
     }
 
     /// Returns the markers of the hand in the world, in metres.
@@ -154,7 +130,7 @@ impl LineParser for MarkerParser {
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
         let line: Line = serde_json::from_slice(line)?;
         if let Some(time) = line.time_us {
-            self.check_time(time)?;
+            self.times.check(time)?;
         }
         let sites = self.sites(&line)?;
         let positions = self.markers.joints(&sites);
@@ -172,7 +148,7 @@ impl LineParser for MarkerParser {
 
     fn reset(&mut self) {
         self.markers.reset();
-        self.latest = None;
+        self.times = LineTimes::default();
     }
 }
 

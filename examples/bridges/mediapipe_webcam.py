@@ -1,0 +1,129 @@
+#!/usr/bin/env python3
+"""Sends the hands that a webcam sees as lines of JSON, for `protocol=hand-landmarks` of Ademán.
+
+Install:  python3 -m pip install mediapipe opencv-python
+Model:    hand_landmarker.task from https://ai.google.dev/edge/mediapipe/solutions/vision/hand_landmarker
+
+Run:      python3 mediapipe_webcam.py hand_landmarker.task | ademan run --source 'stdin:?protocol=hand-landmarks'
+          python3 mediapipe_webcam.py hand_landmarker.task --udp 127.0.0.1:9000
+          python3 mediapipe_webcam.py --from results.json
+
+The image is not flipped, so that the options `mirrored` and `swap_hands` keep their defaults. MediaPipe before 0.10.15
+labels hands as if it were flipped: use `swap_hands=yes`. `--from` plays a file of results in place of the webcam, such as
+test data: {"image_size": [w, h], "samples": [{"label": "Right", "image": [[x, y, z], ...], "world": [...]}, ...]}.
+"""
+
+import argparse
+import json
+import math
+import socket
+import sys
+import time
+
+LANDMARKS = 21
+
+
+def hand(label, score, image, world):
+    """Returns one hand of a line. The lists have three numbers for each landmark."""
+    return {"label": label.lower(), "score": score, "image": image, "world": world}
+
+
+def line(time_us, image_size, hands):
+    """Returns a line without its end. Hands with numbers that are not finite are left out: JSON has none."""
+    lists = ("image", "world")
+    is_whole = lambda hand: all(
+        len(hand[name]) == LANDMARKS and all(map(math.isfinite, sum(hand[name], [])))
+        for name in lists
+    )
+    message = {
+        "time_us": time_us,
+        "image_size": list(image_size),
+        "hands": [hand for hand in hands if is_whole(hand)],
+    }
+    return json.dumps(message, separators=(",", ":"), allow_nan=False)
+
+
+def hands_of(result):
+    """Returns the hands of a result of MediaPipe's hand landmarker."""
+    numbers = lambda points: [[point.x, point.y, point.z] for point in points]
+    found = zip(result.handedness, result.hand_landmarks, result.hand_world_landmarks)
+    return [
+        hand(side[0].category_name, side[0].score, numbers(image), numbers(world))
+        for side, image, world in found
+    ]
+
+
+def webcam_lines(model, camera):
+    """Yields a line for each image of a webcam."""
+    import cv2
+    import mediapipe
+
+    vision = mediapipe.tasks.vision
+    options = vision.HandLandmarkerOptions(
+        base_options=mediapipe.tasks.BaseOptions(model_asset_path=model),
+        running_mode=vision.RunningMode.VIDEO,
+        num_hands=2,
+    )
+    capture = cv2.VideoCapture(camera)
+    if not capture.isOpened():
+        sys.exit(f"cannot open camera {camera}: choose another one with --camera")
+    start = time.monotonic_ns()
+    with vision.HandLandmarker.create_from_options(options) as landmarker:
+        while True:
+            is_read, bgr = capture.read()
+            if not is_read:
+                sys.exit(f"camera {camera} sends no more images: is it unplugged or in use?")
+            time_us = (time.monotonic_ns() - start) // 1000
+            rgb = cv2.cvtColor(bgr, cv2.COLOR_BGR2RGB)
+            image = mediapipe.Image(image_format=mediapipe.ImageFormat.SRGB, data=rgb)
+            result = landmarker.detect_for_video(image, time_us // 1000)
+            height, width = bgr.shape[:2]
+            yield line(time_us, (width, height), hands_of(result))
+
+
+def file_lines(path, rate_hz):
+    """Yields a line for each result of a file."""
+    with open(path, encoding="utf-8") as file:
+        results = json.load(file)
+    size = results.get("image_size", [640, 480])
+    if not isinstance(size, list):
+        size = [640, 480]
+    for number, sample in enumerate(results["samples"], 1):
+        found = hand(sample["label"], sample.get("score", 1.0), sample["image"], sample["world"])
+        yield line(round(number * 1e6 / rate_hz), size, [found])
+
+
+def sender(udp):
+    """Returns a function that sends a line: to the standard output, or as a datagram."""
+    if udp is None:
+        return lambda text: print(text, flush=True)
+    host, _, port = udp.rpartition(":")
+    channel = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    return lambda text: channel.sendto(text.encode(), (host, int(port)))
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Send the hands that a webcam sees as lines of JSON.")
+    parser.add_argument("model", nargs="?", help="model file of the hand landmarker of MediaPipe")
+    parser.add_argument("--camera", type=int, default=0, help="number of the webcam (default: 0)")
+    parser.add_argument("--udp", metavar="HOST:PORT", help="send datagrams in place of the standard output")
+    parser.add_argument("--from", dest="file", help="play a file of results in place of the webcam")
+    parser.add_argument("--rate-hz", type=float, default=30.0, help="results per second of a file (default: 30)")
+    arguments = parser.parse_args()
+    if arguments.file is None and arguments.model is None:
+        parser.error("name the model file hand_landmarker.task, or a file of results with --from")
+    if arguments.file is None:
+        lines = webcam_lines(arguments.model, arguments.camera)
+    else:
+        lines = file_lines(arguments.file, arguments.rate_hz)
+    send = sender(arguments.udp)
+    try:
+        for text in lines:
+            send(text)
+    except (BrokenPipeError, KeyboardInterrupt):
+        # The receiver or the person has ended. Nothing is left to flush.
+        sys.stderr.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,39 @@
+//! The order of lines by the times that they state.
+
+use super::{InvalidPacket, PacketError};
+
+/// Latest time in a line, in microseconds: 285 years, which JSON numbers hold exactly.
+const MAX_TIME_US: u64 = 1 << 53;
+
+/// Times that are earlier by up to this many microseconds are of datagrams that overtook each other.
+const MAX_DISORDER_US: u64 = 100_000;
+
+/// Those that are earlier by up to this many were under way too long. Earlier ones are of a sender that has started again.
+const MAX_DELAY_US: u64 = 1_000_000;
+
+/// Order of the lines by the times that they state.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct LineTimes {
+    latest: Option<u64>,
+}
+
+impl LineTimes {
+    /// Accepts a time that is later than all before it, or of a sender that has started again.
+    pub fn check(&mut self, time: u64) -> Result<(), PacketError> {
+        if time > MAX_TIME_US {
+            let text = format!("`time_us` is beyond {MAX_TIME_US}");
+            return Err(PacketError::new(InvalidPacket::NotFinite, text));
+        }
+        let delay = self.latest.and_then(|latest| latest.checked_sub(time));
+        let reason = match delay {
+            Some(..=MAX_DISORDER_US) => InvalidPacket::OutOfOrder,
+            Some(..=MAX_DELAY_US) => InvalidPacket::TooOld,
+            _ => {
+                self.latest = Some(time);
+                return Ok(());
+            }
+        };
+        let text = "`time_us` is not later than that of an earlier line";
+        Err(PacketError::new(reason, text))
+    }
+}

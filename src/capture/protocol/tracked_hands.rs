@@ -1,0 +1,208 @@
+//! Lines with the hands that a tracker sees at one instant: common to hand landmarks and joint sets.
+
+use std::fmt;
+
+use serde::de::{Error, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
+
+use super::line_times::LineTimes;
+use super::space;
+use super::{InvalidPacket, Packet, PacketError, ProtocolOption};
+use crate::capture::Sample;
+use crate::hand::{JointPositions, Side};
+use crate::time::Timestamp;
+
+/// Most hands in a line: those of two people.
+pub(super) const MAX_HANDS: usize = 4;
+
+/// The lowest confidence of a hand that is used.
+pub(super) const MIN_SCORE: ProtocolOption = ProtocolOption {
+    name: "min_score",
+    default: "0.5",
+    summary: "lowest score of a hand that counts as seen, 0 to 1",
+    check: |value| match value.parse::<f64>() {
+        Ok(score) if (0.0..=1.0).contains(&score) => Ok(()),
+        _ => Err(format!("`{value}` is not a score from 0 to 1")),
+    },
+};
+
+/// Lines per second of a file without times.
+pub(super) const RATE: ProtocolOption = ProtocolOption {
+    name: "rate_hz",
+    default: "30",
+    summary: "lines per second of a file without times, 0.1 to 10000",
+    check: |value| space::check_range(value, 0.1..=10_000.0, "lines per second"),
+};
+
+/// Checks an option that is `yes` or `no`.
+pub(super) fn check_yes_or_no(value: &str) -> Result<(), String> {
+    match value {
+        "yes" | "no" => Ok(()),
+        _ => Err(format!("write `yes` or `no` instead of `{value}`")),
+    }
+}
+
+/// Name of a hand in a line: `Left` or `right`, in any case.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Label(pub Side);
+
+impl<'de> Deserialize<'de> for Label {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct LabelVisitor;
+
+        impl Visitor<'_> for LabelVisitor {
+            type Value = Label;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                f.write_str("`left` or `right`")
+            }
+
+            fn visit_str<E: Error>(self, text: &str) -> Result<Label, E> {
+                let mut sides = Side::ALL.iter().copied();
+                sides
+                    .find(|side| text.eq_ignore_ascii_case(side.name()))
+                    .map(Label)
+                    .ok_or_else(|| E::invalid_value(serde::de::Unexpected::Str(text), &self))
+            }
+        }
+
+        deserializer.deserialize_str(LabelVisitor)
+    }
+}
+
+/// A position, of which further numbers in the list, such as a rotation and a radius, do not count.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Position(pub [f64; 3]);
+
+/// Numbers of a joint of OpenXR: a position, a quaternion and a radius.
+const MAX_NUMBERS: usize = 8;
+
+impl<'de> Deserialize<'de> for Position {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct PositionVisitor;
+
+        impl<'de> Visitor<'de> for PositionVisitor {
+            type Value = Position;
+
+            fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
+                write!(f, "a list of three to {MAX_NUMBERS} numbers")
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Position, A::Error> {
+                let (mut numbers, mut count) = ([0.0; 3], 0);
+                while let Some(number) = list.next_element()? {
+                    if let Some(slot) = numbers.get_mut(count) {
+                        *slot = number;
+                    }
+                    count += 1;
+                }
+                match count {
+                    3..=MAX_NUMBERS => Ok(Position(numbers)),
+                    _ => Err(A::Error::invalid_length(count, &self)),
+                }
+            }
+        }
+
+        deserializer.deserialize_seq(PositionVisitor)
+    }
+}
+
+/// The hands of a tracker over time. Gives a packet for each hand in each line, without joints for one that is not seen.
+#[derive(Clone, Debug)]
+pub(super) struct TrackedHands {
+    times: LineTimes,
+    rate_hz: f64,
+    lines: u64,
+    /// By side: the hand was seen since the start.
+    was_seen: [bool; Side::COUNT],
+}
+
+impl TrackedHands {
+    /// Creates the state at the start of a stream with this nominal rate.
+    pub fn new(rate_hz: f64) -> Self {
+        Self {
+            times: LineTimes::default(),
+            rate_hz,
+            lines: 0,
+            was_seen: [false; Side::COUNT],
+        }
+    }
+
+    /// Passes the hands of a line, by side, to `emit`.
+    pub fn emit(
+        &mut self,
+        time_us: Option<u64>,
+        hands: &[Option<JointPositions>; Side::COUNT],
+        emit: &mut dyn FnMut(Packet),
+    ) -> Result<(), PacketError> {
+        if let Some(time) = time_us {
+            self.times.check(time)?;
+        }
+        self.lines += 1;
+        let nominal = Timestamp::from_seconds(self.lines as f64 / self.rate_hz);
+        for &side in Side::ALL {
+            let was_seen = &mut self.was_seen[side.index()];
+            *was_seen |= hands[side.index()].is_some();
+            if *was_seen {
+                let positions = hands[side.index()].unwrap_or_default();
+                emit(Packet {
+                    time: Some(time_us.map_or(nominal, Timestamp)),
+                    side: Some(side),
+                    ..Packet::new(Sample::Joints { positions }, 0)
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Forgets the hands, after a stream broke off.
+    pub fn reset(&mut self) {
+        self.times = LineTimes::default();
+        self.was_seen = [false; Side::COUNT];
+    }
+}
+
+/// Two hands of the same side in one line: the one with the higher score counts.
+pub(super) struct BestHands {
+    hands: [Option<JointPositions>; Side::COUNT],
+    scores: [f64; Side::COUNT],
+}
+
+impl BestHands {
+    /// Creates the choice among hands with at least `min_score`.
+    pub fn new(min_score: f64) -> Self {
+        Self {
+            hands: [None; Side::COUNT],
+            scores: [min_score.next_down(); Side::COUNT],
+        }
+    }
+
+    /// Returns whether a hand with this score would be chosen.
+    pub fn admits(&self, side: Side, score: f64) -> bool {
+        score > self.scores[side.index()]
+    }
+
+    /// Adds a hand.
+    pub fn add(&mut self, side: Side, score: f64, positions: JointPositions) {
+        if self.admits(side, score) {
+            self.scores[side.index()] = score;
+            self.hands[side.index()] = Some(positions);
+        }
+    }
+
+    /// Returns the hands by side.
+    pub fn hands(&self) -> &[Option<JointPositions>; Side::COUNT] {
+        &self.hands
+    }
+}
+
+/// Refuses a score outside 0..=1.
+pub(super) fn check_score(score: f64) -> Result<(), PacketError> {
+    match (0.0..=1.0).contains(&score) {
+        true => Ok(()),
+        false => Err(PacketError::new(
+            InvalidPacket::NotFinite,
+            "the score of a hand is not from 0 to 1",
+        )),
+    }
+}

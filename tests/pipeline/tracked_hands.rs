@@ -1,0 +1,223 @@
+//! Hands that a camera or a headset follows, from lines to keys: hands that are lost, exchanged, or of the other side.
+
+use ademan::capture::protocol::{hand_landmarks, joint_sets};
+use ademan::capture::{Reading, SourceUri};
+use ademan::device::{EventKind, Events};
+use ademan::hand::{Finger, Joint, JointPositions, Side};
+use ademan::pipeline::PipelineState;
+use ademan::setup::{OtherHand, Setup};
+use ademan::time::Timestamp;
+use glam::DVec3;
+
+use crate::support::checked::CheckedPipeline;
+
+/// A layout with F below the left index finger and J below the right one, in front of a camera at the head.
+const TWO_KEYS: &str = r#"Layout(name: "Two keys", boards: [
+    (hand: "left", pose: (anchor: world, right_mm: -150, forward_mm: 470, height_mm: -270), size_mm: Box(40, 40), travel_mm: 10, keys: [(code: "F", at_mm: (0, 0))]),
+    (hand: "right", pose: (anchor: world, right_mm: 150, forward_mm: 470, height_mm: -270), size_mm: Box(40, 40), travel_mm: 10, keys: [(code: "J", at_mm: (0, 0))]),
+])"#;
+
+const RATE_HZ: f64 = 30.0;
+
+/// Heights of the index fingertip above its key and on it, in metres.
+const ABOVE: f64 = -0.21;
+const ON_KEY: f64 = -0.275;
+
+/// Returns a hand with stretched fingers whose index fingertip has this height above the key of its side.
+fn hand(side: Side, height: f64) -> (Side, JointPositions) {
+    let sign = match side {
+        Side::Left => -1.0,
+        Side::Right => 1.0,
+    };
+    let mut positions = JointPositions::default();
+    let wrist = DVec3::new(sign * 0.15, height, -0.30);
+    positions.set(Joint::Wrist, wrist);
+    for (column, finger) in Finger::ALL.iter().enumerate() {
+        // The index finger is straight ahead, the thumb towards the other hand. The others are higher.
+        let across = sign * 0.02 * (column as f64 - 1.0);
+        let raise = if *finger == Finger::Index { 0.0 } else { 0.04 };
+        for (bone, &joint) in finger.joints().iter().rev().enumerate() {
+            let ahead = -0.17 + 0.03 * bone as f64;
+            positions.set(joint, wrist + DVec3::new(across, raise, ahead));
+        }
+    }
+    (side, positions)
+}
+
+/// A setup with two hands whose readings are lines of a protocol.
+struct Tracker {
+    pipeline: CheckedPipeline,
+    decoder: Box<dyn ademan::capture::protocol::Decoder>,
+    encode: fn(&[(Side, JointPositions)]) -> String,
+    keys: Vec<String>,
+}
+
+fn setup(source: &str, other_hand: Option<OtherHand>) -> Setup {
+    let folder = tempfile::tempdir().expect("a folder").keep();
+    let layout = folder.join("two-keys.ron");
+    std::fs::write(&layout, TWO_KEYS).expect("a layout");
+    Setup {
+        source: Some(source.parse().expect("a source")),
+        other_hand,
+        layout: layout.display().to_string(),
+        ..Setup::default()
+    }
+}
+
+impl Tracker {
+    /// Creates a tracker that sees both hands above their keys, with armed output.
+    fn new(source: &str, encode: fn(&[(Side, JointPositions)]) -> String) -> Self {
+        let setup = setup(source, Some(OtherHand::default()));
+        let Some(SourceUri::Stream(stream)) = &setup.source else {
+            panic!("a stream");
+        };
+        let decoder = stream.format.decoder();
+        let setup = setup.load_files().expect("a valid setup");
+        let mut tracker = Self {
+            pipeline: CheckedPipeline::new(&setup),
+            decoder,
+            encode,
+            keys: Vec::new(),
+        };
+        tracker.see(&[hand(Side::Left, ABOVE), hand(Side::Right, ABOVE)], 15);
+        assert_eq!(tracker.pipeline.state(), PipelineState::Running);
+        tracker
+    }
+
+    /// Steps a number of equal lines. Returns the presses and releases.
+    fn see(&mut self, hands: &[(Side, JointPositions)], lines: usize) -> Vec<String> {
+        let line = (self.encode)(hands);
+        for _ in 0..lines {
+            self.line(&line);
+        }
+        std::mem::take(&mut self.keys)
+    }
+
+    fn line(&mut self, line: &str) {
+        let (pipeline, keys) = (&mut self.pipeline, &mut self.keys);
+        self.decoder.push(line.as_bytes(), &mut |packet| {
+            let time = packet.time.expect("a nominal time");
+            let mut events = Events::new();
+            let reading = Reading::new(time, packet.side, packet.sample);
+            let _ = pipeline.step(&reading, &mut events);
+            for event in &events {
+                match event.kind {
+                    EventKind::KeyDown(key) => keys.push(format!("down {key}")),
+                    EventKind::KeyUp(key) => keys.push(format!("up {key}")),
+                    _ => {}
+                }
+            }
+        });
+    }
+
+    /// Moves the right hand, in lines of 13 mm each, while the left one rests.
+    fn move_right(&mut self, from: f64, to: f64) -> Vec<String> {
+        let mut keys = Vec::new();
+        for step in 0..=8 {
+            let height = from + (to - from) * (f64::from(step) / 5.0).min(1.0);
+            keys.extend(self.see(&[hand(Side::Left, ABOVE), hand(Side::Right, height)], 1));
+        }
+        keys
+    }
+}
+
+fn trackers() -> [Tracker; 3] {
+    [
+        Tracker::new("stdin:?protocol=hand-landmarks&camera=head", |hands| {
+            hand_landmarks::encode(None, hands)
+        }),
+        Tracker::new("stdin:?protocol=openxr", |hands| {
+            joint_sets::encode(&joint_sets::OPENXR, None, hands)
+        }),
+        Tracker::new("stdin:?protocol=webxr", |hands| {
+            joint_sets::encode(&joint_sets::WEBXR, None, hands)
+        }),
+    ]
+}
+
+#[test]
+fn a_hand_that_is_not_seen_releases_its_key_after_the_hold_time_and_the_other_hand_goes_on() {
+    for mut tracker in trackers() {
+        assert_eq!(tracker.move_right(ABOVE, ON_KEY), ["down J"]);
+        let left = hand(Side::Left, ABOVE);
+        assert!(tracker.see(&[left], 3).is_empty(), "held");
+        assert_eq!(tracker.see(&[left], 1), ["up J"], "lost");
+        tracker.see(&[hand(Side::Left, -0.24)], 1);
+        let pressed = tracker.see(&[hand(Side::Left, ON_KEY)], 3);
+        assert_eq!(pressed, ["down F"]);
+        assert_eq!(tracker.see(&[left], 4), ["up F"]);
+
+        let both = [left, hand(Side::Right, ON_KEY)];
+        assert!(tracker.see(&both, 20).is_empty(), "back on its key");
+        assert!(tracker.move_right(ON_KEY, ABOVE).is_empty());
+        assert_eq!(tracker.move_right(ABOVE, ON_KEY), ["down J"]);
+    }
+}
+
+#[test]
+fn a_hand_below_the_score_counts_as_not_seen() {
+    let mut tracker = Tracker::new("stdin:?protocol=hand-landmarks&camera=head", |hands| {
+        let line = hand_landmarks::encode(None, hands);
+        line.replace(
+            "\"label\":\"right\",\"score\":1.0",
+            "\"label\":\"right\",\"score\":0.2",
+        )
+    });
+    let (encode, unsure) = (
+        (|hands| hand_landmarks::encode(None, hands)) as fn(&[_]) -> String,
+        tracker.encode,
+    );
+    tracker.encode = encode;
+    tracker.see(&[hand(Side::Left, ABOVE), hand(Side::Right, ABOVE)], 15);
+    assert_eq!(tracker.move_right(ABOVE, ON_KEY), ["down J"]);
+    tracker.encode = unsure;
+    let both = [hand(Side::Left, ABOVE), hand(Side::Right, ON_KEY)];
+    assert_eq!(tracker.see(&both, 4), ["up J"]);
+}
+
+#[test]
+fn a_tracker_that_exchanges_left_and_right_releases_both_hands_and_presses_nothing_until_they_leave_the_keys()
+ {
+    for mut tracker in trackers() {
+        assert_eq!(tracker.move_right(ABOVE, ON_KEY), ["down J"]);
+        let (_, left) = hand(Side::Left, ABOVE);
+        let (_, right) = hand(Side::Right, ON_KEY);
+        let exchanged = [(Side::Left, right), (Side::Right, left)];
+        assert_eq!(tracker.see(&exchanged, 3), ["up J"]);
+        assert!(tracker.see(&exchanged, 10).is_empty());
+        let correct = [(Side::Left, left), (Side::Right, right)];
+        assert!(tracker.see(&correct, 20).is_empty(), "on the key");
+        assert!(tracker.move_right(ON_KEY, ABOVE).is_empty());
+        assert_eq!(tracker.move_right(ABOVE, ON_KEY), ["down J"]);
+    }
+}
+
+#[test]
+fn a_setup_with_one_hand_has_the_arm_of_the_side_that_its_source_names() {
+    for (source, side) in [
+        ("stdin:?protocol=hand-landmarks", Side::Right),
+        ("stdin:?protocol=hand-landmarks&hand=left", Side::Left),
+        ("stdin:?protocol=openxr&hand=left", Side::Left),
+        ("stdin:?protocol=markers&hand=left", Side::Left),
+        ("stdin:?protocol=body-landmarks&hand=left", Side::Left),
+        ("file:walk.bvh?protocol=bvh&hand=left", Side::Left),
+    ] {
+        let setup = setup(source, None).load_files().expect("a valid setup");
+        assert!(setup.glove.is_none(), "{source}");
+        assert_eq!(setup.arm.side(), side, "{source}");
+    }
+}
+
+#[test]
+fn files_play_at_their_nominal_rate_with_one_or_two_hands_in_a_line() {
+    let mut decoder = (hand_landmarks::PROTOCOL.decoder)(&Default::default());
+    let both = [hand(Side::Left, ABOVE), hand(Side::Right, ABOVE)];
+    let line = hand_landmarks::encode(None, &both);
+    let mut times = Vec::new();
+    for _ in 0..3 {
+        decoder.push(line.as_bytes(), &mut |packet| times.push(packet.time));
+    }
+    let expected = [1, 1, 2, 2, 3, 3];
+    let expected = expected.map(|line| Some(Timestamp::from_seconds(f64::from(line) / RATE_HZ)));
+    assert_eq!(times, expected);
+}
