@@ -47,8 +47,8 @@ pub struct Painter {
     views: Views,
     task: TaskLines,
     look: Look,
-    /// The terminal was given back meanwhile, so that all of it has to be drawn.
-    was_left: bool,
+    /// The number of the takeover of the terminal in which it was drawn last. All of it has to be drawn after another one.
+    takeover: u32,
 }
 
 /// Returns the view that stays on the screen: the final one, with the hands where they were seen last.
@@ -84,7 +84,7 @@ impl Painter {
             views,
             task,
             look,
-            was_left: false,
+            takeover: terminal::takeover(),
         })
     }
 
@@ -106,7 +106,7 @@ impl Painter {
         while !IS_ENDING.load(Ordering::Relaxed) {
             let is_new = match self.views.receiver().recv_timeout(POLL_PERIOD) {
                 Ok(view) => {
-                    if view.state.state != PipelineState::Stopped {
+                    if view.state.state == PipelineState::Running {
                         tracked = Some(view.clone());
                     }
                     latest = Some(view);
@@ -121,10 +121,8 @@ impl Painter {
                 continue;
             };
             let content = self.content(view)?;
-            self.was_left |= !terminal::is_covered();
-            if terminal::is_covered()
-                && (is_new || self.was_left || drawn.as_ref() != Some(&content))
-            {
+            let is_new = is_new || self.takeover != terminal::takeover();
+            if terminal::is_covered() && (is_new || drawn.as_ref() != Some(&content)) {
                 match self.draw(view, &content) {
                     // The view ends before the terminal accepts the picture.
                     Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
@@ -152,7 +150,9 @@ impl Painter {
 
     fn draw(&mut self, view: &View, content: &Content) -> io::Result<()> {
         let look = self.look;
-        if std::mem::take(&mut self.was_left) {
+        let takeover = terminal::takeover();
+        if self.takeover != takeover {
+            self.takeover = takeover;
             self.terminal.clear()?;
         }
         self.terminal.draw(|frame| {

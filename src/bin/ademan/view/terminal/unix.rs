@@ -5,7 +5,7 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::mem;
 use std::os::unix::fs::OpenOptionsExt;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -33,6 +33,9 @@ static COVERED: Mutex<Option<Covered>> = Mutex::new(None);
 /// `true` while pictures are written. The thread that writes must not wait for the lock.
 static IS_COVERED: AtomicBool = AtomicBool::new(false);
 
+/// Number of takeovers so far.
+static TAKEOVERS: AtomicU32 = AtomicU32::new(0);
+
 struct Covered {
     terminal: File,
     /// The modes of before.
@@ -56,6 +59,7 @@ pub fn take_over() -> io::Result<()> {
     tcsetattr(&terminal, OptionalActions::Now, &quiet)?;
     let written = write_within(&mut terminal, ENTER, LEAVE_TIMEOUT);
     *covered = Some(Covered { terminal, modes });
+    TAKEOVERS.fetch_add(1, Ordering::Release);
     IS_COVERED.store(true, Ordering::Release);
     written
 }
@@ -93,6 +97,11 @@ pub fn write_after(text: &str) {
 /// Drops pictures from now on, also one that the terminal has not accepted yet.
 pub fn end_output() {
     IS_COVERED.store(false, Ordering::Release);
+}
+
+/// Returns the number of takeovers so far.
+pub fn takeover() -> u32 {
+    TAKEOVERS.load(Ordering::Acquire)
 }
 
 /// Returns whether the view covers the terminal.
