@@ -1,9 +1,6 @@
 //! Attacks on the program and on the compositor at the same time.
 
-use super::compositor::Compositor;
-use super::ends::{GloveRun, Typing, layout_with_a_button};
-use super::window::Window;
-use crate::support::press::Press;
+use super::ends::{GloveRun, Typing};
 use crate::support::process::signal;
 
 /// Waits until the window has received the releases of both keys.
@@ -47,39 +44,6 @@ fn all_keys_are_released_when_a_compositor_continues_that_hung_while_the_program
     assert_eq!(typing.typing.program.wait_for_exit().code(), None);
     typing.compositor.resume();
     check_release(&typing, "killed while the compositor hung");
-}
-
-#[test]
-fn a_button_of_a_run_that_was_killed_with_its_watchdog_is_released_by_the_command_of_the_unit() {
-    let Some(compositor) = Compositor::sway() else {
-        return;
-    };
-    let Some(window) = Window::open(&compositor) else {
-        return;
-    };
-    let folder = tempfile::tempdir().expect("a folder");
-    let layout = layout_with_a_button(&folder).display().to_string();
-    let runtime = ("XDG_RUNTIME_DIR", folder.path());
-    let press = Press::for_text("h");
-    let mut run = GloveRun::start_in(&compositor, &press, &["--layout", &layout], Some(runtime));
-    run.hold(&press, &window, "button 272 down");
-    kill_both(&run);
-    assert_eq!(run.program.wait_for_exit().code(), None);
-    // The compositor does not release it.
-    std::thread::sleep(std::time::Duration::from_secs(1));
-    let events = window.events();
-    println!("before the command: {events:?}");
-    let mut command = compositor.ademan(["release-keys"]);
-    let output = command
-        .env(runtime.0, runtime.1)
-        .output()
-        .expect("it starts");
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        message.contains("released the keys of a killed run (1)"),
-        "{message}"
-    );
-    assert!(window.receives("button 272 up"), "{:#?}", window.events());
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Release of keys and buttons at the end of a run, however it ends.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 use tempfile::TempDir;
@@ -22,24 +22,12 @@ pub(super) struct GloveRun {
 impl GloveRun {
     /// Starts a run whose wearer keeps the hand clear of all keys.
     fn start(compositor: &Compositor, press: &Press, arguments: &[&str]) -> Self {
-        Self::start_in(compositor, press, arguments, None)
-    }
-
-    /// Starts a run with an additional environment variable.
-    pub(super) fn start_in(
-        compositor: &Compositor,
-        press: &Press,
-        arguments: &[&str],
-        variable: Option<(&str, &Path)>,
-    ) -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let port = folder.path().join("glove");
         let glove = Glove::plug_in(&port, press.clear());
         let source = format!("serial:{}", port.display());
         let run = ["run", "--output", "desktop", "--source", &source];
-        let mut command = compositor.ademan([&run, arguments].concat());
-        command.envs(variable);
-        let program = Program::from_command(command);
+        let program = compositor.run([&run, arguments].concat());
         program.wait_for_line("armed", 1);
         Self {
             program,
@@ -49,7 +37,7 @@ impl GloveRun {
     }
 
     /// Repeats a press until the last event of the window is `line`.
-    pub(super) fn hold(&self, press: &Press, window: &Window, line: &str) {
+    fn hold(&self, press: &Press, window: &Window, line: &str) {
         let is_pressed = || {
             self.glove.play(&press.approach);
             wait_at_most(Duration::from_secs(5), || {
@@ -173,7 +161,7 @@ fn all_keys_are_released_while_the_program_is_stopped_and_it_types_again_afterwa
 }
 
 /// Writes the default layout with the left mouse button instead of H.
-pub(super) fn layout_with_a_button(folder: &TempDir) -> PathBuf {
+fn layout_with_a_button(folder: &TempDir) -> PathBuf {
     let path = folder.path().join("button.ron");
     let board = include_str!("../../../layouts/keyboards/qwerty-flat.ron");
     let with_button = board.replace(" G H J ", " G MouseLeft J ");
