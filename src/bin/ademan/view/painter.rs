@@ -51,6 +51,11 @@ pub struct Painter {
     takeover: u32,
 }
 
+/// Returns a terminal that draws all of the first picture.
+fn new_terminal() -> io::Result<Terminal<CrosstermBackend<Output>>> {
+    Terminal::new(CrosstermBackend::new(Output::open()?))
+}
+
 /// Returns the view that stays on the screen: the final one, with the hands where they were seen last.
 fn last_view(view: View, tracked: Option<View>) -> View {
     let Some(tracked) = tracked.filter(|tracked| Arc::ptr_eq(&tracked.layout, &view.layout)) else {
@@ -80,7 +85,7 @@ struct Content {
 impl Painter {
     pub fn new(views: Views, task: TaskLines, look: Look) -> io::Result<Self> {
         Ok(Self {
-            terminal: Terminal::new(CrosstermBackend::new(Output::open()?))?,
+            terminal: new_terminal()?,
             views,
             task,
             look,
@@ -153,7 +158,8 @@ impl Painter {
         let takeover = terminal::takeover();
         if self.takeover != takeover {
             self.takeover = takeover;
-            self.terminal.clear()?;
+            // Its function `clear` would ask the terminal for the position of the cursor, and wait for the answer.
+            self.terminal = new_terminal()?;
         }
         self.terminal.draw(|frame| {
             let picture = Picture {
