@@ -60,7 +60,7 @@ use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
 use self::body::BodyLandmarks;
-use crate::hand::{HandPart, JointAngles, JointPositions, Side};
+use crate::hand::{BoneRotations, Displacement, HandPart, JointAngles, JointPositions, Side};
 use crate::message::{escape, escape_lines};
 use crate::time::Timestamp;
 
@@ -157,6 +157,16 @@ pub enum Sample {
     /// Landmarks of a body with both arms. An estimator uses the arm on the [side](Reading::side) of the reading, the right
     /// one if that has none.
     Body(BodyLandmarks),
+    /// Rotations of the bones of both arms, used as those of a body.
+    Bones {
+        /// Rotations from the T pose.
+        bones: BoneRotations,
+    },
+    /// The displacement of the arm or the hand from its pose at rest.
+    Displacement {
+        /// Translation and rotation in the world.
+        displacement: Displacement,
+    },
 }
 
 /// Kind of a [`Sample`].
@@ -171,6 +181,10 @@ pub enum SampleKind {
     Joints,
     /// [`Sample::Body`].
     Body,
+    /// [`Sample::Bones`].
+    Bones,
+    /// [`Sample::Displacement`].
+    Displacement,
 }
 
 impl SampleKind {
@@ -181,7 +195,7 @@ impl SampleKind {
 
     /// Returns `true` if each sample shows both arms; see [`SidedSource`].
     pub const fn shows_both_arms(self) -> bool {
-        matches!(self, Self::Body)
+        matches!(self, Self::Body | Self::Bones)
     }
 }
 
@@ -193,6 +207,8 @@ impl Sample {
             Self::Angles { .. } => SampleKind::Angles,
             Self::Joints { .. } => SampleKind::Joints,
             Self::Body(_) => SampleKind::Body,
+            Self::Bones { .. } => SampleKind::Bones,
+            Self::Displacement { .. } => SampleKind::Displacement,
         }
     }
 }

@@ -7,9 +7,9 @@ use parry3d::math::Vec3;
 use super::position_filter::PositionFilter;
 use super::samples::SampleConverter;
 use super::smoothing::Smoother;
-use super::{ChannelMap, Estimate, EstimatorSettings, MeasuredJoints, Rejection};
+use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
 use crate::capture::Reading;
-use crate::hand::{Joint, JointAngles};
+use crate::hand::{Displacement, Joint, JointAngles};
 use crate::time::Timestamp;
 
 /// The number of consecutive readings, each plausible after the previous one, after which an implausible jump is
@@ -48,14 +48,17 @@ pub struct Estimator {
 struct RawAngles {
     time: Timestamp,
     angles: JointAngles,
-    /// A measured joint that moves with the whole hand: the wrist, or else the first one.
+    /// A measured joint that moves with the whole hand: the wrist, or else the first one, or else the displaced one.
     anchor: Option<(Joint, Vec3)>,
 }
 
-fn anchor(measured: &MeasuredJoints) -> Option<(Joint, Vec3)> {
-    let wrist = measured.get(Joint::Wrist);
+fn anchor(estimate: &Estimate) -> Option<(Joint, Vec3)> {
+    let wrist = estimate.measured.get(Joint::Wrist);
     let wrist = wrist.map(|position| (Joint::Wrist, position));
-    wrist.or_else(|| measured.iter().next())
+    let displaced = |displacement: Displacement| (displacement.joint, displacement.translation());
+    wrist
+        .or_else(|| estimate.measured.iter().next())
+        .or_else(|| estimate.displacement.map(displaced))
 }
 
 impl Estimator {
@@ -88,7 +91,7 @@ impl Estimator {
         let raw = RawAngles {
             time: reading.time,
             angles: self.estimate.angles,
-            anchor: anchor(&self.estimate.measured),
+            anchor: anchor(&self.estimate),
         };
         self.estimate.jumped |= self.check_speed(&raw)?;
         let jumped = self.estimate.jumped;

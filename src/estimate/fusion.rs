@@ -123,6 +123,7 @@ impl FusedEstimator {
         estimate.untrusted = fingers.map_or(FingerSet::ALL, |fingers| fingers.untrusted);
         if let Some(arm) = arm {
             estimate.root = arm.root;
+            estimate.displacement = arm.displacement;
             for (dof, radians) in arm.angles.known() {
                 if dof.finger().is_none() {
                     estimate.angles.set(dof, radians);

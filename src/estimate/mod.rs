@@ -1,6 +1,7 @@
 //! Stage 2: [`Reading`](crate::capture::Reading) → [`Estimate`].
 
 pub mod arm_attributes;
+mod bone_angles;
 mod calibration;
 mod channel_map;
 pub mod delay;
@@ -16,6 +17,7 @@ mod settings;
 mod smoothing;
 pub mod t_pose;
 
+pub use bone_angles::{angles_from_bones, bones_from_angles};
 pub use calibration::{AffineMap, FitError, divider_resistance};
 pub use channel_map::{ChannelMap, ChannelRow, InputRow, MAX_ROWS};
 pub use estimator::Estimator;
@@ -32,7 +34,7 @@ pub use crate::hand::JointAngles;
 
 use parry3d::math::{Pose, Vec3};
 
-use crate::hand::{FingerSet, InputValues, Joint};
+use crate::hand::{Displacement, FingerSet, InputValues, Joint};
 use crate::names::named_enum;
 use crate::time::Timestamp;
 
@@ -52,6 +54,8 @@ pub struct Estimate {
     pub is_placed: bool,
     /// The pose of the arm's root in the world (metres), or `None` if the sensor does not measure it.
     pub root: Option<Pose>,
+    /// The displacement of the arm or the hand from the pose that its angles give it.
+    pub displacement: Option<Displacement>,
     /// The joint positions that the sensor measures directly. They override those of forward kinematics.
     pub measured: MeasuredJoints,
     /// The sticks, triggers and buttons of a glove.
@@ -68,6 +72,7 @@ impl Estimate {
             jumped: false,
             is_placed: true,
             root: None,
+            displacement: None,
             measured: MeasuredJoints::default(),
             inputs: InputValues::default(),
         }
@@ -82,6 +87,7 @@ impl Estimate {
         self.jumped = false;
         self.is_placed = true;
         self.root = None;
+        self.displacement = None;
         self.measured.known = 0;
         self.inputs = InputValues::default();
     }

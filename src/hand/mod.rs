@@ -1,10 +1,14 @@
 //! Types that every stage shares: sides and parts of a hand, fingers, joints, degrees of freedom, joint angles, joint
-//! positions, and the inputs of a glove.
+//! positions, rotations of bones, displacements, and the inputs of a glove.
 
+mod bone_rotations;
+mod displacement;
 mod inputs;
 mod joint_angles;
 mod joint_positions;
 
+pub use bone_rotations::{ArmBone, ArmRotations, BoneRotations};
+pub use displacement::Displacement;
 pub use inputs::{Input, InputValues};
 pub use joint_angles::JointAngles;
 pub use joint_positions::JointPositions;

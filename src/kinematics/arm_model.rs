@@ -7,7 +7,7 @@ use parry3d::math::{Mat3, Pose, Vec3};
 use super::HandPose;
 use super::joint_rotations::JointRotations;
 use super::link::{Link, MAX_LINKS};
-use super::measured::follow_measured_arm;
+use super::measured::{displace, follow_measured_arm};
 use crate::estimate::{Estimate, JointAngles};
 use crate::hand::{Joint, Side};
 
@@ -133,7 +133,8 @@ impl ArmModel {
         poses
     }
 
-    /// Computes the pose of the arm and hand by forward kinematics. A measured root pose replaces that of the model, and
+    /// Computes the pose of the arm and hand by forward kinematics. A measured root pose replaces that of the model, a
+    /// displaced joint takes what lies beyond it along, and
     /// measured joint positions replace the computed ones; those of shoulder, elbow and wrist move what lies beyond them.
     /// No joint of a hand that is [nowhere](Estimate::is_placed) is known.
     pub fn forward(&self, estimate: &Estimate) -> HandPose {
@@ -145,6 +146,9 @@ impl ArmModel {
         }
         let world_from_root = estimate.root.unwrap_or(self.world_from_root);
         let mut poses = self.link_poses_from(&world_from_root, &estimate.angles);
+        if let Some(displacement) = &estimate.displacement {
+            displace(&self.links, &mut poses, displacement);
+        }
         if !estimate.measured.is_empty() {
             follow_measured_arm(&self.links, &mut poses, &estimate.measured);
         }

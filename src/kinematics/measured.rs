@@ -1,11 +1,11 @@
-//! Measured joints of the arm: they move what lies beyond them.
+//! Measured and displaced joints of the arm: they move what lies beyond them.
 
 use glam::Quat;
 use parry3d::math::{Pose, Vec3};
 
 use super::link::{Link, MAX_LINKS};
 use crate::estimate::MeasuredJoints;
-use crate::hand::Joint;
+use crate::hand::{Displacement, Joint};
 
 /// The joints of an arm from the root to the hand.
 const CHAIN: [Joint; 3] = [Joint::Shoulder, Joint::Elbow, Joint::Wrist];
@@ -38,6 +38,22 @@ pub(super) fn follow_measured_arm(links: &[Link], poses: &mut [Pose], measured: 
             pose.translation = position + rotation * (pose.translation - pivot);
             pose.rotation = rotation * pose.rotation;
         }
+    }
+}
+
+/// Turns a joint and what lies beyond it about the joint, then moves them; parameters as for [`follow_measured_arm`].
+pub(super) fn displace(links: &[Link], poses: &mut [Pose], displacement: &Displacement) {
+    let (Some(link), Some(rotation)) =
+        (link_at(links, displacement.joint), displacement.rotation())
+    else {
+        return;
+    };
+    let pivot = poses[link].translation;
+    for beyond in links_from(links, link) {
+        let pose = &mut poses[beyond];
+        let turned = rotation * (pose.translation - pivot);
+        pose.translation = pivot + turned + displacement.translation();
+        pose.rotation = rotation * pose.rotation;
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! | stage | one object per | form |
 //! |---|---|---|
-//! | `readings` | reading | `{"time_us":12500,"full_scale":255,"channels":[3,141]}` or `{"time_us":12500,"angles_rad":{"index-mcp-flexion":0.12}}` or `{"time_us":12500,"joints_m":{"wrist":[x,y,z]}}` or `{"time_us":12500,"side":"right","body_landmarks":[[x,y,z,confidence]]}` |
+//! | `readings` | reading | `{"time_us":12500,"full_scale":255,"channels":[3,141]}` or `{"time_us":12500,"angles_rad":{"index-mcp-flexion":0.12}}` or `{"time_us":12500,"joints_m":{"wrist":[x,y,z]}}` or `{"time_us":12500,"side":"right","body_landmarks":[[x,y,z,confidence]]}` or `{"time_us":12500,"side":"right","bones":{"right":{"hand":[x,y,z,w]}}}` or `{"time_us":12500,"displacement":{"joint":"wrist","translation_m":[x,y,z],"rotation":[x,y,z,w]}}` |
 //! | `angles` | accepted reading | `{"time_us":12500,"angles":{"index-mcp-flexion":0.12}}` |
 //! | `pose` | accepted reading | `{"time_us":12500,"side":"right","positions":{"wrist":[x,y,z]},"orientations":{"wrist":[x,y,z,w]}}` |
 //! | `touches` | touch | `{"time_us":12400,"side":"right","finger":"index","target":"Q","phase":"pressed","depth":0.5,"position":[0.001,-0.002]}` |

@@ -4,15 +4,15 @@ use ademan::capture::Sample;
 use ademan::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use ademan::capture::protocol::{
     Decoder, Protocol, ProtocolOptions, body_landmarks, hand_landmarks, joint_sets, lucidgloves,
-    markers, text_line,
+    markers, opentrack, text_line, vmc,
 };
 use ademan::estimate::{Estimator, EstimatorSettings};
-use ademan::hand::{Joint, JointAngles, JointPositions, Side};
+use ademan::hand::{ArmBone, BoneRotations, Joint, JointAngles, JointPositions, Side};
 use ademan::layout::Glove;
 use glam::DVec3;
 
 /// The decoders of the protocols of lines.
-const DECODERS: [fn() -> Box<dyn Decoder>; 7] = [
+const DECODERS: [fn() -> Box<dyn Decoder>; 9] = [
     || decoder(&text_line::PROTOCOL),
     || decoder(&markers::PROTOCOL),
     || decoder(&body_landmarks::PROTOCOL),
@@ -20,6 +20,8 @@ const DECODERS: [fn() -> Box<dyn Decoder>; 7] = [
     || decoder(&joint_sets::OPENXR),
     || decoder(&joint_sets::WEBXR),
     || decoder(&lucidgloves::PROTOCOL),
+    || decoder(&opentrack::PROTOCOL),
+    || decoder(&vmc::PROTOCOL),
 ];
 
 fn decoder(protocol: &Protocol) -> Box<dyn Decoder> {
@@ -142,5 +144,22 @@ pub fn seeds() -> Vec<Vec<u8>> {
                 .map(|time| joint_sets::encode(&joint_sets::WEBXR, Some(time), &[hand()]))
                 .collect(),
         ),
+        [
+            &[7],
+            &opentrack::encode(&[1.0, -2.0, 3.0, 40.0, -50.0, 60.0])[..],
+        ]
+        .concat(),
+        [vec![9], vmc::encode(&bones())].concat(),
     ]
+}
+
+/// Returns both arms with every bone.
+fn bones() -> BoneRotations {
+    let mut bones = BoneRotations::default();
+    for (index, &bone) in ArmBone::ALL.iter().enumerate() {
+        let turn = glam::Quat::from_rotation_x(0.1 * index as f32);
+        bones.left.set(bone, turn);
+        bones.right.set(bone, turn.inverse());
+    }
+    bones
 }

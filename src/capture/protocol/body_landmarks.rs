@@ -11,7 +11,9 @@
 use serde::Deserialize;
 
 use super::lines::{LineDecoder, LineParser};
-use super::{InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, space};
+use super::{
+    Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, space,
+};
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use crate::capture::{Sample, SampleKind};
 
@@ -22,7 +24,7 @@ pub const PROTOCOL: Protocol = Protocol {
     sample: SampleKind::Body,
     has_both_hands: true,
     position_noise: PositionNoise::Landmarks,
-    has_datagrams: true,
+    carriers: Carriers::Any,
     // The name of the field, and `[0,0,0],` for each landmark.
     min_packet_bytes: 26 + 8 * BODY_LANDMARKS,
     default_baud: None,

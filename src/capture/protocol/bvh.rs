@@ -4,7 +4,7 @@
 //! time.
 
 use super::space::{self, Facing, HAND, UP, WorldFromSource};
-use super::{Decoder, Packet, PositionNoise, Protocol, ProtocolOption, ProtocolOptions};
+use super::{Carriers, Decoder, Packet, PositionNoise, Protocol, ProtocolOption, ProtocolOptions};
 use crate::capture::bvh::{BvhParser, HandJoints, Motion, NodePose, PositionChannels};
 use crate::capture::{Sample, SampleKind, SourceStats};
 use crate::hand::{JointPositions, Side};
@@ -17,7 +17,7 @@ pub const PROTOCOL: Protocol = Protocol {
     sample: SampleKind::Joints,
     has_both_hands: false,
     position_noise: PositionNoise::None,
-    has_datagrams: false,
+    carriers: Carriers::Streams,
     // Three rotations of shoulder, elbow and wrist: one digit and one separator each.
     min_packet_bytes: 18,
     default_baud: None,

@@ -16,7 +16,9 @@ use super::space::{self, HAND};
 use super::tracked_hands::{
     BestHands, Label, MAX_HANDS, MIN_SCORE, Position, RATE, TrackedHands, check_score,
 };
-use super::{InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOptions};
+use super::{
+    Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOptions,
+};
 use crate::capture::SampleKind;
 use crate::hand::{Joint, JointPositions, Side};
 
@@ -45,7 +47,7 @@ const fn protocol<const JOINTS: usize>(name: &'static str, summary: &'static str
         sample: SampleKind::Joints,
         has_both_hands: true,
         position_noise: PositionNoise::None,
-        has_datagrams: true,
+        carriers: Carriers::Any,
         // Joints whose numbers have one digit. Lines without hands are shorter, and they are few.
         min_packet_bytes: 8 * JOINTS,
         default_baud: None,

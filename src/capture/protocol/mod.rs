@@ -4,6 +4,7 @@
 
 pub mod body_landmarks;
 pub mod bvh;
+mod datagrams;
 pub mod hand_landmarks;
 pub mod hc11;
 mod invalid;
@@ -12,10 +13,12 @@ mod line_times;
 mod lines;
 pub mod lucidgloves;
 pub mod markers;
+pub mod opentrack;
 mod restart_text;
 mod space;
 pub mod text_line;
 mod tracked_hands;
+pub mod vmc;
 
 use std::fmt;
 use std::num::NonZeroU32;
@@ -38,6 +41,8 @@ pub const PROTOCOLS: &[&Protocol] = &[
     &hand_landmarks::PROTOCOL,
     &joint_sets::OPENXR,
     &joint_sets::WEBXR,
+    &opentrack::PROTOCOL,
+    &vmc::PROTOCOL,
 ];
 
 /// A wire format: its name, its options and its decoder.
@@ -53,8 +58,8 @@ pub struct Protocol {
     pub has_both_hands: bool,
     /// Noise of the positions that it carries.
     pub position_noise: PositionNoise,
-    /// `true` if a datagram can hold whole packets. Otherwise the protocol needs a stream from its start.
-    pub has_datagrams: bool,
+    /// Carriers of the packets.
+    pub carriers: Carriers,
     /// Length of the shortest packet, in bytes.
     pub min_packet_bytes: usize,
     /// Bit rate of the serial line that usually carries the protocol. `None` if no serial line limits the rate.
@@ -76,6 +81,17 @@ pub enum PositionNoise {
     Markers,
     /// Millimetres: landmarks that a network finds in an image.
     Landmarks,
+}
+
+/// Kinds of transport that can carry the packets of a protocol.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Carriers {
+    /// Streams, and datagrams of whole packets.
+    Any,
+    /// Streams from their start.
+    Streams,
+    /// Datagrams, each of which is a packet: nothing in a stream would separate them.
+    Datagrams,
 }
 
 impl PartialEq for Protocol {

@@ -8,7 +8,8 @@ use std::fmt::Write;
 
 use super::lines::{LineDecoder, LineParser};
 use super::{
-    InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, ProtocolOptions,
+    Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
+    ProtocolOptions,
 };
 use crate::capture::{Sample, SampleKind};
 use crate::hand::{Dof, JointAngles};
@@ -21,7 +22,7 @@ pub const PROTOCOL: Protocol = Protocol {
     sample: SampleKind::Angles,
     has_both_hands: false,
     position_noise: PositionNoise::None,
-    has_datagrams: true,
+    carriers: Carriers::Any,
     // One digit and one separator per value.
     min_packet_bytes: 2 * VALUES,
     default_baud: None,

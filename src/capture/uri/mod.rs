@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::protocol::{PROTOCOLS, Protocol, StreamFormat};
+use super::protocol::{Carriers, PROTOCOLS, Protocol, StreamFormat};
 use super::transport::{MAX_DELAY, Scheme, StreamUri, TRANSPORTS, Transport};
 use super::{CaptureError, PositionNoise};
 use crate::hand::Side;
@@ -225,12 +225,16 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
     }
     (transport.check_address)(address)?;
     let (format, delay) = parse_options(options, transport.default_baud)?;
-    if transport.is_datagram && !format.protocol.has_datagrams {
-        return Err(format!(
-            "protocol `{}` needs a stream from its start, which datagrams do not carry; use `file:` or `tcp:`",
-            format.protocol.name
-        ));
-    }
+    let name = format.protocol.name;
+    match format.protocol.carriers {
+        Carriers::Streams if transport.is_datagram => Err(format!(
+            "protocol `{name}` needs a stream from its start, which datagrams do not carry; use `file:` or `tcp:`"
+        )),
+        Carriers::Datagrams if !transport.is_datagram => Err(format!(
+            "the packets of protocol `{name}` are datagrams, which a stream does not separate; use `udp:127.0.0.1:PORT`"
+        )),
+        _ => Ok(()),
+    }?;
     Ok(StreamUri {
         delay,
         ..StreamUri::new(transport, address.to_owned(), format)

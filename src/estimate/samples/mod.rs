@@ -2,7 +2,9 @@
 
 mod angles;
 mod body;
+mod bones;
 mod channels;
+mod displacement;
 mod joints;
 
 use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
@@ -15,6 +17,7 @@ pub(super) struct SampleConverter {
     channels: Option<channels::ChannelConverter>,
     joints: joints::JointConverter,
     body: body::BodyConverter,
+    bones: bones::BoneConverter,
 }
 
 impl SampleConverter {
@@ -24,6 +27,7 @@ impl SampleConverter {
             channels: None,
             joints: joints::JointConverter::default(),
             body: body::BodyConverter::default(),
+            bones: bones::BoneConverter::default(),
         }
     }
 
@@ -56,6 +60,12 @@ impl SampleConverter {
                 let side = reading.side.unwrap_or(Side::Right);
                 self.body.convert(body, side, settings, estimate)
             }
+            Sample::Bones { bones } => {
+                let side = reading.side.unwrap_or(Side::Right);
+                let limits = settings.limits.as_ref();
+                self.bones.convert(bones, side, limits, estimate)
+            }
+            Sample::Displacement { displacement } => displacement::convert(displacement, estimate),
         }
     }
 }

@@ -29,7 +29,8 @@ use super::tracked_hands::{
     BestHands, MIN_SCORE, Position, RATE, TrackedHands, check_score, check_yes_or_no,
 };
 use super::{
-    InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, ProtocolOptions,
+    Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
+    ProtocolOptions,
 };
 use crate::capture::SampleKind;
 use crate::hand::{Finger, Joint, JointPositions, Side};
@@ -43,7 +44,7 @@ pub const PROTOCOL: Protocol = Protocol {
     sample: SampleKind::Joints,
     has_both_hands: true,
     position_noise: PositionNoise::Landmarks,
-    has_datagrams: true,
+    carriers: Carriers::Any,
     // Half of a line with two hands whose numbers have one digit. Lines without hands are shorter, and they are few.
     min_packet_bytes: 8 * HAND_LANDMARKS,
     default_baud: None,

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use super::restart_text::RestartTextDetector;
 use super::{
-    Decoder, Packet, PositionNoise, Protocol, ProtocolOption, ProtocolOptions, StreamFormat,
-    transmission_time,
+    Carriers, Decoder, Packet, PositionNoise, Protocol, ProtocolOption, ProtocolOptions,
+    StreamFormat, transmission_time,
 };
 use crate::capture::{Channels, Sample, SampleKind, SourceStats};
 use crate::names::named_enum;
@@ -18,7 +18,7 @@ pub const PROTOCOL: Protocol = Protocol {
     sample: SampleKind::Channels,
     has_both_hands: false,
     position_noise: PositionNoise::None,
-    has_datagrams: true,
+    carriers: Carriers::Any,
     min_packet_bytes: PACKET_BYTES,
     default_baud: Some(DEFAULT_BAUD),
     options: &[&FRAMING],

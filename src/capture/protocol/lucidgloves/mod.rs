@@ -14,8 +14,8 @@ use arrayvec::ArrayVec;
 
 use super::lines::{LineDecoder, LineParser};
 use super::{
-    InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, ProtocolOptions,
-    space,
+    Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
+    ProtocolOptions, space,
 };
 use crate::capture::{Channels, Sample, SampleKind};
 use crate::hand::Finger;
@@ -27,7 +27,7 @@ pub const PROTOCOL: Protocol = Protocol {
     sample: SampleKind::Channels,
     has_both_hands: false,
     position_noise: PositionNoise::None,
-    has_datagrams: true,
+    carriers: Carriers::Any,
     // A thumb with one digit.
     min_packet_bytes: 3,
     default_baud: std::num::NonZeroU32::new(115_200),

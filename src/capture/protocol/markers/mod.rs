@@ -29,7 +29,8 @@ use super::line_times::LineTimes;
 use super::lines::{LineDecoder, LineParser};
 use super::space::{self, Facing, HAND, UP, WorldFromSource};
 use super::{
-    InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, ProtocolOptions,
+    Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
+    ProtocolOptions,
 };
 use crate::capture::{Sample, SampleKind};
 use crate::hand::Side;
@@ -42,7 +43,7 @@ pub const PROTOCOL: Protocol = Protocol {
     sample: SampleKind::Joints,
     has_both_hands: false,
     position_noise: PositionNoise::Markers,
-    has_datagrams: true,
+    carriers: Carriers::Any,
     // Two cameras that see a marker.
     min_packet_bytes: 128,
     default_baud: None,

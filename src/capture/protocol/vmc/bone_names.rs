@@ -1,0 +1,102 @@
+//! The names of bones in VMC: those of Unity's humanoid, and the spellings of VRM.
+
+use crate::hand::{ArmBone, Finger, Side};
+
+/// A bone by its name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NamedBone {
+    /// A bone of an arm.
+    Arm(Side, ArmBone),
+    /// The metacarpal of a thumb, as VRM 1.0 names it: its `ThumbProximal` is then the second bone.
+    ThumbMetacarpal(Side),
+    /// A bone of the rest of the body.
+    Body,
+}
+
+/// Bones of the rest of the body, without their sides.
+const BODY: [&str; 18] = [
+    "Hips",
+    "Spine",
+    "Chest",
+    "UpperChest",
+    "Neck",
+    "Head",
+    "Jaw",
+    "Eye",
+    "Shoulder",
+    "UpperArm",
+    "UpperLeg",
+    "LowerLeg",
+    "Foot",
+    "Toes",
+    "ToeBase",
+    "LastBone",
+    "Root",
+    "Origin",
+];
+
+/// Returns the bone of a name; case does not matter. `None` if there is no such bone.
+pub(super) fn bone_of(name: &[u8]) -> Option<NamedBone> {
+    let (side, part) = match (strip(name, "Left"), strip(name, "Right")) {
+        (Some(part), _) => (Some(Side::Left), part),
+        (_, Some(part)) => (Some(Side::Right), part),
+        _ => (None, name),
+    };
+    if BODY
+        .iter()
+        .any(|bone| part.eq_ignore_ascii_case(bone.as_bytes()))
+    {
+        return Some(NamedBone::Body);
+    }
+    let side = side?;
+    let arm = [("LowerArm", ArmBone::LowerArm), ("Hand", ArmBone::Hand)];
+    let named = |(name, _): &&(&str, ArmBone)| part.eq_ignore_ascii_case(name.as_bytes());
+    if let Some((_, bone)) = arm.iter().find(named) {
+        return Some(NamedBone::Arm(side, *bone));
+    }
+    let (finger, segment) = finger_of(part)?;
+    if finger == Finger::Thumb && segment.eq_ignore_ascii_case(b"Metacarpal") {
+        return Some(NamedBone::ThumbMetacarpal(side));
+    }
+    let segments = ["Proximal", "Intermediate", "Distal"];
+    let index = segments
+        .iter()
+        .position(|name| segment.eq_ignore_ascii_case(name.as_bytes()))?;
+    Some(NamedBone::Arm(side, ArmBone::of_finger(finger, index)?))
+}
+
+fn finger_of(part: &[u8]) -> Option<(Finger, &[u8])> {
+    [
+        ("Thumb", Finger::Thumb),
+        ("Index", Finger::Index),
+        ("Middle", Finger::Middle),
+        ("Ring", Finger::Ring),
+        ("Little", Finger::Little),
+        ("Pinky", Finger::Little),
+    ]
+    .into_iter()
+    .find_map(|(name, finger)| Some((finger, strip(part, name)?)))
+}
+
+/// Returns a name without its start, if it has that start.
+fn strip<'a>(name: &'a [u8], start: &str) -> Option<&'a [u8]> {
+    let (first, rest) = name.split_at_checked(start.len())?;
+    first.eq_ignore_ascii_case(start.as_bytes()).then_some(rest)
+}
+
+/// Returns the name of a bone without its side.
+pub(super) fn name_of(bone: ArmBone) -> String {
+    let finger = match bone.finger() {
+        Some(Finger::Thumb) => "Thumb",
+        Some(Finger::Index) => "Index",
+        Some(Finger::Middle) => "Middle",
+        Some(Finger::Ring) => "Ring",
+        Some(Finger::Little) => "Little",
+        None => {
+            let names = ["LowerArm", "Hand"];
+            return names[bone.index()].to_owned();
+        }
+    };
+    let index = (bone.index() - ArmBone::ThumbFirst.index()) % ArmBone::PER_FINGER;
+    format!("{finger}{}", ["Proximal", "Intermediate", "Distal"][index])
+}

@@ -1,0 +1,207 @@
+//! VMC: rotations of the bones of a humanoid as OSC messages, as programs for avatars send them.
+//!
+//! `/VMC/Ext/Bone/Pos` has the name of a bone, its position and its rotation in the frame of its parent. Positions are
+//! ignored: the arm of the setup has its own lengths. So are the bones above the elbow, from which boards are placed. A frame ends with the datagram that holds `/VMC/Ext/T` or
+//! `/VMC/Ext/OK`; of senders that have neither, with a bone that comes again. Other messages and additional arguments are
+//! ignored. A message that is not valid is left out of its datagram.
+
+mod bone_names;
+mod osc;
+
+use glam::Quat;
+
+use self::bone_names::{NamedBone, bone_of, name_of};
+use self::osc::Message;
+use super::datagrams::{DatagramDecoder, DatagramParser};
+use super::{Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol};
+use crate::capture::{Sample, SampleKind};
+use crate::hand::{ArmBone, BoneRotations, Side};
+use crate::message::escape;
+
+/// The VMC protocol.
+pub const PROTOCOL: Protocol = Protocol {
+    name: "vmc",
+    summary: "VMC (OSC): rotations of the bones of forearms and hands, from a program for avatars",
+    sample: SampleKind::Bones,
+    has_both_hands: true,
+    position_noise: PositionNoise::None,
+    carriers: Carriers::Datagrams,
+    // A bundle of a time message.
+    min_packet_bytes: 40,
+    default_baud: None,
+    options: &[],
+    nominal_rate_hz: |_| None,
+    decoder: |_| Box::new(decoder()),
+};
+
+/// Address of the messages of bones.
+const BONE: &[u8] = b"/VMC/Ext/Bone/Pos";
+/// Address of the message with the state of the sender: 1 if its model is loaded.
+const STATE: &[u8] = b"/VMC/Ext/OK";
+/// Address of the message with the time of the sender.
+const TIME: &[u8] = b"/VMC/Ext/T";
+
+/// Smallest length of a quaternion that shows a rotation.
+const MIN_LENGTH: f32 = 1e-3;
+/// Largest length of a quaternion, beyond which its square is not exact.
+const MAX_LENGTH: f32 = 1e6;
+
+/// Parser of the datagrams of one sender.
+#[derive(Clone, Debug, Default)]
+pub struct VmcParser {
+    /// The bones of the frame so far.
+    frame: BoneRotations,
+    /// The sender names the metacarpals of the thumbs.
+    has_metacarpals: bool,
+    /// The sender ends its frames with a message.
+    has_ends: bool,
+}
+
+/// Creates a decoder before the first datagram.
+pub fn decoder() -> DatagramDecoder<VmcParser> {
+    DatagramDecoder::with_parser(VmcParser::default())
+}
+
+/// Contents of the messages of a datagram beside the bones.
+#[derive(Default)]
+struct DatagramState {
+    is_frame_end: bool,
+    is_model_missing: bool,
+    understood: bool,
+    error: Option<PacketError>,
+}
+
+impl DatagramParser for VmcParser {
+    /// The longest datagram of UDP.
+    const MAX_BYTES: usize = 65_507;
+
+    fn parse(
+        &mut self,
+        datagram: &[u8],
+        emit: &mut dyn FnMut(Packet),
+    ) -> Result<Option<PacketError>, PacketError> {
+        let mut state = DatagramState::default();
+        let error = osc::messages(datagram, &mut |message| {
+            self.handle(message, &mut state, emit);
+        });
+        let error = error.or(state.error);
+        if state.is_model_missing {
+            self.frame = BoneRotations::default();
+        }
+        if state.is_frame_end {
+            self.has_ends = true;
+            self.end_frame(emit);
+        }
+        match (state.understood, error) {
+            (false, Some(error)) => Err(error),
+            (_, error) => Ok(error),
+        }
+    }
+
+    fn reset(&mut self) {
+        *self = Self::default();
+    }
+}
+
+impl VmcParser {
+    fn handle(
+        &mut self,
+        message: Message,
+        state: &mut DatagramState,
+        emit: &mut dyn FnMut(Packet),
+    ) {
+        match message.address {
+            BONE => match self.add_bone(&message, emit) {
+                Ok(()) => state.understood = true,
+                Err(error) => state.error = state.error.take().or(Some(error)),
+            },
+            STATE => {
+                state.understood = true;
+                state.is_frame_end = true;
+                state.is_model_missing |= message.int() == Some(0);
+            }
+            TIME => {
+                state.understood = true;
+                state.is_frame_end = true;
+            }
+            _ => state.understood = true,
+        }
+    }
+
+    fn add_bone(
+        &mut self,
+        message: &Message,
+        emit: &mut dyn FnMut(Packet),
+    ) -> Result<(), PacketError> {
+        let (name, numbers) = message.string_and_floats::<7>().ok_or_else(|| {
+            PacketError::new(
+                InvalidPacket::Truncated,
+                "a bone has no name or less than 7 numbers",
+            )
+        })?;
+        let bone = bone_of(name).ok_or_else(|| {
+            let name = String::from_utf8_lossy(name);
+            let text = format!("unknown bone `{}`", escape(&name));
+            PacketError::new(InvalidPacket::Unknown, text)
+        })?;
+        let (side, bone) = match bone {
+            NamedBone::Body => return Ok(()),
+            NamedBone::ThumbMetacarpal(side) => {
+                self.has_metacarpals = true;
+                (side, ArmBone::ThumbFirst)
+            }
+            NamedBone::Arm(side, ArmBone::ThumbFirst) if self.has_metacarpals => {
+                (side, ArmBone::ThumbSecond)
+            }
+            NamedBone::Arm(side, bone) => (side, bone),
+        };
+        let [_, _, _, x, y, z, w] = numbers;
+        let rotation = rotation([x, y, z, w]).ok_or_else(|| {
+            PacketError::new(
+                InvalidPacket::NotFinite,
+                "a rotation is not finite or has no length",
+            )
+        })?;
+        if !self.has_ends && self.frame.arm(side).is_known(bone) {
+            self.end_frame(emit);
+        }
+        self.frame.arm_mut(side).set(bone, rotation);
+        Ok(())
+    }
+
+    fn end_frame(&mut self, emit: &mut dyn FnMut(Packet)) {
+        let bones = std::mem::take(&mut self.frame);
+        if !bones.left.is_empty() || !bones.right.is_empty() {
+            emit(Packet::new(Sample::Bones { bones }, 0));
+        }
+    }
+}
+
+/// Converts a quaternion from the left-handed frame of Unity (X right, Y up, Z forward) to the world.
+fn rotation([x, y, z, w]: [f32; 4]) -> Option<Quat> {
+    let quaternion = Quat::from_xyzw(-x, -y, z, w);
+    let length = quaternion.length();
+    let is_valid = (MIN_LENGTH..=MAX_LENGTH).contains(&length);
+    is_valid.then(|| quaternion.normalize())
+}
+
+/// Writes a frame as a datagram: a bundle of the state and the time, with the bones in a bundle of their own.
+pub fn encode(bones: &BoneRotations) -> Vec<u8> {
+    let mut messages = Vec::new();
+    for (side, prefix) in [(Side::Left, "Left"), (Side::Right, "Right")] {
+        for (bone, rotation) in bones.arm(side).known() {
+            let name = format!("{prefix}{}", name_of(bone));
+            let [x, y, z, w] = rotation.to_array();
+            let numbers = [0.0, 0.0, 0.0, -x, -y, z, w];
+            messages.push(osc::encode("/VMC/Ext/Bone/Pos", Some(&name), &[], &numbers));
+        }
+    }
+    osc::bundle(&[
+        osc::encode("/VMC/Ext/OK", None, &[1], &[]),
+        osc::encode("/VMC/Ext/T", None, &[], &[0.0]),
+        osc::bundle(&messages),
+    ])
+}
+
+#[cfg(test)]
+mod tests;
