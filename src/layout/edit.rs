@@ -5,18 +5,26 @@ use std::ops::Range;
 use ron::value::RawValue;
 use serde::Deserialize;
 
+use super::fit::{Fit, PoseFit};
 use super::load::{BoardSchema, LayoutSchema};
 use super::quantity::{Offset, Tilt};
 use crate::contact::board_pose::BoardPose;
 use crate::document::{Document, DocumentError, byte_offset, parse_ron};
 
-/// Returns the text with its boards at these poses, one per board, in millimetres and degrees with two decimals.
+/// Returns the text with its boards at these poses, one per board, in millimetres and degrees with two decimals. The
+/// poses are those for the hands of `fit`, the text is for the design hand.
 ///
 /// Numbers that do not change keep their spelling. The bearing is not edited. Returns an error if the text is not a layout.
-pub fn move_boards(document: &Document, poses: &[BoardPose]) -> Result<String, DocumentError> {
+pub fn move_boards(
+    document: &Document,
+    poses: &[BoardPose],
+    fit: &Fit,
+) -> Result<String, DocumentError> {
     edit_poses(document, |index, board| {
         let pose = poses.get(index)?;
-        let old_pose = BoardPose::from_pose(&board.pose.anchor_from_board(board.shape));
+        let fit = fit.of(&board.pose, board.hand);
+        let old_pose = board.pose.anchor_from_board(board.shape, &PoseFit::NONE);
+        let old_pose = BoardPose::from_pose(&old_pose);
         let offset = |field, old: f32, new: f32, written: Option<Offset>| {
             let (old, new) = (two_decimals(old * 1e3), two_decimals(new * 1e3));
             let (min, max) = (*Offset::RANGE.start(), *Offset::RANGE.end());
@@ -30,19 +38,19 @@ pub fn move_boards(document: &Document, poses: &[BoardPose]) -> Result<String, D
             offset(
                 "right_mm",
                 old_pose.right,
-                pose.right,
+                pose.right - fit.shift.x,
                 Some(schema.right_mm),
             ),
             offset(
                 "forward_mm",
                 old_pose.forward,
-                pose.forward,
+                pose.forward + fit.shift.z,
                 schema.forward_mm,
             ),
             offset(
                 "height_mm",
                 old_pose.height,
-                pose.height,
+                pose.height - fit.shift.y,
                 Some(schema.height_mm),
             ),
             is_tilted.then(|| {
@@ -194,7 +202,7 @@ Layout(
         new_poses[0].forward = 0.2;
         new_poses[1].tilt = 0.5_f32.to_radians();
         new_poses[1].right = -0.01;
-        let text = move_boards(&document(COMMENTED), &new_poses).unwrap();
+        let text = move_boards(&document(COMMENTED), &new_poses, &Fit::default()).unwrap();
         let expected = COMMENTED
             .replace("-45.0 ", "-51.2 ")
             .replace("Some(300)", "Some(200)")
@@ -211,13 +219,19 @@ Layout(
     #[test]
     fn a_number_that_does_not_change_keeps_its_spelling() {
         let text = COMMENTED.replace("-45.0", "-45.00123");
-        assert_eq!(move_boards(&document(&text), &poses(&text)).unwrap(), text);
+        assert_eq!(
+            move_boards(&document(&text), &poses(&text), &Fit::default()).unwrap(),
+            text
+        );
     }
 
     #[test]
     fn a_layout_without_boards_is_not_changed() {
         let ray = Document::shipped("ray").unwrap();
-        assert_eq!(move_boards(&ray, &[]).as_ref(), Ok(&ray.text));
+        assert_eq!(
+            move_boards(&ray, &[], &Fit::default()).as_ref(),
+            Ok(&ray.text)
+        );
         assert_eq!(scale_boards(&ray, 2.0).as_ref(), Ok(&ray.text));
     }
 
@@ -236,13 +250,13 @@ Layout(
                 pose.forward = between(-2.0, 2.0);
                 pose.tilt = between(-90.0, 90.0).to_radians();
             }
-            let edited = move_boards(&document(&text), &expected).unwrap();
+            let edited = move_boards(&document(&text), &expected, &Fit::default()).unwrap();
             for (read, expected) in poses(&edited).iter().zip(&expected) {
                 let error = (read.to_pose().translation - expected.to_pose().translation).abs();
                 assert!(error.max_element() < 1e-5, "{read:?} for {expected:?}");
                 assert!((read.tilt - expected.tilt).abs() < 1e-4);
             }
-            let again = move_boards(&document(&edited), &expected).unwrap();
+            let again = move_boards(&document(&edited), &expected, &Fit::default()).unwrap();
             assert_eq!(again, edited, "a second edit changes nothing");
         }
     }

@@ -7,6 +7,7 @@ use super::controls::pointer::PointerSchema;
 use super::controls::space::SpaceSchema;
 use super::controls::trigger::TriggerSchema;
 use super::controls::with_control_kinds;
+use super::fit::Fit;
 use super::keys::{ChordSchema, KeyDefaults, KeySchema, LayerSchema, RowSchema, reject_idle_keys};
 use super::model::Layout;
 use super::quantity::{ChordTimeout, Debounce, Pitch, PressAt, ReleaseAt, Travel, duration};
@@ -63,7 +64,7 @@ macro_rules! board_schema {
             pub pose: PoseSchema,
             /// The only hand that can touch the board. Default: either.
             #[serde(default)]
-            hand: Option<Side>,
+            pub hand: Option<Side>,
             /// Flat or curved.
             #[serde(default)]
             pub shape: BoardShapeSchema,
@@ -144,26 +145,36 @@ const FORMAT: Format = Format {
 };
 
 impl Layout {
-    /// Loads the file at a path, or the shipped layout with that name: `qwerty-flat`, `keyboards/qwerty-flat`; `.ron` is optional.
+    /// Loads for the design hand the file at a path, or the shipped layout with that name: `qwerty-flat`, `keyboards/qwerty-flat`; `.ron` is optional.
     pub fn load(name_or_path: &str) -> Result<Self, DocumentError> {
         Self::from_document(Document::open(name_or_path)?)
     }
 
-    /// Parses a text. `file` names it in errors.
+    /// Parses a text for the design hand. `file` names it in errors.
     pub fn parse(text: &str, file: &str) -> Result<Self, DocumentError> {
         Self::from_document(Document::new(file, text))
     }
 
-    /// Parses and checks a document.
+    /// Parses and checks a document for the design hand.
     pub fn from_document(document: Document) -> Result<Self, DocumentError> {
+        Self::for_hands(document, Fit::default())
+    }
+
+    /// Parses and checks a document for the hands of a setup.
+    pub fn for_hands(document: Document, fit: Fit) -> Result<Self, DocumentError> {
         let schema: LayoutSchema = document.parse_as(&FORMAT)?;
-        let mut builder = LayoutBuilder::new(&document, schema.name);
+        let mut builder = LayoutBuilder::new(&document, schema.name, fit);
         let built = schema.build(&mut builder);
         builder.finish(
             built,
             schema.description,
             duration(schema.chord_timeout_ms.get()),
         )
+    }
+
+    /// Returns the layout of another text, with the same name of the file and for the same hands.
+    pub fn with_text(&self, text: &str) -> Result<Self, DocumentError> {
+        Self::for_hands(Document::new(self.file.as_str(), text), self.fit)
     }
 
     /// Returns the shipped layouts with their names, folder by folder.
@@ -230,9 +241,11 @@ impl<'a> LayoutSchema<'a> {
 
 impl<'a> BoardSchema<'a> {
     fn build(&self, builder: &mut LayoutBuilder<'a>) -> Result<(), DocumentError> {
+        let fit = builder.pose_fit(&self.pose, self.hand);
         builder.begin_board(BoardSettings {
-            shape: self.shape.into(),
-            scale: self.pose.scale.get() as f32,
+            shape: self.shape.shape(&fit),
+            scale: self.pose.scale.get() as f32 * fit.scale,
+            fit,
             size: self.size_mm,
             travel: self.travel_mm,
             press_at: self.press_at,
@@ -254,7 +267,7 @@ impl<'a> BoardSchema<'a> {
         builder.end_board(
             self.hand,
             self.pose.anchor.into(),
-            self.pose.anchor_from_board(self.shape),
+            self.pose.anchor_from_board(self.shape, &fit),
             self.pitch_mm.get(),
             self.auto_recenter.map(Into::into),
         )

@@ -14,6 +14,7 @@ mod builder;
 mod controls;
 mod devices;
 mod edit;
+mod fit;
 mod glove;
 mod hover;
 mod keys;
@@ -27,6 +28,7 @@ mod schema;
 
 pub use board_shape::BoardShape;
 pub use edit::{move_boards, scale_boards};
+pub use fit::Fit;
 pub use glove::Glove;
 pub use hover::Hover;
 pub use model::{

@@ -6,6 +6,7 @@ use std::time::Duration;
 use parry3d::math::Vec2;
 
 use super::board_shape::BoardShape;
+use super::fit::Fit;
 use super::outline::Outline;
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::surface::Scene;
@@ -47,6 +48,8 @@ pub struct Layout {
     pub file: String,
     /// The text of the file. A recording keeps it, so that a replay uses the same layout.
     pub text: String,
+    /// The hands that the boards, volumes and their sizes fit.
+    pub fit: Fit,
     /// The targets of the boards: surface `i` is board `i`.
     pub scene: Scene,
     /// The boards, in file order.

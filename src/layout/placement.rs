@@ -3,7 +3,8 @@
 use parry3d::math::{Pose, Rot3, Vec2, Vec3};
 
 use super::board_shape::BoardShape;
-use super::quantity::{Rotation, duration, metres};
+use super::fit::PoseFit;
+use super::quantity::{Radius, Rotation, duration, metres};
 use super::schema::{
     AnchorSchema, AutoRecenterSchema, BoardShapeSchema, Curved, OutlineSchema, PoseSchema,
 };
@@ -11,14 +12,18 @@ use crate::contact::board_pose::{AutoRecenter, BoardPose};
 use crate::contact::surface::{Anchor, Shape};
 use crate::hand::Joint;
 
-impl From<BoardShapeSchema> for BoardShape {
-    fn from(schema: BoardShapeSchema) -> Self {
-        match schema {
-            BoardShapeSchema::Flat => Self::Flat,
-            BoardShapeSchema::Arc { radius_mm } => Self::Arc(metres(radius_mm.get())),
-            BoardShapeSchema::Cylinder { radius_mm, curved } => match curved {
-                Curved::Rows => Self::CurvedRows(metres(radius_mm.get())),
-                Curved::Columns => Self::CurvedColumns(metres(radius_mm.get())),
+impl BoardShapeSchema {
+    /// Returns the shape in metres. The radius of an arc grows with the reach, as its center stays at the anchor.
+    pub(super) fn shape(self, fit: &PoseFit) -> BoardShape {
+        match self {
+            Self::Flat => BoardShape::Flat,
+            Self::Arc { radius_mm } => {
+                let smallest = metres(*Radius::RANGE.start());
+                BoardShape::Arc((metres(radius_mm.get()) - fit.shift.z).max(smallest))
+            }
+            Self::Cylinder { radius_mm, curved } => match curved {
+                Curved::Rows => BoardShape::CurvedRows(metres(radius_mm.get())),
+                Curved::Columns => BoardShape::CurvedColumns(metres(radius_mm.get())),
             },
         }
     }
@@ -80,29 +85,31 @@ impl From<AnchorSchema> for Anchor {
 
 impl PoseSchema {
     /// Returns the board's frame in the world's axes around the anchor: origin at (0, 0), rows along +X, front along +Z.
-    pub(super) fn anchor_from_board(&self, shape: BoardShapeSchema) -> Pose {
+    pub(super) fn anchor_from_board(&self, shape: BoardShapeSchema, fit: &PoseFit) -> Pose {
         let radians = |degrees: f64| degrees.to_radians() as f32;
+        let forward = match (self.forward_mm, shape) {
+            (Some(forward), _) => metres(forward.get()),
+            (None, BoardShapeSchema::Arc { radius_mm }) => metres(radius_mm.get()),
+            (None, BoardShapeSchema::Flat | BoardShapeSchema::Cylinder { .. }) => 0.0,
+        };
         BoardPose {
             bearing: radians(self.bearing_deg.get()),
-            right: metres(self.right_mm.get()),
-            height: metres(self.height_mm.get()),
-            forward: match (self.forward_mm, shape) {
-                (Some(forward), _) => metres(forward.get()),
-                (None, BoardShapeSchema::Arc { radius_mm }) => metres(radius_mm.get()),
-                (None, BoardShapeSchema::Flat | BoardShapeSchema::Cylinder { .. }) => 0.0,
-            },
+            right: metres(self.right_mm.get()) + fit.shift.x,
+            height: metres(self.height_mm.get()) + fit.shift.y,
+            forward: forward - fit.shift.z,
             tilt: radians(self.tilt_deg.get()),
         }
         .to_pose()
     }
 
     /// Returns the frame of a volume in the world's axes around the anchor: +X to its right, +Y up, +Z towards the wearer.
-    pub(super) fn anchor_from_volume(&self) -> Pose {
+    pub(super) fn anchor_from_volume(&self, fit: &PoseFit) -> Pose {
         let bearing = self.bearing_deg.get().to_radians() as f32;
         let tilt = self.tilt_deg.get().to_radians() as f32;
         let rotation = Rot3::from_rotation_y(-bearing);
         let forward = self.forward_mm.unwrap_or_default();
         let origin = Vec3::new(0.0, metres(self.height_mm.get()), -metres(forward.get()));
+        let origin = origin + fit.shift;
         Pose::from_parts(rotation * origin, rotation * Rot3::from_rotation_x(tilt))
     }
 }

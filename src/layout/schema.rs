@@ -68,6 +68,20 @@ pub struct PoseSchema {
     /// Scale of the positions and sizes on the board, about (0, 0).
     #[serde(default)]
     pub scale: BoardScale,
+    /// The parts that depend on the hand.
+    #[serde(default)]
+    pub fit: FitSchema,
+}
+
+/// The parts of a pose that depend on the hand.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename = "Fit")]
+pub enum FitSchema {
+    /// The place follows the reach of the hand, sizes its length. A pose with the anchor `world` does not.
+    #[default]
+    Hand,
+    /// None: the lengths are those of the file.
+    Off,
 }
 
 /// The point that a board moves with. It follows the position only: the axes stay those of the world.

@@ -11,7 +11,7 @@ use crate::document::{Document, DocumentError};
 use crate::estimate::{Estimator, EstimatorSettings, FusedEstimator, HandEstimator};
 use crate::hand::Side;
 use crate::kinematics::ArmModel;
-use crate::layout::{Glove, Layout};
+use crate::layout::{Fit, Glove, Layout};
 use crate::names::UnknownName;
 use crate::pipeline::{LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings};
 
@@ -74,8 +74,8 @@ impl Loader<'_> {
         Ok(document)
     }
 
-    fn layout(&mut self, kind: &str, name: &str) -> Result<Layout, DocumentError> {
-        Layout::from_document(self.document(kind, name)?)
+    fn layout(&mut self, kind: &str, name: &str, fit: Fit) -> Result<Layout, DocumentError> {
+        Layout::for_hands(self.document(kind, name)?, fit)
     }
 
     fn glove(&mut self, kind: &str, name: Option<&str>) -> Result<Option<Glove>, DocumentError> {
@@ -114,7 +114,7 @@ impl Loader<'_> {
         Ok(GloveAndArm { glove, arm })
     }
 
-    fn profiles(&mut self, setup: &Setup) -> Result<Vec<Profile>, SetupError> {
+    fn profiles(&mut self, setup: &Setup, fit: Fit) -> Result<Vec<Profile>, SetupError> {
         let mut profiles: Vec<Profile> = Vec::new();
         for profile in &setup.profiles {
             let name = &profile.name;
@@ -127,7 +127,7 @@ impl Loader<'_> {
             }
             profiles.push(Profile {
                 name: name.clone(),
-                layout: self.layout(&kind::profile(name), &profile.layout)?,
+                layout: self.layout(&kind::profile(name), &profile.layout, fit)?,
             });
         }
         Ok(profiles)
@@ -150,12 +150,13 @@ impl LoadedSetup {
             Some(other) => Some(loader.other_hand(other, setup.source.as_ref(), side)?),
             None => None,
         };
+        let fit = Fit::new(&arm, other_hand.as_ref().map(|hand| &hand.arm))?;
         let loaded = Self {
             glove,
             arm,
             other_hand,
-            layout: loader.layout(kind::LAYOUT, &setup.layout)?,
-            profiles: loader.profiles(&setup)?,
+            layout: loader.layout(kind::LAYOUT, &setup.layout, fit)?,
+            profiles: loader.profiles(&setup, fit)?,
             documents: loader.documents,
             has_files: true,
             ignored_permissions: Vec::new(),

@@ -10,8 +10,8 @@ use crate::hand::Side;
 use crate::kinematics::ArmModel;
 use crate::layout::{ControlKind, SpaceTargets};
 use crate::sim::{
-    self, ActionError, ActionErrorKind, REACH_TOLERANCE, Script, SimulatedTypist, TypingHand,
-    TypistError, TypistSettings,
+    self, ActionError, ActionErrorKind, HandAction, REACH_TOLERANCE, Script, SimulatedTypist,
+    TypingHand, TypistError, TypistSettings,
 };
 
 impl LoadedSetup {
@@ -60,16 +60,29 @@ impl LoadedSetup {
         };
         let hands = self.hands()?;
         let scene = &self.layout.scene;
-        SimulatedTypist::with_hands(&settings, script.actions(), scene, &hands).map_err(|error| {
-            match &error {
+        let actions = self.placed(script.actions());
+        SimulatedTypist::with_hands(&settings, &actions, scene, &hands).map_err(
+            |error| match &error {
                 TypistError::Action(action_error) => {
                     let message = self.reach_message(&error);
                     let message = message.unwrap_or_else(|| error.to_string());
                     script.error(action_error.index, message).into()
                 }
                 TypistError::CannotType(_) => error.into(),
+            },
+        )
+    }
+
+    /// Returns the actions with the positions in space where the first hand finds them, as it finds targets in space.
+    fn placed(&self, actions: &[HandAction]) -> Vec<HandAction> {
+        let fit = &self.layout.fit;
+        let place = |action: &HandAction| match action {
+            HandAction::Point(position, time) => {
+                HandAction::Point(fit.position_from_elbow(*position), *time)
             }
-        })
+            other => other.clone(),
+        };
+        actions.iter().map(place).collect()
     }
 
     /// Returns the arms and channel maps of the simulated hands, which move the channels of gloves.

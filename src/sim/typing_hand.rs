@@ -9,7 +9,7 @@ use crate::contact::surface::Scene;
 use crate::estimate::{ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Joint};
 use crate::kinematics::{
-    ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik,
+    ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik, typing_angle,
 };
 use crate::time::Timestamp;
 
@@ -340,20 +340,6 @@ impl TypingHand {
     }
 }
 
-/// Returns an angle at rest in radians.
-fn resting_angle(dof: Dof) -> f64 {
-    match dof {
-        Dof::ElbowFlexion => 0.6,
-        Dof::WristFlexion => 0.05,
-        Dof::IndexMcpFlexion => 0.45,
-        Dof::IndexPipFlexion => 0.45,
-        Dof::IndexDipFlexion => 0.45,
-        Dof::MiddleMcpFlexion | Dof::RingMcpFlexion | Dof::LittleMcpFlexion => -0.5,
-        Dof::ThumbCmcAbduction => -0.5,
-        _ => 0.0,
-    }
-}
-
 /// Returns the variable of a channel: the angles that it measures, and the counts that their limits allow.
 fn variable(map: &ChannelMap, channel: usize) -> IkVariable {
     let limits = JointLimits::human();
@@ -371,7 +357,7 @@ fn variable(map: &ChannelMap, channel: usize) -> IkVariable {
         );
         variable.range.0 = variable.range.0.max(ends.0.min(ends.1));
         variable.range.1 = variable.range.1.min(ends.0.max(ends.1));
-        variable.rest = calibration.apply_inverse(resting_angle(row.dof));
+        variable.rest = calibration.apply_inverse(typing_angle(row.dof));
         if variable.mappings.try_push((row.dof, calibration)).is_err() {
             break;
         }

@@ -7,7 +7,7 @@ use ademan::contact::TargetNames;
 use ademan::contact::board_pose::BoardPose;
 use ademan::document::{Document, DocumentError};
 use ademan::kinematics::ArmModel;
-use ademan::layout::{Glove, Layout, Wearer, move_boards, scale_boards};
+use ademan::layout::{Fit, Glove, Layout, Wearer, move_boards, scale_boards};
 use ademan::session::control_socket::request;
 use ademan::setup::{ArmSetup, Setup, layout_instance};
 use ademan::sim::Script;
@@ -61,7 +61,7 @@ fn check_rewriting(layout: &Layout, document: &Document) {
         .map(|surface| BoardPose::from_pose(&surface.anchor_from_surface()))
         .take(layout.boards.len())
         .collect();
-    let same = move_boards(document, &places).expect("a layout can be written");
+    let same = move_boards(document, &places, &Fit::default()).expect("a layout can be written");
     assert_eq!(
         same, document.text,
         "boards that are there keep their numbers"
@@ -72,7 +72,7 @@ fn check_rewriting(layout: &Layout, document: &Document) {
         ..*place
     };
     let wanted: Vec<BoardPose> = places.iter().map(aside).collect();
-    let text = move_boards(document, &wanted).expect("a layout can be written");
+    let text = move_boards(document, &wanted, &Fit::default()).expect("a layout can be written");
     let again = Layout::parse(&text, "moved.ron").unwrap_or_else(|error| panic!("{error}"));
     let surfaces = again.scene.surfaces().iter();
     for (surface, wanted) in surfaces.zip(&wanted) {

@@ -10,6 +10,7 @@ mod examples;
 mod faulty_readings;
 mod fusion;
 mod gestures;
+mod hand_sizes;
 mod hands_and_profiles;
 mod oracle;
 mod joint_positions;

@@ -9,6 +9,7 @@ use crate::contact::surface::{Anchor, TREMOR_MARGIN, Target};
 use crate::document::{DocumentError, Spanned, line_number};
 use crate::hand::Side;
 use crate::layout::board_shape::BoardShape;
+use crate::layout::fit::PoseFit;
 use crate::layout::model::{Board, Face};
 use crate::layout::outline::{Outline, first_overlap};
 use crate::layout::placement::KeyPose;
@@ -20,8 +21,10 @@ use crate::layout::schema::{Label, OutlineSchema};
 pub(in crate::layout) struct BoardSettings {
     /// Flat or curved.
     pub shape: BoardShape,
-    /// Scale of positions and sizes.
+    /// Scale of positions and sizes, including that of the fit.
     pub scale: f32,
+    /// Fit to the hand.
+    pub fit: PoseFit,
     /// Default outline.
     pub size: OutlineSchema,
     /// Default travel.
@@ -66,6 +69,8 @@ pub(in crate::layout) struct FaceSpec<'a> {
     pub at_mm: (Offset, Offset),
     /// Offset from `at_mm` along the row, in metres before scaling.
     pub row_offset: f32,
+    /// Displacement by the fit, in metres on the board.
+    pub fit_offset: Vec2,
     /// Rotation in the plane of the board, in radians, counter-clockwise.
     pub rotation: f32,
     /// Outline.
@@ -92,6 +97,7 @@ impl Default for BoardDraft<'_> {
         let settings = BoardSettings {
             shape: BoardShape::Flat,
             scale: 1.0,
+            fit: PoseFit::NONE,
             size: OutlineSchema::default(),
             travel: Travel::default(),
             press_at: PressAt::default(),
@@ -172,6 +178,7 @@ impl<'a> LayoutBuilder<'a> {
             label: Label::or_name(label, name),
             at_mm,
             row_offset: 0.0,
+            fit_offset: Vec2::ZERO,
             rotation: 0.0,
             size: board.size,
             travel: board.travel,
@@ -197,7 +204,7 @@ impl<'a> LayoutBuilder<'a> {
         let row_position = position(spec.at_mm) + Vec2::X * spec.row_offset;
         self.check_face(&spec, row_position)?;
         let shape = spec.size.shape(board.scale);
-        let row_position = row_position * board.scale;
+        let row_position = row_position * board.scale + spec.fit_offset;
         let Some(mut outline) = board.shape.outline(row_position, shape) else {
             return Err(self.error(spec.source, out_of_shape(&spec, board.shape)));
         };

@@ -12,9 +12,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use self::board::BoardDraft;
+use super::fit::{Fit, PoseFit};
 use super::model::{
     BASE_LAYER, Board, Control, Key, Layout, MAX_LAYERS, MAX_TARGETS, SpaceTargets,
 };
+use super::schema::PoseSchema;
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::device::keyboard::Chord;
@@ -22,12 +24,14 @@ use crate::device::pointer::PointerSettings;
 use crate::device::trigger::Trigger;
 use crate::device::{Axis, KeyCode};
 use crate::document::{Document, DocumentError, Spanned, line_number};
+use crate::hand::Side;
 use crate::names::UnknownName;
 
 /// A layout that is being built.
 pub(super) struct LayoutBuilder<'a> {
     document: &'a Document,
     name: Spanned<'a>,
+    fit: Fit,
     scene: Scene,
     boards: Vec<Board>,
     keys: Vec<Key>,
@@ -67,11 +71,12 @@ struct NamedTarget<'a> {
 }
 
 impl<'a> LayoutBuilder<'a> {
-    /// Starts a layout with this name.
-    pub fn new(document: &'a Document, name: Spanned<'a>) -> Self {
+    /// Starts a layout with this name for these hands.
+    pub fn new(document: &'a Document, name: Spanned<'a>, fit: Fit) -> Self {
         Self {
             document,
             name,
+            fit,
             scene: Scene::new(),
             boards: Vec::new(),
             keys: Vec::new(),
@@ -147,6 +152,7 @@ impl<'a> LayoutBuilder<'a> {
             description: description.map_or(String::new(), one_line),
             file: self.document.file.clone(),
             text: self.document.text.clone(),
+            fit: self.fit,
             scene: self.scene,
             boards: self.boards,
             keys: self.keys,
@@ -175,6 +181,11 @@ impl<'a> LayoutBuilder<'a> {
     /// The name of the layout, for errors about the layout as a whole.
     pub fn name(&self) -> Spanned<'a> {
         self.name
+    }
+
+    /// Returns the fit of a board or volume that is reserved for a hand, if any.
+    pub fn pose_fit(&self, pose: &PoseSchema, side: Option<Side>) -> PoseFit {
+        self.fit.of(pose, side)
     }
 
     /// The keys that were added.

@@ -8,6 +8,7 @@ use crate::contact::volume::{Volume, VolumeSet, VolumeShape};
 use crate::device::pointer::{AnchoredFrame, SelectionSpace};
 use crate::document::{DocumentError, Spanned};
 use crate::layout::builder::LayoutBuilder;
+use crate::layout::fit::PoseFit;
 use crate::layout::model::SpaceTargets;
 use crate::layout::quantity::{Extent, Offset, metres};
 use crate::layout::schema::{Action, PoseSchema};
@@ -56,6 +57,12 @@ impl<'a> SpaceSchema<'a> {
         builder: &mut LayoutBuilder<'a>,
         number: usize,
     ) -> Result<(), DocumentError> {
+        let fit = builder.pose_fit(&self.pose, None);
+        // Each target keeps its direction from the anchor, so the frame stays.
+        let frame = AnchoredFrame {
+            anchor: self.pose.anchor.into(),
+            anchor_from_frame: self.pose.anchor_from_volume(&PoseFit::NONE),
+        };
         let mut first_target: Option<TargetId> = None;
         let (mut names, mut volumes, mut actions) = (Vec::new(), Vec::new(), Vec::new());
         for target in &self.targets {
@@ -68,17 +75,14 @@ impl<'a> SpaceSchema<'a> {
                 .transpose()?;
             names.push(name.to_owned());
             actions.push(action);
-            volumes.push(target.volume());
+            volumes.push(target.volume(&frame, &fit));
         }
         let Some(first_target) = first_target else {
             let message = format!("space {number} has no targets");
             return Err(builder.error(builder.name().text, message));
         };
         let space = SelectionSpace {
-            frame: AnchoredFrame {
-                anchor: self.pose.anchor.into(),
-                anchor_from_frame: self.pose.anchor_from_volume(),
-            },
+            frame,
             first_target,
             volumes: VolumeSet::new(volumes),
             actions,
@@ -89,11 +93,14 @@ impl<'a> SpaceSchema<'a> {
 }
 
 impl TargetSchema<'_> {
-    fn volume(&self) -> Volume {
+    fn volume(&self, frame: &AnchoredFrame, fit: &PoseFit) -> Volume {
         let (x, y, z) = self.at_mm;
-        let half = |extent: Extent| metres(extent.get()) / 2.0;
+        let half = |extent: Extent| metres(extent.get()) / 2.0 * fit.scale;
+        let center = Vec3::new(metres(x.get()), metres(y.get()), metres(z.get()));
+        let anchor_from_frame = frame.anchor_from_frame;
+        let shift = fit.shift_at(anchor_from_frame * center);
         Volume {
-            center: Vec3::new(metres(x.get()), metres(y.get()), metres(z.get())),
+            center: center + anchor_from_frame.rotation.inverse() * shift,
             shape: match self.shape {
                 VolumeShapeSchema::Ball(diameter) => VolumeShape::Ball(half(diameter)),
                 VolumeShapeSchema::Box(x, y, z) => {

@@ -7,6 +7,7 @@ mod layers;
 pub(super) use chords::{ChordSchema, reject_idle_keys};
 pub(super) use layers::LayerSchema;
 
+use parry3d::math::Vec3;
 use serde::Deserialize;
 
 use self::activation::{ActivationSchema, HoldSchema};
@@ -15,12 +16,13 @@ use super::model::Key;
 use super::placement::KeyPose;
 use super::quantity::{
     Debounce, DwellTime, HoldAfter, Offset, Pitch, PressAt, ReleaseAt, Rotation, Travel, duration,
-    metres,
+    metres, position,
 };
 use super::schema::{Action, Label, LatchSchema, OutlineSchema};
 use crate::device::keyboard::Activation;
 use crate::device::{KeyAction, KeyCode};
 use crate::document::{DocumentError, Spanned};
+use crate::hand::Finger;
 
 /// The settings of a board that only its keys use.
 #[derive(Clone, Copy)]
@@ -87,6 +89,9 @@ struct KeyFields<'a> {
     /// Rotations about X, then Y, then Z of the board at the key.
     #[serde(default)]
     rotation_deg: (Rotation, Rotation, Rotation),
+    /// The finger that the key is for: the key follows its fingertip on another hand.
+    #[serde(default)]
+    finger: Option<Finger>,
     /// Outline.
     #[serde(default)]
     size_mm: Option<OutlineSchema>,
@@ -218,8 +223,12 @@ impl<'a> KeySchema<'a> {
             (action, latch) => Some(builder.action(action, latch)?),
         };
         let activation = self.activation(builder, action)?;
-        let face = self.face_spec(builder, name, action);
-        let lift = metres(fields.lift_mm.get()) * builder.board().scale;
+        let fit_offset = self.fit_offset(builder)?;
+        let face = FaceSpec {
+            fit_offset: fit_offset.truncate(),
+            ..self.face_spec(builder, name, action)
+        };
+        let lift = metres(fields.lift_mm.get()) * builder.board().scale + fit_offset.z;
         let pose = KeyPose::new(lift, fields.rotation_deg);
         let face = builder.add_posed_face(face, pose)?;
         let key = Key {
@@ -231,6 +240,21 @@ impl<'a> KeySchema<'a> {
         };
         builder.add_key(name, key);
         Ok(())
+    }
+
+    /// Returns the displacement that keeps the key at the fingertip of its finger, if it has one.
+    fn fit_offset(&self, builder: &LayoutBuilder<'a>) -> Result<Vec3, DocumentError> {
+        let Some(finger) = self.fields.finger else {
+            return Ok(Vec3::ZERO);
+        };
+        let board = builder.board();
+        let Some(fingertips) = board.fit.fingertips else {
+            let message = "`finger` is for keys of a board with `anchor: wrist`";
+            return Err(builder.error(self.name.text, message));
+        };
+        // The position is that of a fingertip, so it does not scale with the sizes.
+        let unscaled = position(self.fields.at_mm) * board.scale * (1.0 / board.fit.scale - 1.0);
+        Ok(unscaled.extend(0.0) + fingertips[finger.index()])
     }
 
     fn face_spec(

@@ -99,7 +99,7 @@ impl ActiveLayout {
         link: &LayoutLink,
     ) -> Result<Result<String, String>, SessionEnded> {
         let layout = layout::scale_boards(&self.document(), factor)
-            .and_then(|text| Layout::parse(&text, &self.layout.file));
+            .and_then(|text| self.layout.with_text(&text));
         let layout = match layout {
             Err(error) => return Ok(Err(format!("{error}\nthe size of the boards stays"))),
             Ok(layout) => layout,
@@ -123,13 +123,15 @@ impl ActiveLayout {
             ));
         }
         let active = Document::new(name.as_str(), self.layout.text.as_str());
-        let text = layout::move_boards(&active, poses).map_err(|error| error.to_string())?;
+        let text = layout::move_boards(&active, poses, &self.layout.fit)
+            .map_err(|error| error.to_string())?;
         if text == on_disk.text {
             return Err(format!(
                 "{name}: not saved, as no board was moved or scaled"
             ));
         }
-        let layout = Layout::parse(&text, name).map_err(|error| error.to_string())?;
+        let layout = self.layout.with_text(&text);
+        let layout = layout.map_err(|error| error.to_string())?;
         write(Path::new(file.path()), &text)
             .map_err(|error| format!("{name}: cannot write the file: {error}"))?;
         file.set_active_text(&text);

@@ -81,7 +81,8 @@ pub fn start(
         // From here on no change of the file is missed.
         let watched_path = path.as_deref().filter(|_| policy.watch);
         let detection = ChangeDetection::new(watched_path);
-        let file = path.map(|path| WatchedFile::new(&path, &layout.text, Instant::now()));
+        let file =
+            path.map(|path| WatchedFile::new(&path, &layout.text, layout.fit, Instant::now()));
         ManagedLayout {
             layout: ActiveLayout::new(file, layout, profile),
             detection,

@@ -4,7 +4,7 @@ use std::fs;
 use std::time::{Duration, Instant, SystemTime};
 
 use crate::document::{Document, DocumentError};
-use crate::layout::Layout;
+use crate::layout::{Fit, Layout};
 
 /// Time without changes before the file is read, since saving may take several writes.
 const SETTLE_TIME: Duration = Duration::from_millis(50);
@@ -21,6 +21,8 @@ pub(super) struct WatchedFile {
     path: String,
     /// Content of the active layout.
     text: String,
+    /// The hands of the setup.
+    fit: Fit,
     stamp: Option<Stamp>,
     pending: Option<PendingChange>,
 }
@@ -36,11 +38,12 @@ struct PendingChange {
 }
 
 impl WatchedFile {
-    /// Creates the entry of a file from which `text` was read. The file may have changed since.
-    pub fn new(path: &str, text: &str, now: Instant) -> Self {
+    /// Creates the entry of a file from which `text` was read for the hands of `fit`. The file may have changed since.
+    pub fn new(path: &str, text: &str, fit: Fit, now: Instant) -> Self {
         Self {
             path: path.into(),
             text: text.into(),
+            fit,
             stamp: stamp(path),
             pending: Some(PendingChange {
                 first: now,
@@ -98,14 +101,18 @@ impl WatchedFile {
 
     /// Reads the file, settled or not.
     pub fn read_now(&self) -> Result<Layout, DocumentError> {
-        Document::from_path(&self.path).and_then(Layout::from_document)
+        self.layout(Document::from_path(&self.path))
     }
 
     fn read(&self) -> Option<Result<Layout, DocumentError>> {
         match Document::from_path(&self.path) {
             Ok(document) if document.text == self.text => None,
-            found => Some(found.and_then(Layout::from_document)),
+            found => Some(self.layout(found)),
         }
+    }
+
+    fn layout(&self, document: Result<Document, DocumentError>) -> Result<Layout, DocumentError> {
+        document.and_then(|document| Layout::for_hands(document, self.fit))
     }
 }
 
@@ -147,7 +154,7 @@ pub(super) mod tests {
             let path = directory.path().join("a.ron");
             let start = Instant::now();
             fs::write(&path, text("A")).unwrap();
-            let file = WatchedFile::new(path.to_str().unwrap(), &text("A"), start);
+            let file = WatchedFile::new(path.to_str().unwrap(), &text("A"), Fit::default(), start);
             let mut test = Self {
                 directory,
                 file,
@@ -239,7 +246,12 @@ pub(super) mod tests {
     fn a_change_before_the_first_check_is_returned() {
         let mut test = TestFile::new();
         let path = test.path();
-        test.file = WatchedFile::new(path.to_str().unwrap(), &text("Z"), test.start);
+        test.file = WatchedFile::new(
+            path.to_str().unwrap(),
+            &text("Z"),
+            Fit::default(),
+            test.start,
+        );
         test.now_ms = 0;
         assert_eq!(test.check_for(1_000), active(50, "A"));
     }

@@ -278,7 +278,12 @@ mod tests {
         fs::write(&path, text("A")).unwrap();
         let path = path.to_str().unwrap();
         let mut commands = CommandReceiver::disconnected();
-        let file = WatchedFile::new(path, &text("A"), Instant::now());
+        let file = WatchedFile::new(
+            path,
+            &text("A"),
+            crate::layout::Fit::default(),
+            Instant::now(),
+        );
         let (sender, reports) = unbounded();
         let worker = Worker {
             layouts: vec![ManagedLayout {

@@ -22,6 +22,7 @@ use crate::layout::model::POINTER;
 use crate::layout::quantity::{
     Beta, CursorSpeed, Cutoff, Gain, MaxStep, PixelDistance, PrecisionFactor, ScreenSize,
 };
+use crate::layout::schema::PoseSchema;
 
 /// Default size of the screen, in pixels.
 const SCREEN_PX: Vec2 = Vec2::new(1920.0, 1080.0);
@@ -132,7 +133,8 @@ impl<'a> PointerSchema<'a> {
         }
         let error = |message: String| builder.error(source, message);
         let gesture = |gesture: GestureSchema| gesture.check().map_err(error);
-        let mode = self.mode.check().map_err(error)?;
+        let fit = |pose: &PoseSchema| builder.pose_fit(pose, self.hand);
+        let mode = self.mode.check(fit).map_err(error)?;
         let precision_gesture = self.precision.map(gesture).transpose()?;
         let clutch = self.clutch.map(gesture).transpose()?;
         let pinch = self.pinch_mm.map(|gaps| gaps.check().map_err(error));

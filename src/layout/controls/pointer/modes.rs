@@ -8,6 +8,7 @@ use crate::device::pointer::mode::{
 };
 use crate::device::pointer::{AnchoredFrame, PointingMode};
 use crate::hand::Dof;
+use crate::layout::fit::PoseFit;
 use crate::layout::quantity::{
     CursorSpeed, Extent, JointAngle, PointerExponent, RateDeadZone, metres,
 };
@@ -109,8 +110,8 @@ pub(super) enum DisplacementSchema {
 }
 
 impl PointingModeSchema {
-    /// Returns the checked mode.
-    pub fn check(&self) -> Result<PointingMode, String> {
+    /// Returns the checked mode. `fit` returns the fit of a box or rectangle to the hand.
+    pub fn check(&self, fit: impl Fn(&PoseSchema) -> PoseFit) -> Result<PointingMode, String> {
         Ok(match self {
             Self::Joint { x, y, z } => PointingMode::Joint(JointPointing {
                 x: x.check()?,
@@ -118,8 +119,8 @@ impl PointingModeSchema {
                 z: z.as_ref().map(AngleMappingSchema::check).transpose()?,
             }),
             Self::Direct { pose, size_mm } => PointingMode::Direct(DirectPointing {
-                frame: frame(pose),
-                size: size(*size_mm),
+                frame: frame(pose, &fit(pose)),
+                size: size(*size_mm) * fit(pose).scale,
             }),
             Self::Ray {
                 origin,
@@ -130,8 +131,8 @@ impl PointingModeSchema {
                     RayOriginSchema::Hand => RayOrigin::Hand,
                     RayOriginSchema::Index => RayOrigin::Index,
                 },
-                frame: frame(pose),
-                size: Vec2::new(metres(width.get()), metres(height.get())),
+                frame: frame(pose, &fit(pose)),
+                size: Vec2::new(metres(width.get()), metres(height.get())) * fit(pose).scale,
             }),
             Self::Rate {
                 input,
@@ -139,7 +140,7 @@ impl PointingModeSchema {
                 max_px_per_s,
                 exponent,
             } => PointingMode::Rate(RateControl {
-                displacement: input.check()?,
+                displacement: input.check(fit)?,
                 dead_zone: dead_zone.get() as f32,
                 max_speed_px_s: max_px_per_s.get() as f32,
                 curve: exponent.get() as f32,
@@ -149,10 +150,11 @@ impl PointingModeSchema {
 }
 
 impl DisplacementSchema {
-    fn check(&self) -> Result<Displacement, String> {
+    fn check(&self, fit: impl Fn(&PoseSchema) -> PoseFit) -> Result<Displacement, String> {
         Ok(match self {
             Self::Fingertip { pose, full_mm } => {
-                Displacement::Fingertip(frame(pose), metres(full_mm.get()))
+                let fit = fit(pose);
+                Displacement::Fingertip(frame(pose, &fit), metres(full_mm.get()) * fit.scale)
             }
             Self::Angles { x, y } => Displacement::Angles(x.check()?, y.check()?),
         })
@@ -178,10 +180,10 @@ impl AngleMappingSchema {
     }
 }
 
-fn frame(pose: &PoseSchema) -> AnchoredFrame {
+fn frame(pose: &PoseSchema, fit: &PoseFit) -> AnchoredFrame {
     AnchoredFrame {
         anchor: pose.anchor.into(),
-        anchor_from_frame: pose.anchor_from_volume(),
+        anchor_from_frame: pose.anchor_from_volume(fit),
     }
 }
 
