@@ -34,6 +34,8 @@ const SHIPPED_FILES: &[(&str, &str)] = shipped_files! {
     "panels/switches"
     "panels/touch-pad"
     "panels/workshop"
+    "pointers/arm-6dof"
+    "pointers/arm-gamepad"
     "pointers/direct"
     "pointers/joint"
     "pointers/rate"

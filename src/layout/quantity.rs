@@ -91,6 +91,10 @@ ranged_numbers! {
     StickExponent = "an exponent", 1.0 ..= 4.0, "", or 1.0;
     /// Speed of the cursor at the full deflection of a joystick, in pixels per second.
     StickSpeed = "a cursor speed", 1.0 ..= 20000.0, " px/s";
+    /// Displacement of a hand for a full deflection of an axis, in millimetres.
+    FullDisplacement = "a displacement", -500.0 ..= 500.0, " mm";
+    /// Rotation of a hand for a full deflection of an axis, in degrees.
+    FullRotation = "a rotation", -170.0 ..= 170.0, "°";
     /// Direction in the horizontal plane, in degrees clockwise from straight forward.
     Bearing = "a bearing", -180.0 ..= 180.0, "°", or 0.0;
     /// Scale of a board.

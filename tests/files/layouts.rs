@@ -52,6 +52,8 @@ fn every_shipped_layout_loads_by_name_and_from_its_file() {
             "switches",
             "touch-pad",
             "workshop",
+            "arm-6dof",
+            "arm-gamepad",
             "direct",
             "joint",
             "rate",

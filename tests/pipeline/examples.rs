@@ -17,11 +17,13 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/scripts")
 }
 
-/// The continuous values since the last other event, such as that of a slider: the first and the last, or the sum.
+/// The continuous values since the last other event, such as that of a slider: the first and the last, or the sum. Of an
+/// axis also the largest deflection between them.
 #[derive(Default)]
 struct Ranges {
     order: Vec<String>,
     values: BTreeMap<String, (String, String)>,
+    deflections: BTreeMap<String, f32>,
     sums: BTreeMap<&'static str, (i32, i32)>,
 }
 
@@ -32,7 +34,14 @@ impl Ranges {
             EventKind::MoveBy(x, y) => return self.add("move", x, y),
             EventKind::Scroll(x, y) => return self.add("scroll", x, y),
             EventKind::MoveTo(x, y) => ("place".to_owned(), format!("{x:.2} {y:.2}")),
-            EventKind::Axis(axis, value) => (format!("axis {axis}"), format!("{value:+.2}")),
+            EventKind::Axis(axis, value) => {
+                let name = format!("axis {axis}");
+                let largest = self.deflections.entry(name.clone()).or_default();
+                if value.abs() > largest.abs() {
+                    *largest = value;
+                }
+                (name, format!("{value:+.2}"))
+            }
             EventKind::Depth(target, depth) => (
                 format!("depth {}", names.get(target)),
                 format!("{depth:.2}"),
@@ -62,9 +71,16 @@ impl Ranges {
     /// Removes all values and returns a line for each.
     fn take_lines(&mut self) -> Vec<String> {
         let ranges = std::mem::take(self);
-        let line = |name: &String| match &ranges.values[name] {
-            (first, last) if first == last => format!("{name} {first}"),
-            (first, last) => format!("{name} {first} … {last}"),
+        let line = |name: &String| {
+            let (first, last) = &ranges.values[name];
+            let largest = ranges.deflections.get(name);
+            let largest = largest.map(|value| format!("{value:+.2}"));
+            let largest = largest.filter(|value| value != first && value != last);
+            match (largest, first == last) {
+                (Some(largest), _) => format!("{name} {first} … {largest} … {last}"),
+                (None, true) => format!("{name} {first}"),
+                (None, false) => format!("{name} {first} … {last}"),
+            }
         };
         let sums = ranges.sums.iter();
         let sums = sums.map(|(name, (x, y))| format!("{name} {x:+} {y:+} in all"));

@@ -2,6 +2,7 @@
 //! targets in space.
 
 mod anchored_frame;
+mod arm_axes;
 mod cursor;
 mod direct;
 mod dwell;
@@ -10,6 +11,7 @@ mod gesture_set;
 mod joint;
 pub mod mode;
 mod motion;
+mod posture;
 mod push;
 mod rate;
 mod ray;
@@ -18,6 +20,7 @@ mod settings;
 mod trusted_hand;
 
 pub use anchored_frame::AnchoredFrame;
+pub use arm_axes::{ArmAxes, ArmAxis, ArmDirection, MAX_ARM_AXES};
 pub use dwell::DwellSettings;
 pub use gesture::{Gesture, PinchGaps};
 pub use mode::PointingMode;
@@ -26,11 +29,13 @@ pub use settings::{ClickMethod, CursorOutput, MAX_CLICKS, PointerSettings, Scrol
 
 use parry3d::math::{Vec2, Vec3};
 
+use self::arm_axes::ArmAxesState;
 use self::cursor::Cursor;
 use self::dwell::DwellDetector;
 use self::gesture_set::GestureSet;
 use self::mode::Aim;
 use self::motion::MotionTracker;
+use self::posture::HandPosture;
 use self::selection::{CursorPoint, Selector};
 use self::trusted_hand::TrustedHand;
 use super::value_output::ValueEmitter;
@@ -79,6 +84,7 @@ struct ScreenPointer {
     /// Scrolling that is not emitted yet, in 1/120 detents.
     scroll_remainder: Vec2,
     depth: Option<ValueEmitter>,
+    axes: ArmAxesState,
     /// The time of the last step; `None` since the hand was lost.
     time: Option<Timestamp>,
 }
@@ -115,6 +121,7 @@ impl ScreenPointer {
             depth: settings
                 .depth
                 .map(|output| ValueEmitter::new(settings.target, output, depth_at_rest)),
+            axes: ArmAxesState::default(),
             time: None,
             settings,
         }
@@ -137,10 +144,31 @@ impl ScreenPointer {
             .update(hand, &self.settings, seconds, time, out);
         self.move_cursor(aim, seconds, time, out);
         self.click_on_dwell(time, out);
+        if let Aim::Posture(posture) = aim {
+            self.drive_axes(&posture, time, out);
+        }
         if let (Some(depth), Aim::Position(_)) = (&mut self.depth, aim) {
             depth.set((self.cursor.fractions().z * 1e3).round() / 1e3, time, out);
         }
         true
+    }
+
+    fn drive_axes(&mut self, posture: &HandPosture, time: Timestamp, out: &mut DeviceOutput) {
+        let is_engaged =
+            !self.gestures.is_clutch_released() && !out.arbiter.is_pressed(KeyAction::Clutch);
+        let gain = self.precision(out);
+        let axes = &self.settings.axes;
+        self.axes
+            .update(axes, posture, (is_engaged, gain), (time, out));
+    }
+
+    /// Returns the factor of the precision gesture or key.
+    fn precision(&self, out: &DeviceOutput) -> f32 {
+        let is_precise = self.gestures.is_precise() || out.arbiter.is_pressed(KeyAction::Precision);
+        match is_precise {
+            true => self.settings.precision_factor,
+            false => 1.0,
+        }
     }
 
     fn move_cursor(&mut self, aim: Aim, seconds: f32, time: Timestamp, out: &mut DeviceOutput) {
@@ -183,18 +211,12 @@ impl ScreenPointer {
 
     /// Returns the factor from motion of the hand to motion of the cursor.
     fn gain(&self, delta: Vec2, seconds: f32, out: &DeviceOutput) -> f32 {
-        let is_precise = self.gestures.is_precise() || out.arbiter.is_pressed(KeyAction::Precision);
-        let precision = if is_precise {
-            self.settings.precision_factor
-        } else {
-            1.0
-        };
         let speed = if seconds > 0.0 {
             delta.length() / seconds
         } else {
             0.0
         };
-        precision * settings::gain(&self.settings.acceleration, speed)
+        self.precision(out) * settings::gain(&self.settings.acceleration, speed)
     }
 
     fn scroll(&mut self, delta: Vec2, time: Timestamp, out: &mut DeviceOutput) {
@@ -234,6 +256,7 @@ impl ScreenPointer {
         self.dwell = DwellDetector::default();
         self.scroll_remainder = Vec2::ZERO;
         self.cursor.hold();
+        self.axes.center(&self.settings.axes, time, out);
         if let Some(depth) = &mut self.depth {
             depth.return_to_rest(time, out);
         }
@@ -262,6 +285,7 @@ impl VirtualDevice for Pointer {
             CursorOutput::Relative => required.insert(Capability::RelativeMotion),
             CursorOutput::None => {}
         }
+        settings.axes.add_capabilities(required);
         if settings.scroll.is_some() {
             required.insert(Capability::Scroll);
         }

@@ -3,10 +3,12 @@
 use parry3d::math::Vec3;
 
 use super::anchored_frame::AnchoredFrame;
+use super::posture::HandPosture;
 use super::trusted_hand::TrustedHand;
 
 pub use super::direct::DirectPointing;
 pub use super::joint::{AngleMapping, JointPointing};
+pub use super::posture::HandPoint;
 pub use super::rate::{Displacement, RateControl};
 pub use super::ray::{RayOrigin, RayPointing};
 
@@ -21,6 +23,8 @@ pub enum PointingMode {
     Ray(RayPointing),
     /// The displacement from a rest pose is the velocity.
     Rate(RateControl),
+    /// The motion of the hand drives [axes](super::ArmAxes) instead of the cursor.
+    Arm(HandPoint),
 }
 
 /// The output of a pointing mode.
@@ -30,6 +34,8 @@ pub(super) enum Aim {
     Position(Vec3),
     /// A velocity in pixels per second: to the right, up.
     Velocity(Vec3),
+    /// A posture, which does not move the cursor.
+    Posture(HandPosture),
 }
 
 impl PointingMode {
@@ -40,13 +46,14 @@ impl PointingMode {
             Self::Direct(direct) => direct.fractions(hand).map(Aim::Position),
             Self::Ray(ray) => ray.fractions(hand).map(Aim::Position),
             Self::Rate(rate) => rate.velocity(hand).map(Aim::Velocity),
+            Self::Arm(point) => point.posture(hand).map(Aim::Posture),
         }
     }
 
     /// Returns the direction of a push, away from the wearer, in the world.
     pub(super) fn forward(&self) -> Vec3 {
         match self {
-            Self::Joint(_) => Vec3::NEG_Z,
+            Self::Joint(_) | Self::Arm(_) => Vec3::NEG_Z,
             Self::Direct(DirectPointing { frame, .. }) | Self::Ray(RayPointing { frame, .. }) => {
                 frame.forward()
             }

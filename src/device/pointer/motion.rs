@@ -52,6 +52,12 @@ impl MotionTracker {
     pub(super) fn update(&mut self, aim: Aim, seconds: f32) -> Motion {
         let fractions = match aim {
             Aim::Position(fractions) => fractions,
+            Aim::Posture(_) => {
+                return Motion {
+                    delta: Vec3::ZERO,
+                    first_position: None,
+                };
+            }
             Aim::Velocity(velocity) => {
                 return Motion {
                     delta: velocity * seconds,

@@ -2,6 +2,7 @@
 
 use parry3d::math::Vec2;
 
+use super::arm_axes::ArmAxes;
 use super::dwell::DwellSettings;
 use super::gesture::{Gesture, PinchGaps};
 use super::mode::PointingMode;
@@ -57,6 +58,8 @@ pub struct PointerSettings {
     pub scroll: Option<ScrollSettings>,
     /// The output of the third axis, 0..=1 towards the wearer. Does not apply to [`PointingMode::Rate`].
     pub depth: Option<ValueOutput>,
+    /// The axes that the motion of the hand drives while the clutch is held, in the mode [`PointingMode::Arm`].
+    pub axes: ArmAxes,
 }
 
 /// The events that move the cursor of the screen.

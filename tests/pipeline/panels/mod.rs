@@ -2,6 +2,7 @@
 //! devices.
 
 mod invalid_values;
+mod arm_axes;
 mod chords;
 mod dwell;
 mod control_errors;

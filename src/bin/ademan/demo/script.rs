@@ -10,6 +10,8 @@ macro_rules! scripts {
 }
 
 const SCRIPTS: &[(&str, &str)] = scripts! {
+    "arm-6dof"
+    "arm-gamepad"
     "arrows"
     "chords-five"
     "direct"

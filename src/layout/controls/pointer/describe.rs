@@ -22,13 +22,20 @@ pub(in crate::layout) fn describe(settings: &PointerSettings) -> Vec<(String, St
             format!("ray from the {origin} through a rectangle of {x:.0} × {y:.0} mm")
         }
         PointingMode::Rate(_) => "rate control".to_owned(),
+        PointingMode::Arm(_) => "motion of the hand".to_owned(),
     };
     let output = match settings.output {
         CursorOutput::Absolute => ", absolute",
         CursorOutput::Relative => ", relative",
         CursorOutput::None => "",
     };
-    let mut rows = vec![("cursor".to_owned(), format!("{mode}{output}"))];
+    let subject = match settings.mode {
+        PointingMode::Arm(_) => "axes",
+        _ => "cursor",
+    };
+    let axes = settings.axes.axes.iter();
+    let axes: String = axes.map(|axis| format!(", {}", axis.axis)).collect();
+    let mut rows = vec![(subject.to_owned(), format!("{mode}{output}{axes}"))];
     for &(method, action) in &settings.clicks {
         let method = match method {
             ClickMethod::Gesture(gesture) => self::gesture(gesture),
@@ -44,10 +51,10 @@ pub(in crate::layout) fn describe(settings: &PointerSettings) -> Vec<(String, St
         rows.push((gesture(scroll.gesture), "scrolls".into()));
     }
     if let Some(clutch) = settings.clutch {
-        rows.push((gesture(clutch), "moves the cursor".into()));
+        rows.push((gesture(clutch), format!("moves the {subject}")));
     }
     if let Some(precision) = settings.precision_gesture {
-        rows.push((gesture(precision), "slows the cursor".into()));
+        rows.push((gesture(precision), format!("slows the {subject}")));
     }
     rows
 }

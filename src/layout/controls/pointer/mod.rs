@@ -1,5 +1,6 @@
 //! The arm as a pointer.
 
+mod arm;
 mod describe;
 mod gestures;
 mod modes;
@@ -12,7 +13,7 @@ use serde::Deserialize;
 use self::gestures::{ClickSchema, DwellClickSchema, GestureSchema, PinchGapsSchema, ScrollSchema};
 use self::modes::PointingModeSchema;
 use super::value_output::{ValueOutputSchema, value_output};
-use crate::device::pointer::{CursorOutput, PointerSettings};
+use crate::device::pointer::{ArmAxes, CursorOutput, PointerSettings};
 use crate::device::value_output::ValueOutput;
 use crate::document::DocumentError;
 use crate::estimate::OneEuroSettings;
@@ -41,7 +42,8 @@ pub(in crate::layout) struct PointerSchema<'a> {
     #[serde(default)]
     hand: Option<Side>,
     /// The relation between the hand and the position of the cursor.
-    mode: PointingModeSchema,
+    #[serde(borrow)]
+    mode: PointingModeSchema<'a>,
     /// The events that move the cursor. Default: relative in rate mode, otherwise absolute.
     #[serde(default)]
     output: Option<CursorOutputSchema>,
@@ -126,6 +128,7 @@ impl<'a> PointerSchema<'a> {
         let target = builder.add_target("target", POINTER, source)?;
         let output = self.output.unwrap_or(match self.mode {
             PointingModeSchema::Rate { .. } => CursorOutputSchema::Relative,
+            PointingModeSchema::Arm { .. } => CursorOutputSchema::Off,
             _ => CursorOutputSchema::Absolute,
         });
         if let Some(message) = self.conflict(output) {
@@ -170,6 +173,7 @@ impl<'a> PointerSchema<'a> {
                 .map(|dwell| dwell.build(builder))
                 .transpose()?,
             depth: self.depth(builder)?,
+            axes: self.axes(builder)?,
         };
         builder.set_pointer(settings);
         Ok(())
@@ -185,6 +189,7 @@ impl<'a> PointerSchema<'a> {
         gestures::duplicate(&self.clicks, gestures.into_iter().flatten())
             .or_else(|| self.acceleration_conflict(output))
             .or_else(|| self.z_output_conflict())
+            .or_else(|| self.arm_conflict(output))
     }
 
     fn acceleration_conflict(&self, output: CursorOutputSchema) -> Option<String> {
@@ -208,6 +213,33 @@ impl<'a> PointerSchema<'a> {
         );
         (self.z_output.is_some() && !has_z)
             .then(|| "`z_output` is for `Direct`, and for `Joint` with a `z`".into())
+    }
+
+    fn arm_conflict(&self, output: CursorOutputSchema) -> Option<String> {
+        let PointingModeSchema::Arm { axes, .. } = &self.mode else {
+            return None;
+        };
+        if axes.is_empty() {
+            return Some("`Arm` has no `axes`".into());
+        }
+        if self.clutch.is_none() {
+            return Some("`Arm` needs a `clutch`: its axes rest until the clutch is held".into());
+        }
+        let moves_cursor =
+            output != CursorOutputSchema::Off || self.scroll.is_some() || self.dwell.is_some();
+        moves_cursor.then(|| "`Arm` moves no cursor, remove `output`, `scroll` and `dwell`".into())
+    }
+
+    fn axes(&self, builder: &mut LayoutBuilder<'a>) -> Result<ArmAxes, DocumentError> {
+        match &self.mode {
+            PointingModeSchema::Arm {
+                axes,
+                dead_zone,
+                exponent,
+                ..
+            } => arm::arm_axes(builder, axes, *dead_zone, *exponent),
+            _ => Ok(ArmAxes::default()),
+        }
     }
 
     fn depth(&self, builder: &mut LayoutBuilder<'a>) -> Result<Option<ValueOutput>, DocumentError> {

@@ -3,8 +3,10 @@
 use parry3d::math::{Vec2, Vec3};
 use serde::Deserialize;
 
+use super::arm::ArmAxisSchema;
 use crate::device::pointer::mode::{
-    AngleMapping, DirectPointing, Displacement, JointPointing, RateControl, RayOrigin, RayPointing,
+    AngleMapping, DirectPointing, Displacement, HandPoint, JointPointing, RateControl, RayOrigin,
+    RayPointing,
 };
 use crate::device::pointer::{AnchoredFrame, PointingMode};
 use crate::hand::Dof;
@@ -17,7 +19,7 @@ use crate::layout::schema::PoseSchema;
 /// The relation between the hand and the position of the cursor.
 #[derive(Debug, Deserialize)]
 #[serde(rename = "PointingMode", deny_unknown_fields)]
-pub(super) enum PointingModeSchema {
+pub(super) enum PointingModeSchema<'a> {
     /// Three joint angles are three displacements.
     Joint {
         /// To the right.
@@ -58,6 +60,21 @@ pub(super) enum PointingModeSchema {
         #[serde(default)]
         exponent: PointerExponent,
     },
+    /// The motion of the hand drives axes.
+    Arm {
+        /// The point of the hand whose displacement counts.
+        #[serde(default)]
+        point: HandPointSchema,
+        /// The axes.
+        #[serde(borrow)]
+        axes: Vec<ArmAxisSchema<'a>>,
+        /// Dead zone, as a fraction of the full deflection.
+        #[serde(default)]
+        dead_zone: RateDeadZone,
+        /// Exponent of the response curve.
+        #[serde(default)]
+        exponent: PointerExponent,
+    },
 }
 
 /// The displacement that a joint angle stands for.
@@ -76,6 +93,17 @@ pub(super) struct AngleMappingSchema {
     /// Exponent of the response curve.
     #[serde(default)]
     exponent: PointerExponent,
+}
+
+/// The point of the hand whose displacement counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename = "HandPoint")]
+pub(super) enum HandPointSchema {
+    /// The index fingertip.
+    #[default]
+    Index,
+    /// The wrist.
+    Wrist,
 }
 
 /// Origin and direction of a ray.
@@ -109,7 +137,7 @@ pub(super) enum DisplacementSchema {
     },
 }
 
-impl PointingModeSchema {
+impl PointingModeSchema<'_> {
     /// Returns the checked mode. `fit` returns the fit of a box or rectangle to the hand.
     pub fn check(&self, fit: impl Fn(&PoseSchema) -> PoseFit) -> Result<PointingMode, String> {
         Ok(match self {
@@ -144,6 +172,10 @@ impl PointingModeSchema {
                 dead_zone: dead_zone.get() as f32,
                 max_speed_px_s: max_px_per_s.get() as f32,
                 curve: exponent.get() as f32,
+            }),
+            Self::Arm { point, .. } => PointingMode::Arm(match point {
+                HandPointSchema::Index => HandPoint::Index,
+                HandPointSchema::Wrist => HandPoint::Wrist,
             }),
         })
     }
