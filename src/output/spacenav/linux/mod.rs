@@ -15,7 +15,7 @@ use std::io::{self, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::thread::{self, JoinHandle};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
@@ -55,6 +55,10 @@ const MOTION_LIMIT: usize = QUEUE - BUTTON_COUNT - 1;
 /// Longest time that [`Spacenav::close`](Sink::close) waits.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 
+/// Time after which motion is repeated while an axis is deflected. A SpaceMouse sends motion all the time, and programs move
+/// their view by one step per event.
+const REPEAT_PERIOD: Duration = Duration::from_millis(16);
+
 /// Axis positions in the order and range of the protocol.
 type Axes = [i32; 6];
 
@@ -70,7 +74,8 @@ enum ServerMessage {
 
 /// A sink that is a 6-DoF mouse with four buttons for up to 16 programs at once.
 ///
-/// A step in which an axis changes is one motion with all six axes, −350..=350 each. While the queue is nearly full,
+/// A step in which an axis changes is one motion with all six axes, −350..=350 each. While an axis is deflected, the motion is
+/// repeated every 16 ms, as long as the loop calls the sink. While the queue is nearly full,
 /// the latest motion waits for the next step ([counted](Sink::coalesced_motions)), but the centering of all axes does
 /// not. While the queue is half full, presses are dropped and [counted](Sink::dropped_presses). The release of a button
 /// is never dropped.
@@ -82,6 +87,8 @@ pub struct Spacenav {
     waker: Option<UnixStream>,
     axes: Axes,
     sent_axes: Axes,
+    sent_at: Instant,
+    repeat_period: Duration,
     time: Timestamp,
     is_pressed: [bool; BUTTON_COUNT],
     dropped_presses: u64,
@@ -147,6 +154,8 @@ impl Spacenav {
             waker: Some(waker),
             axes: CENTERED,
             sent_axes: CENTERED,
+            sent_at: Instant::now(),
+            repeat_period: REPEAT_PERIOD,
             time: Timestamp(0),
             is_pressed: [false; BUTTON_COUNT],
             dropped_presses: 0,
@@ -183,16 +192,21 @@ impl Spacenav {
         }
     }
 
-    /// Sends the axes if they have changed and the queue has room.
+    /// Sends the axes if they have changed or a repetition is due, and the queue has room.
     fn send_motion(&mut self) -> Result<(), OutputError> {
+        let since_sent = self.sent_at.elapsed();
         if self.axes == self.sent_axes {
-            return Ok(());
+            if self.axes == CENTERED || since_sent < self.repeat_period {
+                return Ok(());
+            }
+            self.time = self.time + since_sent;
         }
         if self.queue_length()? >= MOTION_LIMIT && self.axes != CENTERED {
             self.coalesced_motions += 1;
             return Ok(());
         }
         self.sent_axes = self.axes;
+        self.sent_at = Instant::now();
         self.send_message(ServerMessage::Move(self.axes, self.time))
     }
 
@@ -299,7 +313,8 @@ mod tests {
         let (waker, wake_ups) = UnixStream::pair().unwrap();
         waker.set_nonblocking(true).unwrap();
         let (_, thread_ended) = bounded(0);
-        let spacenav = Spacenav::with_channels(messages, waker, thread_ended);
+        let mut spacenav = Spacenav::with_channels(messages, waker, thread_ended);
+        spacenav.repeat_period = Duration::MAX;
         (spacenav, queue, wake_ups)
     }
 
@@ -368,6 +383,23 @@ mod tests {
         sink.send(&[]).unwrap();
         let latest = ServerMessage::Move([0, 350, 0, 0, 0, 0], Timestamp(2));
         assert_eq!(queue.try_iter().collect::<Vec<_>>(), [latest]);
+    }
+
+    #[test]
+    fn motion_is_repeated_while_an_axis_is_deflected() {
+        let (mut sink, queue, _wake_ups) = without_server();
+        sink.send(&[lift(2, 1.0)]).unwrap();
+        sink.send(&[]).unwrap();
+        sink.repeat_period = Duration::ZERO;
+        sink.send(&[]).unwrap();
+        sink.send(&[lift(3, 0.0)]).unwrap();
+        sink.send(&[]).unwrap();
+        let axes = queue.try_iter().map(|message| match message {
+            ServerMessage::Move(axes, _) => axes,
+            other => panic!("{other:?}"),
+        });
+        let up = [0, 350, 0, 0, 0, 0];
+        assert_eq!(axes.collect::<Vec<_>>(), [up, up, CENTERED]);
     }
 
     #[test]
