@@ -163,6 +163,8 @@ fn two_decimals(value: f32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hand::Side;
+    use crate::kinematics::{ArmModel, BoneLengths};
     use crate::layout::Layout;
 
     const COMMENTED: &str = r#"#![enable(implicit_some)]
@@ -223,6 +225,23 @@ Layout(
             move_boards(&document(&text), &poses(&text), &Fit::default()).unwrap(),
             text
         );
+    }
+
+    #[test]
+    fn a_board_for_another_hand_moves_by_the_same_distance_in_the_file() {
+        let bones = BoneLengths::from_hand_and_forearm(0.19, 0.27).unwrap();
+        let arm = ArmModel::anthropometric(Side::Right, &bones).unwrap();
+        let fit = Fit::new(&arm, None).unwrap();
+        let layout = Layout::for_hands(document(COMMENTED), fit).unwrap();
+        let surfaces = layout.scene.surfaces().iter();
+        let mut poses: Vec<BoardPose> = surfaces
+            .map(|surface| BoardPose::from_pose(&surface.anchor_from_surface()))
+            .collect();
+        let same = move_boards(&document(COMMENTED), &poses, &fit).unwrap();
+        assert_eq!(same, COMMENTED);
+        poses[0].forward += 0.01;
+        let moved = move_boards(&document(COMMENTED), &poses, &fit).unwrap();
+        assert_eq!(moved, COMMENTED.replace("Some(300)", "Some(310)"));
     }
 
     #[test]

@@ -57,7 +57,7 @@ impl LayoutInstance {
     /// Returns the translation of all boards of a hand, in metres, that brings the center of the nearest one below the
     /// index fingertip. The nearest board moves in its own plane, so the height of the fingertip above its keys does not
     /// change.
-    pub(super) fn recenter_offset(&self, pose: &HandPose) -> Result<Vec3, CommandError> {
+    pub(crate) fn recenter_offset(&self, pose: &HandPose) -> Result<Vec3, CommandError> {
         let fingertip =
             trusted_fingertip(pose, RECENTER_FINGER).ok_or(CommandError::NoFingertip(pose.side))?;
         let offsets = self.scene.surfaces().iter().filter_map(|surface| {

@@ -3,12 +3,14 @@
 mod check;
 mod kind;
 mod loaded;
+mod reach;
 mod recorded;
 mod simulated;
 mod sources;
 mod wearer;
 
 pub use loaded::{GloveAndArm, LoadedSetup, Profile, layout_instance};
+pub use reach::ReachReport;
 pub use recorded::ReplaySettings;
 pub use sources::NamedSource;
 

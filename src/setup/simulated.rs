@@ -1,17 +1,12 @@
-//! The simulated hands of a setup: typing, scripts, and the targets out of their reach.
-
-use parry3d::math::Vec2;
+//! The simulated hands of a setup, which type texts and play scripts.
 
 use super::{LoadedSetup, SetupError};
 use crate::capture::Hc11Format;
-use crate::contact::TargetId;
 use crate::estimate::ChannelMap;
-use crate::hand::Side;
 use crate::kinematics::ArmModel;
-use crate::layout::{ControlKind, SpaceTargets};
 use crate::sim::{
-    self, ActionError, ActionErrorKind, HandAction, REACH_TOLERANCE, Script, SimulatedTypist,
-    TypingHand, TypistError, TypistSettings,
+    self, ActionError, ActionErrorKind, HandAction, Script, SimulatedTypist, TypistError,
+    TypistSettings,
 };
 
 impl LoadedSetup {
@@ -123,86 +118,5 @@ impl LoadedSetup {
                 format!("`{name}` is reserved for the other hand; add an `other_hand` to the setup")
             }
         })
-    }
-
-    /// Returns the names of the targets that no simulated hand can press, with the distance beyond its reach in metres.
-    ///
-    /// Includes both ends of the track of a slider or lever, and the centers of targets in space that a fingertip selects.
-    /// Excludes keys of chords, because each has a finger of its own and the simulated hand reaches with one finger.
-    pub fn out_of_reach(&self) -> Vec<(&str, f64)> {
-        let side = self.arm.side();
-        let hands = [side, side.opposite()].map(|side| self.typing_hand(side));
-        let keys = self.layout.keys.iter().map(|key| &key.face);
-        let keys = keys.filter(|face| !self.layout.is_chord_key(face.target));
-        let keys = keys.map(|face| (face, 0.0));
-        let controls = self.layout.controls.iter().flat_map(|control| {
-            let half_length = match &control.kind {
-                ControlKind::Slider(slider) => slider.half_length,
-                _ => 0.0,
-            };
-            control.faces.iter().map(move |face| (face, half_length))
-        });
-        keys.chain(controls)
-            .filter_map(|(face, half_length)| {
-                let ends = [-half_length, half_length].map(|x| Vec2::X * x);
-                let distances = ends.map(|end| self.distance_beyond(&hands, face.target, end));
-                let distance = distances.into_iter().flatten().reduce(f64::max)?;
-                Some((face.name.as_str(), distance))
-            })
-            .chain(self.spaces_out_of_reach(&hands))
-            .collect()
-    }
-
-    /// As [`out_of_reach`](Self::out_of_reach), for targets in space. A pointer reaches all that it selects.
-    fn spaces_out_of_reach(&self, hands: &[TypingHand]) -> Vec<(&str, f64)> {
-        let mut found = Vec::new();
-        if self.layout.pointer.is_some() {
-            return found;
-        }
-        for SpaceTargets { names, space } in &self.layout.spaces {
-            for (name, volume) in names.iter().zip(space.volumes.iter()) {
-                let distances = hands.iter().map(|hand| {
-                    let pose = hand.pose(&hand.rest_values());
-                    let center = space.frame.world_from_frame(&pose)? * volume.center;
-                    Some(hand.reach(center, &mut hand.rest_values(), &[]))
-                });
-                let nearest = distances.flatten().fold(f64::INFINITY, f64::min);
-                if nearest > REACH_TOLERANCE {
-                    found.push((name.as_str(), nearest));
-                }
-            }
-        }
-        found
-    }
-
-    /// Returns the distance of a position on a target beyond the reach of the nearer hand, in metres, or `None` if one reaches it.
-    fn distance_beyond(
-        &self,
-        hands: &[TypingHand],
-        target: TargetId,
-        position: Vec2,
-    ) -> Option<f64> {
-        let mut nearest = f64::INFINITY;
-        for hand in hands {
-            match hand.tap_path_at(&self.layout.scene, target, position) {
-                Ok(_) => return None,
-                Err(distance) => nearest = nearest.min(distance),
-            }
-        }
-        Some(nearest)
-    }
-
-    /// Returns the simulated hand of a side. Without a hand on that side, it is the mirrored other hand.
-    pub(super) fn typing_hand(&self, side: Side) -> TypingHand {
-        let other = self.other_hand.as_ref();
-        let other = other.filter(|other| other.arm.side() == side);
-        let (arm, glove): (ArmModel, _) = match other {
-            Some(other) => (other.arm.clone(), &other.glove),
-            None => (self.arm.clone().for_side(side), &self.glove),
-        };
-        match glove {
-            Some(glove) => TypingHand::new(&arm, &glove.map),
-            None => TypingHand::new(&arm, &ChannelMap::new(Vec::new(), 255)),
-        }
     }
 }

@@ -106,15 +106,38 @@ impl TypingHand {
         for &(dof, radians) in map.assumed_angles() {
             assumed.set(dof, radians);
         }
-        let mut hand = Self {
+        Self {
             arm: arm.clone(),
             assumed,
             variables: variables.collect(),
             channels,
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
-        };
-        hand.resting_pose = hand.pose(&hand.rest_values());
-        hand
+        }
+        .at_rest()
+    }
+
+    /// Creates the hand of an arm whose joints are measured without a glove: each joint angle is a channel.
+    pub fn without_glove(arm: &ArmModel) -> Self {
+        let limits = JointLimits::human();
+        let links = arm.links().iter().filter_map(|link| link.dof);
+        let variable = |dof| IkVariable::from_dof(dof, limits.range(dof), typing_angle(dof));
+        let variables: Vec<IkVariable> = links.map(variable).collect();
+        Self {
+            arm: arm.clone(),
+            assumed: JointAngles::default(),
+            channels: (0..variables.len()).collect(),
+            variables,
+            resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
+        }
+        .at_rest()
+    }
+
+    fn at_rest(self) -> Self {
+        let resting_pose = self.pose(&self.rest_values());
+        Self {
+            resting_pose,
+            ..self
+        }
     }
 
     /// Returns the channels of the glove that are in use, in ascending order.

@@ -333,7 +333,7 @@ fn keys_out_of_reach_of_the_default_hand_are_listed() {
     assert!(
         ended
             .err
-            .contains("1 control out of reach of the default hand, nearest first: `F` ("),
+            .contains("far.ron: 1 control out of reach, nearest first: `F` ("),
         "{}",
         ended.err
     );
@@ -364,6 +364,55 @@ fn one_cause_gives_one_warning_for_all_keys_out_of_reach() {
     );
     assert!(
         ended.err.contains("and 388 more; move the board nearer"),
+        "{}",
+        ended.err
+    );
+}
+
+#[test]
+fn a_layout_is_checked_for_the_hand_of_a_flag_or_a_setup() {
+    let folder = tempfile::tempdir().unwrap();
+    let near = "Layout(name: \"near\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 262, height_mm: -45,\n\
+               fit: Off), rows: [(at_mm: (0, 0), keys: \"N\")])])";
+    let path = file(&folder, "near.ron", near);
+    let setup = "Setup(arm: Measured(hand_length_mm: 189, forearm_length_mm: 262))";
+    let setup = file(&folder, "setup.ron", setup);
+    let reaches = run(["layout", "check", &path]).done();
+    assert_eq!(reaches.err, "");
+    for flag in [["--hand", "189,262"], ["--setup", &setup]] {
+        let ended = run(["layout", "check", &path, flag[0], flag[1]]);
+        assert_eq!(ended.code, Some(0), "{}", ended.err);
+        assert!(
+            ended.err.contains("out of reach, nearest first: `N` ("),
+            "{}",
+            ended.err
+        );
+    }
+    for wrong in ["189", "189,x", "1890,262"] {
+        let ended = run(["layout", "check", &path, "--hand", wrong]);
+        assert_eq!(ended.code, Some(2), "{wrong}: {}", ended.err);
+    }
+}
+
+#[test]
+fn a_run_reports_the_keys_out_of_reach_of_its_hand() {
+    let folder = tempfile::tempdir().unwrap();
+    let far = "Layout(name: \"far\", boards: [(pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),\n\
+               rows: [(at_mm: (0, 0), keys: \"N\"), (at_mm: (0, 200), keys: \"F\")])])";
+    let path = file(&folder, "far.ron", far);
+    let ended = run([
+        "run",
+        "--layout",
+        &path,
+        "--source",
+        "script:wait 1500",
+        "--control",
+        "off",
+    ]);
+    assert!(
+        ended
+            .err
+            .contains("far.ron: 1 control out of reach, nearest first: `F` ("),
         "{}",
         ended.err
     );

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use ademan::document::{Document, DocumentError, own_layouts, shipped_layouts};
 use ademan::layout::Layout;
 use ademan::message::escape;
+use ademan::setup::ArmSetup;
 
 use crate::failure::Failure;
 use crate::list::{ListArgs, Row};
@@ -31,14 +32,21 @@ enum Action {
         #[arg(long, default_value = "qwerty-flat", add = complete::layout())]
         from: String,
     },
-    /// Check files, report errors with line and column, and list keys out of reach of the default hand
+    /// Check files, report errors with line and column, and list keys out of reach of a hand
     #[command(
-        after_help = "Examples:\n  ademan layout check my-board.ron\n  ademan layout check *.ron --json"
+        after_help = "Examples:\n  ademan layout check my-board.ron\n  ademan layout check *.ron --json\n  ademan layout check my-board.ron --hand 189,262\n  ademan layout check my-board.ron --setup my-setup.ron"
     )]
     Check {
         /// Layout files, or names of layouts that come with the program
         #[arg(required = true, add = complete::layout())]
         files: Vec<String>,
+        /// The hand that has to reach the keys, by its hand and forearm length in mm. The default is the hand that the
+        /// layouts of the program are drawn for
+        #[arg(long, value_name = "HAND,FOREARM", value_parser = layout_check::hand)]
+        hand: Option<ArmSetup>,
+        /// The setup file whose hands and gloves have to reach the keys
+        #[arg(long, value_name = "SETUP.ron", conflicts_with = "hand")]
+        setup: Option<String>,
         /// Print JSON
         #[arg(long)]
         json: bool,
@@ -59,7 +67,12 @@ enum Action {
 pub fn run(args: Args) -> Result<(), Failure> {
     match args.action {
         Action::New { file, from } => new(&file, &from),
-        Action::Check { files, json } => layout_check::check(&files, json),
+        Action::Check {
+            files,
+            hand,
+            setup,
+            json,
+        } => layout_check::check(&files, hand, setup.as_deref(), json),
         Action::List(args) => list(&args),
         Action::Keys(args) => key_list::print(&args),
         Action::Show(args) => picture::show(&args),

@@ -3,27 +3,36 @@
 use std::io::{self, Write};
 
 use ademan::document::{DocumentError, DocumentFault};
+use ademan::hand::Side;
 use ademan::layout::Layout;
 use ademan::message::escape;
 use ademan::session::counted;
-use ademan::setup::Setup;
+use ademan::setup::{ArmSetup, OtherHand, Setup};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
-
-/// The maximum number of names in a warning.
-const MAX_NAMES: usize = 12;
+use crate::setup_args::number_in;
 
 /// Checks every file, even after an invalid one.
-pub fn check(files: &[String], as_json: bool) -> Result<(), Failure> {
+pub fn check(
+    files: &[String],
+    hand: Option<ArmSetup>,
+    setup: Option<&str>,
+    as_json: bool,
+) -> Result<(), Failure> {
+    let mut setup = match setup {
+        Some(path) => Setup::load(path)?,
+        None => Setup::default(),
+    };
+    setup.arm = hand.unwrap_or(setup.arm);
     let mut invalid = 0;
     let mut checked = Vec::new();
     for file in files {
         let layout = Layout::load(file);
         invalid += usize::from(layout.is_err());
         match as_json {
-            true => checked.push(json_of(file, &layout)?),
-            false => print(file, &layout)?,
+            true => checked.push(json_of(file, &layout, &setup)?),
+            false => print(file, &layout, &setup)?,
         }
     }
     if as_json {
@@ -39,7 +48,7 @@ pub fn check(files: &[String], as_json: bool) -> Result<(), Failure> {
     }
 }
 
-fn print(file: &str, layout: &Result<Layout, DocumentError>) -> Result<(), Failure> {
+fn print(file: &str, layout: &Result<Layout, DocumentError>, setup: &Setup) -> Result<(), Failure> {
     let layout = match layout {
         Ok(layout) => layout,
         Err(error) => {
@@ -55,13 +64,17 @@ fn print(file: &str, layout: &Result<Layout, DocumentError>) -> Result<(), Failu
     };
     let file = escape(file);
     writeln!(io::stdout(), "{file}: valid, {keys}, {others}{layers}")?;
-    if let Some(warning) = reach_warning(layout)? {
+    if let Some(warning) = reach_warning(layout, setup)? {
         complain!("warning: {file}: {warning}");
     }
     Ok(())
 }
 
-fn json_of(file: &str, layout: &Result<Layout, DocumentError>) -> Result<Value, Failure> {
+fn json_of(
+    file: &str,
+    layout: &Result<Layout, DocumentError>,
+    setup: &Setup,
+) -> Result<Value, Failure> {
     Ok(match layout {
         Ok(layout) => json!({
             "file": file,
@@ -70,7 +83,7 @@ fn json_of(file: &str, layout: &Result<Layout, DocumentError>) -> Result<Value, 
             "other_controls": layout.controls.len(),
             "layers": layout.layers.len(),
             "errors": [],
-            "warnings": reach_warning(layout)?.into_iter().collect::<Vec<_>>(),
+            "warnings": reach_warning(layout, setup)?.into_iter().collect::<Vec<_>>(),
         }),
         Err(error) => {
             let fault = |fault: &DocumentFault| json!({"line": fault.line(), "column": fault.column(), "message": fault.message()});
@@ -80,32 +93,33 @@ fn json_of(file: &str, layout: &Result<Layout, DocumentError>) -> Result<Value, 
     })
 }
 
-/// Returns one warning for all controls that the default hand cannot press. Such a layout is still valid.
-fn reach_warning(layout: &Layout) -> Result<Option<String>, Failure> {
+/// Returns one warning for all controls that no hand of the setup can press. Such a layout is still valid.
+fn reach_warning(layout: &Layout, setup: &Setup) -> Result<Option<String>, Failure> {
+    let needs_left = layout.has_board_for(Side::Left);
+    let left_hand = || OtherHand {
+        arm: setup.arm.clone(),
+        ..OtherHand::default()
+    };
+    let other_hand = setup.other_hand.clone();
     let setup = Setup {
         layout: layout.file.clone(),
-        ..Setup::default()
+        other_hand: other_hand.or_else(|| needs_left.then(left_hand)),
+        // The permissions of the setup do not matter for the reach.
+        allow_system_keys: true,
+        ..setup.clone()
     };
     let setup = setup.load_files()?;
-    let mut found = setup.out_of_reach();
-    if found.is_empty() {
-        return Ok(None);
-    }
-    found.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let described = found.iter().take(MAX_NAMES).map(|(name, metres)| {
-        let distance = match metres.is_finite() {
-            true => format!("{:.0} mm", metres * 1e3),
-            false => "no position".into(),
-        };
-        format!("`{}` ({distance})", escape(name))
-    });
-    let mut names: Vec<String> = described.collect();
-    if found.len() > MAX_NAMES {
-        names.push(format!("and {} more", found.len() - MAX_NAMES));
-    }
-    Ok(Some(format!(
-        "{} out of reach of the default hand, nearest first: {}; move the board nearer or make it smaller",
-        counted(found.len() as u64, "control"),
-        names.join(", ")
-    )))
+    let report = setup.reach_report(&setup.layout);
+    Ok(report.map(|report| report.to_string()))
+}
+
+/// Parses the hand and forearm length of a hand.
+pub fn hand(text: &str) -> Result<ArmSetup, String> {
+    let (hand, forearm) = text
+        .split_once(',')
+        .ok_or("two lengths in mm are needed, as in 189,262")?;
+    Ok(ArmSetup::Measured {
+        hand_length_mm: number_in(hand.trim(), 100.0, 300.0, "mm")?,
+        forearm_length_mm: number_in(forearm.trim(), 100.0, 500.0, "mm")?,
+    })
 }

@@ -1,9 +1,12 @@
 //! `ademan run`: a session that types.
 
 use std::path::PathBuf;
+use std::thread;
 
 use ademan::command::Command;
+use ademan::message::escape;
 use ademan::session::{ControlSocket, SessionOptions};
+use ademan::setup::LoadedSetup;
 use ademan::share::ShareTarget;
 use ademan::{advice, doctor, output, priority};
 
@@ -99,10 +102,12 @@ pub fn run(args: Args) -> Result<(), Failure> {
             say!("shown here only: add `--output desktop` to type into other programs");
         }
     }
+    let checked = setup.clone();
     let session = session::start(setup, options)?;
     if let Some(path) = &record_to {
         recording_size::announce(path);
     }
+    report_reach(checked)?;
     pause_signals::install(session.commands().clone())?;
     let view =
         (view == ViewKind::Board).then(|| LiveView::open(Views::Session(session.add_viewer())));
@@ -133,4 +138,17 @@ fn choose_view(
         None if view::is_possible() && !would_mix => Ok(ViewKind::Board),
         None => Ok(ViewKind::Log),
     }
+}
+
+/// Reports the keys that the hand of the setup cannot reach, on a thread of its own: a large layout takes seconds.
+fn report_reach(setup: LoadedSetup) -> Result<(), Failure> {
+    let report = move || {
+        for layout in setup.layouts() {
+            if let Some(report) = setup.reach_report(layout) {
+                say!("{}: {report}", escape(&layout.file));
+            }
+        }
+    };
+    let thread = thread::Builder::new().name("reach".into()).spawn(report);
+    thread.map(drop).map_err(Failure::no_thread)
 }

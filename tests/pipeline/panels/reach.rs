@@ -1,7 +1,7 @@
 //! Reach and capabilities of the shipped panels.
 
 use ademan::layout::Layout;
-use ademan::setup::Setup;
+use ademan::setup::{ArmSetup, Setup};
 
 use crate::rig::Rig;
 
@@ -84,5 +84,76 @@ fn a_target_in_space_beyond_every_fingertip_is_out_of_reach() {
     assert!(
         name == "Moon" && (0.5..0.7).contains(&metres),
         "{name} {metres}"
+    );
+}
+
+/// Returns a copy of the default layout with another pose of its board.
+fn layout_with_pose(change: impl Fn(&str) -> String) -> (tempfile::TempDir, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("moved.ron");
+    let text = Layout::load("qwerty-flat").unwrap().text;
+    std::fs::write(&path, change(&text)).unwrap();
+    let path = path.to_str().unwrap().to_owned();
+    (folder, path)
+}
+
+fn report(path: &str, arm: ArmSetup) -> Option<String> {
+    let setup = Setup {
+        layout: path.into(),
+        arm,
+        ..Setup::default()
+    };
+    let loaded = setup.load_files().unwrap();
+    loaded
+        .reach_report(&loaded.layout)
+        .map(|report| report.to_string())
+}
+
+#[test]
+fn the_measured_hand_of_the_readme_does_not_reach_space_on_a_board_without_fit() {
+    let arm = ArmSetup::Measured {
+        hand_length_mm: 189.0,
+        forearm_length_mm: 262.0,
+    };
+    let (_folder, path) =
+        layout_with_pose(|text| text.replace("height_mm: -45", "height_mm: -45, fit: Off"));
+    let setup = Setup {
+        layout: path,
+        arm: arm.clone(),
+        ..Setup::default()
+    };
+    let loaded = setup.load_files().unwrap();
+    let out_of_reach = loaded.out_of_reach();
+    assert!(
+        out_of_reach.iter().any(|(name, _)| *name == "Space"),
+        "{out_of_reach:?}"
+    );
+    assert_eq!(report("qwerty-flat", arm), None);
+}
+
+#[test]
+fn a_board_that_is_too_large_is_to_be_scaled() {
+    let (_folder, path) =
+        layout_with_pose(|text| text.replace("height_mm: -45", "height_mm: -45, scale: 1.5"));
+    let found = report(&path, ArmSetup::default()).expect("keys out of reach");
+    assert!(
+        found.contains(" controls out of reach, nearest first: `"),
+        "{found}"
+    );
+    assert!(found.contains("; try `ademan ctl scale 0."), "{found}");
+}
+
+#[test]
+fn a_hand_without_a_glove_reaches_the_default_layout() {
+    let setup = Setup {
+        source: Some("file:angles?protocol=text-line".parse().unwrap()),
+        ..Setup::default()
+    };
+    let loaded = setup.load_files().unwrap();
+    assert!(loaded.glove.is_none());
+    assert!(
+        loaded.out_of_reach().is_empty(),
+        "{:?}",
+        loaded.out_of_reach()
     );
 }

@@ -28,7 +28,7 @@ pub fn draw(mode: &PointingMode) -> Option<Canvas> {
             Displacement::Angles(x, y) => vec![(x, across), (y, upright)],
             Displacement::Fingertip(..) => return None,
         },
-        PointingMode::Direct(_) | PointingMode::Ray(_) => return None,
+        PointingMode::Direct(_) | PointingMode::Ray(_) | PointingMode::Arm(_) => return None,
     };
     let mut gauges = Canvas::default();
     for (index, (mapping, ends)) in angles.into_iter().enumerate() {

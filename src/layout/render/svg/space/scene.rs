@@ -37,7 +37,7 @@ pub fn around_wearer(layout: &Layout, wearer: &Wearer) -> Scene {
                 scene.note(center, "rest", 0.0, ALL);
             }
         }
-        None => {}
+        Some(PointingMode::Arm(_)) | None => {}
     }
     for space in &layout.spaces {
         let world_from_space = wearer.world_from_frame(&space.space.frame);
