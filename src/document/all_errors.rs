@@ -10,6 +10,9 @@ use super::{Document, DocumentError};
 /// The maximum number of errors that are read: more than are listed, as equal ones are listed once.
 const MAX_READ: usize = 40;
 
+/// The maximum number of parts around an error that are blanked out in turn: deeper than layouts are nested.
+const MAX_TRIED: usize = 8;
+
 /// Returns all errors of a document that has at least this one.
 pub(super) fn all_errors(
     document: &Document,
@@ -42,7 +45,7 @@ fn next_error(text: &str, error: &SpannedError, format: &Format) -> Option<(Stri
         return None;
     }
     let start = byte_range(text, error).start;
-    for element in elements_around(text, start) {
+    for element in elements_around(text, start).into_iter().take(MAX_TRIED) {
         let field = element.field(text);
         if element.bracket == b'(' && field.is_none() {
             continue;

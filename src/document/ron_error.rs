@@ -105,7 +105,7 @@ impl Slice<'_> {
                 _ => "expected `:` after the name of a field".into(),
             },
             Error::ExpectedComma => self.expected_comma(),
-            Error::UnexpectedChar(_) if self.before().ends_with('/') => CALCULATION.into(),
+            Error::UnexpectedChar(_) if self.first() == Some('/') => CALCULATION.into(),
             Error::ExpectedStringEnd => "the text has no closing quote".into(),
             Error::UnclosedBlockComment => "the comment has no `*/`".into(),
             Error::Eof => "unexpected end of file".into(),
