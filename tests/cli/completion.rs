@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 use super::{run, text};
 
-/// What is completed, and candidates that must be offered, or must not.
+/// Lines to complete, with candidates that must be offered, and some that must not.
 const CASES: [(&str, &[&str], &[&str]); 10] = [
     (
         "ademan run --layout qwerty-a",
