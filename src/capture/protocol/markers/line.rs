@@ -40,17 +40,10 @@ pub(super) struct Camera<'a> {
 struct Marker<'a> {
     #[serde(borrow)]
     label: Option<std::borrow::Cow<'a, str>>,
-    #[serde(flatten)]
-    sight: Sight,
-}
-
-/// The line of sight to a marker.
-#[derive(Debug, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum Sight {
-    Point([f64; 3]),
-    Direction([f64; 3]),
-    Image([f64; 2]),
+    // Not a flattened enum: that would store every field before it is read.
+    point: Option<[f64; 3]>,
+    direction: Option<[f64; 3]>,
+    image: Option<[f64; 2]>,
 }
 
 fn default_focal() -> [f64; 2] {
@@ -78,10 +71,11 @@ impl Camera<'_> {
     pub fn observations(&self) -> Option<Vec<Observation<'_>>> {
         let origin = DVec3::from_array(self.position);
         let observe = |marker: &'_ Marker<'_>| {
-            let direction = match marker.sight {
-                Sight::Point(point) => DVec3::from_array(point) - origin,
-                Sight::Direction(direction) => DVec3::from_array(direction),
-                Sight::Image(image) => self.direction(image)?,
+            let direction = match (marker.point, marker.direction, marker.image) {
+                (Some(point), None, None) => DVec3::from_array(point) - origin,
+                (None, Some(direction), None) => DVec3::from_array(direction),
+                (None, None, Some(image)) => self.direction(image)?,
+                _ => return None,
             };
             let ray = Ray { origin, direction };
             ray.is_valid().then_some(ray)

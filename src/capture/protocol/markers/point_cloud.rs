@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::capture::markers::{CostMatrix, Ray, assign, closest_points, triangulate};
+use crate::capture::markers::{CostMatrix, Ray, assign, closest_points, pass_within, triangulate};
 
 /// A marker in the image of one camera.
 #[derive(Clone, Copy, Debug)]
@@ -60,8 +60,7 @@ impl PointCloud {
             if marker.label.is_some() && unmatched[row].label.is_some() {
                 return None;
             }
-            let gap = places[column].gap(&unmatched[row].ray);
-            gap.filter(|gap| *gap <= max_gap)
+            places[column].gap(&unmatched[row].ray, max_gap)
         });
         let mut columns = assign(&costs);
         columns.resize(unmatched.len(), None);
@@ -102,20 +101,22 @@ enum Place {
 }
 
 impl Place {
-    /// Returns the distance of a ray: that of two rays, or twice that from a point. `None` if the ray does not lead to the
-    /// marker in front of the camera.
-    fn gap(&self, ray: &Ray) -> Option<f64> {
-        match self {
+    /// Returns the distance of a ray: that of two rays, or twice that from a point. `None` if it is more than `max_gap`, or
+    /// if the ray does not lead to the marker in front of the camera.
+    fn gap(&self, ray: &Ray, max_gap: f64) -> Option<f64> {
+        let gap = match self {
+            Self::Along(only) if !pass_within(only, ray, max_gap) => return None,
             Self::Along(only) => {
                 let closest = closest_points(only, ray).ok()?;
-                closest.is_in_front().then(|| closest.gap())
+                closest.is_in_front().then(|| closest.gap())?
             }
             Self::At(point) => {
                 let k = ray.nearest(*point);
-                (k > 0.0).then(|| 2.0 * ray.at(k).distance(*point))
+                (k > 0.0).then(|| 2.0 * ray.at(k).distance(*point))?
             }
-            Self::Nowhere => None,
-        }
+            Self::Nowhere => return None,
+        };
+        (gap <= max_gap).then_some(gap)
     }
 }
 
