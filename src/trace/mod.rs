@@ -14,6 +14,8 @@
 //! name from the layout, or its index if it has none. Objects keep their order and numbers their full precision.
 
 pub mod bvh;
+pub mod hand_signals;
+pub mod signal;
 
 use serde::{Serialize, Serializer};
 

@@ -1,11 +1,14 @@
-//! `ademan trace`: the results of a stage, one JSON object per line.
+//! `ademan trace`: the results of a stage, one JSON object per line, or the jitter and lag of the hand.
 
 use std::io::{self, BufWriter, Write};
 
 use ademan::command::Command;
 use ademan::output;
+use ademan::pipeline::Pipeline;
 use ademan::session::{SessionHandle, SessionOptions};
+use ademan::setup::{PositionSmoothingSetup, Setup, SetupError, SmoothingSetup};
 use ademan::trace::Stage;
+use ademan::trace::hand_signals::HandSignals;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::complete;
@@ -16,12 +19,15 @@ use crate::setup_args::SetupArgs;
 /// Print the results of a stage, one JSON object per line
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan trace angles --source serial:/dev/ttyUSB0 | head\n  ademan trace touches --source 'typist:hello' --layout qwerty-arc"
+    after_help = "Examples:\n  ademan trace angles --source serial:/dev/ttyUSB0 | head\n  ademan trace touches --source 'typist:hello' --layout qwerty-arc\n  ademan trace --stats --source 'file:hands.jsonl?protocol=hand-landmarks'"
 )]
 pub struct Args {
     /// Stage
-    #[arg(value_parser = stage())]
-    stage: Stage,
+    #[arg(value_parser = stage(), required_unless_present = "stats")]
+    stage: Option<Stage>,
+    /// Print the jitter at rest and the lag of the filters at the end, in place of the results
+    #[arg(long, conflicts_with = "stage")]
+    stats: bool,
     /// Setup file
     #[arg(long, add = complete::setup())]
     setup: Option<String>,
@@ -33,6 +39,10 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let mut setup = args.flags.read_setup(args.setup.as_deref())?;
     // Nothing is typed, so that the trace may begin with the first reading.
     setup.arm_immediately = true;
+    let signals = match args.stats {
+        true => Some(HandSignals::new(unfiltered(&setup)?)),
+        false => None,
+    };
     let setup = setup.load_files()?;
     session::prepare()?;
     let options = SessionOptions {
@@ -41,7 +51,11 @@ pub fn run(args: Args) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let session = session::start(setup, options)?;
-    let printed = print(&session, args.stage);
+    let printed = match (args.stage, signals) {
+        (Some(stage), _) => print(&session, stage),
+        (None, Some(signals)) => print_stats(&session, signals),
+        (None, None) => Ok(()),
+    };
     session.commands().send(Command::Stop)?;
     session.join()?;
     Ok(printed?)
@@ -61,6 +75,24 @@ fn print(session: &SessionHandle, stage: Stage) -> io::Result<()> {
         }
     }
     out.flush()
+}
+
+/// Returns the pipeline of a setup without filters.
+fn unfiltered(setup: &Setup) -> Result<Pipeline, SetupError> {
+    let setup = Setup {
+        smoothing: SmoothingSetup::Off,
+        position_smoothing: PositionSmoothingSetup::Off,
+        ..setup.clone()
+    };
+    Ok(setup.load_files()?.pipeline())
+}
+
+/// Prints jitter and lag of each hand at the end of the source.
+fn print_stats(session: &SessionHandle, mut signals: HandSignals) -> io::Result<()> {
+    for snapshot in session.snapshots() {
+        signals.update(&snapshot);
+    }
+    write!(io::stdout().lock(), "{signals}")
 }
 
 fn stage() -> impl TypedValueParser<Value = Stage> {
