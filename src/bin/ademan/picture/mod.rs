@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use ademan::layout::{Layout, Wearer};
 use ademan::message::{escape, escape_lines};
-use ademan::setup::Setup;
+use ademan::setup::{LoadedSetup, Setup};
 
 use crate::complete;
 use crate::failure::Failure;
@@ -50,10 +50,12 @@ pub fn show(args: &Args) -> Result<(), Failure> {
         io::stdout().write_all(escape_lines(&layout.to_text()).as_bytes())?;
         return Ok(());
     }
-    let wearer = wearer(args)?;
+    let setup = load(args)?;
+    // As the setup fits it to the hand.
+    let (layout, wearer) = (&setup.layout, setup.wearer());
     let drawers: [&dyn Fn() -> Result<Picture, Failure>; 3] = [
-        &|| Ok(svg(&layout, &wearer)?.into_bytes()),
-        &|| png::from_svg(&svg(&layout, &wearer)?).map_err(Failure::job),
+        &|| Ok(svg(layout, &wearer)?.into_bytes()),
+        &|| png::from_svg(&svg(layout, &wearer)?).map_err(Failure::job),
         &|| {
             let page = layout.to_html(&wearer).map_err(cannot_draw)?;
             Ok(page.into_bytes())
@@ -68,8 +70,8 @@ pub fn show(args: &Args) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Returns the hands of the setup, at the boards of the layout.
-fn wearer(args: &Args) -> Result<Wearer, Failure> {
+/// Returns the setup whose hands are drawn, with the layout.
+fn load(args: &Args) -> Result<LoadedSetup, Failure> {
     let setup = match &args.setup {
         Some(path) => Setup::load(path)?,
         None => Setup::default(),
@@ -78,7 +80,7 @@ fn wearer(args: &Args) -> Result<Wearer, Failure> {
         layout: args.file.clone(),
         ..setup
     };
-    Ok(setup.load_files()?.wearer())
+    Ok(setup.load_files()?)
 }
 
 fn svg(layout: &Layout, wearer: &Wearer) -> Result<String, Failure> {
