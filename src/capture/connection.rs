@@ -9,6 +9,9 @@ use super::poll::Readiness;
 /// Longest time that one read blocks if it cannot be cancelled.
 pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
 
+/// Kind of the error of a read that dropped a datagram of another sender. No read of a socket has it.
+pub(super) const UNKNOWN_SENDER: ErrorKind = ErrorKind::PermissionDenied;
+
 /// Opens a connection, and opens it again after it was lost.
 ///
 /// A clone reconnects on its own thread, because opening may block.

@@ -46,13 +46,12 @@ fn next_error(text: &str, error: &SpannedError, format: &Format) -> Option<(Stri
     }
     let start = byte_range(text, error).start;
     for element in elements_around(text, start).into_iter().take(MAX_TRIED) {
-        let field = element.field(text);
-        if element.bracket == b'(' && field.is_none() {
+        if element.bracket == b'(' && element.field(text).is_none() {
             continue;
         }
         let blanked = blank_out(text, &element);
         let next = (format.reread)(&blanked)?;
-        if !is_consequence(&blanked, &next, start, &element, field) {
+        if !is_consequence(&blanked, &next, start, &element) {
             return Some((blanked, next));
         }
     }
@@ -90,25 +89,16 @@ fn blank_out(text: &str, element: &Element) -> String {
     format!("{before}{blanks}{after}")
 }
 
-/// Returns `true` if the next error is the same, or that a field of the same parentheses is missing now.
-fn is_consequence(
-    text: &str,
-    next: &SpannedError,
-    start: usize,
-    element: &Element,
-    field: Option<&str>,
-) -> bool {
+/// Returns `true` if the next error is the same, or is about the parentheses that lack a part now.
+fn is_consequence(text: &str, next: &SpannedError, start: usize, element: &Element) -> bool {
     let next_start = byte_range(text, next).start;
     if next_start == start || element.range.contains(&next_start) {
         return true;
     }
-    // What is missing in parentheses is reported at their end.
+    // What is wrong with parentheses as a whole is reported at their end, and a part of them is gone.
     next_start == element.inside.end
-        && match &next.code {
-            Error::MissingStructField { .. } => true,
-            Error::Message(message) => {
-                field.is_some_and(|field| message.contains(&format!("`{field}`")))
-            }
-            _ => false,
-        }
+        && matches!(
+            &next.code,
+            Error::MissingStructField { .. } | Error::Message(_)
+        )
 }

@@ -297,7 +297,7 @@ mod tests {
         for (fields, message) in [
             (
                 r#"rows: [], inputs: [(input: "stick-z", channel: 1, zero_counts: 0, full_counts: 1)]"#.to_owned(),
-                "did you mean `stick-x`?",
+                "did you mean `stick-y`?",
             ),
             (
                 r#"rows: [], inputs: [(input: "menu", channel: 64, zero_counts: 0, full_counts: 1)]"#.to_owned(),
@@ -330,12 +330,12 @@ mod tests {
         };
         let channel = row("64", "1");
         assert!(
-            channel.starts_with("g.ron:2:47: channel 64 does not exist, channels are 0 to 63\n"),
+            channel.starts_with("g.ron:2:45: channel 64 does not exist, channels are 0 to 63\n"),
             "{channel}"
         );
-        assert!(row("-1", "1").starts_with("g.ron:2:47: channel -1 does not exist"));
-        assert!(row("1", "0").starts_with("g.ron:2:84: an angle that does not change is 0"));
-        assert!(row("1", "NaN").starts_with("g.ron:2:84: NaN is out of range"));
+        assert!(row("-1", "1").starts_with("g.ron:2:46: channel -1 does not exist"));
+        assert!(row("1", "0").starts_with("g.ron:2:82: an angle that does not change is 0"));
+        assert!(row("1", "NaN").starts_with("g.ron:2:82: NaN is out of range"));
         let unknown = error("label: \"a\", dof: \"elbow-flexoin\"");
         assert!(
             unknown.contains("did you mean `elbow-flexion`?"),

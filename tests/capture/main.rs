@@ -16,6 +16,7 @@ mod lucidgloves;
 mod markers;
 #[cfg(unix)]
 mod serial;
+mod network_poses;
 mod peers;
 mod statistics;
 mod tcp;

@@ -168,16 +168,22 @@ fn wait_until_blocked(process: &str) {
     let threads = fs::read_dir(format!("/proc/{process}/task")).unwrap();
     let is_screen = |folder: &PathBuf| {
         let name = fs::read_to_string(folder.join("comm"));
-        name.is_ok_and(|name| name == "screen\n")
+        name.is_ok_and(|name| name == "view\n")
     };
     let mut folders = threads.map(|thread| thread.unwrap().path());
     let io = folders
         .find(is_screen)
         .expect("a thread that draws")
         .join("io");
+    let written = || {
+        let counters = fs::read_to_string(&io).unwrap();
+        let mut lines = counters.lines().map(str::to_owned);
+        // Attempts that write nothing are counted elsewhere.
+        lines.find(|line| line.starts_with("wchar:")).unwrap()
+    };
     let mut before = String::new();
     loop {
-        let now = fs::read_to_string(&io).unwrap();
+        let now = written();
         if now == before {
             return;
         }

@@ -6,6 +6,7 @@ mod support;
 mod landmarks;
 mod lucidgloves;
 mod motion;
+mod network_poses;
 mod soak;
 mod steady_state;
 mod tracked_hands;

@@ -151,7 +151,7 @@ fn the_stick_drives_an_axis_and_keys() {
     assert_eq!(glove.send(&with_stick(2047 + 820)), "LeftX 0.40");
     assert_eq!(glove.send(&with_stick(4095)), "LeftX 1.00, down D");
     assert_eq!(glove.send(&with_stick(0)), "LeftX -1.00, up D, down A");
-    assert_eq!(glove.send(&with_stick(2047)), "up A, LeftX 0.00");
+    assert_eq!(glove.send(&with_stick(2047)), "LeftX 0.00, up A");
 }
 
 #[test]

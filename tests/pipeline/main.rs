@@ -16,6 +16,7 @@ mod oracle;
 mod joint_positions;
 mod limits;
 mod lucidgloves;
+mod network_poses;
 mod panels;
 mod pauses;
 mod placement;

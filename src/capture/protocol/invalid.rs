@@ -20,6 +20,8 @@ named_enum! {
         OutOfOrder = "out-of-order",
         /// It was under way for so long that the hand is no longer there.
         TooOld = "too-old",
+        /// It comes from another sender than the packets before it.
+        UnknownSender = "unknown-sender",
         /// It has not the form of the protocol.
         Unknown = "unknown",
     }

@@ -5,10 +5,10 @@ use std::io::{Error, ErrorKind};
 use std::time::{Duration, Instant};
 
 use super::cancel::CancelToken;
-use super::connection::{Connection, Connector, READ_TIMEOUT};
+use super::connection::{Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER};
 use super::garbage::GarbageDetector;
 use super::packet_clock::PacketClock;
-use super::protocol::{Decoder, Packet, StreamFormat};
+use super::protocol::{Decoder, InvalidPacket, InvalidPackets, Packet, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
 use super::{CaptureError, Reading, Source, SourceEvent, SourceStats};
 use crate::message::escape;
@@ -28,6 +28,8 @@ pub(super) struct StreamSource<C> {
     /// Restarts only after a packet: a device that comes and goes is opened less and less often.
     back_off: BackOff,
     losses: u64,
+    /// Packets that were dropped before the decoder saw them.
+    unread: InvalidPackets,
 }
 
 enum State {
@@ -71,6 +73,7 @@ impl<C: Connector> StreamSource<C> {
             last_received: Instant::now(),
             back_off: BackOff::default(),
             losses: 0,
+            unread: InvalidPackets::default(),
         })
     }
 
@@ -83,6 +86,10 @@ impl<C: Connector> StreamSource<C> {
             Ok(0) => self.end_of_stream(),
             Ok(length) => self.handle_bytes(length),
             Err(error) if is_idle(error.kind()) => self.handle_silence(),
+            Err(error) if C::IS_DATAGRAM && error.kind() == UNKNOWN_SENDER => {
+                self.unread.count(InvalidPacket::UnknownSender);
+                Ok(SourceEvent::Idle)
+            }
             Err(error) if C::RECONNECTS => Err(self.lose(error.to_string())),
             // The writer of a pipe has closed its end.
             Err(error) if error.kind() == ErrorKind::BrokenPipe => self.end_of_stream(),
@@ -289,6 +296,7 @@ impl<C: Connector> Source for StreamSource<C> {
         SourceStats {
             readings: decoded.readings - self.pending.readings.len() as u64,
             losses: self.losses,
+            invalid: decoded.invalid + self.unread,
             ..decoded
         }
     }

@@ -1,10 +1,13 @@
-//! UDP receiver: each datagram holds whole packets.
+//! UDP receiver: each datagram holds whole packets, and all come from one sender.
 
 use std::io::{Error, ErrorKind, Read, Result};
 use std::net::{SocketAddr, UdpSocket};
+use std::time::{Duration, Instant};
 
 use super::{Scheme, Transport, check_socket_address, open_stream};
-use crate::capture::connection::{ConnectError, Connection, Connector, READ_TIMEOUT};
+use crate::capture::connection::{
+    ConnectError, Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER,
+};
 use crate::capture::poll::Readiness;
 
 /// The `udp` transport.
@@ -65,7 +68,10 @@ impl Connector for UdpConnector {
         })?;
         Ok(Connection {
             readiness: Readiness::new(&socket),
-            bytes: Box::new(Datagrams(socket)),
+            bytes: Box::new(Datagrams {
+                socket,
+                sender: None,
+            }),
             endpoint: self.address.clone(),
         })
     }
@@ -77,12 +83,37 @@ fn bind(address: &str) -> Result<UdpSocket> {
     Ok(socket)
 }
 
-/// Reader of one datagram per read.
-struct Datagrams(UdpSocket);
+/// Silence of a sender after which another one is accepted.
+const SENDER_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Reader of one datagram per read, all of them from one sender: those of two would be a hand that jumps.
+struct Datagrams {
+    socket: UdpSocket,
+    /// The sender that is read, and the time of its last datagram.
+    sender: Option<(SocketAddr, Instant)>,
+}
+
+impl Datagrams {
+    /// Returns whether a datagram of this sender is read.
+    fn accept(&mut self, sender: SocketAddr) -> bool {
+        let now = Instant::now();
+        let is_other = self.sender.is_some_and(|(known, last)| {
+            known != sender && now.saturating_duration_since(last) < SENDER_TIMEOUT
+        });
+        if !is_other {
+            self.sender = Some((sender, now));
+        }
+        !is_other
+    }
+}
 
 impl Read for Datagrams {
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
-        match self.0.recv(buffer)? {
+        let (length, sender) = self.socket.recv_from(buffer)?;
+        if !self.accept(sender) {
+            return Err(Error::from(UNKNOWN_SENDER));
+        }
+        match length {
             // To a reader 0 is the end of the stream; an empty datagram is not.
             0 => Err(Error::from(ErrorKind::WouldBlock)),
             length => Ok(length),

@@ -1,0 +1,196 @@
+//! Datagrams of opentrack and VMC on real sockets; those of VMC are made by the package python-osc too.
+
+use std::net::{SocketAddr, UdpSocket};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Instant;
+
+use ademan::capture::protocol::{InvalidPacket, opentrack};
+use ademan::capture::{Sample, Source, SourceEvent, open};
+use ademan::hand::{ArmBone, BoneRotations, Displacement, Joint};
+use glam::{Quat, Vec3};
+
+use crate::text_line::{TIMEOUT, samples, uri};
+
+/// Opens a source of datagrams in this format at a free port. Tries again if another program has taken the port meanwhile.
+fn open_at_free_port(format: &str) -> (Box<dyn Source>, SocketAddr) {
+    for _ in 0..100 {
+        let probe = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+        let address = probe.local_addr().expect("its address");
+        drop(probe);
+        if let Ok(source) = open(&uri(&format!("udp:{address}?protocol={format}"))) {
+            return (source, address);
+        }
+    }
+    panic!("no free port for {format}");
+}
+
+#[test]
+fn datagrams_of_opentrack_of_another_size_are_dropped() {
+    let (mut source, address) = open_at_free_port("opentrack&joint=elbow");
+    let sender = UdpSocket::bind("127.0.0.1:0").expect("a free port");
+    let pose = opentrack::encode(&[10.0, 20.0, -30.0, 0.0, 0.0, 0.0]);
+    let not_finite = opentrack::encode(&[f64::NAN; 6]);
+    for datagram in [
+        &pose[..47],
+        &[&pose[..], b"\0"].concat(),
+        b"",
+        &not_finite,
+        &pose,
+    ] {
+        sender.send_to(datagram, address).unwrap();
+    }
+    let position = Vec3::new(0.1, 0.2, -0.3);
+    let displacement = Displacement::new(Joint::Elbow, position, Quat::IDENTITY);
+    let received = samples(&mut *source, 1);
+    assert_eq!(received, [Sample::Displacement { displacement }]);
+    let stats = source.stats();
+    assert_eq!((stats.readings, stats.skipped_bytes), (1, 47 + 49 + 48));
+    for reason in [
+        InvalidPacket::Truncated,
+        InvalidPacket::WrongSize,
+        InvalidPacket::NotFinite,
+    ] {
+        assert_eq!(stats.invalid.get(reason), 1, "{reason}");
+    }
+}
+
+#[test]
+fn datagrams_of_another_sender_are_dropped_until_the_first_is_silent() {
+    let (mut source, address) = open_at_free_port("opentrack");
+    let [first, second] = [0, 1].map(|_| UdpSocket::bind("127.0.0.1:0").expect("a free port"));
+    let pose = |x: f64| opentrack::encode(&[x, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let position = |sample: &Sample| match sample {
+        Sample::Displacement { displacement } => displacement.translation().x,
+        other => panic!("{other:?}"),
+    };
+    for (socket, x) in [
+        (&first, 1.0),
+        (&second, 90.0),
+        (&first, 2.0),
+        (&second, 91.0),
+    ] {
+        socket.send_to(&pose(x), address).unwrap();
+    }
+    let received = samples(&mut *source, 2);
+    assert_eq!(
+        received.iter().map(position).collect::<Vec<_>>(),
+        [0.01, 0.02]
+    );
+    assert_eq!(source.stats().invalid.get(InvalidPacket::UnknownSender), 1);
+    // The second one goes on alone.
+    let start = Instant::now();
+    loop {
+        second.send_to(&pose(92.0), address).unwrap();
+        match source.next().expect("the source has no errors") {
+            SourceEvent::Reading(reading) => {
+                assert_eq!(position(&reading.sample), 0.92);
+                break;
+            }
+            _ => assert!(start.elapsed() < TIMEOUT, "never accepted"),
+        }
+    }
+    assert!(source.stats().invalid.get(InvalidPacket::UnknownSender) > 2);
+}
+
+/// Sends a frame as several programs do: bones in two bundles, the last of them inside the bundle of the state, with
+/// additional arguments, a message that is not valid, an unknown bone and one of the body.
+const SENDER: &str = r##"
+import sys, math
+from pythonosc import osc_bundle_builder, osc_message_builder, udp_client
+
+def message(address, *arguments):
+    builder = osc_message_builder.OscMessageBuilder(address)
+    for argument in arguments:
+        builder.add_arg(argument)
+    return builder.build()
+
+def bone(name, x, y, z, w, *more):
+    return message("/VMC/Ext/Bone/Pos", name, 0.1, 0.2, 0.3, x, y, z, w, *more)
+
+def bundle(*contents):
+    builder = osc_bundle_builder.OscBundleBuilder(osc_bundle_builder.IMMEDIATELY)
+    for content in contents:
+        builder.add_content(content)
+    return builder.build()
+
+half = math.sqrt(0.5)
+client = udp_client.UDPClient("127.0.0.1", int(sys.argv[1]))
+client.send(bundle(
+    bone("Hips", 0.0, 0.0, 0.0, 1.0),
+    bone("RightLowerArm", 0.0, half, 0.0, half),
+    bone("RightHand", 0.0, 0.0, 0.0, 0.0),
+    bone("RightTentacle", 0.0, 0.0, 0.0, 1.0),
+))
+client.send(bundle(
+    message("/VMC/Ext/Root/Pos", "root", 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0),
+    message("/VMC/Ext/OK", 1, 3, 0, 1),
+    message("/VMC/Ext/T", 1.5),
+    bundle(
+        bone("LeftLittleDistal", half, 0.0, 0.0, half, 1.0, "more"),
+        message("/VMC/Ext/Bone/Pos", "LeftHand", 1.0),
+        message("/VMC/Ext/Blend/Val", "A", 0.5),
+    ),
+))
+"##;
+
+/// Returns a Python with python-osc, installed once per build folder, or the reason why there is none.
+fn python() -> Result<PathBuf, String> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("osc-sender");
+    let python = folder.join("bin/python");
+    let run = |program: &Path, arguments: &[&str]| {
+        let output = Command::new(program).args(arguments).output();
+        match output {
+            Ok(output) if output.status.success() => Ok(()),
+            Ok(output) => Err(String::from_utf8_lossy(&output.stderr).trim().to_owned()),
+            Err(error) => Err(error.to_string()),
+        }
+    };
+    if run(&python, &["-c", "import pythonosc"]).is_ok() {
+        return Ok(python);
+    }
+    let folder = folder.display().to_string();
+    run(Path::new("python3"), &["-m", "venv", "--clear", &folder])?;
+    let pip = "-m pip install --quiet --timeout 10 --retries 1 python-osc==1.10.2";
+    run(&python, &pip.split(' ').collect::<Vec<_>>())?;
+    Ok(python)
+}
+
+#[test]
+fn bundles_of_python_osc_are_read_and_bad_messages_left_out() {
+    let python = match python() {
+        Ok(python) => python,
+        Err(reason) => {
+            println!("SKIPPED: cannot install the package python-osc: {reason}");
+            return;
+        }
+    };
+    let (mut source, address) = open_at_free_port("vmc");
+    let sent = Command::new(python)
+        .args(["-c", SENDER, &address.port().to_string()])
+        .output()
+        .expect("Python starts");
+    let messages = String::from_utf8_lossy(&sent.stderr);
+    assert!(sent.status.success(), "{messages}");
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    let mut expected = BoneRotations::default();
+    let turned = Quat::from_xyzw(0.0, -half, 0.0, half);
+    expected.right.set(ArmBone::LowerArm, turned);
+    let turned = Quat::from_xyzw(-half, 0.0, 0.0, half);
+    expected.left.set(ArmBone::LittleThird, turned);
+    let Sample::Bones { bones } = samples(&mut *source, 1).remove(0) else {
+        panic!("not bones");
+    };
+    for (found, expected) in [(bones.left, expected.left), (bones.right, expected.right)] {
+        let names = |arm: &ademan::hand::ArmRotations| -> Vec<ArmBone> {
+            arm.known().map(|(bone, _)| bone).collect()
+        };
+        assert_eq!(names(&found), names(&expected));
+        for (bone, rotation) in expected.known() {
+            assert!(found.get(bone).unwrap().abs_diff_eq(rotation, 1e-6));
+        }
+    }
+    let stats = source.stats();
+    assert_eq!((stats.readings, stats.skipped_bytes), (1, 0));
+    assert_eq!(stats.invalid.total(), 2, "one in each datagram");
+}
