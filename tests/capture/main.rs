@@ -22,3 +22,4 @@ mod statistics;
 mod tcp;
 #[cfg(unix)]
 mod text_line;
+mod websocket;

@@ -8,6 +8,7 @@ mod stdin;
 pub(super) mod tcp;
 mod udp;
 mod usb_port;
+mod websocket;
 
 use std::fmt;
 use std::num::NonZeroU32;
@@ -23,6 +24,7 @@ pub const TRANSPORTS: &[&Transport] = &[
     &serial::TRANSPORT,
     &tcp::TRANSPORT,
     &udp::TRANSPORT,
+    &websocket::TRANSPORT,
     &file::TRANSPORT,
     &stdin::TRANSPORT,
 ];
@@ -80,13 +82,15 @@ pub struct StreamUri {
     pub format: StreamFormat,
     /// Time from a movement to the arrival of its reading, 0 to [`MAX_DELAY`].
     pub delay: Duration,
+    /// Page in a browser that may connect, such as `https://example.org`; for a WebSocket only.
+    pub origin: Option<String>,
 }
 
 /// Longest delay of a source.
 pub const MAX_DELAY: Duration = Duration::from_millis(500);
 
 impl StreamUri {
-    /// Creates a URI of a source without a delay.
+    /// Creates a URI of a source without a delay and a page.
     pub(super) fn new(
         transport: &'static Transport,
         address: String,
@@ -97,6 +101,7 @@ impl StreamUri {
             address,
             format: format.into(),
             delay: Duration::ZERO,
+            origin: None,
         }
     }
 }
@@ -105,9 +110,12 @@ impl fmt::Display for StreamUri {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let scheme = self.transport.scheme.name;
         write!(f, "{scheme}:{}{}", self.address, self.format)?;
-        match self.delay {
-            Duration::ZERO => Ok(()),
-            delay => write!(f, "&delay_ms={}", delay.as_millis()),
+        if self.delay > Duration::ZERO {
+            write!(f, "&delay_ms={}", self.delay.as_millis())?;
+        }
+        match &self.origin {
+            Some(origin) => write!(f, "&origin={origin}"),
+            None => Ok(()),
         }
     }
 }

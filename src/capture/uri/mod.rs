@@ -22,12 +22,13 @@ use crate::names::{UnknownName, nearest};
 /// | `tcp:HOST:PORT[?OPTIONS]` | TCP server, such as an RS232-to-TCP converter |
 /// | `udp:ADDRESS:PORT[?OPTIONS]` | datagrams from this machine: `udp:127.0.0.1:9000` |
 /// | `file:PATH[?OPTIONS]` | bytes of a stream in a file |
+/// | `ws:ADDRESS:PORT[?OPTIONS]` | WebSocket server on this machine: `ws:127.0.0.1:9001` |
 /// | `stdin:[?OPTIONS]` | bytes of a stream on the standard input |
 /// | `recording:PATH` | recording made by `ademan record` |
 /// | `typist:TEXT` | simulated hand that types the text |
 /// | `script:FILE` | simulated hand that plays a script file or the script itself |
 ///
-/// Sources on the network (`tcp:`, `udp:`) press keys only with `role: Both` or `role: Keys` in the setup.
+/// Sources on the network (`tcp:`, `udp:`, `ws:`) press keys only with `role: Both` or `role: Keys` in the setup.
 ///
 /// Options are `key=value` pairs joined by `&`: `protocol` (see [`PROTOCOLS`]), `baud` (bits per second of the serial
 /// line, 1 or more), `delay_ms` (time from a movement to the arrival of its reading, 0 to 500, by which the sources of one
@@ -224,7 +225,11 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
         });
     }
     (transport.check_address)(address)?;
-    let (format, delay) = parse_options(options, transport.default_baud)?;
+    let ParsedOptions {
+        format,
+        delay,
+        origin,
+    } = parse_options(options, transport)?;
     let name = format.protocol.name;
     match format.protocol.carriers {
         Carriers::Streams if transport.is_datagram => Err(format!(
@@ -237,6 +242,7 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
     }?;
     Ok(StreamUri {
         delay,
+        origin,
         ..StreamUri::new(transport, address.to_owned(), format)
     })
 }
@@ -253,11 +259,14 @@ fn are_pairs(options: &str) -> bool {
     })
 }
 
-/// Returns the format of the bytes and the delay of the readings.
-fn parse_options(
-    options: &str,
-    default_baud: Option<NonZeroU32>,
-) -> Result<(StreamFormat, Duration), String> {
+/// The options of a stream.
+struct ParsedOptions {
+    format: StreamFormat,
+    delay: Duration,
+    origin: Option<String>,
+}
+
+fn parse_options(options: &str, transport: &Transport) -> Result<ParsedOptions, String> {
     let pairs = options.split('&').filter(|pair| !pair.is_empty());
     let pairs: Vec<(&str, &str)> = pairs
         .map(|pair| pair.split_once('=').unwrap_or((pair, "")))
@@ -272,17 +281,22 @@ fn parse_options(
         None => PROTOCOLS[0],
     };
     let mut format = StreamFormat::new(protocol);
-    format.baud = format.baud.or(default_baud);
-    let mut delay = Duration::ZERO;
+    format.baud = format.baud.or(transport.default_baud);
+    let (mut delay, mut origin) = (Duration::ZERO, None);
     for (key, value) in pairs {
         match key {
             "protocol" => {}
             "baud" => format.baud = Some(parse_baud(value)?),
             "delay_ms" => delay = parse_delay(value)?,
+            "origin" if transport.scheme.name == "ws" => origin = Some(parse_origin(value)?),
             _ => set_option(&mut format, key, value)?,
         }
     }
-    Ok((format, delay))
+    Ok(ParsedOptions {
+        format,
+        delay,
+        origin,
+    })
 }
 
 fn find_protocol(name: &str) -> Result<&'static Protocol, String> {
@@ -310,6 +324,19 @@ fn parse_delay(value: &str) -> Result<Duration, String> {
         let longest = MAX_DELAY.as_millis();
         format!("`{value}` is not a delay, write 0 to {longest} ms: `delay_ms=40`")
     })
+}
+
+/// Checks the origin of a page: a scheme, a host and perhaps a port, without a path.
+fn parse_origin(value: &str) -> Result<String, String> {
+    let host = ["http://", "https://"]
+        .iter()
+        .find_map(|scheme| value.strip_prefix(scheme));
+    match host {
+        Some(host) if !host.is_empty() && !host.contains(['/', '*', '@']) => Ok(value.to_owned()),
+        _ => Err(format!(
+            "`{value}` is not the address of a site, write it without a path: `origin=http://localhost:8000`"
+        )),
+    }
 }
 
 fn set_option(format: &mut StreamFormat, key: &str, value: &str) -> Result<(), String> {

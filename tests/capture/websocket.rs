@@ -1,0 +1,177 @@
+//! Lines over a WebSocket, and clients that are refused.
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::time::Duration;
+
+use ademan::capture::protocol::joint_sets::{self, WEBXR};
+use ademan::capture::{CaptureError, Source, SourceEvent, open};
+use ademan::hand::{Joint, JointPositions, Side};
+use glam::DVec3;
+use tungstenite::client::IntoClientRequest;
+use tungstenite::{Message, WebSocket};
+
+use crate::support::source::next_within;
+
+/// Longest wait on a busy machine.
+const TIMEOUT: Duration = Duration::from_secs(60);
+
+/// Opens a source at a port that was just free.
+fn source(options: &str) -> (Box<dyn Source>, SocketAddr) {
+    let probe = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let address = probe.local_addr().expect("its address");
+    drop(probe);
+    let uri = format!("ws:{address}?protocol=webxr{options}");
+    let uri = uri.parse().expect("a source URI");
+    (open(&uri).expect("the port is free"), address)
+}
+
+/// Connects with these headers.
+fn connect(
+    address: SocketAddr,
+    headers: &[(&'static str, &str)],
+) -> Result<WebSocket<TcpStream>, String> {
+    let mut request = format!("ws://{address}/")
+        .into_client_request()
+        .expect("a valid request");
+    for (name, value) in headers {
+        let value = value.parse().expect("a header");
+        request.headers_mut().insert(*name, value);
+    }
+    let stream = TcpStream::connect(address).map_err(|error| error.to_string())?;
+    stream.set_read_timeout(Some(TIMEOUT)).expect("a timeout");
+    let connected = tungstenite::client(request, stream);
+    connected
+        .map(|(socket, _)| socket)
+        .map_err(|error| error.to_string())
+}
+
+fn line(x: f64) -> String {
+    let mut hand = JointPositions::default();
+    hand.set(Joint::Wrist, DVec3::new(x, 1.0, 0.0));
+    joint_sets::encode(&WEBXR, None, &[(Side::Right, hand)])
+}
+
+fn next_wrist(source: &mut dyn Source) -> f64 {
+    match next_within(source, TIMEOUT) {
+        Ok(SourceEvent::Reading(reading)) => {
+            let ademan::capture::Sample::Joints { positions } = reading.sample else {
+                panic!("joints");
+            };
+            positions.get(Joint::Wrist).expect("a wrist").x
+        }
+        other => panic!("no reading: {other:?}"),
+    }
+}
+
+fn next_loss(source: &mut dyn Source) -> String {
+    match next_within(source, TIMEOUT) {
+        Err(error @ CaptureError::Lost { .. }) => error.to_string(),
+        other => panic!("no loss: {other:?}"),
+    }
+}
+
+fn send(socket: &mut WebSocket<TcpStream>, message: impl Into<Message>) {
+    socket.send(message.into()).expect("the server reads");
+}
+
+#[test]
+fn messages_are_lines_and_a_client_that_leaves_is_lost_until_the_next_one() {
+    let (mut source, address) = source("");
+    let mut first = connect(address, &[]).expect("a program is admitted");
+    send(&mut first, line(0.25));
+    send(&mut first, "noise");
+    send(&mut first, line(0.5).repeat(2));
+    let received = [(); 3].map(|()| next_wrist(&mut *source));
+    assert_eq!(received, [0.25, 0.5, 0.5]);
+    assert_eq!(source.stats().invalid.total(), 1, "noise");
+    first.close(None).expect("the server reads");
+    drop(first);
+    let loss = next_loss(&mut *source);
+    assert!(loss.contains("client"), "{loss}");
+    let mut second = connect(address, &[]).expect("the next client is admitted");
+    send(&mut second, line(0.75));
+    assert_eq!(next_wrist(&mut *source), 0.75);
+}
+
+#[test]
+fn pages_of_other_sites_and_other_host_names_are_refused() {
+    let (mut source, address) = source("&origin=http://localhost:8000");
+    let rebound = format!("attacker.example:{}", address.port());
+    for headers in [
+        [("Origin", "https://attacker.example"), ("X-Other", "1")],
+        [("Origin", "null"), ("X-Other", "1")],
+        [
+            ("Origin", "http://localhost:8000.attacker.example"),
+            ("X-Other", "1"),
+        ],
+        [("Origin", "http://localhost:8000"), ("Host", &rebound)],
+        [("X-Other", "1"), ("Host", &rebound)],
+    ] {
+        let error = connect(address, &headers).expect_err("refused");
+        assert!(error.contains("403"), "{headers:?}: {error}");
+    }
+    let mut page = connect(address, &[("Origin", "http://localhost:8000")]).expect("admitted");
+    send(&mut page, line(0.25));
+    assert_eq!(next_wrist(&mut *source), 0.25);
+}
+
+#[test]
+fn binary_and_endless_messages_end_the_connection() {
+    let (mut source, address) = source("");
+    let mut client = connect(address, &[]).expect("admitted");
+    send(&mut client, vec![1_u8, 2, 3]);
+    assert!(next_loss(&mut *source).contains("binary"));
+    let mut client = connect(address, &[]).expect("admitted");
+    let _ = client.send("x".repeat(70_000).into());
+    let loss = next_loss(&mut *source);
+    assert!(
+        loss.to_lowercase().contains("too long") || loss.contains("capacity"),
+        "{loss}"
+    );
+}
+
+#[test]
+fn a_second_client_and_one_that_sends_no_request_do_not_disturb_the_first() {
+    let (mut source, address) = source("");
+    // Sends part of a request and then nothing: it is disconnected, and the next one has its turn.
+    let mut slow = TcpStream::connect(address).expect("it listens");
+    slow.write_all(b"GET / HTTP/1.1\r\n").expect("it is read");
+    slow.set_read_timeout(Some(TIMEOUT)).expect("a timeout");
+    assert!(
+        matches!(slow.read(&mut [0]), Ok(0) | Err(_)),
+        "disconnected"
+    );
+    let mut first = connect(address, &[]).expect("admitted");
+    send(&mut first, line(0.25));
+    assert_eq!(next_wrist(&mut *source), 0.25);
+    for _ in 0..20 {
+        assert!(connect(address, &[]).is_err(), "one client at a time");
+    }
+    send(&mut first, line(0.5));
+    assert_eq!(next_wrist(&mut *source), 0.5);
+}
+
+#[test]
+fn other_addresses_and_origins_are_refused_with_a_remedy() {
+    for (uri, remedy) in [
+        ("ws:0.0.0.0:9001", "write `ws:127.0.0.1:PORT`"),
+        ("ws:example.org:9001", "write `ws:127.0.0.1:PORT`"),
+        ("ws:127.0.0.1", "port from 1 to 65535"),
+        ("ws:127.0.0.1:9001?origin=*", "without a path"),
+        ("ws:127.0.0.1:9001?origin=http://a/b", "without a path"),
+        ("udp:127.0.0.1:9001?origin=http://a", "option `origin`"),
+    ] {
+        let uri = if uri.contains('?') {
+            format!("{uri}&protocol=webxr")
+        } else {
+            format!("{uri}?protocol=webxr")
+        };
+        let error = uri.parse::<ademan::capture::SourceUri>().expect_err(&uri);
+        assert!(error.to_string().contains(remedy), "{uri}: {error}");
+    }
+    let uri = "ws:127.0.0.1:9001?protocol=webxr&origin=http://localhost:8000";
+    let parsed: ademan::capture::SourceUri = uri.parse().expect("valid");
+    assert_eq!(parsed.to_string(), uri);
+    assert!(parsed.is_remote());
+}
