@@ -69,7 +69,17 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         5,
         "no web page reaches a port",
-        Status::Met(&[("src/share/server.rs", "a_client_that_sends_is_disconnected")]),
+        Status::Met(&[
+            ("src/share/server.rs", "a_client_that_sends_is_disconnected"),
+            (
+                "tests/capture/websocket.rs",
+                "pages_of_other_sites_and_other_host_names_are_refused",
+            ),
+            (
+                "tests/capture/websocket.rs",
+                "other_addresses_and_origins_are_refused_with_a_remedy",
+            ),
+        ]),
     ),
     requirement(
         6,
