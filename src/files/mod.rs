@@ -1,5 +1,5 @@
-//! Access to the files of a person: only regular files are read, and what a person types is written only where nobody
-//! else can read it.
+//! Access to the files of a person: only regular files are read, and what a person types is written only to files that no
+//! one else can read.
 //!
 //! Opening a pipe waits for its other end, and opening a device may act on it: a path that leads to one of them is
 //! refused before it is opened, and checked again on the open file.

@@ -1,4 +1,4 @@
-//! A limit on messages by kind and source, so that nobody can fill a terminal or a log.
+//! A limit on messages by kind and source, so that no peer can fill a terminal or a log.
 
 use std::fmt;
 use std::time::{Duration, Instant};

@@ -147,7 +147,7 @@ impl fmt::Display for Notice {
             Self::HeldBack(held_back) => held_back.fmt(f),
             Self::Missed(count) => write!(
                 f,
-                "{} dropped: nobody has read them in time",
+                "{} dropped: they were not read in time",
                 counted(*count, "message")
             ),
         }

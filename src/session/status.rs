@@ -10,7 +10,7 @@ use crate::message::MessageLimits;
 use crate::pipeline::PipelineState;
 use crate::snapshot::{Snapshot, Stats};
 
-/// Notices per 10 s that a person waits for: the pause that somebody asked for, and the start of typing, which must never
+/// Notices per 10 s that a person waits for: the pause that was asked for, and the start of typing, which must never
 /// be a surprise.
 const AWAITED: u32 = 10;
 

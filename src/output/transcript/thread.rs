@@ -233,7 +233,7 @@ mod tests {
     use crate::time::Timestamp;
     use std::io::{PipeReader, Read};
 
-    /// A transcript to a pipe that nobody has read yet.
+    /// A transcript to a pipe that has not been read yet.
     fn transcript() -> (TranscriptThread, PipeReader) {
         let (reader, writer) = io::pipe().unwrap();
         let writer = io::BufWriter::new(writer);

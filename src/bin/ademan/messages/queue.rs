@@ -109,7 +109,7 @@ impl<W: Write> Printer<W> {
         let missed = self.missed.swap(0, Ordering::Relaxed);
         if missed > 0 {
             self.print(&format!(
-                "{missed} messages dropped: nobody has read them in time\n"
+                "{missed} messages dropped: they were not read in time\n"
             ));
         }
     }
@@ -124,7 +124,7 @@ mod tests {
         (Vec::new(), None)
     }
 
-    /// A queue that writes to a pipe that nobody has read yet.
+    /// A queue that writes to a pipe that has not been read yet.
     fn queue() -> (MessageQueue, PipeReader) {
         let (reader, writer) = io::pipe().unwrap();
         (MessageQueue::start(writer, no_due).unwrap(), reader)
@@ -156,7 +156,7 @@ mod tests {
         let last = text.lines().last().unwrap();
         assert_eq!(
             last,
-            format!("{missed} messages dropped: nobody has read them in time")
+            format!("{missed} messages dropped: they were not read in time")
         );
     }
 
