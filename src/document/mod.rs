@@ -141,7 +141,7 @@ impl Document {
     }
 
     /// Returns the value of the first field with this name.
-    pub(crate) fn field_value(&self, name: &str) -> Option<&str> {
+    pub fn field_value(&self, name: &str) -> Option<&str> {
         scan::field_value(&self.text, name)
     }
 

@@ -81,7 +81,7 @@ pub const STICK_X: usize = JOINT + JOINTS * Finger::COUNT;
 pub const STICK_Y: usize = STICK_X + 1;
 /// Channel of the analogue trigger.
 pub const TRIGGER: usize = STICK_Y + 1;
-/// Channel of the first [button](Button), in the order of [`Button::KEYS`].
+/// Channel of the first button, in the order of [`Button`].
 pub const BUTTONS: usize = TRIGGER + 1;
 /// Number of channels.
 pub const CHANNELS: usize = BUTTONS + Button::KEYS.len();
