@@ -1,7 +1,7 @@
 //! Release times while other programs use all processors.
 //!
-//! The key is held before the others start. The receiver and the observer have the highest priority, so that the times are
-//! those of the program and its watchdog.
+//! The key is held before the others start. The receiver and the observer have the highest priority, so that
+//! only the delays of the program and its watchdog are measured.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

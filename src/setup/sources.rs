@@ -92,9 +92,9 @@ impl LoadedSetup {
             self.named_sources()
                 .any(|source| source.permissions.role == role)
         };
-        let has_arm = self
-            .named_sources()
-            .any(|source| source.remedy.contains("arm_role"));
+        let other = self.setup.other_hand.as_ref();
+        let other_arm = other.and_then(|hand| hand.arm_source.as_ref());
+        let has_arm = self.setup.arm_source.as_ref().or(other_arm).is_some();
         if has_arm && has(SourceRole::Keys) && has(SourceRole::Pointer) {
             let message = "`role: Keys` of one source and the role `Pointer` of another one permit nothing together; a \
                            source on the network has the role `Pointer` unless the setup says otherwise: set `arm_role: Keys`";

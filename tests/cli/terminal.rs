@@ -3,11 +3,13 @@
 
 use std::fs;
 use std::io::{ErrorKind, Read, Write};
-use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::mpsc;
 use std::thread;
 use std::time::{Duration, Instant};
+
+use crate::support::process::signal;
 
 const ENTER_ALTERNATE_SCREEN: &str = "\x1b[?1049h";
 const LEAVE_ALTERNATE_SCREEN: &str = "\x1b[?1049l";
@@ -108,14 +110,20 @@ fn a_transcript_on_the_terminal_is_not_drawn_over() {
     assert!(!shown.contains(ENTER_ALTERNATE_SCREEN), "{shown}");
 }
 
-#[test]
-fn closing_the_terminal_ends_the_demo_and_removes_its_serial_port() {
-    let folder = tempfile::tempdir().unwrap();
-    let process_id = folder.path().join("id");
-    let ports = folder.path().join("ports");
-    fs::create_dir(&ports).unwrap();
+/// A demo in a terminal of its own, from the moment at which it draws.
+struct RunningDemo {
+    script: Child,
+    /// Not read any more.
+    _screen: ChildStdout,
+    /// The id of the process of the demo.
+    process: String,
+}
+
+/// Starts a demo with these arguments. Returns `None` without the program `script`.
+fn start_demo(folder: &Path, arguments: &str) -> Option<RunningDemo> {
+    let process_id = folder.join("id");
     let demo = format!(
-        "stty rows 30 columns 100; echo $$ > {}; exec {} demo",
+        "stty rows 30 columns 100; echo $$ > {}; exec {} demo {arguments}",
         process_id.display(),
         env!("CARGO_BIN_EXE_ademan")
     );
@@ -124,14 +132,14 @@ fn closing_the_terminal_ends_the_demo_and_removes_its_serial_port() {
         .env("TERM", "xterm-256color")
         .env("LC_ALL", "C.UTF-8")
         .env("SHELL", "/bin/sh")
-        .env("TMPDIR", &ports)
+        .env("TMPDIR", folder)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .spawn();
     let mut script = match spawned {
         Err(error) if error.kind() == ErrorKind::NotFound => {
             println!("SKIPPED: `script` of util-linux is not installed");
-            return;
+            return None;
         }
         spawned => spawned.unwrap(),
     };
@@ -143,12 +151,27 @@ fn closing_the_terminal_ends_the_demo_and_removes_its_serial_port() {
         assert!(length > 0, "{}", String::from_utf8_lossy(&shown));
         shown.extend(&buffer[..length]);
     }
-    assert_eq!(fs::read_dir(&ports).unwrap().count(), 1);
-    script.kill().unwrap();
-    script.wait().unwrap();
     let process = fs::read_to_string(&process_id).unwrap();
-    assert!(ends(process.trim()), "the demo goes on without a terminal");
-    assert_eq!(fs::read_dir(&ports).unwrap().count(), 0);
+    fs::remove_file(process_id).unwrap();
+    Some(RunningDemo {
+        script,
+        _screen: screen,
+        process: process.trim().to_owned(),
+    })
+}
+
+#[test]
+fn closing_the_terminal_ends_the_demo_and_removes_its_serial_port() {
+    let folder = tempfile::tempdir().unwrap();
+    let ports = || fs::read_dir(&folder).unwrap().count();
+    let Some(mut demo) = start_demo(folder.path(), "") else {
+        return;
+    };
+    assert_eq!(ports(), 1);
+    demo.script.kill().unwrap();
+    demo.script.wait().unwrap();
+    assert!(ends(&demo.process), "the demo goes on without a terminal");
+    assert_eq!(ports(), 0);
 }
 
 /// Waits until a process has ended. Returns `false` after 60 s.
@@ -195,48 +218,16 @@ fn wait_until_blocked(process: &str) {
 #[test]
 fn one_signal_ends_the_demo_in_a_terminal_that_accepts_nothing() {
     let folder = tempfile::tempdir().unwrap();
-    let process_id = folder.path().join("id");
-    let demo = format!(
-        "stty rows 30 columns 100; echo $$ > {}; exec {} demo --text '{}'",
-        process_id.display(),
-        env!("CARGO_BIN_EXE_ademan"),
-        "a long text ".repeat(40)
-    );
-    let spawned = Command::new("script")
-        .args(["--quiet", "--command", &demo, "/dev/null"])
-        .env("TERM", "xterm-256color")
-        .env("SHELL", "/bin/sh")
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn();
-    let mut script = match spawned {
-        Err(error) if error.kind() == ErrorKind::NotFound => {
-            println!("SKIPPED: `script` of util-linux is not installed");
-            return;
-        }
-        spawned => spawned.unwrap(),
+    let text = format!("--text '{}'", "a long text ".repeat(40));
+    let Some(mut demo) = start_demo(folder.path(), &text) else {
+        return;
     };
-    let mut screen = script.stdout.take().unwrap();
-    let mut shown = Vec::new();
-    while !String::from_utf8_lossy(&shown).contains("running") {
-        let mut buffer = [0; 4096];
-        let length = screen.read(&mut buffer).unwrap();
-        assert!(length > 0, "{}", String::from_utf8_lossy(&shown));
-        shown.extend(&buffer[..length]);
-    }
     // As after Ctrl-S: the terminal passes on nothing more, and fills.
-    let stop = |signal: &str, process: u32| {
-        let kill = Command::new("kill")
-            .args(["-s", signal, &process.to_string()])
-            .status();
-        assert!(kill.unwrap().success());
-    };
-    stop("STOP", script.id());
-    let process = fs::read_to_string(&process_id).unwrap();
-    wait_until_blocked(process.trim());
-    stop("INT", process.trim().parse().unwrap());
-    let has_ended = ends(process.trim());
-    script.kill().unwrap();
-    script.wait().unwrap();
+    signal("STOP", demo.script.id());
+    wait_until_blocked(&demo.process);
+    signal("INT", demo.process.parse().unwrap());
+    let has_ended = ends(&demo.process);
+    demo.script.kill().unwrap();
+    demo.script.wait().unwrap();
     assert!(has_ended, "the demo waits for its terminal");
 }

@@ -93,6 +93,15 @@ impl PacketError {
             text: text.into(),
         }
     }
+
+    /// Creates the error of a packet with `count` values instead of `expected`.
+    pub(super) fn wrong_count(count: usize, expected: usize) -> Self {
+        let reason = match count < expected {
+            true => InvalidPacket::Truncated,
+            false => InvalidPacket::WrongSize,
+        };
+        Self::new(reason, format!("{count} values instead of {expected}"))
+    }
 }
 
 impl fmt::Display for PacketError {

@@ -8,8 +8,7 @@ use std::fmt::Write;
 
 use super::lines::{LineDecoder, LineParser};
 use super::{
-    Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption,
-    ProtocolOptions,
+    Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, space,
 };
 use crate::capture::{Sample, SampleKind};
 use crate::hand::{Dof, JointAngles};
@@ -27,7 +26,7 @@ pub const PROTOCOL: Protocol = Protocol {
     min_packet_bytes: 2 * VALUES,
     default_baud: None,
     options: &[&RATE],
-    nominal_rate_hz: |options| Some(rate_hz(options)),
+    nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |_| Box::new(TextLineDecoder::new()),
 };
 
@@ -42,13 +41,6 @@ const RATE: ProtocolOption = ProtocolOption {
         )),
     },
 };
-
-fn rate_hz(options: &ProtocolOptions) -> f64 {
-    let value = options.get(&RATE);
-    value
-        .parse()
-        .expect("options are checked when they are set")
-}
 
 /// Numbers in a line: one for each channel of the HC11 glove.
 pub const VALUES: usize = 64;
@@ -98,12 +90,7 @@ pub fn parse(line: &str) -> Result<[f64; VALUES], PacketError> {
         count += 1;
     }
     if count != VALUES {
-        let reason = match count < VALUES {
-            true => InvalidPacket::Truncated,
-            false => InvalidPacket::WrongSize,
-        };
-        let text = format!("{count} values instead of {VALUES}");
-        return Err(PacketError::new(reason, text));
+        return Err(PacketError::wrong_count(count, VALUES));
     }
     Ok(values)
 }

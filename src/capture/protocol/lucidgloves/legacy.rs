@@ -1,7 +1,7 @@
 //! The legacy encoding: 13 numbers with `&` between them.
 
 use super::{Button, Fields, unknown};
-use crate::capture::protocol::{InvalidPacket, PacketError};
+use crate::capture::protocol::PacketError;
 use crate::hand::Finger;
 
 /// Numbers in a line: five curls, the stick in two directions, then the buttons of [`BUTTONS`].
@@ -30,12 +30,7 @@ pub(super) fn parse(line: &[u8]) -> Result<Fields, PacketError> {
         count += 1;
     }
     if count != VALUES {
-        let reason = match count < VALUES {
-            true => InvalidPacket::Truncated,
-            false => InvalidPacket::WrongSize,
-        };
-        let text = format!("{count} values instead of {VALUES}");
-        return Err(PacketError::new(reason, text));
+        return Err(PacketError::wrong_count(count, VALUES));
     }
     let mut fields = Fields {
         curls: std::array::from_fn(|finger| Some(values[finger])),

@@ -30,10 +30,10 @@ use self::cut::cut;
 use self::parts::{Part, PartKind, arrange};
 use super::look::Look;
 
-/// Messages for which rows are kept, if there are so many.
+/// Minimum number of rows for messages, if there are that many.
 const MIN_MESSAGES: u16 = 2;
 
-/// Groups of lines for which rows are kept even if a board has no room: the fingertips, and the keys or the task.
+/// Groups of lines that are shown even if no board fits: the fingertips, and the keys or the task.
 const ESSENTIAL_GROUPS: usize = 2;
 
 /// The content of a picture.
@@ -88,8 +88,8 @@ impl Picture<'_> {
         self.look.apply(buffer);
     }
 
-    /// Returns the boards and spaces at the largest size at which all fit into `room` rows. If they fit at no size, returns
-    /// those of the smallest size that fit into `most` rows, where other lines are left out for them.
+    /// Returns the boards and spaces at the largest size at which all fit into `room` rows. If no size fits, returns as
+    /// many as fit into `most` rows at the smallest size; other lines are left out to make room for them.
     fn fitting_parts(
         &self,
         width: u16,

@@ -118,8 +118,8 @@ fn lock() -> MutexGuard<'static, Option<Covered>> {
     COVERED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Opens the terminal of standard output anew: non-blocking mode is a property of the open file, and other processes share
-/// that of standard output.
+/// Opens the terminal of standard output a second time: non-blocking mode is a property of the open file description, which
+/// standard output shares with other processes.
 fn open() -> io::Result<File> {
     let name = rustix::termios::ttyname(io::stdout(), Vec::new())?;
     let name = name.to_string_lossy().into_owned();
