@@ -20,6 +20,7 @@
 //! - [`output`] sends events to the desktop, the kernel or another program.
 //! - [`session`] owns the threads around the pipeline: capture, layouts that are edited while they are used, the control
 //!   socket, panic keys and recordings.
+//! - [`calibrate`] turns readings of known poses into the values of a glove file.
 //! - [`share`] gives joint angles and poses to other programs.
 //! - [`layout`] and [`setup`] read the RON files of users; [`doctor`] checks the machine against a setup.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
@@ -80,6 +81,7 @@ pub mod trace;
 pub mod recorder;
 #[cfg(not(target_family = "wasm"))]
 pub mod share;
+pub mod calibrate;
 pub mod sim;
 #[cfg(not(target_family = "wasm"))]
 pub mod setup;

@@ -50,6 +50,7 @@ const FLOW: &[&str] = &[
     "trace",
     "recorder",
     "share",
+    "calibrate",
     "sim",
     "setup",
     "session",

@@ -1,0 +1,64 @@
+//! Errors of a calibration.
+
+use super::problem::Problem;
+
+/// The reason why no calibration comes of the data. Each message states what is wrong and what to do.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CalibrationError {
+    /// The glove has no rows.
+    #[error("the glove has no channels for joints; discover them, or start from another glove")]
+    EmptyGlove,
+    /// Too few poses were observed.
+    #[error(
+        "only {observed} poses were observed: a calibration needs at least the flat hand and the fist; repeat it without skipping them"
+    )]
+    TooFewPoses {
+        /// The number of poses.
+        observed: usize,
+    },
+    /// The readings do not have the full scale of the glove.
+    #[error(
+        "the readings have counts up to {found}, the glove file states {expected}; correct `full_scale_counts`"
+    )]
+    OtherFullScale {
+        /// The full scale of the readings.
+        found: u16,
+        /// The full scale of the glove file.
+        expected: u16,
+    },
+    /// Joints of the hand cannot be used.
+    #[error("the calibration is not usable: {}", reasons(.problems))]
+    Unusable {
+        /// The problems.
+        problems: Vec<Problem>,
+    },
+    /// A recording does not contain the poses.
+    #[error(
+        "the recording has {found} still phases, and the procedure has {expected} poses; record it again with `ademan calibrate`, which marks the poses, or hold each pose for 2 s"
+    )]
+    PosesNotFound {
+        /// The number of still phases.
+        found: usize,
+        /// The number of poses.
+        expected: usize,
+    },
+    /// A recording has no readings of channels.
+    #[error(
+        "the recording has no readings of sensor channels; only gloves with channels are calibrated"
+    )]
+    NoChannels,
+    /// The marks of a recording are damaged.
+    #[error(
+        "the marks of the poses in the recording are damaged at `{line}`; record the calibration again"
+    )]
+    InvalidMarks {
+        /// The line.
+        line: String,
+    },
+}
+
+fn reasons(problems: &[Problem]) -> String {
+    let reasons: Vec<String> = problems.iter().map(Problem::to_string).collect();
+    reasons.join("; ")
+}

@@ -1,0 +1,29 @@
+//! Calibration: from readings of known poses to the values of a glove file.
+//!
+//! ```text
+//!  Procedure ──Reading──▶ PoseCapture ──PoseObservation──▶ Observations ──fit──▶ CalibrationResult ──write──▶ glove file
+//! ```
+//!
+//! A [`Procedure`] leads through the [`CalibrationPose`]s that a glove needs. Each is captured once the hand is still, which the
+//! [`PoseCapture`] reads from the data. [`fit`] turns the [`Observations`] into gains and offsets, names the sensors with a
+//! fault, and rates the result. [`observe_recording`] finds the same observations in a recording.
+//!
+//! Everything here is free of clocks, files and terminals: the same readings give the same result.
+
+mod capture;
+mod error;
+mod fit;
+mod observation;
+mod pose;
+mod problem;
+mod procedure;
+mod recorded;
+
+pub use capture::{CaptureState, LiveChannel, PoseCapture};
+pub use error::CalibrationError;
+pub use fit::{CalibrationResult, fit};
+pub use observation::{ChannelObservation, Observations, PoseObservation};
+pub use pose::{CalibrationPose, ExpectedAngle};
+pub use problem::{Problem, Severity};
+pub use procedure::{Procedure, ProcedureState};
+pub use recorded::{MARKS_KIND, PoseMark, marks_from_text, marks_to_text, observe_recording};

@@ -1,0 +1,80 @@
+//! Observations: what each channel showed in each pose.
+
+use super::pose::CalibrationPose;
+
+/// The counts of one channel while a pose was held.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelObservation {
+    /// The index of the channel.
+    pub channel: usize,
+    /// The median, which a spike does not move.
+    pub median: f64,
+    /// The 10th percentile.
+    pub low: f64,
+    /// The 90th percentile.
+    pub high: f64,
+    /// `false` if the channel changed while the others were still.
+    pub is_still: bool,
+}
+
+/// The counts of all channels while a pose was held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoseObservation {
+    /// The pose.
+    pub pose: CalibrationPose,
+    /// The channels, in the order of their indices.
+    pub channels: Vec<ChannelObservation>,
+}
+
+impl PoseObservation {
+    /// Returns the observation of a channel, or `None` if it was not measured.
+    pub fn channel(&self, channel: usize) -> Option<&ChannelObservation> {
+        self.channels
+            .iter()
+            .find(|observation| observation.channel == channel)
+    }
+
+    /// Returns the median of a channel, or `None` if it was not measured.
+    pub fn median(&self, channel: usize) -> Option<f64> {
+        self.channel(channel).map(|observation| observation.median)
+    }
+}
+
+/// The observations of a calibration: the poses that were held.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Observations {
+    poses: Vec<PoseObservation>,
+}
+
+impl Observations {
+    /// Adds a pose, in place of an earlier observation of it.
+    pub fn insert(&mut self, observation: PoseObservation) {
+        self.remove(observation.pose);
+        self.poses.push(observation);
+    }
+
+    /// Removes a pose.
+    pub fn remove(&mut self, pose: CalibrationPose) {
+        self.poses.retain(|other| other.pose != pose);
+    }
+
+    /// Returns the poses in the order in which they were held.
+    pub fn poses(&self) -> &[PoseObservation] {
+        &self.poses
+    }
+
+    /// Returns the observation of a pose, or `None` if it was skipped.
+    pub fn get(&self, pose: CalibrationPose) -> Option<&PoseObservation> {
+        self.poses.iter().find(|other| other.pose == pose)
+    }
+
+    /// Returns the smallest and the largest median of a channel over all poses: its range without spikes. `None` if it was
+    /// not measured.
+    pub fn range(&self, channel: usize) -> Option<(f64, f64)> {
+        let medians = self.poses.iter().filter_map(|pose| pose.median(channel));
+        medians.fold(None, |range, median| {
+            let (low, high) = range.unwrap_or((median, median));
+            Some((median.min(low), median.max(high)))
+        })
+    }
+}

@@ -1,0 +1,188 @@
+//! Problems of a calibration: the sensor, the reason, and the remedy.
+
+use std::fmt;
+
+use super::pose::CalibrationPose;
+use crate::hand::Dof;
+
+/// The weight of a problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// The calibration corrects it.
+    Corrected,
+    /// The joint is less exact than it could be.
+    Inexact,
+    /// The joint cannot be used.
+    Unusable,
+}
+
+/// A problem of a calibration. The message states what is wrong, why, and what to do.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Problem {
+    /// The counts of a channel never change.
+    DeadChannel {
+        /// The index of the channel.
+        channel: usize,
+        /// The joint that it measures.
+        dof: Dof,
+        /// The count.
+        count: f64,
+    },
+    /// A channel was not measured.
+    MissingChannel {
+        /// The index of the channel.
+        channel: usize,
+        /// The joint that it measures.
+        dof: Dof,
+    },
+    /// The counts change too little between the poses.
+    SmallRange {
+        /// The index of the channel.
+        channel: usize,
+        /// The joint that it measures.
+        dof: Dof,
+        /// The change in counts.
+        counts: f64,
+    },
+    /// The counts change in the other direction than those of the starting glove.
+    InvertedChannel {
+        /// The index of the channel.
+        channel: usize,
+        /// The joint that it measures.
+        dof: Dof,
+    },
+    /// Two channels measure each other's joints.
+    SwappedChannels {
+        /// The first channel and the joint of the glove file.
+        first: (usize, Dof),
+        /// The second channel and the joint of the glove file.
+        second: (usize, Dof),
+    },
+    /// A channel follows another one while its own joint is still.
+    CrossTalk {
+        /// The index of the channel.
+        channel: usize,
+        /// The joint that it measures.
+        dof: Dof,
+        /// The channel that it follows, and its joint.
+        source: (usize, Dof),
+        /// The change of the channel for the range of the other one, as a fraction of its own range.
+        fraction: f64,
+    },
+    /// A channel changed while the hand was still.
+    Restless {
+        /// The index of the channel.
+        channel: usize,
+        /// The joint that it measures.
+        dof: Dof,
+        /// The pose.
+        pose: CalibrationPose,
+    },
+    /// A joint keeps the values of the starting glove, because too few of its poses were observed.
+    NotObserved {
+        /// The joint.
+        dof: Dof,
+    },
+    /// A joint was outside the range of motion in a pose.
+    Implausible {
+        /// The joint.
+        dof: Dof,
+        /// The pose.
+        pose: CalibrationPose,
+        /// The angle in degrees.
+        degrees: f64,
+    },
+}
+
+impl Problem {
+    /// Returns the weight.
+    pub const fn severity(&self) -> Severity {
+        match self {
+            Self::DeadChannel { .. }
+            | Self::MissingChannel { .. }
+            | Self::SwappedChannels { .. } => Severity::Unusable,
+            Self::InvertedChannel { .. } => Severity::Corrected,
+            Self::SmallRange { .. }
+            | Self::CrossTalk { .. }
+            | Self::Restless { .. }
+            | Self::NotObserved { .. }
+            | Self::Implausible { .. } => Severity::Inexact,
+        }
+    }
+
+    /// Returns the joint that is worse for it; the first of two.
+    pub const fn dof(&self) -> Dof {
+        match self {
+            Self::DeadChannel { dof, .. }
+            | Self::MissingChannel { dof, .. }
+            | Self::SmallRange { dof, .. }
+            | Self::InvertedChannel { dof, .. }
+            | Self::CrossTalk { dof, .. }
+            | Self::Restless { dof, .. }
+            | Self::NotObserved { dof }
+            | Self::Implausible { dof, .. } => *dof,
+            Self::SwappedChannels { first, .. } => first.1,
+        }
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DeadChannel {
+                channel,
+                dof,
+                count,
+            } => write!(
+                f,
+                "channel {channel} ({dof}) stays at {count:.0} in every pose: the sensor is dead; check its wires"
+            ),
+            Self::MissingChannel { channel, dof } => write!(
+                f,
+                "channel {channel} ({dof}) was not measured: the readings do not contain it; check the protocol and the glove file"
+            ),
+            Self::SmallRange {
+                channel,
+                dof,
+                counts,
+            } => write!(
+                f,
+                "channel {channel} ({dof}) changes by only {counts:.0} counts: one count is more than 5°; repeat the poses to the end of the movement, or check the resistor of the sensor"
+            ),
+            Self::InvertedChannel { channel, dof } => write!(
+                f,
+                "channel {channel} ({dof}) counts the other way than in the starting glove: its wires are exchanged; the calibration corrects it"
+            ),
+            Self::SwappedChannels { first, second } => write!(
+                f,
+                "channels {} ({}) and {} ({}) are swapped: each follows the joint of the other; exchange their plugs, or their numbers in the glove file",
+                first.0, first.1, second.0, second.1
+            ),
+            Self::CrossTalk {
+                channel,
+                dof,
+                source,
+                fraction,
+            } => write!(
+                f,
+                "channel {channel} ({dof}) follows channel {} ({}) by {:.0} % of its range: separate their wires, or fasten the sensor",
+                source.0,
+                source.1,
+                fraction * 100.0
+            ),
+            Self::Restless { channel, dof, pose } => write!(
+                f,
+                "channel {channel} ({dof}) was not still in the pose `{pose}`: hold it longer, or check the wire"
+            ),
+            Self::NotObserved { dof } => write!(
+                f,
+                "{dof} keeps its values: too few of its poses were taken; repeat the calibration without skipping them"
+            ),
+            Self::Implausible { dof, pose, degrees } => write!(
+                f,
+                "{dof} is at {degrees:.0}° in the pose `{pose}`, which no joint reaches: repeat the pose"
+            ),
+        }
+    }
+}
