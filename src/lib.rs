@@ -60,6 +60,8 @@ pub mod document;
 pub mod command;
 pub mod advice;
 pub mod priority;
+#[cfg(not(target_family = "wasm"))]
+pub mod network;
 
 // Stages, in the order of the data flow. A browser has no devices, files and threads: outputs and sessions are not built
 // for WebAssembly.

@@ -38,6 +38,7 @@ const FLOW: &[&str] = &[
     "command",
     "advice",
     "priority",
+    "network",
     "capture",
     "estimate",
     "kinematics",
@@ -62,6 +63,7 @@ const STAGES: &[&str] = &["estimate", "kinematics", "contact", "device", "pipeli
 
 /// The folders and files that may read a clock.
 const MAY_READ_A_CLOCK: &[&str] = &[
+    "network/",
     "capture/",
     "output/",
     "session/",

@@ -43,6 +43,12 @@ pub enum FileError {
     /// Other users may access the folder.
     #[error("other users may access {path}; restrict it to yourself: chmod 700 {path}", path = .0.display())]
     OpenFolder(PathBuf),
+    /// Other users may read the file.
+    #[error(
+        "other users may read it, so that its secret may be known; make it private and its tokens anew: chmod 600 {path}",
+        path = .0.display()
+    )]
+    Exposed(PathBuf),
     /// The operating system refuses.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -55,6 +61,17 @@ pub fn open_regular(path: &Path) -> Result<File, FileError> {
     check_regular(file.metadata()?.file_type())?;
     system::wait_from_now_on(&file)?;
     Ok(file)
+}
+
+/// Opens a file with a secret for reading: a regular file of this user that no one else can access.
+pub fn open_secret(path: &Path) -> Result<File, FileError> {
+    let file = open_regular(path)?;
+    let metadata = file.metadata()?;
+    system::check_owner(&metadata)?;
+    match system::is_private_file(&metadata) {
+        true => Ok(file),
+        false => Err(FileError::Exposed(path.into())),
+    }
 }
 
 /// Creates a file that only its owner can access. Fails if anything exists at the path.

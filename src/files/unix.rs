@@ -89,6 +89,11 @@ pub fn is_private_folder(metadata: &Metadata) -> bool {
     metadata.is_dir() && check_owner(metadata).is_ok() && metadata.mode() & 0o077 == 0
 }
 
+/// Returns whether only its owner can access a file.
+pub fn is_private_file(metadata: &Metadata) -> bool {
+    metadata.mode() & 0o077 == 0
+}
+
 /// Returns the bytes that the user may still write on the disk of a folder.
 pub fn free_bytes(folder: &Path) -> Option<u64> {
     let disk = rustix::fs::statvfs(folder).ok()?;

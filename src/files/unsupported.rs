@@ -50,6 +50,10 @@ pub fn is_private_folder(metadata: &Metadata) -> bool {
     metadata.is_dir()
 }
 
+pub fn is_private_file(_: &Metadata) -> bool {
+    true
+}
+
 pub fn free_bytes(_: &Path) -> Option<u64> {
     None
 }

@@ -2,12 +2,14 @@
 
 use arrayvec::ArrayVec;
 
-use super::{LoadedSetup, SetupError};
+use super::{LoadedSetup, Setup, SetupError};
 use crate::capture::recording::Replay;
 use crate::capture::{
     self, Hc11Format, MAX_SOURCES, MergedSource, PartialSource, SidedSource, Source, SourceUri,
 };
 use crate::hand::{HandPart, Side};
+use crate::message::escape;
+use crate::network::{self, TokenRole, tokens};
 use crate::output;
 use crate::pipeline::{SourcePermissions, SourceRole};
 
@@ -28,6 +30,44 @@ struct OpenedPart<'a> {
     /// The hands that it measures.
     sides: ArrayVec<Side, { Side::COUNT }>,
     part: Option<HandPart>,
+}
+
+impl Setup {
+    /// Gives each source without a role that of its token. Reads the token files, which only the setup of the person who runs
+    /// the program may name.
+    pub fn use_token_roles(&mut self) -> Result<(), SetupError> {
+        use_token_role(&self.source, &mut self.role)?;
+        use_token_role(&self.arm_source, &mut self.arm_role)?;
+        if let Some(other) = &mut self.other_hand {
+            use_token_role(&other.source, &mut other.role)?;
+            use_token_role(&other.arm_source, &mut other.arm_role)?;
+        }
+        Ok(())
+    }
+}
+
+fn use_token_role(
+    source: &Option<SourceUri>,
+    role: &mut Option<SourceRole>,
+) -> Result<(), SetupError> {
+    let file = source.as_ref().and_then(SourceUri::token_file);
+    if let (Some(file), None) = (file, &role) {
+        let granted = tokens::role_of_file(&network::token_path(file));
+        *role = Some(
+            match granted.map_err(|error| SetupError::Value(error.to_string()))? {
+                TokenRole::See => {
+                    return Err(SetupError::Value(format!(
+                        "the token in {} only permits to see, so its source may cause nothing; use a token with the role `point` or \
+                     `type`, or state a role: `--role pointer`",
+                        escape(file)
+                    )));
+                }
+                TokenRole::Point => SourceRole::Pointer,
+                TokenRole::Type => SourceRole::Both,
+            },
+        );
+    }
+    Ok(())
 }
 
 impl LoadedSetup {

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use ademan::advice;
 use ademan::capture::CaptureError;
 use ademan::document::DocumentError;
+use ademan::network::NetworkError;
 use ademan::output::OutputError;
 use ademan::recorder::RecordError;
 use ademan::session::control_socket::ControlError;
@@ -145,6 +146,12 @@ impl From<SetupError> for Failure {
             SetupError::Capture(error) => error.into(),
             error => Self::new(error, USE),
         }
+    }
+}
+
+impl From<NetworkError> for Failure {
+    fn from(error: NetworkError) -> Self {
+        Self::new(error, USE)
     }
 }
 

@@ -70,6 +70,7 @@ mod source_value;
 mod sources;
 mod stats;
 mod system_files;
+mod token;
 mod trace;
 mod view;
 mod watch;
@@ -113,6 +114,7 @@ subcommands! {
     Glove(glove),
     Setup(setup),
     Script(script),
+    Token(token),
     Doctor(doctor),
     #[command(name = watchdog::COMMAND, hide = true)]
     Watchdog(watchdog),

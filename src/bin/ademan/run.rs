@@ -72,6 +72,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
     }
     setup.arm_immediately |= args.armed;
     setup.share.extend(args.share);
+    setup.use_token_roles()?;
     let control_socket = match &args.control {
         Some(off) if off.as_os_str() == "off" => ControlSocket::Off,
         Some(path) => ControlSocket::Path(path.clone()),

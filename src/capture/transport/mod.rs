@@ -6,6 +6,7 @@ mod file;
 pub(super) mod serial;
 mod stdin;
 pub(super) mod tcp;
+mod tcp_tls;
 mod udp;
 mod usb_port;
 mod websocket;
@@ -23,6 +24,7 @@ use super::{CaptureError, Source};
 pub const TRANSPORTS: &[&Transport] = &[
     &serial::TRANSPORT,
     &tcp::TRANSPORT,
+    &tcp_tls::TRANSPORT,
     &udp::TRANSPORT,
     &websocket::TRANSPORT,
     &file::TRANSPORT,
@@ -38,6 +40,8 @@ pub struct Transport {
     pub is_remote: bool,
     /// It carries datagrams, each of whole packets, and not a stream.
     pub is_datagram: bool,
+    /// It needs a token file.
+    pub needs_token: bool,
     /// The device or server may appear after the program has started.
     pub is_device: bool,
     /// The URI has an address.
@@ -84,13 +88,15 @@ pub struct StreamUri {
     pub delay: Duration,
     /// Page in a browser that may connect, such as `https://example.org`; for a WebSocket only.
     pub origin: Option<String>,
+    /// File with the token for the server: a path, or a name in the network folder.
+    pub token_file: Option<String>,
 }
 
 /// Longest delay of a source.
 pub const MAX_DELAY: Duration = Duration::from_millis(500);
 
 impl StreamUri {
-    /// Creates a URI of a source without a delay and a page.
+    /// Creates a URI of a source without a delay, a page and a token.
     pub(super) fn new(
         transport: &'static Transport,
         address: String,
@@ -102,6 +108,7 @@ impl StreamUri {
             format: format.into(),
             delay: Duration::ZERO,
             origin: None,
+            token_file: None,
         }
     }
 }
@@ -113,8 +120,11 @@ impl fmt::Display for StreamUri {
         if self.delay > Duration::ZERO {
             write!(f, "&delay_ms={}", self.delay.as_millis())?;
         }
-        match &self.origin {
-            Some(origin) => write!(f, "&origin={origin}"),
+        if let Some(origin) = &self.origin {
+            write!(f, "&origin={origin}")?;
+        }
+        match &self.token_file {
+            Some(file) => write!(f, "&token_file={file}"),
             None => Ok(()),
         }
     }

@@ -24,6 +24,7 @@ pub const TRANSPORT: Transport = Transport {
     },
     is_remote: false,
     is_datagram: false,
+    needs_token: false,
     is_device: true,
     has_address: true,
     default_baud: Some(DEFAULT_BAUD),

@@ -13,6 +13,7 @@ pub const TRANSPORT: Transport = Transport {
     scheme: SCHEME,
     is_remote: true,
     is_datagram: false,
+    needs_token: false,
     is_device: true,
     has_address: true,
     default_baud: None,
@@ -59,7 +60,8 @@ impl Connector for TcpConnector {
     }
 }
 
-fn connect(address: &str) -> Result<TcpStream, Error> {
+/// Connects to the first address of a host that answers.
+pub(super) fn connect(address: &str) -> Result<TcpStream, Error> {
     let mut last_error = Error::other("the name has no address");
     for address in address.to_socket_addrs()? {
         match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {

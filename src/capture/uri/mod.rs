@@ -20,6 +20,7 @@ use crate::names::{UnknownName, nearest};
 /// |---|---|
 /// | `serial:PORT[?OPTIONS]` | serial port: `/dev/ttyUSB0`, `COM3`, `/dev/serial/by-id/…` |
 /// | `tcp:HOST:PORT[?OPTIONS]` | TCP server, such as an RS232-to-TCP converter |
+/// | `tcp+tls:HOST:PORT?token_file=FILE` | server of another machine, with TLS and a token |
 /// | `udp:ADDRESS:PORT[?OPTIONS]` | datagrams from this machine: `udp:127.0.0.1:9000` |
 /// | `file:PATH[?OPTIONS]` | bytes of a stream in a file |
 /// | `ws:ADDRESS:PORT[?OPTIONS]` | WebSocket server on this machine: `ws:127.0.0.1:9001` |
@@ -28,7 +29,8 @@ use crate::names::{UnknownName, nearest};
 /// | `typist:TEXT` | simulated hand that types the text |
 /// | `script:FILE` | simulated hand that plays a script file or the script itself |
 ///
-/// Sources on the network (`tcp:`, `udp:`, `ws:`) press keys only with `role: Both` or `role: Keys` in the setup.
+/// Sources on the network (`tcp:`, `tcp+tls:`, `udp:`, `ws:`) press keys only with `role: Both` or `role: Keys` in the setup, or
+/// with a token that grants it.
 ///
 /// Options are `key=value` pairs joined by `&`: `protocol` (see [`PROTOCOLS`]), `baud` (bits per second of the serial
 /// line, 1 or more), `delay_ms` (time from a movement to the arrival of its reading, 0 to 500, by which the sources of one
@@ -146,6 +148,14 @@ impl SourceUri {
         }
     }
 
+    /// Returns the file with the token for the server: a path, or a name in the network folder.
+    pub fn token_file(&self) -> Option<&str> {
+        match self {
+            Self::Stream(stream) => stream.token_file.as_deref(),
+            _ => None,
+        }
+    }
+
     /// Returns the serial port as the operating system names it.
     pub fn serial_port(&self) -> Option<&str> {
         match self {
@@ -229,7 +239,13 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
         format,
         delay,
         origin,
+        token_file,
     } = parse_options(options, transport)?;
+    if transport.needs_token && token_file.is_none() {
+        return Err(format!(
+            "`{scheme}` needs the file of a token, which `ademan token new` makes on the other machine: `token_file=desk.token`"
+        ));
+    }
     let name = format.protocol.name;
     match format.protocol.carriers {
         Carriers::Streams if transport.is_datagram => Err(format!(
@@ -243,6 +259,7 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
     Ok(StreamUri {
         delay,
         origin,
+        token_file,
         ..StreamUri::new(transport, address.to_owned(), format)
     })
 }
@@ -264,6 +281,7 @@ struct ParsedOptions {
     format: StreamFormat,
     delay: Duration,
     origin: Option<String>,
+    token_file: Option<String>,
 }
 
 fn parse_options(options: &str, transport: &Transport) -> Result<ParsedOptions, String> {
@@ -282,13 +300,14 @@ fn parse_options(options: &str, transport: &Transport) -> Result<ParsedOptions, 
     };
     let mut format = StreamFormat::new(protocol);
     format.baud = format.baud.or(transport.default_baud);
-    let (mut delay, mut origin) = (Duration::ZERO, None);
+    let (mut delay, mut origin, mut token_file) = (Duration::ZERO, None, None);
     for (key, value) in pairs {
         match key {
             "protocol" => {}
             "baud" => format.baud = Some(parse_baud(value)?),
             "delay_ms" => delay = parse_delay(value)?,
             "origin" if transport.scheme.name == "ws" => origin = Some(parse_origin(value)?),
+            "token_file" if transport.needs_token => token_file = Some(parse_token_file(value)?),
             _ => set_option(&mut format, key, value)?,
         }
     }
@@ -296,6 +315,7 @@ fn parse_options(options: &str, transport: &Transport) -> Result<ParsedOptions, 
         format,
         delay,
         origin,
+        token_file,
     })
 }
 
@@ -336,6 +356,20 @@ fn parse_origin(value: &str) -> Result<String, String> {
         _ => Err(format!(
             "`{value}` is not the address of a site, write it without a path: `origin=http://localhost:8000`"
         )),
+    }
+}
+
+/// Checks the name of a token file. A token itself is refused without being quoted: every user of the machine can see the
+/// arguments of a program.
+fn parse_token_file(value: &str) -> Result<String, String> {
+    let is_token = value.len() == 64 && value.bytes().all(|byte| byte.is_ascii_hexdigit());
+    match value {
+        "" => Err("`token_file=` is followed by nothing, write the name of the file".to_owned()),
+        _ if is_token => Err(
+            "`token_file=` is followed by a token, which others can see there; revoke it, and write the name of a file"
+                .to_owned(),
+        ),
+        _ => Ok(value.to_owned()),
     }
 }
 

@@ -20,6 +20,7 @@ pub const TRANSPORT: Transport = Transport {
     scheme: SCHEME,
     is_remote: true,
     is_datagram: false,
+    needs_token: false,
     is_device: false,
     has_address: true,
     default_baud: None,

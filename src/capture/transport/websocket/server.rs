@@ -1,6 +1,6 @@
 //! The thread of the server: one client at a time.
 
-use std::io::{self, ErrorKind, Read, Write};
+use std::io::{self, ErrorKind};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,6 +11,8 @@ use tungstenite::handshake::server::{ErrorResponse, Request, Response};
 use tungstenite::http::StatusCode;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket, accept_hdr_with_config};
+
+use crate::network::DeadlineStream;
 
 /// Longest message: no protocol has longer lines.
 const MAX_MESSAGE_BYTES: usize = 1 << 16;
@@ -110,11 +112,8 @@ impl Clients {
     }
 
     /// Performs the handshake.
-    fn admit(&self, stream: TcpStream) -> Option<WebSocket<ClientStream>> {
-        let stream = ClientStream {
-            stream,
-            deadline: Some(Instant::now() + HANDSHAKE_TIMEOUT),
-        };
+    fn admit(&self, stream: TcpStream) -> Option<WebSocket<DeadlineStream>> {
+        let stream = DeadlineStream::new(Arc::new(stream), HANDSHAKE_TIMEOUT).ok()?;
         let config = WebSocketConfig::default()
             .max_message_size(Some(MAX_MESSAGE_BYTES))
             .max_frame_size(Some(MAX_MESSAGE_BYTES));
@@ -132,16 +131,12 @@ impl Clients {
             }
         };
         let mut socket = accept_hdr_with_config(stream, check, Some(config)).ok()?;
-        let stream = socket.get_mut();
-        stream.deadline = None;
-        let is_ready = stream.stream.set_read_timeout(Some(POLL_INTERVAL)).is_ok()
-            && stream.stream.set_write_timeout(Some(POLL_INTERVAL)).is_ok()
-            && stream.stream.set_nodelay(true).is_ok();
-        is_ready.then_some(socket)
+        socket.get_mut().end_deadline(POLL_INTERVAL).ok()?;
+        Some(socket)
     }
 
     /// Passes on the messages of a client. Returns the reason why it has left.
-    fn receive(&self, mut socket: WebSocket<ClientStream>, listener: &TcpListener) -> String {
+    fn receive(&self, mut socket: WebSocket<DeadlineStream>, listener: &TcpListener) -> String {
         let (mut second, mut messages) = (Instant::now(), 0);
         while !self.is_stopped() {
             refuse_others(listener);
@@ -243,34 +238,5 @@ impl Admission {
                 crate::message::escape(origin)
             )),
         }
-    }
-}
-
-/// A connection whose reads fail after a deadline, however slowly bytes arrive.
-struct ClientStream {
-    stream: TcpStream,
-    deadline: Option<Instant>,
-}
-
-impl Read for ClientStream {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        if let Some(deadline) = self.deadline {
-            let left = deadline.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                return Err(io::Error::from(ErrorKind::TimedOut));
-            }
-            self.stream.set_read_timeout(Some(left))?;
-        }
-        self.stream.read(buffer)
-    }
-}
-
-impl Write for ClientStream {
-    fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-        self.stream.write(buffer)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.stream.flush()
     }
 }

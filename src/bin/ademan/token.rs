@@ -1,0 +1,80 @@
+//! `ademan token`: the tokens with which other machines connect to this one.
+
+use std::io::{self, Write};
+
+use ademan::message::escape;
+use ademan::network::{TokenRole, network_folder, tokens};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+
+use crate::failure::Failure;
+
+/// Manage the tokens with which programs on other machines connect to this one
+#[derive(clap::Args)]
+#[command(
+    after_help = "Example, a hand that is captured here and types on another machine:\n  here:   ademan token new desk --role type\n  here:   ademan run --share text-line+tls:192.168.1.7:10002\n  there:  ademan run --source 'tcp+tls:192.168.1.7:10002?protocol=text-line&token_file=desk.token' --output desktop\n\nTokens are in the folder `network` of the configuration folder (~/.config/ademan on Linux), with the certificate of this machine."
+)]
+pub struct Args {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(clap::Subcommand)]
+enum Action {
+    /// Make a token, and the file that its client needs
+    New {
+        /// Name of the token: letters, digits, `-` and `_`
+        name: String,
+        /// Permission of the client
+        #[arg(long, value_parser = role())]
+        role: TokenRole,
+    },
+    /// List names and roles
+    List,
+    /// Remove a token; a running session disconnects its clients within a second
+    Revoke {
+        /// Name of the token
+        name: String,
+    },
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let folder = network_folder()?;
+    let mut out = io::stdout().lock();
+    match args.action {
+        Action::New { name, role } => {
+            let path = tokens::create(&folder, &name, role)?;
+            let path = path.to_string_lossy();
+            writeln!(out, "wrote {}", escape(&path))?;
+            writeln!(
+                out,
+                "move this file to the machine that connects, such as into its own folder ~/.config/ademan/network, and keep no \
+                 copy: it is a password"
+            )?;
+        }
+        Action::List => {
+            for entry in tokens::list(&folder)? {
+                writeln!(
+                    out,
+                    "{:<32}  {:<5}  {}",
+                    entry.name,
+                    entry.role,
+                    entry.role.summary()
+                )?;
+            }
+        }
+        Action::Revoke { name } => {
+            tokens::revoke(&folder, &name)?;
+            writeln!(out, "revoked {name}")?;
+        }
+    }
+    Ok(())
+}
+
+fn role() -> impl TypedValueParser<Value = TokenRole> {
+    let values = TokenRole::ALL.iter();
+    let values = values.map(|role| PossibleValue::new(role.name()).help(role.summary()));
+    PossibleValuesParser::new(values).map(|name| {
+        name.parse()
+            .expect("the parser accepts only names of roles")
+    })
+}

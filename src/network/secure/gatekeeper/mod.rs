@@ -1,0 +1,238 @@
+//! The admission of clients to a server: TLS and a token, off the thread that accepts connections.
+
+use std::fmt;
+use std::io;
+use std::net::{IpAddr, Shutdown, TcpStream};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rustls::{ServerConfig, ServerConnection, StreamOwned};
+
+use super::failed_tries::{FailedTries, network_of};
+use super::hello;
+use super::identity::Identity;
+use super::token::Hash;
+use super::token_list::TokenList;
+use crate::advice;
+use crate::network::{Admitted, DeadlineStream, NetworkError};
+
+/// Longest time for the handshake and the token.
+const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// Longest time of a read or write afterwards, unless the server does not wait at all.
+const IO_TIMEOUT: Duration = Duration::from_millis(50);
+
+/// Handshakes at the same time. Further connections are closed.
+const MAX_HANDSHAKES: usize = 16;
+
+/// Handshakes of one address at the same time, so that one machine cannot take them all.
+const MAX_HANDSHAKES_OF_ADDRESS: usize = 4;
+
+/// Interval at which clients with revoked tokens are looked for.
+const REVOCATION_INTERVAL: Duration = Duration::from_secs(1);
+
+/// The keeper of one server. A clone is the same keeper.
+#[derive(Clone)]
+pub struct Gatekeeper(Arc<Shared>);
+
+struct Shared {
+    config: Arc<ServerConfig>,
+    folder: PathBuf,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    tries: FailedTries,
+    /// The address of each handshake.
+    handshakes: Vec<IpAddr>,
+    /// The token of each connected client.
+    clients: Vec<(Hash, Weak<TcpStream>)>,
+}
+
+impl fmt::Debug for Gatekeeper {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Gatekeeper")
+            .field("folder", &self.0.folder)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Gatekeeper {
+    /// Uses the certificate and the tokens in a folder. Fails if there are no tokens.
+    pub fn open(folder: &Path) -> Result<Self, NetworkError> {
+        if TokenList::read(folder)?.is_empty() {
+            return Err(NetworkError::Token(
+                "there is no token with which a client could connect; make one: ademan token new NAME --role see".into(),
+            ));
+        }
+        let keeper = Self(Arc::new(Shared {
+            config: Identity::load_or_create(folder)?.server_config()?,
+            folder: folder.into(),
+            state: Mutex::default(),
+        }));
+        let shared = Arc::downgrade(&keeper.0);
+        thread::Builder::new()
+            .name("tokens".into())
+            .spawn(move || disconnect_revoked(&shared))
+            .map_err(|error| NetworkError::Token(advice::no_thread(&error).to_string()))?;
+        Ok(keeper)
+    }
+
+    /// Admits a client on a thread of its own, or closes its connection. Does not wait.
+    pub fn admit(
+        &self,
+        stream: TcpStream,
+        address: IpAddr,
+        on_admitted: impl FnOnce(Admitted) + Send + 'static,
+    ) {
+        let Some(handshake) = Handshake::begin(self.0.clone(), address) else {
+            return;
+        };
+        // Without a thread the connection is closed.
+        let _ = thread::Builder::new()
+            .name("handshake".into())
+            .spawn(move || {
+                let admitted = handshake.run(stream);
+                drop(handshake);
+                match admitted {
+                    Ok(Some(admitted)) => on_admitted(admitted),
+                    Ok(None) => {}
+                    Err(error) => tracing::debug!("a handshake has failed: {error}"),
+                }
+            });
+    }
+}
+
+impl Shared {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A handshake in progress, which counts until it is dropped.
+struct Handshake {
+    shared: Arc<Shared>,
+    address: IpAddr,
+}
+
+impl Handshake {
+    /// Begins a handshake unless there are too many, or the address has shown too many wrong tokens.
+    fn begin(shared: Arc<Shared>, address: IpAddr) -> Option<Self> {
+        let network = network_of(address);
+        {
+            let mut state = shared.state();
+            let of_address = state
+                .handshakes
+                .iter()
+                .filter(|other| **other == network)
+                .count();
+            if state.handshakes.len() >= MAX_HANDSHAKES
+                || of_address >= MAX_HANDSHAKES_OF_ADDRESS
+                || state.tries.is_paused(address, Instant::now())
+            {
+                return None;
+            }
+            state.handshakes.push(network);
+        }
+        Some(Self { shared, address })
+    }
+
+    /// Performs the handshake and checks the token. Returns `None` after a wrong one.
+    fn run(&self, stream: TcpStream) -> io::Result<Option<Admitted>> {
+        // The stream of a listener that does not wait may not wait either.
+        stream.set_nonblocking(false)?;
+        let socket = Arc::new(stream);
+        let stream = DeadlineStream::new(socket.clone(), HANDSHAKE_TIMEOUT)?;
+        let connection = ServerConnection::new(self.shared.config.clone());
+        let mut stream = StreamOwned::new(connection.map_err(io::Error::other)?, stream);
+        let token = hello::receive(&mut stream)?;
+        let hash = token.map(|token| token.hash());
+        let list = TokenList::read(&self.shared.folder).map_err(io::Error::other)?;
+        let listed = hash.and_then(|hash| Some((hash, list.find(&hash)?.entry.clone())));
+        let Some((hash, entry)) = self.judge(listed) else {
+            hello::answer(&mut stream, false)?;
+            return Ok(None);
+        };
+        hello::answer(&mut stream, true)?;
+        stream.sock.end_deadline(IO_TIMEOUT)?;
+        self.shared
+            .state()
+            .clients
+            .push((hash, Arc::downgrade(&socket)));
+        Ok(Some(Admitted {
+            stream: Box::new(stream),
+            token: entry,
+        }))
+    }
+
+    /// Counts a wrong token. A valid one is refused too while the address has to wait: other tries may have failed since the
+    /// handshake began.
+    fn judge<T>(&self, listed: Option<T>) -> Option<T> {
+        let (mut state, now) = (self.shared.state(), Instant::now());
+        if state.tries.is_paused(self.address, now) {
+            return None;
+        }
+        match listed {
+            Some(_) => state.tries.forget(self.address),
+            None => {
+                let pause = state.tries.count(self.address, now);
+                drop(state);
+                report_wrong_token(self.address, pause);
+            }
+        }
+        listed
+    }
+}
+
+impl Drop for Handshake {
+    fn drop(&mut self) {
+        let network = network_of(self.address);
+        let mut state = self.shared.state();
+        let index = state.handshakes.iter().position(|other| *other == network);
+        if let Some(index) = index {
+            state.handshakes.swap_remove(index);
+        }
+    }
+}
+
+fn report_wrong_token(address: IpAddr, pause: Duration) {
+    match pause {
+        Duration::ZERO => tracing::warn!("refused a client at {address}: its token is not valid"),
+        pause => tracing::warn!(
+            "refused a client at {address}: its token is not valid, and too many were not; its connections are closed for {} s",
+            pause.as_secs()
+        ),
+    }
+}
+
+/// Disconnects clients whose tokens are no longer in the list, until the keeper is dropped. A list that cannot be read
+/// admits nobody.
+fn disconnect_revoked(shared: &Weak<Shared>) {
+    loop {
+        thread::sleep(REVOCATION_INTERVAL);
+        let Some(shared) = shared.upgrade() else {
+            return;
+        };
+        shared
+            .state()
+            .clients
+            .retain(|(_, client)| client.strong_count() > 0);
+        if shared.state().clients.is_empty() {
+            continue;
+        }
+        let list = TokenList::read(&shared.folder).unwrap_or_default();
+        for (hash, client) in &shared.state().clients {
+            if list.find(hash).is_none()
+                && let Some(socket) = client.upgrade()
+            {
+                let _ = socket.shutdown(Shutdown::Both);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
