@@ -1,0 +1,84 @@
+//! The tokens of this machine: made, listed and revoked.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use crate::network::secure::identity::Identity;
+use crate::network::secure::token::Token;
+use crate::network::secure::token_file::{self, TokenFile};
+use crate::network::secure::token_list::TokenList;
+use crate::network::secure::{file_error, secret_file};
+use crate::network::{NetworkError, TokenEntry, TokenRole};
+
+/// Longest name of a token.
+const MAX_NAME_LENGTH: usize = 32;
+
+/// Makes a token, adds its hash to the list in `folder`, and writes the file for its client. Returns the path of that file.
+///
+/// The first token also makes the certificate of this machine.
+pub fn create(folder: &Path, name: &str, role: TokenRole) -> Result<PathBuf, NetworkError> {
+    check_name(name)?;
+    secret_file::create_folder(folder)?;
+    let identity = Identity::load_or_create(folder)?;
+    let mut list = TokenList::read(folder)?;
+    let entry = TokenEntry {
+        name: name.into(),
+        role,
+    };
+    let token = Token::generate()?;
+    list.add(entry.clone(), token.hash())?;
+    let file = TokenFile {
+        entry,
+        server: identity.fingerprint(),
+        token,
+    };
+    let path = file.create(folder)?;
+    // After the file, so that no token is listed that nobody has.
+    list.write(folder)
+        .inspect_err(|_| _ = fs::remove_file(&path))?;
+    Ok(path)
+}
+
+/// Returns the names and roles of all tokens.
+pub fn list(folder: &Path) -> Result<Vec<TokenEntry>, NetworkError> {
+    Ok(TokenList::read(folder)?.entries().cloned().collect())
+}
+
+/// Removes a token, and its file if that is still in `folder`. A running server disconnects its clients within a second.
+pub fn revoke(folder: &Path, name: &str) -> Result<(), NetworkError> {
+    check_name(name)?;
+    let mut list = TokenList::read(folder)?;
+    if !list.remove(name) {
+        return Err(NetworkError::Token(format!(
+            "there is no token `{name}`; `ademan token list` shows all"
+        )));
+    }
+    list.write(folder)?;
+    let path = token_file::path_of(folder, name);
+    match fs::remove_file(&path) {
+        Err(error) if error.kind() != ErrorKind::NotFound => {
+            Err(file_error("remove", &path, error))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Returns the role of the token in a file of a client.
+pub fn role_of_file(path: &Path) -> Result<TokenRole, NetworkError> {
+    Ok(TokenFile::read(path)?.entry.role)
+}
+
+/// Checks that a name is part of a file name and one word of a line.
+fn check_name(name: &str) -> Result<(), NetworkError> {
+    let is_letter = |byte: u8| byte.is_ascii_alphanumeric() || matches!(byte, b'-' | b'_');
+    match name.len() {
+        1..=MAX_NAME_LENGTH if name.bytes().all(is_letter) => Ok(()),
+        _ => Err(NetworkError::Token(format!(
+            "a name of a token has 1 to {MAX_NAME_LENGTH} letters, digits, `-` and `_`, such as `desk`"
+        ))),
+    }
+}
+
+#[cfg(test)]
+mod tests;
