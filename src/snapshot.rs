@@ -5,7 +5,7 @@ use serde::Serialize;
 use crate::capture::{CaptureError, Reading, SourceStats};
 use crate::command::CommandOrigin;
 use crate::contact::{TargetNames, Touches};
-use crate::device::{Events, TimedCommands};
+use crate::device::{Events, TimedCommand, TimedCommands};
 use crate::estimate::{JointAngles, Rejection};
 use crate::hand::Side;
 use crate::kinematics::HandPose;
@@ -36,6 +36,8 @@ pub struct Snapshot {
     pub events: Events,
     /// Commands that the devices issued.
     pub commands: TimedCommands,
+    /// Command from outside the layout that the pipeline executed in this step.
+    pub executed: Option<TimedCommand>,
     /// Hands that are not tracked while the session goes on, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
     pub lost_hands: [bool; Side::COUNT],
     /// Statistics of all readings so far.

@@ -60,6 +60,7 @@ use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
 use self::body::BodyLandmarks;
+use crate::command::Command;
 use crate::hand::{BoneRotations, Displacement, HandPart, JointAngles, JointPositions, Side};
 use crate::message::{escape, escape_lines};
 use crate::time::Timestamp;
@@ -237,6 +238,8 @@ impl Channels {
 pub enum SourceEvent {
     /// A reading.
     Reading(Reading),
+    /// A command that a recorded session executed between two readings.
+    Command(Command),
     /// Nothing new. Call again.
     Idle,
     /// End of the readings.

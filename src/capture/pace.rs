@@ -167,6 +167,7 @@ mod tests {
                     returned_at.push(start.elapsed());
                     times.push(reading.time.0 / 1000);
                 }
+                SourceEvent::Command(command) => panic!("nothing was recorded: {command}"),
                 SourceEvent::Idle => assert!(called_at.elapsed() >= MAX_SLEEP),
                 SourceEvent::End => return (returned_at, times),
             }

@@ -64,6 +64,11 @@ pub enum Command {
         /// Ratio of the new size to the present one.
         factor: f32,
     },
+    /// Makes the present angles of the resting hand those of its rest pose, until the end of the session. From the layout it
+    /// waits until the hand rests.
+    Zero,
+    /// Removes what `Zero` has changed.
+    UndoZero,
     /// Writes the poses and the size of the boards to the layout file.
     Save,
     /// Reads the layout files again.
@@ -186,6 +191,16 @@ pub const SPECS: &[CommandSpec] = &[
         )],
     },
     plain(
+        "zero",
+        "Correct a glove that has slipped: make the angles of the resting hand those of its rest pose",
+        "Zero",
+    ),
+    plain(
+        "undo-zero",
+        "Return to the angles of before `zero`",
+        "Undo zero",
+    ),
+    plain(
         "save",
         "Write the poses and the size of the boards to the layout file",
         "Save",
@@ -292,10 +307,27 @@ impl Command {
             Self::Nudge { .. } => "nudge",
             Self::Tilt { .. } => "tilt",
             Self::Scale { .. } => "scale",
+            Self::Zero => "zero",
+            Self::UndoZero => "undo-zero",
             Self::Save => "save",
             Self::Reload => "reload",
             Self::Stop => "stop",
         }
+    }
+
+    /// Returns whether a replay repeats the command: it changes what readings mean. A replay has its own pauses, and the
+    /// layout files of its own session.
+    pub const fn is_replayed(&self) -> bool {
+        matches!(
+            self,
+            Self::Zero
+                | Self::UndoZero
+                | Self::Recenter
+                | Self::Nudge { .. }
+                | Self::Tilt { .. }
+                | Self::Profile { .. }
+                | Self::NextProfile
+        )
     }
 
     /// Name, fields and description.

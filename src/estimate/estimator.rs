@@ -7,8 +7,9 @@ use parry3d::math::Vec3;
 use super::position_filter::PositionFilter;
 use super::samples::SampleConverter;
 use super::smoothing::Smoother;
+use super::zero::{Zero, ZeroError, Zeroed};
 use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
-use crate::capture::Reading;
+use crate::capture::{Reading, SampleKind};
 use crate::hand::{Displacement, Joint, JointAngles};
 use crate::time::Timestamp;
 
@@ -41,6 +42,11 @@ pub struct Estimator {
     last: Option<RawAngles>,
     /// An implausible jump, and the number of consecutive readings that agree with it.
     candidate: Option<(RawAngles, u8)>,
+    zero: Zero,
+    /// The angles were zeroed since the latest reading, so that the next estimate jumps.
+    has_jumped: bool,
+    /// The sensor measures joint angles.
+    measures_angles: bool,
 }
 
 /// The angles of one reading before the filter.
@@ -72,6 +78,9 @@ impl Estimator {
             estimate: Estimate::new(Timestamp::default(), JointAngles::default()),
             last: None,
             candidate: None,
+            zero: Zero::new(settings.rest_pose),
+            has_jumped: false,
+            measures_angles: false,
         }
     }
 
@@ -86,14 +95,16 @@ impl Estimator {
     pub fn update(&mut self, reading: &Reading) -> Result<&Estimate, Rejection> {
         let gap = self.gap(reading.time)?;
         self.estimate.reset(reading.time);
+        let offsets = self.zero.offsets();
         self.converter
-            .convert(reading, &self.settings, &mut self.estimate)?;
+            .convert(reading, &self.settings, offsets, &mut self.estimate)?;
         let raw = RawAngles {
             time: reading.time,
             angles: self.estimate.angles,
             anchor: anchor(&self.estimate),
         };
         self.estimate.jumped |= self.check_speed(&raw)?;
+        self.estimate.jumped |= std::mem::take(&mut self.has_jumped);
         let jumped = self.estimate.jumped;
         let is_interrupted = jumped || gap > self.settings.max_gap;
         if is_interrupted || !self.has_same_dofs(&raw.angles) {
@@ -111,7 +122,53 @@ impl Estimator {
             }
             filter.filter(&mut self.estimate.measured, gap.as_secs_f64());
         }
+        if is_interrupted {
+            self.zero.reset();
+        }
+        self.measures_angles = matches!(
+            reading.sample.kind(),
+            SampleKind::Channels | SampleKind::Angles
+        );
+        let estimate = &self.estimate;
+        self.zero
+            .update(estimate.time, &estimate.angles, estimate.untrusted);
         Ok(&self.estimate)
+    }
+
+    /// Makes the present angles those of the [rest pose](EstimatorSettings::rest_pose), by offsets that last until
+    /// [`undo_zero`](Self::undo_zero). The next estimate jumps. Refused unless the hand is still.
+    pub fn zero(&mut self) -> Result<(), ZeroError> {
+        if !self.measures_angles {
+            return Err(ZeroError::NoAngles);
+        }
+        let changes = self.zero.zero()?;
+        self.shift(&changes);
+        Ok(())
+    }
+
+    /// Removes the offsets of [`zero`](Self::zero). The next estimate jumps.
+    pub fn undo_zero(&mut self) -> Result<(), ZeroError> {
+        let changes = self.zero.undo()?;
+        self.shift(&changes);
+        Ok(())
+    }
+
+    /// Returns the effect of [`zero`](Self::zero), if there is one.
+    pub fn zeroed(&self) -> Option<Zeroed> {
+        self.zero.zeroed()
+    }
+
+    /// Applies a change of the offsets to the last angles, so that the next ones are not taken for a movement.
+    fn shift(&mut self, changes: &JointAngles) {
+        if let Some(last) = &mut self.last {
+            for (dof, change) in changes.known() {
+                if last.angles.is_known(dof) {
+                    last.angles.set(dof, last.angles.get(dof) + change);
+                }
+            }
+        }
+        self.candidate = None;
+        self.has_jumped = true;
     }
 
     /// Returns the time since the last accepted reading, or zero at the first.

@@ -111,6 +111,16 @@ impl FusedEstimator {
         self.estimate.lose_hand();
     }
 
+    /// Returns the estimator of the fingers.
+    pub(super) fn fingers(&self) -> &Estimator {
+        &self.parts[HandPart::Fingers.index()].estimator
+    }
+
+    /// Returns the estimator of the fingers, to zero it.
+    pub(super) fn fingers_mut(&mut self) -> &mut Estimator {
+        &mut self.parts[HandPart::Fingers.index()].estimator
+    }
+
     /// Combines the latest states of both parts.
     fn fuse(&mut self, time: Timestamp, jumped: bool) {
         let Self {

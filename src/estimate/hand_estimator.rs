@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Estimate, Estimator, FusedEstimator, Rejection};
+use super::{Estimate, Estimator, FusedEstimator, Rejection, ZeroError, Zeroed};
 use crate::capture::Reading;
 use crate::hand::HandPart;
 
@@ -40,6 +40,31 @@ impl HandEstimator {
     pub fn set_timeout(&mut self, timeout: Duration) {
         if let Self::Fused(estimator) = self {
             estimator.set_timeout(timeout);
+        }
+    }
+
+    /// Makes the present angles those of the rest pose: see [`Estimator::zero`]. Of two parts, the fingers are zeroed.
+    pub fn zero(&mut self) -> Result<(), ZeroError> {
+        self.fingers_mut().zero()
+    }
+
+    /// Removes the offsets of [`zero`](Self::zero).
+    pub fn undo_zero(&mut self) -> Result<(), ZeroError> {
+        self.fingers_mut().undo_zero()
+    }
+
+    /// Returns the effect of [`zero`](Self::zero), if there is one.
+    pub fn zeroed(&self) -> Option<Zeroed> {
+        match self {
+            Self::Single(estimator) => estimator.zeroed(),
+            Self::Fused(estimator) => estimator.fingers().zeroed(),
+        }
+    }
+
+    fn fingers_mut(&mut self) -> &mut Estimator {
+        match self {
+            Self::Single(estimator) => estimator,
+            Self::Fused(estimator) => estimator.fingers_mut(),
         }
     }
 

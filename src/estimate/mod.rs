@@ -16,6 +16,7 @@ mod samples;
 mod settings;
 mod smoothing;
 pub mod t_pose;
+mod zero;
 
 pub use bone_angles::{angles_from_bones, bones_from_angles};
 pub use calibration::{AffineMap, FitError, divider_resistance};
@@ -29,6 +30,7 @@ pub use one_euro::{OneEuroFilter, OneEuroSettings};
 pub use position_filter::{LANDMARK_SMOOTHING, MARKER_SMOOTHING};
 pub use settings::{EstimatorSettings, LandmarkSettings};
 pub use smoothing::Smoothing;
+pub use zero::{ZeroError, Zeroed};
 
 pub use crate::hand::JointAngles;
 

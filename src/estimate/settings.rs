@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{JointLimits, OneEuroSettings, Smoothing};
+use super::{JointAngles, JointLimits, OneEuroSettings, Smoothing};
 
 /// Settings of an [`Estimator`](super::Estimator).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,9 @@ pub struct EstimatorSettings {
     pub rail_timeout: Option<Duration>,
     /// The trust in landmarks.
     pub landmarks: LandmarkSettings,
+    /// The angles of the hand at rest, in radians, to which [zeroing](super::Estimator::zero) returns. Angles that are not
+    /// known are not zeroed.
+    pub rest_pose: JointAngles,
 }
 
 /// The trust in landmarks with confidences.
@@ -56,6 +59,7 @@ impl Default for EstimatorSettings {
             max_gap: Duration::from_millis(500),
             rail_timeout: Some(Duration::from_secs(1)),
             landmarks: LandmarkSettings::default(),
+            rest_pose: JointAngles::default(),
         }
     }
 }
@@ -71,6 +75,7 @@ impl EstimatorSettings {
             max_gap: Duration::MAX,
             rail_timeout: None,
             landmarks: LandmarkSettings::default(),
+            rest_pose: JointAngles::default(),
         }
     }
 }

@@ -12,7 +12,7 @@ pub use anthropometry::BoneLengths;
 pub use arm_model::{ArmModel, ArmModelError};
 pub use inverse::{IkSolution, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik};
 pub use link::{Link, MAX_LINKS};
-pub use reach::{HandReach, typing_angle};
+pub use reach::{HandReach, half_bent_fingers, typing_angle};
 
 use parry3d::math::{Pose, Vec3};
 

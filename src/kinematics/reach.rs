@@ -49,19 +49,26 @@ impl ArmModel {
     }
 
     fn half_bent(&self) -> HandPose {
-        let mut angles = JointAngles::default();
-        for &dof in Dof::ALL {
-            angles.set(dof, half_bent_degrees(dof).to_radians());
+        let mut angles = half_bent_fingers();
+        for &dof in Dof::ALL.iter().filter(|dof| dof.finger().is_none()) {
+            angles.set(dof, 0.0);
         }
         self.forward(&Estimate::new(Timestamp(0), angles))
     }
 }
 
-/// Returns an angle of the half bent hand in degrees.
-fn half_bent_degrees(dof: Dof) -> f64 {
-    let Some(finger) = dof.finger() else {
-        return 0.0;
-    };
+/// Returns the angles of the fingers of a half bent hand, as one hangs at rest.
+pub fn half_bent_fingers() -> JointAngles {
+    let mut angles = JointAngles::default();
+    for &dof in Dof::ALL {
+        if let Some(finger) = dof.finger() {
+            angles.set(dof, half_bent_degrees(dof, finger).to_radians());
+        }
+    }
+    angles
+}
+
+fn half_bent_degrees(dof: Dof, finger: Finger) -> f64 {
     match dof.name().rsplit_once('-') {
         Some((_, "flexion")) if finger == Finger::Thumb => 20.0,
         Some((joint, "flexion")) if joint.ends_with("mcp") => 20.0,

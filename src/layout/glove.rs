@@ -9,7 +9,7 @@ use crate::document::{
     Document, DocumentError, Format, Spanned, Structure, first_error, ranged_numbers,
 };
 use crate::estimate::{AffineMap, ChannelMap, ChannelRow, InputRow, JointLimits, MAX_ROWS};
-use crate::hand::{Dof, Input, Side};
+use crate::hand::{Dof, Input, JointAngles, Side};
 use crate::names::UnknownName;
 
 /// A glove.
@@ -23,6 +23,8 @@ pub struct Glove {
     pub map: ChannelMap,
     /// All rows, including the disabled ones.
     pub full_map: ChannelMap,
+    /// The angles of the wearer's hand at rest, in radians; none if the file has none.
+    pub rest_pose: JointAngles,
 }
 
 #[derive(Deserialize)]
@@ -40,6 +42,9 @@ struct GloveSchema<'a> {
     /// The angles that the glove does not measure, in degrees.
     #[serde(default)]
     assumed_deg: BTreeMap<Dof, f64>,
+    /// The angles of the hand at rest, in degrees.
+    #[serde(default)]
+    rest_deg: BTreeMap<Dof, f64>,
     /// Counts are at the ends of their range in normal use. Otherwise such a count is a broken wire.
     #[serde(default)]
     uses_full_range: bool,
@@ -171,6 +176,9 @@ impl Glove {
         let assumed = schema
             .assumed_angles()
             .map_err(|message| document.error_at(&document.text, message))?;
+        let rest_pose = schema
+            .rest_pose()
+            .map_err(|message| document.error_at(&document.text, message))?;
         let map = |is_included: &dyn Fn(&RowSchema) -> bool| {
             let rows = schema.rows.iter().filter(|row| is_included(row));
             ChannelMap::new(rows.map(|row| row.build(full_scale)).collect(), full_scale)
@@ -181,6 +189,7 @@ impl Glove {
         Ok(Self {
             map: map(&|row| row.disabled.is_none()),
             full_map: map(&|_| true),
+            rest_pose,
             name: schema.name,
             side: schema.side,
         })
@@ -188,16 +197,19 @@ impl Glove {
 }
 
 impl GloveSchema<'_> {
+    /// Returns the angles at rest in radians. An error states what is wrong with one.
+    fn rest_pose(&self) -> Result<JointAngles, String> {
+        let mut angles = JointAngles::default();
+        for (&dof, &degrees) in &self.rest_deg {
+            angles.set(dof, radians_within_limits(dof, degrees)?);
+        }
+        Ok(angles)
+    }
+
     /// Returns the assumed angles in radians. An error states what is wrong with one.
     fn assumed_angles(&self) -> Result<Vec<(Dof, f64)>, String> {
-        let limits = JointLimits::human();
-        let check = |(&dof, degrees): (&Dof, &f64)| {
-            let radians = degrees.to_radians();
-            if !radians.is_finite() || limits.clamp(dof, radians) != radians {
-                return Err(format!(
-                    "{degrees}° for {dof} is outside the range of that joint"
-                ));
-            }
+        let check = |(&dof, &degrees): (&Dof, &f64)| {
+            let radians = radians_within_limits(dof, degrees)?;
             match self.rows.iter().any(|row| row.dof == dof) {
                 true => Err(format!(
                     "{dof} is both measured and assumed, remove one of them"
@@ -206,6 +218,16 @@ impl GloveSchema<'_> {
             }
         };
         self.assumed_deg.iter().map(check).collect()
+    }
+}
+
+fn radians_within_limits(dof: Dof, degrees: f64) -> Result<f64, String> {
+    let radians = degrees.to_radians();
+    match radians.is_finite() && JointLimits::human().clamp(dof, radians) == radians {
+        true => Ok(radians),
+        false => Err(format!(
+            "{degrees}° for {dof} is outside the range of that joint"
+        )),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Errors of commands.
 
 use crate::command::ProfileName;
+use crate::estimate::ZeroError;
 use crate::hand::Side;
 
 /// A command that the pipeline cannot execute. Nothing has changed.
@@ -24,4 +25,10 @@ pub enum CommandError {
     /// A tilt is outside the range of a layout file.
     #[error("the tilt of board {0} would be outside -90 to 90 degrees; no board was moved")]
     TooSteep(usize),
+    /// A fingertip or a control presses something, which a change of the angles would release.
+    #[error("a key is down; lift the fingers off all keys, hold the hand at rest and try again")]
+    KeyDown,
+    /// The hand cannot be zeroed.
+    #[error(transparent)]
+    Zero(#[from] ZeroError),
 }

@@ -18,7 +18,9 @@ impl Pipeline {
             | Command::NextProfile
             | Command::Recenter
             | Command::Nudge { .. }
-            | Command::Tilt { .. } => true,
+            | Command::Tilt { .. }
+            | Command::Zero
+            | Command::UndoZero => true,
             Command::State
             | Command::Scale { .. }
             | Command::Save
@@ -53,6 +55,9 @@ impl Pipeline {
                 self.nudge(Vec3::new(x_mm, y_mm, z_mm) * 1e-3, events)?;
             }
             Command::Tilt { deg } => self.tilt(deg.to_radians(), events)?,
+            Command::Zero if origin == CommandOrigin::Layout => self.zero_when_at_rest(),
+            Command::Zero => self.zero(events)?,
+            Command::UndoZero => self.undo_zero(events)?,
             Command::State
             | Command::Scale { .. }
             | Command::Save
@@ -60,6 +65,15 @@ impl Pipeline {
             | Command::Stop => {}
         }
         Ok(())
+    }
+
+    /// Repeats a command from outside that is part of a recording, unless a replay [does not](Command::is_replayed).
+    pub fn replay(&mut self, command: &Command, events: &mut Events) -> Result<(), CommandError> {
+        match command {
+            Command::Zero => self.replay_zero(events),
+            _ if command.is_replayed() => self.execute(command, CommandOrigin::Client, events),
+            _ => Ok(()),
+        }
     }
 
     fn profile_index(&self, name: &str) -> Option<usize> {
@@ -103,13 +117,7 @@ impl Pipeline {
     /// the fingertip above its keys does not change. Needs a hand that has not stalled; fails like
     /// [`nudge`](Self::nudge).
     pub fn recenter(&mut self, events: &mut Events) -> Result<(), CommandError> {
-        let last_tracked = |&index: &usize| {
-            let last = self.hands[index].last_accepted?;
-            (self.time.since(last) <= self.settings.stall_timeout).then_some(last)
-        };
-        let tracked = (0..self.hands.len()).filter(|index| last_tracked(index).is_some());
-        let index = tracked.max_by_key(last_tracked);
-        let index = index.ok_or(CommandError::NoHand)?;
+        let index = self.last_tracked_hand().ok_or(CommandError::NoHand)?;
         let layout = &self.profiles[self.active_profile].layout;
         let pose = &self.hands[index].output.pose;
         let offset = layout.recenter_offset(pose)?;
@@ -119,5 +127,15 @@ impl Pipeline {
         let layout = &mut self.profiles[self.active_profile].layout;
         layout.apply_move(BoardMove::Recenter(offset, pose));
         Ok(())
+    }
+
+    /// Returns the index of the hand that was tracked last, unless it has stalled.
+    pub(super) fn last_tracked_hand(&self) -> Option<usize> {
+        let last_tracked = |&index: &usize| {
+            let last = self.hands[index].last_accepted?;
+            (self.time.since(last) <= self.settings.stall_timeout).then_some(last)
+        };
+        let tracked = (0..self.hands.len()).filter(|index| last_tracked(index).is_some());
+        tracked.max_by_key(last_tracked)
     }
 }

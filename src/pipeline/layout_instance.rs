@@ -114,9 +114,18 @@ impl LayoutInstance {
         self.trackers[pose.side.index()].is_clear(&self.scene, pose)
     }
 
+    /// Returns whether a fingertip touches a target or a control holds a key.
+    pub(super) fn is_in_use(&self) -> bool {
+        self.is_touched() || !self.key_arbiter.is_idle()
+    }
+
+    fn is_touched(&self) -> bool {
+        self.trackers.iter().any(|tracker| !tracker.is_idle())
+    }
+
     /// Moves auto-recentering boards if the hand rests.
     pub(super) fn update_auto_recenter(&mut self, pose: &HandPose) {
-        let is_touched = self.trackers.iter().any(|tracker| !tracker.is_idle());
+        let is_touched = self.is_touched();
         self.auto_recenter.update(&mut self.scene, pose, is_touched);
     }
 

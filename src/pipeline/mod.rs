@@ -13,6 +13,7 @@ mod release_order;
 mod settings;
 mod stalls;
 mod state;
+mod zero;
 
 pub use command_error::CommandError;
 pub use layout_instance::LayoutInstance;
@@ -71,6 +72,8 @@ pub struct Pipeline {
     /// The origin of a requested pause. `state` changes meanwhile, but not to `Running`.
     paused_by: Option<CommandOrigin>,
     clear_since: Option<Timestamp>,
+    /// The time until which a hand that comes to rest is zeroed, because the layout asked for it.
+    zero_until: Option<Timestamp>,
     accepted: u64,
     rejected: [u64; Rejection::COUNT],
     stalls: u64,
@@ -101,6 +104,7 @@ impl Pipeline {
             time: Timestamp::default(),
             paused_by: None,
             clear_since: None,
+            zero_until: None,
             accepted: 0,
             rejected: [0; Rejection::COUNT],
             stalls: 0,
@@ -159,6 +163,7 @@ impl Pipeline {
         self.update_pose(index);
         self.arm_if_clear(index);
         self.update_devices(index, events);
+        self.zero_if_at_rest(events);
         Ok(&self.hands[index].output)
     }
 
@@ -311,6 +316,11 @@ impl Pipeline {
         for hand in &mut self.hands {
             hand.estimator.set_timeout(timeout);
         }
+    }
+
+    /// Returns the latest time of an accepted reading.
+    pub fn time(&self) -> Timestamp {
+        self.time
     }
 
     /// Returns the number of accepted readings.

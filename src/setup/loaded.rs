@@ -10,7 +10,7 @@ use crate::device::Capabilities;
 use crate::document::{Document, DocumentError};
 use crate::estimate::{Estimator, EstimatorSettings, FusedEstimator, HandEstimator};
 use crate::hand::Side;
-use crate::kinematics::ArmModel;
+use crate::kinematics::{ArmModel, half_bent_fingers};
 use crate::layout::{Fit, Glove, Layout};
 use crate::names::UnknownName;
 use crate::pipeline::{LayoutInstance, MAIN_PROFILE, Pipeline, PipelineSettings};
@@ -271,8 +271,11 @@ impl LoadedSetup {
         source: Option<&SourceUri>,
         arm_source: Option<&SourceUri>,
     ) -> HandEstimator {
+        let rest_pose = glove.map(|glove| glove.rest_pose);
+        let rest_pose = rest_pose.filter(|angles| !angles.is_empty());
         let settings = |source| EstimatorSettings {
             position_smoothing: self.setup.position_filter(source),
+            rest_pose: rest_pose.unwrap_or_else(half_bent_fingers),
             ..self.estimator
         };
         let fingers = Estimator::new(settings(source));

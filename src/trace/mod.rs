@@ -9,6 +9,8 @@
 //! | `events` | event | `{"time_us":12400,"event":"key-down","key":"Q"}`, `{"time_us":12400,"event":"depth","target":"ArrowUp","depth":0.5}` |
 //! | `commands` | command | `{"time_us":12400,"command":"nudge","x_mm":0.0,"y_mm":0.0,"z_mm":-5.0}` |
 //!
+//! A command from outside the layout, such as one of `ademan ctl`, has `"origin":"external"`.
+//!
 //! Times are in microseconds, channels in wire order, angles in radians for the joints that the source measures. Positions
 //! are in metres and orientations are unit quaternions in the world frame, for the joints of the arm model. A target has the
 //! name from the layout, or its index if it has none. Objects keep their order and numbers their full precision.
@@ -43,7 +45,7 @@ named_enum! {
         Touches = "touches",
         /// Events sent to the output.
         Events = "events",
-        /// Commands that the layout issued.
+        /// Commands that the layout issued, and those from outside that the pipeline executed.
         Commands = "commands",
     }
 }
@@ -57,7 +59,7 @@ impl Stage {
             Self::Pose => "/pose",
             Self::Touches => "/touches",
             Self::Events => "/events",
-            Self::Commands => "/commands",
+            Self::Commands => recording::COMMANDS_TOPIC,
         }
     }
 
@@ -112,10 +114,15 @@ impl Stage {
                 .events
                 .iter()
                 .try_for_each(|event| write(event.time, event_json(event, names, buffer))),
-            Self::Commands => snapshot
-                .commands
-                .iter()
-                .try_for_each(|issued| write(issued.time, command_json(issued, buffer))),
+            Self::Commands => {
+                let issued = snapshot.commands.iter();
+                issued
+                    .clone()
+                    .try_for_each(|issued| write(issued.time, command_json(issued, buffer)))?;
+                snapshot.executed.iter().try_for_each(|executed| {
+                    write(executed.time, executed_command_json(executed, buffer))
+                })
+            }
         }
     }
 }
@@ -144,7 +151,20 @@ pub fn command_json<'a>(issued: &TimedCommand, buffer: &'a mut Vec<u8>) -> &'a [
     json(
         &CommandJson {
             time_us: issued.time,
+            origin: None,
             command: issued.command,
+        },
+        buffer,
+    )
+}
+
+/// Returns the object of [`Stage::Commands`] for a command from outside the layout. `buffer` is overwritten.
+fn executed_command_json<'a>(executed: &TimedCommand, buffer: &'a mut Vec<u8>) -> &'a [u8] {
+    json(
+        &CommandJson {
+            time_us: executed.time,
+            origin: Some(recording::EXTERNAL_ORIGIN),
+            command: executed.command,
         },
         buffer,
     )
@@ -296,6 +316,8 @@ impl<'a> EventKindJson<'a> {
 #[derive(Serialize)]
 struct CommandJson {
     time_us: Timestamp,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    origin: Option<&'static str>,
     #[serde(flatten)]
     command: Command,
 }
@@ -370,6 +392,7 @@ mod tests {
                     z_mm: 2.0,
                 },
             }]),
+            executed: None,
             lost_hands: Default::default(),
             stats: Stats::default(),
         }
@@ -433,6 +456,7 @@ mod tests {
             touches: Touches::new(),
             events: Events::new(),
             commands: TimedCommands::new(),
+            executed: None,
             ..snapshot()
         };
         for stage in Stage::ALL {

@@ -45,7 +45,7 @@ fn a_file_of_text_lines_plays_at_its_rate_and_needs_no_last_line_end() {
     loop {
         match source.next().unwrap() {
             SourceEvent::Reading(reading) => times.push(reading.time.0),
-            SourceEvent::Idle => {}
+            SourceEvent::Idle | SourceEvent::Command(_) => {}
             SourceEvent::End => break,
         }
     }

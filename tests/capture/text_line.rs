@@ -124,7 +124,7 @@ pub fn type_with(mut source: impl Source) -> (String, Vec<Reading>) {
                 events.iter().for_each(|event| field.handle(event));
                 readings.push(reading);
             }
-            SourceEvent::Idle => {}
+            SourceEvent::Idle | SourceEvent::Command(_) => {}
             SourceEvent::End => return (field.text().to_owned(), readings),
         }
     }

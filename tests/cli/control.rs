@@ -12,7 +12,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::support::process::Process;
-use crate::support::run::{MOVE_TIME, Run, TIMEOUT, line_receiver, shipped};
+use crate::support::run::{ARMED, MOVE_TIME, Run, TIMEOUT, line_receiver, shipped};
 use ademan::session::control_socket::Client;
 use serde_json::Value;
 
@@ -604,4 +604,89 @@ fn a_run_that_waits_for_its_source_can_be_stopped() {
     assert_eq!(answer["ok"], false, "no session runs yet");
     assert_eq!(request(&mut client, r#"{"command":"stop"}"#)["ok"], true);
     assert_eq!(run.0.wait().expect("the program ends").code(), Some(0));
+}
+
+/// A glove whose rest pose has the index finger a few degrees straighter than the hand of [`Run`] holds it.
+fn glove_with_straighter_rest_pose() -> tempfile::NamedTempFile {
+    let file = tempfile::Builder::new().suffix(".ron").tempfile();
+    let mut file = file.expect("a file");
+    let shipped = ademan::document::Document::open("unam-hc11").expect("a shipped glove");
+    let rest = "full_scale_counts: 255, rest_deg: {\"index-mcp-flexion\": 32},";
+    let text = shipped.text.replace("full_scale_counts: 255,", rest);
+    file.write_all(text.as_bytes()).expect("it is written");
+    file
+}
+
+/// Returns lines of a transcript, of a run or its replay, without the comments.
+fn events_of(transcript: &str) -> Vec<&str> {
+    let lines = transcript.lines();
+    lines.filter(|line| !line.starts_with('#')).collect()
+}
+
+#[test]
+fn a_zeroed_hand_is_undone_recorded_and_replayed() {
+    let glove = glove_with_straighter_rest_pose();
+    let fields = format!(
+        "role: Both, stall_timeout_ms: 10000, glove: {:?}",
+        glove.path()
+    );
+    let run = Run::with_setup(&fields, &["--control", "c.sock", "--record", "hand.mcap"]);
+    run.wait_for_message(ARMED);
+    run.press();
+    let mut seen = vec![run.next_event()];
+    let (code, _, refused) = ctl(&run, &["zero"]);
+    assert_eq!(code, 1, "{refused}");
+    assert!(refused.contains("a key is down"), "{refused}");
+    run.lift();
+    seen.push(run.next_event());
+    let zero = |arguments: &[&str]| {
+        let mut last = String::new();
+        wait_until(|| {
+            let (code, text, error) = ctl(&run, arguments);
+            last = format!("{text}{error}");
+            assert!(code == 0 || last.contains("still"), "{last}");
+            code == 0
+        });
+        last
+    };
+    let text = zero(&["zero"]);
+    assert!(
+        text.contains("1 joint zeroed") && text.contains("index-mcp-flexion"),
+        "{text}"
+    );
+    run.wait_for_message(ARMED);
+    run.press();
+    thread::sleep(MOVE_TIME);
+    assert!(
+        run.events.is_empty(),
+        "the straighter finger does not reach the key"
+    );
+    run.lift();
+    thread::sleep(MOVE_TIME);
+    zero(&["undo-zero"]);
+    run.wait_for_message(ARMED);
+    run.press();
+    seen.push(run.next_event());
+    run.lift();
+    seen.push(run.next_event());
+    assert_eq!(seen, ["down H", "up H", "down H", "up H"]);
+    assert_eq!(ctl(&run, &["stop"]).0, 0);
+
+    let replayed = ademan(&["replay", "hand.mcap"])
+        .current_dir(run.folder.path())
+        .output();
+    let replayed = String::from_utf8(replayed.expect("it starts").stdout).expect("it is UTF-8");
+    let replayed: Vec<String> = events_of(&replayed)
+        .iter()
+        .map(|line| {
+            line.split_whitespace()
+                .skip(1)
+                .collect::<Vec<_>>()
+                .join(" ")
+        })
+        .collect();
+    assert_eq!(
+        replayed, seen,
+        "a replay without the command presses a third time"
+    );
 }

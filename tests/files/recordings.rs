@@ -66,6 +66,7 @@ fn snapshot(number: u64) -> Snapshot {
         touches: Touches::from_iter([touch]),
         events: Events::from_iter([event]),
         commands: Default::default(),
+        executed: None,
         lost_hands: Default::default(),
         stats: Stats::default(),
     }
@@ -100,7 +101,7 @@ fn readings_and_error(
     loop {
         match replay.next() {
             Ok(SourceEvent::Reading(reading)) => readings.push(reading),
-            Ok(SourceEvent::Idle) => {}
+            Ok(SourceEvent::Idle | SourceEvent::Command(_)) => {}
             Ok(SourceEvent::End) => return (readings, None),
             Err(error) => {
                 assert_eq!(replay.next().unwrap(), SourceEvent::End, "after {error}");
@@ -116,7 +117,7 @@ fn count_and_end(mut replay: Replay<impl Read + Send>) -> (u64, Option<String>) 
     loop {
         match replay.next() {
             Ok(SourceEvent::Reading(_)) => readings += 1,
-            Ok(SourceEvent::Idle) => {}
+            Ok(SourceEvent::Idle | SourceEvent::Command(_)) => {}
             Ok(SourceEvent::End) => {
                 return (readings, replay.truncation().map(|end| format!("{end:?}")));
             }

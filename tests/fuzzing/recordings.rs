@@ -24,6 +24,7 @@ fn replay(bytes: &[u8]) -> Option<Replayed> {
     let is_whole = loop {
         match replay.next() {
             Ok(SourceEvent::Reading(reading)) => readings.push(reading),
+            Ok(SourceEvent::Command(command)) => assert_eq!(command.check(), Ok(())),
             Ok(SourceEvent::End) => break replay.truncation().is_none(),
             Ok(SourceEvent::Idle) => panic!("a recording is never quiet"),
             Err(error) => {
@@ -91,6 +92,7 @@ fn snapshot(reading: &Reading) -> Snapshot {
         touches: Touches::new(),
         events: Events::new(),
         commands: Default::default(),
+        executed: None,
         lost_hands: Default::default(),
         stats: Stats::default(),
     }

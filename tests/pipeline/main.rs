@@ -29,3 +29,4 @@ mod tracked_hands;
 mod typing;
 mod typing_sources;
 mod vectors;
+mod zeroing;

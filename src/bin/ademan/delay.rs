@@ -108,7 +108,8 @@ impl Record {
             Ok(CaptureEvent::Lost(error) | CaptureEvent::Failed(error)) => {
                 return Err(error.into());
             }
-            Ok(CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_)) | Err(_) => {}
+            Ok(CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_) | CaptureEvent::Command(_))
+            | Err(_) => {}
         }
         Ok(())
     }

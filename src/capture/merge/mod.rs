@@ -104,7 +104,8 @@ impl MergedInput {
                 self.hold_back(reading, received_at, start);
             }
             Some(CaptureEvent::Noise(stats)) => self.stats = stats,
-            Some(CaptureEvent::Elapsed(_)) => {}
+            // Only a recording has commands, and a recording has both hands already.
+            Some(CaptureEvent::Elapsed(_) | CaptureEvent::Command(_)) => {}
             Some(CaptureEvent::Lost(error)) => {
                 self.stats.losses += 1;
                 self.held.clear();

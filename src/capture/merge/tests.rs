@@ -50,7 +50,7 @@ fn merge(left: TimedSource, right: TimedSource) -> (Vec<(Side, u64)>, MergedSour
             SourceEvent::Reading(reading) => {
                 readings.push((reading.side.unwrap(), reading.time.0));
             }
-            SourceEvent::Idle => {}
+            SourceEvent::Idle | SourceEvent::Command(_) => {}
             SourceEvent::End => return (readings, merged),
         }
     }

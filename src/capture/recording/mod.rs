@@ -14,13 +14,21 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use mcap::records::Metadata;
+use serde_json::Value;
 
 use super::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
+use crate::command::Command;
 use crate::files;
 use records::{Content, Records, Stop};
 
 /// Topic of the channel of readings.
 pub const READINGS_TOPIC: &str = "/readings";
+
+/// Topic of the channel of commands.
+pub const COMMANDS_TOPIC: &str = "/commands";
+
+/// The `origin` of a command from outside the layout, which no reading repeats.
+pub const EXTERNAL_ORIGIN: &str = "external";
 
 /// Encoding of the messages of all channels.
 pub const MESSAGE_ENCODING: &str = "json";
@@ -107,7 +115,9 @@ pub struct Replay<R = File> {
     setup: RecordedSetup,
     /// Id of the channel of readings.
     channel: Option<u16>,
-    pending: Option<Reading>,
+    /// Id of the channel of commands.
+    commands: Option<u16>,
+    pending: Option<SourceEvent>,
     readings: u64,
     truncation: SharedTruncation,
     has_ended: bool,
@@ -137,13 +147,14 @@ impl<R: Read + Send> Replay<R> {
             records: Records::new(bytes),
             setup: RecordedSetup::default(),
             channel: None,
+            commands: None,
             pending: None,
             readings: 0,
             truncation: SharedTruncation::default(),
             has_ended: false,
         };
         match replay.records.read_magic() {
-            Ok(()) => replay.pending = replay.next_reading()?,
+            Ok(()) => replay.pending = replay.next_event()?,
             Err(stop) => replay.end(stop)?,
         }
         Ok(replay)
@@ -174,12 +185,17 @@ impl<R: Read + Send> Replay<R> {
         self.truncation.clone()
     }
 
-    /// Reads records up to the next reading. Returns `None` at the end.
-    fn next_reading(&mut self) -> Result<Option<Reading>, CaptureError> {
+    /// Reads records up to the next reading or command. Returns `None` at the end.
+    fn next_event(&mut self) -> Result<Option<SourceEvent>, CaptureError> {
         while !self.has_ended {
             match self.records.next() {
                 Ok(Content::Message(channel, data)) if Some(channel) == self.channel => {
-                    return self.decode(&data).map(Some);
+                    return Ok(Some(SourceEvent::Reading(self.decode(&data)?)));
+                }
+                Ok(Content::Message(channel, data)) if Some(channel) == self.commands => {
+                    if let Some(command) = external_command(&data) {
+                        return Ok(Some(SourceEvent::Command(command)));
+                    }
                 }
                 Ok(content) => self.handle(content)?,
                 Err(stop) => self.end(stop)?,
@@ -198,6 +214,10 @@ impl<R: Read + Send> Replay<R> {
                     )));
                 }
                 self.channel = Some(channel.id);
+                Ok(())
+            }
+            Content::Channel(channel) if channel.topic == COMMANDS_TOPIC => {
+                self.commands = Some(channel.id);
                 Ok(())
             }
             Content::Metadata(metadata) => self.handle_metadata(metadata),
@@ -283,17 +303,24 @@ impl<R: Read + Send> Replay<R> {
     }
 }
 
+/// Returns a recorded command that no reading repeats, or `None`: those of the layout are issued again, and those of a later
+/// version are not known.
+fn external_command(data: &[u8]) -> Option<Command> {
+    let mut fields: serde_json::Map<String, Value> = serde_json::from_slice(data).ok()?;
+    fields.remove("time_us");
+    let origin = fields.remove("origin")?;
+    let command: Command = serde_json::from_value(Value::Object(fields)).ok()?;
+    (origin == EXTERNAL_ORIGIN && command.check().is_ok()).then_some(command)
+}
+
 impl<R: Read + Send> Source for Replay<R> {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        let reading = match self.pending.take() {
-            Some(reading) => Some(reading),
-            None => self.next_reading()?,
+        let event = match self.pending.take() {
+            Some(event) => Some(event),
+            None => self.next_event()?,
         };
-        let Some(reading) = reading else {
-            return Ok(SourceEvent::End);
-        };
-        self.readings += 1;
-        Ok(SourceEvent::Reading(reading))
+        self.readings += u64::from(matches!(event, Some(SourceEvent::Reading(_))));
+        Ok(event.unwrap_or(SourceEvent::End))
     }
 
     fn name(&self) -> &str {

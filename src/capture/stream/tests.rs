@@ -70,7 +70,7 @@ fn events_until_two_losses(source: &mut StreamSource<ScriptedReads>) -> Vec<Stri
     let start = Instant::now();
     while source.losses < 2 && start.elapsed() < TIMEOUT {
         match source.next() {
-            Ok(SourceEvent::Idle) => {}
+            Ok(SourceEvent::Idle | SourceEvent::Command(_)) => {}
             Ok(SourceEvent::End) => events.push("end".to_owned()),
             Ok(SourceEvent::Reading(reading)) => match reading.sample {
                 Sample::Channels(channels) => events.push(channels.counts[0].to_string()),

@@ -10,6 +10,7 @@ use super::cancel::{CancelHandle, cancel_token};
 use super::suspend::SuspendDetector;
 use super::{CancelToken, CaptureError, Reading, Source, SourceEvent, SourceStats};
 use crate::advice;
+use crate::command::Command;
 use crate::time::Timestamp;
 
 /// Message of a capture thread.
@@ -31,6 +32,8 @@ pub enum CaptureEvent {
         /// Statistics up to and including this reading.
         stats: SourceStats,
     },
+    /// A command that a recorded session executed between two readings.
+    Command(Command),
     /// The [clock](Source::clock) of a source that waits: no reading precedes this time.
     Elapsed(Timestamp),
     /// Bytes arrive, but none of them belongs to a reading. Sent at most twice a second.
@@ -210,6 +213,7 @@ fn run(mut source: impl Source, suspend: &mut SuspendDetector, sender: &mut Even
                     stats: SourceStats { dropped, ..stats },
                 });
             }
+            Ok(SourceEvent::Command(command)) => sender.send(|_| CaptureEvent::Command(command)),
             Ok(SourceEvent::End) => {
                 let stats = stats();
                 sender.send(|dropped| CaptureEvent::End(SourceStats { dropped, ..stats }));

@@ -82,6 +82,7 @@ fn brief(event: CaptureEvent) -> String {
         CaptureEvent::Reading { reading, stats, .. } => {
             format!("{}({})", reading.time.0, stats.dropped)
         }
+        CaptureEvent::Command(command) => command.to_string(),
         CaptureEvent::Elapsed(_) => "elapsed".to_owned(),
         CaptureEvent::Noise(_) => "noise".to_owned(),
         CaptureEvent::Lost(_) => "lost".to_owned(),

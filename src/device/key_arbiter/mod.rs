@@ -123,6 +123,11 @@ impl KeyArbiter {
         self.presses.iter().any(|press| press.source == source)
     }
 
+    /// Returns whether nothing is pressed and no key is down.
+    pub fn is_idle(&self) -> bool {
+        self.presses.is_empty() && self.pressed_keys.is_empty()
+    }
+
     /// Returns the time of the last event.
     pub fn last_event_time(&self) -> Timestamp {
         self.time

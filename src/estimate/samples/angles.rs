@@ -3,12 +3,13 @@
 use crate::estimate::{JointLimits, Rejection};
 use crate::hand::JointAngles;
 
-/// Clamps the angles of a sample to the joint limits; `None` accepts every finite angle.
+/// Adds `offsets` to the angles of a sample and clamps them to the joint limits; `None` accepts every finite angle.
 ///
 /// A sample without angles is rejected.
 pub(super) fn convert(
     sample: &JointAngles,
     limits: Option<&JointLimits>,
+    offsets: &JointAngles,
     angles: &mut JointAngles,
 ) -> Result<(), Rejection> {
     if sample.is_empty() {
@@ -18,6 +19,7 @@ pub(super) fn convert(
         if !radians.is_finite() {
             return Err(Rejection::NotFinite);
         }
+        let radians = radians + offsets.get(dof);
         let clamped = match limits {
             Some(limits) => limits.checked_clamp(dof, radians),
             None => Some(radians),

@@ -76,13 +76,14 @@ impl ChannelConverter {
         }
     }
 
-    /// Converts counts to angles within the joint limits. Angles of railed channels are clamped; others that are far
+    /// Converts counts to angles, adds `offsets`, and keeps them within the joint limits. Angles of railed channels are clamped; others that are far
     /// outside are an error. A channel is railed once it has been at one end of its range for `rail_timeout`. Fingers with an
     /// unknown channel are untrusted.
     pub(super) fn convert(
         &mut self,
         channels: &Channels,
         rail_timeout: Option<Duration>,
+        offsets: &JointAngles,
         estimate: &mut Estimate,
     ) -> Result<(), Rejection> {
         if channels.full_scale != self.full_scale || channels.counts.len() < self.required_channels
@@ -94,7 +95,7 @@ impl ChannelConverter {
         }
         estimate.untrusted = estimate.untrusted.union(self.unknown_fingers(channels));
         self.write_inputs(channels, &mut estimate.inputs);
-        self.write_angles(channels, &mut estimate.angles)?;
+        self.write_angles(channels, offsets, &mut estimate.angles)?;
         if estimate.angles.is_empty() && !self.rows.is_empty() {
             return Err(Rejection::WrongShape);
         }
@@ -141,13 +142,18 @@ impl ChannelConverter {
         untrusted
     }
 
-    fn write_angles(&self, channels: &Channels, angles: &mut JointAngles) -> Result<(), Rejection> {
+    fn write_angles(
+        &self,
+        channels: &Channels,
+        offsets: &JointAngles,
+        angles: &mut JointAngles,
+    ) -> Result<(), Rejection> {
         for row in &self.rows {
             if is_unknown(channels, row.channel) {
                 continue;
             }
             let count = f64::from(channels.counts[row.channel]);
-            let radians = row.calibration.apply(count);
+            let radians = row.calibration.apply(count) + offsets.get(row.dof);
             if !radians.is_finite() {
                 return Err(Rejection::NotFinite);
             }

@@ -9,7 +9,7 @@ mod joints;
 
 use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
 use crate::capture::{Reading, Sample};
-use crate::hand::Side;
+use crate::hand::{JointAngles, Side};
 
 /// The converter of one hand, with the state that the kinds of samples need.
 #[derive(Clone, Debug)]
@@ -38,19 +38,22 @@ impl SampleConverter {
     }
 
     /// Writes what a reading shows without its history into `estimate`: angles within the joint limits, not filtered.
+    /// `offsets` are added to measured angles, in radians.
     pub(super) fn convert(
         &mut self,
         reading: &Reading,
         settings: &EstimatorSettings,
+        offsets: &JointAngles,
         estimate: &mut Estimate,
     ) -> Result<(), Rejection> {
         match &reading.sample {
             Sample::Channels(channels) => {
                 let converter = self.channels.as_mut().ok_or(Rejection::WrongShape)?;
-                converter.convert(channels, settings.rail_timeout, estimate)
+                converter.convert(channels, settings.rail_timeout, offsets, estimate)
             }
             Sample::Angles { angles } => {
-                angles::convert(angles, settings.limits.as_ref(), &mut estimate.angles)
+                let limits = settings.limits.as_ref();
+                angles::convert(angles, limits, offsets, &mut estimate.angles)
             }
             Sample::Joints { positions } => {
                 let side = reading.side.unwrap_or(Side::Right);

@@ -279,6 +279,7 @@ mod tests {
                 kind: EventKind::KeyUp("Q".parse().unwrap()),
             }]),
             commands: TimedCommands::from_iter([issued(nudge), issued(Command::TogglePause)]),
+            executed: None,
             lost_hands: Default::default(),
             stats: Stats::default(),
         };

@@ -18,7 +18,7 @@ use crate::capture::{
 };
 use crate::command::{Command, CommandOrigin};
 use crate::contact::TargetNames;
-use crate::device::Events;
+use crate::device::{Events, TimedCommand};
 use crate::names::UnknownName;
 use crate::output::Sink;
 use crate::pipeline::{CommandError, Pipeline, PipelineState, StepOutput};
@@ -55,6 +55,7 @@ pub(super) fn run_observed(
         sink: CloseOnPanic(sink),
         observe,
         events: Events::new(),
+        executed: None,
         last_reading_at: None,
         source_stats: SourceStats::default(),
         expired: 0,
@@ -90,6 +91,8 @@ struct SessionLoop<'a> {
     sink: CloseOnPanic<'a>,
     observe: &'a mut dyn FnMut(&Snapshot, &Pipeline),
     events: Events,
+    /// The command from outside the layout that was executed in this step.
+    executed: Option<TimedCommand>,
     /// Arrival of the last accepted reading; `None` after a stall.
     last_reading_at: Option<Instant>,
     source_stats: SourceStats,
@@ -177,6 +180,7 @@ impl SessionLoop<'_> {
                 self.source_stats = stats;
                 return self.step(reading, received_at);
             }
+            CaptureEvent::Command(command) => self.replay_command(command)?,
             CaptureEvent::Elapsed(time) => self.pass_gap(time)?,
             CaptureEvent::Noise(stats) => self.source_stats = stats,
             CaptureEvent::Lost(error) => {
@@ -249,17 +253,42 @@ impl SessionLoop<'_> {
         command: Command,
         origin: CommandOrigin,
     ) -> Result<Result<Reply, RequestError>, SessionError> {
-        if command == Command::Recenter {
-            // A hand that is overdue is not recentered on.
+        if matches!(command, Command::Recenter | Command::Zero) {
+            // A hand that is overdue is neither recentered on nor zeroed.
             self.stall_if_overdue()?;
         }
         self.events.clear();
         let result = self.pipeline.execute(&command, origin, &mut self.events);
         self.send_events(None)?;
-        self.publish(None, None, None);
+        self.publish_command(command, result.is_ok());
         Ok(result
-            .map(|()| Reply::Done)
+            .map(|()| self.reply(&command))
             .map_err(|error| self.explain(error)))
+    }
+
+    fn reply(&self, command: &Command) -> Reply {
+        match self.pipeline.zeroed().filter(|_| *command == Command::Zero) {
+            Some(zeroed) => Reply::Text(zeroed.to_string()),
+            None => Reply::Done,
+        }
+    }
+
+    /// Repeats a command of a recording.
+    fn replay_command(&mut self, command: Command) -> Result<(), SessionError> {
+        self.events.clear();
+        // A command that cannot be executed has no effect: another layout or glove may replace the recorded one.
+        let result = self.pipeline.replay(&command, &mut self.events);
+        self.send_events(None)?;
+        self.publish_command(command, result.is_ok());
+        Ok(())
+    }
+
+    fn publish_command(&mut self, command: Command, is_executed: bool) {
+        self.executed = is_executed.then_some(TimedCommand {
+            time: self.pipeline.time(),
+            command,
+        });
+        self.publish(None, None, None);
     }
 
     /// Adds the nearest name of a profile to the error, or all names if none is similar.
@@ -405,6 +434,7 @@ impl SessionLoop<'_> {
             touches: step.map(|step| step.touches.clone()).unwrap_or_default(),
             events: self.events.clone(),
             commands: step.map(|step| step.commands.clone()).unwrap_or_default(),
+            executed: self.executed.take(),
             lost_hands: self.pipeline.lost_hands(),
             stats: self.stats(),
         };

@@ -55,7 +55,7 @@ fn replay_all(bytes: Vec<u8>) -> (usize, String) {
     loop {
         match replay.next() {
             Ok(SourceEvent::Reading(_)) => readings += 1,
-            Ok(SourceEvent::Idle) => {}
+            Ok(SourceEvent::Idle | SourceEvent::Command(_)) => {}
             Ok(SourceEvent::End) => return (readings, String::new()),
             Err(error) => return (readings, error.to_string()),
         }

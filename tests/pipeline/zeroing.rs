@@ -1,0 +1,250 @@
+//! Zeroing of a slipped glove through the whole pipeline.
+
+use ademan::capture::{Reading, Sample};
+use ademan::command::{Command, CommandOrigin};
+use ademan::device::{EventKind, Events};
+use ademan::estimate::ZeroError;
+use ademan::hand::{Dof, Joint, JointAngles, JointPositions};
+use ademan::pipeline::{CommandError, Pipeline, PipelineState};
+use ademan::setup::{LoadedSetup, Setup};
+use ademan::time::Timestamp;
+use glam::DVec3;
+
+use crate::support::press::{Posture, Press, reading};
+
+/// A glove whose channels are shifted by a number of counts, as it has slipped.
+struct Slipped {
+    loaded: LoadedSetup,
+    pipeline: Pipeline,
+    time: Timestamp,
+    press: Press,
+    shift: Posture,
+    keys: Vec<String>,
+}
+
+impl Slipped {
+    /// Returns an armed hand at rest above the key H. Its glove knows the rest pose, and has not slipped yet.
+    fn new(layout: &str) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.ron");
+        std::fs::write(&path, layout).expect("a file");
+        let setup = Setup {
+            layout: path.display().to_string(),
+            ..Setup::default()
+        };
+        let mut loaded = setup.load_files().expect("a setup");
+        let mut hand = Self {
+            pipeline: loaded.pipeline(),
+            loaded: loaded.clone(),
+            time: Timestamp(0),
+            press: Press::for_text("h"),
+            shift: [0; size_of::<Posture>()],
+            keys: Vec::new(),
+        };
+        let posture = hand.press.clear();
+        hand.hold(&posture, 200);
+        let rest_pose = hand.angles();
+        loaded.glove.as_mut().expect("a glove").rest_pose = rest_pose;
+        hand.pipeline = loaded.pipeline();
+        hand.loaded = loaded;
+        hand.time = Timestamp(0);
+        hand.rest();
+        assert_eq!(hand.pipeline.state(), PipelineState::Running);
+        hand
+    }
+
+    /// Shifts the channel of an angle by some counts.
+    fn slip(&mut self, dof: Dof, counts: u8) {
+        let rows = self.loaded.glove.as_ref().expect("a glove").map.rows();
+        let row = rows.iter().find(|row| row.dof == dof).expect("a sensor");
+        self.shift[row.channel] = counts;
+    }
+
+    /// Holds a posture for a number of readings.
+    fn hold(&mut self, posture: &Posture, readings: usize) {
+        for _ in 0..readings {
+            let reading = self.reading(posture);
+            let mut events = Events::new();
+            let _ = self.pipeline.step(&reading, &mut events);
+            self.write(&events);
+        }
+    }
+
+    /// Returns the next reading of a posture.
+    fn reading(&mut self, posture: &Posture) -> Reading {
+        self.time.0 += 5_729;
+        let mut shifted = *posture;
+        for (count, shift) in shifted.iter_mut().zip(self.shift) {
+            *count = count.saturating_add(shift).min(254);
+        }
+        reading(self.time, &shifted)
+    }
+
+    /// Rests for a second.
+    fn rest(&mut self) {
+        let posture = self.press.clear();
+        self.hold(&posture, 180);
+    }
+
+    /// Returns the angles of the hand at rest.
+    fn angles(&mut self) -> JointAngles {
+        let posture = self.press.clear();
+        let reading = self.reading(&posture);
+        let step = self.pipeline.step(&reading, &mut Events::new());
+        step.expect("an accepted reading").estimate.angles
+    }
+
+    fn execute(&mut self, command: Command) -> Result<(), CommandError> {
+        let mut events = Events::new();
+        let outcome = self
+            .pipeline
+            .execute(&command, CommandOrigin::Client, &mut events);
+        self.write(&events);
+        outcome
+    }
+
+    fn write(&mut self, events: &Events) {
+        for event in events {
+            match event.kind {
+                EventKind::KeyDown(key) => self.keys.push(format!("+{key}")),
+                EventKind::KeyUp(key) => self.keys.push(format!("-{key}")),
+                _ => {}
+            }
+        }
+    }
+}
+
+fn layout() -> String {
+    ademan::layout::Layout::load("qwerty-flat")
+        .expect("a shipped layout")
+        .text
+}
+
+/// Returns the layout with a key in the place of H that zeroes the hand.
+fn with_zero_key() -> String {
+    let layout = layout();
+    let row = r#"(at_mm: (-90.25, 0), keys: "A S D F G H J K L Semicolon Quote Backslash")"#;
+    assert!(layout.contains(row), "{layout}");
+    let rows = r#"(at_mm: (-90.25, 0), keys: "A S D F G"), (at_mm: (23.75, 0), keys: "J K L Semicolon Quote Backslash")"#;
+    let key = r#"keys: [(action: Command("zero"), name: "H", at_mm: (4.75, 0)),"#;
+    layout.replace(row, rows).replace("keys: [", key)
+}
+
+fn degrees(angles: &JointAngles, dof: Dof) -> f64 {
+    angles.get(dof).to_degrees()
+}
+
+#[test]
+fn zeroing_turns_the_resting_hand_into_the_rest_pose_and_undoing_it_turns_it_back() {
+    let mut hand = Slipped::new(&layout());
+    let dof = Dof::IndexMcpFlexion;
+    let at_rest = degrees(&hand.angles(), dof);
+    hand.slip(dof, 8);
+    hand.rest();
+    let slipped = degrees(&hand.angles(), dof);
+    assert!((slipped - at_rest).abs() > 4.0, "{slipped}");
+
+    assert_eq!(hand.execute(Command::Zero), Ok(()));
+    let zeroed = hand.pipeline.zeroed().expect("it was zeroed");
+    assert_eq!(zeroed.largest, dof);
+    let found = degrees(&hand.angles(), dof);
+    assert!((found - at_rest).abs() < 0.2, "{found}, not {at_rest}");
+
+    assert_eq!(hand.execute(Command::UndoZero), Ok(()));
+    assert_eq!(hand.pipeline.zeroed(), None);
+    let found = degrees(&hand.angles(), dof);
+    assert!((found - slipped).abs() < 0.2, "{found}, not {slipped}");
+    let refused = hand.execute(Command::UndoZero).unwrap_err();
+    assert_eq!(refused, CommandError::Zero(ZeroError::NothingToUndo));
+}
+
+#[test]
+fn zeroing_presses_no_key_and_arms_again_after_the_hand_was_clear() {
+    let mut hand = Slipped::new(&layout());
+    hand.slip(Dof::IndexMcpFlexion, 6);
+    hand.rest();
+    hand.keys.clear();
+    assert_eq!(hand.execute(Command::Zero), Ok(()));
+    assert_eq!(hand.pipeline.state(), PipelineState::Paused);
+    let pressed = hand.press.pressed();
+    hand.hold(&pressed, 100);
+    assert_eq!(hand.pipeline.state(), PipelineState::Paused, "not clear");
+    assert!(hand.keys.is_empty(), "{:?}", hand.keys);
+    hand.rest();
+    assert_eq!(hand.pipeline.state(), PipelineState::Running);
+    hand.hold(&pressed, 100);
+    hand.rest();
+    assert_eq!(hand.keys.join(" "), "+H -H", "the glove fits again");
+}
+
+#[test]
+fn zeroing_is_refused_with_the_reason() {
+    let mut hand = Slipped::new(&layout());
+    let (pressed, clear) = (hand.press.pressed(), hand.press.clear());
+    hand.hold(&pressed, 200);
+    assert_eq!(hand.execute(Command::Zero), Err(CommandError::KeyDown));
+    hand.hold(&clear, 40);
+    let moving = Err(CommandError::Zero(ZeroError::Moving));
+    assert_eq!(hand.execute(Command::Zero), moving, "0.2 s of rest");
+    hand.rest();
+    hand.slip(Dof::IndexMcpFlexion, 40);
+    hand.rest();
+    let refused = hand.execute(Command::Zero).unwrap_err();
+    let CommandError::Zero(ZeroError::TooFar { dof, degrees }) = refused else {
+        panic!("{refused}");
+    };
+    assert_eq!(dof, Dof::IndexMcpFlexion);
+    assert!(degrees > 20, "{refused}");
+    assert_eq!(hand.pipeline.zeroed(), None);
+    assert_eq!(hand.pipeline.state(), PipelineState::Running, "no effect");
+    hand.pipeline.stall(&mut Events::new());
+    assert_eq!(hand.execute(Command::Zero), Err(CommandError::NoHand));
+}
+
+#[test]
+fn sources_of_positions_and_of_other_joints_are_not_zeroed() {
+    let loaded = Setup::default().load_files().expect("a setup");
+    let mut positions = JointPositions::default();
+    for (number, &joint) in Joint::ALL.iter().enumerate() {
+        let step = number as f64 * 0.01;
+        positions.set(joint, DVec3::new(step, step * step, -step));
+    }
+    let mut elbow = JointAngles::default();
+    elbow.set(Dof::ElbowFlexion, 0.5);
+    for (sample, reason) in [
+        (Sample::Joints { positions }, ZeroError::NoAngles),
+        (Sample::Angles { angles: elbow }, ZeroError::NoRestPose),
+    ] {
+        let mut pipeline = loaded.pipeline();
+        let mut events = Events::new();
+        let reading = Reading::new(Timestamp(1_000), None, sample);
+        pipeline.step(&reading, &mut events).expect("accepted");
+        assert_eq!(pipeline.zero(&mut events), Err(CommandError::Zero(reason)));
+    }
+}
+
+#[test]
+fn a_key_of_the_layout_zeroes_the_hand_once_it_rests() {
+    let mut hand = Slipped::new(&with_zero_key());
+    let dof = Dof::IndexMcpFlexion;
+    let at_rest = degrees(&hand.angles(), dof);
+    hand.slip(dof, 2);
+    hand.rest();
+    let pressed = hand.press.pressed();
+    hand.hold(&pressed, 180);
+    assert_eq!(hand.pipeline.zeroed(), None, "the finger is on the key");
+    hand.rest();
+    assert!(hand.pipeline.zeroed().is_some());
+    let found = degrees(&hand.angles(), dof);
+    assert!((found - at_rest).abs() < 0.2, "{found}, not {at_rest}");
+    assert!(hand.keys.is_empty(), "{:?}", hand.keys);
+}
+
+#[test]
+fn a_hand_that_does_not_come_to_rest_in_time_is_not_zeroed() {
+    let mut hand = Slipped::new(&with_zero_key());
+    let pressed = hand.press.pressed();
+    hand.hold(&pressed, 1000);
+    hand.rest();
+    assert_eq!(hand.pipeline.zeroed(), None, "5 s have passed");
+}
