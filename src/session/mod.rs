@@ -55,7 +55,7 @@ use crate::pipeline::{Pipeline, SourceRole};
 use crate::priority;
 use crate::recorder::RecordError;
 use crate::setup::{LoadedSetup, SetupError};
-use crate::share::{ShareError, ShareServer};
+use crate::share::{ShareError, ShareHub};
 use crate::snapshot::{Snapshot, Stats};
 
 pub use self::command_channel::{CommandReceiver, CommandSender, command_channel};
@@ -125,8 +125,8 @@ pub struct Session {
     start_signal: Option<Sender<()>>,
     /// Removes the socket when it is dropped.
     control: Option<ControlServer>,
-    /// Servers of joint angles and poses.
-    servers: Vec<ShareServer>,
+    /// Programs that the hand is shared with.
+    share: ShareHub,
 }
 
 impl Session {
@@ -160,10 +160,7 @@ impl Session {
             // A full queue means that the loop stands still; then the watchdog releases everything.
             panic_keys::watch(&keys, move || _ = commands.send(Command::Pause))?;
         }
-        let targets = options.share.iter();
-        let servers: Vec<_> = targets
-            .map(|&target| ShareServer::start(target, setup.arm.side()))
-            .collect::<Result<_, _>>()?;
+        let share = ShareHub::start(&options.share, setup.arm.side())?;
         let notifier = control.as_ref().map(ControlServer::notifier);
         start_layout_manager(&setup, &options, &mut commands, &notices, notifier)?;
         if let Some(control) = &mut control {
@@ -184,7 +181,7 @@ impl Session {
             views,
             start_signal: None,
             control,
-            servers,
+            share,
         };
         SessionHandle::spawn(session, command_sender, snapshot_receiver, hub)
     }
@@ -228,8 +225,8 @@ impl Session {
         if self.control.is_none() && self.options.control_socket == ControlSocket::Default {
             self.report_status(Notice::NoControlSocket);
         }
-        for server in &self.servers {
-            self.report_status(Notice::Sharing(server.target()));
+        for target in self.share.targets() {
+            self.report_status(Notice::Sharing(*target));
         }
         drop(self.start_signal.take());
         let mut status = self.options.report_status.then(StatusLog::default);
@@ -237,7 +234,7 @@ impl Session {
         let (notices, snapshots) = (self.notices.sender(), &self.snapshots);
         let views = &mut self.views;
         let is_lossless = self.options.lossless_snapshots;
-        let servers = &self.servers;
+        let share = &mut self.share;
         let mut observe = |snapshot: &Snapshot, pipeline: &Pipeline| {
             if let Some(status) = &mut status {
                 status.update(snapshot, &mut |notice| notices.send(notice));
@@ -250,9 +247,7 @@ impl Session {
                 recorder.push(snapshot);
             }
             views.update(snapshot, pipeline);
-            for server in servers {
-                server.push(snapshot);
-            }
+            share.push(snapshot);
             publish(snapshots, snapshot, is_lossless);
         };
         let mut pipeline = self.setup.pipeline();

@@ -1,97 +1,82 @@
-//! A client of a server, with the lines that it has not read yet.
+//! A client of a server.
 
-use std::collections::VecDeque;
-use std::io::{ErrorKind, Read, Write};
-use std::net::TcpStream;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::io::{ErrorKind, Read};
 
-/// Lines that wait for a client: a third of a second of a fast glove.
-const MAX_LINES: usize = 64;
-
-/// Longest time in which a client reads nothing while lines wait for it.
-const READ_TIMEOUT: Duration = Duration::from_secs(1);
+use super::lines::{FormatSet, Line};
+use super::listener::{Connection, Stream};
+use super::outbox::Outbox;
+use super::target::ShareFormat;
 
 /// A connected client.
 pub(super) struct Client {
-    stream: TcpStream,
-    lines: VecDeque<Arc<[u8]>>,
-    /// The bytes of the first line that were written.
-    written: usize,
-    /// The time of the last write, or of the first line that waits after it.
-    progress_at: Instant,
+    /// The index of its server.
+    pub server: usize,
+    stream: Box<dyn Stream>,
+    outbox: Outbox,
+    format: ShareFormat,
 }
 
 /// The client has to be disconnected.
+#[derive(Debug)]
 pub(super) struct Disconnected;
 
 impl Client {
-    /// Takes over a connection. Fails if it does not support writing without waiting.
-    pub(super) fn new(stream: TcpStream) -> std::io::Result<Self> {
-        stream.set_nonblocking(true)?;
-        // Each line is the state of now.
-        stream.set_nodelay(true)?;
-        Ok(Self {
-            stream,
-            lines: VecDeque::with_capacity(MAX_LINES),
-            written: 0,
-            progress_at: Instant::now(),
-        })
+    /// Takes over a connection to a server of a format.
+    pub fn new(connection: Connection, format: ShareFormat) -> Self {
+        Self {
+            server: connection.server,
+            stream: connection.stream,
+            outbox: Outbox::new(),
+            format,
+        }
     }
 
-    /// Adds a line and writes what the client accepts. When too many lines wait, the oldest one that was not begun is
-    /// dropped.
-    pub(super) fn push(&mut self, line: &Arc<[u8]>) -> Result<(), Disconnected> {
-        if self.lines.is_empty() {
-            self.progress_at = Instant::now();
-        }
-        if self.lines.len() == MAX_LINES {
-            self.lines.remove(usize::from(self.written > 0));
-        }
-        self.lines.push_back(line.clone());
-        self.flush()
+    /// Returns the formats of the lines that it wants.
+    pub fn wanted(&self) -> FormatSet {
+        FormatSet::only(self.format)
     }
 
-    /// Writes what the client accepts. Fails if it has gone, has read nothing for one second, or has sent anything.
-    pub(super) fn flush(&mut self) -> Result<(), Disconnected> {
-        while let Some(line) = self.lines.front() {
-            match self.stream.write(&line[self.written..]) {
-                Ok(0) => return Err(Disconnected),
-                Ok(count) => {
-                    self.progress_at = Instant::now();
-                    self.written += count;
-                    if self.written == line.len() {
-                        self.written = 0;
-                        self.lines.pop_front();
-                    }
-                }
-                Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) if error.kind() == ErrorKind::WouldBlock => {
-                    if self.progress_at.elapsed() > READ_TIMEOUT {
-                        return Err(Disconnected);
-                    }
-                    break;
-                }
-                Err(_) => return Err(Disconnected),
+    /// Adds the lines that it wants.
+    pub fn push(&mut self, lines: &[Line]) {
+        for line in lines {
+            if line.format == self.format {
+                self.outbox.push(line.bytes.clone());
             }
         }
-        Ok(())
     }
 
-    /// Fails if the client has sent anything.
-    pub(super) fn check_silence(&mut self) -> Result<(), Disconnected> {
+    /// Writes what the client accepts. Fails if it has gone, or has read nothing for one second.
+    pub fn flush(&mut self) -> Result<(), Disconnected> {
+        self.outbox.flush(&mut *self.stream)
+    }
+
+    /// Returns whether lines wait for the client.
+    pub fn is_behind(&self) -> bool {
+        !self.outbox.is_empty()
+    }
+
+    /// Receives what the client has sent. Fails if its format has no requests.
+    pub fn receive(&mut self) -> Result<(), Disconnected> {
         match self.stream.read(&mut [0; 1]) {
             Ok(1..) => Err(Disconnected),
             // A client that will never send has closed its half of the connection.
             Ok(0) => Ok(()),
-            Err(error) if error.kind() == ErrorKind::WouldBlock => Ok(()),
-            Err(error) if error.kind() == ErrorKind::Interrupted => Ok(()),
+            Err(error) if is_temporary(error.kind()) => Ok(()),
             Err(_) => Err(Disconnected),
         }
     }
+}
 
-    /// Returns whether lines wait for the client.
-    pub(super) fn is_behind(&self) -> bool {
-        !self.lines.is_empty()
+impl Drop for Client {
+    fn drop(&mut self) {
+        let dropped = self.outbox.take_dropped();
+        if dropped > 0 {
+            tracing::info!("a client of {} missed {dropped} lines", self.format);
+        }
     }
+}
+
+/// Returns whether a stream without data failed with this kind of error.
+fn is_temporary(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::WouldBlock | ErrorKind::Interrupted)
 }

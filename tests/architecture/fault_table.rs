@@ -334,8 +334,8 @@ pub const FAULTS: &[Fault] = &[
         ("src/output/desktop/tests.rs", "a_full_queue_coalesces_motion_and_drops_no_release"),
     ])),
     fault(59, "a client of the joint-angle server stops reading", Tests(&[
-        ("src/share/server.rs", "a_client_that_reads_nothing_is_disconnected_and_the_others_are_served"),
-        ("src/share/server.rs", "a_client_that_sends_is_disconnected"),
+        ("src/share/hub/tests.rs", "a_client_that_reads_nothing_is_disconnected_and_the_others_are_served"),
+        ("src/share/hub/tests.rs", "a_client_that_sends_is_disconnected"),
     ])),
     fault(60, "disk full, log closed", Tests(&[
         ("tests/cli/faults/disks.rs", "a_full_closed_or_missing_log_does_not_stop_a_session"),

@@ -70,7 +70,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
         5,
         "no web page reaches a port",
         Status::Met(&[
-            ("src/share/server.rs", "a_client_that_sends_is_disconnected"),
+            (
+                "src/share/hub/tests.rs",
+                "a_client_that_sends_is_disconnected",
+            ),
             (
                 "tests/capture/websocket.rs",
                 "pages_of_other_sites_and_other_host_names_are_refused",
@@ -85,9 +88,12 @@ pub const REQUIREMENTS: &[Requirement] = &[
         6,
         "a joint-angle server is read-only",
         Status::Met(&[
-            ("src/share/server.rs", "a_client_that_sends_is_disconnected"),
             (
-                "src/share/mod.rs",
+                "src/share/hub/tests.rs",
+                "a_client_that_sends_is_disconnected",
+            ),
+            (
+                "src/share/target.rs",
                 "a_target_is_a_format_and_a_loopback_address",
             ),
             (

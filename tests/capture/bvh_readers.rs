@@ -1,11 +1,11 @@
 //! Motion capture files of the program, read by independent programs.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use ademan::hand::Joint;
 
+use crate::support::python::python;
 use crate::support::source::{TYPING_RATE_HZ, bvh_text, typing_poses};
 
 const TEXT: &str = "Hola";
@@ -91,36 +91,6 @@ const NAMES: [(&str, Joint); 8] = [
     ("RightHandPinky3#end", Joint::LittleTip),
 ];
 
-/// Returns a Python with the package `bvh`, installed once per build folder, or the reason why there is none.
-fn python() -> Result<PathBuf, String> {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("bvh-reader");
-    let python = folder.join("bin/python");
-    let run =
-        |program: &Path, arguments: &[&str]| match Command::new(program).args(arguments).output() {
-            Ok(output) if output.status.success() => Ok(()),
-            Ok(output) => Err(String::from_utf8_lossy(&output.stderr).trim().to_owned()),
-            Err(error) => Err(error.to_string()),
-        };
-    if run(&python, &["-c", "import bvh"]).is_ok() {
-        return Ok(python);
-    }
-    let folder = folder.display().to_string();
-    run(Path::new("python3"), &["-m", "venv", "--clear", &folder])?;
-    let install = [
-        "-m",
-        "pip",
-        "install",
-        "--quiet",
-        "--timeout",
-        "10",
-        "--retries",
-        "1",
-        "bvh==0.3",
-    ];
-    run(&python, &install)?;
-    Ok(python)
-}
-
 /// Checks what a reader printed of the file of a hand that types [`TEXT`].
 fn check(out: &str) {
     let mut lines = out.lines();
@@ -159,7 +129,7 @@ fn check(out: &str) {
 
 #[test]
 fn a_python_package_gives_the_captured_positions_within_a_millimetre() {
-    let python = match python() {
+    let python = match python("bvh-reader", "bvh", &["bvh==0.3"]) {
         Ok(python) => python,
         Err(reason) => {
             println!("SKIPPED: cannot install the package bvh: {reason}");

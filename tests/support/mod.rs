@@ -17,6 +17,7 @@ pub mod output_pipe;
 pub mod press;
 pub mod process;
 pub mod program;
+pub mod python;
 pub mod recording;
 pub mod run;
 pub mod source;

@@ -17,6 +17,7 @@ use super::{Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protoco
 use crate::capture::{Sample, SampleKind};
 use crate::hand::{ArmBone, BoneRotations, Side};
 use crate::message::escape;
+use crate::time::Timestamp;
 
 /// The VMC protocol.
 pub const PROTOCOL: Protocol = Protocol {
@@ -187,20 +188,35 @@ fn rotation([x, y, z, w]: [f32; 4]) -> Option<Quat> {
 
 /// Writes a frame as a datagram: a bundle of the state and the time, with the bones in a bundle of their own.
 pub fn encode(bones: &BoneRotations) -> Vec<u8> {
+    encode_body(bones, &[None; Side::COUNT], Timestamp::default())
+}
+
+/// Writes a frame with the rotations of the upper arms in the world, by side, and its time.
+pub fn encode_body(
+    bones: &BoneRotations,
+    upper_arms: &[Option<Quat>; Side::COUNT],
+    time: Timestamp,
+) -> Vec<u8> {
     let mut messages = Vec::new();
     for (side, prefix) in [(Side::Left, "Left"), (Side::Right, "Right")] {
+        if let Some(rotation) = upper_arms[side.index()] {
+            messages.push(encode_bone(&format!("{prefix}UpperArm"), rotation));
+        }
         for (bone, rotation) in bones.arm(side).known() {
-            let name = format!("{prefix}{}", name_of(bone));
-            let [x, y, z, w] = rotation.to_array();
-            let numbers = [0.0, 0.0, 0.0, -x, -y, z, w];
-            messages.push(osc::encode("/VMC/Ext/Bone/Pos", Some(&name), &[], &numbers));
+            messages.push(encode_bone(&format!("{prefix}{}", name_of(bone)), rotation));
         }
     }
     osc::bundle(&[
         osc::encode("/VMC/Ext/OK", None, &[1], &[]),
-        osc::encode("/VMC/Ext/T", None, &[], &[0.0]),
+        osc::encode("/VMC/Ext/T", None, &[], &[time.seconds() as f32]),
         osc::bundle(&messages),
     ])
+}
+
+fn encode_bone(name: &str, rotation: Quat) -> Vec<u8> {
+    let [x, y, z, w] = rotation.to_array();
+    let numbers = [0.0, 0.0, 0.0, -x, -y, z, w];
+    osc::encode("/VMC/Ext/Bone/Pos", Some(name), &[], &numbers)
 }
 
 #[cfg(test)]

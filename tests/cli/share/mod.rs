@@ -1,4 +1,6 @@
-//! Joint angles shared with other programs.
+//! A hand shared with other programs.
+
+mod datagrams;
 
 use std::io::{BufRead, BufReader, Read};
 use std::net::TcpStream;
@@ -10,7 +12,12 @@ use crate::{ademan, run};
 
 /// Starts a simulated hand that types and shares. Returns it, and the address of its server.
 fn typist(text: &str, format: &str) -> (Process, String) {
-    let (source, share) = (format!("typist:{text}"), format!("{format}:127.0.0.1:0"));
+    share(text, &format!("{format}:127.0.0.1:0"))
+}
+
+/// Starts a simulated hand that types and shares with a target. Returns it, and the address of the target.
+fn share(text: &str, target: &str) -> (Process, String) {
+    let source = format!("typist:{text}");
     let arguments = [
         "--control",
         "off",
@@ -19,7 +26,7 @@ fn typist(text: &str, format: &str) -> (Process, String) {
         "--source",
         &source,
         "--share",
-        &share,
+        target,
     ];
     let mut command = ademan(["run"].into_iter().chain(arguments));
     command.stderr(Stdio::piped());
@@ -30,9 +37,9 @@ fn typist(text: &str, format: &str) -> (Process, String) {
         let (target, _) = line.strip_prefix("sharing ")?.split_once(": ")?;
         Some(target.to_owned())
     });
-    let target = line.expect("a message about the server");
-    let address = target.strip_prefix(&format!("{format}:"));
-    (process, address.expect("the format").to_owned())
+    let target = line.expect("a message about the target");
+    let (_, address) = target.split_once(':').expect("a format");
+    (process, address.to_owned())
 }
 
 #[test]

@@ -1,0 +1,142 @@
+//! The thread that sends to all clients and addresses.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, never, select};
+
+use super::client::Client;
+use super::datagrams::DatagramSender;
+use super::lines::{FormatSet, LineEncoder};
+use super::listener::Connection;
+use super::step::SharedStep;
+use super::target::ShareFormat;
+use crate::time::NO_DEADLINE;
+
+/// Most clients of a server at once. Further ones are disconnected.
+const MAX_CLIENTS: usize = 128;
+
+/// Interval at which the requests of clients are read.
+const RECEIVE_INTERVAL: Duration = Duration::from_millis(20);
+
+/// Time between two writes to a client, for each client: a write takes some 10 µs, so all of them together take a twentieth
+/// of a processor. A single client gets each line at once, and each of 100 clients the lines of 20 ms in one write.
+const WRITE_INTERVAL_PER_CLIENT: Duration = Duration::from_micros(200);
+
+/// The state of the thread.
+pub(super) struct Broadcast {
+    steps: Receiver<SharedStep>,
+    connections: Receiver<Connection>,
+    /// The format of each server, by its index.
+    servers: Vec<ShareFormat>,
+    senders: Vec<DatagramSender>,
+    clients: Vec<Client>,
+    /// The number of clients, for the session.
+    count: Arc<AtomicUsize>,
+    encoder: LineEncoder,
+    written_at: Instant,
+    received_at: Instant,
+}
+
+impl Broadcast {
+    /// Creates the state before the first step.
+    pub fn new(
+        steps: Receiver<SharedStep>,
+        connections: Receiver<Connection>,
+        servers: Vec<ShareFormat>,
+        senders: Vec<DatagramSender>,
+        encoder: LineEncoder,
+        count: Arc<AtomicUsize>,
+    ) -> Self {
+        Self {
+            steps,
+            connections,
+            servers,
+            senders,
+            clients: Vec::new(),
+            count,
+            encoder,
+            written_at: Instant::now(),
+            received_at: Instant::now(),
+        }
+    }
+
+    /// Shares steps until the session ends.
+    pub fn run(&mut self) {
+        loop {
+            select! {
+                recv(self.steps) -> step => match step {
+                    Ok(step) => self.share(&step),
+                    Err(_) => break,
+                },
+                recv(self.connections) -> connection => match connection {
+                    Ok(connection) => self.add(connection),
+                    Err(_) => self.connections = never(),
+                },
+                default(self.timeout()) => {}
+            }
+            self.write();
+            self.receive();
+            self.count.store(self.clients.len(), Ordering::Relaxed);
+        }
+        for client in &mut self.clients {
+            let _ = client.flush();
+        }
+    }
+
+    fn timeout(&self) -> Duration {
+        if self.clients.is_empty() {
+            return NO_DEADLINE;
+        }
+        let write_in = match self.clients.iter().any(Client::is_behind) {
+            true => self.write_interval().max(Duration::from_millis(1)),
+            false => RECEIVE_INTERVAL,
+        };
+        write_in.min(RECEIVE_INTERVAL)
+    }
+
+    fn write_interval(&self) -> Duration {
+        WRITE_INTERVAL_PER_CLIENT * (self.clients.len() - 1) as u32
+    }
+
+    fn add(&mut self, connection: Connection) {
+        let server = connection.server;
+        let others = self.clients.iter().filter(|it| it.server == server);
+        if others.count() < MAX_CLIENTS {
+            let client = Client::new(connection, self.servers[server]);
+            self.clients.push(client);
+        }
+    }
+
+    fn share(&mut self, step: &SharedStep) {
+        for sender in &mut self.senders {
+            sender.send(step);
+        }
+        let mut wanted = FormatSet::default();
+        for client in &self.clients {
+            wanted.insert_all(client.wanted());
+        }
+        let lines = self.encoder.encode(step, wanted);
+        for client in &mut self.clients {
+            client.push(lines);
+        }
+    }
+
+    /// Writes to all clients if that is due, and disconnects those that do not read.
+    fn write(&mut self) {
+        if !self.clients.is_empty() && self.written_at.elapsed() >= self.write_interval() {
+            self.written_at = Instant::now();
+            self.clients
+                .retain_mut(|client| !client.is_behind() || client.flush().is_ok());
+        }
+    }
+
+    /// Reads the requests of clients if that is due, and disconnects those that may not send.
+    fn receive(&mut self) {
+        if !self.clients.is_empty() && self.received_at.elapsed() >= RECEIVE_INTERVAL {
+            self.received_at = Instant::now();
+            self.clients.retain_mut(|client| client.receive().is_ok());
+        }
+    }
+}

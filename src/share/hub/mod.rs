@@ -1,0 +1,108 @@
+//! The session's end of sharing.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::{self, JoinHandle};
+
+use crossbeam_channel::{Sender, bounded};
+
+use crate::advice;
+use crate::hand::Side;
+use crate::share::broadcast::Broadcast;
+use crate::share::datagrams::DatagramSender;
+use crate::share::lines::LineEncoder;
+use crate::share::listener::Listener;
+use crate::share::step::SharedStep;
+use crate::share::{ShareError, ShareTarget};
+use crate::snapshot::Snapshot;
+
+/// Steps that wait for the thread.
+const MAX_STEPS: usize = 64;
+
+/// Connections that wait for the thread.
+const MAX_CONNECTIONS: usize = 32;
+
+/// The servers and receivers of a session, until it is dropped.
+pub struct ShareHub {
+    targets: Vec<ShareTarget>,
+    /// `None` while the hub is dropped.
+    steps: Option<Sender<SharedStep>>,
+    /// Steps are sent somewhere even if there is no client.
+    has_receivers: bool,
+    clients: Arc<AtomicUsize>,
+    /// They accept connections until they are dropped.
+    _listeners: Vec<Listener>,
+    /// `None` without targets.
+    thread: Option<JoinHandle<()>>,
+}
+
+impl ShareHub {
+    /// Starts to share a session whose first hand is `first`.
+    pub fn start(targets: &[ShareTarget], first: Side) -> Result<Self, ShareError> {
+        let (steps, step_receiver) = bounded(MAX_STEPS);
+        let (connections, connection_receiver) = bounded(MAX_CONNECTIONS);
+        let clients = Arc::new(AtomicUsize::new(0));
+        let mut hub = Self {
+            targets: targets.to_vec(),
+            steps: Some(steps),
+            has_receivers: false,
+            clients: Arc::clone(&clients),
+            _listeners: Vec::new(),
+            thread: None,
+        };
+        if targets.is_empty() {
+            return Ok(hub);
+        }
+        let (mut servers, mut senders) = (Vec::new(), Vec::new());
+        for target in &mut hub.targets {
+            if target.format.is_datagram() {
+                senders.push(DatagramSender::open(target, first)?);
+                continue;
+            }
+            let listener = Listener::start(servers.len(), target.address, connections.clone())?;
+            target.address = listener.address();
+            servers.push(target.format);
+            hub._listeners.push(listener);
+        }
+        hub.has_receivers = !senders.is_empty();
+        let encoder = LineEncoder::new(first);
+        let (steps, connections) = (step_receiver, connection_receiver);
+        let mut broadcast = Broadcast::new(steps, connections, servers, senders, encoder, clients);
+        let thread = thread::Builder::new().name("share".into());
+        let spawned = thread.spawn(move || broadcast.run());
+        hub.thread = Some(
+            spawned.map_err(|error| ShareError::NoThread(advice::no_thread(&error).to_string()))?,
+        );
+        Ok(hub)
+    }
+
+    /// Returns the targets with the ports at which servers listen.
+    pub fn targets(&self) -> &[ShareTarget] {
+        &self.targets
+    }
+
+    /// Shares a step. Does not wait: a step is dropped while 64 wait.
+    pub fn push(&mut self, snapshot: &Snapshot) {
+        if (self.has_receivers || self.clients.load(Ordering::Relaxed) > 0)
+            && let Some(steps) = &self.steps
+            && !steps.is_full()
+        {
+            let _ = steps.try_send(SharedStep {
+                snapshot: snapshot.clone(),
+            });
+        }
+    }
+}
+
+impl Drop for ShareHub {
+    /// Writes what the clients accept at once, and closes all connections.
+    fn drop(&mut self) {
+        self.steps = None;
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,175 @@
+//! The lines that a client has not read yet.
+
+use std::collections::VecDeque;
+use std::io::{ErrorKind, IoSlice};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::client::Disconnected;
+use super::listener::Stream;
+
+/// Most bytes that wait for a client: a tenth of a second of everything that a fast glove causes.
+const MAX_BYTES: usize = 1 << 18;
+
+/// Longest time in which a client reads nothing while lines wait for it.
+const READ_TIMEOUT: Duration = Duration::from_secs(1);
+
+/// Lines of one write.
+const LINES_PER_WRITE: usize = 64;
+
+/// Lines that wait for a client. The bytes are those of all clients.
+pub(super) struct Outbox {
+    lines: VecDeque<Arc<[u8]>>,
+    /// The bytes of all lines.
+    bytes: usize,
+    /// The bytes of the first line that were written.
+    written: usize,
+    /// Lines that were dropped since the last [`take_dropped`](Self::take_dropped).
+    dropped: u64,
+    /// The time of the last write, or of the first line that waits after it.
+    progress_at: Instant,
+}
+
+impl Outbox {
+    /// Creates an outbox without lines.
+    pub fn new() -> Self {
+        Self {
+            lines: VecDeque::new(),
+            bytes: 0,
+            written: 0,
+            dropped: 0,
+            progress_at: Instant::now(),
+        }
+    }
+
+    /// Returns whether no line waits.
+    pub fn is_empty(&self) -> bool {
+        self.lines.is_empty()
+    }
+
+    /// Returns the number of dropped lines since the last call.
+    pub fn take_dropped(&mut self) -> u64 {
+        std::mem::take(&mut self.dropped)
+    }
+
+    /// Adds a line. While too much waits, the oldest line that was not begun is dropped and counted.
+    pub fn push(&mut self, line: Arc<[u8]>) {
+        if self.lines.is_empty() {
+            self.progress_at = Instant::now();
+        }
+        self.bytes += line.len();
+        self.lines.push_back(line);
+        let first = usize::from(self.written > 0);
+        // The new line stays, however long it is.
+        while self.bytes > MAX_BYTES && self.lines.len() > first + 1 {
+            if let Some(line) = self.lines.remove(first) {
+                self.bytes -= line.len();
+                self.dropped += 1;
+            }
+        }
+    }
+
+    /// Writes what the client accepts. Fails if it has gone, or has read nothing for one second.
+    pub fn flush(&mut self, stream: &mut dyn Stream) -> Result<(), Disconnected> {
+        while !self.lines.is_empty() {
+            let mut slices = [IoSlice::new(&[]); LINES_PER_WRITE];
+            for (slice, line) in slices.iter_mut().zip(&self.lines) {
+                *slice = IoSlice::new(line);
+            }
+            slices[0] = IoSlice::new(&self.lines[0][self.written..]);
+            let count = self.lines.len().min(LINES_PER_WRITE);
+            match stream.write_vectored(&slices[..count]) {
+                Ok(0) => return Err(Disconnected),
+                Ok(bytes) => self.advance(bytes),
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) if error.kind() == ErrorKind::WouldBlock => {
+                    return match self.progress_at.elapsed() > READ_TIMEOUT {
+                        true => Err(Disconnected),
+                        false => Ok(()),
+                    };
+                }
+                Err(_) => return Err(Disconnected),
+            }
+        }
+        match stream.flush() {
+            Err(error) if error.kind() != ErrorKind::WouldBlock => Err(Disconnected),
+            _ => Ok(()),
+        }
+    }
+
+    /// Removes bytes that were written.
+    fn advance(&mut self, bytes: usize) {
+        self.progress_at = Instant::now();
+        self.written += bytes;
+        while let Some(line) = self.lines.front()
+            && self.written >= line.len()
+        {
+            self.written -= line.len();
+            self.bytes -= line.len();
+            self.lines.pop_front();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{self, Read, Write};
+
+    use super::*;
+
+    /// A stream that accepts a number of bytes.
+    #[derive(Default)]
+    struct Pipe {
+        room: usize,
+        bytes: Vec<u8>,
+    }
+
+    impl Read for Pipe {
+        fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+            Err(ErrorKind::WouldBlock.into())
+        }
+    }
+
+    impl Write for Pipe {
+        fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+            let count = buffer.len().min(self.room);
+            self.room -= count;
+            self.bytes.extend_from_slice(&buffer[..count]);
+            match count {
+                0 => Err(ErrorKind::WouldBlock.into()),
+                count => Ok(count),
+            }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_slow_client_loses_whole_lines_and_never_the_one_that_was_begun() {
+        let mut outbox = Outbox::new();
+        let mut pipe = Pipe {
+            room: 10,
+            ..Pipe::default()
+        };
+        let line = |number: usize| -> Arc<[u8]> {
+            let mut line = vec![b'0' + (number % 10) as u8; MAX_BYTES / 4];
+            line.push(b'\n');
+            line.into()
+        };
+        for number in 0..8 {
+            outbox.push(line(number));
+            assert!(outbox.flush(&mut pipe).is_ok());
+        }
+        assert_eq!(outbox.take_dropped(), 5);
+        assert_eq!(outbox.take_dropped(), 0);
+        pipe.room = usize::MAX;
+        assert!(outbox.flush(&mut pipe).is_ok());
+        assert!(outbox.is_empty());
+        let received = String::from_utf8(pipe.bytes).unwrap();
+        let first: String = received.lines().map(|line| &line[..1]).collect();
+        assert_eq!(first, "067");
+        assert!(received.lines().all(|line| line.len() == MAX_BYTES / 4));
+    }
+}

@@ -1,0 +1,19 @@
+//! One step of a session, on its way to the thread of the hub.
+
+use crate::estimate::JointAngles;
+use crate::kinematics::HandPose;
+use crate::snapshot::Snapshot;
+
+/// The shared part of one step.
+#[derive(Clone, Debug)]
+pub(super) struct SharedStep {
+    /// The results of all stages.
+    pub snapshot: Snapshot,
+}
+
+impl SharedStep {
+    /// Returns the angles and the pose of the hand; `None` if the step has no accepted reading.
+    pub fn hand(&self) -> Option<(&JointAngles, &HandPose)> {
+        Some((self.snapshot.angles.as_ref()?, self.snapshot.pose.as_ref()?))
+    }
+}

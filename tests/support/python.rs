@@ -1,0 +1,30 @@
+//! A Python with packages that others wrote.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Returns a Python that can import `modules`, with `packages` installed once per build folder in the virtual environment
+/// `name`, or the reason why there is none.
+pub fn python(name: &str, modules: &str, packages: &[&str]) -> Result<PathBuf, String> {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let python = folder.join("bin/python");
+    let import = format!("import {modules}");
+    if run(&python, &["-c", &import]).is_ok() {
+        return Ok(python);
+    }
+    let folder = folder.display().to_string();
+    run(Path::new("python3"), &["-m", "venv", "--clear", &folder])?;
+    let options = "-m pip install --quiet --timeout 10 --retries 1";
+    let mut install: Vec<&str> = options.split(' ').collect();
+    install.extend(packages);
+    run(&python, &install)?;
+    Ok(python)
+}
+
+fn run(program: &Path, arguments: &[&str]) -> Result<(), String> {
+    match Command::new(program).args(arguments).output() {
+        Ok(output) if output.status.success() => Ok(()),
+        Ok(output) => Err(String::from_utf8_lossy(&output.stderr).trim().to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
+}
