@@ -160,7 +160,8 @@ impl Session {
             // A full queue means that the loop stands still; then the watchdog releases everything.
             panic_keys::watch(&keys, move || _ = commands.send(Command::Pause))?;
         }
-        let share = ShareHub::start(&options.share, setup.arm.side())?;
+        let layout = Arc::new(setup.layout.clone());
+        let share = ShareHub::start(&options.share, setup.arm.side(), layout)?;
         let notifier = control.as_ref().map(ControlServer::notifier);
         start_layout_manager(&setup, &options, &mut commands, &notices, notifier)?;
         if let Some(control) = &mut control {
@@ -247,7 +248,7 @@ impl Session {
                 recorder.push(snapshot);
             }
             views.update(snapshot, pipeline);
-            share.push(snapshot);
+            share.push(snapshot, pipeline);
             publish(snapshots, snapshot, is_lossless);
         };
         let mut pipeline = self.setup.pipeline();

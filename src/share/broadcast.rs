@@ -8,10 +8,10 @@ use crossbeam_channel::{Receiver, never, select};
 
 use super::client::Client;
 use super::datagrams::DatagramSender;
-use super::lines::{FormatSet, LineEncoder};
+use super::lines::{LineEncoder, Wanted};
 use super::listener::Connection;
 use super::step::SharedStep;
-use super::target::ShareFormat;
+use super::target::ShareTarget;
 use crate::time::NO_DEADLINE;
 
 /// Most clients of a server at once. Further ones are disconnected.
@@ -28,8 +28,8 @@ const WRITE_INTERVAL_PER_CLIENT: Duration = Duration::from_micros(200);
 pub(super) struct Broadcast {
     steps: Receiver<SharedStep>,
     connections: Receiver<Connection>,
-    /// The format of each server, by its index.
-    servers: Vec<ShareFormat>,
+    /// The targets of the servers, by their indices.
+    servers: Vec<ShareTarget>,
     senders: Vec<DatagramSender>,
     clients: Vec<Client>,
     /// The number of clients, for the session.
@@ -44,7 +44,7 @@ impl Broadcast {
     pub fn new(
         steps: Receiver<SharedStep>,
         connections: Receiver<Connection>,
-        servers: Vec<ShareFormat>,
+        servers: Vec<ShareTarget>,
         senders: Vec<DatagramSender>,
         encoder: LineEncoder,
         count: Arc<AtomicUsize>,
@@ -104,7 +104,7 @@ impl Broadcast {
         let server = connection.server;
         let others = self.clients.iter().filter(|it| it.server == server);
         if others.count() < MAX_CLIENTS {
-            let client = Client::new(connection, self.servers[server]);
+            let client = Client::new(connection, &self.servers[server]);
             self.clients.push(client);
         }
     }
@@ -113,11 +113,11 @@ impl Broadcast {
         for sender in &mut self.senders {
             sender.send(step);
         }
-        let mut wanted = FormatSet::default();
-        for client in &self.clients {
-            wanted.insert_all(client.wanted());
+        let mut wanted = Wanted::default();
+        for client in &mut self.clients {
+            client.start_step(step, &mut wanted);
         }
-        let lines = self.encoder.encode(step, wanted);
+        let lines = self.encoder.encode(step, &wanted);
         for client in &mut self.clients {
             client.push(lines);
         }
@@ -127,8 +127,7 @@ impl Broadcast {
     fn write(&mut self) {
         if !self.clients.is_empty() && self.written_at.elapsed() >= self.write_interval() {
             self.written_at = Instant::now();
-            self.clients
-                .retain_mut(|client| !client.is_behind() || client.flush().is_ok());
+            self.clients.retain_mut(|client| client.flush().is_ok());
         }
     }
 
@@ -136,7 +135,12 @@ impl Broadcast {
     fn receive(&mut self) {
         if !self.clients.is_empty() && self.received_at.elapsed() >= RECEIVE_INTERVAL {
             self.received_at = Instant::now();
-            self.clients.retain_mut(|client| client.receive().is_ok());
+            let encoder = &mut self.encoder;
+            self.clients.retain_mut(|client| {
+                let is_alive = client.receive().is_ok();
+                client.catch_up(encoder);
+                is_alive
+            });
         }
     }
 }

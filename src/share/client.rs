@@ -1,19 +1,33 @@
 //! A client of a server.
 
-use std::io::{ErrorKind, Read};
+use std::sync::Arc;
 
-use super::lines::{FormatSet, Line};
+use serde_json::json;
+
+use super::conversation::{Conversation, Received};
+use super::kinds::KindSet;
+use super::lines::{Line, LineEncoder, Wanted};
 use super::listener::{Connection, Stream};
 use super::outbox::Outbox;
-use super::target::ShareFormat;
+use super::request::Subscription;
+use super::step::SharedStep;
+use super::target::ShareTarget;
+use super::web::text_frame;
 
 /// A connected client.
 pub(super) struct Client {
     /// The index of its server.
     pub server: usize,
+    target: ShareTarget,
     stream: Box<dyn Stream>,
     outbox: Outbox,
-    format: ShareFormat,
+    conversation: Conversation,
+    /// `None` until the first request.
+    subscription: Option<Subscription>,
+    /// Lines that were dropped and not yet reported to the client.
+    dropped: u64,
+    /// Lines that were dropped in all.
+    all_dropped: u64,
 }
 
 /// The client has to be disconnected.
@@ -21,33 +35,63 @@ pub(super) struct Client {
 pub(super) struct Disconnected;
 
 impl Client {
-    /// Takes over a connection to a server of a format.
-    pub fn new(connection: Connection, format: ShareFormat) -> Self {
+    /// Takes over a connection to the server of a target.
+    pub fn new(connection: Connection, target: &ShareTarget) -> Self {
         Self {
             server: connection.server,
+            target: *target,
             stream: connection.stream,
             outbox: Outbox::new(),
-            format,
+            conversation: Conversation::new(target),
+            subscription: target.format.plain_kind().map(Subscription::to),
+            dropped: 0,
+            all_dropped: 0,
         }
     }
 
-    /// Returns the formats of the lines that it wants.
-    pub fn wanted(&self) -> FormatSet {
-        FormatSet::only(self.format)
+    /// Adds the kinds that it wants of a step.
+    pub fn start_step(&mut self, step: &SharedStep, wanted: &mut Wanted) {
+        let kinds = match &mut self.subscription {
+            Some(subscription) => subscription.start_step(step),
+            None => KindSet::default(),
+        };
+        wanted.kinds.insert_all(kinds);
+        if self.conversation.is_framed() {
+            wanted.frames.insert_all(kinds);
+        }
     }
 
-    /// Adds the lines that it wants.
+    /// Adds the lines of the step that it wants.
     pub fn push(&mut self, lines: &[Line]) {
-        for line in lines {
-            if line.format == self.format {
-                self.outbox.push(line.bytes.clone());
+        let Some(subscription) = &self.subscription else {
+            return;
+        };
+        for line in lines.iter().filter(|line| subscription.wants(line)) {
+            if let Some(bytes) = self.conversation.bytes_of(line) {
+                self.outbox.push(bytes);
             }
+        }
+    }
+
+    /// Adds the layout, if it wants it and has not got it, and the number of lines that it has missed.
+    pub fn catch_up(&mut self, encoder: &mut LineEncoder) {
+        self.report_dropped();
+        if let Some(subscription) = &mut self.subscription
+            && subscription.starts_layout(encoder.layout_number())
+            && let Some(bytes) = self.conversation.bytes_of(encoder.layout())
+        {
+            self.outbox.push(bytes);
         }
     }
 
     /// Writes what the client accepts. Fails if it has gone, or has read nothing for one second.
     pub fn flush(&mut self) -> Result<(), Disconnected> {
-        self.outbox.flush(&mut *self.stream)
+        self.outbox.flush(&mut *self.stream)?;
+        let is_over = matches!(self.conversation, Conversation::Closing);
+        match is_over && self.outbox.is_empty() {
+            true => Err(Disconnected),
+            false => Ok(()),
+        }
     }
 
     /// Returns whether lines wait for the client.
@@ -55,28 +99,141 @@ impl Client {
         !self.outbox.is_empty()
     }
 
-    /// Receives what the client has sent. Fails if its format has no requests.
+    /// Receives what the client has sent. Fails if it has gone, or sends what it may not.
     pub fn receive(&mut self) -> Result<(), Disconnected> {
-        match self.stream.read(&mut [0; 1]) {
-            Ok(1..) => Err(Disconnected),
-            // A client that will never send has closed its half of the connection.
-            Ok(0) => Ok(()),
-            Err(error) if is_temporary(error.kind()) => Ok(()),
-            Err(_) => Err(Disconnected),
+        loop {
+            match self.conversation.receive(&mut *self.stream) {
+                Received::Nothing => return Ok(()),
+                Received::Reply(bytes) => self.outbox.push(bytes.into()),
+                Received::Request(request) => match Subscription::parse(&request) {
+                    Ok(subscription) => self.subscription = Some(subscription),
+                    Err(reason) => self.refuse(&reason),
+                },
+                Received::Refused(reason) => self.refuse(&reason),
+                Received::Gone => return Err(Disconnected),
+            }
         }
+    }
+
+    /// Sends the reason, and disconnects the client once it has read it.
+    fn refuse(&mut self, reason: &str) {
+        tracing::debug!("a client of {} is disconnected: {reason}", self.target);
+        self.subscription = None;
+        self.push_object(&json!({"kind": "error", "error": reason}));
+        self.conversation = Conversation::Closing;
+    }
+
+    /// Tells a client that reads again how many lines it has missed.
+    fn report_dropped(&mut self) {
+        self.dropped += self.outbox.take_dropped();
+        if self.dropped == 0 || !self.outbox.is_empty() {
+            return;
+        }
+        let dropped = std::mem::take(&mut self.dropped);
+        self.all_dropped += dropped;
+        if self.target.format.plain_kind().is_none() {
+            self.push_object(&json!({"kind": "dropped", "lines": dropped}));
+        }
+        if let Some(subscription) = &mut self.subscription {
+            subscription.forget_layout();
+        }
+    }
+
+    fn push_object(&mut self, object: &serde_json::Value) {
+        let line = format!("{object}\n");
+        let bytes: Arc<[u8]> = match self.conversation.is_framed() {
+            true => text_frame(line.as_bytes()),
+            false => line.into_bytes().into(),
+        };
+        self.outbox.push(bytes);
     }
 }
 
 impl Drop for Client {
     fn drop(&mut self) {
-        let dropped = self.outbox.take_dropped();
+        let dropped = self.all_dropped + self.dropped + self.outbox.take_dropped();
         if dropped > 0 {
-            tracing::info!("a client of {} missed {dropped} lines", self.format);
+            tracing::info!("a client of {} missed {dropped} lines", self.target);
         }
     }
 }
 
-/// Returns whether a stream without data failed with this kind of error.
-fn is_temporary(kind: ErrorKind) -> bool {
-    matches!(kind, ErrorKind::WouldBlock | ErrorKind::Interrupted)
+#[cfg(test)]
+mod tests {
+    use std::io::{self, ErrorKind, Read, Write};
+    use std::sync::Mutex;
+
+    use super::*;
+    use crate::hand::Side;
+    use crate::layout::Layout;
+
+    /// A connection whose other end reads nothing until it is told to.
+    #[derive(Clone, Default)]
+    struct Pipe(Arc<Mutex<PipeState>>);
+
+    #[derive(Default)]
+    struct PipeState {
+        is_read: bool,
+        input: Vec<u8>,
+        output: Vec<u8>,
+    }
+
+    impl Read for Pipe {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            let input = std::mem::take(&mut self.0.lock().unwrap().input);
+            buffer[..input.len()].copy_from_slice(&input);
+            match input.len() {
+                0 => Err(ErrorKind::WouldBlock.into()),
+                count => Ok(count),
+            }
+        }
+    }
+
+    impl Write for Pipe {
+        fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
+            let mut state = self.0.lock().unwrap();
+            if !state.is_read {
+                return Err(ErrorKind::WouldBlock.into());
+            }
+            state.output.extend_from_slice(buffer);
+            Ok(buffer.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_client_that_reads_late_is_told_how_many_lines_it_has_missed() {
+        let pipe = Pipe::default();
+        let target = "json:127.0.0.1:1".parse().unwrap();
+        let connection = Connection {
+            server: 0,
+            stream: Box::new(pipe.clone()),
+        };
+        let mut client = Client::new(connection, &target);
+        let layout = Layout::load("numpad").unwrap();
+        let mut encoder = LineEncoder::new(Side::Right, layout.into());
+        pipe.0.lock().unwrap().input = b"{\"kinds\":[\"layout\"]}\n".to_vec();
+        assert!(client.receive().is_ok());
+        client.catch_up(&mut encoder);
+        let length = encoder.layout().bytes.len();
+        let count = 2 * (1 << 18) / length;
+        for _ in 0..count {
+            let line = encoder.layout();
+            client.outbox.push(line.bytes.clone());
+        }
+        pipe.0.lock().unwrap().is_read = true;
+        assert!(client.flush().is_ok());
+        client.catch_up(&mut encoder);
+        assert!(client.flush().is_ok());
+        let output = std::mem::take(&mut pipe.0.lock().unwrap().output);
+        let lines: Vec<&str> = std::str::from_utf8(&output).unwrap().lines().collect();
+        let kept = (1 << 18) / length;
+        let missed = format!(r#"{{"kind":"dropped","lines":{}}}"#, count + 1 - kept);
+        assert_eq!(lines[kept], missed);
+        assert!(lines[kept + 1].starts_with(r#"{"kind":"layout","#), "again");
+        assert_eq!(lines.len(), kept + 2);
+    }
 }

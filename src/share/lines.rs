@@ -1,40 +1,45 @@
 //! The lines of one step, each encoded once for all clients.
 
+use std::convert::Infallible;
 use std::sync::Arc;
 
+use super::kinds::{KindSet, LineKind, ShareKind};
+use super::layout_object::layout_object;
 use super::step::SharedStep;
 use super::target::ShareFormat;
+use super::web::text_frame;
 use crate::capture::protocol::text_line;
+use crate::contact::Phase;
 use crate::hand::Side;
-use crate::trace::{angles_json, pose_json};
+use crate::layout::Layout;
+use crate::trace::{Stage, angles_json, pose_json};
 
-/// A set of formats.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct FormatSet(u16);
-
-impl FormatSet {
-    /// Returns the set of one format.
-    pub fn only(format: ShareFormat) -> Self {
-        Self(1 << format.index())
-    }
-
-    /// Adds the formats of another set.
-    pub fn insert_all(&mut self, other: Self) {
-        self.0 |= other.0;
-    }
-
-    /// Returns whether the set has a format.
-    pub fn contains(self, format: ShareFormat) -> bool {
-        self.0 & (1 << format.index()) != 0
-    }
-}
+/// The formats of lines without requests.
+const PLAIN_FORMATS: [ShareFormat; 3] = [
+    ShareFormat::TextLine,
+    ShareFormat::Angles,
+    ShareFormat::Pose,
+];
 
 /// A line of a step.
 pub(super) struct Line {
-    /// Its format.
-    pub format: ShareFormat,
+    /// Its kind.
+    pub kind: LineKind,
+    /// The next line of the kind replaces it.
+    pub is_continuous: bool,
     /// Its bytes, with the line end.
     pub bytes: Arc<[u8]>,
+    /// The frame of a WebSocket, if a client wants it.
+    pub frame: Option<Arc<[u8]>>,
+}
+
+/// The kinds that at least one client wants.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wanted {
+    /// As lines or frames.
+    pub kinds: KindSet,
+    /// As frames.
+    pub frames: KindSet,
 }
 
 /// The encoder of the steps of a session.
@@ -42,39 +47,71 @@ pub(super) struct LineEncoder {
     /// The first hand of the session.
     first: Side,
     lines: Vec<Line>,
+    /// The active layout and its line.
+    layout: Arc<Layout>,
+    layout_line: Option<Line>,
+    /// The number of layouts so far.
+    layouts: u64,
     buffer: Vec<u8>,
 }
 
 impl LineEncoder {
     /// Creates an encoder for a session whose first hand is `first`.
-    pub fn new(first: Side) -> Self {
+    pub fn new(first: Side, layout: Arc<Layout>) -> Self {
         Self {
             first,
             lines: Vec::new(),
+            layout,
+            layout_line: None,
+            layouts: 1,
             buffer: Vec::new(),
         }
     }
 
-    /// Encodes a step in the wanted formats, as far as they have a line for its hand.
-    pub fn encode(&mut self, step: &SharedStep, wanted: FormatSet) -> &[Line] {
+    /// Encodes the wanted lines of a step.
+    pub fn encode(&mut self, step: &SharedStep, wanted: &Wanted) -> &[Line] {
         self.lines.clear();
-        for format in [
-            ShareFormat::TextLine,
-            ShareFormat::Angles,
-            ShareFormat::Pose,
-        ] {
-            if wanted.contains(format) && self.write(step, format) {
-                self.lines.push(Line {
-                    format,
-                    bytes: self.buffer.as_slice().into(),
-                });
+        if let Some(layout) = &step.layout
+            && !Arc::ptr_eq(layout, &self.layout)
+        {
+            self.layout = Arc::clone(layout);
+            self.layout_line = None;
+            self.layouts += 1;
+        }
+        for format in PLAIN_FORMATS {
+            if wanted.kinds.contains(LineKind::Plain(format)) && self.write_plain(step, format) {
+                self.add(LineKind::Plain(format), true, wanted);
+            }
+        }
+        for &kind in ShareKind::ALL {
+            if wanted.kinds.contains(LineKind::Object(kind)) {
+                self.add_objects(step, kind, wanted);
             }
         }
         &self.lines
     }
 
-    /// Writes the line of a format into the buffer. Returns `false` if there is none.
-    fn write(&mut self, step: &SharedStep, format: ShareFormat) -> bool {
+    /// Returns the line of the active layout.
+    pub fn layout(&mut self) -> &Line {
+        self.layout_line.get_or_insert_with(|| {
+            let bytes = layout_object(&self.layout);
+            let frame = text_frame(&bytes);
+            Line {
+                kind: LineKind::Object(ShareKind::Layout),
+                is_continuous: false,
+                bytes: bytes.into(),
+                frame: Some(frame),
+            }
+        })
+    }
+
+    /// Returns the number of the active layout, which is that of no other one.
+    pub fn layout_number(&self) -> u64 {
+        self.layouts
+    }
+
+    /// Writes the line of a format into the buffer. Returns `false` if the step has none.
+    fn write_plain(&mut self, step: &SharedStep, format: ShareFormat) -> bool {
         let Some((angles, pose)) = step.hand() else {
             return false;
         };
@@ -87,10 +124,57 @@ impl LineEncoder {
                 return true;
             }
             ShareFormat::Angles => _ = angles_json(pose.time, angles, &mut self.buffer),
-            ShareFormat::Pose => _ = pose_json(pose, &mut self.buffer),
-            ShareFormat::Vmc | ShareFormat::Opentrack => return false,
+            _ => _ = pose_json(pose, &mut self.buffer),
         }
         self.buffer.push(b'\n');
         true
+    }
+
+    fn add_objects(&mut self, step: &SharedStep, kind: ShareKind, wanted: &Wanted) {
+        let line_kind = LineKind::Object(kind);
+        if kind == ShareKind::Scene {
+            self.buffer.clear();
+            step.scene.write(&mut self.buffer);
+            // A step without a reading changes the state.
+            self.add(line_kind, step.snapshot.reading.is_some(), wanted);
+            return;
+        }
+        let Some(stage) = kind.stage() else {
+            return;
+        };
+        let mut touches = step.snapshot.touches.iter();
+        let mut object = Vec::new();
+        let Ok(()) = stage.for_each_json(&step.snapshot, &mut object, |_, object| {
+            let is_continuous = match stage {
+                Stage::Touches => touches.next().is_some_and(|it| it.phase == Phase::Moved),
+                Stage::Events | Stage::Commands => false,
+                _ => true,
+            };
+            self.buffer.clear();
+            let kind = kind.name();
+            self.buffer.extend_from_slice(br#"{"kind":""#);
+            self.buffer.extend_from_slice(kind.as_bytes());
+            self.buffer.push(b'"');
+            if let (Stage::Angles, Some(pose)) = (stage, &step.snapshot.pose) {
+                let side = format!(r#","side":"{}""#, pose.side);
+                self.buffer.extend_from_slice(side.as_bytes());
+            }
+            self.buffer.push(b',');
+            self.buffer.extend_from_slice(&object[1..]);
+            self.buffer.push(b'\n');
+            self.add(line_kind, is_continuous, wanted);
+            Ok::<_, Infallible>(())
+        });
+    }
+
+    /// Adds the line in the buffer.
+    fn add(&mut self, kind: LineKind, is_continuous: bool, wanted: &Wanted) {
+        let is_framed = wanted.frames.contains(kind);
+        self.lines.push(Line {
+            kind,
+            is_continuous,
+            bytes: self.buffer.as_slice().into(),
+            frame: is_framed.then(|| text_frame(&self.buffer)),
+        });
     }
 }

@@ -3,6 +3,8 @@
 //! | format | transport | sent |
 //! |---|---|---|
 //! | `text-line`, `angles`, `pose` | TCP | one line for each accepted reading, to every client |
+//! | `json` | TCP | lines of the kinds that a client asks for |
+//! | `ws`, `web` | WebSocket | the same as messages; `web` also serves a page that shows them |
 //! | `vmc`, `opentrack` | UDP | datagrams to one address |
 //!
 //! Everything is sent by one thread, the [hub](ShareHub)'s, which encodes each line once for all clients. The session hands it
@@ -15,15 +17,23 @@
 
 mod broadcast;
 mod client;
+mod conversation;
 mod datagrams;
 mod hub;
+mod kinds;
+mod layout_object;
 mod lines;
 mod listener;
 mod outbox;
+mod request;
+mod request_lines;
+mod scene;
 mod step;
 mod target;
+mod web;
 
 pub use hub::ShareHub;
+pub use kinds::ShareKind;
 pub use target::{ShareFormat, ShareTarget};
 
 use std::io;

@@ -1,7 +1,11 @@
 //! One step of a session, on its way to the thread of the hub.
 
+use std::sync::Arc;
+
+use super::scene::SceneState;
 use crate::estimate::JointAngles;
 use crate::kinematics::HandPose;
+use crate::layout::Layout;
 use crate::snapshot::Snapshot;
 
 /// The shared part of one step.
@@ -9,6 +13,10 @@ use crate::snapshot::Snapshot;
 pub(super) struct SharedStep {
     /// The results of all stages.
     pub snapshot: Snapshot,
+    /// The active layout, if it is known.
+    pub layout: Option<Arc<Layout>>,
+    /// The rest of what a viewer draws.
+    pub scene: SceneState,
 }
 
 impl SharedStep {

@@ -7,6 +7,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use super::ShareError;
+use super::kinds::LineKind;
 use crate::message::escape;
 use crate::names::{UnknownName, named_enum};
 
@@ -20,6 +21,12 @@ named_enum! {
         Angles = "angles",
         /// The JSON of `ademan trace pose`.
         Pose = "pose",
+        /// Objects of the kinds that a client asks for, as lines of JSON.
+        Json = "json",
+        /// The objects of `json` as messages of a WebSocket.
+        Ws = "ws",
+        /// A page that shows the hand and the board, and the WebSocket that it reads.
+        Web = "web",
         /// Rotations of the bones of both arms, for programs for avatars: the datagrams that the source `protocol=vmc` reads.
         Vmc = "vmc",
         /// The movement of the first hand, for opentrack: the datagrams that the source `protocol=opentrack` reads.
@@ -34,8 +41,19 @@ impl ShareFormat {
             Self::TextLine => "64 joint angles in degrees, by the wire index of the HC11 glove",
             Self::Angles => "joint angles in radians as JSON",
             Self::Pose => "positions and orientations of all joints as JSON",
+            Self::Json => "lines of JSON of the kinds that a client asks for",
+            Self::Ws => "a WebSocket with the JSON of the kinds that a client asks for",
+            Self::Web => "a page that shows the hand and the board",
             Self::Vmc => "rotations of the bones of arms and hands as VMC (OSC), sent over UDP",
             Self::Opentrack => "movement of the first hand for opentrack, sent over UDP",
+        }
+    }
+
+    /// Returns the kind of its lines, if the client cannot choose.
+    pub(super) const fn plain_kind(self) -> Option<LineKind> {
+        match self {
+            Self::TextLine | Self::Angles | Self::Pose => Some(LineKind::Plain(self)),
+            _ => None,
         }
     }
 
@@ -121,6 +139,9 @@ mod tests {
             "text-line:127.0.0.1:10002",
             "pose:[::1]:0",
             "angles:127.9.9.9:1",
+            "json:127.0.0.1:10004",
+            "ws:127.0.0.1:10005",
+            "web:127.0.0.1:8080",
             "vmc:127.0.0.1:39539",
             "opentrack:[::1]:4242",
         ] {

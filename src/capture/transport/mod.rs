@@ -9,7 +9,7 @@ pub(super) mod tcp;
 mod tcp_tls;
 mod udp;
 mod usb_port;
-mod websocket;
+pub(crate) mod websocket;
 
 use std::fmt;
 use std::num::NonZeroU32;

@@ -8,10 +8,13 @@ use crossbeam_channel::{Sender, bounded};
 
 use crate::advice;
 use crate::hand::Side;
+use crate::layout::Layout;
+use crate::pipeline::Pipeline;
 use crate::share::broadcast::Broadcast;
 use crate::share::datagrams::DatagramSender;
 use crate::share::lines::LineEncoder;
 use crate::share::listener::Listener;
+use crate::share::scene::SceneState;
 use crate::share::step::SharedStep;
 use crate::share::{ShareError, ShareTarget};
 use crate::snapshot::Snapshot;
@@ -30,6 +33,7 @@ pub struct ShareHub {
     /// Steps are sent somewhere even if there is no client.
     has_receivers: bool,
     clients: Arc<AtomicUsize>,
+    scene: SceneState,
     /// They accept connections until they are dropped.
     _listeners: Vec<Listener>,
     /// `None` without targets.
@@ -37,8 +41,12 @@ pub struct ShareHub {
 }
 
 impl ShareHub {
-    /// Starts to share a session whose first hand is `first`.
-    pub fn start(targets: &[ShareTarget], first: Side) -> Result<Self, ShareError> {
+    /// Starts to share a session whose first hand is `first`, and whose first layout is `layout`.
+    pub fn start(
+        targets: &[ShareTarget],
+        first: Side,
+        layout: Arc<Layout>,
+    ) -> Result<Self, ShareError> {
         let (steps, step_receiver) = bounded(MAX_STEPS);
         let (connections, connection_receiver) = bounded(MAX_CONNECTIONS);
         let clients = Arc::new(AtomicUsize::new(0));
@@ -47,6 +55,7 @@ impl ShareHub {
             steps: Some(steps),
             has_receivers: false,
             clients: Arc::clone(&clients),
+            scene: SceneState::default(),
             _listeners: Vec::new(),
             thread: None,
         };
@@ -61,11 +70,11 @@ impl ShareHub {
             }
             let listener = Listener::start(servers.len(), target.address, connections.clone())?;
             target.address = listener.address();
-            servers.push(target.format);
+            servers.push(*target);
             hub._listeners.push(listener);
         }
         hub.has_receivers = !senders.is_empty();
-        let encoder = LineEncoder::new(first);
+        let encoder = LineEncoder::new(first, layout);
         let (steps, connections) = (step_receiver, connection_receiver);
         let mut broadcast = Broadcast::new(steps, connections, servers, senders, encoder, clients);
         let thread = thread::Builder::new().name("share".into());
@@ -82,14 +91,26 @@ impl ShareHub {
     }
 
     /// Shares a step. Does not wait: a step is dropped while 64 wait.
-    pub fn push(&mut self, snapshot: &Snapshot) {
-        if (self.has_receivers || self.clients.load(Ordering::Relaxed) > 0)
-            && let Some(steps) = &self.steps
-            && !steps.is_full()
-        {
-            let _ = steps.try_send(SharedStep {
+    pub fn push(&mut self, snapshot: &Snapshot, pipeline: &Pipeline) {
+        self.scene.follow_keys(snapshot);
+        if self.is_watched() {
+            self.scene.update(snapshot, pipeline);
+            self.send(SharedStep {
                 snapshot: snapshot.clone(),
+                layout: pipeline.layout().layout().cloned(),
+                scene: self.scene.clone(),
             });
+        }
+    }
+
+    /// Returns whether there is a client or a receiver.
+    fn is_watched(&self) -> bool {
+        self.has_receivers || self.clients.load(Ordering::Relaxed) > 0
+    }
+
+    fn send(&self, step: SharedStep) {
+        if let Some(steps) = &self.steps {
+            let _ = steps.try_send(step);
         }
     }
 }

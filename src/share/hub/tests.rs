@@ -15,11 +15,15 @@ const TIMEOUT: Duration = Duration::from_secs(60);
 
 fn hub(targets: &[&str]) -> ShareHub {
     let targets: Vec<_> = targets.iter().map(|it| it.parse().unwrap()).collect();
-    ShareHub::start(&targets, Side::Right).unwrap()
+    ShareHub::start(&targets, Side::Right, layout()).unwrap()
 }
 
-fn step(time: u64) -> Snapshot {
-    Snapshot {
+fn layout() -> Arc<Layout> {
+    Arc::new(Layout::load("numpad").unwrap())
+}
+
+fn step(time: u64) -> SharedStep {
+    let snapshot = Snapshot {
         state: PipelineState::Running,
         paused_by: None,
         profile: 0,
@@ -33,6 +37,11 @@ fn step(time: u64) -> Snapshot {
         commands: TimedCommands::new(),
         lost_hands: [false; Side::COUNT],
         stats: Stats::default(),
+    };
+    SharedStep {
+        snapshot,
+        layout: None,
+        scene: SceneState::default(),
     }
 }
 
@@ -50,7 +59,7 @@ impl ShareHub {
         let start = Instant::now();
         while self.clients.load(Ordering::Relaxed) != clients {
             assert!(start.elapsed() < TIMEOUT, "not {clients} clients");
-            self.push(&step(1));
+            self.send(step(1));
             thread::sleep(Duration::from_millis(1));
         }
     }
@@ -91,7 +100,7 @@ fn the_last_lines_of_a_session_reach_its_clients() {
     let mut hub = hub(&["pose:127.0.0.1:0"]);
     let reader = hub.connect(1);
     for time in 1000..1032 {
-        hub.push(&step(time));
+        hub.send(step(time));
     }
     drop(hub);
     let lines = BufReader::new(reader).lines().map_while(Result::ok);
@@ -105,7 +114,7 @@ fn the_ports_are_free_again_after_the_hub() {
     let targets = hub.targets().to_vec();
     drop(hub);
     let start = Instant::now();
-    while ShareHub::start(&targets, Side::Right).is_err() {
+    while ShareHub::start(&targets, Side::Right, layout()).is_err() {
         assert!(start.elapsed() < TIMEOUT, "a port is still in use");
         thread::sleep(Duration::from_millis(5));
     }
@@ -122,7 +131,7 @@ fn datagrams_are_sent_without_a_client_and_an_absent_receiver_does_not_matter() 
     let mut hub = hub(&[&targets[0], &targets[1]]);
     let mut datagram = [0; 2048];
     for time in 0..3 {
-        hub.push(&step(1_000_000 * time));
+        hub.send(step(1_000_000 * time));
         let length = receiver.recv(&mut datagram).unwrap();
         assert!(datagram[..length].starts_with(b"#bundle\0"));
     }

@@ -1,6 +1,8 @@
 //! A hand shared with other programs.
 
 mod datagrams;
+mod json;
+mod websocket;
 
 use std::io::{BufRead, BufReader, Read};
 use std::net::TcpStream;

@@ -3,7 +3,10 @@
 //! A page of any site can open a WebSocket to this machine. A client is therefore admitted only if its request names this
 //! address (`Host`), and if it comes from no page or from the page that the option `origin` names (`Origin`).
 
+mod admission;
 mod server;
+
+pub(crate) use admission::Admission;
 
 use std::io::{Error, ErrorKind, Read, Result};
 use std::net::SocketAddr;

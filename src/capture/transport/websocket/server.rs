@@ -12,6 +12,7 @@ use tungstenite::http::StatusCode;
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket, accept_hdr_with_config};
 
+use super::admission::Admission;
 use crate::network::DeadlineStream;
 
 /// Longest message: no protocol has longer lines.
@@ -53,7 +54,11 @@ impl Server {
         let (sender, events) = bounded(QUEUE_CAPACITY);
         let is_stopped = Arc::new(AtomicBool::new(false));
         let clients = Clients {
-            admission: Admission { address, origin },
+            admission: Admission {
+                address,
+                origins: origin.into_iter().collect(),
+                remedy: "write `origin=` with this address in the source to admit it",
+            },
             sender,
             is_stopped: Arc::clone(&is_stopped),
         };
@@ -201,42 +206,4 @@ fn is_timeout(error: &io::Error) -> bool {
         error.kind(),
         ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted
     )
-}
-
-/// The conditions under which a client is admitted.
-struct Admission {
-    address: SocketAddr,
-    origin: Option<String>,
-}
-
-impl Admission {
-    /// Checks `Host` and `Origin`. The reason states what to do.
-    fn check(&self, request: &Request) -> Result<(), String> {
-        let header = |name| {
-            let mut values = request.headers().get_all(name).iter();
-            let first = values.next().map(|value| value.to_str().unwrap_or("?"));
-            match values.next() {
-                Some(_) => Some("?"),
-                None => first,
-            }
-        };
-        let hosts = [
-            self.address.to_string(),
-            format!("localhost:{}", self.address.port()),
-        ];
-        if !header("Host").is_some_and(|host| hosts.iter().any(|own| own == host)) {
-            return Err(format!(
-                "its request does not name {} as its host",
-                hosts[0]
-            ));
-        }
-        match (header("Origin"), &self.origin) {
-            (None, _) => Ok(()),
-            (Some(origin), Some(admitted)) if origin == admitted => Ok(()),
-            (Some(origin), _) => Err(format!(
-                "it is the page {}; write `origin=` with this address in the source to admit it",
-                crate::message::escape(origin)
-            )),
-        }
-    }
 }

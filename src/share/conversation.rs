@@ -1,0 +1,128 @@
+//! The part of a connection that the client speaks.
+
+use std::io::ErrorKind;
+use std::sync::Arc;
+
+use super::lines::Line;
+use super::listener::Stream;
+use super::request::RequestLimit;
+use super::request_lines::RequestLines;
+use super::target::{ShareFormat, ShareTarget};
+use super::web::{Answer, Head, SocketReader};
+
+/// The state of a conversation.
+pub(super) enum Conversation {
+    /// The client sends nothing.
+    Silent,
+    /// The client sends requests as lines.
+    Lines(RequestLines, RequestLimit),
+    /// The client sends the request of a page or a WebSocket.
+    Head(Box<Head>),
+    /// The client sends requests as messages of a WebSocket.
+    Socket(Box<SocketReader>, RequestLimit),
+    /// The client is disconnected once it has read the last line.
+    Closing,
+}
+
+/// A part of what a client has sent.
+pub(super) enum Received {
+    /// There is nothing more.
+    Nothing,
+    /// A request.
+    Request(Vec<u8>),
+    /// Bytes to send to the client.
+    Reply(Vec<u8>),
+    /// The client may not go on, for this reason.
+    Refused(String),
+    /// The client has gone, or there is no way to tell it what is wrong.
+    Gone,
+}
+
+/// The result of a read.
+pub(super) enum Input {
+    /// Bytes; none if the client has closed its half of the connection.
+    Bytes(usize),
+    /// Nothing has arrived.
+    Nothing,
+    /// The connection is lost.
+    Lost,
+}
+
+/// Reads the bytes that have arrived.
+pub(super) fn read(stream: &mut dyn Stream, buffer: &mut [u8]) -> Input {
+    match stream.read(buffer) {
+        Ok(count) => Input::Bytes(count),
+        Err(error) if is_temporary(error.kind()) => Input::Nothing,
+        Err(_) => Input::Lost,
+    }
+}
+
+/// Returns whether a stream without data failed with this kind of error.
+pub(super) fn is_temporary(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::WouldBlock | ErrorKind::Interrupted)
+}
+
+impl Conversation {
+    /// Creates the conversation of a new client of a target.
+    pub fn new(target: &ShareTarget) -> Self {
+        match target.format {
+            ShareFormat::Json => Self::Lines(RequestLines::default(), RequestLimit::new()),
+            ShareFormat::Ws => Self::Head(Box::new(Head::new(target.address, false))),
+            ShareFormat::Web => Self::Head(Box::new(Head::new(target.address, true))),
+            _ => Self::Silent,
+        }
+    }
+
+    /// Returns whether lines are sent as frames.
+    pub fn is_framed(&self) -> bool {
+        matches!(self, Self::Socket(..))
+    }
+
+    /// Returns the bytes of a line for this client.
+    pub fn bytes_of(&self, line: &Line) -> Option<Arc<[u8]>> {
+        match self.is_framed() {
+            true => line.frame.clone(),
+            false => Some(line.bytes.clone()),
+        }
+    }
+
+    /// Receives the next part of what the client has sent.
+    pub fn receive(&mut self, stream: &mut dyn Stream) -> Received {
+        match self {
+            Self::Silent => match read(stream, &mut [0; 1]) {
+                // A client that will never send has closed its half of the connection.
+                Input::Bytes(0) | Input::Nothing => Received::Nothing,
+                Input::Bytes(_) | Input::Lost => Received::Gone,
+            },
+            Self::Lines(lines, limit) => limited(lines.receive(stream), limit),
+            Self::Head(head) => match head.receive(stream) {
+                Ok(None) => Received::Nothing,
+                Ok(Some(Answer { bytes, socket })) => {
+                    *self = match socket {
+                        Some(socket) => Self::Socket(Box::new(socket), RequestLimit::new()),
+                        None => Self::Closing,
+                    };
+                    Received::Reply(bytes)
+                }
+                Err(_) => Received::Gone,
+            },
+            Self::Socket(reader, limit) => limited(reader.receive(stream), limit),
+            // The rest is read, or closing the connection would take the last line back.
+            Self::Closing => match read(stream, &mut [0; 4096]) {
+                Input::Lost => Received::Gone,
+                Input::Bytes(_) | Input::Nothing => Received::Nothing,
+            },
+        }
+    }
+}
+
+/// Refuses a request if it is one too many.
+fn limited(received: Received, limit: &mut RequestLimit) -> Received {
+    if !matches!(received, Received::Request(_)) {
+        return received;
+    }
+    match limit.count() {
+        Ok(()) => received,
+        Err(reason) => Received::Refused(reason),
+    }
+}

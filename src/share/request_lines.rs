@@ -1,0 +1,35 @@
+//! Requests of a client as lines.
+
+use super::conversation::{Input, Received, read};
+use super::listener::Stream;
+use super::request::MAX_REQUEST_BYTES;
+
+/// The bytes of requests that were not handled yet.
+#[derive(Default)]
+pub(super) struct RequestLines {
+    bytes: Vec<u8>,
+}
+
+impl RequestLines {
+    /// Receives the next request.
+    pub fn receive(&mut self, stream: &mut dyn Stream) -> Received {
+        let mut buffer = [0; MAX_REQUEST_BYTES];
+        loop {
+            if let Some(end) = self.bytes.iter().position(|&byte| byte == b'\n') {
+                let rest = self.bytes.split_off(end + 1);
+                let request = std::mem::replace(&mut self.bytes, rest);
+                return Received::Request(request);
+            }
+            if self.bytes.len() > MAX_REQUEST_BYTES {
+                let reason = format!("a request has at most {MAX_REQUEST_BYTES} bytes");
+                return Received::Refused(reason);
+            }
+            match read(stream, &mut buffer) {
+                // A client that has no further request has closed its half of the connection.
+                Input::Bytes(0) | Input::Nothing => return Received::Nothing,
+                Input::Bytes(count) => self.bytes.extend_from_slice(&buffer[..count]),
+                Input::Lost => return Received::Gone,
+            }
+        }
+    }
+}

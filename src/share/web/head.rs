@@ -1,0 +1,116 @@
+//! The request of a client of HTTP, up to the empty line, and its answer.
+
+use std::net::SocketAddr;
+use std::time::{Duration, Instant};
+
+use tungstenite::handshake::machine::TryParse;
+use tungstenite::handshake::server::{Request, create_response, write_response};
+
+use super::pages;
+use super::socket::SocketReader;
+use crate::capture::transport::websocket::Admission;
+use crate::share::client::Disconnected;
+use crate::share::conversation::{Input, read};
+use crate::share::listener::Stream;
+
+/// Longest request, in bytes: that of a browser has some 600.
+const MAX_HEAD_BYTES: usize = 8192;
+
+/// Longest time that a client may take for its request.
+const HEAD_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// The path of the WebSocket beside the pages.
+const SOCKET_PATH: &str = "/ws";
+
+/// The bytes of a request so far.
+pub(in crate::share) struct Head {
+    bytes: Vec<u8>,
+    deadline: Instant,
+    admission: Admission,
+    has_pages: bool,
+}
+
+/// The answer to a request.
+pub(in crate::share) struct Answer {
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// The WebSocket that it opens. Without one, the connection is closed.
+    pub socket: Option<SocketReader>,
+}
+
+impl Head {
+    /// Creates a request without bytes, to a server at an address: of a WebSocket, or also of the pages.
+    pub fn new(address: SocketAddr, has_pages: bool) -> Self {
+        let origins = [address.to_string(), format!("localhost:{}", address.port())];
+        Self {
+            bytes: Vec::new(),
+            deadline: Instant::now() + HEAD_TIMEOUT,
+            admission: Admission {
+                address,
+                origins: origins.map(|host| format!("http://{host}")).to_vec(),
+                remedy: "only the page of this server may connect",
+            },
+            has_pages,
+        }
+    }
+
+    /// Receives bytes. Returns the answer once the request is complete or wrong. Fails if the client has gone, or takes
+    /// too long.
+    pub fn receive(&mut self, stream: &mut dyn Stream) -> Result<Option<Answer>, Disconnected> {
+        let mut buffer = [0; 1024];
+        loop {
+            match read(stream, &mut buffer) {
+                Input::Bytes(0) | Input::Lost => return Err(Disconnected),
+                Input::Nothing if Instant::now() > self.deadline => return Err(Disconnected),
+                Input::Nothing => return Ok(None),
+                Input::Bytes(count) => self.bytes.extend_from_slice(&buffer[..count]),
+            }
+            match Request::try_parse(&self.bytes) {
+                Ok(Some((length, request))) => return Ok(Some(self.answer(&request, length))),
+                Ok(None) if self.bytes.len() <= MAX_HEAD_BYTES => {}
+                Ok(None) => {
+                    let status = "431 Request Header Fields Too Large";
+                    return Ok(Some(refuse(status, "the request is too long")));
+                }
+                Err(_) => {
+                    let reason = "not a GET request of HTTP 1.1";
+                    return Ok(Some(refuse("400 Bad Request", reason)));
+                }
+            }
+        }
+    }
+
+    fn answer(&self, request: &Request, length: usize) -> Answer {
+        if let Err(reason) = self.admission.check(request) {
+            tracing::warn!("refused a client of {}: {reason}", self.admission.address);
+            return refuse("403 Forbidden", &reason);
+        }
+        let path = request.uri().path();
+        if self.has_pages && path != SOCKET_PATH {
+            return match pages::file(path) {
+                Some(bytes) => Answer {
+                    bytes,
+                    socket: None,
+                },
+                None => refuse("404 Not Found", "there is no such page"),
+            };
+        }
+        let mut bytes = Vec::new();
+        let upgrade =
+            create_response(request).and_then(|response| write_response(&mut bytes, &response));
+        match upgrade {
+            Ok(()) => Answer {
+                bytes,
+                socket: Some(SocketReader::new(self.bytes[length..].to_vec())),
+            },
+            Err(_) => refuse("426 Upgrade Required", "this is a WebSocket"),
+        }
+    }
+}
+
+fn refuse(status: &str, reason: &str) -> Answer {
+    Answer {
+        bytes: pages::refusal(status, reason),
+        socket: None,
+    }
+}

@@ -1,0 +1,8 @@
+//! WebSockets, and the pages of the viewer.
+
+mod head;
+mod pages;
+mod socket;
+
+pub(super) use head::{Answer, Head};
+pub(super) use socket::{SocketReader, text_frame};

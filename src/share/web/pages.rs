@@ -1,0 +1,41 @@
+//! The files of the viewer, which come with the program, and answers of HTTP.
+
+/// Headers of every answer. The page loads nothing from elsewhere, runs no code but its own, and no other page may show it.
+const HEADERS: &str = "Connection: close\r\n\
+    Cache-Control: no-store\r\n\
+    Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src data:; connect-src 'self'; \
+    base-uri 'none'; form-action 'none'; frame-ancestors 'none'\r\n\
+    Cross-Origin-Opener-Policy: same-origin\r\n\
+    Cross-Origin-Resource-Policy: same-origin\r\n\
+    Referrer-Policy: no-referrer\r\n\
+    X-Content-Type-Options: nosniff\r\n";
+
+/// A file: its path, its type and its text.
+const FILES: [(&str, &str, &str); 3] = [
+    ("/", "text/html", include_str!("viewer/index.html")),
+    ("/viewer.css", "text/css", include_str!("viewer/viewer.css")),
+    (
+        "/viewer.js",
+        "text/javascript",
+        include_str!("viewer/viewer.js"),
+    ),
+];
+
+/// Returns the answer with the file of a path; `None` if there is no such file.
+pub(super) fn file(path: &str) -> Option<Vec<u8>> {
+    let (_, kind, text) = FILES.iter().find(|(name, ..)| *name == path)?;
+    Some(answer("200 OK", kind, text))
+}
+
+/// Returns the answer to a request that is refused.
+pub(super) fn refusal(status: &str, reason: &str) -> Vec<u8> {
+    answer(status, "text/plain", &format!("{reason}\n"))
+}
+
+fn answer(status: &str, kind: &str, body: &str) -> Vec<u8> {
+    let length = body.len();
+    format!(
+        "HTTP/1.1 {status}\r\nContent-Type: {kind}; charset=utf-8\r\nContent-Length: {length}\r\n{HEADERS}\r\n{body}"
+    )
+    .into_bytes()
+}
