@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::typist;
 
 /// Sends a request and returns the lines that follow, as JSON.
-fn ask(address: &str, request: &str) -> impl Iterator<Item = Value> {
+fn ask(address: &str, request: &str) -> impl Iterator<Item = Value> + use<> {
     let mut client = TcpStream::connect(address).expect("it listens");
     client.write_all(request.as_bytes()).expect("it reads");
     let lines = BufReader::new(client).lines().map_while(Result::ok);
