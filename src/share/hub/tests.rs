@@ -128,7 +128,7 @@ fn datagrams_are_sent_without_a_client_and_an_absent_receiver_does_not_matter() 
     let address = |socket: &UdpSocket| format!("vmc:{}", socket.local_addr().unwrap());
     let targets = [address(&absent), address(&receiver)];
     drop(absent);
-    let mut hub = hub(&[&targets[0], &targets[1]]);
+    let hub = hub(&[&targets[0], &targets[1]]);
     let mut datagram = [0; 2048];
     for time in 0..3 {
         hub.send(step(1_000_000 * time));
