@@ -44,6 +44,20 @@ pub enum RecordError {
     },
 }
 
+/// Returns the error of a file of a recording that cannot be created.
+pub fn cannot_create(path: &Path, error: FileError) -> RecordError {
+    let reason = match error {
+        FileError::Io(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            "the file exists; choose another name or remove it".to_owned()
+        }
+        error => error.to_string(),
+    };
+    RecordError::Create {
+        path: path.to_owned(),
+        reason,
+    }
+}
+
 /// A recording in progress.
 ///
 /// Each snapshot is handed to the operating system at once, so that a crash of the program loses none. Dropping the
@@ -64,21 +78,13 @@ struct Channel {
 impl Recorder {
     /// Creates a recording that only its owner can read. Fails if the file exists. `setup` is written at its start.
     pub fn create(path: &Path, setup: &RecordedSetup) -> Result<Self, RecordError> {
-        let cannot_create = |reason: String| RecordError::Create {
+        let invalid = |reason: String| RecordError::Create {
             path: path.to_owned(),
             reason,
         };
-        check(setup).map_err(cannot_create)?;
-        let file = files::create_private(path).map_err(|error| {
-            cannot_create(match error {
-                FileError::Io(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-                    "the file exists; choose another name or remove it".into()
-                }
-                error => error.to_string(),
-            })
-        })?;
-        let (writer, channels) =
-            start(file, setup).map_err(|error| cannot_create(describe(error)))?;
+        check(setup).map_err(invalid)?;
+        let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
+        let (writer, channels) = start(file, setup).map_err(|error| invalid(describe(error)))?;
         Ok(Self {
             path: path.to_owned(),
             writer: Some(writer),

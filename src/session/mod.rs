@@ -22,7 +22,7 @@ mod layout_link;
 mod notice;
 mod options;
 pub mod panic_keys;
-mod recorder_thread;
+mod recordings;
 pub mod reload;
 mod reply;
 mod run_pipeline;
@@ -30,6 +30,7 @@ mod source;
 mod status;
 pub mod view;
 mod waker;
+mod writer_thread;
 
 use std::io;
 use std::sync::Arc;
@@ -41,7 +42,7 @@ use self::control_socket::{ControlError, ControlServer, Notifier, ProfileInfo, S
 use self::event_loop::run_observed;
 use self::notice::NoticeThread;
 use self::panic_keys::PanicKeysError;
-use self::recorder_thread::RecorderThread;
+use self::recordings::Recordings;
 use self::reload::{FilePolicy, LayoutReport, LayoutSource};
 use self::status::StatusLog;
 use self::view::{SessionNames, ViewHub, ViewPublisher};
@@ -212,14 +213,15 @@ impl Session {
         }
         // A replay may wait for its observers while nothing outside can stay pressed meanwhile.
         let may_wait = !is_live && !sink.has_effect();
-        let mut recorder = match &self.options.record_to {
-            Some(path) => {
-                let recorded = self.setup.recorded_setup();
-                let recorded = recorded.with_packet_period(source.packet_period());
-                Some(RecorderThread::start(path, &recorded, may_wait)?)
-            }
-            None => None,
-        };
+        let mut recordings = Recordings::default();
+        if let Some(path) = &self.options.record_to {
+            let recorded = self.setup.recorded_setup();
+            let recorded = recorded.with_packet_period(source.packet_period());
+            recordings.record_steps(path, &recorded, may_wait)?;
+        }
+        if let Some(path) = &self.options.record_bvh_to {
+            recordings.record_poses(path, may_wait)?;
+        }
         if let Some(uri) = self.opened_uri().filter(|_| is_live) {
             self.report_status(Notice::Listening(uri.clone()));
         }
@@ -244,9 +246,7 @@ impl Session {
                 notifier.notify_snapshot(snapshot);
                 notifier.notify_cursor(pipeline.layout());
             }
-            if let Some(recorder) = &mut recorder {
-                recorder.push(snapshot);
-            }
+            recordings.push(snapshot);
             views.update(snapshot, pipeline);
             share.push(snapshot, pipeline);
             publish(snapshots, snapshot, is_lossless);
@@ -263,7 +263,7 @@ impl Session {
             &self.commands,
             &mut observe,
         );
-        let record_error = recorder.and_then(|recorder| recorder.finish().err());
+        let record_error = recordings.finish();
         Ok(Summary {
             record_error,
             ..ended?

@@ -16,7 +16,7 @@ use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{Finger, FingerSet, Side};
 use crate::message::HeldBack;
-use crate::share::ShareTarget;
+use crate::share::{ShareFormat, ShareTarget};
 
 /// Notices that wait for the receiver of the user.
 const QUEUE_LENGTH: usize = 64;
@@ -94,10 +94,13 @@ impl fmt::Display for Notice {
             Self::WaitingForSource(reason) => write!(f, "waiting: {reason}; Ctrl-C ends"),
             Self::SourceFound(source) => write!(f, "found {source}"),
             Self::Listening(source) => write!(f, "listening to {source}, Ctrl-C ends"),
-            Self::Sharing(target) => write!(
-                f,
-                "sharing {target}: the angles of a hand tell what it types"
-            ),
+            Self::Sharing(target) => {
+                write!(f, "sharing {target}: ")?;
+                if target.format == ShareFormat::Web {
+                    write!(f, "open http://{}/; ", target.address)?;
+                }
+                f.write_str("the angles of a hand tell what it types")
+            }
             Self::NoControlSocket => write!(f, "{}", advice::no_runtime_dir()),
             Self::Disarmed => {
                 f.write_str("paused: hold the hand clear of all keys for a moment to arm")

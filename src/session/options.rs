@@ -29,7 +29,9 @@ pub struct SessionOptions {
     pub watchdog: Option<WatchdogProgram>,
     /// Path of a recording to create.
     pub record_to: Option<PathBuf>,
-    /// Servers of joint angles and poses for other programs.
+    /// Path of a BVH file to create, with the poses of the hand that is seen first.
+    pub record_bvh_to: Option<PathBuf>,
+    /// Formats and addresses in which the hand is shared with other programs.
     pub share: Vec<ShareTarget>,
     /// Control socket for other programs.
     pub control_socket: ControlSocket,
@@ -86,6 +88,7 @@ impl fmt::Debug for SessionOptions {
             .field("wait_for_source", &self.wait_for_source)
             .field("watchdog", &self.watchdog)
             .field("record_to", &self.record_to)
+            .field("record_bvh_to", &self.record_bvh_to)
             .field("share", &self.share)
             .field("control_socket", &self.control_socket)
             .field("watch_layouts", &self.watch_layouts)

@@ -1,4 +1,4 @@
-//! A recorder on its own thread, so that a slow disk does not delay the session loop.
+//! A thread that writes to a file, so that a slow disk does not delay the session loop.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,9 +10,7 @@ use std::time::Duration;
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded};
 
 use crate::advice;
-use crate::capture::recording::RecordedSetup;
-use crate::recorder::{RecordError, Recorder};
-use crate::snapshot::Snapshot;
+use crate::recorder::RecordError;
 
 /// Steps that wait for the disk: more than 1 s at 175 readings per second.
 const QUEUE_LENGTH: usize = 256;
@@ -20,10 +18,10 @@ const QUEUE_LENGTH: usize = 256;
 /// Longest time at the end in which the disk accepts nothing.
 const DISK_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Writes every step to a recording.
-pub(super) struct RecorderThread {
+/// Writes a `T` of every step to a file.
+pub(super) struct WriterThread<T> {
     path: PathBuf,
-    queue: Sender<Snapshot>,
+    queue: Sender<T>,
     writer: JoinHandle<Result<(), RecordError>>,
     /// Disconnected when the writer has ended.
     ended: Receiver<()>,
@@ -33,26 +31,44 @@ pub(super) struct RecorderThread {
     missed: u64,
 }
 
-impl RecorderThread {
-    /// Creates a recording. A lossless one delays the session loop when the disk is slow, which no output with an effect
-    /// allows; any other one drops steps and counts them.
+/// The steps on their way to the file, until the session ends.
+pub(super) struct QueuedSteps<T> {
+    queue: Receiver<T>,
+    /// Steps that the writer has taken before the present one.
+    written: Arc<AtomicU64>,
+    is_first: bool,
+}
+
+impl<T> Iterator for QueuedSteps<T> {
+    type Item = T;
+
+    fn next(&mut self) -> Option<T> {
+        if !std::mem::take(&mut self.is_first) {
+            self.written.fetch_add(1, Ordering::Relaxed);
+        }
+        self.queue.recv().ok()
+    }
+}
+
+impl<T: Send + 'static> WriterThread<T> {
+    /// Starts to write to a new file. A lossless one delays the session loop when the disk is slow, which no output with an
+    /// effect allows; any other one drops steps and counts them.
     pub fn start(
         path: &Path,
-        setup: &RecordedSetup,
         is_lossless: bool,
+        write: impl FnOnce(QueuedSteps<T>) -> Result<(), RecordError> + Send + 'static,
     ) -> Result<Self, RecordError> {
-        let mut recorder = Recorder::create(path, setup)?;
-        let (queue, steps) = bounded::<Snapshot>(QUEUE_LENGTH);
+        let (queue, receiver) = bounded(QUEUE_LENGTH);
         let (end, ended) = bounded::<()>(0);
         let written = Arc::new(AtomicU64::new(0));
-        let counter = written.clone();
+        let steps = QueuedSteps {
+            queue: receiver,
+            written: written.clone(),
+            is_first: true,
+        };
         let write = move || {
             let _end = end;
-            for step in steps {
-                recorder.write(&step)?;
-                counter.fetch_add(1, Ordering::Relaxed);
-            }
-            recorder.finish()
+            write(steps)
         };
         let writer = thread::Builder::new().name("recorder".into()).spawn(write);
         Ok(Self {
@@ -73,11 +89,11 @@ impl RecorderThread {
         })
     }
 
-    /// Queues a step.
-    pub fn push(&mut self, step: &Snapshot) {
+    /// Queues the part of a step.
+    pub fn push(&mut self, step: T) {
         let is_queued = match self.is_lossless {
-            true => self.queue.send(step.clone()).is_ok(),
-            false => self.queue.try_send(step.clone()).is_ok(),
+            true => self.queue.send(step).is_ok(),
+            false => self.queue.try_send(step).is_ok(),
         };
         self.missed += u64::from(!is_queued);
     }

@@ -22,7 +22,7 @@ const TRANSCRIPT: &str = "transcript";
 /// Type with a glove
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n  ademan run my-setup.ron --share text-line:127.0.0.1:10002\n  ademan run my-setup.ron --wait\n  ademan run my-setup.ron --view log\n\nThe session starts paused. It is armed after the hand has been clear of every key for 300 ms. A layout file is activated when it is saved. Ctrl-C releases everything and ends the session."
+    after_help = "Examples:\n  ademan run --source typist:hello\n  ademan run --source 'serial:/dev/ttyUSB0?baud=9600' --output desktop\n  ademan run my-setup.ron --record today.mcap\n  ademan run my-setup.ron --share web:127.0.0.1:8080\n  ademan run my-setup.ron --wait\n  ademan run my-setup.ron --view log\n\nThe session starts paused. It is armed after the hand has been clear of every key for 300 ms. A layout file is activated when it is saved. Ctrl-C releases everything and ends the session."
 )]
 pub struct Args {
     /// Setup file (see `ademan setup new`); the flags override it. The default is setup.ron in the configuration folder, if it
@@ -37,8 +37,11 @@ pub struct Args {
     /// Record the session to this file. It contains everything that is typed
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Serve joint angles or poses to programs on this machine: `text-line:127.0.0.1:10002`, `angles:…` or `pose:…`. May be
-    /// given several times
+    /// Record the poses of the hand to this BVH file, for animation programs. They show what is typed
+    #[arg(long, value_name = "FILE")]
+    record_bvh: Option<PathBuf>,
+    /// Share the hand with programs on this machine: a page for a browser with `web:127.0.0.1:8080`; `json`, `ws`,
+    /// `text-line`, `angles`, `pose`, `vmc` or `opentrack` in the same way. May be given several times
     #[arg(long, value_name = "FORMAT:ADDRESS:PORT")]
     share: Vec<ShareTarget>,
     /// Wait for a device that is not connected yet
@@ -85,6 +88,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         wait_for_source: args.wait,
         watchdog: Some(watchdog::program(Command::Pause)?),
         record_to: record_to.clone(),
+        record_bvh_to: args.record_bvh,
         share: setup.share.clone(),
         control_socket,
         watch_layouts: true,

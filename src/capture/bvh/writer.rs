@@ -9,7 +9,8 @@ const COUNT_WIDTH: usize = 9;
 
 /// Writer of a skeleton and its frames, one line per frame with six decimals.
 ///
-/// The number of frames is filled in by [`finish`](Self::finish). A text whose writer stopped before that has no frames.
+/// The number of frames is filled in by [`complete_block`](Self::complete_block) and [`finish`](Self::finish). A text whose
+/// writer stopped before has the frames of the last block.
 #[derive(Debug)]
 pub struct BvhWriter<W> {
     out: W,
@@ -54,12 +55,17 @@ impl<W: Write + Seek> BvhWriter<W> {
         self.frames
     }
 
-    /// Writes the number of frames and returns the file.
-    pub fn finish(mut self) -> Result<W> {
+    /// Writes the number of frames so far, after the frames.
+    pub fn complete_block(&mut self) -> Result<()> {
         self.out.seek(SeekFrom::Start(self.count_at))?;
         write!(self.out, "{:<COUNT_WIDTH$}", self.frames)?;
         self.out.seek(SeekFrom::End(0))?;
-        self.out.flush()?;
+        self.out.flush()
+    }
+
+    /// Writes the number of frames and returns the file.
+    pub fn finish(mut self) -> Result<W> {
+        self.complete_block()?;
         Ok(self.out)
     }
 }

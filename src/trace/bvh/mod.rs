@@ -63,6 +63,20 @@ impl<W: Write + Seek> PoseWriter<W> {
         }
     }
 
+    /// Returns the number of frames so far.
+    pub fn frames(&self) -> u64 {
+        let text = self.text.as_ref();
+        text.map_or(0, |text| text.writer.frames())
+    }
+
+    /// Completes the file: if nothing follows, it is a whole file of the frames so far.
+    pub fn complete_block(&mut self) -> Result<()> {
+        match &mut self.text {
+            Some(text) => text.writer.complete_block(),
+            None => Ok(()),
+        }
+    }
+
     /// Writes the last frame and returns the number of frames. Without a pose, nothing is written.
     pub fn finish(self) -> Result<u64> {
         let Some(mut text) = self.text else {

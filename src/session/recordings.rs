@@ -1,0 +1,114 @@
+//! The files that a session records to: all results of each step, and the poses for animation programs.
+
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use super::writer_thread::{QueuedSteps, WriterThread};
+use crate::capture::recording::RecordedSetup;
+use crate::files;
+use crate::kinematics::HandPose;
+use crate::recorder::{RecordError, Recorder, cannot_create};
+use crate::snapshot::Snapshot;
+use crate::trace::bvh::PoseWriter;
+
+/// Frames per second of a BVH file.
+const BVH_RATE_HZ: f64 = 100.0;
+
+/// Frames after which a BVH file is complete again: those of one second.
+const FRAMES_PER_BLOCK: u64 = 100;
+
+/// Room for the frames of a block: they reach the disk together with their number.
+const BLOCK_BYTES: usize = 1 << 20;
+
+/// The recordings of a session, each with a thread of its own.
+#[derive(Default)]
+pub(super) struct Recordings {
+    steps: Option<WriterThread<Snapshot>>,
+    poses: Option<WriterThread<HandPose>>,
+}
+
+impl Recordings {
+    /// Creates a recording of all results. A lossless one delays the session loop when the disk is slow.
+    pub fn record_steps(
+        &mut self,
+        path: &Path,
+        setup: &RecordedSetup,
+        is_lossless: bool,
+    ) -> Result<(), RecordError> {
+        let mut recorder = Recorder::create(path, setup)?;
+        let write = move |steps: QueuedSteps<Snapshot>| {
+            for step in steps {
+                recorder.write(&step)?;
+            }
+            recorder.finish()
+        };
+        self.steps = Some(WriterThread::start(path, is_lossless, write)?);
+        Ok(())
+    }
+
+    /// Creates a BVH file of the poses of the hand that is seen first.
+    pub fn record_poses(&mut self, path: &Path, is_lossless: bool) -> Result<(), RecordError> {
+        let file = files::create_private(path).map_err(|error| cannot_create(path, error))?;
+        let owned = path.to_owned();
+        let write = move |poses| write_bvh(poses, file, owned);
+        self.poses = Some(WriterThread::start(path, is_lossless, write)?);
+        Ok(())
+    }
+
+    /// Records a step.
+    pub fn push(&mut self, snapshot: &Snapshot) {
+        if let Some(steps) = &mut self.steps {
+            steps.push(snapshot.clone());
+        }
+        if let (Some(poses), Some(pose)) = (&mut self.poses, snapshot.pose) {
+            poses.push(pose);
+        }
+    }
+
+    /// Completes the files. Returns the first reason why one is incomplete.
+    pub fn finish(self) -> Option<RecordError> {
+        let steps = self.steps.and_then(|steps| steps.finish().err());
+        let poses = self.poses.and_then(|poses| poses.finish().err());
+        steps.or(poses)
+    }
+}
+
+/// Writes poses in blocks. After a failed write, the file ends with the last whole block.
+fn write_bvh(poses: QueuedSteps<HandPose>, file: File, path: PathBuf) -> Result<(), RecordError> {
+    let failed = |error: io::Error| RecordError::Write {
+        path: path.clone(),
+        reason: error.to_string(),
+    };
+    let whole = file.try_clone().map_err(failed)?;
+    let mut length = 0;
+    let result = write_blocks(poses, file, &mut || {
+        length = whole.metadata()?.len();
+        Ok(())
+    });
+    if result.is_err() {
+        // If this fails too, a reader finds a part of a frame after the last one.
+        let _ = whole.set_len(length);
+    }
+    result.map_err(failed)
+}
+
+/// Writes poses, and calls `complete` after each whole block.
+fn write_blocks(
+    poses: QueuedSteps<HandPose>,
+    file: File,
+    complete: &mut dyn FnMut() -> io::Result<()>,
+) -> io::Result<()> {
+    let file = BufWriter::with_capacity(BLOCK_BYTES, file);
+    let mut writer = PoseWriter::new(file, BVH_RATE_HZ);
+    let mut next_block = 0;
+    for pose in poses {
+        writer.push(&pose)?;
+        if writer.frames() >= next_block {
+            writer.complete_block()?;
+            complete()?;
+            next_block = writer.frames() + FRAMES_PER_BLOCK;
+        }
+    }
+    writer.finish().map(drop)
+}
