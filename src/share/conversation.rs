@@ -4,11 +4,11 @@ use std::io::ErrorKind;
 use std::sync::Arc;
 
 use super::lines::Line;
-use super::listener::Stream;
 use super::request::RequestLimit;
 use super::request_lines::RequestLines;
 use super::target::{ShareFormat, ShareTarget};
 use super::web::{Answer, Head, SocketReader};
+use crate::network::Stream;
 
 /// The state of a conversation.
 pub(super) enum Conversation {

@@ -74,9 +74,7 @@ impl LineEncoder {
         if let Some(layout) = &step.layout
             && !Arc::ptr_eq(layout, &self.layout)
         {
-            self.layout = Arc::clone(layout);
-            self.layout_line = None;
-            self.layouts += 1;
+            self.change_layout(layout);
         }
         for format in PLAIN_FORMATS {
             if wanted.kinds.contains(LineKind::Plain(format)) && self.write_plain(step, format) {
@@ -89,6 +87,16 @@ impl LineEncoder {
             }
         }
         &self.lines
+    }
+
+    fn change_layout(&mut self, layout: &Arc<Layout>) {
+        self.layout = Arc::clone(layout);
+        let before = self.layout_line.take();
+        // A reload of a file may change nothing that clients see.
+        let is_same = before.is_some_and(|before| before.bytes == self.layout().bytes);
+        if !is_same {
+            self.layouts += 1;
+        }
     }
 
     /// Returns the line of the active layout.

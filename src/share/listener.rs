@@ -1,6 +1,6 @@
 //! Threads that accept connections.
 
-use std::io::{self, Read, Write};
+use std::io;
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,21 +11,16 @@ use crossbeam_channel::Sender;
 
 use super::ShareError;
 use crate::advice;
+use crate::network::Stream;
 
 /// Pause after a connection that could not be accepted, and the longest wait for the end of the thread.
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
-
-/// The bytes of a connection. No call blocks: without data or room, it fails with
-/// [`WouldBlock`](io::ErrorKind::WouldBlock).
-pub(super) trait Stream: Read + Write + Send {}
-
-impl<T: Read + Write + Send> Stream for T {}
 
 /// A connection to one of the servers.
 pub(super) struct Connection {
     /// The index of the server.
     pub server: usize,
-    /// Its bytes.
+    /// Its bytes. No call blocks: without data or room, it fails with [`WouldBlock`](io::ErrorKind::WouldBlock).
     pub stream: Box<dyn Stream>,
 }
 

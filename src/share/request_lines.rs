@@ -1,8 +1,8 @@
 //! Requests of a client as lines.
 
 use super::conversation::{Input, Received, read};
-use super::listener::Stream;
 use super::request::MAX_REQUEST_BYTES;
+use crate::network::Stream;
 
 /// The bytes of requests that were not handled yet.
 #[derive(Default)]

@@ -9,9 +9,9 @@ use tungstenite::handshake::server::{Request, create_response, write_response};
 use super::pages;
 use super::socket::SocketReader;
 use crate::capture::transport::websocket::Admission;
+use crate::network::Stream;
 use crate::share::client::Disconnected;
 use crate::share::conversation::{Input, read};
-use crate::share::listener::Stream;
 
 /// Longest request, in bytes: that of a browser has some 600.
 const MAX_HEAD_BYTES: usize = 8192;
@@ -65,13 +65,13 @@ impl Head {
                 Input::Nothing => return Ok(None),
                 Input::Bytes(count) => self.bytes.extend_from_slice(&buffer[..count]),
             }
+            if self.bytes.len() > MAX_HEAD_BYTES {
+                let status = "431 Request Header Fields Too Large";
+                return Ok(Some(refuse(status, "the request is too long")));
+            }
             match Request::try_parse(&self.bytes) {
                 Ok(Some((length, request))) => return Ok(Some(self.answer(&request, length))),
-                Ok(None) if self.bytes.len() <= MAX_HEAD_BYTES => {}
-                Ok(None) => {
-                    let status = "431 Request Header Fields Too Large";
-                    return Ok(Some(refuse(status, "the request is too long")));
-                }
+                Ok(None) => {}
                 Err(_) => {
                     let reason = "not a GET request of HTTP 1.1";
                     return Ok(Some(refuse("400 Bad Request", reason)));

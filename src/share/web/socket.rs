@@ -8,8 +8,8 @@ use tungstenite::protocol::frame::Frame;
 use tungstenite::protocol::frame::coding::{Data, OpCode};
 use tungstenite::protocol::{Role, WebSocketConfig, WebSocketContext};
 
+use crate::network::Stream;
 use crate::share::conversation::{Received, is_temporary};
-use crate::share::listener::Stream;
 use crate::share::request::MAX_REQUEST_BYTES;
 
 /// Returns a line as the frame of a text message, without the line end.

@@ -2,6 +2,7 @@
 
 mod datagrams;
 mod json;
+mod page;
 mod websocket;
 
 use std::io::{BufRead, BufReader, Read};

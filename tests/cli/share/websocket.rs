@@ -45,7 +45,7 @@ def synchronous(uri):
         counts[json.loads(socket.recv())["kind"]] += 1
     socket.close()
     try:
-        websocket.create_connection(uri)
+        websocket.create_connection(uri, origin="http://example.com")
         refused = None
     except websocket.WebSocketBadStatusException as error:
         refused = error.status_code
