@@ -18,7 +18,7 @@ pub(super) struct DatagramSender {
 }
 
 enum Encoder {
-    Vmc(VmcEncoder),
+    Vmc(Box<VmcEncoder>),
     Opentrack(OpentrackEncoder),
 }
 
@@ -41,7 +41,7 @@ impl DatagramSender {
         })?;
         let encoder = match target.format {
             ShareFormat::Opentrack => Encoder::Opentrack(OpentrackEncoder::new(first)),
-            _ => Encoder::Vmc(VmcEncoder::default()),
+            _ => Encoder::Vmc(Box::default()),
         };
         Ok(Self { socket, encoder })
     }

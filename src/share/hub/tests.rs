@@ -35,6 +35,7 @@ fn step(time: u64) -> SharedStep {
         touches: Touches::new(),
         events: Events::new(),
         commands: TimedCommands::new(),
+        executed: None,
         lost_hands: [false; Side::COUNT],
         stats: Stats::default(),
     };
