@@ -16,7 +16,7 @@ pub use reach::{HandReach, half_bent_fingers, typing_angle};
 
 use parry3d::math::{Pose, Vec3};
 
-use crate::hand::{Finger, FingerSet, Joint, Side};
+use crate::hand::{Finger, FingerSet, Joint, JointPositions, Side};
 use crate::time::Timestamp;
 
 /// The poses of the joints of one arm and hand at one time, in the world.
@@ -70,6 +70,15 @@ impl HandPose {
     /// finger.
     pub fn fingertip(&self, finger: Finger) -> Option<Vec3> {
         self.position(Joint::tip(finger))
+    }
+
+    /// Returns the positions of the known joints in the world, in metres.
+    pub fn positions(&self) -> JointPositions {
+        let mut positions = JointPositions::default();
+        for (joint, pose) in self.known() {
+            positions.set(joint, pose.translation.as_dvec3());
+        }
+        positions
     }
 
     /// Iterates over the known joints, in the order of [`Joint::ALL`].

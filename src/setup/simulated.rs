@@ -1,12 +1,11 @@
 //! The simulated hands of a setup, which type texts and play scripts.
 
 use super::{LoadedSetup, SetupError};
-use crate::capture::Hc11Format;
-use crate::estimate::ChannelMap;
+use crate::capture::{Hc11Format, SampleKind, StreamFormat};
 use crate::kinematics::ArmModel;
 use crate::sim::{
-    self, ActionError, ActionErrorKind, HandAction, Script, SimulatedTypist, TypistError,
-    TypistSettings,
+    self, ActionError, ActionErrorKind, HandAction, Script, Sensor, SimulatedStream,
+    SimulatedTypist, TypistError, TypistSettings,
 };
 
 impl LoadedSetup {
@@ -15,20 +14,55 @@ impl LoadedSetup {
         &self,
         text: &str,
         format: &Hc11Format,
-        noise_counts: f64,
+        noise: f64,
         seed: u64,
     ) -> Result<SimulatedTypist, SetupError> {
-        let actions = sim::taps_for_text(text, &self.layout.key_bindings());
-        let actions = actions.map_err(TypistError::from)?;
         let settings = TypistSettings {
             name: format!("typist:{text}"),
             packet_period: format.packet_period(),
-            noise_counts,
+            noise,
             seed,
         };
-        let hands = self.hands()?;
-        SimulatedTypist::with_hands(&settings, &actions, &self.layout.scene, &hands).map_err(
+        self.typist_with(text, &settings, SampleKind::Channels)
+    }
+
+    /// Returns a simulated hand that types `text` on the layout through the bytes of a protocol.
+    pub fn encoded_typist(
+        &self,
+        text: &str,
+        format: &StreamFormat,
+        noise: f64,
+        seed: u64,
+    ) -> Result<SimulatedStream, SetupError> {
+        let settings = TypistSettings {
+            name: format!("typist:{text}{format}"),
+            packet_period: sim::packet_period(format),
+            noise,
+            seed,
+        };
+        let typist = self.typist_with(text, &settings, format.protocol.sample)?;
+        SimulatedStream::new(typist, format)
+            .map_err(|reason| SetupError::Value(format!("cannot use {}: {reason}", settings.name)))
+    }
+
+    fn typist_with(
+        &self,
+        text: &str,
+        settings: &TypistSettings,
+        kind: SampleKind,
+    ) -> Result<SimulatedTypist, SetupError> {
+        let actions = sim::taps_for_text(text, &self.layout.key_bindings());
+        let actions = actions.map_err(TypistError::from)?;
+        let hands = self.hands(kind)?;
+        SimulatedTypist::with_hands(settings, &actions, &self.layout.scene, &hands).map_err(
             |error| match self.reach_message(&error) {
+                Some(_) if self.measures_no_arm() && kind == SampleKind::Channels => {
+                    SetupError::Value(format!(
+                        "cannot type on {}: the glove does not measure the arm, so only keys below the fingers can be \
+                         pressed; choose another layout, or play a script",
+                        self.layout.file,
+                    ))
+                }
                 Some(message) => SetupError::Value(format!(
                     "cannot type on {}: key {message}",
                     self.layout.file,
@@ -43,17 +77,17 @@ impl LoadedSetup {
         &self,
         path_or_text: &str,
         format: &Hc11Format,
-        noise_counts: f64,
+        noise: f64,
         seed: u64,
     ) -> Result<SimulatedTypist, SetupError> {
         let script = Script::open(path_or_text, &self.layout.target_names())?;
         let settings = TypistSettings {
             name: format!("script:{}", script.file()),
             packet_period: format.packet_period(),
-            noise_counts,
+            noise,
             seed,
         };
-        let hands = self.hands()?;
+        let hands = self.hands(SampleKind::Channels)?;
         let scene = &self.layout.scene;
         let actions = self.placed(script.actions());
         SimulatedTypist::with_hands(&settings, &actions, scene, &hands).map_err(
@@ -80,18 +114,26 @@ impl LoadedSetup {
         actions.iter().map(place).collect()
     }
 
-    /// Returns the arms and channel maps of the simulated hands, which move the channels of gloves.
-    fn hands(&self) -> Result<Vec<(&ArmModel, &ChannelMap)>, SetupError> {
+    /// Returns the arms of the simulated hands with sensors whose samples are of this kind.
+    fn hands(&self, kind: SampleKind) -> Result<Vec<(&ArmModel, Sensor<'_>)>, SetupError> {
         let other = self.other_hand.iter().map(|hand| (&hand.arm, &hand.glove));
         std::iter::once((&self.arm, &self.glove))
             .chain(other)
-            .map(|(arm, glove)| match glove {
-                Some(glove) => Ok((arm, &glove.map)),
-                None => Err(SetupError::Value(
-                    "a simulated hand needs a glove; add `glove` to the setup".into(),
-                )),
+            .map(|(arm, glove)| {
+                let map = glove.as_ref().map(|glove| &glove.map);
+                let sensor = Sensor::for_kind(kind, map).ok_or_else(|| {
+                    let message = "a simulated hand needs a glove; add `glove` to the setup";
+                    SetupError::Value(message.into())
+                })?;
+                Ok((arm, sensor))
             })
             .collect()
+    }
+
+    /// Returns whether the first hand has a glove that measures its fingers only.
+    fn measures_no_arm(&self) -> bool {
+        let rows = self.glove.iter().flat_map(|glove| glove.map.rows());
+        rows.clone().next().is_some() && rows.into_iter().all(|row| row.dof.finger().is_some())
     }
 
     /// Returns the message for a target out of reach, with its name.

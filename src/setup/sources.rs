@@ -229,7 +229,19 @@ impl LoadedSetup {
                     false => Box::new(replay),
                 }
             }
-            SourceUri::Typist { text } => Box::new(self.typist(text, &format, 0.0, 0)?),
+            SourceUri::Typist { text, format: None } => {
+                Box::new(self.typist(text, &format, 0.0, 0)?)
+            }
+            SourceUri::Typist {
+                text,
+                format: Some(format),
+            } => {
+                let stream = Box::new(self.encoded_typist(text, format, 0.0, 0)?);
+                match format.protocol.has_both_hands {
+                    true => Box::new(SidedSource::new(stream, sides)),
+                    false => stream,
+                }
+            }
             SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
             _ => {
                 let opened = capture::open(source)?;

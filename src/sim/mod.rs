@@ -1,7 +1,8 @@
-//! Simulated people: sources of glove readings for demos, tests and the scoring of layouts.
+//! Simulated people: sources of readings for demos, tests and the scoring of layouts.
 //!
 //! A text ([`taps_for_text`]) or a [`Script`] becomes a list of [`HandAction`]s, which a [`SimulatedTypist`] performs on
-//! the targets of a layout.
+//! the targets of a layout. Its [`Sensor`]s measure the hands, and a [`SimulatedStream`] passes the readings through the
+//! bytes of a protocol.
 
 mod action;
 mod action_error;
@@ -9,10 +10,13 @@ pub mod script;
 mod text_plan;
 mod typing_hand;
 mod movement;
+mod noise;
 mod planner;
+mod sensor;
 mod settings;
 mod simulated_hand;
 mod typist;
+mod stream;
 mod player;
 mod text_field;
 mod score;
@@ -22,8 +26,10 @@ pub use action_error::{ActionError, ActionErrorKind};
 pub use player::{PacketWriters, PlaybackStats, play};
 pub use score::{TypingScore, error_rate, words_per_minute};
 pub use script::Script;
+pub use sensor::{JointSensor, Sensor};
 pub use settings::TypistSettings;
 pub use simulated_hand::GloveCounts;
+pub use stream::{SimulatedStream, packet_period};
 pub use text_field::UsTextField;
 pub use text_plan::{PlanError, taps_for_text};
 pub use typing_hand::{REACH_TOLERANCE, TapPath, TypingHand};

@@ -7,10 +7,11 @@ use std::time::Duration;
 pub struct TypistSettings {
     /// Name of the source.
     pub name: String,
-    /// Time between two packets of the glove.
+    /// Time between two packets of the sensor.
     pub packet_period: Duration,
-    /// Standard deviation of the noise of each channel, in counts; 0 for none.
-    pub noise_counts: f64,
+    /// Standard deviation of the noise of each value, 0 for none: counts of a glove, millimetres of positions, degrees of
+    /// angles.
+    pub noise: f64,
     /// Seed of the noise.
     pub seed: u64,
 }

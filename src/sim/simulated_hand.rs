@@ -1,14 +1,16 @@
-//! One hand of the simulated person, in a flex-sensor glove.
+//! One hand of the simulated person, in a glove or followed by another sensor.
 
 use arrayvec::ArrayVec;
 
 use super::action::HandAction;
 use super::action_error::ActionError;
 use super::movement::{ActiveMovement, Movement};
+use super::noise::Noise;
 use super::planner;
+use super::sensor::{JointSensor, Sensor};
 use super::settings::TypistSettings;
 use super::typing_hand::TypingHand;
-use crate::capture::MAX_CHANNELS;
+use crate::capture::{Channels, MAX_CHANNELS, Sample};
 use crate::contact::surface::Scene;
 use crate::estimate::ChannelMap;
 use crate::kinematics::ArmModel;
@@ -17,8 +19,8 @@ use crate::kinematics::ArmModel;
 pub type GloveCounts = ArrayVec<u16, MAX_CHANNELS>;
 
 /// A hand that performs its own actions, up to a limit that the typist sets.
+#[derive(Clone)]
 pub(super) struct SimulatedHand {
-    full_scale: u16,
     hand: TypingHand,
     values: Vec<f64>,
     movements: std::vec::IntoIter<Movement>,
@@ -29,10 +31,22 @@ pub(super) struct SimulatedHand {
     active: Option<ActiveMovement>,
     /// Number of packets of the active movement so far.
     packet: u32,
+    output: Output,
+}
+
+#[derive(Clone)]
+enum Output {
+    Glove(GloveOutput),
+    Joints(JointSensor, Noise),
+}
+
+/// The converter of a glove.
+#[derive(Clone)]
+struct GloveOutput {
+    full_scale: u16,
     /// The counts before the posture is added.
     resting_counts: GloveCounts,
-    noise_counts: f64,
-    random: fastrand::Rng,
+    noise: Noise,
 }
 
 /// The progress of a hand in one packet.
@@ -47,18 +61,27 @@ pub(super) enum Progress {
 }
 
 impl SimulatedHand {
-    /// Plans actions in a scene for an arm that wears a glove.
+    /// Plans actions in a scene for an arm with a sensor.
     pub(super) fn new(
         settings: &TypistSettings,
         actions: &[HandAction],
         scene: &Scene,
         arm: &ArmModel,
-        map: &ChannelMap,
+        sensor: Sensor,
     ) -> Result<Self, ActionError> {
-        let hand = TypingHand::new(arm, map);
+        let noise = Noise::new(settings.noise, settings.seed);
+        let (hand, output) = match sensor {
+            Sensor::Glove(map) => (
+                TypingHand::new(arm, map),
+                Output::Glove(GloveOutput::new(map, noise)),
+            ),
+            Sensor::Joints(sensor) => (
+                TypingHand::without_glove(arm),
+                Output::Joints(sensor, noise),
+            ),
+        };
         let plan = planner::plan(actions, hand, scene, settings.packet_period)?;
         Ok(Self {
-            full_scale: map.full_scale(),
             hand: plan.hand,
             values: plan.start_values,
             movements: plan.movements.into_iter(),
@@ -66,15 +89,8 @@ impl SimulatedHand {
             begun: 0,
             active: None,
             packet: 0,
-            resting_counts: resting_counts(map),
-            noise_counts: settings.noise_counts,
-            random: fastrand::Rng::with_seed(settings.seed),
+            output,
         })
-    }
-
-    /// Returns the largest count of the glove.
-    pub(super) fn full_scale(&self) -> u16 {
-        self.full_scale
     }
 
     /// Advances by one packet within the first `actions` actions. With all actions permitted, the hand also returns to
@@ -121,23 +137,45 @@ impl SimulatedHand {
         self.active.is_none() && end.is_none_or(|&end| self.begun >= end)
     }
 
-    /// Converts the posture to counts of the glove.
-    pub(super) fn counts(&mut self) -> GloveCounts {
+    /// Returns what the sensor measures of the posture.
+    pub(super) fn sample(&mut self) -> Sample {
+        match &mut self.output {
+            Output::Glove(glove) => Sample::Channels(Channels {
+                full_scale: glove.full_scale,
+                counts: glove.counts(&self.hand, &self.values),
+            }),
+            Output::Joints(sensor, noise) => {
+                let angles = self.hand.angles(&self.values);
+                let mut sample = sensor.measure(self.hand.arm(), &angles);
+                noise.add_to(&mut sample);
+                sample
+            }
+        }
+    }
+}
+
+impl GloveOutput {
+    fn new(map: &ChannelMap, noise: Noise) -> Self {
+        Self {
+            full_scale: map.full_scale(),
+            resting_counts: resting_counts(map),
+            noise,
+        }
+    }
+
+    /// Converts a posture to counts.
+    fn counts(&mut self, hand: &TypingHand, values: &[f64]) -> GloveCounts {
         let mut counts = self.resting_counts.clone();
-        for index in 0..self.values.len() {
-            counts[self.hand.channels()[index]] = self.convert(self.values[index]);
+        for (&channel, &value) in hand.channels().iter().zip(values) {
+            counts[channel] = self.convert(value);
         }
         counts
     }
 
     /// Adds noise and rounds. The ends of the range are left out, as they mean a broken wire.
     fn convert(&mut self, value: f64) -> u16 {
-        let noise = match self.noise_counts > 0.0 {
-            true => self.noise_counts * gaussian(&mut self.random),
-            false => 0.0,
-        };
         let max = f64::from(self.full_scale - 1);
-        (value + noise).round().clamp(1.0, max) as u16
+        (value + self.noise.value()).round().clamp(1.0, max) as u16
     }
 }
 
@@ -149,10 +187,4 @@ fn resting_counts(map: &ChannelMap) -> GloveCounts {
         counts[row.channel] = row.calibration.apply_inverse(0.0).round() as u16;
     }
     counts
-}
-
-/// Returns a sample of the standard normal distribution (Box-Muller transform).
-fn gaussian(random: &mut fastrand::Rng) -> f64 {
-    let radius = (-2.0 * (1.0 - random.f64()).ln()).sqrt();
-    radius * (std::f64::consts::TAU * random.f64()).cos()
 }

@@ -6,7 +6,7 @@ use parry3d::math::{Pose, Vec2, Vec3};
 use super::action::TargetPoint;
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
-use crate::estimate::{ChannelMap, Estimate, JointAngles, JointLimits};
+use crate::estimate::{AffineMap, ChannelMap, Estimate, JointAngles, JointLimits};
 use crate::hand::{Dof, Finger, Joint};
 use crate::kinematics::{
     ArmModel, HandPose, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik, typing_angle,
@@ -116,11 +116,22 @@ impl TypingHand {
         .at_rest()
     }
 
-    /// Creates the hand of an arm whose joints are measured without a glove: each joint angle is a channel.
+    /// Creates the hand of an arm whose joints are measured without a glove: each joint angle is a channel. The last joint
+    /// of a finger follows the one before it, as its tendon pulls both.
     pub fn without_glove(arm: &ArmModel) -> Self {
         let limits = JointLimits::human();
         let links = arm.links().iter().filter_map(|link| link.dof);
-        let variable = |dof| IkVariable::from_dof(dof, limits.range(dof), typing_angle(dof));
+        let variable = |dof| {
+            let mut variable = IkVariable::from_dof(dof, limits.range(dof), typing_angle(dof));
+            if let Some(last) = follower(dof) {
+                let (low, high) = limits.range(last);
+                variable.range = (variable.range.0.max(low), variable.range.1.min(high));
+                variable.mappings.push((last, AffineMap::IDENTITY));
+            }
+            variable
+        };
+        let links =
+            links.filter(|&dof| !Dof::ALL.iter().any(|&other| follower(other) == Some(dof)));
         let variables: Vec<IkVariable> = links.map(variable).collect();
         Self {
             arm: arm.clone(),
@@ -130,6 +141,11 @@ impl TypingHand {
             resting_pose: HandPose::new(Timestamp(0), arm.side(), 0.0),
         }
         .at_rest()
+    }
+
+    /// Returns the arm.
+    pub(super) fn arm(&self) -> &ArmModel {
+        &self.arm
     }
 
     fn at_rest(self) -> Self {
@@ -360,6 +376,18 @@ impl TypingHand {
             travel: target.travel,
             tip_radius: self.resting_pose.tip_radius,
         })
+    }
+}
+
+/// Returns the angle of the last joint of a finger that follows `dof`.
+fn follower(dof: Dof) -> Option<Dof> {
+    match dof {
+        Dof::ThumbMcpFlexion => Some(Dof::ThumbIpFlexion),
+        Dof::IndexPipFlexion => Some(Dof::IndexDipFlexion),
+        Dof::MiddlePipFlexion => Some(Dof::MiddleDipFlexion),
+        Dof::RingPipFlexion => Some(Dof::RingDipFlexion),
+        Dof::LittlePipFlexion => Some(Dof::LittleDipFlexion),
+        _ => None,
     }
 }
 

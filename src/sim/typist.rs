@@ -1,14 +1,15 @@
-//! A simulated person who wears gloves and moves the index fingers to targets.
+//! A simulated person with sensors on the hands, who moves the index fingers to targets.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
 use super::action::HandAction;
 use super::action_error::ActionError;
+use super::sensor::Sensor;
 use super::settings::TypistSettings;
 use super::simulated_hand::{GloveCounts, Progress, SimulatedHand};
 use super::text_plan::PlanError;
-use crate::capture::{CaptureError, Channels, Reading, Sample, Source, SourceEvent, SourceStats};
+use crate::capture::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
 use crate::contact::surface::Scene;
 use crate::estimate::ChannelMap;
 use crate::hand::Side;
@@ -39,14 +40,15 @@ impl TypistError {
     }
 }
 
-/// A simulated person as a [`Source`] of glove readings.
+/// A simulated person as a [`Source`] of readings.
 ///
 /// Performs a list of [`HandAction`]s one after the other, each with the hand for which the board of its target is
 /// made. The hands are clear of all targets for 600 ms at the start and at the end.
+#[derive(Clone)]
 pub struct SimulatedTypist {
     name: String,
     /// One or two hands.
-    hands: Vec<WornGlove>,
+    hands: Vec<SensedHand>,
     /// Index of the hand that performs each action.
     hand_of_action: Vec<usize>,
     /// Number of actions that may be performed so far, including the present one.
@@ -58,7 +60,8 @@ pub struct SimulatedTypist {
     pending: VecDeque<Reading>,
 }
 
-struct WornGlove {
+#[derive(Clone)]
+struct SensedHand {
     side: Side,
     hand: SimulatedHand,
 }
@@ -72,10 +75,10 @@ impl SimulatedTypist {
         arm: &ArmModel,
         map: &ChannelMap,
     ) -> Result<Self, TypistError> {
-        Self::with_hands(settings, actions, scene, &[(arm, map)])
+        Self::with_hands(settings, actions, scene, &[(arm, Sensor::Glove(map))])
     }
 
-    /// Plans actions in a scene for one or two arms with their gloves. The first hand performs actions that are made
+    /// Plans actions in a scene for one or two arms with their sensors. The first hand performs actions that are made
     /// for neither hand in particular.
     ///
     /// # Panics
@@ -84,23 +87,23 @@ impl SimulatedTypist {
         settings: &TypistSettings,
         actions: &[HandAction],
         scene: &Scene,
-        hands: &[(&ArmModel, &ChannelMap)],
+        hands: &[(&ArmModel, Sensor)],
     ) -> Result<Self, TypistError> {
         assert!(!hands.is_empty(), "a simulated person needs a hand");
         let sides: Vec<Side> = hands.iter().map(|(arm, _)| arm.side()).collect();
         let hand_of_action = assign_hands(actions, scene, &sides);
-        let wear = |(hand_index, &(arm, map)): (usize, &(&ArmModel, &ChannelMap))| {
+        let sense = |(hand_index, &(arm, sensor)): (usize, &(&ArmModel, Sensor))| {
             let own = (0..actions.len()).filter(|&action| hand_of_action[action] == hand_index);
             let own: Vec<usize> = own.collect();
             let own_actions: Vec<_> = own.iter().map(|&action| actions[action].clone()).collect();
-            let hand = SimulatedHand::new(settings, &own_actions, scene, arm, map);
+            let hand = SimulatedHand::new(settings, &own_actions, scene, arm, sensor);
             let hand = hand.map_err(|error| TypistError::from(error).with_index_in(&own))?;
-            Ok(WornGlove {
+            Ok(SensedHand {
                 side: arm.side(),
                 hand,
             })
         };
-        let hands: Result<_, TypistError> = hands.iter().enumerate().map(wear).collect();
+        let hands: Result<_, TypistError> = hands.iter().enumerate().map(sense).collect();
         Ok(Self {
             name: settings.name.clone(),
             hands: hands?,
@@ -118,14 +121,53 @@ impl SimulatedTypist {
         self.hands.len()
     }
 
+    /// Returns the sides of the hands.
+    pub fn sides(&self) -> impl Iterator<Item = Side> {
+        self.hands.iter().map(|hand| hand.side)
+    }
+
+    /// Returns the number of packets until the end.
+    pub fn count_packets(&self) -> u64 {
+        let mut rest = self.clone();
+        let mut packets = 0;
+        while rest.advance() {
+            packets += 1;
+        }
+        packets
+    }
+
     /// Returns the counts of the first glove in the next packet, or `None` at the end.
     pub fn next_counts(&mut self) -> Option<GloveCounts> {
         self.next_packets()
             .map(|mut packets| packets.swap_remove(0))
     }
 
-    /// Returns the counts of all gloves in the next packet, or `None` at the end.
+    /// Returns the counts of all gloves in the next packet, or `None` at the end. A hand without a glove has none.
     pub fn next_packets(&mut self) -> Option<Vec<GloveCounts>> {
+        let counts = |(_, sample)| match sample {
+            Sample::Channels(channels) => channels.counts,
+            _ => GloveCounts::new(),
+        };
+        let samples = self.next_samples()?;
+        Some(samples.into_iter().map(counts).collect())
+    }
+
+    /// Returns what the sensor of each hand measures in the next packet, or `None` at the end.
+    pub fn next_samples(&mut self) -> Option<Vec<(Side, Sample)>> {
+        if !self.advance() {
+            return None;
+        }
+        self.packet += 1;
+        let samples = self.hands.iter_mut();
+        Some(
+            samples
+                .map(|hand| (hand.side, hand.hand.sample()))
+                .collect(),
+        )
+    }
+
+    /// Moves the hands by one packet. Returns `false` at the end.
+    fn advance(&mut self) -> bool {
         let is_last = self.permitted >= self.hand_of_action.len();
         let mut is_finished = true;
         for hand in 0..self.hands.len() {
@@ -136,20 +178,18 @@ impl SimulatedTypist {
             is_finished &= self.hands[hand].hand.advance(permitted) == Progress::Finished;
         }
         if is_finished && is_last {
-            return None;
+            return false;
         }
         if !is_last && self.has_finished(self.permitted) {
             self.permitted += 1;
         }
-        self.packet += 1;
-        let counts = self.hands.iter_mut().map(|glove| glove.hand.counts());
-        Some(counts.collect())
+        true
     }
 
     /// Returns whether the first `actions` actions are done and no hand is moving.
     pub fn has_finished(&self, actions: usize) -> bool {
         let mut hands = self.hands.iter().enumerate();
-        hands.all(|(index, glove)| glove.hand.has_finished(self.own_actions(index, actions)))
+        hands.all(|(index, hand)| hand.hand.has_finished(self.own_actions(index, actions)))
     }
 
     /// Returns how many of the first `actions` actions a hand performs.
@@ -178,18 +218,12 @@ fn assign_hands(actions: &[HandAction], scene: &Scene, sides: &[Side]) -> Vec<us
 impl Source for SimulatedTypist {
     fn next(&mut self) -> Result<SourceEvent, CaptureError> {
         if self.pending.is_empty()
-            && let Some(packets) = self.next_packets()
+            && let Some(samples) = self.next_samples()
         {
             let time = Timestamp(0) + self.period.mul_f64(self.packet as f64);
             let is_one = self.hands.len() == 1;
-            for (glove, counts) in self.hands.iter().zip(packets) {
-                let full_scale = glove.hand.full_scale();
-                self.pending.push_back(Reading::new(
-                    time,
-                    (!is_one).then_some(glove.side),
-                    Sample::Channels(Channels { full_scale, counts }),
-                ));
-            }
+            let reading = |(side, sample)| Reading::new(time, (!is_one).then_some(side), sample);
+            self.pending.extend(samples.into_iter().map(reading));
         }
         let Some(reading) = self.pending.pop_front() else {
             return Ok(SourceEvent::End);

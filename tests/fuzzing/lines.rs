@@ -1,28 +1,18 @@
-//! The protocols of lines: every byte is counted once, for any split of the stream.
+//! All protocols of lines and datagrams: every byte is counted once, for any split of the stream.
 
 use ademan::capture::Sample;
 use ademan::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use ademan::capture::protocol::{
-    Decoder, Protocol, ProtocolOptions, body_landmarks, hand_landmarks, joint_sets, lucidgloves,
-    markers, opentrack, text_line, vmc,
+    Decoder, PROTOCOLS, Protocol, ProtocolOptions, body_landmarks, bvh, hand_landmarks, hc11,
+    joint_sets, markers, opentrack, text_line, vmc,
 };
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::hand::{ArmBone, BoneRotations, Joint, JointAngles, JointPositions, Side};
 use ademan::layout::Glove;
 use glam::DVec3;
 
-/// The decoders of the protocols of lines.
-const DECODERS: [fn() -> Box<dyn Decoder>; 9] = [
-    || decoder(&text_line::PROTOCOL),
-    || decoder(&markers::PROTOCOL),
-    || decoder(&body_landmarks::PROTOCOL),
-    || decoder(&hand_landmarks::PROTOCOL),
-    || decoder(&joint_sets::OPENXR),
-    || decoder(&joint_sets::WEBXR),
-    || decoder(&lucidgloves::PROTOCOL),
-    || decoder(&opentrack::PROTOCOL),
-    || decoder(&vmc::PROTOCOL),
-];
+/// Protocols with a target of their own: packets without an end mark, and texts that are one packet.
+const OTHERS: [&Protocol; 2] = [&hc11::PROTOCOL, &bvh::PROTOCOL];
 
 fn decoder(protocol: &Protocol) -> Box<dyn Decoder> {
     (protocol.decoder)(&ProtocolOptions::default())
@@ -35,9 +25,9 @@ pub fn lines(data: &[u8]) -> bool {
         return false;
     };
     let mut has_line = false;
-    for decoder in DECODERS {
-        let whole = samples(decoder(), stream, stream.len().max(1));
-        let cut = samples(decoder(), stream, usize::from(length).max(1));
+    for protocol in PROTOCOLS.iter().filter(|it| !OTHERS.contains(it)) {
+        let whole = samples(decoder(protocol), stream, stream.len().max(1));
+        let cut = samples(decoder(protocol), stream, usize::from(length).max(1));
         assert_eq!(whole, cut, "the lines depend on the split of the stream");
         estimate(&whole);
         has_line |= !whole.is_empty();
@@ -150,6 +140,7 @@ pub fn seeds() -> Vec<Vec<u8>> {
         ]
         .concat(),
         [vec![9], vmc::encode(&bones())].concat(),
+        stream(markers::encode(Some(1), &hand().1)),
     ]
 }
 

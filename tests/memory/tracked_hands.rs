@@ -11,11 +11,7 @@ use crate::steady_state::allocations;
 use crate::support::source::typing_poses;
 
 fn hand(pose: &HandPose) -> (Side, JointPositions) {
-    let mut positions = JointPositions::default();
-    for (joint, pose) in pose.known() {
-        positions.set(joint, pose.translation.as_dvec3());
-    }
-    (Side::Right, positions)
+    (Side::Right, pose.positions())
 }
 
 /// Types lines of a protocol and counts the allocations of decoder and pipeline.

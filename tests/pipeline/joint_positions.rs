@@ -9,7 +9,7 @@ use ademan::estimate::{
     hand_angles,
 };
 use ademan::hand::{Dof, Finger, Joint, JointPositions, Side};
-use ademan::kinematics::{ArmModel, BoneLengths, HandPose};
+use ademan::kinematics::{ArmModel, BoneLengths};
 use ademan::setup::Setup;
 use ademan::time::Timestamp;
 
@@ -18,14 +18,6 @@ use crate::support::source::typing_poses;
 fn model(side: Side) -> ArmModel {
     let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).expect("a human arm");
     ArmModel::anthropometric(side, &bones).expect("a valid model")
-}
-
-fn positions(pose: &HandPose) -> JointPositions {
-    let mut positions = JointPositions::default();
-    for (joint, pose) in pose.known() {
-        positions.set(joint, pose.translation.as_dvec3());
-    }
-    positions
 }
 
 #[test]
@@ -41,7 +33,7 @@ fn the_angles_of_an_arm_model_come_back_from_its_joint_positions() {
             }
             angles.set(Dof::ShoulderY, angles.get(Dof::ShoulderY) / 2.1);
             let pose = model(side).forward(&Estimate::new(Timestamp(0), angles));
-            let found = hand_angles(&positions(&pose), side);
+            let found = hand_angles(&pose.positions(), side);
             for (dof, radians) in found.known() {
                 // The elbow of the model bends towards the little finger, not away from the palm.
                 if dof == Dof::ForearmSupination {
@@ -89,7 +81,7 @@ fn supination_is_zero_with_the_palm_on_a_table_and_positive_with_the_palm_turned
 fn reading(milliseconds: u64, right: f64) -> Reading {
     let estimate = Estimate::new(Timestamp(0), JointAngles::default());
     let mut moved = JointPositions::default();
-    for (joint, position) in positions(&model(Side::Right).forward(&estimate)).known() {
+    for (joint, position) in model(Side::Right).forward(&estimate).positions().known() {
         moved.set(joint, position + glam::DVec3::X * right);
     }
     reading_at(Timestamp(milliseconds * 1000), moved)
@@ -130,7 +122,7 @@ fn a_finger_that_leaves_the_view_releases_its_key_with_the_same_reading() {
     let (mut time, mut pressed) = (Timestamp(0), None);
     for pose in typing_poses("h") {
         events.clear();
-        let reading = reading_at(pose.time, positions(&pose));
+        let reading = reading_at(pose.time, pose.positions());
         pipeline
             .step(&reading, &mut events)
             .expect("a valid reading");
@@ -145,7 +137,7 @@ fn a_finger_that_leaves_the_view_releases_its_key_with_the_same_reading() {
     }
     let (key, pose) = pressed.expect("a key is pressed");
     let mut hidden = JointPositions::default();
-    for (joint, position) in positions(&pose).known() {
+    for (joint, position) in pose.positions().known() {
         if joint <= Joint::Wrist {
             hidden.set(joint, position);
         }

@@ -6,9 +6,9 @@ use ademan::capture::{Hc11Format, Source, SourceEvent};
 use ademan::contact::{Phase, TargetId};
 use ademan::device::Events;
 use ademan::hand::Side;
-use ademan::layout::Layout;
+use ademan::layout::{Glove, Layout};
 use ademan::setup::{ArmSetup, LoadedSetup, OtherHand, Setup, SmoothingSetup};
-use ademan::sim::{HandAction, SimulatedTypist, TypistSettings, UsTextField};
+use ademan::sim::{HandAction, Sensor, SimulatedTypist, TypistSettings, UsTextField};
 
 const ALL_OF_ASCII: &str = "The quick brown fox, jumps over\nthe lazy dog! 0123456789\n\
     @#$%^&*()-_=+[]{}\\|;:'\"/?.,<>`~\tend";
@@ -66,8 +66,8 @@ fn play(setup: &LoadedSetup, mut hand: SimulatedTypist) -> (String, Vec<TargetId
     (field.text().to_owned(), pressed)
 }
 
-fn type_text(setup: &LoadedSetup, text: &str, baud: u32, noise_counts: f64) -> String {
-    let hand = setup.typist(text, &line(baud), noise_counts, 11);
+fn type_text(setup: &LoadedSetup, text: &str, baud: u32, noise: f64) -> String {
+    let hand = setup.typist(text, &line(baud), noise, 11);
     play(
         setup,
         hand.unwrap_or_else(|error| panic!("{text:?}: {error}")),
@@ -131,16 +131,12 @@ fn a_tap_presses_only_its_key_on_every_shipped_keyboard() {
         let settings = TypistSettings {
             name: name.into(),
             packet_period: line(115_200).packet_period(),
-            noise_counts: 0.0,
+            noise: 0.0,
             seed: 0,
         };
-        let mut hands = vec![(&setup.arm, &setup.glove.as_ref().expect("a glove").map)];
-        hands.extend(
-            setup
-                .other_hand
-                .iter()
-                .map(|other| (&other.arm, &other.glove.as_ref().expect("a glove").map)),
-        );
+        let mut hands = vec![(&setup.arm, sensor(&setup.glove))];
+        let other = setup.other_hand.iter();
+        hands.extend(other.map(|other| (&other.arm, sensor(&other.glove))));
         let hand = SimulatedTypist::with_hands(&settings, &taps, &layout.scene, &hands);
         let (_, pressed) = play(
             &setup,
@@ -148,6 +144,10 @@ fn a_tap_presses_only_its_key_on_every_shipped_keyboard() {
         );
         assert_eq!(pressed, wanted, "{name}");
     }
+}
+
+fn sensor(glove: &Option<Glove>) -> Sensor<'_> {
+    Sensor::Glove(&glove.as_ref().expect("a glove").map)
 }
 
 #[test]

@@ -54,3 +54,25 @@ pub fn taps(chords: &[&[Finger]]) -> Vec<Fields> {
 pub fn chords() -> Vec<Fields> {
     taps(&CHORDS)
 }
+
+/// Returns fields as a line of the legacy encoding: 13 numbers.
+pub fn legacy(fields: &Fields) -> String {
+    let numbers = fields.curls.iter().chain(&fields.stick);
+    let numbers = numbers.map(|value| value.unwrap_or_default());
+    let buttons = fields.buttons[..6]
+        .iter()
+        .map(|&is_down| i64::from(is_down));
+    let all: Vec<String> = numbers
+        .chain(buttons)
+        .map(|number| number.to_string())
+        .collect();
+    format!("{}\n", all.join("&"))
+}
+
+/// Adds noise to the curls, equally distributed within `counts` above and below.
+pub fn with_noise(mut fields: Fields, counts: i64, random: &mut fastrand::Rng) -> Fields {
+    for curl in fields.curls.iter_mut().flatten() {
+        *curl = (*curl + random.i64(-counts..=counts)).clamp(0, i64::from(FULL_SCALE));
+    }
+    fields
+}

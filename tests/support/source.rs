@@ -2,14 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use ademan::capture::protocol::text_line;
+use ademan::capture::protocol::{markers, text_line};
 use ademan::capture::{CaptureError, Hc11Format, Source, SourceEvent};
 use ademan::estimate::{Estimate, Estimator, EstimatorSettings, Smoothing};
-use ademan::hand::Joint;
 use ademan::kinematics::{ArmModel, HandPose};
 use ademan::setup::Setup;
 use ademan::trace::bvh::PoseWriter;
-use serde_json::json;
 
 /// Returns the next event that is not `Idle`. Panics after `timeout`.
 pub fn next_within(
@@ -76,24 +74,6 @@ pub fn bvh_text(text: &str) -> Vec<u8> {
 /// Returns the lines of three cameras around a hand that types `text` on the default layout. They see a marker over each
 /// joint; only the first camera labels the fingers, and the third one labels nothing.
 pub fn marker_lines(text: &str) -> Vec<String> {
-    typing_poses(text).iter().map(marker_line).collect()
-}
-
-fn marker_line(pose: &HandPose) -> String {
-    let cameras = [[0.8, 1.0, 0.3], [-0.9, 0.9, -0.2], [0.1, 1.2, -1.4]];
-    let seen_by = |(camera, position): (usize, &[f64; 3])| {
-        let markers = pose.known().map(|(joint, pose)| {
-            let place = pose.translation.as_dvec3().to_array();
-            let direction: [f64; 3] = std::array::from_fn(|axis| place[axis] - position[axis]);
-            let is_labelled = camera == 0 || (camera == 1 && joint <= Joint::Wrist);
-            match is_labelled {
-                true => json!({"label": joint, "direction": direction}),
-                false => json!({"direction": direction}),
-            }
-        });
-        json!({"position": position, "markers": markers.collect::<Vec<_>>()})
-    };
-    let cameras: Vec<_> = cameras.iter().enumerate().map(seen_by).collect();
-    let line = json!({"time_us": pose.time, "cameras": cameras});
-    format!("{line}\n")
+    let line = |pose: &HandPose| markers::encode(Some(pose.time.0), &pose.positions());
+    typing_poses(text).iter().map(line).collect()
 }

@@ -9,7 +9,8 @@
 //! n times all channel values, in file order
 //! ```
 //!
-//! [`BvhParser`] reads a stream of any length in bounded memory, [`Bvh`] a whole file, and [`BvhWriter`] writes one.
+//! [`BvhParser`] reads a stream of any length in bounded memory, [`Bvh`] a whole file, and [`BvhWriter`] writes one;
+//! [`PositionSkeleton`] computes the frames of an arm and hand.
 //! [`Skeleton::world_poses`] is the forward kinematics. A BVH does not state its unit of length and its axes; most files
 //! are in centimetres with +Y up.
 
@@ -19,6 +20,7 @@ mod hand_joints;
 mod joint_names;
 mod limits;
 mod parser;
+mod position_skeleton;
 mod skeleton;
 mod tokens;
 mod writer;
@@ -29,5 +31,6 @@ pub use hand_joints::HandJoints;
 pub use joint_names::{NamedJoint, joint_of};
 pub use limits::{MAX_CHANNELS, MAX_DEPTH, MAX_FRAMES, MAX_LINE_BYTES, MAX_NODES, MAX_TOKEN_BYTES};
 pub use parser::{BvhParser, Motion};
+pub use position_skeleton::PositionSkeleton;
 pub use skeleton::{Channel, Node, NodePose, PositionChannels, Skeleton};
-pub use writer::BvhWriter;
+pub use writer::{BvhWriter, write_frame, write_header};

@@ -23,28 +23,21 @@ pub struct BvhWriter<W> {
 impl<W: Write + Seek> BvhWriter<W> {
     /// Writes the skeleton to an empty file. `frame_time` is in seconds.
     pub fn new(mut out: W, skeleton: &Skeleton, frame_time: f64) -> Result<Self> {
-        write_hierarchy(&mut out, skeleton)?;
-        write!(out, "MOTION\nFrames: ")?;
-        let count_at = out.stream_position()?;
-        write!(out, "{:<COUNT_WIDTH$}\nFrame Time: {frame_time}\n", 0)?;
+        let mut line = Vec::new();
+        let count_at = write_header(&mut line, skeleton, 0, frame_time);
+        out.write_all(&line)?;
         Ok(Self {
             out,
-            count_at,
+            count_at: count_at as u64,
             frames: 0,
-            line: Vec::new(),
+            line,
         })
     }
 
     /// Writes a frame: one value for each channel, in the order of the skeleton.
     pub fn write_frame(&mut self, values: &[f64]) -> Result<()> {
         self.line.clear();
-        for value in values {
-            if !self.line.is_empty() {
-                self.line.push(b' ');
-            }
-            write!(self.line, "{value:.6}")?;
-        }
-        self.line.push(b'\n');
+        write_frame(&mut self.line, values);
         self.out.write_all(&self.line)?;
         self.frames += 1;
         Ok(())
@@ -70,42 +63,80 @@ impl<W: Write + Seek> BvhWriter<W> {
     }
 }
 
-fn write_hierarchy(out: &mut impl Write, skeleton: &Skeleton) -> Result<()> {
-    writeln!(out, "HIERARCHY")?;
+/// Appends everything before the first frame. `frame_time` is in seconds. Returns the index of the number of frames.
+pub fn write_header(
+    text: &mut Vec<u8>,
+    skeleton: &Skeleton,
+    frames: u64,
+    frame_time: f64,
+) -> usize {
+    write_hierarchy(text, skeleton);
+    text.extend(b"MOTION\nFrames: ");
+    let count_at = text.len();
+    push(
+        text,
+        format_args!("{frames:<COUNT_WIDTH$}\nFrame Time: {frame_time}\n"),
+    );
+    count_at
+}
+
+/// Appends the line of a frame: one value for each channel, in the order of the skeleton.
+pub fn write_frame(text: &mut Vec<u8>, values: &[f64]) {
+    for (index, value) in values.iter().enumerate() {
+        if index > 0 {
+            text.push(b' ');
+        }
+        push(text, format_args!("{value:.6}"));
+    }
+    text.push(b'\n');
+}
+
+fn push(text: &mut Vec<u8>, arguments: std::fmt::Arguments) {
+    text.write_fmt(arguments)
+        .expect("memory accepts every text");
+}
+
+fn write_hierarchy(text: &mut Vec<u8>, skeleton: &Skeleton) {
+    text.extend(b"HIERARCHY\n");
     let mut open: Vec<usize> = Vec::new();
     for (index, node) in skeleton.nodes().iter().enumerate() {
         while open.last().copied() != node.parent {
             open.pop();
-            writeln!(out, "{}}}", indent(open.len()))?;
+            push(text, format_args!("{}}}\n", indent(open.len())));
         }
-        write_node(out, node, &indent(open.len()))?;
+        write_node(text, node, &indent(open.len()));
         open.push(index);
     }
     while open.pop().is_some() {
-        writeln!(out, "{}}}", indent(open.len()))?;
+        push(text, format_args!("{}}}\n", indent(open.len())));
     }
-    Ok(())
 }
 
-fn write_node(out: &mut impl Write, node: &Node, indent: &str) -> Result<()> {
+fn write_node(text: &mut Vec<u8>, node: &Node, indent: &str) {
     let kind = match node.parent {
         None => "ROOT",
         Some(_) => "JOINT",
     };
     match &node.name {
-        Some(name) => writeln!(out, "{indent}{kind} {name}")?,
-        None => writeln!(out, "{indent}End Site")?,
+        Some(name) => push(text, format_args!("{indent}{kind} {name}\n")),
+        None => push(text, format_args!("{indent}End Site\n")),
     }
     let [x, y, z] = node.offset.to_array();
-    writeln!(out, "{indent}{{\n{indent}  OFFSET {x:.6} {y:.6} {z:.6}")?;
+    push(
+        text,
+        format_args!("{indent}{{\n{indent}  OFFSET {x:.6} {y:.6} {z:.6}\n"),
+    );
     if node.name.is_none() {
-        return Ok(());
+        return;
     }
-    write!(out, "{indent}  CHANNELS {}", node.channels.len())?;
+    push(
+        text,
+        format_args!("{indent}  CHANNELS {}", node.channels.len()),
+    );
     for channel in &node.channels {
-        write!(out, " {channel}")?;
+        push(text, format_args!(" {channel}"));
     }
-    writeln!(out)
+    text.push(b'\n');
 }
 
 fn indent(depth: usize) -> String {

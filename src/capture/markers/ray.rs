@@ -33,6 +33,13 @@ impl Ray {
         (point - self.origin).dot(self.direction) / self.direction.length_squared()
     }
 
+    /// Returns whether the line passes `point` within `distance`. A fraction of the time of the distance itself, for the many
+    /// points that it does not.
+    pub fn passes(&self, point: DVec3, distance: f64) -> bool {
+        let across = (point - self.origin).cross(self.direction).length_squared();
+        across <= distance * distance * self.direction.length_squared() * (1.0 + 1e-9)
+    }
+
     /// Returns `true` if the ray has a direction and all its numbers are finite.
     pub fn is_valid(&self) -> bool {
         let length_squared = self.direction.length_squared();

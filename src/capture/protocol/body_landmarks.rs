@@ -15,7 +15,7 @@ use super::{
     Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOption, space,
 };
 use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
-use crate::capture::{Sample, SampleKind};
+use crate::capture::{Reading, Sample, SampleKind};
 
 /// The protocol of body landmarks.
 pub const PROTOCOL: Protocol = Protocol {
@@ -31,6 +31,11 @@ pub const PROTOCOL: Protocol = Protocol {
     options: &[&space::HAND, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |_| Box::new(decoder()),
+    encoder: |_, _| {
+        Ok(Box::new(|readings, bytes| {
+            bytes.extend(encode(&merged(readings)).into_bytes())
+        }))
+    },
 };
 
 const RATE: ProtocolOption = ProtocolOption {
@@ -95,6 +100,25 @@ pub fn parse(line: &str) -> Result<BodyLandmarks, PacketError> {
         }
     }
     Ok(BodyLandmarks { points })
+}
+
+/// Returns the landmarks of one body: of each, the one with the highest confidence.
+fn merged(readings: &[Reading]) -> BodyLandmarks {
+    let mut merged = BodyLandmarks::default();
+    for reading in readings {
+        let Sample::Body(body) = &reading.sample else {
+            continue;
+        };
+        if merged.points.is_empty() {
+            merged = body.clone();
+        }
+        for (landmark, other) in merged.points.iter_mut().zip(&body.points) {
+            if other.confidence > landmark.confidence {
+                *landmark = *other;
+            }
+        }
+    }
+    merged
 }
 
 /// Writes landmarks as a line with its line end.

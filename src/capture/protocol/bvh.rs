@@ -3,9 +3,12 @@
 //! The joints of one arm and hand are found by [their names](crate::capture::bvh::joint_of). A file plays at its frame
 //! time.
 
+use super::encoder::{hands, require_defaults};
 use super::space::{self, Facing, HAND, UP, WorldFromSource};
 use super::{Carriers, Decoder, Packet, PositionNoise, Protocol, ProtocolOption, ProtocolOptions};
-use crate::capture::bvh::{BvhParser, HandJoints, Motion, NodePose, PositionChannels};
+use crate::capture::bvh::{
+    self, BvhParser, HandJoints, Motion, NodePose, PositionChannels, PositionSkeleton,
+};
 use crate::capture::{Sample, SampleKind, SourceStats};
 use crate::hand::{JointPositions, Side};
 use crate::time::Timestamp;
@@ -25,6 +28,21 @@ pub const PROTOCOL: Protocol = Protocol {
     // Every frame states its time.
     nominal_rate_hz: |_| None,
     decoder: |options| Box::new(BvhDecoder::new(options)),
+    encoder: |options, plan| {
+        require_defaults(options, &[&UNIT, &UP, &POSITIONS])?;
+        let mut encoder = BvhEncoder {
+            hand: space::hand(options),
+            frame_time: plan.packet_period.as_secs_f64(),
+            frames: (plan.count_packets)(),
+            skeleton: None,
+            values: Vec::new(),
+        };
+        Ok(Box::new(move |readings, bytes| {
+            for (_, joints) in hands(readings) {
+                encoder.encode(&joints, bytes);
+            }
+        }))
+    },
 };
 
 const UNIT: ProtocolOption = ProtocolOption {
@@ -43,6 +61,30 @@ const POSITIONS: ProtocolOption = ProtocolOption {
         Err(error) => Err(error.to_string()),
     },
 };
+
+/// Encoder of the joints of one hand.
+struct BvhEncoder {
+    hand: Side,
+    /// In seconds.
+    frame_time: f64,
+    frames: u64,
+    /// Known from the first frame on.
+    skeleton: Option<PositionSkeleton>,
+    values: Vec<f64>,
+}
+
+impl BvhEncoder {
+    fn encode(&mut self, joints: &JointPositions, bytes: &mut Vec<u8>) {
+        let skeleton = self.skeleton.get_or_insert_with(|| {
+            let skeleton = PositionSkeleton::new(joints, self.hand);
+            let header = skeleton.skeleton();
+            bvh::write_header(bytes, header, self.frames, self.frame_time);
+            skeleton
+        });
+        skeleton.frame(joints, &mut self.values);
+        bvh::write_frame(bytes, &self.values);
+    }
+}
 
 /// Decoder of a BVH text.
 #[derive(Clone, Debug)]

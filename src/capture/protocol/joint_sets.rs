@@ -11,13 +11,15 @@
 use arrayvec::ArrayVec;
 use serde::Deserialize;
 
+use super::encoder::{hands, time_us};
 use super::lines::{LineDecoder, LineParser};
 use super::space::{self, HAND};
 use super::tracked_hands::{
     BestHands, Label, MAX_HANDS, MIN_SCORE, Position, RATE, TrackedHands, check_score,
 };
 use super::{
-    Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol, ProtocolOptions,
+    Carriers, Encoder, EncoderPlan, InvalidPacket, Packet, PacketError, PositionNoise, Protocol,
+    ProtocolOptions,
 };
 use crate::capture::SampleKind;
 use crate::hand::{Joint, JointPositions, Side};
@@ -32,15 +34,21 @@ pub const WEBXR_JOINTS: usize = 25;
 pub const OPENXR: Protocol = protocol::<OPENXR_JOINTS>(
     "openxr",
     "26 joints of OpenXR for each hand, as lines of JSON",
+    |_, _| Ok(encoder(&OPENXR)),
 );
 
 /// The protocol of the joints of WebXR.
 pub const WEBXR: Protocol = protocol::<WEBXR_JOINTS>(
     "webxr",
     "25 joints of WebXR for each hand, as lines of JSON",
+    |_, _| Ok(encoder(&WEBXR)),
 );
 
-const fn protocol<const JOINTS: usize>(name: &'static str, summary: &'static str) -> Protocol {
+const fn protocol<const JOINTS: usize>(
+    name: &'static str,
+    summary: &'static str,
+    encoder: fn(&ProtocolOptions, &EncoderPlan) -> Result<Encoder, String>,
+) -> Protocol {
     Protocol {
         name,
         summary,
@@ -58,7 +66,15 @@ const fn protocol<const JOINTS: usize>(name: &'static str, summary: &'static str
                 options,
             )))
         },
+        encoder,
     }
+}
+
+fn encoder(protocol: &'static Protocol) -> Encoder {
+    Box::new(|readings, bytes| {
+        let line = encode(protocol, time_us(readings), &hands(readings));
+        bytes.extend(line.into_bytes());
+    })
 }
 
 /// Largest coordinate, in metres: no room is larger.

@@ -5,6 +5,7 @@
 pub mod body_landmarks;
 pub mod bvh;
 mod datagrams;
+mod encoder;
 pub mod hand_landmarks;
 pub mod hc11;
 mod invalid;
@@ -28,6 +29,7 @@ use super::{Sample, SampleKind, SourceStats};
 use crate::hand::Side;
 use crate::time::Timestamp;
 
+pub use encoder::{Encoder, EncoderPlan};
 pub use invalid::{InvalidPacket, InvalidPackets, PacketError};
 
 /// All protocols. The first one is the default.
@@ -45,7 +47,7 @@ pub const PROTOCOLS: &[&Protocol] = &[
     &vmc::PROTOCOL,
 ];
 
-/// A wire format: its name, its options and its decoder.
+/// A wire format: its name, its options, its decoder and its encoder.
 #[derive(Debug)]
 pub struct Protocol {
     /// Name in source URIs.
@@ -70,6 +72,8 @@ pub struct Protocol {
     pub nominal_rate_hz: fn(&ProtocolOptions) -> Option<f64>,
     /// Creates a decoder at the start of a stream.
     pub decoder: fn(&ProtocolOptions) -> Box<dyn Decoder>,
+    /// Creates an encoder, by which simulated people speak the protocol. An error states the option that it does not support.
+    pub encoder: fn(&ProtocolOptions, &EncoderPlan) -> Result<Encoder, String>,
 }
 
 /// Noise of the positions that a protocol carries, which decides how a setup smooths them.
@@ -166,6 +170,21 @@ impl StreamFormat {
     /// Creates a decoder at the start of a stream.
     pub fn decoder(&self) -> Box<dyn Decoder> {
         (self.protocol.decoder)(&self.options)
+    }
+
+    /// Creates an encoder at the start of a stream. An error states the option that it does not support.
+    pub fn encoder(&self, plan: &EncoderPlan) -> Result<Encoder, String> {
+        (self.protocol.encoder)(&self.options, plan)
+    }
+
+    /// Returns the format of a stream that shows `side`. It differs only if the protocol has an option for the hand.
+    #[must_use]
+    pub fn for_hand(mut self, side: Side) -> Self {
+        if self.hand().is_some() {
+            let set = self.options.set(&space::HAND, side.name());
+            set.expect("every side is a hand");
+        }
+        self
     }
 
     /// Returns the hand that the option `hand` names; `None` if the protocol does not have it.

@@ -29,6 +29,15 @@ pub const PROTOCOL: Protocol = Protocol {
     options: &[&JOINT],
     nominal_rate_hz: |_| None,
     decoder: |options| Box::new(decoder(joint(options))),
+    encoder: |_, _| {
+        Ok(Box::new(|readings, bytes| {
+            for reading in readings {
+                if let Sample::Displacement { displacement } = &reading.sample {
+                    bytes.extend(encode(&pose(displacement)));
+                }
+            }
+        }))
+    },
 };
 
 const JOINT: ProtocolOption = ProtocolOption {
@@ -75,6 +84,18 @@ pub fn encode(pose: &[f64; 6]) -> [u8; PACKET_BYTES] {
         *bytes = number.to_le_bytes();
     }
     datagram
+}
+
+/// Returns the numbers of a displacement.
+fn pose(displacement: &Displacement) -> [f64; 6] {
+    let [x, y, z] = displacement
+        .translation()
+        .to_array()
+        .map(|axis| f64::from(axis) * 100.0);
+    let rotation = displacement.rotation().unwrap_or_default();
+    let (yaw, pitch, roll) = rotation.to_euler(EulerRot::YXZ);
+    let [yaw, pitch, roll] = [yaw, pitch, roll].map(|angle| f64::from(angle).to_degrees());
+    [x, y, z, yaw, pitch, roll]
 }
 
 /// Reads the six numbers of a datagram.

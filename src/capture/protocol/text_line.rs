@@ -28,6 +28,15 @@ pub const PROTOCOL: Protocol = Protocol {
     options: &[&RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |_| Box::new(TextLineDecoder::new()),
+    encoder: |_, _| {
+        Ok(Box::new(|readings, bytes| {
+            for reading in readings {
+                if let Sample::Angles { angles } = &reading.sample {
+                    bytes.extend(encode(angles).into_bytes());
+                }
+            }
+        }))
+    },
 };
 
 const RATE: ProtocolOption = ProtocolOption {

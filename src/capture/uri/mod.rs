@@ -36,9 +36,11 @@ use crate::names::{UnknownName, nearest};
 /// line, 1 or more), `delay_ms` (time from a movement to the arrival of its reading, 0 to 500, by which the sources of one
 /// hand are aligned) and the options of the protocol.
 ///
+/// With `?protocol=NAME` at its end, a text is typed through the bytes of that protocol: `typist:hello?protocol=vmc`. Options
+/// of the protocol may follow.
 /// Options start at the last `?` after which the text consists of such pairs; any other `?` belongs to the path. A
 /// file whose name ends like options is written with an added option: `file:what?a=b?protocol=hc11`. The text after
-/// `recording:`, `typist:` and `script:` has no options.
+/// `recording:` and `script:` has no options.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum SourceUri {
@@ -53,6 +55,8 @@ pub enum SourceUri {
     Typist {
         /// The text.
         text: String,
+        /// The format of the bytes that the readings go through. `None` for the readings of the glove of the setup.
+        format: Option<StreamFormat>,
     },
     /// A simulated hand that plays a script.
     Script {
@@ -71,7 +75,7 @@ const RECORDING: Scheme = Scheme {
 const TYPIST: Scheme = Scheme {
     name: "typist",
     syntax: "typist:TEXT",
-    summary: "simulated hand that types the text",
+    summary: "simulated hand that types the text, with ?protocol=NAME through the bytes of that protocol",
     example: "typist:hello",
 };
 
@@ -99,28 +103,30 @@ impl SourceUri {
         matches!(self, Self::Stream(stream) if stream.transport.is_device)
     }
 
+    /// Returns the format of a byte stream, a real or a simulated one.
+    pub fn format(&self) -> Option<&StreamFormat> {
+        match self {
+            Self::Stream(stream) => Some(&stream.format),
+            Self::Typist { format, .. } => format.as_ref(),
+            Self::Recording { .. } | Self::Script { .. } => None,
+        }
+    }
+
     /// Returns the protocol of a byte stream.
     pub fn protocol(&self) -> Option<&'static Protocol> {
-        match self {
-            Self::Stream(stream) => Some(stream.format.protocol),
-            _ => None,
-        }
+        self.format().map(|format| format.protocol)
     }
 
     /// Returns `false` if the source measures joint angles, which need no glove file.
     pub fn needs_glove(&self) -> bool {
-        match self {
-            Self::Stream(stream) => stream.format.protocol.sample.needs_glove(),
-            _ => true,
-        }
+        self.protocol()
+            .is_none_or(|protocol| protocol.sample.needs_glove())
     }
 
     /// Returns `true` if the source shows both hands.
     pub fn has_both_hands(&self) -> bool {
-        match self {
-            Self::Stream(stream) => stream.format.protocol.has_both_hands,
-            _ => false,
-        }
+        self.protocol()
+            .is_some_and(|protocol| protocol.has_both_hands)
     }
 
     /// Returns the time from a movement to the arrival of its reading.
@@ -133,19 +139,14 @@ impl SourceUri {
 
     /// Returns the noise of the positions that the source measures.
     pub fn position_noise(&self) -> PositionNoise {
-        match self {
-            Self::Stream(stream) => stream.format.protocol.position_noise,
-            _ => PositionNoise::None,
-        }
+        let protocol = self.protocol();
+        protocol.map_or(PositionNoise::None, |protocol| protocol.position_noise)
     }
 
     /// Returns the hand that the source measures, the one that a setup with one hand reads if it shows both. `None` if the
     /// glove decides.
     pub fn hand(&self) -> Option<Side> {
-        match self {
-            Self::Stream(stream) => stream.format.hand(),
-            _ => None,
-        }
+        self.format()?.hand()
     }
 
     /// Returns the file with the token for the server: a path, or a name in the network folder.
@@ -188,7 +189,7 @@ fn parse(text: &str) -> Result<SourceUri, String> {
     }
     let uri = match scheme {
         "recording" => SourceUri::Recording { path: rest.into() },
-        "typist" => SourceUri::Typist { text: rest.into() },
+        "typist" => parse_typist(rest)?,
         "script" => SourceUri::Script {
             script: rest.into(),
         },
@@ -197,10 +198,26 @@ fn parse(text: &str) -> Result<SourceUri, String> {
             return Err(unknown_name("kind of source", unknown, &names));
         }
     };
-    if rest.is_empty() {
-        return Err(format!("`{scheme}:` is followed by nothing"));
+    match rest.is_empty() {
+        true => Err(format!("`{scheme}:` is followed by nothing")),
+        false => Ok(uri),
     }
-    Ok(uri)
+}
+
+/// Reads a text, whose options start with `protocol`: a text may end with a question.
+fn parse_typist(rest: &str) -> Result<SourceUri, String> {
+    let (text, format) = match rest.rsplit_once('?') {
+        Some((_, options)) if !options.starts_with("protocol=") || !are_pairs(options) => {
+            (rest, None)
+        }
+        Some(("", _)) => return Err("the options are preceded by no text".to_owned()),
+        Some((text, options)) => (text, Some(parse_options(options, None)?.format)),
+        None => (rest, None),
+    };
+    Ok(SourceUri::Typist {
+        text: text.to_owned(),
+        format,
+    })
 }
 
 fn missing_scheme(text: &str) -> String {
@@ -240,7 +257,7 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
         delay,
         origin,
         token_file,
-    } = parse_options(options, transport)?;
+    } = parse_options(options, Some(transport))?;
     if transport.needs_token && token_file.is_none() {
         return Err(format!(
             "`{scheme}` needs the file of a token, which `ademan token new` makes on the other machine: `token_file=desk.token`"
@@ -284,7 +301,8 @@ struct ParsedOptions {
     token_file: Option<String>,
 }
 
-fn parse_options(options: &str, transport: &Transport) -> Result<ParsedOptions, String> {
+/// Reads the options of a stream; `None` is that of a simulated person, which no transport delays.
+fn parse_options(options: &str, transport: Option<&Transport>) -> Result<ParsedOptions, String> {
     let pairs = options.split('&').filter(|pair| !pair.is_empty());
     let pairs: Vec<(&str, &str)> = pairs
         .map(|pair| pair.split_once('=').unwrap_or((pair, "")))
@@ -299,15 +317,18 @@ fn parse_options(options: &str, transport: &Transport) -> Result<ParsedOptions, 
         None => PROTOCOLS[0],
     };
     let mut format = StreamFormat::new(protocol);
-    format.baud = format.baud.or(transport.default_baud);
+    format.baud = format
+        .baud
+        .or(transport.and_then(|transport| transport.default_baud));
+    let has = |is: fn(&Transport) -> bool| transport.is_some_and(is);
     let (mut delay, mut origin, mut token_file) = (Duration::ZERO, None, None);
     for (key, value) in pairs {
         match key {
             "protocol" => {}
             "baud" => format.baud = Some(parse_baud(value)?),
-            "delay_ms" => delay = parse_delay(value)?,
-            "origin" if transport.scheme.name == "ws" => origin = Some(parse_origin(value)?),
-            "token_file" if transport.needs_token => token_file = Some(parse_token_file(value)?),
+            "delay_ms" if transport.is_some() => delay = parse_delay(value)?,
+            "origin" if has(|it| it.scheme.name == "ws") => origin = Some(parse_origin(value)?),
+            "token_file" if has(|it| it.needs_token) => token_file = Some(parse_token_file(value)?),
             _ => set_option(&mut format, key, value)?,
         }
     }
@@ -392,7 +413,11 @@ impl fmt::Display for SourceUri {
         match self {
             Self::Stream(stream) => stream.fmt(f),
             Self::Recording { path } => write!(f, "recording:{}", path.display()),
-            Self::Typist { text } => write!(f, "typist:{text}"),
+            Self::Typist { text, format: None } => write!(f, "typist:{text}"),
+            Self::Typist {
+                text,
+                format: Some(format),
+            } => write!(f, "typist:{text}{format}"),
             Self::Script { script } => write!(f, "script:{script}"),
         }
     }

@@ -29,6 +29,9 @@ fn every_kind_of_source_has_a_uri() {
         baud: NonZeroU32::new(baud),
         ..text_line.clone()
     };
+    let mut text_line_50_hz = text_line.clone();
+    let rate = text_line_50_hz.protocol.options[0];
+    text_line_50_hz.options.set(rate, "50").unwrap();
     let table = [
         (
             "serial:/dev/ttyUSB0",
@@ -87,6 +90,21 @@ fn every_kind_of_source_has_a_uri() {
             "typist:really? a=b & c: d",
             SourceUri::Typist {
                 text: "really? a=b & c: d".into(),
+                format: None,
+            },
+        ),
+        (
+            "typist:what?a=b",
+            SourceUri::Typist {
+                text: "what?a=b".into(),
+                format: None,
+            },
+        ),
+        (
+            "typist:what?protocol=text-line&rate_hz=50",
+            SourceUri::Typist {
+                text: "what".into(),
+                format: Some(text_line_50_hz),
             },
         ),
         (
@@ -119,6 +137,8 @@ fn only_sources_of_joint_angles_need_no_glove() {
         ("serial:COM3", true),
         ("udp:127.0.0.1:9000?protocol=text-line", false),
         ("typist:hello", true),
+        ("typist:hello?protocol=hc11", true),
+        ("typist:hello?protocol=vmc", false),
     ];
     for (text, needs_glove) in table {
         let uri: SourceUri = text.parse().unwrap();
@@ -138,6 +158,18 @@ fn an_invalid_uri_names_the_nearest_valid_one() {
         ("typst", "did you mean `typist:…`?"),
         ("serial:", "`serial:` is followed by nothing"),
         ("typist:", "`typist:` is followed by nothing"),
+        (
+            "typist:?protocol=vmc",
+            "the options are preceded by no text",
+        ),
+        (
+            "typist:hi?protocol=vcm",
+            "unknown protocol `vcm`, did you mean `vmc`?",
+        ),
+        (
+            "typist:hi?protocol=vmc&delay_ms=5",
+            "unknown option `delay_ms`",
+        ),
         ("serial:?baud=9600", "the options are preceded by nothing"),
         (
             "serial:COM3?bauds=9600",

@@ -4,13 +4,10 @@
 //! bones into the directions of its pose, so that a model of rigid bones is reproduced exactly. The file is in
 //! centimetres with +Y up and the person looking along +Z, and has the joint names of Mixamo, which most programs know.
 
-mod pose_skeleton;
-
 use std::io::{Result, Seek, Write};
 use std::time::Duration;
 
-use self::pose_skeleton::PoseSkeleton;
-use crate::capture::bvh::BvhWriter;
+use crate::capture::bvh::{BvhWriter, PositionSkeleton};
 use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
@@ -31,7 +28,7 @@ pub struct PoseWriter<W> {
 #[derive(Debug)]
 struct Text<W> {
     writer: BvhWriter<W>,
-    skeleton: PoseSkeleton,
+    skeleton: PositionSkeleton,
     side: Side,
     /// Values of the latest pose.
     values: Vec<f64>,
@@ -91,10 +88,11 @@ impl<W: Write + Seek> PoseWriter<W> {
 
 impl<W: Write + Seek> Text<W> {
     fn new(out: W, pose: &HandPose, rate_hz: f64) -> Result<Self> {
-        let mut skeleton = PoseSkeleton::new(pose);
+        let joints = pose.positions();
+        let mut skeleton = PositionSkeleton::new(&joints, pose.side);
         let writer = BvhWriter::new(out, skeleton.skeleton(), 1.0 / rate_hz)?;
         let mut values = Vec::new();
-        skeleton.frame(pose, &mut values);
+        skeleton.frame(&joints, &mut values);
         Ok(Self {
             writer,
             skeleton,
@@ -112,7 +110,7 @@ impl<W: Write + Seek> Text<W> {
             self.writer.write_frame(&self.values)?;
         }
         self.latest = pose.time;
-        self.skeleton.frame(pose, &mut self.values);
+        self.skeleton.frame(&pose.positions(), &mut self.values);
         Ok(())
     }
 }

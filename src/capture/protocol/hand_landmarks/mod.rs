@@ -23,6 +23,7 @@ use glam::DVec3;
 
 use self::camera::{Camera, Landmarks, Mount};
 use self::line::{Hand, Line};
+use super::encoder::{hands, require_defaults, time_us};
 use super::lines::{LineDecoder, LineParser};
 use super::space::{self, HAND};
 use super::tracked_hands::{
@@ -60,6 +61,16 @@ pub const PROTOCOL: Protocol = Protocol {
     ],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |options| Box::new(LineDecoder::with_parser(HandParser::new(options))),
+    encoder: |options, _| {
+        require_defaults(options, &[&MIRRORED, &SWAP_HANDS, &ANGLE_OF_VIEW])?;
+        match options.get(&CAMERA) {
+            "head" => Ok(Box::new(|readings, bytes| {
+                let line = encode(time_us(readings), &hands(readings));
+                bytes.extend(line.into_bytes());
+            })),
+            _ => Err("a simulated camera is worn on the head; write `camera=head`".to_owned()),
+        }
+    },
 };
 
 const CAMERA: ProtocolOption = ProtocolOption {

@@ -24,6 +24,13 @@ pub const PROTOCOL: Protocol = Protocol {
     options: &[&FRAMING],
     nominal_rate_hz: |_| None,
     decoder: |options| Box::new(Hc11Decoder::new(framing(options))),
+    encoder: |options, _| {
+        let framing = framing(options);
+        Ok(Box::new(move |readings, bytes| {
+            let bodies = readings.iter().filter_map(|reading| body(&reading.sample));
+            bodies.for_each(|body| bytes.extend(encode(framing, &body)));
+        }))
+    },
 };
 
 const FRAMING: ProtocolOption = ProtocolOption {

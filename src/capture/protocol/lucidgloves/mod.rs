@@ -34,6 +34,17 @@ pub const PROTOCOL: Protocol = Protocol {
     options: &[&MAX, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |options| Box::new(decoder(max(options))),
+    encoder: |options, _| {
+        let max = max(options);
+        Ok(Box::new(move |readings, bytes| {
+            for reading in readings {
+                if let Sample::Channels(channels) = &reading.sample {
+                    let fields = Fields::from_channels(channels).scaled(max);
+                    bytes.extend(fields.encode().into_bytes());
+                }
+            }
+        }))
+    },
 };
 
 const MAX: ProtocolOption = ProtocolOption {
@@ -148,6 +159,19 @@ impl Fields {
     /// Writes the fields as a line of the alpha encoding with its line end.
     pub fn encode(&self) -> String {
         alpha::encode(self)
+    }
+
+    /// Returns the values of a glove with a converter of 0..=`max` instead of 0..=[`FULL_SCALE`].
+    #[must_use]
+    fn scaled(mut self, max: u16) -> Self {
+        let (full, max) = (i64::from(FULL_SCALE), i64::from(max));
+        let fingers = self.curls.iter_mut().chain(&mut self.splays);
+        let joints = self.joints.as_flattened_mut();
+        let others = self.stick.iter_mut().chain([&mut self.trigger]);
+        for value in fingers.chain(joints).chain(others).flatten() {
+            *value = (*value * max + full / 2) / full;
+        }
+        self
     }
 
     /// Converts the values to counts of 0..=[`FULL_SCALE`]. Values outside 0..=`max` are clamped.

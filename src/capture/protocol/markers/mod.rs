@@ -16,6 +16,7 @@
 //! RWRB RFIN`), `wrist-a` and `wrist-b` being the two sides of the wrist. One camera that labels a marker is enough.
 //! `time_us` is the time of a file; other transports stamp the arrival.
 
+mod encode;
 mod hand_markers;
 mod line;
 mod point_cloud;
@@ -25,6 +26,7 @@ use glam::DVec3;
 use self::hand_markers::{HandMarkers, MarkerSite};
 use self::line::Line;
 use self::point_cloud::PointCloud;
+use super::encoder::{require_defaults, time_us};
 use super::line_times::LineTimes;
 use super::lines::{LineDecoder, LineParser};
 use super::space::{self, Facing, HAND, UP, WorldFromSource};
@@ -35,6 +37,8 @@ use super::{
 use crate::capture::{Sample, SampleKind};
 use crate::hand::Side;
 use crate::time::Timestamp;
+
+pub use self::encode::encode;
 
 /// The marker protocol.
 pub const PROTOCOL: Protocol = Protocol {
@@ -50,6 +54,16 @@ pub const PROTOCOL: Protocol = Protocol {
     options: &[&HAND, &UNIT, &UP, &MAX_GAP, &ELBOW_OFFSET, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |options| Box::new(LineDecoder::with_parser(MarkerParser::new(options))),
+    encoder: |options, _| {
+        require_defaults(options, &[&UNIT, &UP, &ELBOW_OFFSET])?;
+        Ok(Box::new(|readings, bytes| {
+            for reading in readings {
+                if let Sample::Joints { positions } = &reading.sample {
+                    bytes.extend(encode(time_us(readings), positions).into_bytes());
+                }
+            }
+        }))
+    },
 };
 
 const UNIT: ProtocolOption = ProtocolOption {

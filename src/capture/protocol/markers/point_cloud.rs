@@ -110,6 +110,7 @@ impl Place {
                 let closest = closest_points(only, ray).ok()?;
                 closest.is_in_front().then(|| closest.gap())?
             }
+            Self::At(point) if !ray.passes(*point, max_gap / 2.0) => return None,
             Self::At(point) => {
                 let k = ray.nearest(*point);
                 (k > 0.0).then(|| 2.0 * ray.at(k).distance(*point))?

@@ -14,7 +14,7 @@ use self::bone_names::{NamedBone, bone_of, name_of};
 use self::osc::Message;
 use super::datagrams::{DatagramDecoder, DatagramParser};
 use super::{Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol};
-use crate::capture::{Sample, SampleKind};
+use crate::capture::{Reading, Sample, SampleKind};
 use crate::hand::{ArmBone, BoneRotations, Side};
 use crate::message::escape;
 use crate::time::Timestamp;
@@ -33,6 +33,11 @@ pub const PROTOCOL: Protocol = Protocol {
     options: &[],
     nominal_rate_hz: |_| None,
     decoder: |_| Box::new(decoder()),
+    encoder: |_, _| {
+        Ok(Box::new(|readings, bytes| {
+            bytes.extend(encode(&merged(readings)))
+        }))
+    },
 };
 
 /// Address of the messages of bones.
@@ -184,6 +189,22 @@ fn rotation([x, y, z, w]: [f32; 4]) -> Option<Quat> {
     let length = quaternion.length();
     let is_valid = (MIN_LENGTH..=MAX_LENGTH).contains(&length);
     is_valid.then(|| quaternion.normalize())
+}
+
+/// Returns the bones of the arms that the readings show.
+fn merged(readings: &[Reading]) -> BoneRotations {
+    let mut merged = BoneRotations::default();
+    for reading in readings {
+        let Sample::Bones { bones } = &reading.sample else {
+            continue;
+        };
+        for &side in Side::ALL {
+            for (bone, rotation) in bones.arm(side).known() {
+                merged.arm_mut(side).set(bone, rotation);
+            }
+        }
+    }
+    merged
 }
 
 /// Writes a frame as a datagram: a bundle of the state and the time, with the bones in a bundle of their own.

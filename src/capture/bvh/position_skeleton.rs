@@ -1,11 +1,13 @@
-//! A BVH skeleton that follows the poses of an arm and hand.
+//! A BVH skeleton that follows the joints of an arm and hand.
+//!
+//! Every frame turns the bones into the directions of its positions, so that rigid bones are reproduced exactly. The text
+//! is in centimetres with +Y up and the person looking along +Z, and has the joint names of Mixamo, which most programs know.
 
 use glam::{DMat3, DVec3};
 
-use crate::capture::bvh::{Channel, Node, Skeleton};
+use super::skeleton::{Channel, Node, Skeleton};
 use crate::geometry::{EulerOrder, rotation_between};
-use crate::hand::{Finger, Joint, Side};
-use crate::kinematics::HandPose;
+use crate::hand::{Finger, Joint, JointPositions, Side};
 
 /// Units of the file per metre.
 const CENTIMETRES: f64 = 100.0;
@@ -18,21 +20,21 @@ const MIN_LENGTH: f64 = 1e-4;
 
 const ROTATIONS: [Channel; 3] = [Channel::ZRotation, Channel::XRotation, Channel::YRotation];
 
-/// The skeleton of the first pose and the joints of its nodes, depth first.
+/// The skeleton of an arm and hand, and the joints of its nodes, depth first.
 #[derive(Debug)]
-pub(super) struct PoseSkeleton {
+pub struct PositionSkeleton {
     skeleton: Skeleton,
     joints: Vec<Joint>,
     /// Index of each node's parent.
     parents: Vec<Option<usize>>,
-    /// Position of each node in the first pose.
+    /// Position of each node in the first frame.
     rest: Vec<DVec3>,
     rotations: Vec<DMat3>,
 }
 
-impl PoseSkeleton {
-    /// Creates the skeleton of the known joints of `pose`.
-    pub fn new(pose: &HandPose) -> Self {
+impl PositionSkeleton {
+    /// Creates the skeleton of the joints that `first` knows (world, metres). Their distances do not change.
+    pub fn new(first: &JointPositions, side: Side) -> Self {
         let mut new = Self {
             skeleton: Skeleton::default(),
             joints: Vec::new(),
@@ -42,20 +44,26 @@ impl PoseSkeleton {
         };
         let mut trunk = None;
         for joint in [Joint::Shoulder, Joint::Elbow, Joint::Wrist] {
-            trunk = new.add(pose, joint, trunk).or(trunk);
+            trunk = new.add(first, side, joint, trunk).or(trunk);
         }
         for &finger in Finger::ALL {
             let mut parent = trunk;
             for &joint in finger.joints() {
-                parent = new.add(pose, joint, parent).or(parent);
+                parent = new.add(first, side, joint, parent).or(parent);
             }
         }
         new
     }
 
-    /// Adds a joint if the pose has it, and returns its index.
-    fn add(&mut self, pose: &HandPose, joint: Joint, parent: Option<usize>) -> Option<usize> {
-        let position = position(pose, joint)?;
+    /// Adds a joint if its position is known, and returns its index.
+    fn add(
+        &mut self,
+        first: &JointPositions,
+        side: Side,
+        joint: Joint,
+        parent: Option<usize>,
+    ) -> Option<usize> {
+        let position = position(first, joint)?;
         let origin = parent.map_or(DVec3::ZERO, |parent| self.rest[parent]);
         let is_end = is_tip(joint) && parent.is_some_and(|parent| is_finger(self.joints[parent]));
         let channels = match (is_end, parent) {
@@ -76,7 +84,7 @@ impl PoseSkeleton {
         self.rest.push(position);
         self.rotations.push(DMat3::IDENTITY);
         Some(self.skeleton.push(Node {
-            name: (!is_end).then(|| name(joint, pose.side)),
+            name: (!is_end).then(|| name(joint, side)),
             parent,
             offset,
             channels,
@@ -88,14 +96,14 @@ impl PoseSkeleton {
         &self.skeleton
     }
 
-    /// Computes the channel values of a pose.
-    pub fn frame(&mut self, pose: &HandPose, values: &mut Vec<f64>) {
+    /// Computes the channel values of a frame. An unknown joint keeps the direction of its bone.
+    pub fn frame(&mut self, joints: &JointPositions, values: &mut Vec<f64>) {
         values.clear();
         for index in 0..self.joints.len() {
             let parent = match self.parents[index] {
                 Some(parent) => self.rotations[parent],
                 None => {
-                    let root = position(pose, self.joints[index]).unwrap_or(self.rest[index]);
+                    let root = position(joints, self.joints[index]).unwrap_or(self.rest[index]);
                     values.extend(root.to_array());
                     DMat3::IDENTITY
                 }
@@ -103,7 +111,7 @@ impl PoseSkeleton {
             if self.skeleton.nodes()[index].name.is_none() {
                 continue;
             }
-            let rotation = self.rotation(index, pose, &parent);
+            let rotation = self.rotation(index, joints, &parent);
             self.rotations[index] = rotation;
             let local = parent.transpose() * rotation;
             let angles = EulerOrder::Zxy.angles(&local).unwrap_or_default();
@@ -111,11 +119,11 @@ impl PoseSkeleton {
         }
     }
 
-    /// Returns the world rotation of a joint, which turns its bones from the first pose into `pose`: two bones determine
+    /// Returns the world rotation of a joint, which turns its bones from the first frame into this one: two bones determine
     /// it, and one determines it up to the twist, which is that of the parent.
-    fn rotation(&self, index: usize, pose: &HandPose, parent: &DMat3) -> DMat3 {
+    fn rotation(&self, index: usize, joints: &JointPositions, parent: &DMat3) -> DMat3 {
         let from_here = |joint: usize| {
-            let now = position(pose, self.joints[joint])? - position(pose, self.joints[index])?;
+            let now = position(joints, self.joints[joint])? - position(joints, self.joints[index])?;
             let rest = self.rest[joint] - self.rest[index];
             (rest.length() > MIN_LENGTH && now.length() > MIN_LENGTH).then_some((rest, now))
         };
@@ -148,8 +156,8 @@ fn frame(first: DVec3, second: DVec3) -> Option<DMat3> {
 }
 
 /// Returns the position of a joint in the axes and the unit of the file.
-fn position(pose: &HandPose, joint: Joint) -> Option<DVec3> {
-    let position = pose.position(joint)?.as_dvec3() * CENTIMETRES;
+fn position(joints: &JointPositions, joint: Joint) -> Option<DVec3> {
+    let position = joints.get(joint)? * CENTIMETRES;
     Some(DVec3::new(-position.x, position.y, -position.z))
 }
 

@@ -1,0 +1,174 @@
+//! The time from the bytes of each kind of source to its events, as a share of one core at a high rate of such a sensor.
+//!
+//! Prints tables. Every packet is decoded and stepped through the pipeline of the default layout while a simulated hand
+//! types. Without `--bench` (as in `cargo test --benches`) it measures one pass. `-- TEXT` measures the rows whose names
+//! contain the text.
+
+#[path = "sources/motion.rs"]
+mod motion;
+#[path = "sources/packets.rs"]
+mod packets;
+
+use std::cell::Cell;
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use ademan::capture::protocol::Packet;
+use ademan::capture::{Reading, Sample, SourceUri};
+use ademan::device::Events;
+use ademan::estimate::{Estimator, EstimatorSettings};
+use ademan::hand::Side;
+use ademan::time::Timestamp;
+
+use packets::{Stream, both_hands, markers, typing};
+
+/// Share of a core that a source may take, in percent.
+const GOAL_PERCENT: f64 = 2.0;
+
+/// The passes of a measurement take at least this long.
+const LEAST: Duration = Duration::from_millis(500);
+
+struct Options {
+    is_test: bool,
+    filter: Option<String>,
+}
+
+impl Options {
+    fn selects(&self, name: &str) -> bool {
+        self.filter.as_ref().is_none_or(|text| name.contains(text))
+    }
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let options = Options {
+        is_test: !arguments.iter().any(|argument| argument == "--bench"),
+        filter: arguments
+            .into_iter()
+            .find(|argument| !argument.starts_with('-')),
+    };
+    println!("| source | rate | bytes | time of a packet | share of a core | goal |");
+    for (name, rate_hz, stream) in streams() {
+        if options.selects(name) {
+            let stream = stream();
+            let time = median(&options, || pass(&stream)) / stream.packets.len() as f64;
+            let bytes = stream.packets.iter().map(Vec::len).sum::<usize>() / stream.packets.len();
+            println!(
+                "| {name} | {rate_hz} Hz | {bytes} | {:.1} µs | {:.2} % | {GOAL_PERCENT} % |",
+                time * 1e6,
+                time * rate_hz * 100.0
+            );
+        }
+    }
+    if options.selects("estimate") {
+        let time = median(&options, &mut estimate_passes());
+        println!(
+            "\n| estimate of arm and hand | time | goal |\n| joint positions to a pose | {:.2} µs | 2 µs |",
+            time * 1e6
+        );
+    }
+    if options.selects("bvh") {
+        motion::print(options.is_test);
+    }
+}
+
+/// Returns the sources with the rate of a fast one.
+fn streams() -> [(&'static str, f64, fn() -> Stream); 10] {
+    [
+        ("glove: `hc11`", 1000.0, || typing("hc11")),
+        ("glove: `text-line`", 1000.0, || typing("text-line")),
+        ("4 cameras × 40 markers, labelled", 250.0, || markers(4)),
+        ("4 cameras × 40 markers, unlabelled", 250.0, || markers(1)),
+        ("2 hands: `hand-landmarks`", 120.0, || {
+            both_hands("hand-landmarks&camera=head")
+        }),
+        ("2 hands: `openxr`", 120.0, || both_hands("openxr")),
+        ("2 hands: `webxr`", 120.0, || both_hands("webxr")),
+        ("2 arms: `body-landmarks`", 120.0, || {
+            both_hands("body-landmarks")
+        }),
+        ("2 arms: `vmc`", 120.0, || both_hands("vmc")),
+        ("wrist: `opentrack`", 250.0, || typing("opentrack")),
+    ]
+}
+
+/// Returns the median time of a pass, in seconds.
+fn median(options: &Options, mut pass: impl FnMut() -> Duration) -> f64 {
+    let mut times = Vec::new();
+    let start = Instant::now();
+    while times.is_empty() || (!options.is_test && start.elapsed() < LEAST) {
+        times.push(pass());
+    }
+    times.sort_unstable();
+    times[times.len() / 2].as_secs_f64()
+}
+
+/// Decodes and steps all packets of a stream. Returns the time without the set-up.
+fn pass(stream: &Stream) -> Duration {
+    let setup = stream.setup.clone().load_files().expect("a valid setup");
+    let Some(SourceUri::Stream(uri)) = &setup.setup.source else {
+        panic!("a stream");
+    };
+    let mut decoder = uri.format.decoder();
+    let mut pipeline = setup.pipeline();
+    let mut events = Events::new();
+    let shows_both = uri.format.protocol.sample.shows_both_arms();
+    let (time, mut steps) = (Cell::new(Timestamp(0)), 0);
+    let mut step = |packet: Packet| {
+        let sides: &[Option<Side>] = match shows_both {
+            true => &[Some(Side::Left), Some(Side::Right)],
+            false => &[packet.side],
+        };
+        for &side in sides {
+            events.clear();
+            let reading = Reading::new(time.get(), side, packet.sample.clone());
+            steps += usize::from(black_box(&pipeline.step(&reading, &mut events)).is_ok());
+            black_box(&events);
+        }
+    };
+    let start = Instant::now();
+    for bytes in &stream.packets {
+        time.set(time.get() + stream.period);
+        decoder.push(black_box(bytes), &mut step);
+        if stream.is_datagram {
+            decoder.finish(&mut step);
+        }
+    }
+    let elapsed = start.elapsed();
+    assert!(
+        steps + 1 >= stream.packets.len(),
+        "{steps} steps: {:?}",
+        decoder.last_error()
+    );
+    elapsed
+}
+
+/// Returns a function that measures the estimate and the pose of one reading with the positions of all joints.
+fn estimate_passes() -> impl FnMut() -> Duration {
+    const READINGS: u32 = 1000;
+    let (setup, samples) = packets::positions();
+    let samples: Vec<Sample> = samples
+        .into_iter()
+        .cycle()
+        .take(READINGS as usize)
+        .collect();
+    let mut estimator = Estimator::new(EstimatorSettings::default());
+    let mut time = Timestamp(0);
+    move || {
+        let readings: Vec<Reading> = samples
+            .iter()
+            .map(|sample| {
+                time.0 += 8_333;
+                Reading::new(time, Some(Side::Right), sample.clone())
+            })
+            .collect();
+        let start = Instant::now();
+        for reading in &readings {
+            let estimate = estimator
+                .update(black_box(reading))
+                .expect("a plausible hand");
+            black_box(setup.arm.forward(estimate));
+        }
+        start.elapsed() / READINGS
+    }
+}

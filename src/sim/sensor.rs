@@ -1,0 +1,128 @@
+//! Sensors of a simulated hand, and what they measure of its postures.
+
+use glam::{Quat, Vec3};
+
+use crate::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
+use crate::capture::{Sample, SampleKind};
+use crate::estimate::{ChannelMap, Estimate, JointAngles, bones_from_angles};
+use crate::hand::{BoneRotations, Displacement, Finger, Joint, Side};
+use crate::kinematics::{ArmModel, HandPose};
+use crate::time::Timestamp;
+
+/// The sensor of a simulated hand.
+#[derive(Clone, Copy, Debug)]
+pub enum Sensor<'a> {
+    /// A glove with these channels.
+    Glove(&'a ChannelMap),
+    /// A sensor of the joints, without a glove.
+    Joints(JointSensor),
+}
+
+/// A sensor of joints, by the kind of its samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JointSensor {
+    /// Joint angles.
+    Angles,
+    /// Positions of all joints.
+    Positions,
+    /// Landmarks of a body. Those of thumb, index and little finger are the fingertips, because they are what touches a key.
+    Body,
+    /// Rotations of the bones.
+    Bones,
+    /// The displacement of the wrist. The person moves a stiff hand, without turning it, so that the index fingertip goes
+    /// where that of a bending hand would go.
+    Displacement,
+}
+
+impl<'a> Sensor<'a> {
+    /// Returns the sensor whose samples are of `kind`; `None` if that is a glove and there is none.
+    pub fn for_kind(kind: SampleKind, glove: Option<&'a ChannelMap>) -> Option<Self> {
+        Some(Self::Joints(match kind {
+            SampleKind::Channels => return glove.map(Self::Glove),
+            SampleKind::Angles => JointSensor::Angles,
+            SampleKind::Joints => JointSensor::Positions,
+            SampleKind::Body => JointSensor::Body,
+            SampleKind::Bones => JointSensor::Bones,
+            SampleKind::Displacement => JointSensor::Displacement,
+        }))
+    }
+}
+
+impl JointSensor {
+    /// Returns what the sensor measures of a hand with these angles.
+    pub(super) fn measure(self, arm: &ArmModel, angles: &JointAngles) -> Sample {
+        let pose_of = |angles| arm.forward(&Estimate::new(Timestamp(0), angles));
+        match self {
+            Self::Angles => Sample::Angles { angles: *angles },
+            Self::Positions => Sample::Joints {
+                positions: pose_of(*angles).positions(),
+            },
+            Self::Body => Sample::Body(body(&pose_of(*angles))),
+            Self::Bones => {
+                let mut bones = BoneRotations::default();
+                *bones.arm_mut(arm.side()) = bones_from_angles(angles, arm.side());
+                Sample::Bones { bones }
+            }
+            Self::Displacement => {
+                let tip = |angles| pose_of(angles).fingertip(Finger::Index).unwrap_or_default();
+                let translation = tip(*angles) - tip(JointAngles::default());
+                let displacement = Displacement::new(Joint::Wrist, translation, Quat::IDENTITY);
+                Sample::Displacement { displacement }
+            }
+        }
+    }
+}
+
+/// Half of the distance between the shoulders, in metres.
+const HALF_SHOULDERS: f32 = 0.18;
+/// From a shoulder down to the hip, and to the elbow of an arm model without a shoulder, in metres.
+const TRUNK: f32 = 0.5;
+const UPPER_ARM: f32 = 0.3;
+
+/// Index of the landmark of the left shoulder. Pairs of landmarks, left before right, follow.
+const FIRST_PAIR: usize = 11;
+
+/// Returns the landmarks of an upright person who faces the camera. Those of the other arm are not visible.
+fn body(pose: &HandPose) -> BodyLandmarks {
+    let get = |joint| pose.position(joint).unwrap_or_default();
+    let shoulder = pose.position(Joint::Shoulder);
+    let shoulder = shoulder.unwrap_or_else(|| get(Joint::Elbow) + Vec3::Y * UPPER_ARM);
+    let outwards = |side| match side {
+        Side::Left => Vec3::NEG_X * HALF_SHOULDERS,
+        Side::Right => Vec3::X * HALF_SHOULDERS,
+    };
+    let arm = [
+        shoulder,
+        get(Joint::Elbow),
+        get(Joint::Wrist),
+        get(Joint::tip(Finger::Little)),
+        get(Joint::tip(Finger::Index)),
+        get(Joint::tip(Finger::Thumb)),
+        shoulder - Vec3::Y * TRUNK,
+    ];
+    // To the right, up and backwards, from between the shoulders.
+    let from_neck = |position: Vec3| position - shoulder + outwards(pose.side);
+    let hidden = Landmark {
+        position: [0.0; 3],
+        confidence: 0.0,
+    };
+    let mut points = [hidden; BODY_LANDMARKS];
+    let mut set = |pair: usize, side: Side, position: Vec3| {
+        points[FIRST_PAIR + Side::COUNT * pair + side.index()] = Landmark {
+            // To the right of the image, down, away from the camera.
+            position: [-position.x, -position.y, position.z],
+            confidence: 1.0,
+        };
+    };
+    for (pair, position) in arm.into_iter().enumerate() {
+        set(pair, pose.side, from_neck(position));
+    }
+    let other = pose.side.opposite();
+    for pair in [0, arm.len() - 1] {
+        let position = from_neck(arm[pair]);
+        set(pair, other, position.with_x(-position.x));
+    }
+    BodyLandmarks {
+        points: points.into(),
+    }
+}
