@@ -10,7 +10,7 @@ use crate::hand::Side;
 use crate::time::Timestamp;
 
 /// Packets per second of a protocol that states no rate.
-const DEFAULT_RATE_HZ: f64 = 100.0;
+const DEFAULT_RATE_HZ: f64 = 60.0;
 
 /// Returns the time between two packets that a simulated person sends in a format: by its rate, else its bit rate.
 pub fn packet_period(format: &StreamFormat) -> Duration {
@@ -175,7 +175,7 @@ impl Source for SimulatedStream {
             stats.bytes += decoded.bytes;
             stats.skipped_bytes += decoded.skipped_bytes;
             stats.resyncs += decoded.resyncs;
-            stats.invalid = stats.invalid + decoded.invalid;
+            stats.invalid += decoded.invalid;
         }
         stats.readings -= self.pending.len() as u64;
         stats
