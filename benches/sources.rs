@@ -48,17 +48,8 @@ fn main() {
             .find(|argument| !argument.starts_with('-')),
     };
     println!("| source | rate | bytes | time of a packet | share of a core | goal |");
-    for (name, rate_hz, stream) in streams() {
-        if options.selects(name) {
-            let stream = stream();
-            let time = median(&options, || pass(&stream)) / stream.packets.len() as f64;
-            let bytes = stream.packets.iter().map(Vec::len).sum::<usize>() / stream.packets.len();
-            println!(
-                "| {name} | {rate_hz} Hz | {bytes} | {:.1} µs | {:.2} % | {GOAL_PERCENT} % |",
-                time * 1e6,
-                time * rate_hz * 100.0
-            );
-        }
+    for row in ROWS.iter().filter(|row| options.selects(row.name)) {
+        print(row, &options);
     }
     if options.selects("estimate") {
         let time = median(&options, &mut estimate_passes());
@@ -72,25 +63,50 @@ fn main() {
     }
 }
 
-/// Returns the sources with the rate of a fast one.
-fn streams() -> [(&'static str, f64, fn() -> Stream); 10] {
-    [
-        ("glove: `hc11`", 1000.0, || typing("hc11")),
-        ("glove: `text-line`", 1000.0, || typing("text-line")),
-        ("4 cameras × 40 markers, labelled", 250.0, || markers(4)),
-        ("4 cameras × 40 markers, unlabelled", 250.0, || markers(1)),
-        ("2 hands: `hand-landmarks`", 120.0, || {
-            both_hands("hand-landmarks&camera=head")
-        }),
-        ("2 hands: `openxr`", 120.0, || both_hands("openxr")),
-        ("2 hands: `webxr`", 120.0, || both_hands("webxr")),
-        ("2 arms: `body-landmarks`", 120.0, || {
-            both_hands("body-landmarks")
-        }),
-        ("2 arms: `vmc`", 120.0, || both_hands("vmc")),
-        ("wrist: `opentrack`", 250.0, || typing("opentrack")),
-    ]
+fn print(row: &Row, options: &Options) {
+    let Row { name, rate_hz, .. } = row;
+    let stream = (row.stream)();
+    let packets = stream.packets.len();
+    let time = median(options, || pass(&stream)) / packets as f64;
+    let bytes = stream.packets.iter().map(Vec::len).sum::<usize>() / packets;
+    println!(
+        "| {name} | {rate_hz} Hz | {bytes} | {:.1} µs | {:.2} % | {GOAL_PERCENT} % |",
+        time * 1e6,
+        time * rate_hz * 100.0
+    );
 }
+
+/// A source at the rate of a fast one.
+struct Row {
+    name: &'static str,
+    rate_hz: f64,
+    stream: fn() -> Stream,
+}
+
+const fn row(name: &'static str, rate_hz: f64, stream: fn() -> Stream) -> Row {
+    Row {
+        name,
+        rate_hz,
+        stream,
+    }
+}
+
+const ROWS: [Row; 10] = [
+    row("glove: `hc11`", 1000.0, || typing("hc11")),
+    row("glove: `text-line`", 1000.0, || typing("text-line")),
+    row("4 cameras × 40 markers, labelled", 250.0, || markers(4)),
+    row("4 cameras × 40 markers, unlabelled", 250.0, || markers(1)),
+    row("2 hands: `hand-landmarks`", 120.0, || {
+        both_hands("hand-landmarks&camera=head")
+    }),
+    row("2 hands: `openxr`", 120.0, || both_hands("openxr")),
+    row("2 hands: `webxr`", 120.0, || both_hands("webxr")),
+    row("2 arms: `body-landmarks`", 120.0, || {
+        both_hands("body-landmarks")
+    }),
+    row("2 arms: `vmc`", 120.0, || both_hands("vmc")),
+    row("wrist: `opentrack`", 250.0, || typing("opentrack")),
+];
 
 /// Returns the median time of a pass, in seconds.
 fn median(options: &Options, mut pass: impl FnMut() -> Duration) -> f64 {
