@@ -114,7 +114,7 @@ fn play(source: &mut dyn Source, setup: &LoadedSetup) -> Typed {
     loop {
         let reading = match source.next().expect("a hand has no errors") {
             SourceEvent::Reading(reading) => reading,
-            SourceEvent::Idle => continue,
+            SourceEvent::Idle | SourceEvent::Command(_) => continue,
             SourceEvent::End => break,
         };
         if typed.readings == 0 {
