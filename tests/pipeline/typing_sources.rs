@@ -161,11 +161,11 @@ fn every_protocol_types_the_same_text_on_the_same_layout() {
             failed.push(row.protocol);
         }
     }
-    let encodings: [(_, fn(&Fields) -> String); 2] = [
-        ("lucidgloves, alpha", Fields::encode),
-        ("lucidgloves, legacy", lucidgloves::legacy),
-    ];
-    for (name, encode) in encodings {
+    for name in ["lucidgloves, alpha", "lucidgloves, legacy"] {
+        let encode = match name {
+            "lucidgloves, alpha" => Fields::encode,
+            _ => lucidgloves::legacy,
+        };
         let exact = typed_chords(encode, 0, false);
         let typed = typed_chords(encode, 16, true);
         if print(name, "16 counts", lucidgloves::TEXT, &typed, &exact) > 0.0 {
