@@ -159,7 +159,8 @@ impl PoseCapture {
         {
             self.window.pop_front();
         }
-        let observed = observe(&self.window, &self.channels, full_scale);
+        let rows: Vec<&[u16]> = self.window.iter().map(|(_, row)| row.as_slice()).collect();
+        let observed = observe(&rows, &self.channels, full_scale);
         let still = observed.iter().filter(|channel| channel.is_still).count();
         let is_patient = waited < PATIENCE;
         let needed = match is_patient {
@@ -193,19 +194,19 @@ impl PoseCapture {
     }
 }
 
-/// Returns what each channel shows in a window of readings: the channels that were measured.
+/// Returns what each channel shows in a window of readings, each a row of counts: the channels that were measured.
 pub(super) fn observe(
-    window: &VecDeque<(Timestamp, Vec<u16>)>,
+    rows: &[&[u16]],
     channels: &[usize],
     full_scale: u16,
 ) -> Vec<ChannelObservation> {
     let observe = |(index, &channel): (usize, &usize)| {
-        let counts = window.iter().map(|(_, counts)| counts[index]);
+        let counts = rows.iter().map(|row| row[index]);
         let counts: Vec<f64> = counts
             .filter(|count| *count != Channels::UNKNOWN)
             .map(f64::from)
             .collect();
-        let is_measured = counts.len() * 2 > window.len();
+        let is_measured = counts.len() * 2 > rows.len();
         is_measured.then(|| ChannelObservation {
             channel,
             median: percentile(&counts, 0.5),

@@ -22,7 +22,7 @@ mod recorded;
 pub use capture::{CaptureState, LiveChannel, PoseCapture};
 pub use error::CalibrationError;
 pub use fit::{CalibrationResult, fit};
-pub use observation::{ChannelObservation, Observations, PoseObservation};
+pub use observation::{ChannelObservation, Observations, PoseObservation, rest_pose};
 pub use pose::{CalibrationPose, ExpectedAngle};
 pub use problem::{Problem, Severity};
 pub use procedure::{Procedure, ProcedureState};

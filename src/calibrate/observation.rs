@@ -1,6 +1,8 @@
 //! Observations: what each channel showed in each pose.
 
 use super::pose::CalibrationPose;
+use crate::estimate::ChannelMap;
+use crate::hand::{Dof, JointAngles};
 
 /// The counts of one channel while a pose was held.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,4 +79,23 @@ impl Observations {
             Some((median.min(low), median.max(high)))
         })
     }
+}
+
+/// Returns the angles of the hand in the pose [`Rest`](CalibrationPose::Rest), those of its fingers: the arm may lie anywhere. None
+/// are known if that pose was skipped.
+pub fn rest_pose(observations: &Observations, map: &ChannelMap) -> JointAngles {
+    let mut angles = JointAngles::default();
+    let Some(rest) = observations.get(CalibrationPose::Rest) else {
+        return angles;
+    };
+    for row in map.rows() {
+        let is_of_hand = row.dof.finger().is_some()
+            || matches!(row.dof, Dof::WristFlexion | Dof::WristDeviation);
+        if let Some(count) = rest.median(row.channel)
+            && is_of_hand
+        {
+            angles.set(row.dof, map.radians(row, count));
+        }
+    }
+    angles
 }

@@ -101,14 +101,18 @@ impl CalibrationPose {
             Self::Pinch => {
                 "touch the tip of the thumb with the index finger, the other fingers straight"
             }
-            Self::ElbowStraight => "stretch the arm straight",
-            Self::ElbowBent => "bend the elbow to a right angle",
+            Self::ElbowStraight => "stretch the arm straight, fingers straight",
+            Self::ElbowBent => "bend the elbow to a right angle, fingers straight",
             Self::WristUp => "bend the wrist up as far as it goes, fingers straight",
             Self::WristDown => "bend the wrist down as far as it goes, fingers straight",
-            Self::WristIn => "hand flat: turn it towards the thumb as far as it goes",
-            Self::WristOut => "hand flat: turn it towards the little finger as far as it goes",
-            Self::PalmUp => "elbow at your side: turn the palm up as far as it goes",
-            Self::PalmDown => "elbow at your side: turn the palm down, flat as on a table",
+            Self::WristIn => "hand flat on the table: turn it towards the thumb as far as it goes",
+            Self::WristOut => {
+                "hand flat on the table: turn it towards the little finger as far as it goes"
+            }
+            Self::PalmUp => {
+                "forearm on the table: turn the palm up as far as it goes, fingers straight"
+            }
+            Self::PalmDown => "lay the hand flat on the table again, palm down",
             Self::ThumbBent => "bend only the thumb, the fingers straight",
             Self::IndexBent => "bend only the index finger, the others straight",
             Self::MiddleBent => "bend only the middle finger, the others straight",
@@ -212,8 +216,10 @@ impl CalibrationPose {
     fn finger_degrees(self, finger: Finger, dof: Dof) -> (f64, f64) {
         let is_bent = self == Self::Fist || self.bent_finger() == Some(finger);
         let deviation = match self {
-            Self::Flat | Self::Spread => 3.0,
+            Self::Flat | Self::Spread | Self::WristIn | Self::WristOut | Self::PalmDown => 3.0,
             Self::Fist => 6.0,
+            Self::WristUp | Self::WristDown | Self::PalmUp => 6.0,
+            Self::ElbowStraight | Self::ElbowBent => 6.0,
             Self::Pinch if finger == Finger::Index => 8.0,
             _ => 12.0,
         };

@@ -16,6 +16,9 @@ pub enum Severity {
     Unusable,
 }
 
+/// The largest cross-talk of a usable channel, as a fraction of its range: more turns a straight finger half bent.
+const MAX_CROSS_TALK: f64 = 0.45;
+
 /// A problem of a calibration. The message states what is wrong, why, and what to do.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -97,8 +100,9 @@ pub enum Problem {
 
 impl Problem {
     /// Returns the weight.
-    pub const fn severity(&self) -> Severity {
+    pub fn severity(&self) -> Severity {
         match self {
+            Self::CrossTalk { fraction, .. } if *fraction > MAX_CROSS_TALK => Severity::Unusable,
             Self::DeadChannel { .. }
             | Self::MissingChannel { .. }
             | Self::SwappedChannels { .. } => Severity::Unusable,

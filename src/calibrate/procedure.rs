@@ -41,6 +41,15 @@ impl Procedure {
         Self::new(poses, channels_of(map), prepare)
     }
 
+    /// Adds the poses of single fingers, which find swapped sensors of fingers that bend together in all other poses.
+    #[must_use]
+    pub fn with_single_fingers(mut self, map: &ChannelMap) -> Self {
+        let poses = CalibrationPose::SINGLE_FINGERS.iter().copied();
+        self.poses
+            .extend(poses.filter(|pose| pose.is_needed_for(map)));
+        self
+    }
+
     /// Creates the procedure for a glove of which nothing is known: the flat hand and single fingers, with all channels.
     pub fn for_unknown_glove(poses: &[CalibrationPose], prepare: Duration) -> Self {
         Self::new(poses.to_vec(), (0..MAX_CHANNELS).collect(), prepare)

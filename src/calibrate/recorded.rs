@@ -1,8 +1,13 @@
 //! Calibration from a recording: the poses are found by marks, or else by the still phases in their order.
 
+use std::ops::Range;
+use std::time::Duration;
+
+use super::capture::observe;
 use super::error::CalibrationError;
-use super::observation::Observations;
+use super::observation::{ChannelObservation, Observations, PoseObservation};
 use super::pose::CalibrationPose;
+use super::procedure::channels_of;
 use crate::capture::Channels;
 use crate::estimate::ChannelMap;
 use crate::time::Timestamp;
@@ -49,13 +54,131 @@ pub fn marks_from_text(text: &str) -> Result<Vec<PoseMark>, CalibrationError> {
     text.lines().map(mark).collect()
 }
 
+/// The time over which stillness is judged.
+const WINDOW: Duration = Duration::from_millis(500);
+
+/// The shortest still phase that is a pose.
+const SHORTEST: Duration = Duration::from_millis(800);
+
 /// Finds the poses in the readings of a recording, in the order of their times.
+///
+/// With marks, each pose is the time that they state. Without, the still phases are the poses of the procedure for this glove, in
+/// its order.
+///
+/// # Errors
+/// Fails if the recording has no channels, other counts than the glove, or another number of still phases than poses.
 pub fn observe_recording(
-    _readings: &[(Timestamp, Channels)],
-    _marks: &[PoseMark],
-    _map: &ChannelMap,
+    readings: &[(Timestamp, Channels)],
+    marks: &[PoseMark],
+    map: &ChannelMap,
 ) -> Result<Observations, CalibrationError> {
-    Ok(Observations::default())
+    let Some((_, first)) = readings.first() else {
+        return Err(CalibrationError::NoChannels);
+    };
+    if first.full_scale != map.full_scale() {
+        return Err(CalibrationError::OtherFullScale {
+            found: first.full_scale,
+            expected: map.full_scale(),
+        });
+    }
+    let recording = Recording::new(readings, map);
+    let marks = match marks.is_empty() {
+        true => recording.still_poses(map)?,
+        false => marks.to_vec(),
+    };
+    let mut observations = Observations::default();
+    for mark in marks {
+        let channels = recording.observe(recording.between(mark.start, mark.end));
+        observations.insert(PoseObservation {
+            pose: mark.pose,
+            channels,
+        });
+    }
+    Ok(observations)
+}
+
+/// The counts of the channels of a glove in the course of time.
+struct Recording {
+    channels: Vec<usize>,
+    full_scale: u16,
+    times: Vec<Timestamp>,
+    rows: Vec<Vec<u16>>,
+}
+
+impl Recording {
+    fn new(readings: &[(Timestamp, Channels)], map: &ChannelMap) -> Self {
+        let channels = channels_of(map);
+        let row = |sample: &Channels| {
+            let count = |&channel: &usize| sample.counts.get(channel).copied();
+            let counts = channels.iter().map(count);
+            counts
+                .map(|count| count.unwrap_or(Channels::UNKNOWN))
+                .collect()
+        };
+        Self {
+            times: readings.iter().map(|(time, _)| *time).collect(),
+            rows: readings.iter().map(|(_, sample)| row(sample)).collect(),
+            full_scale: map.full_scale(),
+            channels,
+        }
+    }
+
+    /// Returns the indices of the readings from `start` to `end`.
+    fn between(&self, start: Timestamp, end: Timestamp) -> Range<usize> {
+        let first = self.times.partition_point(|time| *time < start);
+        let last = self.times.partition_point(|time| *time <= end);
+        first..last.max(first)
+    }
+
+    fn observe(&self, readings: Range<usize>) -> Vec<ChannelObservation> {
+        let rows: Vec<&[u16]> = self.rows[readings].iter().map(Vec::as_slice).collect();
+        observe(&rows, &self.channels, self.full_scale)
+    }
+
+    /// Returns the still phases as the poses of the procedure.
+    fn still_poses(&self, map: &ChannelMap) -> Result<Vec<PoseMark>, CalibrationError> {
+        let poses = CalibrationPose::GUIDED.iter().copied();
+        let poses: Vec<_> = poses.filter(|pose| pose.is_needed_for(map)).collect();
+        let phases = self.still_phases();
+        if phases.len() != poses.len() {
+            return Err(CalibrationError::PosesNotFound {
+                found: phases.len(),
+                expected: poses.len(),
+            });
+        }
+        let mark = |(pose, (start, end))| PoseMark { pose, start, end };
+        Ok(poses.into_iter().zip(phases).map(mark).collect())
+    }
+
+    /// Returns the times between which the hand was still.
+    fn still_phases(&self) -> Vec<(Timestamp, Timestamp)> {
+        let mut phases: Vec<(Timestamp, Timestamp)> = Vec::new();
+        let mut open: Option<(Timestamp, Timestamp)> = None;
+        let mut first = 0;
+        for last in 0..self.times.len() {
+            let end = self.times[last];
+            while end.since(self.times[first]) > WINDOW {
+                first += 1;
+            }
+            let start = self.times[first];
+            let is_full = end.since(start) * 5 >= WINDOW * 4;
+            if is_full && self.is_still(first..last + 1) {
+                open = Some((open.map_or(start, |(start, _)| start), end));
+            } else if let Some(phase) = open.take() {
+                phases.push(phase);
+            }
+        }
+        phases.extend(open);
+        phases.retain(|(start, end)| end.since(*start) >= SHORTEST);
+        phases
+    }
+
+    /// Returns whether all channels are still: a movement of the elbow changes only one.
+    fn is_still(&self, readings: Range<usize>) -> bool {
+        self.observe(readings)
+            .iter()
+            .all(|channel| channel.is_still)
+    }
 }
 
 #[cfg(test)]

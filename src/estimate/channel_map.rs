@@ -1,6 +1,7 @@
 //! Channel maps: the assignment of sensor channels to joint angles.
 
 use super::calibration::AffineMap;
+use super::linearity::Linearity;
 use crate::capture::MAX_CHANNELS;
 use crate::hand::{Dof, FingerSet, Input};
 
@@ -37,9 +38,14 @@ pub struct ChannelMap {
     rows: Vec<ChannelRow>,
     inputs: Vec<InputRow>,
     assumed: Vec<(Dof, f64)>,
+    curvatures: Vec<(usize, f64)>,
     full_scale: u16,
     uses_full_range: bool,
 }
+
+/// The largest [curvature](ChannelMap::with_curvatures) as a fraction of the full scale. The linear counts of more than a
+/// quarter would not rise with every count.
+pub const MAX_CURVATURE: f64 = 0.2;
 
 impl ChannelMap {
     /// Creates a map for converters with counts of 0..=`full_scale`.
@@ -56,6 +62,7 @@ impl ChannelMap {
             rows,
             inputs: Vec::new(),
             assumed: Vec::new(),
+            curvatures: Vec::new(),
             full_scale,
             uses_full_range: false,
         }
@@ -77,6 +84,27 @@ impl ChannelMap {
         Self { assumed, ..self }
     }
 
+    /// Sets the curvatures of channels: the counts by which a channel is above a straight line in the middle of the full scale,
+    /// less by a parabola towards its ends.
+    ///
+    /// # Panics
+    /// If a curvature is larger than [`MAX_CURVATURE`] of the full scale.
+    #[must_use]
+    pub fn with_curvatures(self, curvatures: Vec<(usize, f64)>) -> Self {
+        let limit = MAX_CURVATURE * f64::from(self.full_scale);
+        assert!(curvatures.iter().all(|(_, counts)| counts.abs() <= limit));
+        Self { curvatures, ..self }
+    }
+
+    /// Returns the map with other calibrations of its rows, in their order.
+    #[must_use]
+    pub fn with_calibrations(mut self, calibrations: &[AffineMap]) -> Self {
+        for (row, &calibration) in self.rows.iter_mut().zip(calibrations) {
+            row.calibration = calibration;
+        }
+        self
+    }
+
     /// Sets whether counts are at the ends of their range in normal use, as those of a glove that scales them itself. In
     /// other gloves such a count is a broken wire.
     #[must_use]
@@ -95,6 +123,24 @@ impl ChannelMap {
     /// Returns the angles that the glove does not measure, in radians.
     pub fn assumed_angles(&self) -> &[(Dof, f64)] {
         &self.assumed
+    }
+
+    /// Returns the curvatures of channels, in counts; see [`with_curvatures`](Self::with_curvatures).
+    pub fn curvatures(&self) -> &[(usize, f64)] {
+        &self.curvatures
+    }
+
+    /// Returns the line of a channel: the map from its counts to linear counts.
+    pub fn linearity(&self, channel: usize) -> Linearity {
+        let mut curvatures = self.curvatures.iter();
+        let own = curvatures.find(|(other, _)| *other == channel);
+        Linearity::new(own.map_or(0.0, |(_, counts)| *counts), self.full_scale)
+    }
+
+    /// Returns the angle of a row at a count, in radians.
+    pub fn radians(&self, row: &ChannelRow, count: f64) -> f64 {
+        row.calibration
+            .apply(self.linearity(row.channel).apply(count))
     }
 
     /// Returns whether counts are at the ends of their range in normal use.

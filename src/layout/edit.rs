@@ -94,13 +94,18 @@ fn edit_poses(
             });
         }
     }
+    Ok(replace_ranges(&document.text, edits))
+}
+
+/// Returns the text with these ranges replaced.
+pub(super) fn replace_ranges(text: &str, mut edits: Vec<(Range<usize>, String)>) -> String {
     // Backwards, so that the remaining ranges stay valid; insertions at one offset in reverse order, too.
     edits.sort_by_key(|(range, _)| range.start);
-    let mut text = document.text.clone();
+    let mut text = text.to_owned();
     for (range, new) in edits.into_iter().rev() {
         text.replace_range(range, &new);
     }
-    Ok(text)
+    text
 }
 
 /// The slices of a layout that are edited.
@@ -149,7 +154,7 @@ impl<'a> RawPose<'a> {
 }
 
 /// Returns the bytes of a value in the text, without surrounding blanks and comments.
-fn byte_range(text: &str, value: &RawValue) -> Range<usize> {
+pub(super) fn byte_range(text: &str, value: &RawValue) -> Range<usize> {
     let value = value.trim().get_ron();
     let start = byte_offset(text, value).expect("the value borrows from this text");
     start..start + value.len()

@@ -8,7 +8,9 @@ use crate::capture::{Channels, MAX_CHANNELS};
 use crate::document::{
     Document, DocumentError, Format, Spanned, Structure, first_error, ranged_numbers,
 };
-use crate::estimate::{AffineMap, ChannelMap, ChannelRow, InputRow, JointLimits, MAX_ROWS};
+use crate::estimate::{
+    AffineMap, ChannelMap, ChannelRow, InputRow, JointLimits, MAX_CURVATURE, MAX_ROWS,
+};
 use crate::hand::{Dof, Input, JointAngles, Side};
 use crate::names::UnknownName;
 
@@ -45,6 +47,9 @@ struct GloveSchema<'a> {
     /// The angles of the hand at rest, in degrees.
     #[serde(default)]
     rest_deg: BTreeMap<Dof, f64>,
+    /// The counts by which a channel is above a straight line in the middle of the full scale.
+    #[serde(default)]
+    curvature_counts: BTreeMap<usize, f64>,
     /// Counts are at the ends of their range in normal use. Otherwise such a count is a broken wire.
     #[serde(default)]
     uses_full_range: bool,
@@ -179,11 +184,15 @@ impl Glove {
         let rest_pose = schema
             .rest_pose()
             .map_err(|message| document.error_at(&document.text, message))?;
+        let curvatures = schema
+            .curvatures()
+            .map_err(|message| document.error_at(&document.text, message))?;
         let map = |is_included: &dyn Fn(&RowSchema) -> bool| {
             let rows = schema.rows.iter().filter(|row| is_included(row));
             ChannelMap::new(rows.map(|row| row.build(full_scale)).collect(), full_scale)
                 .with_inputs(inputs.clone())
                 .with_assumed_angles(assumed.clone())
+                .with_curvatures(curvatures.clone())
                 .with_full_range(schema.uses_full_range)
         };
         Ok(Self {
@@ -218,6 +227,25 @@ impl GloveSchema<'_> {
             }
         };
         self.assumed_deg.iter().map(check).collect()
+    }
+
+    /// Returns the curvatures of channels in counts. An error states what is wrong with one.
+    fn curvatures(&self) -> Result<Vec<(usize, f64)>, String> {
+        let limit = MAX_CURVATURE * f64::from(self.full_scale_counts.0);
+        let check = |(&channel, &counts): (&usize, &f64)| {
+            if !self.rows.iter().any(|row| row.channel.0 == channel) {
+                return Err(format!(
+                    "`curvature_counts` has channel {channel}, which no row has"
+                ));
+            }
+            match counts.abs() <= limit {
+                true => Ok((channel, counts)),
+                false => Err(format!(
+                    "the curvature of channel {channel} is {counts} counts, at most {limit} are possible"
+                )),
+            }
+        };
+        self.curvature_counts.iter().map(check).collect()
     }
 }
 
@@ -341,6 +369,27 @@ mod tests {
             let error = with(&fields);
             assert!(error.contains(message), "{error}");
         }
+    }
+
+    #[test]
+    fn a_curvature_is_of_a_channel_in_use_and_within_a_fifth_of_the_full_scale() {
+        let row = "(label: \"a\", dof: \"elbow-flexion\", channel: 1, offset_counts: 0, full_scale_rad: 2.55, offset_rad: 0)";
+        let parse = |curvature: &str| {
+            let text = format!(
+                "Glove(name: \"g\", side: \"right\", full_scale_counts: 255, curvature_counts: {{{curvature}}}, rows: [{row}])"
+            );
+            Glove::parse(&Document::new("g.ron", text)).map_err(|error| error.to_string())
+        };
+        let map = parse("1: 25.5").unwrap().map;
+        let radians = map.radians(&map.rows()[0], 127.5);
+        assert!((radians - 1.02).abs() < 1e-9, "{radians}");
+        assert!(
+            parse("2: 1")
+                .unwrap_err()
+                .contains("channel 2, which no row has")
+        );
+        assert!(parse("1: 52").unwrap_err().contains("at most 51"));
+        assert!(parse("1: NaN").unwrap_err().contains("at most 51"));
     }
 
     #[test]

@@ -16,6 +16,7 @@ mod devices;
 mod edit;
 mod fit;
 mod glove;
+mod glove_edit;
 mod hover;
 mod keys;
 mod load;
@@ -30,6 +31,7 @@ pub use board_shape::BoardShape;
 pub use edit::{move_boards, scale_boards};
 pub use fit::Fit;
 pub use glove::Glove;
+pub use glove_edit::write_calibration;
 pub use hover::Hover;
 pub use model::{
     BASE_LAYER, Board, Control, ControlKind, Face, Key, Layout, MAX_LAYERS, MAX_TARGETS, POINTER,

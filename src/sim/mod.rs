@@ -2,7 +2,7 @@
 //!
 //! A text ([`taps_for_text`]) or a [`Script`] becomes a list of [`HandAction`]s, which a [`SimulatedTypist`] performs on
 //! the targets of a layout. Its [`Sensor`]s measure the hands, and a [`SimulatedStream`] passes the readings through the
-//! bytes of a protocol.
+//! bytes of a protocol. A [`SimulatedWearer`] is a person in a glove that is not calibrated yet.
 
 mod action;
 mod action_error;
@@ -20,6 +20,7 @@ mod stream;
 mod player;
 mod text_field;
 mod score;
+mod wearer;
 
 pub use action::{HandAction, TargetPoint};
 pub use action_error::{ActionError, ActionErrorKind};
@@ -34,3 +35,4 @@ pub use text_field::UsTextField;
 pub use text_plan::{PlanError, taps_for_text};
 pub use typing_hand::{REACH_TOLERANCE, TapPath, TypingHand};
 pub use typist::{SimulatedTypist, TypistError};
+pub use wearer::{GloveFault, GloveSensors, SightedTypist, SimulatedWearer};

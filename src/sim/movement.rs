@@ -103,7 +103,7 @@ impl ActiveMovement {
 }
 
 /// The minimum-jerk profile x = 10 t³ − 15 t⁴ + 6 t⁵ (Flash & Hogan 1985).
-fn minimum_jerk(t: f32) -> f32 {
+pub(super) fn minimum_jerk(t: f32) -> f32 {
     t.powi(3) * (10.0 + t * (-15.0 + 6.0 * t))
 }
 

@@ -24,7 +24,7 @@ impl Noise {
     /// Returns the next value of the noise.
     pub(super) fn value(&mut self) -> f64 {
         match self.deviation > 0.0 {
-            true => self.deviation * self.gaussian(),
+            true => self.deviation * gaussian(&mut self.random),
             false => 0.0,
         }
     }
@@ -76,10 +76,10 @@ impl Noise {
     fn vector(&mut self) -> DVec3 {
         DVec3::new(self.value(), self.value(), self.value())
     }
+}
 
-    /// Returns a sample of the standard normal distribution (Box-Muller transform).
-    fn gaussian(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.random.f64()).ln()).sqrt();
-        radius * (std::f64::consts::TAU * self.random.f64()).cos()
-    }
+/// Returns a sample of the standard normal distribution (Box-Muller transform).
+pub(super) fn gaussian(random: &mut fastrand::Rng) -> f64 {
+    let radius = (-2.0 * (1.0 - random.f64()).ln()).sqrt();
+    radius * (std::f64::consts::TAU * random.f64()).cos()
 }

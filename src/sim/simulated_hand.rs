@@ -12,7 +12,7 @@ use super::settings::TypistSettings;
 use super::typing_hand::TypingHand;
 use crate::capture::{Channels, MAX_CHANNELS, Sample};
 use crate::contact::surface::Scene;
-use crate::estimate::ChannelMap;
+use crate::estimate::{ChannelMap, Linearity};
 use crate::kinematics::ArmModel;
 
 /// The counts of all channels of a glove.
@@ -46,6 +46,8 @@ struct GloveOutput {
     full_scale: u16,
     /// The counts before the posture is added.
     resting_counts: GloveCounts,
+    /// The lines of all channels: a posture has linear counts.
+    linearities: Vec<Linearity>,
     noise: Noise,
 }
 
@@ -159,6 +161,9 @@ impl GloveOutput {
         Self {
             full_scale: map.full_scale(),
             resting_counts: resting_counts(map),
+            linearities: (0..MAX_CHANNELS)
+                .map(|channel| map.linearity(channel))
+                .collect(),
             noise,
         }
     }
@@ -167,7 +172,8 @@ impl GloveOutput {
     fn counts(&mut self, hand: &TypingHand, values: &[f64]) -> GloveCounts {
         let mut counts = self.resting_counts.clone();
         for (&channel, &value) in hand.channels().iter().zip(values) {
-            counts[channel] = self.convert(value);
+            let count = self.linearities[channel].apply_inverse(value);
+            counts[channel] = self.convert(count);
         }
         counts
     }

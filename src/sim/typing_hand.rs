@@ -49,7 +49,7 @@ const MEETING: [Dof; 2] = [Dof::IndexMcpFlexion, Dof::IndexPipFlexion];
 /// A hand in a glove: wrist straight, palm down, index finger half flexed above the keys.
 ///
 /// It moves the angles that the glove measures. Its posture is one value per channel in use, in the order of
-/// [`channels`](Self::channels): the count of the channel before rounding.
+/// [`channels`](Self::channels): the linear count of the channel before rounding.
 #[derive(Clone, Debug)]
 pub struct TypingHand {
     arm: ArmModel,

@@ -5,6 +5,7 @@ mod support;
 
 mod arming;
 mod body_landmarks;
+mod calibration;
 mod estimator;
 mod examples;
 mod faulty_readings;

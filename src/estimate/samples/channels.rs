@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use crate::capture::Channels;
 use crate::estimate::limits::JointRange;
-use crate::estimate::{AffineMap, ChannelMap, Estimate, InputRow, JointLimits, Rejection};
+use crate::estimate::{
+    AffineMap, ChannelMap, Estimate, InputRow, JointLimits, Linearity, Rejection,
+};
 use crate::hand::{Dof, FingerSet, InputValues, JointAngles};
 use crate::time::Timestamp;
 
@@ -25,6 +27,7 @@ pub(super) struct ChannelConverter {
 #[derive(Clone, Debug)]
 struct ConverterRow {
     dof: Dof,
+    linearity: Linearity,
     calibration: AffineMap,
     range: JointRange,
     channel: usize,
@@ -60,6 +63,7 @@ impl ChannelConverter {
         };
         let rows = map.rows().iter().map(|row| ConverterRow {
             dof: row.dof,
+            linearity: map.linearity(row.channel),
             calibration: row.calibration,
             range: limits.map_or(JointRange::ANY, |limits| limits.joint_range(row.dof)),
             channel: row.channel,
@@ -153,7 +157,8 @@ impl ChannelConverter {
                 continue;
             }
             let count = f64::from(channels.counts[row.channel]);
-            let radians = row.calibration.apply(count) + offsets.get(row.dof);
+            let linear = row.linearity.apply(count);
+            let radians = row.calibration.apply(linear) + offsets.get(row.dof);
             if !radians.is_finite() {
                 return Err(Rejection::NotFinite);
             }

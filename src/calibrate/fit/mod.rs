@@ -1,0 +1,179 @@
+//! The fit of a glove to a hand: gains, offsets and curvatures, and the faults of its sensors.
+//!
+//! Each pose gives pairs of a count and an angle. The angle is that of a typical adult, with the deviation between people as its
+//! uncertainty, so that a joint which a table holds weighs more than one at the end of its range.
+
+mod channel_fit;
+mod curvature;
+mod faults;
+mod weighted_line;
+
+use self::channel_fit::ChannelFit;
+use super::error::CalibrationError;
+use super::observation::Observations;
+use super::pose::CalibrationPose;
+use super::problem::{Problem, Severity};
+use super::procedure::channels_of;
+use crate::estimate::{AffineMap, ChannelMap, ChannelRow, JointLimits};
+use crate::hand::{Dof, Finger};
+
+/// The calibration of a glove for a hand.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibrationResult {
+    /// The rows of the starting glove with new maps, in the same order.
+    pub map: ChannelMap,
+    /// The quality, 0..=100: the mean over all joints. A joint counts in full if its sensor has no fault and fine counts, and its
+    /// poses agree.
+    pub score: u8,
+    /// The problems, the worst first.
+    pub problems: Vec<Problem>,
+}
+
+/// The fraction of the joints that may be unusable, beside those of the arm and the index finger, of which none may.
+const MAX_UNUSABLE: f64 = 0.25;
+
+/// The quality of a joint with an inexact calibration.
+const INEXACT: f64 = 0.5;
+
+/// The angle of one count, in radians, at which a joint counts half: 10°.
+const COARSE: f64 = 0.1745;
+
+/// Fits a glove to a hand. `start` is the glove from which the calibration starts, such as a shipped one.
+///
+/// # Errors
+/// Fails if the observations do not determine a calibration that a hand could use, with all reasons.
+pub fn fit(
+    observations: &Observations,
+    start: &ChannelMap,
+) -> Result<CalibrationResult, CalibrationError> {
+    if start.rows().is_empty() {
+        return Err(CalibrationError::EmptyGlove);
+    }
+    let observed = observations.poses().len();
+    let has = |pose| observations.get(pose).is_some();
+    if observed < 2 || !has(CalibrationPose::Flat) {
+        return Err(CalibrationError::TooFewPoses { observed });
+    }
+    let channels = channels_of(start);
+    let fits = channels.iter();
+    let fits: Vec<ChannelFit> = fits
+        .map(|&channel| ChannelFit::new(channel, observations, start))
+        .collect();
+    let mut problems = faults::find(&fits, observations);
+    let curvatures = fits.iter().filter_map(ChannelFit::curvature);
+    let map = start.clone().with_curvatures(curvatures.collect());
+    let calibrations: Vec<AffineMap> = map
+        .rows()
+        .iter()
+        .map(|row| calibration(row, &fits, start, &mut problems))
+        .collect();
+    let map = map.with_calibrations(&calibrations);
+    add_implausible(&map, observations, &mut problems);
+    problems.sort_by_key(|problem| std::cmp::Reverse(problem.severity()));
+    let unusable = unusable(&problems, start);
+    if !unusable.is_empty() {
+        return Err(CalibrationError::Unusable { problems: unusable });
+    }
+    let misfit = |row: &ChannelRow| {
+        let fit = fits.iter().find(|fit| fit.channel == row.channel);
+        fit.map_or(0.0, |fit| fit.excess_misfit(row.dof, observations))
+    };
+    Ok(CalibrationResult {
+        score: score(&map, &problems, misfit),
+        map,
+        problems,
+    })
+}
+
+/// Returns the new calibration of a row. A row that no pose determines keeps the start's, in proportion to the other rows of its
+/// channel.
+fn calibration(
+    row: &ChannelRow,
+    fits: &[ChannelFit],
+    start: &ChannelMap,
+    problems: &mut Vec<Problem>,
+) -> AffineMap {
+    let fit = fits.iter().find(|fit| fit.channel == row.channel);
+    let own = fit.and_then(|fit| fit.rows.iter().find(|(dof, _)| *dof == row.dof));
+    if let Some((_, calibration)) = own {
+        return *calibration;
+    }
+    let siblings = start.rows().iter();
+    let sibling = siblings.filter(|other| other.channel == row.channel);
+    let fitted = |other: &ChannelRow| {
+        let (_, new) = fit?.rows.iter().find(|(dof, _)| *dof == other.dof)?;
+        Some((other.calibration, *new))
+    };
+    if let Some((old, new)) = sibling.filter_map(fitted).next() {
+        // The zero of the old row is at the angle that the new map has at the same angle of the sibling.
+        let zero = new.apply_inverse(old.apply(row.calibration.apply_inverse(0.0)));
+        let gain = row.calibration.gain * new.gain / old.gain;
+        return AffineMap {
+            gain,
+            offset: -gain * zero,
+        };
+    }
+    let is_explained = problems.iter().any(|problem| problem.dof() == row.dof);
+    if !is_explained {
+        problems.push(Problem::NotObserved { dof: row.dof });
+    }
+    row.calibration
+}
+
+/// Adds the joints that a running program would reject in one of the poses.
+fn add_implausible(map: &ChannelMap, observations: &Observations, problems: &mut Vec<Problem>) {
+    let limits = JointLimits::human();
+    for row in map.rows() {
+        if problems.iter().any(|problem| problem.dof() == row.dof) {
+            continue;
+        }
+        let outside = observations.poses().iter().find_map(|observed| {
+            let radians = map.radians(row, observed.median(row.channel)?);
+            let is_outside = limits.checked_clamp(row.dof, radians).is_none();
+            is_outside.then_some((observed.pose, radians))
+        });
+        if let Some((pose, radians)) = outside {
+            problems.push(Problem::Implausible {
+                dof: row.dof,
+                pose,
+                degrees: radians.to_degrees(),
+            });
+        }
+    }
+}
+
+/// Returns the problems for which a calibration is refused: those of the arm and the index finger, which reach the keys, and all
+/// if they are too many.
+fn unusable(problems: &[Problem], map: &ChannelMap) -> Vec<Problem> {
+    let unusable = problems.iter();
+    let unusable: Vec<&Problem> = unusable
+        .filter(|problem| problem.severity() == Severity::Unusable)
+        .collect();
+    let reaches = |dof: Dof| matches!(dof.finger(), None | Some(Finger::Index));
+    let is_swapped = |problem: &Problem| matches!(problem, Problem::SwappedChannels { .. });
+    let is_refused = |problem: &&Problem| reaches(problem.dof()) || is_swapped(problem);
+    let are_many = unusable.len() as f64 > MAX_UNUSABLE * map.rows().len() as f64;
+    match are_many {
+        true => unusable.into_iter().cloned().collect(),
+        false => unusable.into_iter().filter(is_refused).cloned().collect(),
+    }
+}
+
+/// Returns the mean quality of all joints, in percent. `misfit` is the disagreement of the poses of a row, 0 for none.
+fn score(map: &ChannelMap, problems: &[Problem], misfit: impl Fn(&ChannelRow) -> f64) -> u8 {
+    let quality = |row: &ChannelRow| {
+        let own = problems.iter().filter(|problem| problem.dof() == row.dof);
+        let worst = own.map(|problem| match problem.severity() {
+            Severity::Corrected => 1.0,
+            Severity::Inexact => INEXACT,
+            Severity::Unusable => 0.0,
+        });
+        let resolution = 1.0 / (1.0 + row.calibration.gain.abs() / COARSE);
+        worst.fold(resolution / (1.0 + misfit(row)), f64::min)
+    };
+    let total: f64 = map.rows().iter().map(quality).sum();
+    (100.0 * total / map.rows().len() as f64).round() as u8
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,220 @@
+//! Edits of the calibration in the text of a glove. Everything else in the text stays as it is.
+
+use std::ops::Range;
+
+use ron::value::RawValue;
+use serde::Deserialize;
+
+use super::edit::{byte_range, replace_ranges};
+use super::glove::Glove;
+use crate::document::{Document, DocumentError, parse_ron};
+use crate::estimate::{ChannelMap, ChannelRow, JointLimits};
+use crate::hand::{Dof, JointAngles};
+
+/// Returns the text of a glove with the calibrations of `map`, whose rows are those that are enabled in the text, in their order,
+/// and with the angles of `rest`, unless it has none.
+///
+/// `offset_rad` stays, and so does the spelling of numbers that do not change. Returns an error if the text is not a glove.
+pub fn write_calibration(
+    document: &Document,
+    map: &ChannelMap,
+    rest: &JointAngles,
+) -> Result<String, DocumentError> {
+    let old = Glove::parse(document)?.map;
+    let raw: RawGlove = document.parse()?;
+    let full_scale = f64::from(map.full_scale());
+    let mut edits: Vec<(Range<usize>, String)> = Vec::new();
+    let mut edit = |field: &RawValue, new: f64| {
+        edits.push((byte_range(&document.text, field), new.to_string()));
+    };
+    let enabled = raw.rows.iter().filter(|row| row.disabled.is_none());
+    for ((raw, old), new) in enabled.zip(old.rows()).zip(map.rows()) {
+        if old.calibration == new.calibration {
+            continue;
+        }
+        let offset_rad: f64 = parse_ron(raw.offset_rad.get_ron(), &document.file)?;
+        let gain = round(new.calibration.gain * full_scale, 1e4);
+        edit(raw.full_scale_rad, gain);
+        edit(
+            raw.offset_counts,
+            offset_counts(new, gain / full_scale, offset_rad),
+        );
+    }
+    let mut set = |name: &str, old: Option<&RawValue>, entries: Vec<String>| {
+        edits.push(set_field(document, &raw, (name, old), &entries));
+    };
+    if old.curvatures() != map.curvatures() {
+        let entry =
+            |(channel, counts): &(usize, f64)| format!("{channel}: {}", round(*counts, 1e2));
+        let entries = map.curvatures().iter().map(entry).collect();
+        set("curvature_counts", raw.curvature_counts, entries);
+    }
+    if !rest.is_empty() {
+        let entry = |(dof, radians): (_, f64)| format!("\"{dof}\": {}", degrees(dof, radians));
+        set("rest_deg", raw.rest_deg, rest.known().map(entry).collect());
+    }
+    Ok(replace_ranges(&document.text, edits))
+}
+
+/// Returns the offset in counts of a row with this gain, as it is written, and this offset in radians.
+fn offset_counts(row: &ChannelRow, gain: f64, offset_rad: f64) -> f64 {
+    let counts = (row.calibration.offset - offset_rad) / gain;
+    round(counts.clamp(-1e6, 1e6), 1e2)
+}
+
+/// Returns the edit that sets a map: in place of the old one, or after the full scale.
+fn set_field(
+    document: &Document,
+    raw: &RawGlove,
+    (name, old): (&str, Option<&RawValue>),
+    entries: &[String],
+) -> (Range<usize>, String) {
+    let value = format!("{{{}}}", entries.join(", "));
+    match old {
+        Some(old) => (byte_range(&document.text, old), value),
+        None => {
+            let end = byte_range(&document.text, raw.full_scale_counts).end;
+            (end..end, format!(",\n    {name}: {value}"))
+        }
+    }
+}
+
+/// Returns an angle in degrees with one decimal, within the limits of its joint.
+fn degrees(dof: Dof, radians: f64) -> f64 {
+    let (low, high) = JointLimits::human().range(dof);
+    let tenths = |radians: f64| radians.to_degrees() * 10.0;
+    let (low, high) = ((tenths(low) - 1e-6).ceil(), (tenths(high) + 1e-6).floor());
+    tenths(radians).round().clamp(low, high) / 10.0 + 0.0
+}
+
+/// Rounds to a multiple of 1/`scale`. 0 has no sign.
+fn round(value: f64, scale: f64) -> f64 {
+    (value * scale).round() / scale + 0.0
+}
+
+/// The slices of a glove that are edited.
+#[derive(Deserialize)]
+#[serde(rename = "Glove")]
+struct RawGlove<'a> {
+    #[serde(borrow)]
+    full_scale_counts: &'a RawValue,
+    #[serde(borrow, default)]
+    curvature_counts: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    rest_deg: Option<&'a RawValue>,
+    #[serde(borrow)]
+    rows: Vec<RawRow<'a>>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename = "Row")]
+struct RawRow<'a> {
+    #[serde(borrow)]
+    offset_counts: &'a RawValue,
+    #[serde(borrow)]
+    full_scale_rad: &'a RawValue,
+    #[serde(borrow)]
+    offset_rad: &'a RawValue,
+    #[serde(borrow, default)]
+    disabled: Option<&'a RawValue>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimate::AffineMap;
+
+    const COMMENTED: &str = r#"// My glove.
+Glove(
+    name: "mine", // after the left one
+    side: "right",
+    full_scale_counts: 255 /* 8 bits */,
+    rows: [
+        (label: "A", dof: "elbow-flexion", channel: 1, offset_counts: -30 /* straight */, full_scale_rad: 2.50, offset_rad: 0.5),
+        (label: "B", dof: "elbow-flexion", channel: 3, offset_counts: 0, full_scale_rad: 1, offset_rad: 0, disabled: "loose"),
+        // bent
+        (label: "C", dof: "wrist-flexion", channel: 2, full_scale_rad: -2.0, offset_rad: 0.0, offset_counts: -25.0),
+    ],
+)
+"#;
+
+    fn document() -> Document {
+        Document::new("mine.ron", COMMENTED)
+    }
+
+    fn map() -> ChannelMap {
+        Glove::parse(&document()).unwrap().map
+    }
+
+    fn write(document: &Document, map: &ChannelMap) -> String {
+        write_calibration(document, map, &JointAngles::default()).unwrap()
+    }
+
+    #[test]
+    fn only_numbers_change_and_comments_stay() {
+        let calibrations = [
+            AffineMap::from_counts(-41.0, 3.25 / 255.0, 0.5),
+            map().rows()[1].calibration,
+        ];
+        let new = map().with_calibrations(&calibrations);
+        let text = write(&document(), &new);
+        let expected = COMMENTED
+            .replace("offset_counts: -30 ", "offset_counts: -41 ")
+            .replace("2.50", "3.25");
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn an_unchanged_calibration_changes_nothing() {
+        assert_eq!(write(&document(), &map()), COMMENTED);
+    }
+
+    #[test]
+    fn curvatures_are_added_and_then_replaced() {
+        let curved = map().with_curvatures(vec![(1, 4.567), (2, -3.0)]);
+        let text = write(&document(), &curved);
+        let added = "full_scale_counts: 255,\n    curvature_counts: {1: 4.57, 2: -3} /* 8 bits */";
+        assert_eq!(
+            text,
+            COMMENTED.replace("full_scale_counts: 255 /* 8 bits */", added)
+        );
+        let curved = Document::new("mine.ron", text);
+        let text = write(&curved, &map());
+        assert!(text.contains("curvature_counts: {} /* 8 bits */"), "{text}");
+    }
+
+    #[test]
+    fn the_rest_pose_is_written_within_the_limits_and_read_back() {
+        let mut rest = JointAngles::default();
+        rest.set(Dof::ElbowFlexion, 0.61);
+        rest.set(Dof::WristFlexion, -2.0);
+        rest.set(Dof::IndexDipFlexion, -0.0001);
+        let text = write_calibration(&document(), &map(), &rest).unwrap();
+        let expected =
+            r#"rest_deg: {"elbow-flexion": 35, "wrist-flexion": -70, "index-dip-flexion": 0}"#;
+        assert!(text.contains(expected), "{text}");
+        let read = Glove::parse(&Document::new("mine.ron", text)).unwrap();
+        let degrees = read.rest_pose.get(Dof::WristFlexion).to_degrees();
+        assert!((degrees + 70.0).abs() < 1e-9, "{degrees}");
+    }
+
+    #[test]
+    fn every_written_calibration_is_read_back() {
+        let mut random = fastrand::Rng::with_seed(5);
+        for _ in 0..300 {
+            let mut calibration = || {
+                let gain = 0.2 + random.f64() * 5.0;
+                AffineMap::from_counts(-250.0 * random.f64(), gain / 255.0, random.f64())
+            };
+            let new = map().with_calibrations(&[calibration(), calibration()]);
+            let text = write(&document(), &new);
+            let read = Glove::parse(&Document::new("mine.ron", text)).unwrap().map;
+            for (read, new) in read.rows().iter().zip(new.rows()) {
+                for count in [0.0, 255.0] {
+                    let error = read.calibration.apply(count) - new.calibration.apply(count);
+                    assert!(error.abs() < 1e-3, "{read:?} for {new:?}");
+                }
+            }
+        }
+    }
+}

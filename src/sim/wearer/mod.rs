@@ -1,0 +1,167 @@
+//! Simulated people of different sizes in gloves that nothing is known of but their starting file.
+//!
+//! The [`SimulatedWearer`] takes calibration poses as far as its own joints go, and its [`GloveSensors`] answer with gains,
+//! offsets, curvature, cross-talk and noise of their own. Neither uses the angles and deviations that the calibration expects.
+//! The [`SightedTypist`] types with such a glove: it sees the hand of the program on the board and corrects its own.
+
+mod habits;
+mod sensors;
+mod sighted_typist;
+
+pub use sensors::{GloveFault, GloveSensors};
+pub use sighted_typist::SightedTypist;
+
+use self::habits::Habits;
+use super::movement::minimum_jerk;
+use crate::calibrate::CalibrationPose;
+use crate::capture::Channels;
+use crate::estimate::ChannelMap;
+use crate::hand::{Dof, JointAngles, Side};
+use crate::kinematics::{ArmModel, BoneLengths};
+use crate::time::Timestamp;
+
+/// The time between two packets in microseconds: a line of 38 400 baud.
+const PERIOD_US: u64 = 17_200;
+
+/// The time of a movement from one pose to the next, in packets.
+const MOVE_PACKETS: u32 = 46;
+
+/// The probability of a spike in a count during a calibration: with 22 sensors, one packet of 23 has one.
+const SPIKE: f64 = 0.002;
+
+/// The range of hand lengths, in metres: from the 5th percentile of women to the 95th of men (Buryanov & Kotiuk 2010).
+const HAND: (f64, f64) = (0.153, 0.199);
+
+/// The ratio of forearm and hand (Drillis & Contini 1966), and its range between people.
+const FOREARM: (f64, f64) = (1.29, 1.42);
+
+/// The largest difference of a bone from its ratio to the hand.
+const BONE: f64 = 0.05;
+
+/// The largest error of a length that a person measures with a ruler, in metres.
+const RULER: f64 = 0.003;
+
+/// A person in a glove.
+#[derive(Clone, Debug)]
+pub struct SimulatedWearer {
+    bones: BoneLengths,
+    arm: ArmModel,
+    habits: Habits,
+    sensors: GloveSensors,
+    angles: JointAngles,
+    movement: Option<(JointAngles, JointAngles, u32)>,
+    pose: Option<CalibrationPose>,
+    time: Timestamp,
+    random: fastrand::Rng,
+}
+
+impl SimulatedWearer {
+    /// Creates the person with this number, in a glove of the kind of `map`. Equal numbers give equal people.
+    pub fn new(seed: u64, map: &ChannelMap, side: Side) -> Self {
+        let mut random = fastrand::Rng::with_seed(seed);
+        let hand = between(&mut random, HAND);
+        let forearm = hand * between(&mut random, FOREARM);
+        let mut bones = BoneLengths::from_hand_and_forearm(hand, forearm)
+            .expect("all people are within the range of lengths");
+        for bone in bones.phalanges.iter_mut().flatten().chain(&mut bones.thumb) {
+            *bone *= between(&mut random, (1.0 - BONE, 1.0 + BONE));
+        }
+        let habits = Habits::new(&mut random);
+        Self {
+            arm: ArmModel::anthropometric(side, &bones).expect("an arm of these bones"),
+            bones,
+            sensors: GloveSensors::new(map, &mut random),
+            angles: habits.angles(CalibrationPose::Rest),
+            habits,
+            movement: None,
+            pose: None,
+            time: Timestamp(0),
+            random,
+        }
+    }
+
+    /// Returns the person with a fault of the glove.
+    #[must_use]
+    pub fn with_fault(mut self, fault: GloveFault) -> Self {
+        self.sensors.add_fault(fault);
+        self
+    }
+
+    /// Returns the arm with the bones of the person.
+    pub fn arm(&self) -> &ArmModel {
+        &self.arm
+    }
+
+    /// Returns hand and forearm length as the person measures them, in metres.
+    pub fn measured_lengths(&mut self) -> (f64, f64) {
+        let mut measure = |length: f64| length + between(&mut self.random, (-RULER, RULER));
+        (measure(self.bones.hand), measure(self.bones.forearm))
+    }
+
+    /// Returns the sensors of the glove.
+    pub fn sensors(&self) -> &GloveSensors {
+        &self.sensors
+    }
+
+    /// Starts to move to a pose, unless the hand is in it or on its way.
+    pub fn take(&mut self, pose: CalibrationPose) {
+        if self.pose != Some(pose) {
+            self.pose = Some(pose);
+            self.movement = Some((self.angles, self.habits.angles(pose), 0));
+        }
+    }
+
+    /// Returns the next packet of the glove, with noise and now and then a spike.
+    pub fn next_packet(&mut self) -> (Timestamp, Channels) {
+        if let Some((from, to, packet)) = &mut self.movement {
+            *packet += 1;
+            let t = f64::from(minimum_jerk(
+                (*packet as f32 / MOVE_PACKETS as f32).min(1.0),
+            ));
+            for &dof in Dof::ALL {
+                self.angles
+                    .set(dof, from.get(dof) + t * (to.get(dof) - from.get(dof)));
+            }
+            if *packet >= MOVE_PACKETS {
+                self.movement = None;
+            }
+        }
+        let (time, random) = (self.advance(), &mut self.random);
+        (
+            time,
+            self.sensors.read_with_spikes(&self.angles, SPIKE, random),
+        )
+    }
+
+    /// Returns a random posture: each sensor bends its joints to a fraction of their range, all fractions equally likely.
+    pub fn random_posture(&mut self) -> JointAngles {
+        let mut angles = JointAngles::default();
+        for &dof in Dof::ALL {
+            angles.set(dof, 0.0);
+        }
+        for dofs in self.sensors.joints() {
+            let fraction = self.random.f64();
+            for &dof in dofs {
+                let (low, high) = self.habits.range(dof);
+                angles.set(dof, low + fraction * (high - low));
+            }
+        }
+        angles
+    }
+
+    /// Returns the counts of the glove at these angles, with noise.
+    pub fn read(&mut self, angles: &JointAngles) -> Channels {
+        self.sensors.read_with_spikes(angles, 0.0, &mut self.random)
+    }
+
+    /// Advances by one packet and returns its time.
+    pub(super) fn advance(&mut self) -> Timestamp {
+        self.time = Timestamp(self.time.0 + PERIOD_US);
+        self.time
+    }
+}
+
+/// Returns a uniformly distributed number.
+pub(super) fn between(random: &mut fastrand::Rng, (low, high): (f64, f64)) -> f64 {
+    low + (high - low) * random.f64()
+}
