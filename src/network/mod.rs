@@ -16,6 +16,7 @@
 
 mod address;
 mod deadline;
+pub mod zenoh;
 
 #[cfg(feature = "tls")]
 mod secure;

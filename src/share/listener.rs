@@ -1,7 +1,7 @@
 //! Threads that accept connections.
 
 use std::io;
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -11,7 +11,7 @@ use crossbeam_channel::Sender;
 
 use super::ShareError;
 use crate::advice;
-use crate::network::Stream;
+use crate::network::{Gatekeeper, Stream};
 
 /// Pause after a connection that could not be accepted, and the longest wait for the end of the thread.
 const RETRY_INTERVAL: Duration = Duration::from_millis(50);
@@ -32,10 +32,12 @@ pub(super) struct Listener {
 }
 
 impl Listener {
-    /// Listens at an address, and sends the connections to it with the index of the server.
+    /// Listens at an address, and sends the connections to it with the index of the server. With a keeper, those that it
+    /// admits.
     pub fn start(
         server: usize,
         address: SocketAddr,
+        keeper: Option<Gatekeeper>,
         connections: Sender<Connection>,
     ) -> Result<Self, ShareError> {
         let listen_error = |error| ShareError::Listen { address, error };
@@ -44,8 +46,10 @@ impl Listener {
         let is_closed = Arc::new(AtomicBool::new(false));
         let closed = Arc::clone(&is_closed);
         let accept = move || {
-            while let Some(stream) = accept(&listener, &closed) {
-                if let Ok(stream) = open(stream)
+            while let Some((stream, client)) = accept(&listener, &closed) {
+                if let Some(keeper) = &keeper {
+                    admit(keeper, stream, client.ip(), server, &connections);
+                } else if let Ok(stream) = open(stream)
                     && connections.send(Connection { server, stream }).is_err()
                 {
                     return;
@@ -73,18 +77,37 @@ impl Drop for Listener {
 }
 
 /// Waits for a connection. Returns `None` at the end.
-fn accept(listener: &TcpListener, is_closed: &AtomicBool) -> Option<TcpStream> {
+fn accept(listener: &TcpListener, is_closed: &AtomicBool) -> Option<(TcpStream, SocketAddr)> {
     loop {
         let accepted = listener.accept();
         if is_closed.load(Ordering::Acquire) {
             return None;
         }
         match accepted {
-            Ok((stream, _)) => return Some(stream),
+            Ok(connection) => return Some(connection),
             // Out of descriptors, for instance.
             Err(_) => thread::sleep(RETRY_INTERVAL),
         }
     }
+}
+
+/// Sends a connection once its client has shown a token, on another thread.
+fn admit(
+    keeper: &Gatekeeper,
+    stream: TcpStream,
+    client: IpAddr,
+    server: usize,
+    connections: &Sender<Connection>,
+) {
+    let connections = connections.clone();
+    keeper.admit(stream, client, move |admitted| {
+        let name = &admitted.token.name;
+        tracing::info!("a client at {client} has connected with the token {name}");
+        if admitted.stream.set_nonblocking(true).is_ok() {
+            let stream = admitted.stream;
+            let _ = connections.send(Connection { server, stream });
+        }
+    });
 }
 
 /// Prepares the stream of a connection.

@@ -11,9 +11,9 @@
 //! steps through a bounded queue and waits for nothing. Connections are accepted on threads of their own, one for each port,
 //! and passed on as streams of bytes.
 //!
-//! Addresses are of this machine only, because the angles of a typing hand tell what is typed; a program on another machine
-//! comes through an SSH tunnel. A client of a format without requests is disconnected when it sends anything, so that no web
-//! page can make a request of it.
+//! A plain address is one of this machine, because the angles of a typing hand tell what is typed. A program on another
+//! machine shows a token behind TLS ([`crate::network`]), or receives what a router of zenoh passes on. A client of a format
+//! without requests is disconnected when it sends anything, so that no web page can make a request of it.
 
 mod broadcast;
 mod client;
@@ -34,12 +34,14 @@ mod web;
 
 pub use hub::ShareHub;
 pub use kinds::ShareKind;
-pub use target::{ShareFormat, ShareTarget};
+pub use target::{ShareFormat, ShareLink, ShareTarget};
 
 use std::io;
 use std::net::SocketAddr;
 
 use crate::message::escape;
+use crate::network::NetworkError;
+use crate::network::zenoh::ZenohError;
 
 /// The reason why a hand cannot be shared.
 #[derive(Debug, thiserror::Error)]
@@ -70,6 +72,12 @@ pub enum ShareError {
         /// The cause.
         error: io::Error,
     },
+    /// Clients of other machines cannot be admitted.
+    #[error(transparent)]
+    Network(#[from] NetworkError),
+    /// The router of zenoh cannot be used.
+    #[error(transparent)]
+    Zenoh(#[from] ZenohError),
     /// A thread cannot be started.
     #[error("{0}")]
     NoThread(String),

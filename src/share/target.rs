@@ -1,15 +1,19 @@
-//! The targets of a session as users name them: `text-line:127.0.0.1:10002`.
+//! The targets of a session as users name them: `text-line:127.0.0.1:10002`, `text-line+tls:192.168.1.7:10002`,
+//! `text-line+zenoh:lab/desk-3/right`.
 
 use std::fmt;
 use std::net::SocketAddr;
 use std::str::FromStr;
 
+use arrayvec::ArrayString;
 use serde::{Deserialize, Serialize};
 
 use super::ShareError;
 use super::kinds::LineKind;
 use crate::message::escape;
 use crate::names::{UnknownName, named_enum};
+use crate::network::check_listen_address;
+use crate::network::zenoh::{DEFAULT_ROUTER, MAX_KEY_BYTES, check_key, parse_router};
 
 named_enum! {
     /// The form in which a hand is shared.
@@ -63,13 +67,26 @@ impl ShareFormat {
     }
 }
 
+/// The connection between the program and those that receive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShareLink {
+    /// TCP or UDP on this machine.
+    Plain,
+    /// TCP with TLS, for clients with a token.
+    Tls,
+    /// The key of a router of zenoh on this machine.
+    Zenoh(ArrayString<MAX_KEY_BYTES>),
+}
+
 /// A format, and the address that is listened at or sent to: `text-line:127.0.0.1:10002`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct ShareTarget {
     /// The form of what is sent.
     pub format: ShareFormat,
-    /// The loopback address and the port; port 0 is any free one at which a server listens.
+    /// The way in which it is sent.
+    pub link: ShareLink,
+    /// The address and the port; port 0 is any free one at which a server listens. For zenoh, the router.
     pub address: SocketAddr,
 }
 
@@ -77,41 +94,86 @@ impl FromStr for ShareTarget {
     type Err = ShareError;
 
     fn from_str(text: &str) -> Result<Self, ShareError> {
-        let invalid = |reason: String| ShareError::InvalidTarget {
+        parse(text).map_err(|reason| ShareError::InvalidTarget {
             text: text.to_owned(),
             reason,
-        };
-        let Some((format, address)) = text.split_once(':') else {
-            let example = "write a format and an address: `text-line:127.0.0.1:10002`";
-            return Err(invalid(example.into()));
-        };
-        let format: ShareFormat = format.parse().map_err(|error: UnknownName| {
-            let names: Vec<_> = ShareFormat::ALL.iter().map(|it| it.name()).collect();
-            invalid(format!("{error} (available: {})", names.join(", ")))
-        })?;
-        let address: SocketAddr = address.parse().map_err(|_| {
-            invalid(format!(
-                "`{}` is not an address and a port, such as 127.0.0.1:10002",
-                escape(address)
-            ))
-        })?;
-        if !address.ip().is_loopback() {
-            return Err(invalid(
-                "only programs on this machine may connect; use 127.0.0.1 or [::1], and `ssh -L` from another machine".into(),
-            ));
-        }
-        if format.is_datagram() && address.port() == 0 {
-            return Err(invalid(format!(
-                "`{format}` is sent to a port; write that of the receiver"
-            )));
-        }
-        Ok(Self { format, address })
+        })
     }
+}
+
+fn parse(text: &str) -> Result<ShareTarget, String> {
+    let Some((form, address)) = text.split_once(':') else {
+        return Err("write a format and an address: `text-line:127.0.0.1:10002`".into());
+    };
+    let (format, link) = match form.split_once('+') {
+        Some((format, link)) => (format, Some(link)),
+        // A key of zenoh is that of one hand, and the text line is the form that a source reads.
+        None if form == "zenoh" => (ShareFormat::TextLine.name(), Some(form)),
+        None => (form, None),
+    };
+    let format: ShareFormat = format.parse().map_err(|error: UnknownName| {
+        let names: Vec<_> = ShareFormat::ALL.iter().map(|it| it.name()).collect();
+        format!("{error} (available: {})", names.join(", "))
+    })?;
+    if link.is_some() && format.plain_kind().is_none() {
+        return Err(format!(
+            "`{format}` is for programs on this machine only; use an SSH tunnel, or share `text-line`, `angles` or `pose`"
+        ));
+    }
+    match link {
+        None => parse_address(format, ShareLink::Plain, address),
+        Some("tls") => parse_address(format, ShareLink::Tls, address),
+        Some("zenoh") => parse_key(format, address),
+        Some(link) => Err(format!(
+            "`+{}` is unknown: write `+tls` for clients with a token, or `+zenoh` for the key of a router",
+            escape(link)
+        )),
+    }
+}
+
+fn parse_address(format: ShareFormat, link: ShareLink, text: &str) -> Result<ShareTarget, String> {
+    let address: SocketAddr = text.parse().map_err(|_| {
+        format!(
+            "`{}` is not an address and a port, such as 127.0.0.1:10002",
+            escape(text)
+        )
+    })?;
+    check_listen_address(address, link == ShareLink::Tls)?;
+    if format.is_datagram() && address.port() == 0 {
+        return Err(format!(
+            "`{format}` is sent to a port; write that of the receiver"
+        ));
+    }
+    Ok(ShareTarget {
+        format,
+        link,
+        address,
+    })
+}
+
+fn parse_key(format: ShareFormat, text: &str) -> Result<ShareTarget, String> {
+    let (key, router) = match text.split_once("?router=") {
+        Some((key, router)) => (key, parse_router(router)?),
+        None => (text, DEFAULT_ROUTER),
+    };
+    check_key(key)?;
+    let key = ArrayString::from(key).map_err(|error| error.to_string())?;
+    Ok(ShareTarget {
+        format,
+        link: ShareLink::Zenoh(key),
+        address: router,
+    })
 }
 
 impl fmt::Display for ShareTarget {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}", self.format, self.address)
+        let (format, address) = (self.format, self.address);
+        match &self.link {
+            ShareLink::Plain => write!(f, "{format}:{address}"),
+            ShareLink::Tls => write!(f, "{format}+tls:{address}"),
+            ShareLink::Zenoh(key) if address == DEFAULT_ROUTER => write!(f, "{format}+zenoh:{key}"),
+            ShareLink::Zenoh(key) => write!(f, "{format}+zenoh:{key}?router={address}"),
+        }
     }
 }
 
@@ -144,6 +206,10 @@ mod tests {
             "web:127.0.0.1:8080",
             "vmc:127.0.0.1:39539",
             "opentrack:[::1]:4242",
+            "text-line+tls:127.0.0.1:0",
+            "pose+tls:192.0.2.2:10002",
+            "angles+zenoh:lab/desk-3/right",
+            "text-line+zenoh:lab/left?router=127.0.0.1:7448",
         ] {
             assert_eq!(text.parse::<ShareTarget>().unwrap().to_string(), text);
         }
@@ -152,9 +218,18 @@ mod tests {
         let unknown = error("text-lnie:127.0.0.1:1");
         assert!(unknown.contains("did you mean `text-line`?"), "{unknown}");
         assert!(error("pose:localhost:1").contains("not an address and a port"));
-        for remote in ["pose:0.0.0.0:1", "vmc:192.168.1.2:1", "pose:[::]:1"] {
+        for remote in ["pose:192.0.2.2:1", "vmc:192.168.1.2:1", "pose:[fd00::2]:1"] {
             assert!(error(remote).contains("ssh -L"), "{remote}");
         }
+        for any in ["pose:0.0.0.0:1", "pose+tls:0.0.0.0:1", "pose+tls:[::]:1"] {
+            assert!(error(any).contains("every network"), "{any}");
+        }
+        assert!(error("vmc+tls:192.0.2.2:1").contains("SSH tunnel"));
+        assert!(error("pose+ssl:192.0.2.2:1").contains("`+tls`"));
+        assert!(error("zenoh:lab/**").contains("without wildcards"));
+        assert!(error("zenoh:lab?router=192.0.2.2:7447").contains("with TLS"));
+        let short: ShareTarget = "zenoh:lab/right".parse().unwrap();
+        assert_eq!(short.to_string(), "text-line+zenoh:lab/right");
         assert!(error("vmc:127.0.0.1:0").contains("that of the receiver"));
     }
 }

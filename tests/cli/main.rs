@@ -22,6 +22,8 @@ mod idle;
 mod log_options;
 mod lucidgloves;
 mod markers;
+#[cfg(all(unix, feature = "tls"))]
+mod network;
 mod pictures;
 #[cfg(target_os = "linux")]
 mod process_limits;
@@ -41,6 +43,8 @@ mod two_sources;
 mod view;
 mod writes;
 mod wrong_use;
+#[cfg(all(unix, feature = "zenoh"))]
+mod zenoh;
 
 use std::ffi::OsStr;
 use std::io::Write;

@@ -10,8 +10,10 @@ mod tcp_tls;
 mod udp;
 mod usb_port;
 pub(crate) mod websocket;
+mod zenoh;
 
 use std::fmt;
+use std::net::SocketAddr;
 use std::num::NonZeroU32;
 use std::time::Duration;
 
@@ -27,6 +29,7 @@ pub const TRANSPORTS: &[&Transport] = &[
     &tcp_tls::TRANSPORT,
     &udp::TRANSPORT,
     &websocket::TRANSPORT,
+    &zenoh::TRANSPORT,
     &file::TRANSPORT,
     &stdin::TRANSPORT,
 ];
@@ -90,13 +93,15 @@ pub struct StreamUri {
     pub origin: Option<String>,
     /// File with the token for the server: a path, or a name in the network folder.
     pub token_file: Option<String>,
+    /// Router of zenoh, if another one than the default.
+    pub router: Option<SocketAddr>,
 }
 
 /// Longest delay of a source.
 pub const MAX_DELAY: Duration = Duration::from_millis(500);
 
 impl StreamUri {
-    /// Creates a URI of a source without a delay, a page and a token.
+    /// Creates a URI of a source without a delay and without what only some transports have.
     pub(super) fn new(
         transport: &'static Transport,
         address: String,
@@ -109,6 +114,7 @@ impl StreamUri {
             delay: Duration::ZERO,
             origin: None,
             token_file: None,
+            router: None,
         }
     }
 }
@@ -123,8 +129,11 @@ impl fmt::Display for StreamUri {
         if let Some(origin) = &self.origin {
             write!(f, "&origin={origin}")?;
         }
-        match &self.token_file {
-            Some(file) => write!(f, "&token_file={file}"),
+        if let Some(file) = &self.token_file {
+            write!(f, "&token_file={file}")?;
+        }
+        match &self.router {
+            Some(router) => write!(f, "&router={router}"),
             None => Ok(()),
         }
     }

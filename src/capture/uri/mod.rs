@@ -1,6 +1,7 @@
 //! Source URIs: `serial:/dev/ttyUSB0?protocol=hc11&baud=115200`.
 
 use std::fmt;
+use std::net::SocketAddr;
 use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -13,6 +14,7 @@ use super::transport::{MAX_DELAY, Scheme, StreamUri, TRANSPORTS, Transport};
 use super::{CaptureError, PositionNoise};
 use crate::hand::Side;
 use crate::names::{UnknownName, nearest};
+use crate::network::zenoh::parse_router;
 
 /// Origin of readings.
 ///
@@ -24,12 +26,13 @@ use crate::names::{UnknownName, nearest};
 /// | `udp:ADDRESS:PORT[?OPTIONS]` | datagrams from this machine: `udp:127.0.0.1:9000` |
 /// | `file:PATH[?OPTIONS]` | bytes of a stream in a file |
 /// | `ws:ADDRESS:PORT[?OPTIONS]` | WebSocket server on this machine: `ws:127.0.0.1:9001` |
+/// | `zenoh:KEY[?OPTIONS]` | key of a zenoh router on this machine: `zenoh:lab/desk-3/right` |
 /// | `stdin:[?OPTIONS]` | bytes of a stream on the standard input |
 /// | `recording:PATH` | recording made by `ademan record` |
 /// | `typist:TEXT` | simulated hand that types the text |
 /// | `script:FILE` | simulated hand that plays a script file or the script itself |
 ///
-/// Sources on the network (`tcp:`, `tcp+tls:`, `udp:`, `ws:`) press keys only with `role: Both` or `role: Keys` in the setup, or
+/// Sources on the network (`tcp:`, `tcp+tls:`, `udp:`, `ws:`, `zenoh:`) press keys only with `role: Both` or `role: Keys` in the setup, or
 /// with a token that grants it.
 ///
 /// Options are `key=value` pairs joined by `&`: `protocol` (see [`PROTOCOLS`]), `baud` (bits per second of the serial
@@ -257,6 +260,7 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
         delay,
         origin,
         token_file,
+        router,
     } = parse_options(options, Some(transport))?;
     if transport.needs_token && token_file.is_none() {
         return Err(format!(
@@ -277,6 +281,7 @@ fn parse_stream(transport: &'static Transport, rest: &str) -> Result<StreamUri, 
         delay,
         origin,
         token_file,
+        router,
         ..StreamUri::new(transport, address.to_owned(), format)
     })
 }
@@ -299,6 +304,7 @@ struct ParsedOptions {
     delay: Duration,
     origin: Option<String>,
     token_file: Option<String>,
+    router: Option<SocketAddr>,
 }
 
 /// Reads the options of a stream; `None` is that of a simulated person, which no transport delays.
@@ -312,23 +318,28 @@ fn parse_options(options: &str, transport: Option<&Transport>) -> Result<ParsedO
             return Err(format!("option `{key}` is given twice"));
         }
     }
+    let scheme = transport.map_or("", |transport| transport.scheme.name);
+    let needs_token = transport.is_some_and(|transport| transport.needs_token);
     let protocol = match pairs.iter().find(|(key, _)| *key == "protocol") {
         Some((_, name)) => find_protocol(name)?,
+        // The text line is the form in which a hand is shared.
+        None if scheme == "zenoh" => find_protocol("text-line")?,
         None => PROTOCOLS[0],
     };
     let mut format = StreamFormat::new(protocol);
     format.baud = format
         .baud
         .or(transport.and_then(|transport| transport.default_baud));
-    let has = |is: fn(&Transport) -> bool| transport.is_some_and(is);
-    let (mut delay, mut origin, mut token_file) = (Duration::ZERO, None, None);
+    let (mut delay, mut origin) = (Duration::ZERO, None);
+    let (mut token_file, mut router) = (None, None);
     for (key, value) in pairs {
         match key {
             "protocol" => {}
             "baud" => format.baud = Some(parse_baud(value)?),
             "delay_ms" if transport.is_some() => delay = parse_delay(value)?,
-            "origin" if has(|it| it.scheme.name == "ws") => origin = Some(parse_origin(value)?),
-            "token_file" if has(|it| it.needs_token) => token_file = Some(parse_token_file(value)?),
+            "origin" if scheme == "ws" => origin = Some(parse_origin(value)?),
+            "token_file" if needs_token => token_file = Some(parse_token_file(value)?),
+            "router" if scheme == "zenoh" => router = Some(parse_router(value)?),
             _ => set_option(&mut format, key, value)?,
         }
     }
@@ -337,6 +348,7 @@ fn parse_options(options: &str, transport: Option<&Transport>) -> Result<ParsedO
         delay,
         origin,
         token_file,
+        router,
     })
 }
 

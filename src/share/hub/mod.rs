@@ -9,14 +9,16 @@ use crossbeam_channel::{Sender, bounded};
 use crate::advice;
 use crate::hand::Side;
 use crate::layout::Layout;
+use crate::network::zenoh::Publisher;
+use crate::network::{Gatekeeper, network_folder};
 use crate::pipeline::Pipeline;
 use crate::share::broadcast::Broadcast;
 use crate::share::datagrams::DatagramSender;
 use crate::share::lines::LineEncoder;
-use crate::share::listener::Listener;
+use crate::share::listener::{Connection, Listener};
 use crate::share::scene::SceneState;
 use crate::share::step::SharedStep;
-use crate::share::{ShareError, ShareTarget};
+use crate::share::{ShareError, ShareLink, ShareTarget};
 use crate::snapshot::Snapshot;
 
 /// Steps that wait for the thread.
@@ -68,7 +70,19 @@ impl ShareHub {
                 senders.push(DatagramSender::open(target, first)?);
                 continue;
             }
-            let listener = Listener::start(servers.len(), target.address, connections.clone())?;
+            let server = servers.len();
+            let keeper = match &target.link {
+                ShareLink::Plain => None,
+                ShareLink::Tls => Some(Gatekeeper::open(&network_folder()?)?),
+                ShareLink::Zenoh(key) => {
+                    let stream = Box::new(Publisher::open(target.address, key)?);
+                    let _ = connections.try_send(Connection { server, stream });
+                    servers.push(*target);
+                    continue;
+                }
+            };
+            let connections = connections.clone();
+            let listener = Listener::start(server, target.address, keeper, connections)?;
             target.address = listener.address();
             servers.push(*target);
             hub._listeners.push(listener);

@@ -1,0 +1,295 @@
+//! Hands shared beyond this machine: TLS, tokens and roles, with `openssl` as a peer that others wrote.
+
+use std::fs::{self, Permissions};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{IpAddr, UdpSocket};
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+
+use tempfile::TempDir;
+
+use crate::support::process::{Process, signal};
+use crate::text_line::pressed_keys;
+
+/// The settings of one machine.
+struct Machine(TempDir);
+
+impl Machine {
+    fn new() -> Self {
+        Self(tempfile::tempdir().expect("a folder"))
+    }
+
+    fn ademan(&self, arguments: &[&str]) -> Command {
+        let mut command = crate::ademan(arguments);
+        command.env("XDG_CONFIG_HOME", self.0.path());
+        command
+    }
+
+    fn run(&self, arguments: &[&str]) -> Output {
+        self.ademan(arguments).output().expect("the program starts")
+    }
+
+    fn network(&self) -> PathBuf {
+        self.0.path().join("ademan/network")
+    }
+
+    /// Makes a token and returns its file.
+    fn token(&self, name: &str, role: &str) -> PathBuf {
+        let made = self.run(&["token", "new", name, "--role", role]);
+        assert!(made.status.success(), "{made:?}");
+        self.network().join(format!("{name}.token"))
+    }
+
+    /// Starts a hand that types and shares. Returns it, its messages and its port.
+    fn share(&self, text: &str, target: &str) -> Shared {
+        let source = format!("typist:{text}");
+        let run = ["run", "--control", "off", "--output", "none"];
+        let mut command = self.ademan(&run);
+        command.args(["--source", &source, "--share", target]);
+        command.stderr(Stdio::piped());
+        let mut process = Process::start(&mut command).expect("the program starts");
+        let mut messages = BufReader::new(process.0.stderr.take().expect("it is piped"));
+        let mut text = String::new();
+        let target = loop {
+            let start = text.len();
+            let length = messages.read_line(&mut text).expect("UTF-8");
+            assert!(length > 0, "{text}");
+            let shared = text[start..].strip_prefix("sharing ");
+            if let Some((target, _)) = shared.and_then(|line| line.split_once(": ")) {
+                break target.to_owned();
+            }
+        };
+        let (_, address) = target.split_once(':').expect("a format");
+        Shared {
+            process,
+            address: address.into(),
+        }
+    }
+}
+
+struct Shared {
+    process: Process,
+    address: String,
+}
+
+/// Returns the value of a line of a token file.
+fn value(token_file: &Path, key: &str) -> String {
+    let text = fs::read_to_string(token_file).expect("a token file");
+    let line = text.lines().find_map(|line| line.strip_prefix(key));
+    line.expect("the line").trim().to_owned()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Returns an address of this machine that others can connect to, or the loopback address if it has none.
+fn own_address() -> IpAddr {
+    // Nothing is sent: the system only chooses the address that it would send from.
+    let chosen = UdpSocket::bind("0.0.0.0:0").and_then(|socket| {
+        socket.connect("192.0.2.200:9")?;
+        socket.local_addr()
+    });
+    match chosen {
+        Ok(address) => address.ip(),
+        Err(_) => {
+            println!("this machine has no network, so the loopback address stands for one");
+            IpAddr::from([127, 0, 0, 1])
+        }
+    }
+}
+
+/// Runs `openssl s_client` with this input. `None` if it is not installed.
+fn s_client(address: &str, options: &[&str], input: &str) -> Option<Process> {
+    let mut command = Command::new("openssl");
+    command
+        .args(["s_client", "-quiet", "-connect", address])
+        .args(options);
+    command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
+    let Ok(mut process) = Process::start(&mut command) else {
+        println!("SKIPPED: openssl is not installed");
+        return None;
+    };
+    let stdin = process.0.stdin.as_mut().expect("it is piped");
+    let _ = stdin.write_all(input.as_bytes());
+    Some(process)
+}
+
+/// Returns the first lines that a process writes.
+fn lines(process: &mut Process, count: usize) -> Vec<String> {
+    let stdout = process.0.stdout.take().expect("it is piped");
+    let lines = BufReader::new(stdout).lines().map_while(Result::ok);
+    lines.take(count).collect()
+}
+
+#[test]
+fn a_hand_of_one_machine_types_on_another_with_the_role_of_its_token_and_no_token_is_printed() {
+    let (capture, desk) = (Machine::new(), Machine::new());
+    let token_file = capture.token("desk", "type");
+    let secret = value(&token_file, "secret");
+    let typed_text = "hola hola hola hola hola";
+    let target = format!("text-line+tls:{}:0", own_address());
+    let mut shared = capture.share(typed_text, &target);
+    fs::create_dir_all(desk.network()).expect("a folder");
+    fs::rename(&token_file, desk.network().join("desk.token")).expect("the same disk");
+    // Connects and reads nothing: neither the hand nor the other client waits for it.
+    let stopped = s_client(&shared.address, &[], &format!("token {secret}\n"));
+    if let Some(stopped) = &stopped {
+        signal("STOP", stopped.0.id());
+    }
+    let source = format!(
+        "tcp+tls:{}?protocol=text-line&token_file=desk.token",
+        shared.address
+    );
+    let recording = desk.0.path().join("typed.mcap");
+    let mut command = desk.ademan(&["run", "--control", "off", "--armed", "-vv"]);
+    command
+        .arg("--record")
+        .arg(&recording)
+        .args(["--source", &source]);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut second = Process::start(&mut command).expect("the program starts");
+    let arguments = fs::read(format!("/proc/{}/cmdline", second.0.id())).expect("it runs");
+    assert!(shared.process.0.wait().expect("a child process").success());
+    signal("TERM", second.0.id());
+    let (mut transcript, mut messages) = (String::new(), String::new());
+    let mut stdout = second.0.stdout.take().expect("it is piped");
+    stdout.read_to_string(&mut transcript).expect("UTF-8");
+    let mut stderr = second.0.stderr.take().expect("it is piped");
+    stderr.read_to_string(&mut messages).expect("UTF-8");
+    let typed = pressed_keys(&transcript).concat().replace("Space", " ");
+    assert!(typed.len() >= 5, "{typed}\n{messages}");
+    assert!(typed_text.to_uppercase().ends_with(&typed), "{typed}");
+    let recorded = fs::read(&recording).expect("a recording");
+    let bytes = [
+        arguments,
+        recorded,
+        messages.into_bytes(),
+        transcript.into_bytes(),
+    ]
+    .concat();
+    assert!(!text(&bytes).contains(&secret[..8]), "the token is printed");
+}
+
+#[test]
+fn openssl_receives_lines_with_a_token_and_nothing_without_one() {
+    let machine = Machine::new();
+    let token_file = machine.token("screen", "see");
+    let secret = value(&token_file, "secret");
+    let long = "hola ".repeat(60);
+    let shared = machine.share(&long, &format!("pose+tls:{}:0", own_address()));
+    let hello = format!("token {secret}\n");
+    let Some(mut client) = s_client(&shared.address, &["-tls1_3"], &hello) else {
+        return;
+    };
+    let received = lines(&mut client, 3);
+    assert_eq!(received[0], "ok");
+    let line: serde_json::Value = serde_json::from_str(&received[1]).expect("JSON");
+    assert!(line["positions"].is_object(), "{line}");
+
+    let wrong = format!("token {}\n", "0".repeat(64));
+    let request = format!(
+        "GET / HTTP/1.1\r\nHost: {}\r\nOrigin: https://attacker.example\r\n\r\n",
+        shared.address
+    );
+    for refused in [&wrong, &request] {
+        let mut client = s_client(&shared.address, &["-tls1_3"], refused).expect("openssl");
+        assert_eq!(lines(&mut client, 2), ["refused"], "{refused}");
+    }
+    let mut old = s_client(&shared.address, &["-tls1_2"], &hello).expect("openssl");
+    assert_eq!(lines(&mut old, 1), [""; 0], "only TLS 1.3");
+    // Says nothing, and is closed.
+    let mut silent = s_client(&shared.address, &["-tls1_3"], "").expect("openssl");
+    assert_eq!(lines(&mut silent, 1), [""; 0]);
+
+    let certificate = machine.network().join("certificate.pem");
+    let mut command = Command::new("openssl");
+    command
+        .args(["x509", "-noout", "-fingerprint", "-sha256", "-in"])
+        .arg(&certificate);
+    let printed = text(&command.output().expect("openssl").stdout);
+    let (_, printed) = printed.trim().split_once('=').expect("a fingerprint");
+    let fingerprint = printed.replace(':', "").to_lowercase();
+    assert_eq!(fingerprint, value(&token_file, "server"));
+}
+
+#[test]
+fn servers_without_tls_a_token_or_an_address_of_one_network_do_not_start() {
+    let machine = Machine::new();
+    let own = own_address();
+    let refused = |target: &str, remedy: &str| {
+        let output = machine.run(&["run", "--source", "typist:a", "--share", target]);
+        let error = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{target}: {error}");
+        assert!(error.contains(remedy), "{target}: {error}");
+    };
+    if !own.is_loopback() {
+        refused(&format!("pose:{own}:0"), "`+tls`");
+    }
+    refused("pose+tls:0.0.0.0:0", "name the address of one");
+    refused(
+        &format!("pose+tls:{own}:0"),
+        "ademan token new NAME --role see",
+    );
+    machine.token("screen", "see");
+    let tokens = machine.network().join("tokens");
+    fs::set_permissions(&tokens, Permissions::from_mode(0o644)).expect("an own file");
+    refused(&format!("pose+tls:{own}:0"), "chmod 600");
+}
+
+#[test]
+fn a_source_has_no_more_than_the_role_of_its_token() {
+    let machine = Machine::new();
+    let see = machine.token("screen", "see");
+    let point = machine.token("mouse", "point");
+    let source = |file: &Path| {
+        format!(
+            "tcp+tls:127.0.0.1:1?protocol=text-line&token_file={}",
+            file.display()
+        )
+    };
+    let run = |source: &str| {
+        text(
+            &machine
+                .run(&["run", "--control", "off", "--source", source])
+                .stderr,
+        )
+    };
+    assert!(run(&source(&see)).contains("only permits to see"));
+    let pointing = run(&source(&point));
+    assert!(
+        pointing.contains("cannot open tcp+tls:127.0.0.1:1"),
+        "{pointing}"
+    );
+    fs::set_permissions(&point, Permissions::from_mode(0o640)).expect("an own file");
+    assert!(run(&source(&point)).contains("chmod 600"));
+    let secret = value(&see, "secret");
+    let on_the_command_line = run(&source(Path::new(&secret)));
+    assert!(
+        on_the_command_line.contains("revoke it"),
+        "{on_the_command_line}"
+    );
+}
+
+#[test]
+fn tokens_are_listed_without_their_secrets_and_revoked() {
+    let machine = Machine::new();
+    let secret = value(&machine.token("desk", "type"), "secret");
+    machine.token("screen", "see");
+    let listed = text(&machine.run(&["token", "list"]).stdout);
+    assert!(
+        listed.contains("desk") && listed.contains("type"),
+        "{listed}"
+    );
+    assert!(!listed.contains(&secret[..8]), "{listed}");
+    assert!(machine.run(&["token", "revoke", "desk"]).status.success());
+    let listed = text(&machine.run(&["token", "list"]).stdout);
+    assert_eq!(listed.lines().count(), 1, "{listed}");
+    let again = machine.run(&["token", "revoke", "desk"]);
+    assert_eq!(again.status.code(), Some(2));
+    assert!(text(&again.stderr).contains("ademan token list"));
+}
