@@ -27,13 +27,15 @@ const fn requirement(number: usize, name: &'static str, status: Status) -> Requi
     }
 }
 
-const NO_NETWORK_INPUT: &str =
-    "no input is received from a network, except from the address that the user names";
+const GATEKEEPER_TESTS: &str = "src/network/secure/gatekeeper/tests.rs";
+const TOKEN_TESTS: &str = "src/network/secure/tokens/tests.rs";
+const FAILED_TRIES: &str = "src/network/secure/failed_tries.rs";
+const NETWORK_TESTS: &str = "tests/cli/network.rs";
 
 pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         1,
-        "nothing listens beyond this machine",
+        "nothing listens beyond this machine without TLS and a token",
         Status::Met(&[
             (
                 "tests/cli/security/sockets.rs",
@@ -47,23 +49,61 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "tests/cli/share.rs",
                 "an_address_that_others_can_reach_is_refused",
             ),
+            (
+                "src/network/address.rs",
+                "other_machines_need_tls_and_an_address_of_one_network",
+            ),
+            (
+                NETWORK_TESTS,
+                "servers_without_tls_a_token_or_an_address_of_one_network_do_not_start",
+            ),
         ]),
     ),
     requirement(
         2,
         "senders of input authenticate themselves",
-        Status::NotApplicable(NO_NETWORK_INPUT),
+        Status::Partly(
+            &[
+                (
+                    GATEKEEPER_TESTS,
+                    "a_server_with_another_certificate_receives_no_token",
+                ),
+                (
+                    GATEKEEPER_TESTS,
+                    "a_thousand_wrong_tokens_are_five_checks_and_another_address_is_served",
+                ),
+                (
+                    GATEKEEPER_TESTS,
+                    "what_a_client_has_sent_admits_no_one_who_sends_it_again",
+                ),
+            ],
+            "a serial converter (`tcp:`) cannot, and the routers of zenoh decide who may publish; both only point by default",
+        ),
     ),
     requirement(
         3,
         "datagrams are signed and numbered",
-        Status::NotApplicable(NO_NETWORK_INPUT),
+        Status::NotApplicable("no datagrams of other machines are received"),
     ),
     requirement(
         4,
         "what leaves the machine is encrypted",
-        Status::NotApplicable(
-            "nothing leaves it; a serial converter (`tcp:`) sends in clear text, its only mode",
+        Status::Partly(
+            &[
+                (
+                    GATEKEEPER_TESTS,
+                    "what_a_client_has_sent_admits_no_one_who_sends_it_again",
+                ),
+                (
+                    NETWORK_TESTS,
+                    "openssl_receives_lines_with_a_token_and_nothing_without_one",
+                ),
+                (
+                    "src/network/zenoh/mod.rs",
+                    "a_router_is_one_of_this_machine",
+                ),
+            ],
+            "a serial converter (`tcp:`) sends in clear text, its only mode",
         ),
     ),
     requirement(
@@ -81,6 +121,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
             (
                 "tests/capture/websocket.rs",
                 "other_addresses_and_origins_are_refused_with_a_remedy",
+            ),
+            (
+                NETWORK_TESTS,
+                "openssl_receives_lines_with_a_token_and_nothing_without_one",
             ),
         ]),
     ),
@@ -134,6 +178,14 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "tests/cli/roles.rs",
                 "a_source_on_the_network_types_with_a_role_that_allows_it",
             ),
+            (
+                NETWORK_TESTS,
+                "a_source_has_no_more_than_the_role_of_its_token",
+            ),
+            (
+                NETWORK_TESTS,
+                "a_hand_of_one_machine_types_on_another_with_the_role_of_its_token_and_no_token_is_printed",
+            ),
         ]),
     ),
     requirement(
@@ -179,9 +231,28 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         10,
         "guessing a secret is slow",
-        Status::NotApplicable(
-            "there is no secret; the kernel identifies the user of the control socket",
-        ),
+        Status::Met(&[
+            (
+                GATEKEEPER_TESTS,
+                "a_thousand_wrong_tokens_are_five_checks_and_another_address_is_served",
+            ),
+            (
+                GATEKEEPER_TESTS,
+                "silent_clients_are_closed_and_take_no_place_of_another_address",
+            ),
+            (
+                FAILED_TRIES,
+                "an_address_has_five_tries_and_then_a_growing_pause",
+            ),
+            (
+                FAILED_TRIES,
+                "ten_thousand_addresses_take_the_memory_of_a_thousand_and_end_no_long_pause",
+            ),
+            (
+                FAILED_TRIES,
+                "a_machine_has_one_pause_for_all_addresses_that_it_can_choose",
+            ),
+        ]),
     ),
     requirement(
         11,
@@ -322,7 +393,21 @@ pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
         19,
         "files with secrets are private",
-        Status::NotApplicable("there are no secrets"),
+        Status::Met(&[
+            (TOKEN_TESTS, "files_that_others_can_read_are_refused"),
+            (
+                TOKEN_TESTS,
+                "a_token_is_made_once_listed_without_its_secret_and_revoked",
+            ),
+            (
+                "src/network/secure/token.rs",
+                "tokens_differ_and_are_not_printed",
+            ),
+            (
+                GATEKEEPER_TESTS,
+                "a_client_with_a_token_receives_data_with_its_role_until_the_token_is_revoked",
+            ),
+        ]),
     ),
     requirement(
         20,
