@@ -41,7 +41,8 @@ pub struct Args {
     #[arg(long, value_name = "FILE")]
     record_bvh: Option<PathBuf>,
     /// Share the hand with programs on this machine: a page for a browser with `web:127.0.0.1:8080`; `json`, `ws`,
-    /// `text-line`, `angles`, `pose`, `vmc` or `opentrack` in the same way. May be given several times
+    /// `text-line`, `angles`, `pose`, `vmc` or `opentrack` in the same way. With other machines: `text-line+tls:192.168.1.7:10002`
+    /// (see `ademan token`) or `zenoh:KEY`. May be given several times
     #[arg(long, value_name = "FORMAT:ADDRESS:PORT")]
     share: Vec<ShareTarget>,
     /// Wait for a device that is not connected yet
