@@ -97,7 +97,7 @@ fn an_address_that_others_can_reach_is_refused() {
     let remote = share("text-line:0.0.0.0:10002");
     assert_eq!(remote.code, Some(2), "{}", remote.err);
     assert!(
-        remote.err.contains("only programs on this machine"),
+        remote.err.contains("every network of the machine"),
         "{}",
         remote.err
     );
