@@ -12,13 +12,14 @@ use std::path::{Path, PathBuf};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{McapError, WriteOptions, Writer};
 
+use crate::capture::Reading;
 use crate::capture::recording::{
     FORMAT_RECORD, FORMAT_VERSION, MAX_RECORD_BYTES, MESSAGE_ENCODING, RecordedSetup, SETUP_RECORD,
 };
 use crate::files::{self, FileError};
 use crate::snapshot::Snapshot;
 use crate::time::Timestamp;
-use crate::trace::Stage;
+use crate::trace::{Stage, reading_json};
 
 /// Library name in the header of the file.
 const LIBRARY: &str = concat!("ademan ", env!("CARGO_PKG_VERSION"));
@@ -102,6 +103,15 @@ impl Recorder {
         outcome.map_err(|error| self.write_error(error))
     }
 
+    /// Writes a reading without results of the other stages.
+    pub fn write_reading(&mut self, reading: &Reading) -> Result<(), RecordError> {
+        let outcome = self.write_readings_message(reading);
+        if outcome.is_err() {
+            self.abandon();
+        }
+        outcome.map_err(|error| self.write_error(error))
+    }
+
     /// Completes the file.
     pub fn finish(mut self) -> Result<(), RecordError> {
         let Some(mut writer) = self.writer.take() else {
@@ -124,6 +134,15 @@ impl Recorder {
                 writer.write_to_known_channel(&header, json)
             })?;
         }
+        writer.flush()
+    }
+
+    fn write_readings_message(&mut self, reading: &Reading) -> Result<(), McapError> {
+        let Some(writer) = &mut self.writer else {
+            return Err(McapError::AttemptedWriteAfterFailure);
+        };
+        let header = self.channels[Stage::Readings.index()].header(reading.time);
+        writer.write_to_known_channel(&header, reading_json(reading, &mut self.buffer))?;
         writer.flush()
     }
 

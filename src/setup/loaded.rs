@@ -224,6 +224,13 @@ impl LoadedSetup {
         Ok(())
     }
 
+    /// Returns the glove file of the first hand, or `None` if its source needs none.
+    pub fn glove_document(&self) -> Option<&Document> {
+        let mut documents = self.documents.iter();
+        let glove = documents.find(|(kind, _)| kind == kind::GLOVE);
+        glove.map(|(_, document)| document)
+    }
+
     /// Returns the run-time instance of a layout that is, or replaces, one of this setup.
     pub fn layout_instance(&self, layout: &Layout) -> Result<LayoutInstance, SetupError> {
         self.check_layout(layout)?;

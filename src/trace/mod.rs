@@ -21,7 +21,7 @@ pub mod signal;
 
 use serde::{Serialize, Serializer};
 
-use crate::capture::recording;
+use crate::capture::{Reading, recording};
 use crate::command::Command;
 use crate::contact::{Phase, TargetName, TargetNames, Touch};
 use crate::device::{Axis, EventKind, KeyCode, OutputEvent, TimedCommand};
@@ -99,7 +99,7 @@ impl Stage {
             Self::Readings => snapshot
                 .reading
                 .iter()
-                .try_for_each(|reading| write(reading.time, json(reading, buffer))),
+                .try_for_each(|reading| write(reading.time, reading_json(reading, buffer))),
             Self::Angles => snapshot.angles.iter().zip(&snapshot.pose).try_for_each(
                 |(angles, &HandPose { time, .. })| write(time, angles_json(time, angles, buffer)),
             ),
@@ -125,6 +125,11 @@ impl Stage {
             }
         }
     }
+}
+
+/// Returns the object of [`Stage::Readings`] without a line end. `buffer` is overwritten.
+pub fn reading_json<'a>(reading: &Reading, buffer: &'a mut Vec<u8>) -> &'a [u8] {
+    json(reading, buffer)
 }
 
 /// Returns the object of [`Stage::Angles`] without a line end. `buffer` is overwritten.
@@ -325,7 +330,7 @@ struct CommandJson {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::capture::{Channels, Reading, Sample};
+    use crate::capture::{Channels, Sample};
     use crate::contact::{TargetId, Touches};
     use crate::device::{Events, TimedCommands};
     use crate::hand::{Dof, Joint};

@@ -5,6 +5,7 @@ mod support;
 
 mod body_landmarks;
 mod bvh;
+mod calibrate;
 #[cfg(target_os = "linux")]
 mod completion;
 mod config_folder;

@@ -32,6 +32,7 @@ macro_rules! subcommands {
     };
 }
 
+mod calibrate;
 mod complete;
 mod completions;
 mod ctl;
@@ -101,6 +102,7 @@ subcommands! {
     Run(run),
     Watch(watch),
     Ctl(ctl),
+    Calibrate(calibrate),
     Record(record),
     Replay(replay),
     Export(export),

@@ -37,6 +37,18 @@ pub struct SetupArgs {
 }
 
 impl SetupArgs {
+    /// Creates the flags of a command for one glove.
+    pub fn for_glove(source: Option<SourceUri>, glove: Option<String>) -> Self {
+        Self {
+            source,
+            arm_source: None,
+            role: None,
+            arm_role: None,
+            glove,
+            layout: None,
+        }
+    }
+
     /// Reads a setup file and applies the flags. Without a file, it is `setup.ron` in the configuration folder if there is one.
     pub fn read_setup(self, file: Option<&str>) -> Result<Setup, Failure> {
         let own = files::in_config_folder(OWN_SETUP);

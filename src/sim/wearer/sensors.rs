@@ -190,7 +190,9 @@ impl Sensor {
         let span = ((high - low) / gain.abs() * between(random, GAIN)).min(room);
         let start = if gain > 0.0 { low } else { high };
         let shift = between(random, (-SHIFT, SHIFT)) * full_scale;
-        let bottom = (zero + start / gain + shift).clamp(margin, margin + room - span);
+        // A span of all the room leaves no choice, but for rounding.
+        let highest = (margin + room - span).max(margin);
+        let bottom = (zero + start / gain + shift).clamp(margin, highest);
         Self {
             channel,
             dofs,

@@ -1,6 +1,6 @@
 //! The live view of `run`, `watch` and `demo`, on the screen of a terminal.
 
-mod screen;
+pub mod screen;
 mod watching;
 
 use std::fs;

@@ -4,10 +4,10 @@
 //! Views come from a [`Viewer`] of the session, or through the control socket. A thread draws them, at most 30 times a
 //! second. It never delays a session: the session drops views that the terminal has no time for.
 
-mod look;
+pub mod look;
 mod painter;
 mod picture;
-mod terminal;
+pub mod terminal;
 
 use std::io;
 use std::sync::{Arc, Mutex, PoisonError};

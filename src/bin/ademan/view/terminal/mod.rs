@@ -9,12 +9,12 @@ mod unsupported;
 #[cfg(unix)]
 pub use unix::{
     HAS_LOCALE, Output, check_keys, end_output, is_covered, is_usable, restore, take_over,
-    takeover, write_after,
+    takeover, typed_keys, write_after,
 };
 #[cfg(not(unix))]
 pub use unsupported::{
     HAS_LOCALE, Output, check_keys, end_output, is_covered, is_usable, restore, take_over,
-    takeover, write_after,
+    takeover, typed_keys, write_after,
 };
 
 /// Switches to a screen of its own without a cursor.

@@ -1,8 +1,7 @@
-//! Terminals of Unix systems. Signals come by themselves, and the terminal is never read: a read spins once its window is
-//! closed.
+//! Terminals of Unix systems. Signals come by themselves, and no thread waits for keys: a read spins once its window is closed.
 
 use std::fs::{File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 use std::mem;
 use std::os::unix::fs::OpenOptionsExt;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -112,6 +111,19 @@ pub fn is_covered() -> bool {
 /// Does nothing: signals come by themselves.
 pub fn check_keys() -> io::Result<()> {
     Ok(())
+}
+
+/// Returns the keys that were typed since the last call, without waiting.
+pub fn typed_keys() -> io::Result<Vec<u8>> {
+    let mut keys = [0; 64];
+    let Some(covered) = &mut *lock() else {
+        return Ok(Vec::new());
+    };
+    match covered.terminal.read(&mut keys) {
+        Ok(length) => Ok(keys[..length].to_vec()),
+        Err(error) if error.kind() == io::ErrorKind::WouldBlock => Ok(Vec::new()),
+        Err(error) => Err(error),
+    }
 }
 
 fn lock() -> MutexGuard<'static, Option<Covered>> {

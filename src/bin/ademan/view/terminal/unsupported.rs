@@ -72,6 +72,22 @@ pub fn check_keys() -> io::Result<()> {
     Ok(())
 }
 
+/// Returns the letters that were typed since the last call, without waiting.
+pub fn typed_keys() -> io::Result<Vec<u8>> {
+    let mut keys = Vec::new();
+    while event::poll(Duration::ZERO)? {
+        let event = event::read()?;
+        if is_ctrl_c(&event) {
+            signals::interrupt();
+        } else if let Some(KeyCode::Char(letter)) = event.as_key_press_event().map(|key| key.code)
+            && let Ok(letter) = u8::try_from(letter)
+        {
+            keys.push(letter);
+        }
+    }
+    Ok(keys)
+}
+
 fn is_ctrl_c(event: &Event) -> bool {
     event.as_key_press_event().is_some_and(|key| {
         key.code == KeyCode::Char('c') && key.modifiers.contains(KeyModifiers::CONTROL)

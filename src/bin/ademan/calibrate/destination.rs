@@ -1,0 +1,111 @@
+//! The glove file that a calibration writes. An existing file is replaced only after a question, and kept beside the new one.
+
+use std::fs;
+use std::io::{self, BufRead, IsTerminal, Write};
+use std::iter;
+use std::path::{Path, PathBuf};
+
+use ademan::document::Document;
+use ademan::message::escape;
+
+use crate::failure::Failure;
+use crate::new_file;
+
+/// A file to write.
+pub struct Destination {
+    path: PathBuf,
+    is_forced: bool,
+}
+
+impl Destination {
+    /// Chooses the file: `out`, or else the glove file itself, or a file in the present folder for a glove that comes with the
+    /// program.
+    ///
+    /// # Errors
+    /// Fails if the file exists and the question whether to replace it cannot be asked.
+    pub fn new(out: Option<PathBuf>, glove: &Document, is_forced: bool) -> Result<Self, Failure> {
+        let own = Path::new(&glove.file);
+        let path = match out {
+            Some(path) => new_file::with_extension(&path, "ron"),
+            None if own.is_file() => own.to_owned(),
+            None => PathBuf::from(format!("my-{}.ron", glove_name(own))),
+        };
+        let destination = Self { path, is_forced };
+        if destination.path.exists() && !is_forced && !io::stdin().is_terminal() {
+            return Err(Failure::wrong_use(format!(
+                "{} exists, and there is no terminal to ask in; --force replaces it and keeps the old file as {}",
+                destination.shown(),
+                escape(&destination.backup().to_string_lossy())
+            )));
+        }
+        Ok(destination)
+    }
+
+    /// Returns the path.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes the text, after a question if the file exists. Returns whether it was written.
+    pub fn write(&self, text: &str) -> Result<bool, Failure> {
+        let shown = self.shown();
+        let existed = self.path.exists();
+        if existed && !self.is_forced && !ask(&format!("replace {shown}? [y/N] "))? {
+            println!("{shown} is unchanged");
+            return Ok(false);
+        }
+        if existed {
+            fs::rename(&self.path, self.backup()).map_err(|error| self.failure(&error))?;
+        }
+        fs::write(&self.path, text).map_err(|error| self.failure(&error))?;
+        println!("wrote {shown}");
+        match existed {
+            true => {
+                let backup = self.backup();
+                let backup = escape(&backup.to_string_lossy()).into_owned();
+                println!("undo: mv '{backup}' '{shown}'");
+            }
+            false => println!("undo: remove {shown}"),
+        }
+        Ok(true)
+    }
+
+    /// Returns a path beside the file for the recording: that of no other file.
+    pub fn free_recording(&self) -> PathBuf {
+        let numbered = (2..).map(|number| self.path.with_extension(format!("{number}.mcap")));
+        let mut paths = iter::once(self.path.with_extension("mcap")).chain(numbered);
+        let free = paths.find(|path| !path.exists());
+        free.expect("there are more numbers than files")
+    }
+
+    fn backup(&self) -> PathBuf {
+        let mut name = self.path.clone().into_os_string();
+        name.push(".bak");
+        name.into()
+    }
+
+    fn shown(&self) -> String {
+        escape(&self.path.to_string_lossy()).into_owned()
+    }
+
+    fn failure(&self, error: &io::Error) -> Failure {
+        Failure::wrong_use(format!(
+            "cannot write {}: {error}; name another file with --out",
+            self.shown()
+        ))
+    }
+}
+
+fn glove_name(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    stem.to_string_lossy().into_owned()
+}
+
+/// Asks a question on the terminal. Anything but a yes is a no.
+fn ask(question: &str) -> Result<bool, Failure> {
+    print!("{question}");
+    io::stdout().flush()?;
+    let mut answer = String::new();
+    io::stdin().lock().read_line(&mut answer)?;
+    Ok(matches!(answer.trim(), "y" | "Y" | "yes"))
+}

@@ -1,0 +1,181 @@
+//! `ademan calibrate`: fits a glove file to a hand.
+
+mod destination;
+mod feed;
+mod figure;
+mod recording;
+mod report;
+mod screen;
+mod session;
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use ademan::calibrate::{self, CalibrationError, Observations, Procedure};
+use ademan::capture::SourceUri;
+use ademan::document::Document;
+use ademan::layout::{self, Glove};
+use ademan::message::escape;
+use ademan::setup::LoadedSetup;
+use ademan::sim::SimulatedWearer;
+
+use self::destination::Destination;
+use self::feed::Feed;
+use self::session::{Outcome, Session};
+use crate::failure::Failure;
+use crate::setup_args::{SetupArgs, number_in};
+use crate::source_value::{self, SourceValue};
+use crate::{complete, messages, signals};
+
+/// Fit a glove file to a hand: take the poses that are shown, and hold each for a second
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n\nNothing is typed meanwhile. The readings are kept beside the glove file, and --from calibrates with them again."
+)]
+pub struct Args {
+    /// Setup file
+    #[arg(long, add = complete::setup())]
+    setup: Option<String>,
+    /// Glove file to write. The default is the glove itself, or a file in this folder for one that comes with the program
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Replace an existing file without a question; the old one is kept beside it
+    #[arg(long)]
+    force: bool,
+    /// Recording of a calibration, instead of a source
+    #[arg(long, value_name = "RECORDING", conflicts_with_all = ["source", "demo"], add = complete::recording())]
+    from: Option<PathBuf>,
+    /// Let a simulated person take the poses, in a glove that is not calibrated; another number is another person
+    #[arg(long, value_name = "NUMBER", num_args = 0..=1, default_missing_value = "1", conflicts_with = "source")]
+    demo: Option<u64>,
+    /// Time before each pose, in seconds
+    #[arg(long, value_name = "S", default_value = "3", value_parser = seconds)]
+    countdown: f64,
+    #[arg(long, value_name = "URI", value_parser = SourceValue, add = complete::source(), help = "Source of readings", long_help = source_value::help())]
+    source: Option<SourceUri>,
+    /// Glove to start from: the name of one that comes with the program, or a file
+    #[arg(long, add = complete::glove())]
+    glove: Option<String>,
+}
+
+impl Args {
+    fn load_setup(&self) -> Result<LoadedSetup, Failure> {
+        let flags = SetupArgs::for_glove(self.source.clone(), self.glove.clone());
+        let setup = flags.read_setup(self.setup.as_deref())?;
+        Ok(setup.load_files()?)
+    }
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    match args.from.clone() {
+        Some(path) => calibrate_from(&path, args),
+        None => calibrate_live(args),
+    }
+}
+
+/// The glove from which a calibration starts.
+struct Start {
+    document: Document,
+    glove: Glove,
+}
+
+impl Start {
+    fn new(document: Document) -> Result<Self, Failure> {
+        let glove = Glove::parse(&document)?;
+        Ok(Self { document, glove })
+    }
+
+    /// Fits the glove, prints the report, and writes the file.
+    fn finish(
+        &self,
+        observations: &Observations,
+        destination: &Destination,
+    ) -> Result<bool, Failure> {
+        let result = calibrate::fit(observations, &self.glove.map)?;
+        let text = report::report(&result, observations, &self.glove.map);
+        println!("{}", text.trim_end());
+        println!();
+        let rest = calibrate::rest_pose(observations, &result.map);
+        let text = layout::write_calibration(&self.document, &result.map, &rest)?;
+        destination.write(&text)
+    }
+}
+
+fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
+    let recorded = recording::read(path)?;
+    let document = match (&args.glove, recorded.glove) {
+        (None, Some(document)) => document,
+        _ => glove_document(&args.load_setup()?)?,
+    };
+    let start = Start::new(document)?;
+    let destination = Destination::new(args.out, &start.document, args.force)?;
+    let observations =
+        calibrate::observe_recording(&recorded.readings, &recorded.marks, &start.glove.map)?;
+    start.finish(&observations, &destination)?;
+    Ok(())
+}
+
+fn calibrate_live(args: Args) -> Result<(), Failure> {
+    let setup = args.load_setup()?;
+    let start = Start::new(glove_document(&setup)?)?;
+    let destination = Destination::new(args.out, &start.document, args.force)?;
+    messages::start()?;
+    signals::install()?;
+    let feed = open_feed(&setup, &start.glove, args.demo)?;
+    let prepare = Duration::from_secs_f64(args.countdown);
+    let procedure = Procedure::for_glove(&start.glove.map, prepare);
+    let glove = &start.glove;
+    let mut session = Session::new(&glove.name, glove.side, &glove.map, procedure, feed);
+    if let Outcome::Quit = session.run()? {
+        println!("no file was written");
+        return Ok(());
+    }
+    let finished = start.finish(session.procedure.observations(), &destination);
+    let is_kept = !matches!(finished, Ok(false));
+    if is_kept && !session.procedure.marks().is_empty() {
+        keep_recording(&session, &start.document, &destination)?;
+    }
+    if finished? {
+        let file = escape(&destination.path().to_string_lossy()).into_owned();
+        println!("use it: ademan run --glove {file} --source …");
+    }
+    Ok(())
+}
+
+fn glove_document(setup: &LoadedSetup) -> Result<Document, Failure> {
+    setup.glove_document().cloned().ok_or_else(|| {
+        Failure::wrong_use("this source needs no glove file, so there is nothing to calibrate")
+    })
+}
+
+fn open_feed(setup: &LoadedSetup, glove: &Glove, demo: Option<u64>) -> Result<Feed, Failure> {
+    match demo {
+        Some(number) => {
+            let wearer = SimulatedWearer::new(number, &glove.map, glove.side);
+            Ok(Feed::simulated(wearer, session::is_on_terminal()))
+        }
+        None => Feed::open(setup),
+    }
+}
+
+/// Keeps the readings beside the glove file. An older recording keeps its name.
+fn keep_recording(
+    session: &Session,
+    glove: &Document,
+    destination: &Destination,
+) -> Result<(), Failure> {
+    let path = destination.free_recording();
+    recording::write(&path, glove, session.procedure.marks(), &session.readings)?;
+    println!("kept the readings: {}", escape(&path.to_string_lossy()));
+    Ok(())
+}
+
+impl From<CalibrationError> for Failure {
+    fn from(error: CalibrationError) -> Self {
+        Self::job(error.to_string())
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    number_in(text, 0.5, 30.0, "seconds")
+}

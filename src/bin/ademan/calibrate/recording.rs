@@ -1,0 +1,67 @@
+//! The recording of a calibration: the readings, with the times of the poses and the glove file from which it started.
+
+use std::path::Path;
+
+use ademan::calibrate::{MARKS_KIND, PoseMark, marks_from_text, marks_to_text};
+use ademan::capture::recording::{RecordedSetup, Replay, SetupText};
+use ademan::capture::{Reading, Sample, Source, SourceEvent};
+use ademan::document::Document;
+use ademan::recorder::Recorder;
+
+use super::session::Readings;
+use crate::failure::Failure;
+
+/// The kind of the setup text with the glove file.
+const GLOVE_KIND: &str = "glove";
+
+/// A recorded calibration.
+pub struct RecordedCalibration {
+    pub readings: Readings,
+    pub marks: Vec<PoseMark>,
+    /// The glove file from which it started, if the recording has one.
+    pub glove: Option<Document>,
+}
+
+/// Writes a recording. Fails if the file exists.
+pub fn write(
+    path: &Path,
+    glove: &Document,
+    marks: &[PoseMark],
+    readings: &Readings,
+) -> Result<(), Failure> {
+    let setup = RecordedSetup::default()
+        .with(GLOVE_KIND, &glove.file, &glove.text)
+        .with(MARKS_KIND, "poses", &marks_to_text(marks));
+    let mut recorder = Recorder::create(path, &setup)?;
+    for (time, channels) in readings {
+        let reading = Reading::new(*time, None, Sample::Channels(channels.clone()));
+        recorder.write_reading(&reading)?;
+    }
+    Ok(recorder.finish()?)
+}
+
+/// Reads a recording of a calibration or of a run.
+pub fn read(path: &Path) -> Result<RecordedCalibration, Failure> {
+    let mut replay = Replay::open(path)?;
+    let setup = replay.setup().clone();
+    let document = |entry: &SetupText| Document::new(entry.name.as_str(), entry.text.as_str());
+    let marks = setup.get(MARKS_KIND);
+    let marks = marks.map(|marks| marks_from_text(&marks.text));
+    let mut readings = Readings::new();
+    loop {
+        match replay.next()? {
+            SourceEvent::Reading(reading) => {
+                if let Sample::Channels(channels) = reading.sample {
+                    readings.push((reading.time, channels));
+                }
+            }
+            SourceEvent::Idle | SourceEvent::Command(_) => {}
+            SourceEvent::End => break,
+        }
+    }
+    Ok(RecordedCalibration {
+        readings,
+        marks: marks.transpose()?.unwrap_or_default(),
+        glove: setup.get(GLOVE_KIND).map(document),
+    })
+}

@@ -1,0 +1,194 @@
+//! The guided session: readings in, poses out, on the screen of a terminal or as lines.
+
+use std::io::{self, IsTerminal};
+use std::time::{Duration, Instant};
+
+use ademan::calibrate::{
+    CalibrationError, CalibrationPose, CaptureState, Procedure, ProcedureState,
+};
+use ademan::capture::Channels;
+use ademan::estimate::ChannelMap;
+use ademan::hand::Side;
+use ademan::time::Timestamp;
+use ratatui::Terminal;
+use ratatui::backend::CrosstermBackend;
+
+use super::feed::{Feed, FeedEvent};
+use super::screen::Screen;
+use crate::failure::Failure;
+use crate::view::look::Look;
+use crate::view::terminal::{self, Output};
+use crate::{messages, signals, view};
+
+/// Shortest time between two pictures.
+const PICTURE_PERIOD: Duration = Duration::from_millis(34);
+
+/// The readings of a session: the times and the counts of all channels.
+pub type Readings = Vec<(Timestamp, Channels)>;
+
+/// The end of a session.
+pub enum Outcome {
+    /// All poses were taken or skipped.
+    Finished,
+    /// The person quit, or a signal ended the program.
+    Quit,
+}
+
+/// A guided session.
+pub struct Session<'a> {
+    pub glove: &'a str,
+    pub side: Side,
+    pub map: &'a ChannelMap,
+    pub procedure: Procedure,
+    pub readings: Readings,
+    feed: Feed,
+    state: CaptureState,
+    message: String,
+}
+
+impl<'a> Session<'a> {
+    pub fn new(
+        glove: &'a str,
+        side: Side,
+        map: &'a ChannelMap,
+        procedure: Procedure,
+        feed: Feed,
+    ) -> Self {
+        Self {
+            glove,
+            side,
+            map,
+            procedure,
+            readings: Readings::new(),
+            message: format!("waiting for readings of {}", feed.name()),
+            feed,
+            state: CaptureState::Moving,
+        }
+    }
+
+    /// Leads through the poses, on the terminal if standard output is one.
+    pub fn run(&mut self) -> Result<Outcome, Failure> {
+        match is_on_terminal() {
+            true => self.run_on_terminal(),
+            false => self.run_in_lines(),
+        }
+    }
+
+    fn run_on_terminal(&mut self) -> Result<Outcome, Failure> {
+        signals::before_exit(view::abandon);
+        terminal::take_over()?;
+        messages::hold();
+        let outcome = self.show();
+        terminal::end_output();
+        view::abandon();
+        outcome
+    }
+
+    fn show(&mut self) -> Result<Outcome, Failure> {
+        let look = Look::from_environment();
+        let mut screen = Terminal::new(CrosstermBackend::new(Output::open()?))?;
+        let mut drawn_at: Option<Instant> = None;
+        loop {
+            if signals::is_stop_requested() {
+                return Ok(Outcome::Quit);
+            }
+            for key in terminal::typed_keys()? {
+                match key {
+                    b'r' => self.procedure.repeat(),
+                    b'b' => self.go_back(),
+                    b's' => self.procedure.skip(),
+                    b'q' => return Ok(Outcome::Quit),
+                    _ => {}
+                }
+            }
+            if self.advance()?.is_some() {
+                return Ok(Outcome::Finished);
+            }
+            if drawn_at.is_none_or(|drawn_at| drawn_at.elapsed() >= PICTURE_PERIOD) {
+                drawn_at = Some(Instant::now());
+                screen.draw(|frame| self.screen(look).draw(frame.buffer_mut()))?;
+            }
+        }
+    }
+
+    fn screen(&self, look: Look) -> Screen<'_> {
+        Screen {
+            glove: self.glove,
+            side: self.side,
+            source: self.feed.name(),
+            map: self.map,
+            procedure: &self.procedure,
+            state: self.state,
+            message: &self.message,
+            look,
+        }
+    }
+
+    fn run_in_lines(&mut self) -> Result<Outcome, Failure> {
+        let mut announced: Option<CalibrationPose> = None;
+        loop {
+            if signals::is_stop_requested() {
+                return Ok(Outcome::Quit);
+            }
+            if announced != self.procedure.pose()
+                && let Some(pose) = self.procedure.pose()
+            {
+                announced = Some(pose);
+                let (number, count) = (self.procedure.index() + 1, self.procedure.poses().len());
+                println!("pose {number} of {count}: {pose}: {}", pose.instruction());
+            }
+            if self.advance()?.is_some() {
+                return Ok(Outcome::Finished);
+            }
+        }
+    }
+
+    /// Handles the next event of the source. Returns `Some` at the end.
+    fn advance(&mut self) -> Result<Option<()>, Failure> {
+        match self.feed.next(self.procedure.pose())? {
+            FeedEvent::Channels(time, channels) => {
+                self.check_shape(&channels)?;
+                self.message.clear();
+                let state = self.procedure.push(time, &channels);
+                self.readings.push((time, *channels));
+                match state {
+                    ProcedureState::Pose(_, state) => self.state = state,
+                    ProcedureState::Finished => return Ok(Some(())),
+                }
+            }
+            FeedEvent::Idle => {}
+            FeedEvent::Lost(reason) => self.message = reason,
+            FeedEvent::End => {
+                return Err(Failure::job(format!(
+                    "{} ended at pose {} of {}; start again when it sends readings",
+                    self.feed.name(),
+                    self.procedure.index() + 1,
+                    self.procedure.poses().len()
+                )));
+            }
+        }
+        // The last pose may have been skipped.
+        Ok(self.procedure.pose().is_none().then_some(()))
+    }
+
+    fn check_shape(&self, channels: &Channels) -> Result<(), Failure> {
+        let (found, expected) = (channels.full_scale, self.map.full_scale());
+        match found == expected {
+            true => Ok(()),
+            false => Err(CalibrationError::OtherFullScale { found, expected }.into()),
+        }
+    }
+
+    /// Returns to the pose before the present one.
+    fn go_back(&mut self) {
+        if !matches!(self.state, CaptureState::Preparing(_)) {
+            self.procedure.repeat();
+        }
+        self.procedure.repeat();
+    }
+}
+
+/// Returns whether the session is shown on a terminal, which needs keys too.
+pub fn is_on_terminal() -> bool {
+    view::is_possible() && io::stdin().is_terminal()
+}

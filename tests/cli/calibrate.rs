@@ -1,0 +1,263 @@
+//! `ademan calibrate`: the session on a terminal and in lines, the glove file, and recordings.
+
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use ademan::calibrate::{CaptureState, MARKS_KIND, Procedure, ProcedureState, marks_to_text};
+use ademan::capture::recording::RecordedSetup;
+use ademan::capture::{Channels, Reading, Sample};
+use ademan::document::Document;
+use ademan::layout::Glove;
+use ademan::recorder::Recorder;
+use ademan::sim::{GloveFault, SimulatedWearer};
+use ademan::time::Timestamp;
+use tempfile::TempDir;
+
+use crate::ademan;
+#[cfg(target_os = "linux")]
+use crate::view::{screen::Screen, set_terminal};
+
+/// Runs `ademan calibrate` in a folder, without a terminal. Returns the exit code, the output and the errors.
+fn calibrate(folder: &TempDir, arguments: &[&str]) -> (i32, String, String) {
+    let mut command = ademan(["calibrate"]);
+    let output = command
+        .args(arguments)
+        .current_dir(folder.path())
+        .output()
+        .expect("the program starts");
+    let code = output.status.code().expect("the program was not killed");
+    let text = |bytes| String::from_utf8(bytes).expect("it is UTF-8");
+    (code, text(output.stdout), text(output.stderr))
+}
+
+fn folder() -> TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+fn read(folder: &TempDir, name: &str) -> String {
+    fs::read_to_string(folder.path().join(name)).expect("a file")
+}
+
+#[test]
+fn a_simulated_person_gets_a_glove_file_and_its_recording_gives_the_same_file_twice() {
+    let folder = folder();
+    let (code, out, errors) = calibrate(&folder, &["--demo", "--out", "mine"]);
+    println!("{out}{errors}");
+    assert_eq!(code, 0, "{errors}");
+    for expected in [
+        "pose 1 of 13: rest: lay the hand",
+        "pose 13 of 13: elbow-bent:",
+        "score 100 of 100",
+        "index-mcp-flexion",
+        "wrote mine.ron",
+        "undo: remove mine.ron",
+        "kept the readings: mine.mcap",
+        "ademan run --glove mine.ron",
+    ] {
+        assert!(out.contains(expected), "no {expected}:\n{out}");
+    }
+    let text = read(&folder, "mine.ron");
+    let glove = Glove::parse(&Document::new("mine.ron", text.clone())).expect("a glove");
+    assert!(!glove.rest_pose.is_empty(), "`zero` returns to it");
+    let shipped = Glove::load("unam-hc11").expect("a glove");
+    assert_ne!(glove.map, shipped.map);
+    for name in ["first", "second"] {
+        let (code, out, errors) = calibrate(&folder, &["--from", "mine.mcap", "--out", name]);
+        assert_eq!(code, 0, "{out}{errors}");
+        assert_eq!(read(&folder, &format!("{name}.ron")), text, "{name}");
+    }
+}
+
+#[test]
+fn a_file_is_replaced_only_by_force_and_its_old_version_is_kept() {
+    let folder = folder();
+    assert_eq!(calibrate(&folder, &["--demo", "1", "--out", "mine"]).0, 0);
+    let first = read(&folder, "mine.ron");
+    let (code, out, errors) = calibrate(&folder, &["--demo", "2", "--out", "mine.ron"]);
+    assert_eq!(code, 2, "{out}");
+    assert!(
+        errors.contains("mine.ron exists") && errors.contains("--force"),
+        "{errors}"
+    );
+    assert!(
+        !out.contains("pose 1"),
+        "it is refused before the session: {out}"
+    );
+    assert_eq!(read(&folder, "mine.ron"), first);
+
+    let (code, out, _) = calibrate(&folder, &["--demo", "2", "--out", "mine.ron", "--force"]);
+    assert_eq!(code, 0, "{out}");
+    assert!(out.contains("undo: mv 'mine.ron.bak' 'mine.ron'"), "{out}");
+    assert_ne!(read(&folder, "mine.ron"), first);
+    assert_eq!(read(&folder, "mine.ron.bak"), first);
+    // The readings of the first session are not lost either.
+    assert!(folder.path().join("mine.mcap").exists());
+    assert!(folder.path().join("mine.2.mcap").exists());
+}
+
+#[test]
+fn a_glove_file_of_the_person_is_the_default_destination() {
+    let folder = folder();
+    let (code, out, errors) = calibrate(&folder, &["--demo"]);
+    assert_eq!(code, 0, "{errors}");
+    assert!(out.contains("wrote my-unam-hc11.ron"), "{out}");
+    let (code, _, errors) = calibrate(&folder, &["--demo", "--glove", "my-unam-hc11.ron"]);
+    assert_eq!(code, 2);
+    assert!(errors.contains("my-unam-hc11.ron exists"), "{errors}");
+}
+
+#[test]
+fn a_glove_with_a_dead_sensor_is_refused_with_the_reason_and_nothing_is_written() {
+    let folder = folder();
+    let shipped = Document::open("unam-hc11").expect("a glove");
+    let glove = Glove::parse(&shipped).expect("a glove");
+    let rows = glove.map.rows().iter();
+    let index: Vec<_> = rows
+        .filter(|row| row.dof.finger() == Some(ademan::hand::Finger::Index))
+        .collect();
+    let channel = index.first().expect("sensors of the index finger").channel;
+    let wearer =
+        SimulatedWearer::new(3, &glove.map, glove.side).with_fault(GloveFault::Dead(channel));
+    record(&folder.path().join("dead.mcap"), &glove, wearer);
+    let (code, out, errors) = calibrate(&folder, &["--from", "dead.mcap", "--out", "mine"]);
+    println!("{errors}");
+    assert_eq!(code, 1, "{out}{errors}");
+    let reason = format!("channel {channel} (index-");
+    assert!(
+        errors.contains("not usable") && errors.contains(&reason) && errors.contains("dead"),
+        "{errors}"
+    );
+    assert!(!folder.path().join("mine.ron").exists());
+}
+
+/// Records the calibration of a person.
+fn record(path: &Path, glove: &Glove, mut wearer: SimulatedWearer) {
+    let mut procedure = Procedure::for_glove(&glove.map, Duration::from_secs(1));
+    let mut readings: Vec<(Timestamp, Channels)> = Vec::new();
+    while let Some(pose) = procedure.pose() {
+        wearer.take(pose);
+        let (time, channels) = wearer.next_packet();
+        let state = procedure.push(time, &channels);
+        assert!(time.seconds() < 600.0, "{pose} is not captured: {state:?}");
+        readings.push((time, channels));
+        if let ProcedureState::Pose(_, CaptureState::Captured) = state {
+            println!("{pose} at {:.1} s", time.seconds());
+        }
+    }
+    let setup =
+        RecordedSetup::default().with(MARKS_KIND, "poses", &marks_to_text(procedure.marks()));
+    let mut recorder = Recorder::create(path, &setup).expect("a recording");
+    for (time, channels) in readings {
+        let reading = Reading::new(time, None, Sample::Channels(channels));
+        recorder.write_reading(&reading).expect("it is written");
+    }
+    recorder.finish().expect("it is written");
+}
+
+#[test]
+fn sources_that_need_no_glove_or_are_not_named_are_refused() {
+    let folder = folder();
+    let (code, _, errors) = calibrate(&folder, &[]);
+    assert_eq!(code, 2);
+    assert!(
+        errors.contains("no source is named") && errors.contains("--demo"),
+        "{errors}"
+    );
+    let source = "udp:127.0.0.1:5005?protocol=hand-landmarks";
+    let (code, _, errors) = calibrate(&folder, &["--source", source]);
+    assert_eq!(code, 2);
+    assert!(errors.contains("nothing to calibrate"), "{errors}");
+    let (code, _, errors) = calibrate(&folder, &["--source", "typist:hello"]);
+    assert_eq!(code, 1);
+    assert!(errors.contains("ended at pose"), "{errors}");
+}
+
+#[cfg(target_os = "linux")]
+mod on_a_terminal {
+    use super::*;
+
+    fn start(folder: &TempDir, arguments: &[&str]) -> Screen {
+        let mut command = ademan(["calibrate", "--demo", "--countdown", "0.5"]);
+        command.args(arguments).current_dir(folder.path());
+        set_terminal(&mut command);
+        Screen::start(&command, 80, 24)
+    }
+
+    #[test]
+    fn a_whole_session_shows_poses_pictures_and_sensors_and_asks_before_it_replaces_a_file() {
+        let folder = folder();
+        fs::write(folder.path().join("mine.ron"), "precious").expect("a file");
+        let mut screen = start(&folder, &["--out", "mine"]);
+        let fist = screen.wait_for_text("fist: make a tight fist");
+        println!("{fist}");
+        for expected in [
+            "calibrating UNAM flex glove",
+            "pose 4 of 13  ●●●▶○○○○○○○○○",
+            "from above",
+            "from the side",
+            "index-mcp-flexion",
+            "r repeat   b back   s skip   q quit",
+        ] {
+            assert!(fist.contains(expected), "no {expected}:\n{fist}");
+        }
+        let is_picture = |line: &str| {
+            line.chars()
+                .any(|character| ('⠁'..='⣿').contains(&character))
+        };
+        assert!(
+            fist.lines().filter(|line| is_picture(line)).count() > 6,
+            "{fist}"
+        );
+        let held = screen.wait_for_text("hold still █");
+        println!("{held}");
+        screen.wait_for_text("replace mine.ron? [y/N]");
+        assert_eq!(read(&folder, "mine.ron"), "precious");
+        screen.assert_restored();
+        screen.type_keys("y\r");
+        assert!(screen.wait().success());
+        let text = screen.text();
+        println!("{text}");
+        assert!(text.contains("wrote mine.ron"), "{text}");
+        assert_eq!(read(&folder, "mine.ron.bak"), "precious");
+        let glove = Document::new("mine.ron", read(&folder, "mine.ron"));
+        Glove::parse(&glove).expect("a glove");
+    }
+
+    #[test]
+    fn a_pose_is_repeated_skipped_and_taken_back_and_the_session_quits() {
+        let folder = folder();
+        let mut screen = start(&folder, &["--out", "mine"]);
+        screen.wait_for_text("pose 3 of 13  ●●▶");
+        screen.type_keys("s");
+        screen.wait_for_text("pose 4 of 13  ●●–▶");
+        screen.type_keys("b");
+        screen.wait_for_text("pose 3 of 13  ●●▶");
+        screen.wait_for_text("pose 4 of 13  ●●●▶");
+        screen.wait_for_text("hold still █");
+        screen.type_keys("r");
+        screen.wait_for_text("get ready");
+        screen.resize(60, 16);
+        screen.wait_for_text("pose 5 of 13  ●●●●▶");
+        screen.type_keys("q");
+        assert!(screen.wait().success());
+        screen.assert_restored();
+        assert!(
+            screen.text().contains("no file was written"),
+            "{}",
+            screen.text()
+        );
+        assert!(!folder.path().join("mine.ron").exists());
+    }
+
+    #[test]
+    fn ctrl_c_restores_the_terminal_and_writes_nothing() {
+        let folder = folder();
+        let mut screen = start(&folder, &["--out", "mine"]);
+        screen.wait_for_text("pose 2 of 13");
+        screen.type_keys("\x03");
+        screen.wait();
+        screen.assert_restored();
+        assert!(!folder.path().join("mine.ron").exists());
+    }
+}
