@@ -1,6 +1,7 @@
 //! The connected clients, and which of them makes room for another one.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use super::line_writer::LineWriter;
 
@@ -11,12 +12,22 @@ pub(super) const MAX_CLIENTS: usize = 16;
 /// commands.
 pub(super) const MAX_SUBSCRIBERS: usize = MAX_CLIENTS - 1;
 
+/// Longest wait for a client that is about to have its response, or that has left: its thread may not have noted that yet.
+const PLACE_TIMEOUT: Duration = Duration::from_millis(500);
+
 /// The connected clients, at most [`MAX_CLIENTS`].
 ///
 /// A client that is idle is disconnected when another one needs its place: programs that hold a connection open must not
 /// keep a person from pausing the session.
 #[derive(Clone, Default)]
-pub(super) struct Clients(Arc<Mutex<ClientList>>);
+pub(super) struct Clients(Arc<Shared>);
+
+#[derive(Default)]
+struct Shared {
+    list: Mutex<ClientList>,
+    /// Notified when a client becomes idle or leaves.
+    place: Condvar,
+}
 
 #[derive(Default)]
 struct ClientList {
@@ -46,11 +57,17 @@ enum Activity {
 
 impl Clients {
     /// Adds a client. If there is no place, the one that has been idle for the longest time is disconnected; `None` if no
-    /// client is idle.
+    /// client becomes idle within [`PLACE_TIMEOUT`].
     pub fn add(&self, writer: Arc<LineWriter>) -> Option<ClientSlot> {
         let mut list = self.lock();
-        if list.clients.len() >= MAX_CLIENTS {
-            list.disconnect_idle()?;
+        let deadline = Instant::now() + PLACE_TIMEOUT;
+        while list.clients.len() >= MAX_CLIENTS && list.disconnect_idle().is_none() {
+            let remaining = deadline.saturating_duration_since(Instant::now());
+            if remaining.is_zero() {
+                return None;
+            }
+            let waited = self.0.place.wait_timeout(list, remaining);
+            (list, _) = waited.unwrap_or_else(PoisonError::into_inner);
         }
         let id = list.next_change();
         list.clients.push(ConnectedClient {
@@ -65,7 +82,8 @@ impl Clients {
     }
 
     fn lock(&self) -> MutexGuard<'_, ClientList> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        let list = self.0.list.lock();
+        list.unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -117,6 +135,7 @@ impl ClientSlot {
             && client.activity == Activity::Busy
         {
             client.activity = Activity::Idle(now);
+            self.clients.0.place.notify_all();
         }
     }
 
@@ -138,5 +157,6 @@ impl Drop for ClientSlot {
             .lock()
             .clients
             .retain(|client| client.id != self.id);
+        self.clients.0.place.notify_all();
     }
 }

@@ -3,6 +3,8 @@
 use std::io::Read;
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
 
 use super::clients::{ClientSlot, Clients, MAX_CLIENTS};
 use super::line_writer::LineWriter;
@@ -64,4 +66,25 @@ fn a_place_is_left_beside_subscribers() {
     assert!(!command.subscribe());
     drop(connected.pop());
     assert!(command.subscribe());
+}
+
+/// A client has its response before its thread notes that the request is over, and may connect again meanwhile.
+#[test]
+fn a_client_whose_request_is_about_to_end_makes_room() {
+    for leaves in [false, true] {
+        let (clients, mut connected) = full();
+        for (_, slot) in &connected {
+            assert!(slot.begin_request());
+        }
+        let (_peer, busy) = connected.pop().unwrap();
+        thread::scope(|scope| {
+            let added = scope.spawn(|| connect(&clients).is_some());
+            thread::sleep(Duration::from_millis(20));
+            match leaves {
+                true => drop(busy),
+                false => busy.end_request(),
+            }
+            assert!(added.join().unwrap());
+        });
+    }
 }
