@@ -1,6 +1,7 @@
 //! Connections that carry bytes, and how they are opened.
 
-use std::io::{Error, ErrorKind, Read, Result};
+use std::fs::File;
+use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::time::Duration;
 
 use super::cancel::CancelToken;
@@ -8,6 +9,9 @@ use super::poll::Readiness;
 
 /// Longest time that one read blocks if it cannot be cancelled.
 pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
+
+/// Longest time that one write to a device blocks.
+pub(super) const WRITE_TIMEOUT: Duration = Duration::from_millis(50);
 
 /// Kind of the error of a read that dropped a datagram of another sender. No read of a socket has it.
 pub(super) const UNKNOWN_SENDER: ErrorKind = ErrorKind::PermissionDenied;
@@ -36,10 +40,22 @@ pub(super) trait Connector: Clone + Send + 'static {
     fn connect(&mut self) -> std::result::Result<Connection, ConnectError>;
 }
 
+/// The bytes of a connection.
+pub(super) trait ByteStream: Read + Send {
+    /// Returns the other direction of the connection, if it has one. Each write ends within [`WRITE_TIMEOUT`].
+    fn writer(&self) -> Option<Box<dyn Write + Send>> {
+        None
+    }
+}
+
+impl ByteStream for File {}
+
+impl ByteStream for Box<dyn Read + Send> {}
+
 /// An open connection.
 pub(super) struct Connection {
     /// Bytes received.
-    pub bytes: Box<dyn Read + Send>,
+    pub bytes: Box<dyn ByteStream>,
     /// Reports when bytes can be read. `None` if a read has to be tried.
     pub readiness: Option<Readiness>,
     /// Port, address or path in use.

@@ -24,6 +24,7 @@
 pub mod bvh;
 pub mod body;
 pub mod cancel;
+pub mod feedback;
 pub mod markers;
 pub mod protocol;
 pub mod pace;
@@ -60,12 +61,14 @@ use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
 
 use self::body::BodyLandmarks;
+use self::feedback::FeedbackDevice;
 use crate::command::Command;
 use crate::hand::{BoneRotations, Displacement, HandPart, JointAngles, JointPositions, Side};
 use crate::message::{escape, escape_lines};
 use crate::time::Timestamp;
 
 pub use cancel::CancelToken;
+pub use feedback::Haptics;
 pub use merge::{MAX_SOURCES, MergedSource, PartialSource};
 pub use pace::PacedSource;
 pub use protocol::hc11::{self, Hc11Format};
@@ -263,6 +266,13 @@ pub trait Source: Send {
         let _ = cancel;
     }
 
+    /// Returns the device that measures the fingers of a hand, if feedback can be sent to it. It is returned once. The
+    /// default is `None`.
+    fn take_feedback_device(&mut self, side: Side) -> Option<FeedbackDevice> {
+        let _ = side;
+        None
+    }
+
     /// Returns the name for messages: the URI, if the source has one.
     fn name(&self) -> &str;
 
@@ -297,6 +307,10 @@ impl Source for Box<dyn Source> {
 
     fn set_cancel_token(&mut self, cancel: &CancelToken) {
         (**self).set_cancel_token(cancel);
+    }
+
+    fn take_feedback_device(&mut self, side: Side) -> Option<FeedbackDevice> {
+        (**self).take_feedback_device(side)
     }
 
     fn name(&self) -> &str {

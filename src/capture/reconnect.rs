@@ -108,12 +108,13 @@ fn reconnect(
 
 #[cfg(test)]
 mod tests {
-    use std::io::empty;
+    use std::io::{Empty, empty};
     use std::sync::Arc;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use std::time::Instant;
 
     use super::*;
+    use crate::capture::connection::ByteStream;
 
     const TIMEOUT: Duration = Duration::from_secs(20);
 
@@ -123,6 +124,8 @@ mod tests {
         attempts: Arc<AtomicUsize>,
         reasons: &'static [&'static str],
     }
+
+    impl ByteStream for Empty {}
 
     impl Connector for FailingConnector {
         const IS_LIVE: bool = true;

@@ -18,6 +18,8 @@ mod command_channel;
 pub mod control_socket;
 mod event_loop;
 mod handle;
+mod haptics;
+mod latest;
 mod layout_link;
 mod notice;
 mod options;
@@ -40,6 +42,7 @@ use hdrhistogram::Histogram;
 
 use self::control_socket::{ControlError, ControlServer, Notifier, ProfileInfo, ServerContext};
 use self::event_loop::run_observed;
+use self::haptics::SessionHaptics;
 use self::notice::NoticeThread;
 use self::panic_keys::PanicKeysError;
 use self::recordings::Recordings;
@@ -47,7 +50,7 @@ use self::reload::{FilePolicy, LayoutReport, LayoutSource};
 use self::status::StatusLog;
 use self::view::{SessionNames, ViewHub, ViewPublisher};
 use crate::advice;
-use crate::capture::{CaptureError, SourceUri};
+use crate::capture::{CaptureError, Haptics, Source, SourceUri};
 use crate::command::{Command, CommandOrigin};
 use crate::layout::Layout;
 use crate::output::watchdog::WatchdogSettings;
@@ -199,7 +202,7 @@ impl Session {
 
     fn run_loop(&mut self) -> Result<Summary, SessionError> {
         self.report_pointer_only_sources();
-        let Some(source) = self.open_source()? else {
+        let Some(mut source) = self.open_source()? else {
             return Ok(Summary {
                 stats: Stats::default(),
                 latency_ns: event_loop::new_histogram(),
@@ -207,6 +210,7 @@ impl Session {
             });
         };
         let mut sink = self.open_output()?;
+        let mut haptics = self.start_haptics(&mut *source)?;
         let is_live = source.is_live();
         if is_live && !self.options.lossless_snapshots {
             sink.drop_when_full();
@@ -239,6 +243,7 @@ impl Session {
         let is_lossless = self.options.lossless_snapshots;
         let share = &mut self.share;
         let mut observe = |snapshot: &Snapshot, pipeline: &Pipeline| {
+            haptics.update(snapshot);
             if let Some(status) = &mut status {
                 status.update(snapshot, &mut |notice| notices.send(notice));
             }
@@ -263,11 +268,25 @@ impl Session {
             &self.commands,
             &mut observe,
         );
+        // Fingers are free before the recording is complete.
+        drop(haptics);
         let record_error = recordings.finish();
         Ok(Summary {
             record_error,
             ..ended?
         })
+    }
+
+    /// Starts the feedback to the gloves.
+    fn start_haptics(&self, source: &mut dyn Source) -> io::Result<SessionHaptics> {
+        let kind = self.options.haptics;
+        let other = self.setup.other_hand.iter();
+        let sides = std::iter::once(self.setup.arm.side()).chain(other.map(|it| it.arm.side()));
+        let haptics = SessionHaptics::start(kind, source, sides)?;
+        if kind != Haptics::Off && haptics.is_empty() {
+            self.notices.sender().send(Notice::NoHaptics(kind));
+        }
+        Ok(haptics)
     }
 
     fn open_output(&mut self) -> Result<Box<dyn Sink>, OutputError> {

@@ -11,7 +11,7 @@ use crossbeam_channel::{Receiver, Sender, bounded, never};
 
 use super::reload::LayoutReport;
 use crate::advice;
-use crate::capture::SourceUri;
+use crate::capture::{Haptics, SourceUri};
 use crate::command::CommandOrigin;
 use crate::estimate::Rejection;
 use crate::hand::{Finger, FingerSet, Side};
@@ -42,6 +42,8 @@ pub enum Notice {
     Listening(SourceUri),
     /// This server of joint angles or poses listens.
     Sharing(ShareTarget),
+    /// No source takes this feedback.
+    NoHaptics(Haptics),
     /// There is no default path for a control socket.
     NoControlSocket,
     /// Output waits until the hand is clear of every control.
@@ -101,6 +103,12 @@ impl fmt::Display for Notice {
                 }
                 f.write_str("the angles of a hand tell what it types")
             }
+            Self::NoHaptics(kind) => write!(
+                f,
+                "no feedback: `haptics` is {}, but no glove takes it; that needs `protocol=lucidgloves` over `serial:`, `tcp:` or \
+                 `udp:`",
+                kind.name()
+            ),
             Self::NoControlSocket => write!(f, "{}", advice::no_runtime_dir()),
             Self::Disarmed => {
                 f.write_str("paused: hold the hand clear of all keys for a moment to arm")

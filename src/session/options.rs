@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use super::control_socket::default_path;
 use super::notice::Notice;
-use crate::capture::Source;
+use crate::capture::{Haptics, Source};
 use crate::command::Command;
 use crate::output::Sink;
 use crate::share::ShareTarget;
@@ -33,6 +33,8 @@ pub struct SessionOptions {
     pub record_bvh_to: Option<PathBuf>,
     /// Formats and addresses in which the hand is shared with other programs.
     pub share: Vec<ShareTarget>,
+    /// Feedback to the gloves.
+    pub haptics: Haptics,
     /// Control socket for other programs.
     pub control_socket: ControlSocket,
     /// Activates layout files when they are saved.
@@ -90,6 +92,7 @@ impl fmt::Debug for SessionOptions {
             .field("record_to", &self.record_to)
             .field("record_bvh_to", &self.record_bvh_to)
             .field("share", &self.share)
+            .field("haptics", &self.haptics)
             .field("control_socket", &self.control_socket)
             .field("watch_layouts", &self.watch_layouts)
             .field("use_panic_keys", &self.use_panic_keys)

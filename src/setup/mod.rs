@@ -19,7 +19,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::capture::protocol::lucidgloves;
-use crate::capture::{CaptureError, SourceUri};
+use crate::capture::{CaptureError, Haptics, SourceUri};
 use crate::document::{Document, DocumentError, Format, Structure, first_error};
 use crate::pipeline::SourceRole;
 use crate::share::ShareTarget;
@@ -58,6 +58,8 @@ pub struct Setup {
     pub output: String,
     /// Servers of joint angles and poses for other programs: `text-line:127.0.0.1:10002`. Those of a recording are not started.
     pub share: Vec<ShareTarget>,
+    /// Feedback to the gloves while a session runs, when a finger touches or presses.
+    pub haptics: Haptics,
     /// The filter of the joint angles.
     pub smoothing: SmoothingSetup,
     /// The filter of joint positions, for sources that measure them.
@@ -217,6 +219,7 @@ impl Default for Setup {
             profiles: Vec::new(),
             output: "transcript".into(),
             share: Vec::new(),
+            haptics: Haptics::Off,
             smoothing: SmoothingSetup::Default,
             position_smoothing: PositionSmoothingSetup::Default,
             stall_timeout_ms: 200,

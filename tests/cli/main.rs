@@ -17,6 +17,8 @@ mod doctor;
 #[cfg(target_os = "linux")]
 mod faults;
 mod files;
+#[cfg(target_os = "linux")]
+mod haptics;
 mod help;
 #[cfg(target_os = "linux")]
 mod idle;

@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 use std::thread;
 
+use ademan::capture::Haptics;
 use ademan::command::Command;
 use ademan::message::escape;
 use ademan::session::{ControlSocket, SessionOptions};
 use ademan::setup::LoadedSetup;
 use ademan::share::ShareTarget;
 use ademan::{advice, doctor, output, priority};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use crate::failure::Failure;
 use crate::output_list::OutputList;
@@ -45,6 +47,9 @@ pub struct Args {
     /// (see `ademan token`) or `zenoh:KEY`. May be given several times
     #[arg(long, value_name = "FORMAT:ADDRESS:PORT")]
     share: Vec<ShareTarget>,
+    /// Feedback to a LucidGloves glove: hold a finger that presses (force), vibrate on touch and press (pulse), both or off
+    #[arg(long, value_name = "KIND", value_parser = haptics())]
+    haptics: Option<Haptics>,
     /// Wait for a device that is not connected yet
     #[arg(long)]
     wait: bool,
@@ -91,6 +96,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
         record_to: record_to.clone(),
         record_bvh_to: args.record_bvh,
         share: setup.share.clone(),
+        haptics: args.haptics.unwrap_or(setup.haptics),
         control_socket,
         watch_layouts: true,
         use_panic_keys: true,
@@ -122,6 +128,13 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let ended = session.join();
     drop(view);
     stats::report(ended?)
+}
+
+fn haptics() -> impl TypedValueParser<Value = Haptics> {
+    PossibleValuesParser::new(Haptics::ALL.map(Haptics::name)).map(|name| {
+        let kind = Haptics::ALL.into_iter().find(|kind| kind.name() == name);
+        kind.expect("the parser accepts only names of kinds")
+    })
 }
 
 /// Returns what to show. A picture and a transcript cannot share a terminal: the picture replaces a transcript that is

@@ -11,6 +11,7 @@ use arrayvec::ArrayVec;
 use crossbeam_channel::{Receiver, never, select};
 
 use self::clock_offset::ClockOffset;
+use super::feedback::FeedbackDevice;
 use super::{
     CancelToken, CaptureError, CaptureEvent, CaptureThread, MAX_BLOCK, Reading, Source,
     SourceEvent, SourceStats, spawn,
@@ -66,12 +67,16 @@ struct MergedInput {
     /// is the earliest.
     held: VecDeque<(Instant, Reading)>,
     has_ended: bool,
+    feedback: Option<FeedbackDevice>,
     /// Stops the source when it is dropped.
     _thread: CaptureThread,
 }
 
 impl MergedInput {
-    fn start(source: PartialSource, longest_delay: Duration) -> Result<Self, CaptureError> {
+    fn start(mut source: PartialSource, longest_delay: Duration) -> Result<Self, CaptureError> {
+        let has_fingers = source.part != Some(HandPart::Arm);
+        let side = source.side.filter(|_| has_fingers);
+        let feedback = side.and_then(|side| source.source.take_feedback_device(side));
         let thread = spawn(source.source)?;
         Ok(Self {
             side: source.side,
@@ -83,6 +88,7 @@ impl MergedInput {
             stats: SourceStats::default(),
             held: VecDeque::with_capacity(MAX_HELD),
             has_ended: false,
+            feedback,
             _thread: thread,
         })
     }
@@ -264,6 +270,12 @@ impl Source for MergedSource {
 
     fn set_cancel_token(&mut self, cancel: &CancelToken) {
         self.cancel = Some(cancel.clone());
+    }
+
+    fn take_feedback_device(&mut self, side: Side) -> Option<FeedbackDevice> {
+        let mut inputs = self.inputs.iter_mut();
+        let input = inputs.find(|input| input.side == Some(side) && input.feedback.is_some());
+        input?.feedback.take()
     }
 
     fn name(&self) -> &str {

@@ -28,6 +28,7 @@ pub const PROTOCOL: Protocol = Protocol {
     // The name of the field, and `[0,0,0],` for each landmark.
     min_packet_bytes: 26 + 8 * BODY_LANDMARKS,
     default_baud: None,
+    feedback: None,
     options: &[&space::HAND, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |_| Box::new(decoder()),

@@ -24,6 +24,7 @@ pub const PROTOCOL: Protocol = Protocol {
     // Three rotations of shoulder, elbow and wrist: one digit and one separator each.
     min_packet_bytes: 18,
     default_baud: None,
+    feedback: None,
     options: &[&HAND, &UNIT, &UP, &POSITIONS],
     // Every frame states its time.
     nominal_rate_hz: |_| None,

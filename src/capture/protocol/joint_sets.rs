@@ -59,6 +59,7 @@ const fn protocol<const JOINTS: usize>(
         // Joints whose numbers have one digit. Lines without hands are shorter, and they are few.
         min_packet_bytes: 8 * JOINTS,
         default_baud: None,
+        feedback: None,
         options: &[&HAND, &MIN_SCORE, &RATE],
         nominal_rate_hz: |options| Some(space::number(options, &RATE)),
         decoder: |options| {

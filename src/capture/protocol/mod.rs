@@ -25,6 +25,7 @@ use std::fmt;
 use std::num::NonZeroU32;
 use std::time::Duration;
 
+use super::feedback::FeedbackFormat;
 use super::{Sample, SampleKind, SourceStats};
 use crate::hand::Side;
 use crate::time::Timestamp;
@@ -66,6 +67,8 @@ pub struct Protocol {
     pub min_packet_bytes: usize,
     /// Bit rate of the serial line that usually carries the protocol. `None` if no serial line limits the rate.
     pub default_baud: Option<NonZeroU32>,
+    /// Feedback that the device accepts over the same line. `None` if it accepts none.
+    pub feedback: Option<&'static FeedbackFormat>,
     /// Options beside `protocol` and `baud`.
     pub options: &'static [&'static ProtocolOption],
     /// Returns the packets per second of a file, which has no time stamps. `None` derives the rate from the bit rate.

@@ -26,6 +26,7 @@ pub const PROTOCOL: Protocol = Protocol {
     carriers: Carriers::Datagrams,
     min_packet_bytes: PACKET_BYTES,
     default_baud: None,
+    feedback: None,
     options: &[&JOINT],
     nominal_rate_hz: |_| None,
     decoder: |options| Box::new(decoder(joint(options))),

@@ -25,6 +25,7 @@ pub const PROTOCOL: Protocol = Protocol {
     // One digit and one separator per value.
     min_packet_bytes: 2 * VALUES,
     default_baud: None,
+    feedback: None,
     options: &[&RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |_| Box::new(TextLineDecoder::new()),

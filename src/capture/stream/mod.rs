@@ -6,11 +6,13 @@ use std::time::{Duration, Instant};
 
 use super::cancel::CancelToken;
 use super::connection::{Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER};
+use super::feedback::FeedbackDevice;
 use super::garbage::GarbageDetector;
 use super::packet_clock::PacketClock;
 use super::protocol::{Decoder, InvalidPacket, InvalidPackets, Packet, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
 use super::{CaptureError, Reading, Source, SourceEvent, SourceStats};
+use crate::hand::Side;
 use crate::message::escape;
 
 /// Source that decodes the bytes of a connection.
@@ -19,6 +21,8 @@ pub(super) struct StreamSource<C> {
     format: StreamFormat,
     connector: C,
     cancel: Option<CancelToken>,
+    /// Writes to the same connection, once it was [taken](Source::take_feedback_device).
+    feedback: Option<FeedbackDevice>,
     state: State,
     decoder: Box<dyn Decoder>,
     buffer: Vec<u8>,
@@ -61,6 +65,7 @@ impl<C: Connector> StreamSource<C> {
             name,
             connector,
             cancel: None,
+            feedback: None,
             state: State::Connected(connection),
             decoder,
             buffer: vec![0; C::READ_BYTES],
@@ -218,8 +223,9 @@ impl<C: Connector> StreamSource<C> {
         self.decoder.reset();
         self.garbage = GarbageDetector::default();
         let reconnecting = State::Reconnecting(self.start_reconnect());
+        let writer = self.feedback.as_ref().map(FeedbackDevice::disconnect);
         if let State::Connected(lost) = std::mem::replace(&mut self.state, reconnecting) {
-            close_on_thread(lost);
+            close_on_thread((lost, writer));
         }
         CaptureError::Lost {
             source_name: self.name.clone(),
@@ -253,6 +259,9 @@ impl<C: Connector> StreamSource<C> {
                 let (name, endpoint) = (&self.name, &connection.endpoint);
                 tracing::info!(source = name, "reconnected to {name} at {endpoint}");
                 self.last_received = Instant::now();
+                if let Some(device) = &self.feedback {
+                    device.connect(connection.bytes.writer());
+                }
                 self.state = State::Connected(connection);
             }
         }
@@ -277,6 +286,19 @@ impl<C: Connector> Source for StreamSource<C> {
 
     fn set_cancel_token(&mut self, cancel: &CancelToken) {
         self.cancel = Some(cancel.clone());
+    }
+
+    fn take_feedback_device(&mut self, _side: Side) -> Option<FeedbackDevice> {
+        let format = self.format.protocol.feedback?;
+        let State::Connected(connection) = &self.state else {
+            return None;
+        };
+        if self.feedback.is_some() {
+            return None;
+        }
+        let device = FeedbackDevice::new(format);
+        device.connect(Some(connection.bytes.writer()?));
+        Some(self.feedback.insert(device).clone())
     }
 
     fn name(&self) -> &str {
@@ -332,7 +354,7 @@ fn is_idle(kind: ErrorKind) -> bool {
 }
 
 /// Closes a connection on its own thread: closing the port of an absent device can block for seconds.
-fn close_on_thread(lost: Connection) {
+fn close_on_thread(lost: impl Send + 'static) {
     let thread = std::thread::Builder::new()
         .name("close".to_owned())
         .spawn(move || drop(lost));

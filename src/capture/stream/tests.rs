@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use super::*;
 use crate::capture::Sample;
-use crate::capture::connection::ConnectError;
+use crate::capture::connection::{ByteStream, ConnectError};
 use crate::capture::hc11::{BODY_BYTES, Framing, Hc11Format, encode};
 
 const TIMEOUT: Duration = Duration::from_secs(20);
@@ -40,6 +40,8 @@ impl Read for ScriptedReads {
         Ok(bytes.len())
     }
 }
+
+impl ByteStream for ScriptedReads {}
 
 impl Connector for ScriptedReads {
     const IS_LIVE: bool = true;
@@ -175,6 +177,8 @@ fn readings_of_one_read_are_a_packet_period_apart() {
 
 /// Port of an absent device, whose reads fail and whose closing blocks for 4 s.
 struct BlockingPort;
+
+impl ByteStream for BlockingPort {}
 
 impl Read for BlockingPort {
     fn read(&mut self, _: &mut [u8]) -> IoResult<usize> {

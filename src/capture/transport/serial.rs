@@ -1,7 +1,7 @@
 //! Serial ports with 8 data bits, no parity and 1 stop bit, opened exclusively.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::num::NonZeroU32;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,7 +11,9 @@ use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPo
 use super::usb_port::{KnownDevice, Port, PortChoice, choose_port};
 use super::{Scheme, Transport, check_no_question_mark, open_stream};
 use crate::advice::{self, AccessDenied};
-use crate::capture::connection::{ConnectError, Connection, Connector, READ_TIMEOUT};
+use crate::capture::connection::{
+    ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, WRITE_TIMEOUT,
+};
 use crate::capture::poll::{self, Readiness, TerminalIdentity};
 
 /// The `serial` transport.
@@ -92,8 +94,8 @@ impl Connector for SerialConnector {
 /// Returns a connection that reads through `file` if that reports when bytes can be read, else through `port`.
 fn connection(port: Box<dyn SerialPort>, file: Option<File>, endpoint: String) -> Connection {
     let readiness = file.as_ref().and_then(Readiness::new);
-    let bytes: Box<dyn Read + Send> = match file {
-        Some(file) if readiness.is_some() => Box::new(SeparateReader { file, _port: port }),
+    let bytes: Box<dyn ByteStream> = match file {
+        Some(file) if readiness.is_some() => Box::new(SeparateReader { file, port }),
         _ => Box::new(port),
     };
     Connection {
@@ -106,13 +108,58 @@ fn connection(port: Box<dyn SerialPort>, file: Option<File>, endpoint: String) -
 /// Reader of a port through a file of its own.
 struct SeparateReader {
     file: File,
-    /// Keeps the port locked for other programs.
-    _port: Box<dyn SerialPort>,
+    /// Keeps the port locked for other programs, and writes.
+    port: Box<dyn SerialPort>,
 }
 
 impl Read for SeparateReader {
     fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
         self.file.read(buffer)
+    }
+}
+
+impl ByteStream for SeparateReader {
+    fn writer(&self) -> Option<Box<dyn Write + Send>> {
+        self.port.writer()
+    }
+}
+
+impl ByteStream for Box<dyn SerialPort> {
+    fn writer(&self) -> Option<Box<dyn Write + Send>> {
+        let mut port = self.try_clone().ok()?;
+        port.set_timeout(WRITE_TIMEOUT).ok()?;
+        Some(Box::new(PortWriter {
+            port,
+            is_blocked: false,
+        }))
+    }
+}
+
+/// Writer to a port.
+struct PortWriter {
+    port: Box<dyn SerialPort>,
+    /// The device did not read the latest bytes.
+    is_blocked: bool,
+}
+
+impl Write for PortWriter {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.port.write(bytes);
+        self.is_blocked = written.is_err();
+        written
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.port.flush()
+    }
+}
+
+impl Drop for PortWriter {
+    /// Discards what the device does not read: the kernel may wait 30 s for that when a port is closed.
+    fn drop(&mut self) {
+        if self.is_blocked {
+            let _ = self.port.clear(ClearBuffer::Output);
+        }
     }
 }
 

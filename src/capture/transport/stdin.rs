@@ -39,7 +39,7 @@ impl Connector for StdinConnector {
         let (bytes, readiness) =
             open_stdin().map_err(|error| ConnectError::Unusable(error.to_string()))?;
         Ok(Connection {
-            bytes,
+            bytes: Box::new(bytes),
             readiness,
             endpoint: "the standard input".to_owned(),
         })

@@ -1,11 +1,13 @@
 //! TCP client, for RS232-to-TCP converters and programs that serve readings.
 
-use std::io::Error;
+use std::io::{Error, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
 use super::{Scheme, Transport, check_socket_address, open_stream};
-use crate::capture::connection::{ConnectError, Connection, Connector, READ_TIMEOUT};
+use crate::capture::connection::{
+    ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, WRITE_TIMEOUT,
+};
 use crate::capture::poll::Readiness;
 
 /// The `tcp` transport.
@@ -57,6 +59,14 @@ impl Connector for TcpConnector {
             bytes: Box::new(stream),
             endpoint: self.address.clone(),
         })
+    }
+}
+
+impl ByteStream for TcpStream {
+    fn writer(&self) -> Option<Box<dyn Write + Send>> {
+        let stream = self.try_clone().ok()?;
+        stream.set_write_timeout(Some(WRITE_TIMEOUT)).ok()?;
+        Some(Box::new(stream))
     }
 }
 

@@ -1,12 +1,13 @@
 //! UDP receiver: each datagram holds whole packets, and all come from one sender.
 
-use std::io::{Error, ErrorKind, Read, Result};
+use std::io::{Error, ErrorKind, Read, Result, Write};
 use std::net::{SocketAddr, UdpSocket};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::{Scheme, Transport, check_socket_address, open_stream};
 use crate::capture::connection::{
-    ConnectError, Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER,
+    ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, UNKNOWN_SENDER,
 };
 use crate::capture::poll::Readiness;
 
@@ -72,6 +73,7 @@ impl Connector for UdpConnector {
             bytes: Box::new(Datagrams {
                 socket,
                 sender: None,
+                peer: Arc::default(),
             }),
             endpoint: self.address.clone(),
         })
@@ -92,6 +94,8 @@ struct Datagrams {
     socket: UdpSocket,
     /// The sender that is read, and the time of its last datagram.
     sender: Option<(SocketAddr, Instant)>,
+    /// The same sender, for the writer. Locked for a moment only.
+    peer: Arc<Mutex<Option<SocketAddr>>>,
 }
 
 impl Datagrams {
@@ -102,9 +106,39 @@ impl Datagrams {
             known != sender && now.saturating_duration_since(last) < SENDER_TIMEOUT
         });
         if !is_other {
+            if self.sender.is_none_or(|(known, _)| known != sender) {
+                *self.peer.lock().unwrap_or_else(PoisonError::into_inner) = Some(sender);
+            }
             self.sender = Some((sender, now));
         }
         !is_other
+    }
+}
+
+impl ByteStream for Datagrams {
+    fn writer(&self) -> Option<Box<dyn Write + Send>> {
+        Some(Box::new(PeerWriter {
+            socket: self.socket.try_clone().ok()?,
+            peer: Arc::clone(&self.peer),
+        }))
+    }
+}
+
+/// Writer of datagrams to the sender that is read.
+struct PeerWriter {
+    socket: UdpSocket,
+    peer: Arc<Mutex<Option<SocketAddr>>>,
+}
+
+impl Write for PeerWriter {
+    fn write(&mut self, bytes: &[u8]) -> Result<usize> {
+        let peer = *self.peer.lock().unwrap_or_else(PoisonError::into_inner);
+        let peer = peer.ok_or(ErrorKind::NotConnected)?;
+        self.socket.send_to(bytes, peer)
+    }
+
+    fn flush(&mut self) -> Result<()> {
+        Ok(())
     }
 }
 

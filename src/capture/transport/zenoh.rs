@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 
 use super::{Scheme, Transport, open_stream};
-use crate::capture::connection::{ConnectError, Connection, Connector};
+use crate::capture::connection::{ByteStream, ConnectError, Connection, Connector};
 use crate::network::zenoh::{DEFAULT_ROUTER, Subscriber, ZenohError, check_key};
 
 /// The `zenoh` transport.
@@ -38,6 +38,9 @@ struct ZenohConnector {
     key: String,
     router: SocketAddr,
 }
+
+/// A shared hand takes no feedback.
+impl ByteStream for Subscriber {}
 
 impl Connector for ZenohConnector {
     const IS_LIVE: bool = true;

@@ -9,10 +9,10 @@ use std::thread;
 use crossbeam_channel::TryRecvError::Disconnected;
 use crossbeam_channel::{Receiver, Sender, bounded, select};
 
-use super::latest::LatestSender;
 use super::publisher::{Published, SessionNames, ViewPublisher};
 use super::{MAX_MESSAGES, View, ViewState};
 use crate::layout::Layout;
+use crate::session::latest::LatestSender;
 
 /// Notices that wait for the thread.
 const QUEUED_MESSAGES: usize = 64;
@@ -59,9 +59,9 @@ impl ViewHub {
             }),
             count: Arc::clone(&count),
         });
-        let (publisher, views) = LatestSender::new(count);
+        let (publisher, views) = LatestSender::new();
         let (messages, queue) = bounded(QUEUED_MESSAGES);
-        let publisher = ViewPublisher::new(publisher, names, layout);
+        let publisher = ViewPublisher::new(publisher, count, names, layout);
         let hub = Self {
             shared: Arc::clone(&shared),
             messages,

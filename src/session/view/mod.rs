@@ -9,7 +9,6 @@
 //! ```
 
 mod hub;
-mod latest;
 mod publisher;
 mod state;
 

@@ -2,11 +2,11 @@
 
 use std::mem;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use arrayvec::ArrayVec;
 
-use super::latest::LatestSender;
 use super::state::{Fingertip, ViewCounts, ViewState};
 use crate::contact::TargetId;
 use crate::device::pressed_keys::PressedKeys;
@@ -15,6 +15,7 @@ use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::layout::Layout;
 use crate::pipeline::{LayoutInstance, Pipeline, PipelineState};
+use crate::session::latest::LatestSender;
 use crate::snapshot::Snapshot;
 
 /// Time between two views while nothing is pressed or released.
@@ -41,6 +42,8 @@ pub(super) struct Published {
 /// Publishes views of the session loop. Allocates only while there is a viewer.
 pub(in crate::session) struct ViewPublisher {
     views: LatestSender<Published>,
+    /// The number of viewers.
+    viewers: Arc<AtomicUsize>,
     /// The names of the profiles, the source and the outputs.
     names: SessionNames,
     layout: Arc<Layout>,
@@ -69,11 +72,13 @@ pub(in crate::session) struct SessionNames {
 impl ViewPublisher {
     pub(super) fn new(
         views: LatestSender<Published>,
+        viewers: Arc<AtomicUsize>,
         names: SessionNames,
         layout: Arc<Layout>,
     ) -> Self {
         Self {
             views,
+            viewers,
             names,
             layout,
             profile: 0,
@@ -102,7 +107,9 @@ impl ViewPublisher {
         self.rate.update(snapshot.stats.source.readings, now);
         let is_due = |last: Instant| now.duration_since(last) >= PERIOD;
         let is_due = self.last_published.is_none_or(is_due);
-        if self.views.is_watched() && (is_due || is_pressed || is_new_state || is_new_layout) {
+        if self.viewers.load(Ordering::Relaxed) > 0
+            && (is_due || is_pressed || is_new_state || is_new_layout)
+        {
             self.last_published = Some(now);
             self.publish(snapshot, pipeline);
         }

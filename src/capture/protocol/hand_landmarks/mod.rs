@@ -49,6 +49,7 @@ pub const PROTOCOL: Protocol = Protocol {
     // Half of a line with two hands whose numbers have one digit. Lines without hands are shorter, and they are few.
     min_packet_bytes: 8 * HAND_LANDMARKS,
     default_baud: None,
+    feedback: None,
     options: &[
         &HAND,
         &CAMERA,

@@ -21,6 +21,7 @@ pub const PROTOCOL: Protocol = Protocol {
     carriers: Carriers::Any,
     min_packet_bytes: PACKET_BYTES,
     default_baud: Some(DEFAULT_BAUD),
+    feedback: None,
     options: &[&FRAMING],
     nominal_rate_hz: |_| None,
     decoder: |options| Box::new(Hc11Decoder::new(framing(options))),

@@ -8,6 +8,7 @@
 //! key twice is skipped too, because it consists of two lines of which the first was cut. Unknown keys are ignored.
 
 mod alpha;
+mod feedback;
 mod legacy;
 
 use arrayvec::ArrayVec;
@@ -31,6 +32,7 @@ pub const PROTOCOL: Protocol = Protocol {
     // A thumb with one digit.
     min_packet_bytes: 3,
     default_baud: std::num::NonZeroU32::new(115_200),
+    feedback: Some(&feedback::FORMAT),
     options: &[&MAX, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |options| Box::new(decoder(max(options))),

@@ -51,6 +51,7 @@ pub const PROTOCOL: Protocol = Protocol {
     // Two cameras that see a marker.
     min_packet_bytes: 128,
     default_baud: None,
+    feedback: None,
     options: &[&HAND, &UNIT, &UP, &MAX_GAP, &ELBOW_OFFSET, &RATE],
     nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |options| Box::new(LineDecoder::with_parser(MarkerParser::new(options))),

@@ -30,6 +30,7 @@ pub const PROTOCOL: Protocol = Protocol {
     // A bundle of a time message.
     min_packet_bytes: 40,
     default_baud: None,
+    feedback: None,
     options: &[],
     nominal_rate_hz: |_| None,
     decoder: |_| Box::new(decoder()),

@@ -16,7 +16,7 @@ use crossbeam_channel::RecvTimeoutError;
 
 use self::server::{ClientEvent, Server};
 use super::{Scheme, Transport, check_socket_address, open_stream};
-use crate::capture::connection::{ConnectError, Connection, Connector, READ_TIMEOUT};
+use crate::capture::connection::{ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT};
 
 /// The `ws` transport.
 pub const TRANSPORT: Transport = Transport {
@@ -103,6 +103,8 @@ struct Messages {
     /// Bytes of the message that were read.
     read: usize,
 }
+
+impl ByteStream for Messages {}
 
 impl Read for Messages {
     fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {

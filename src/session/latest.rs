@@ -1,33 +1,19 @@
 //! A channel that holds the newest value only.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use crossbeam_channel::{Receiver, Sender, TrySendError, bounded};
 
 /// Sends the newest value and drops an older one that was not received yet.
 pub(super) struct LatestSender<T> {
     sender: Sender<T>,
     oldest: Receiver<T>,
-    viewers: Arc<AtomicUsize>,
 }
 
 impl<T> LatestSender<T> {
-    /// Creates a channel. `viewers` is the number of those who want the values.
-    pub fn new(viewers: Arc<AtomicUsize>) -> (Self, Receiver<T>) {
+    /// Creates a channel.
+    pub fn new() -> (Self, Receiver<T>) {
         let (sender, receiver) = bounded(1);
         let oldest = receiver.clone();
-        let sender = Self {
-            sender,
-            oldest,
-            viewers,
-        };
-        (sender, receiver)
-    }
-
-    /// Returns whether there is a viewer.
-    pub fn is_watched(&self) -> bool {
-        self.viewers.load(Ordering::Relaxed) > 0
+        (Self { sender, oldest }, receiver)
     }
 
     /// Sends a value without waiting.
@@ -45,8 +31,7 @@ mod tests {
 
     #[test]
     fn a_value_replaces_one_that_was_not_received() {
-        let (sender, receiver) = LatestSender::new(Arc::default());
-        assert!(!sender.is_watched());
+        let (sender, receiver) = LatestSender::new();
         for value in 0..3 {
             sender.send(value);
         }

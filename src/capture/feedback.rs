@@ -1,0 +1,166 @@
+//! Feedback to a glove, over the line that its readings come from.
+
+use std::io::Write;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+use crossbeam_channel::{Receiver, Sender, bounded};
+use serde::{Deserialize, Serialize};
+
+use super::Sample;
+use crate::hand::Finger;
+
+/// The kinds of feedback that a glove has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Haptics {
+    /// None.
+    #[default]
+    Off,
+    /// Force feedback: a finger that presses is held from curling further.
+    Force,
+    /// Haptic pulses: a finger that touches or presses feels a vibration.
+    Pulse,
+    /// Both.
+    Both,
+}
+
+impl Haptics {
+    /// All kinds.
+    pub const ALL: [Self; 4] = [Self::Off, Self::Force, Self::Pulse, Self::Both];
+
+    /// Returns the name used in messages and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Force => "force",
+            Self::Pulse => "pulse",
+            Self::Both => "both",
+        }
+    }
+
+    /// Returns whether fingers are held.
+    pub const fn has_force(self) -> bool {
+        matches!(self, Self::Force | Self::Both)
+    }
+
+    /// Returns whether touches are felt as pulses.
+    pub const fn has_pulses(self) -> bool {
+        matches!(self, Self::Pulse | Self::Both)
+    }
+}
+
+/// A haptic pulse.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Pulse {
+    /// The end of any pulse.
+    #[default]
+    Off,
+    /// A finger has touched a key.
+    Touch,
+    /// A finger has pressed a key.
+    Press,
+}
+
+/// A message to a glove.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Feedback {
+    /// Force of each finger, in the order of [`Finger::ALL`]: 0 if it is free, and 1 if it is held straight. In between it
+    /// can curl up to the complement of the force. `None` if the message is about something else.
+    pub forces: Option<[f32; Finger::COUNT]>,
+    /// The pulse to start. `None` if the message is about something else.
+    pub pulse: Option<Pulse>,
+}
+
+/// The feedback of a protocol.
+#[derive(Debug)]
+pub struct FeedbackFormat {
+    /// Returns the curl of a finger, 0 (straight) to 1 (closed); `None` if the sample does not have it.
+    pub curl: fn(&Sample, Finger) -> Option<f32>,
+    /// Appends a message in the form of the wire.
+    pub encode: fn(&Feedback, &mut Vec<u8>),
+}
+
+/// The writing end of a connection. Each write ends within a tenth of a second.
+type Writer = Arc<Mutex<Box<dyn Write + Send>>>;
+
+/// The identity of a connection, which does not keep it open. The default is that of none.
+#[derive(Clone, Default)]
+pub struct ConnectionId(Weak<Mutex<Box<dyn Write + Send>>>);
+
+impl PartialEq for ConnectionId {
+    fn eq(&self, other: &Self) -> bool {
+        Weak::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// The writing end of a source, whichever connection it has at present. Clones are of the same source.
+#[derive(Clone)]
+pub struct FeedbackDevice {
+    /// The form of the messages.
+    pub format: &'static FeedbackFormat,
+    /// The present connection. Locked for a moment only.
+    writer: Arc<Mutex<Option<Writer>>>,
+    connected: Sender<()>,
+    connections: Receiver<()>,
+}
+
+impl FeedbackDevice {
+    /// Creates a device that is not connected.
+    pub fn new(format: &'static FeedbackFormat) -> Self {
+        let (connected, connections) = bounded(1);
+        Self {
+            format,
+            writer: Arc::default(),
+            connected,
+            connections,
+        }
+    }
+
+    /// Replaces the connection, which may be one that cannot be written to.
+    pub fn connect(&self, writer: Option<Box<dyn Write + Send>>) {
+        *self.lock() = writer.map(|writer| Arc::new(Mutex::new(writer)));
+        // A message that waits has the same meaning.
+        let _ = self.connected.try_send(());
+    }
+
+    /// Removes the connection and returns it, because closing it may block.
+    pub fn disconnect(&self) -> Option<FeedbackConnection> {
+        self.lock().take().map(FeedbackConnection)
+    }
+
+    /// Returns the present connection.
+    pub fn connection(&self) -> Option<FeedbackConnection> {
+        self.lock().clone().map(FeedbackConnection)
+    }
+
+    /// Returns a channel with a message after each new connection.
+    pub fn connections(&self) -> &Receiver<()> {
+        &self.connections
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Option<Writer>> {
+        self.writer.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A connection to a device. It stays open while this exists.
+pub struct FeedbackConnection(Writer);
+
+impl FeedbackConnection {
+    /// Returns the identity of the connection.
+    pub fn id(&self) -> ConnectionId {
+        ConnectionId(Arc::downgrade(&self.0))
+    }
+
+    /// Writes bytes, and returns how many were written before the device stopped reading or the connection failed.
+    pub fn write(&self, bytes: &[u8]) -> usize {
+        let mut writer = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut written = 0;
+        while written < bytes.len() {
+            match writer.write(&bytes[written..]) {
+                Ok(length @ 1..) => written += length,
+                Ok(0) | Err(_) => break,
+            }
+        }
+        written
+    }
+}
