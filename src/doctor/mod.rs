@@ -7,12 +7,14 @@
 mod checks;
 mod facts;
 mod probe;
+mod source;
 
 pub use checks::check;
 pub use facts::{
     Compositor, DeviceNode, Facts, RunningInstance, RuntimeDir, UinputFacts, User, WatchdogScope,
     XDisplay,
 };
+pub use source::check_source;
 
 use std::path::Path;
 
@@ -79,7 +81,7 @@ impl CheckStatus {
 /// The result of one check.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// Subject of the check: `user`, `serial port`, `uinput`, `display`, `compositor`, `priority`, `watchdog`,
+    /// Subject of the check: `user`, `serial port`, `source`, `uinput`, `display`, `compositor`, `priority`, `watchdog`,
     /// `sockets`, `outputs`.
     pub check: &'static str,
     /// Status of the subject.

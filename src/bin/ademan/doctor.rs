@@ -45,6 +45,11 @@ pub fn run(args: Args) -> Result<(), Failure> {
     let requirements = Requirements::from_setup(&setup);
     let setup = setup.load_files()?;
     let mut findings = doctor::check(&doctor::gather_facts(&requirements), &requirements);
+    findings.extend(
+        setup
+            .named_sources()
+            .filter_map(|it| doctor::check_source(&it)),
+    );
     findings.push(check_outputs(&setup)?);
     let test = |backend: &&'static Backend| {
         let check = backend.check?;

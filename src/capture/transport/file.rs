@@ -1,6 +1,6 @@
 //! File with the raw bytes of a stream.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use super::{Scheme, Transport, open_stream};
 use crate::capture::connection::{ConnectError, Connection, Connector};
@@ -15,6 +15,10 @@ pub const TRANSPORT: Transport = Transport {
     is_device: false,
     has_address: true,
     default_baud: None,
+    probe: Some(|address| {
+        let opened = files::open_regular(Path::new(address));
+        opened.map(drop).map_err(|error| error.to_string())
+    }),
     check_address: |_| Ok(()),
     open: |uri| {
         let path = PathBuf::from(&uri.address);

@@ -34,6 +34,9 @@ pub const TRANSPORTS: &[&Transport] = &[
     &stdin::TRANSPORT,
 ];
 
+/// A function that tries to open the source at an address. An error states the cause and the remedy.
+type Probe = fn(&str) -> Result<(), String>;
+
 /// A carrier of bytes: the form of its URI and how it is opened.
 #[derive(Debug)]
 pub struct Transport {
@@ -51,6 +54,9 @@ pub struct Transport {
     pub has_address: bool,
     /// Bit rate if neither the URI nor the protocol states one. `None` if the transport is not a serial line.
     pub default_baud: Option<NonZeroU32>,
+    /// Checks that a source at this address can be opened, without reading from it. `None` if opening it has an effect on the
+    /// device, or takes long.
+    pub(super) probe: Option<Probe>,
     /// Checks an address; an error states what is wrong with it.
     pub(super) check_address: fn(&str) -> Result<(), String>,
     /// Opens the source.

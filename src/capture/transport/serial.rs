@@ -30,6 +30,7 @@ pub const TRANSPORT: Transport = Transport {
     is_device: true,
     has_address: true,
     default_baud: Some(DEFAULT_BAUD),
+    probe: None,
     check_address: check_no_question_mark,
     open: |uri| {
         let baud = uri.format.baud.unwrap_or(DEFAULT_BAUD);

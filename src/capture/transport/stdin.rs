@@ -13,6 +13,7 @@ pub const TRANSPORT: Transport = Transport {
     is_device: false,
     has_address: false,
     default_baud: None,
+    probe: Some(|_| Ok(())),
     check_address: |address| match address {
         "" => Ok(()),
         _ => Err("`stdin:` has no address, write `stdin:` or `stdin:?protocol=…`".to_owned()),

@@ -19,6 +19,11 @@ pub const TRANSPORT: Transport = Transport {
     is_device: true,
     has_address: true,
     default_baud: None,
+    probe: Some(|address| {
+        connect(address)
+            .map(drop)
+            .map_err(|error| format!("no connection: {error}; {REMEDY}"))
+    }),
     check_address: |address| check_socket_address(SCHEME, address),
     open: |uri| {
         let address = uri.address.clone();
@@ -32,6 +37,8 @@ const SCHEME: Scheme = Scheme {
     summary: "TCP server, such as an RS232-to-TCP converter",
     example: "tcp:192.168.1.7:4001",
 };
+
+pub(super) const REMEDY: &str = "check that the server is on and that address and port are right";
 
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(3);
 
@@ -49,11 +56,8 @@ impl Connector for TcpConnector {
     const IDLE_TIMEOUT: Option<Duration> = Some(Duration::from_secs(5));
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {
-        let stream = connect(&self.address).map_err(|error| {
-            ConnectError::Absent(format!(
-                "{error}; check that the server is on and that address and port are right"
-            ))
-        })?;
+        let stream = connect(&self.address)
+            .map_err(|error| ConnectError::Absent(format!("{error}; {REMEDY}")))?;
         Ok(Connection {
             readiness: Readiness::new(&stream),
             bytes: Box::new(stream),

@@ -15,6 +15,13 @@ pub const TRANSPORT: Transport = Transport {
     is_device: true,
     has_address: true,
     default_baud: None,
+    // The handshake would count as a try with a token.
+    probe: Some(|address| {
+        let connected = tcp::connect(address);
+        connected
+            .map(drop)
+            .map_err(|error| format!("no connection: {error}; {}", tcp::REMEDY))
+    }),
     check_address: |address| check_socket_address(SCHEME, address),
     open: |uri| {
         let connector = SecureConnector {
@@ -50,11 +57,8 @@ impl Connector for SecureConnector {
     const IDLE_TIMEOUT: Option<Duration> = Some(Duration::from_secs(5));
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {
-        let stream = tcp::connect(&self.address).map_err(|error| {
-            ConnectError::Absent(format!(
-                "{error}; check that the server is on and that address and port are right"
-            ))
-        })?;
+        let stream = tcp::connect(&self.address)
+            .map_err(|error| ConnectError::Absent(format!("{error}; {}", tcp::REMEDY)))?;
         let token_file = network::token_path(&self.token_file);
         let secured = network::connect(stream, &token_file);
         let stream = secured.map_err(|error| match error {

@@ -20,6 +20,11 @@ pub const TRANSPORT: Transport = Transport {
     is_device: false,
     has_address: true,
     default_baud: None,
+    probe: Some(|address| {
+        bind(address)
+            .map(drop)
+            .map_err(|error| format!("{error}; {REMEDY}"))
+    }),
     check_address,
     open: |uri| {
         let address = uri.address.clone();
@@ -33,6 +38,8 @@ const SCHEME: Scheme = Scheme {
     summary: "datagrams from this machine",
     example: "udp:127.0.0.1:9000?protocol=text-line",
 };
+
+const REMEDY: &str = "use 127.0.0.1 and a free port";
 
 /// Checks that the address is one of this machine that no other machine can send to: datagrams carry no credential.
 fn check_address(address: &str) -> std::result::Result<(), String> {
@@ -65,9 +72,8 @@ impl Connector for UdpConnector {
     const READ_BYTES: usize = 1 << 16;
 
     fn connect(&mut self) -> std::result::Result<Connection, ConnectError> {
-        let socket = bind(&self.address).map_err(|error| {
-            ConnectError::Absent(format!("{error}; use 127.0.0.1 and a free port"))
-        })?;
+        let socket = bind(&self.address)
+            .map_err(|error| ConnectError::Absent(format!("{error}; {REMEDY}")))?;
         Ok(Connection {
             readiness: Readiness::new(&socket),
             bytes: Box::new(Datagrams {

@@ -15,6 +15,7 @@ pub const TRANSPORT: Transport = Transport {
     is_device: true,
     has_address: true,
     default_baud: None,
+    probe: None,
     check_address: check_key,
     open: |uri| {
         let connector = ZenohConnector {

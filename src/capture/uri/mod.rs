@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::protocol::{Carriers, PROTOCOLS, Protocol, StreamFormat};
 use super::transport::{MAX_DELAY, Scheme, StreamUri, TRANSPORTS, Transport};
 use super::{CaptureError, PositionNoise};
+use crate::files;
 use crate::hand::Side;
 use crate::names::{UnknownName, nearest};
 use crate::network::zenoh::parse_router;
@@ -157,6 +158,19 @@ impl SourceUri {
         match self {
             Self::Stream(stream) => stream.token_file.as_deref(),
             _ => None,
+        }
+    }
+
+    /// Checks that the source can be opened, without reading from it. `None` if that would have an effect on the
+    /// device, or take long. An error states the cause and the remedy.
+    pub fn probe(&self) -> Option<Result<(), String>> {
+        match self {
+            Self::Stream(stream) => stream.transport.probe.map(|probe| probe(&stream.address)),
+            Self::Recording { path } => {
+                let opened = files::open_regular(path);
+                Some(opened.map(drop).map_err(|error| error.to_string()))
+            }
+            Self::Typist { .. } | Self::Script { .. } => Some(Ok(())),
         }
     }
 

@@ -9,7 +9,7 @@ mod server;
 pub(crate) use admission::Admission;
 
 use std::io::{Error, ErrorKind, Read, Result};
-use std::net::SocketAddr;
+use std::net::{SocketAddr, TcpListener};
 use std::sync::Arc;
 
 use crossbeam_channel::RecvTimeoutError;
@@ -27,6 +27,12 @@ pub const TRANSPORT: Transport = Transport {
     is_device: false,
     has_address: true,
     default_baud: None,
+    probe: Some(|address| {
+        let bound = TcpListener::bind(address);
+        bound
+            .map(drop)
+            .map_err(|error| format!("{error}; {REMEDY}"))
+    }),
     check_address,
     open: |uri| {
         let connector = WebSocketConnector {
@@ -44,6 +50,8 @@ const SCHEME: Scheme = Scheme {
     summary: "WebSocket server for a program or a page on this machine",
     example: "ws:127.0.0.1:9001?protocol=hand-landmarks",
 };
+
+const REMEDY: &str = "use 127.0.0.1 and a free port";
 
 /// Checks that the address is one of this machine that no other machine can connect to: the connection is not encrypted.
 fn check_address(address: &str) -> std::result::Result<(), String> {
@@ -78,9 +86,9 @@ impl Connector for WebSocketConnector {
             Some(server) => Arc::clone(server),
             None => {
                 let started = Server::start(&self.address, self.origin.clone());
-                let server = Arc::new(started.map_err(|error| {
-                    ConnectError::Absent(format!("{error}; use 127.0.0.1 and a free port"))
-                })?);
+                let server = Arc::new(
+                    started.map_err(|error| ConnectError::Absent(format!("{error}; {REMEDY}")))?,
+                );
                 Arc::clone(self.server.insert(server))
             }
         };
