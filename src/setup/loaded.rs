@@ -168,6 +168,7 @@ impl LoadedSetup {
             setup,
         };
         loaded.check_roles()?;
+        loaded.check_parts()?;
         loaded.setup.check_position_filter()?;
         for layout in loaded.layouts() {
             loaded.check_layout(layout)?;
@@ -290,9 +291,10 @@ impl LoadedSetup {
             Some(glove) => fingers.with_channels(&glove.map),
             None => fingers,
         };
-        match arm_source {
-            Some(_) => {
-                let arm = Estimator::new(settings(arm_source));
+        let whole = source.filter(|source| source.has_parts());
+        match arm_source.or(whole) {
+            Some(arm_source) => {
+                let arm = Estimator::new(settings(Some(arm_source)));
                 FusedEstimator::new(arm, fingers, self.pipeline.stall_timeout).into()
             }
             None => fingers.into(),

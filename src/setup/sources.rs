@@ -143,6 +143,28 @@ impl LoadedSetup {
         Ok(())
     }
 
+    /// Checks that a source that measures the arm and the fingers is not one of two for the same hand.
+    pub(super) fn check_parts(&self) -> Result<(), SetupError> {
+        let setup = &self.setup;
+        let other = setup.other_hand.as_ref();
+        let has_parts = |source: &&SourceUri| source.has_parts();
+        let arms = [&setup.arm_source]
+            .into_iter()
+            .chain(other.map(|hand| &hand.arm_source));
+        let mut arms = arms.flatten().peekable();
+        let sources = [&setup.source]
+            .into_iter()
+            .chain(other.map(|hand| &hand.source));
+        let whole = sources.flatten().find(has_parts);
+        match arms.peek().and(whole).or_else(|| arms.find(has_parts)) {
+            None => Ok(()),
+            Some(source) => Err(SetupError::Value(format!(
+                "`arm_source`: {source} measures the arm and the fingers; remove `arm_source`, or use `body-landmarks` and \
+                 `hand-landmarks`, which ignore the rest of such a line"
+            ))),
+        }
+    }
+
     /// Returns the source of the other hand's arm: its own, or that of the first hand if that shows both arms.
     pub(super) fn other_arm_source(&self) -> Option<&SourceUri> {
         let own = self.setup.other_hand.as_ref()?.arm_source.as_ref();

@@ -4,7 +4,7 @@ use ademan::capture::Sample;
 use ademan::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
 use ademan::capture::protocol::{
     Decoder, PROTOCOLS, Protocol, ProtocolOptions, body_landmarks, bvh, hand_landmarks, hc11,
-    joint_sets, markers, opentrack, text_line, vmc,
+    holistic, joint_sets, markers, opentrack, text_line, vmc,
 };
 use ademan::estimate::{Estimator, EstimatorSettings};
 use ademan::hand::{ArmBone, BoneRotations, Joint, JointAngles, JointPositions, Side};
@@ -122,6 +122,13 @@ pub fn seeds() -> Vec<Vec<u8>> {
         stream(
             (1..4)
                 .map(|_| hand_landmarks::encode(None, &[hand()]))
+                .collect(),
+        ),
+        stream(
+            (1..4)
+                .map(|number| {
+                    holistic::join(&body(number), &hand_landmarks::encode(None, &[hand()]))
+                })
                 .collect(),
         ),
         stream(

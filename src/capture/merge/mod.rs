@@ -137,7 +137,7 @@ impl MergedInput {
     /// Gives a reading its side, part and time on the common clock, and holds it until the slowest source shows its moment.
     fn hold_back(&mut self, mut reading: Reading, received_at: Instant, start: Option<Instant>) {
         reading.side = reading.side.or(self.side);
-        reading.part = self.part;
+        reading.part = self.part.or(reading.part);
         if let Some(start) = start {
             let arrival = received_at.saturating_duration_since(start).as_micros() as i64;
             let time = reading.time.0 as i64;

@@ -8,6 +8,7 @@
 //! may be missing. Other fields are ignored. A line with another number of landmarks, with a position beyond
 //! [`MAX_COORDINATE`] or with a visibility outside 0 to 1 is skipped.
 
+use arrayvec::ArrayVec;
 use serde::Deserialize;
 
 use super::lines::{LineDecoder, LineParser};
@@ -23,6 +24,7 @@ pub const PROTOCOL: Protocol = Protocol {
     summary: "33 body landmarks of MediaPipe in metres per line of JSON",
     sample: SampleKind::Body,
     has_both_hands: true,
+    has_parts: false,
     position_noise: PositionNoise::Landmarks,
     carriers: Carriers::Any,
     // The name of the field, and `[0,0,0],` for each landmark.
@@ -72,13 +74,19 @@ impl LineParser for BodyParser {
 /// The fields of a line that count.
 #[derive(Deserialize)]
 struct Line {
-    pose_world_landmarks: arrayvec::ArrayVec<Landmark, BODY_LANDMARKS>,
+    pose_world_landmarks: ArrayVec<Landmark, BODY_LANDMARKS>,
 }
 
 /// Reads a line. An error states why it is not valid.
 pub fn parse(line: &str) -> Result<BodyLandmarks, PacketError> {
     let line: Line = serde_json::from_str(line)?;
-    let points = line.pose_world_landmarks;
+    body(line.pose_world_landmarks)
+}
+
+/// Returns the body of a list of landmarks. An error states why it is not valid.
+pub(super) fn body(
+    points: ArrayVec<Landmark, BODY_LANDMARKS>,
+) -> Result<BodyLandmarks, PacketError> {
     if points.len() != BODY_LANDMARKS {
         return Err(PacketError::new(
             InvalidPacket::WrongSize,
@@ -134,7 +142,7 @@ mod tests {
     use super::*;
     use crate::capture::protocol::Decoder;
 
-    fn body() -> BodyLandmarks {
+    fn some_body() -> BodyLandmarks {
         let landmark = |index: usize| Landmark {
             position: [0.01 * index as f32, -0.5, 0.25],
             confidence: 0.5,
@@ -152,7 +160,7 @@ mod tests {
 
     #[test]
     fn encoded_landmarks_are_decoded() {
-        assert_eq!(parse(&encode(&body())), Ok(body()));
+        assert_eq!(parse(&encode(&some_body())), Ok(some_body()));
         let without_visibility = parse(&line_with("[1,2.5,-3]")).expect("a valid line");
         let last = Landmark {
             position: [1.0, 2.5, -3.0],
@@ -203,10 +211,10 @@ mod tests {
     fn a_stream_gives_the_valid_lines_in_pieces_of_any_size() {
         let stream = format!(
             "noise\r\n{}{{}}\n\n{}",
-            encode(&body()),
+            encode(&some_body()),
             line_with("[0,0,0]\r\n")
         );
-        let stream = format!("{stream}\n{}", encode(&body()).replace('\n', "\r\n"));
+        let stream = format!("{stream}\n{}", encode(&some_body()).replace('\n', "\r\n"));
         for size in [1, 7, 100, 4_096] {
             let mut decoder = decoder();
             let mut received = Vec::new();
@@ -217,7 +225,7 @@ mod tests {
             assert!(
                 received
                     .iter()
-                    .all(|sample| *sample == Sample::Body(body()))
+                    .all(|sample| *sample == Sample::Body(some_body()))
             );
             assert_eq!(decoder.pending_bytes(), 0);
         }
@@ -229,7 +237,7 @@ mod tests {
         let line = line_with(&format!("[0,0,0.{}]", "1".repeat(1 << 20))) + "\n";
         decoder.push(line.as_bytes(), &mut |_| panic!("a line that is too long"));
         let mut packets = 0;
-        decoder.push(encode(&body()).as_bytes(), &mut |_| packets += 1);
+        decoder.push(encode(&some_body()).as_bytes(), &mut |_| packets += 1);
         assert_eq!(packets, 1);
     }
 }

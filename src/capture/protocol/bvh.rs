@@ -19,6 +19,7 @@ pub const PROTOCOL: Protocol = Protocol {
     summary: "motion capture in a BVH text: the joints of one arm and hand, by their names",
     sample: SampleKind::Joints,
     has_both_hands: false,
+    has_parts: false,
     position_noise: PositionNoise::None,
     carriers: Carriers::Streams,
     // Three rotations of shoulder, elbow and wrist: one digit and one separator each.
@@ -232,6 +233,7 @@ impl FrameReader {
                 self.count as f64 * motion.frame_time,
             )),
             side: Some(self.hand),
+            part: None,
         })
     }
 

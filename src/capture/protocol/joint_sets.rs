@@ -54,6 +54,7 @@ const fn protocol<const JOINTS: usize>(
         summary,
         sample: SampleKind::Joints,
         has_both_hands: true,
+        has_parts: false,
         position_noise: PositionNoise::None,
         carriers: Carriers::Any,
         // Joints whose numbers have one digit. Lines without hands are shorter, and they are few.
@@ -152,7 +153,9 @@ impl<const JOINTS: usize> LineParser for JointParser<JOINTS> {
                 best.add(hand.label.0, hand.score, positions);
             }
         }
-        self.hands.emit(line.time_us, best.hands(), emit)
+        let time = self.hands.start_line(line.time_us)?;
+        self.hands.emit(time, best.hands(), emit);
+        Ok(())
     }
 
     fn reset(&mut self) {

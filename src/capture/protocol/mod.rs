@@ -8,6 +8,7 @@ mod datagrams;
 mod encoder;
 pub mod hand_landmarks;
 pub mod hc11;
+pub mod holistic;
 mod invalid;
 pub mod joint_sets;
 mod line_times;
@@ -27,7 +28,7 @@ use std::time::Duration;
 
 use super::feedback::FeedbackFormat;
 use super::{Sample, SampleKind, SourceStats};
-use crate::hand::Side;
+use crate::hand::{HandPart, Side};
 use crate::time::Timestamp;
 
 pub use encoder::{Encoder, EncoderPlan};
@@ -42,6 +43,7 @@ pub const PROTOCOLS: &[&Protocol] = &[
     &body_landmarks::PROTOCOL,
     &lucidgloves::PROTOCOL,
     &hand_landmarks::PROTOCOL,
+    &holistic::PROTOCOL,
     &joint_sets::OPENXR,
     &joint_sets::WEBXR,
     &opentrack::PROTOCOL,
@@ -59,6 +61,8 @@ pub struct Protocol {
     pub sample: SampleKind,
     /// `true` if it shows both hands, so that a setup with one hand reads the one that the option `hand` names.
     pub has_both_hands: bool,
+    /// `true` if it measures the arm and the fingers in packets of their own.
+    pub has_parts: bool,
     /// Noise of the positions that it carries.
     pub position_noise: PositionNoise,
     /// Carriers of the packets.
@@ -255,6 +259,8 @@ pub struct Packet {
     pub time: Option<Timestamp>,
     /// Hand that was measured, if the format states it.
     pub side: Option<Side>,
+    /// Part of the hand that counts, if another packet of the same stream measures the rest.
+    pub part: Option<HandPart>,
 }
 
 impl Packet {
@@ -265,6 +271,7 @@ impl Packet {
             end,
             time: None,
             side: None,
+            part: None,
         }
     }
 }

@@ -22,6 +22,7 @@ pub const PROTOCOL: Protocol = Protocol {
     summary: "opentrack: position and rotation of the wrist or the elbow",
     sample: SampleKind::Displacement,
     has_both_hands: false,
+    has_parts: false,
     position_noise: PositionNoise::None,
     carriers: Carriers::Datagrams,
     min_packet_bytes: PACKET_BYTES,

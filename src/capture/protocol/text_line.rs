@@ -20,6 +20,7 @@ pub const PROTOCOL: Protocol = Protocol {
     summary: "64 joint angles in degrees per line of text, by the wire index of the HC11 glove",
     sample: SampleKind::Angles,
     has_both_hands: false,
+    has_parts: false,
     position_noise: PositionNoise::None,
     carriers: Carriers::Any,
     // One digit and one separator per value.

@@ -128,31 +128,35 @@ impl TrackedHands {
         }
     }
 
-    /// Passes the hands of a line, by side, to `emit`.
-    pub fn emit(
-        &mut self,
-        time_us: Option<u64>,
-        hands: &[Option<JointPositions>; Side::COUNT],
-        emit: &mut dyn FnMut(Packet),
-    ) -> Result<(), PacketError> {
+    /// Returns the time of the next line: the one that it states, or that of its number.
+    pub fn start_line(&mut self, time_us: Option<u64>) -> Result<Timestamp, PacketError> {
         if let Some(time) = time_us {
             self.times.check(time)?;
         }
         self.lines += 1;
         let nominal = Timestamp::from_seconds(self.lines as f64 / self.rate_hz);
+        Ok(time_us.map_or(nominal, Timestamp))
+    }
+
+    /// Passes the hands of a line, by side, to `emit`.
+    pub fn emit(
+        &mut self,
+        time: Timestamp,
+        hands: &[Option<JointPositions>; Side::COUNT],
+        emit: &mut dyn FnMut(Packet),
+    ) {
         for &side in Side::ALL {
             let was_seen = &mut self.was_seen[side.index()];
             *was_seen |= hands[side.index()].is_some();
             if *was_seen {
                 let positions = hands[side.index()].unwrap_or_default();
                 emit(Packet {
-                    time: Some(time_us.map_or(nominal, Timestamp)),
+                    time: Some(time),
                     side: Some(side),
                     ..Packet::new(Sample::Joints { positions }, 0)
                 });
             }
         }
-        Ok(())
     }
 
     /// Forgets the hands, after a stream broke off.

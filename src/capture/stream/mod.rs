@@ -334,11 +334,12 @@ impl PendingReadings {
     /// Adds a packet of a stream of which `received` bytes had arrived by `now`.
     fn push(&mut self, packet: Packet, now: Instant, received: u64, format: &StreamFormat) {
         let bytes_after = received.saturating_sub(packet.end) as usize;
-        self.readings.push_back(Reading::new(
-            self.clock.stamp(now, bytes_after, format, packet.time),
-            packet.side,
-            packet.sample,
-        ));
+        self.readings.push_back(Reading {
+            time: self.clock.stamp(now, bytes_after, format, packet.time),
+            side: packet.side,
+            part: packet.part,
+            sample: packet.sample,
+        });
     }
 
     fn pop(&mut self) -> Option<SourceEvent> {

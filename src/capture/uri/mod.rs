@@ -133,6 +133,14 @@ impl SourceUri {
             .is_some_and(|protocol| protocol.has_both_hands)
     }
 
+    /// Returns `true` if the source measures the arm and the fingers in readings of their own.
+    pub fn has_parts(&self) -> bool {
+        match self {
+            Self::Stream(stream) => stream.format.protocol.has_parts,
+            _ => false,
+        }
+    }
+
     /// Returns the time from a movement to the arrival of its reading.
     pub fn delay(&self) -> Duration {
         match self {

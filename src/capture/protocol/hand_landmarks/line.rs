@@ -17,7 +17,7 @@ pub(super) struct Line {
 
 /// A hand as MediaPipe returns it.
 #[derive(Debug, Deserialize)]
-pub(super) struct Hand {
+pub(in crate::capture::protocol) struct Hand {
     pub label: Label,
     #[serde(default = "certain")]
     pub score: f64,

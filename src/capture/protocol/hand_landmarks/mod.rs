@@ -22,7 +22,8 @@ use std::fmt::Write;
 use glam::DVec3;
 
 use self::camera::{Camera, Landmarks, Mount};
-use self::line::{Hand, Line};
+pub(super) use self::line::Hand;
+use self::line::Line;
 use super::encoder::{hands, require_defaults, time_us};
 use super::lines::{LineDecoder, LineParser};
 use super::space::{self, HAND};
@@ -44,6 +45,7 @@ pub const PROTOCOL: Protocol = Protocol {
     summary: "21 landmarks of MediaPipe for each hand, as lines of JSON",
     sample: SampleKind::Joints,
     has_both_hands: true,
+    has_parts: false,
     position_noise: PositionNoise::Landmarks,
     carriers: Carriers::Any,
     // Half of a line with two hands whose numbers have one digit. Lines without hands are shorter, and they are few.
@@ -74,7 +76,7 @@ pub const PROTOCOL: Protocol = Protocol {
     },
 };
 
-const CAMERA: ProtocolOption = ProtocolOption {
+pub(super) const CAMERA: ProtocolOption = ProtocolOption {
     name: "camera",
     default: "front",
     summary: "place of the camera: `front`, `head` or `above`",
@@ -86,28 +88,28 @@ const CAMERA: ProtocolOption = ProtocolOption {
     },
 };
 
-const MIRRORED: ProtocolOption = ProtocolOption {
+pub(super) const MIRRORED: ProtocolOption = ProtocolOption {
     name: "mirrored",
     default: "no",
     summary: "`yes` if the image is flipped left to right before hands are found in it",
     check: check_yes_or_no,
 };
 
-const SWAP_HANDS: ProtocolOption = ProtocolOption {
+pub(super) const SWAP_HANDS: ProtocolOption = ProtocolOption {
     name: "swap_hands",
     default: "no",
     summary: "`yes` for a tracker whose labels assume a mirrored image",
     check: check_yes_or_no,
 };
 
-const ANGLE_OF_VIEW: ProtocolOption = ProtocolOption {
+pub(super) const ANGLE_OF_VIEW: ProtocolOption = ProtocolOption {
     name: "view_deg",
     default: "60",
     summary: "horizontal angle of view of the camera, 10 to 170",
     check: |value| space::check_range(value, 10.0..=170.0, "degrees"),
 };
 
-const PALM: ProtocolOption = ProtocolOption {
+pub(super) const PALM: ProtocolOption = ProtocolOption {
     name: "palm_mm",
     default: "85",
     summary: "from the wrist to the knuckle of the middle finger, for `image` alone, 30 to 150",
@@ -128,16 +130,16 @@ const MAX_BACKWARD_BEND: f64 = 1.0;
 
 /// Parser of lines of hands.
 #[derive(Clone, Debug)]
-struct HandParser {
+pub(super) struct HandParser {
     camera: Camera,
     /// `true` if a label names the other hand.
     is_swapped: bool,
     min_score: f64,
-    hands: TrackedHands,
+    pub(super) hands: TrackedHands,
 }
 
 impl HandParser {
-    fn new(options: &ProtocolOptions) -> Self {
+    pub(super) fn new(options: &ProtocolOptions) -> Self {
         let is_yes = |option| options.get(option) == "yes";
         let mount = Mount::from_name(options.get(&CAMERA));
         let camera = Camera {
@@ -152,6 +154,23 @@ impl HandParser {
             min_score: space::number(options, &MIN_SCORE),
             hands: TrackedHands::new(space::number(options, &RATE)),
         }
+    }
+
+    /// Returns the hands of an image, by side.
+    pub(super) fn best_hands(
+        &self,
+        hands: &[Hand],
+        image_size: Option<[f64; 2]>,
+    ) -> Result<BestHands, PacketError> {
+        let mut best = BestHands::new(self.min_score);
+        for hand in hands {
+            check_score(hand.score)?;
+            let side = self.side(hand);
+            if best.admits(side, hand.score) {
+                best.add(side, hand.score, self.positions(hand, image_size)?);
+            }
+        }
+        Ok(best)
     }
 
     fn side(&self, hand: &Hand) -> Side {
@@ -205,15 +224,10 @@ impl LineParser for HandParser {
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
         let line: Line = serde_json::from_slice(line)?;
-        let mut best = BestHands::new(self.min_score);
-        for hand in &line.hands {
-            check_score(hand.score)?;
-            let side = self.side(hand);
-            if best.admits(side, hand.score) {
-                best.add(side, hand.score, self.positions(hand, line.image_size)?);
-            }
-        }
-        self.hands.emit(line.time_us, best.hands(), emit)
+        let hands = self.best_hands(&line.hands, line.image_size)?;
+        let time = self.hands.start_line(line.time_us)?;
+        self.hands.emit(time, hands.hands(), emit);
+        Ok(())
     }
 
     fn reset(&mut self) {

@@ -17,6 +17,7 @@ pub const PROTOCOL: Protocol = Protocol {
     summary: "flex-sensor glove with the 68HC11 converter: 64 counts of 8 bits per packet",
     sample: SampleKind::Channels,
     has_both_hands: false,
+    has_parts: false,
     position_noise: PositionNoise::None,
     carriers: Carriers::Any,
     min_packet_bytes: PACKET_BYTES,

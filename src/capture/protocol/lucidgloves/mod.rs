@@ -27,6 +27,7 @@ pub const PROTOCOL: Protocol = Protocol {
     summary: "LucidGloves, alpha or legacy encoding: finger curls, splay, joints, stick and buttons per line of text",
     sample: SampleKind::Channels,
     has_both_hands: false,
+    has_parts: false,
     position_noise: PositionNoise::None,
     carriers: Carriers::Any,
     // A thumb with one digit.

@@ -46,6 +46,7 @@ pub const PROTOCOL: Protocol = Protocol {
     summary: "markers that two or more cameras see, as lines of JSON",
     sample: SampleKind::Joints,
     has_both_hands: false,
+    has_parts: false,
     position_noise: PositionNoise::Markers,
     carriers: Carriers::Any,
     // Two cameras that see a marker.

@@ -25,6 +25,7 @@ pub const PROTOCOL: Protocol = Protocol {
     summary: "VMC (OSC): rotations of the bones of forearms and hands, from a program for avatars",
     sample: SampleKind::Bones,
     has_both_hands: true,
+    has_parts: false,
     position_noise: PositionNoise::None,
     carriers: Carriers::Datagrams,
     // A bundle of a time message.
