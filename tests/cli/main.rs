@@ -30,6 +30,7 @@ mod network;
 mod pictures;
 #[cfg(target_os = "linux")]
 mod process_limits;
+mod protocols;
 #[cfg(unix)]
 mod reload;
 #[cfg(unix)]
