@@ -177,3 +177,6 @@ pub fn resume() {
         messages::hold();
     }
 }
+
+#[cfg(all(test, target_os = "linux"))]
+mod panic_tests;
