@@ -32,7 +32,7 @@ const fn fault(number: u8, name: &'static str, coverage: Coverage) -> Fault {
 pub const COVERED: &[u8] = &[
     1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26,
     27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
-    50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75, 76, 77,
+    50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75, 76, 77, 78,
 ];
 
 /// The faults, in the order of their numbers.
@@ -444,5 +444,12 @@ pub const FAULTS: &[Fault] = &[
     fault(77, "the program file is replaced; the process limit is reached at the start", Tests(&[
         ("tests/outputs/x11/lost_watchdog.rs", "the_watchdog_is_replaced_when_the_file_of_the_program_has_changed"),
         ("tests/cli/process_limits.rs", "a_program_that_may_start_few_threads_ends_with_a_remedy_and_not_with_a_panic"),
+    ])),
+    fault(78, "a glove with feedback does not read, is lost, or holds a finger when the session stops", Tests(&[
+        ("tests/cli/haptics/mod.rs", "a_glove_that_never_reads_delays_no_key_and_no_end"),
+        ("tests/cli/haptics/mod.rs", "all_fingers_are_free_after_every_way_to_stop"),
+        ("tests/cli/haptics/mod.rs", "a_glove_that_comes_back_is_freed_and_held_again"),
+        ("tests/cli/haptics/mod.rs", "a_finger_is_not_held_for_more_than_two_seconds"),
+        ("tests/capture/haptics.rs", "a_panic_of_the_session_frees_all_fingers"),
     ])),
 ];

@@ -10,6 +10,7 @@ mod bvh_readers;
 mod commands;
 mod file;
 mod gap;
+mod haptics;
 #[cfg(unix)]
 mod lucidgloves;
 #[cfg(unix)]

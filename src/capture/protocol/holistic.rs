@@ -80,7 +80,7 @@ struct Line {
 }
 
 impl LineParser for HolisticParser {
-    /// That of both protocols together.
+    /// The sum of those of both protocols.
     const MAX_LINE_BYTES: usize = 48 * 1024;
 
     fn parse(&mut self, line: &[u8], emit: &mut dyn FnMut(Packet)) -> Result<(), PacketError> {
