@@ -105,6 +105,9 @@ fn a_setup_chooses_the_hand_that_is_drawn() {
     .done()
     .out;
     assert_ne!(default, short);
+    let hand = ["layout", "show", "qwerty-flat", "--svg", "-", "--hand"];
+    let same = run([&hand[..], &["150,200"]].concat()).done().out;
+    assert!(short == same, "the same hand, by its lengths");
 }
 
 #[cfg(not(feature = "png"))]

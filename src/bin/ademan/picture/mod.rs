@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 
 use ademan::layout::{Layout, Wearer};
 use ademan::message::{escape, escape_lines};
-use ademan::setup::{LoadedSetup, Setup};
+use ademan::setup::{ArmSetup, LoadedSetup, Setup};
 
-use crate::complete;
 use crate::failure::Failure;
+use crate::{complete, layout_check};
 
 /// Examples of the command.
-pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan layout show qwerty-arc --svg board.svg\n  ademan layout show media --html media.html --overwrite\n  ademan layout show game --svg - > game.svg";
+pub const EXAMPLES: &str = "Examples:\n  ademan layout show qwerty-arc\n  ademan layout show qwerty-arc --svg board.svg\n  ademan layout show qwerty-arc --hand 165,230 --svg small.svg\n  ademan layout show media --html media.html --overwrite\n  ademan layout show game --svg - > game.svg";
 
 /// A layout and the files to draw it to.
 #[derive(clap::Args)]
@@ -37,6 +37,9 @@ pub struct Args {
     /// Setup whose hands are drawn, with their reach. Default: the hand of a setup without a file
     #[arg(long, value_name = "SETUP.ron", add = complete::setup())]
     setup: Option<String>,
+    /// The hand that is drawn, with its reach, by its hand and forearm length in mm; layouts are fitted to it
+    #[arg(long, value_name = "HAND,FOREARM", value_parser = layout_check::hand, conflicts_with = "setup")]
+    hand: Option<ArmSetup>,
 }
 
 /// A picture of a file format.
@@ -78,6 +81,7 @@ fn load(args: &Args) -> Result<LoadedSetup, Failure> {
     };
     let setup = Setup {
         layout: args.file.clone(),
+        arm: args.hand.clone().unwrap_or_else(|| setup.arm.clone()),
         ..setup
     };
     Ok(setup.load_files()?)
