@@ -186,7 +186,7 @@ mod tests {
             (line_with("[0,0,null]"), "null"),
             (line_with("[0,0,1e999]"), "out of range"),
             (line_with("[0,0,1e30]"), "100 m"),
-            (line_with("[0,0,1e300]"), "100 m"),
+            (line_with("[0,0,1e300]"), "out of range"),
             (line_with("[0,0,0,7.5]"), "from 0 to 1"),
             (line_with("[0,0,0,-0.1]"), "from 0 to 1"),
             ("{\"pose_world_landmarks\":null}".into(), "null"),

@@ -100,7 +100,7 @@ struct Datagrams {
     socket: UdpSocket,
     /// The sender that is read, and the time of its last datagram.
     sender: Option<(SocketAddr, Instant)>,
-    /// The same sender, for the writer. Locked for a moment only.
+    /// Address of that sender, for the writer. Locked for a moment only.
     peer: Arc<Mutex<Option<SocketAddr>>>,
 }
 
