@@ -1,6 +1,6 @@
 //! `ademan sources`: the kinds of source, and the protocols of streams.
 
-use ademan::capture::protocol::{PROTOCOLS, Protocol};
+use ademan::capture::protocol::{Carriers, PROTOCOLS, Protocol};
 use ademan::capture::transport::Scheme;
 use ademan::capture::uri::schemes;
 
@@ -30,11 +30,15 @@ fn scheme_row(scheme: Scheme) -> Row {
 }
 
 fn protocol_row(protocol: &Protocol) -> Row {
+    let transport = match protocol.carriers {
+        Carriers::Datagrams => "udp:127.0.0.1:9000",
+        Carriers::Any | Carriers::Streams => "stdin:",
+    };
     Row {
         name: format!("?protocol={}", protocol.name),
         summary: protocol.summary.into(),
         example: Some(format!(
-            "ademan run --source 'stdin:?protocol={}'",
+            "ademan run --source '{transport}?protocol={}'",
             protocol.name
         )),
     }

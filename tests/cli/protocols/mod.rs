@@ -7,6 +7,7 @@ use std::io::{BufRead, BufReader};
 use std::net::UdpSocket;
 use std::process::Stdio;
 
+use ademan::capture::SourceUri;
 use ademan::capture::protocol::PROTOCOLS;
 
 use self::carrier::{Carrier, Sender, free_address};
@@ -35,6 +36,19 @@ fn every_protocol_has_a_stream_here_and_is_listed_by_sources() {
             "{listed}"
         );
         assert!(listed.contains(protocol.summary), "{listed}");
+    }
+}
+
+#[test]
+fn the_examples_of_sources_are_valid() {
+    let listed = run(["sources", "--json"]).done().out;
+    let rows: Vec<serde_json::Value> = serde_json::from_str(&listed).expect("JSON");
+    assert!(rows.len() > PROTOCOLS.len());
+    for row in rows {
+        let example = row["example"].as_str().expect("an example");
+        let uri = example.split('\'').nth(1).expect("a quoted source");
+        let parsed = uri.parse::<SourceUri>();
+        assert!(parsed.is_ok(), "{example}: {parsed:?}");
     }
 }
 
