@@ -1,7 +1,7 @@
 //! The page of `web` in a headless Chromium, which is driven by its DevTools protocol.
 
 use std::fs;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -60,6 +60,8 @@ struct Browser {
     _process: Process,
     _profile: TempDir,
     socket: WebSocket<TcpStream>,
+    /// The page.
+    session: Value,
     calls: u64,
 }
 
@@ -78,36 +80,33 @@ impl Browser {
         };
         let stderr = BufReader::new(process.0.stderr.take().expect("it is piped"));
         let mut lines = stderr.lines().map_while(Result::ok);
-        let listening = lines.find_map(|line| {
-            let (_, address) = line.split_once("DevTools listening on ws://")?;
-            Some(address.split('/').next()?.to_owned())
-        });
-        let address = listening.expect("its address");
+        let url =
+            lines.find_map(|line| Some(line.split_once("DevTools listening on ")?.1.to_owned()));
+        let url = url.expect("its address");
         std::thread::spawn(move || lines.count());
-        let mut list = TcpStream::connect(&address).expect("it listens");
-        let request =
-            format!("GET /json/list HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
-        list.write_all(request.as_bytes()).expect("it reads");
-        let mut answer = String::new();
-        list.read_to_string(&mut answer).expect("UTF-8");
-        let (_, pages) = answer.split_once("\r\n\r\n").expect("a body");
-        let pages: Vec<Value> = serde_json::from_str(pages).expect("JSON");
-        let page = pages.iter().find(|page| page["type"] == "page");
-        let url = page.expect("a page")["webSocketDebuggerUrl"].as_str();
-        let stream = TcpStream::connect(&address).expect("it listens");
-        let (socket, _) = tungstenite::client(url.expect("a URL"), stream).expect("a WebSocket");
-        Some(Self {
+        let (address, _) = url["ws://".len()..].split_once('/').expect("a path");
+        let stream = TcpStream::connect(address).expect("it listens");
+        let (socket, _) = tungstenite::client(&url, stream).expect("a WebSocket");
+        let mut browser = Self {
             _process: process,
             _profile: profile,
             socket,
+            session: Value::Null,
             calls: 0,
-        })
+        };
+        let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
+        let attach = json!({"targetId": target["targetId"], "flatten": true});
+        browser.session = browser.call("Target.attachToTarget", attach)["sessionId"].clone();
+        Some(browser)
     }
 
     /// Calls a method, and returns its result.
     fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.calls += 1;
-        let call = json!({"id": self.calls, "method": method, "params": parameters});
+        let mut call = json!({"id": self.calls, "method": method, "params": parameters});
+        if self.session.is_string() {
+            call["sessionId"] = self.session.clone();
+        }
         let message = Message::text(call.to_string());
         self.socket.send(message).expect("the browser runs");
         loop {

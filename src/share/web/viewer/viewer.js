@@ -31,7 +31,7 @@ const receive = {
     session.boards = message.boards.map((board) => board.pose);
     session.pressed.clear();
     prepareBoards(message.boards);
-    if (!camera.isMoved) camera.reset();
+    camera.isPlaced = camera.isMoved;
   },
   scene(message) {
     session.state = message.state;
@@ -45,11 +45,11 @@ const receive = {
     }
     for (const id of pressed) session.pressed.set(id, { releasedAt: null });
     session.keys = message.keys;
+    if (!camera.isPlaced) camera.reset();
     if (message.state !== "running" && message.state !== "paused") session.hands = {};
   },
   pose(message) {
     session.hands[message.side] = message.positions;
-    if (!camera.isPlaced) camera.reset();
   },
   events(message) {
     if (message.event === "character") session.text += message.character;
@@ -106,23 +106,24 @@ const canvas = document.getElementById("view");
 const context = canvas.getContext("2d");
 
 const camera = {
-  target: [0, 0, -0.5], azimuth: 0, elevation: 0.9, distance: 0.6,
+  target: [0, 0, -0.5], azimuth: 0, elevation: 1, distance: 0.6,
   isMoved: false, isPlaced: false,
 
-  /** Shows all boards, or the hand if there are none. */
+  /** Shows all boards as the wearer sees the first one, or the hand if there are none. */
   reset() {
     const points = shownPoints();
     this.isMoved = false;
-    this.azimuth = 0;
-    this.elevation = 0.9;
     if (points.length === 0) return;
     this.isPlaced = true;
+    const away = session.boards.length > 0 ? rotate(session.boards[0], [0, 0.8, -0.6]) : [0, 0, -1];
+    this.azimuth = Math.atan2(-away[0], -away[2]);
+    this.elevation = 1;
     const low = [0, 1, 2].map((axis) => Math.min(...points.map((p) => p[axis])));
     const high = [0, 1, 2].map((axis) => Math.max(...points.map((p) => p[axis])));
     this.target = scale(add(low, high), 0.5);
     const radius = Math.max(0.08, Math.hypot(...subtract(high, low)) / 2);
     const aspect = canvas.clientWidth / canvas.clientHeight || 1;
-    this.distance = (radius * 2.3) / Math.min(1, aspect * 0.95);
+    this.distance = (radius * 2.5) / Math.min(1, aspect * 0.95);
     this.distance = Math.min(Math.max(this.distance, 0.2), 4);
   },
   /** Computes the axes and the scale for this picture. */
@@ -219,11 +220,11 @@ function drawBoard(board, pose, colors, now) {
     const bottom = board.base.map((point) => camera.project(move(pose, add(point, [0, 0, -0.008]))));
     fill(hull([...top, ...bottom]), colors["board-edge"]);
     fill(top, colors.board);
-    drawShadows(board, pose, top, colors);
   }
   const keys = board.targets.map((target) => ({ target, depth: camera.project(move(pose, target.pose))[2] }));
   keys.sort((one, other) => other.depth - one.depth);
   for (const { target } of keys) drawKey(target, pose, colors, now);
+  if (board.base) drawShadows(pose, board.base.map((point) => camera.project(move(pose, [point[0], point[1], 0]))), colors);
 }
 
 function drawKey(target, boardPose, colors, now) {
@@ -301,9 +302,9 @@ function partsOf(joints) {
   }
   if (wrist && knuckles.length > 2) parts.push({ points: [wrist, ...knuckles], radii: [0.011], style: "skin", isPalm: true });
   if (wrist && elbow) {
-    const start = add(wrist, scale(subtract(elbow, wrist), 0.16));
-    parts.push({ points: [wrist, start], radii: [0.021, 0.023], style: "skin" });
-    parts.push({ points: [start, elbow], radii: [0.027, 0.038], style: "sleeve" });
+    const along = (t) => add(wrist, scale(subtract(elbow, wrist), t));
+    parts.push({ points: [wrist, along(0.18)], radii: [0.02, 0.022], style: "skin" });
+    parts.push({ points: [along(0.18), along(0.62)], radii: [0.026, 0.032], style: "sleeve", fades: true });
   }
   return parts;
 }
@@ -333,27 +334,50 @@ function drawPalm(part, colors) {
   fill(outline, sheen);
 }
 
-function drawChain({ points, radii, style }, colors) {
+function drawChain({ points, radii, style, fades }, colors) {
   const projected = points.map((point, index) => {
     const [x, y, depth] = camera.project(point);
     return [x, y, (radii[index] * camera.focal) / depth];
   });
-  const edge = colors[`${style}-edge`];
-  for (const layer of [0, 1, 2]) {
-    for (let index = 1; index < projected.length; index += 1) {
-      const [from, to] = [projected[index - 1], projected[index]];
-      if (layer === 0) fill(capsule(from, to, 1, 1.5), edge);
-      if (layer === 1) fill(capsule(from, to, 1, 0), colors[style]);
-      if (layer === 2) fill(capsule(lifted(from), lifted(to), 0.42, 0), mix(colors[style], colors["skin-light"], 0.45));
-    }
+  const bones = projected.slice(1).map((to, index) => [projected[index], to]);
+  if (fades) {
+    // The rest of the arm would hide the board.
+    const [[from, to]] = bones;
+    context.save();
+    fill(capsule(from, to, 1.5), faded(from, to, colors[`${style}-edge`]));
+    fill(capsule(from, to, 0), faded(from, to, colors[style]));
+    context.restore();
+    return;
   }
+  for (const [from, to] of bones) fill(capsule(from, to, 1.5), colors[`${style}-edge`]);
+  for (const [from, to] of bones) fill(capsule(from, to, 0), rounded(from, to, colors[style], colors));
 }
 
-/** Returns a disc moved towards the light, which comes from the upper left. */
-const lifted = ([x, y, radius]) => [x - radius * 0.28, y - radius * 0.32, radius];
+/** Returns the colours across a round bone, which is lit from the upper left. */
+function rounded([x1, y1, r1], [x2, y2, r2], color, colors) {
+  const length = Math.hypot(x2 - x1, y2 - y1) || 1;
+  const radius = Math.max(r1, r2);
+  let [nx, ny] = [(y2 - y1) / length, (x1 - x2) / length];
+  if (nx * 0.5 + ny * 0.85 > 0) [nx, ny] = [-nx, -ny];
+  const [x, y] = [(x1 + x2) / 2, (y1 + y2) / 2];
+  const gradient = context.createLinearGradient(x + nx * radius, y + ny * radius, x - nx * radius, y - ny * radius);
+  gradient.addColorStop(0, mix(color, colors["skin-light"], 0.15));
+  gradient.addColorStop(0.28, mix(color, colors["skin-light"], 0.55));
+  gradient.addColorStop(0.62, color);
+  gradient.addColorStop(1, mix(color, colors["skin-edge"], 0.4));
+  return gradient;
+}
+
+/** Returns a colour that vanishes along a bone. */
+function faded([x1, y1], [x2, y2], color) {
+  const gradient = context.createLinearGradient(x1, y1, x2, y2);
+  gradient.addColorStop(0.25, color);
+  gradient.addColorStop(1, `${color}00`);
+  return gradient;
+}
 
 /** Returns the outline of two discs and what is between them. */
-function capsule([x1, y1, r1], [x2, y2, r2], factor, extra) {
+function capsule([x1, y1, r1], [x2, y2, r2], extra) {
   const angle = Math.atan2(y2 - y1, x2 - x1);
   const points = [];
   const arc = (x, y, radius, start) => {
@@ -362,27 +386,26 @@ function capsule([x1, y1, r1], [x2, y2, r2], factor, extra) {
       points.push([x + Math.cos(at) * radius, y + Math.sin(at) * radius]);
     }
   };
-  arc(x2, y2, r2 * factor + extra, angle - Math.PI / 2);
-  arc(x1, y1, r1 * factor + extra, angle + Math.PI / 2);
+  arc(x2, y2, r2 + extra, angle - Math.PI / 2);
+  arc(x1, y1, r1 + extra, angle + Math.PI / 2);
   return points;
 }
 
-/** Draws the shadows of the hands on a board. */
-function drawShadows(board, pose, outline, colors) {
+/** Draws the shadows of the hands on the keys of a flat board. */
+function drawShadows(pose, outline, colors) {
   const normal = rotate(pose, [0, 0, 1]);
-  const origin = move(pose, board.base[0]);
   context.save();
   trace(outline, true);
   context.clip();
   context.lineCap = context.lineJoin = "round";
   for (const joints of Object.values(session.hands)) {
     for (const { points, radii } of partsOf(joints)) {
-      const heights = points.map((point) => dot(subtract(point, origin), normal));
+      const heights = points.map((point) => dot(subtract(point, pose), normal));
       const height = heights.reduce((sum, it) => sum + it, 0) / heights.length;
-      if (height < 0 || height > 0.15) continue;
+      if (height < -0.01 || height > 0.15) continue;
       const shadow = points.map((point, index) => camera.project(subtract(point, scale(normal, heights[index]))));
       const width = (2 * radii[0] * camera.focal) / shadow[0][2];
-      context.globalAlpha = 0.3 * (1 - height / 0.15);
+      context.globalAlpha = 0.22 * (1 - Math.max(height, 0) / 0.15);
       stroke(shadow, false, width, colors.shadow);
     }
   }
