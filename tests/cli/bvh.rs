@@ -1,7 +1,15 @@
 //! Motion capture files: the poses of a hand are exported, typed, recorded and replayed.
 
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use ademan::capture::bvh::Bvh;
+
+use crate::support::process::Process;
 use crate::text_line::pressed_keys;
-use crate::{file, run, text};
+use crate::{Ended, ademan, file, run, text};
 
 const KEYS: [&str; 4] = ["H", "O", "L", "A"];
 
@@ -52,4 +60,93 @@ fn a_damaged_file_is_refused_with_its_line() {
         "{}",
         ended.err
     );
+}
+
+/// Returns the number of frames of a file, which has to be a whole one.
+fn frames(path: &Path) -> u64 {
+    let bytes = std::fs::read(path).expect("a file");
+    let bvh = Bvh::parse(&bytes).unwrap_or_else(|error| panic!("{error}"));
+    bvh.motion().frame_count
+}
+
+#[test]
+fn a_run_is_recorded_as_it_types_and_the_file_is_typed_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hand.bvh");
+    let arguments = ["run", "--source", "typist:hola", "--record-bvh"];
+    let recorded = run(arguments.into_iter().chain([text(&path)])).done();
+    assert_eq!(pressed_keys(&recorded.out), KEYS, "{}", recorded.err);
+    assert!(frames(&path) > 100);
+    let source = format!("file:{}?protocol=bvh", text(&path));
+    let typed = run(["run", "--source", &source, "--output", "transcript"]).done();
+    assert_eq!(pressed_keys(&typed.out), KEYS, "{}", typed.err);
+    let again = run(arguments.into_iter().chain([text(&path)]));
+    assert_eq!(again.code, Some(2), "{}", again.err);
+    assert!(again.err.contains("the file exists"), "{}", again.err);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_killed_run_leaves_a_whole_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hand.bvh");
+    let source = format!("typist:{}", "hola ".repeat(20));
+    let arguments = [
+        "run",
+        "--control",
+        "off",
+        "--source",
+        &source,
+        "--record-bvh",
+    ];
+    let mut command = ademan(arguments.into_iter().chain([text(&path)]));
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    let mut program = Process::start(&mut command).unwrap();
+    let length = || path.metadata().map_or(0, |metadata| metadata.len());
+    // The skeleton, then a block of frames.
+    let start = Instant::now();
+    while length() < 50_000 {
+        assert!(
+            start.elapsed() < Duration::from_secs(60),
+            "{} bytes",
+            length()
+        );
+        thread::sleep(Duration::from_millis(10));
+    }
+    program.0.kill().unwrap();
+    program.0.wait().unwrap();
+    assert!(frames(&path) >= 100);
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_full_disk_leaves_a_whole_file_and_the_typing_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let (disk, kept) = (folder.path().join("disk"), folder.path().join("kept.bvh"));
+    std::fs::create_dir(&disk).unwrap();
+    // A file system that only the program sees; the file is copied out of it.
+    let script = "mount -t tmpfs -o size=256k none $1 || exit 77; \"$0\" run --allow-root --control off --source \
+        'typist:hola hola hola hola' --record-bvh $1/hand.bvh; code=$?; cp $1/hand.bvh $2; exit $code";
+    let mut command = Command::new("unshare");
+    command
+        .args(["--mount", "sh", "-c", script, env!("CARGO_BIN_EXE_ademan")])
+        .args([&disk, &kept])
+        .stdin(Stdio::null());
+    let ended = match command.output() {
+        Ok(output) => Ended::from(output),
+        Err(error) => {
+            println!("SKIPPED: no file system of its own: {error}");
+            return;
+        }
+    };
+    if ended.code == Some(77) || ended.err.starts_with("unshare:") {
+        println!("SKIPPED: no file system of its own: {}", ended.err);
+        return;
+    }
+    assert_eq!(ended.code, Some(1), "{}", ended.err);
+    assert!(ended.err.contains("No space left"), "{}", ended.err);
+    assert_eq!(pressed_keys(&ended.out).len(), 19, "{}", ended.out);
+    let count = frames(&kept);
+    println!("{count} frames fit");
+    assert!(count >= 100 && count % 100 < 3, "whole blocks: {count}");
 }

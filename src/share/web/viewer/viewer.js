@@ -123,7 +123,7 @@ const camera = {
     this.target = scale(add(low, high), 0.5);
     const radius = Math.max(0.08, Math.hypot(...subtract(high, low)) / 2);
     const aspect = canvas.clientWidth / canvas.clientHeight || 1;
-    this.distance = (radius * 2.5) / Math.min(1, aspect * 0.95);
+    this.distance = (radius * 2.8) / Math.min(1, aspect * 0.95);
     this.distance = Math.min(Math.max(this.distance, 0.2), 4);
   },
   /** Computes the axes and the scale for this picture. */
@@ -134,7 +134,7 @@ const camera = {
     this.forward = scale(back, -1);
     this.right = [Math.cos(a), 0, -Math.sin(a)];
     this.up = cross(back, this.right);
-    this.center = [canvas.clientWidth / 2, canvas.clientHeight * 0.52];
+    this.center = [canvas.clientWidth / 2, canvas.clientHeight * 0.47];
     this.focal = canvas.clientHeight * 1.25;
   },
   /** Returns the position on the screen, and the distance along the view. */
@@ -167,8 +167,6 @@ function shownPoints() {
 
 // ---- Boards.
 
-/** Points on each rounded corner of a key. */
-const CORNER_POINTS = 3;
 const MIN_KEY_HEIGHT_M = 0.004;
 const BOARD_MARGIN_M = 0.006;
 
@@ -190,11 +188,12 @@ function circle(radius) {
   });
 }
 
-function roundedBox([x, y], radius = 0.22 * Math.min(x, y)) {
+/** Returns a box whose corners are arcs of `steps` lines. */
+function roundedBox([x, y], radius = 0.24 * Math.min(x, y), steps = 3) {
   const corners = [[1, 1], [-1, 1], [-1, -1], [1, -1]];
   return corners.flatMap(([sx, sy], corner) =>
-    Array.from({ length: CORNER_POINTS }, (_, index) => {
-      const angle = (corner + index / (CORNER_POINTS - 1)) * (Math.PI / 2);
+    Array.from({ length: steps + 1 }, (_, index) => {
+      const angle = (corner + index / steps) * (Math.PI / 2);
       return [sx * (x - radius) + Math.cos(angle) * radius, sy * (y - radius) + Math.sin(angle) * radius, 0];
     }));
 }
@@ -211,7 +210,7 @@ function baseOf(targets) {
   const z = Math.min(...heights) - Math.max(...targets.map((target) => target.height)) - 0.001;
   const center = [(left + right) / 2, (near + far) / 2, z];
   const half = [(right - left) / 2, (far - near) / 2];
-  return roundedBox(half, 0.008).map((point) => add(point, center));
+  return roundedBox(half, 0.009, 8).map((point) => add(point, center));
 }
 
 function drawBoard(board, pose, colors, now) {
@@ -300,53 +299,56 @@ function partsOf(joints) {
     const radii = points.map((_, index) => finger.radius * (1.12 - (0.24 * index) / (points.length - 1)));
     parts.push({ points, radii, style: "skin" });
   }
-  if (wrist && knuckles.length > 2) parts.push({ points: [wrist, ...knuckles], radii: [0.011], style: "skin", isPalm: true });
+  if (wrist && knuckles.length > 2) {
+    parts.push({ points: [wrist, ...knuckles], radii: [0.019, ...knuckles.map(() => 0.011)], style: "skin", isPalm: true });
+  }
   if (wrist && elbow) {
     const along = (t) => add(wrist, scale(subtract(elbow, wrist), t));
-    parts.push({ points: [wrist, along(0.18)], radii: [0.02, 0.022], style: "skin" });
-    parts.push({ points: [along(0.18), along(0.62)], radii: [0.026, 0.032], style: "sleeve", fades: true });
+    parts.push({ points: [wrist, along(0.2)], radii: [0.019, 0.021], style: "skin", isBelow: true });
+    parts.push({ points: [along(0.2), along(0.62)], radii: [0.025, 0.031], style: "sleeve", isBelow: true, fades: true });
   }
   return parts;
 }
 
 function drawHand(joints, colors) {
-  const parts = partsOf(joints).map((part) => ({ ...part, depth: camera.project(middle(part.points))[2] }));
-  // The palm hides the start of the fingers, whose bend hides the palm.
+  const parts = partsOf(joints).map((part) => {
+    const depth = camera.project(middle(part.points))[2];
+    // The forearm ends below the palm, however near it comes, and so do fingers that are not bent over it.
+    return { ...part, depth: depth + (part.isBelow ? 1 : 0) - (part.isPalm ? 0.015 : 0) };
+  });
   parts.sort((one, other) => other.depth - one.depth);
   for (const part of parts) {
     part.isPalm ? drawPalm(part, colors) : drawChain(part, colors);
   }
 }
 
-function drawPalm(part, colors) {
-  const points = part.points.map(camera.project, camera);
-  const outline = hull(points);
-  const width = (2 * part.radii[0] * camera.focal) / part.depth;
-  context.lineJoin = "round";
-  stroke(outline, true, width + 3, colors["skin-edge"]);
-  stroke(outline, true, width, colors.skin);
-  fill(outline, colors.skin);
-  const [wrist, ...knuckles] = points;
-  const end = middle(knuckles);
-  const sheen = context.createLinearGradient(wrist[0], wrist[1], end[0], end[1]);
-  sheen.addColorStop(0, mix(colors.skin, colors["skin-edge"], 0.25));
+function drawPalm({ points, radii }, colors) {
+  const discs = points.map((point, index) => disc(point, radii[index]));
+  const around = (extra) => hull(discs.flatMap((it) => capsule(it, it, extra)));
+  const [wrist, ...knuckles] = discs;
+  const [x, y] = middle(knuckles);
+  const sheen = context.createLinearGradient(wrist[0], wrist[1], x, y);
+  sheen.addColorStop(0, mix(colors.skin, colors["skin-edge"], 0.2));
+  sheen.addColorStop(0.6, colors.skin);
   sheen.addColorStop(1, mix(colors.skin, colors["skin-light"], 0.35));
-  fill(outline, sheen);
+  fill(around(1.5), colors["skin-edge"]);
+  fill(around(0), sheen);
+}
+
+/** Returns the position and the radius of a ball on the screen. */
+function disc(point, radius) {
+  const [x, y, depth] = camera.project(point);
+  return [x, y, (radius * camera.focal) / depth];
 }
 
 function drawChain({ points, radii, style, fades }, colors) {
-  const projected = points.map((point, index) => {
-    const [x, y, depth] = camera.project(point);
-    return [x, y, (radii[index] * camera.focal) / depth];
-  });
-  const bones = projected.slice(1).map((to, index) => [projected[index], to]);
+  const discs = points.map((point, index) => disc(point, radii[index]));
+  const bones = discs.slice(1).map((to, index) => [discs[index], to]);
   if (fades) {
     // The rest of the arm would hide the board.
     const [[from, to]] = bones;
-    context.save();
     fill(capsule(from, to, 1.5), faded(from, to, colors[`${style}-edge`]));
     fill(capsule(from, to, 0), faded(from, to, colors[style]));
-    context.restore();
     return;
   }
   for (const [from, to] of bones) fill(capsule(from, to, 1.5), colors[`${style}-edge`]);
@@ -376,13 +378,16 @@ function faded([x1, y1], [x2, y2], color) {
   return gradient;
 }
 
+/** Lines of half a circle. */
+const ARC_STEPS = 16;
+
 /** Returns the outline of two discs and what is between them. */
 function capsule([x1, y1, r1], [x2, y2, r2], extra) {
   const angle = Math.atan2(y2 - y1, x2 - x1);
   const points = [];
   const arc = (x, y, radius, start) => {
-    for (let index = 0; index <= 10; index += 1) {
-      const at = start + (index / 10) * Math.PI;
+    for (let index = 0; index <= ARC_STEPS; index += 1) {
+      const at = start + (index / ARC_STEPS) * Math.PI;
       points.push([x + Math.cos(at) * radius, y + Math.sin(at) * radius]);
     }
   };
