@@ -126,7 +126,7 @@ pub fn main() {
         ..SessionOptions::default()
     };
     let session = Session::start(setup, options).expect("a session");
-    let mut address = || {
+    let address = || {
         targets
             .recv_timeout(Duration::from_secs(60))
             .expect("a server")
