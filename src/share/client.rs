@@ -4,15 +4,16 @@ use std::sync::Arc;
 
 use serde_json::json;
 
-use super::conversation::{Conversation, Received};
-use super::kinds::KindSet;
+use super::conversation::Conversation;
+use super::frame::text_frame;
+use super::kinds::{KindSet, LineKind};
 use super::lines::{Line, LineEncoder, Wanted};
 use super::listener::Connection;
 use super::outbox::Outbox;
 use super::request::Subscription;
 use super::step::SharedStep;
+use super::stream::{Disconnected, Received};
 use super::target::ShareTarget;
-use super::web::text_frame;
 use crate::network::Stream;
 
 /// A connected client.
@@ -31,10 +32,6 @@ pub(super) struct Client {
     all_dropped: u64,
 }
 
-/// The client has to be disconnected.
-#[derive(Debug)]
-pub(super) struct Disconnected;
-
 impl Client {
     /// Takes over a connection to the server of a target.
     pub fn new(connection: Connection, target: &ShareTarget) -> Self {
@@ -44,7 +41,7 @@ impl Client {
             stream: connection.stream,
             outbox: Outbox::new(),
             conversation: Conversation::new(target),
-            subscription: target.format.plain_kind().map(Subscription::to),
+            subscription: LineKind::of_plain(target.format).map(Subscription::to),
             dropped: 0,
             all_dropped: 0,
         }
@@ -132,7 +129,7 @@ impl Client {
         }
         let dropped = std::mem::take(&mut self.dropped);
         self.all_dropped += dropped;
-        if self.target.format.plain_kind().is_none() {
+        if LineKind::of_plain(self.target.format).is_none() {
             self.push_object(&json!({"kind": "dropped", "lines": dropped}));
         }
         if let Some(subscription) = &mut self.subscription {

@@ -58,6 +58,18 @@ pub(super) enum LineKind {
     Object(ShareKind),
 }
 
+impl LineKind {
+    /// Returns the kind of the lines of a format, if the client cannot choose.
+    pub const fn of_plain(format: ShareFormat) -> Option<Self> {
+        match format {
+            ShareFormat::TextLine | ShareFormat::Angles | ShareFormat::Pose => {
+                Some(Self::Plain(format))
+            }
+            _ => None,
+        }
+    }
+}
+
 /// A set of kinds of lines.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct KindSet(u32);

@@ -3,11 +3,11 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
+use super::frame::text_frame;
 use super::kinds::{KindSet, LineKind, ShareKind};
 use super::layout_object::layout_object;
 use super::step::SharedStep;
 use super::target::ShareFormat;
-use super::web::text_frame;
 use crate::capture::protocol::text_line;
 use crate::contact::Phase;
 use crate::hand::Side;

@@ -19,6 +19,7 @@ mod broadcast;
 mod client;
 mod conversation;
 mod datagrams;
+mod frame;
 mod hub;
 mod kinds;
 mod layout_object;
@@ -29,6 +30,7 @@ mod request;
 mod request_lines;
 mod scene;
 mod step;
+mod stream;
 mod target;
 mod web;
 

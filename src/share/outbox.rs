@@ -5,7 +5,7 @@ use std::io::{ErrorKind, IoSlice};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::client::Disconnected;
+use super::stream::Disconnected;
 use crate::network::Stream;
 
 /// Most bytes that wait for a client: a tenth of a second of everything that a fast glove causes.

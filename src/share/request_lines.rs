@@ -1,7 +1,7 @@
 //! Requests of a client as lines.
 
-use super::conversation::{Input, Received, read};
 use super::request::MAX_REQUEST_BYTES;
+use super::stream::{Input, Received, read};
 use crate::network::Stream;
 
 /// The bytes of requests that were not handled yet.

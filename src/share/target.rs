@@ -9,7 +9,6 @@ use arrayvec::ArrayString;
 use serde::{Deserialize, Serialize};
 
 use super::ShareError;
-use super::kinds::LineKind;
 use crate::message::escape;
 use crate::names::{UnknownName, named_enum};
 use crate::network::check_listen_address;
@@ -50,14 +49,6 @@ impl ShareFormat {
             Self::Web => "a page that shows the hand and the board",
             Self::Vmc => "rotations of the bones of arms and hands as VMC (OSC), sent over UDP",
             Self::Opentrack => "movement of the first hand for opentrack, sent over UDP",
-        }
-    }
-
-    /// Returns the kind of its lines, if the client cannot choose.
-    pub(super) const fn plain_kind(self) -> Option<LineKind> {
-        match self {
-            Self::TextLine | Self::Angles | Self::Pose => Some(LineKind::Plain(self)),
-            _ => None,
         }
     }
 

@@ -339,10 +339,13 @@ pub const FAULTS: &[Fault] = &[
     fault(59, "a client of the joint-angle server stops reading", Tests(&[
         ("src/share/hub/tests.rs", "a_client_that_reads_nothing_is_disconnected_and_the_others_are_served"),
         ("src/share/hub/tests.rs", "a_client_that_sends_is_disconnected"),
+        ("src/share/client.rs", "a_client_that_reads_late_is_told_how_many_lines_it_has_missed"),
+        ("src/share/outbox.rs", "a_slow_client_loses_whole_lines_and_never_the_one_that_was_begun"),
     ])),
     fault(60, "disk full, log closed", Tests(&[
         ("tests/cli/faults/disks.rs", "a_full_closed_or_missing_log_does_not_stop_a_session"),
         ("tests/cli/faults/disks.rs", "a_disk_that_fills_under_a_recording_ends_the_recording_and_not_the_typing"),
+        ("tests/cli/bvh.rs", "a_full_disk_leaves_a_whole_file_and_the_typing_goes_on"),
         ("tests/cli/faults/disks.rs", "a_transcript_that_cannot_be_written_ends_the_session_with_the_reason"),
         ("tests/cli/signals.rs", "a_run_continues_when_its_standard_error_is_closed"),
     ])),

@@ -46,7 +46,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "the_test_detects_network_sockets",
             ),
             (
-                "tests/cli/share.rs",
+                "tests/cli/share/mod.rs",
                 "an_address_that_others_can_reach_is_refused",
             ),
             (
@@ -115,6 +115,18 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "a_client_that_sends_is_disconnected",
             ),
             (
+                "tests/cli/share/websocket.rs",
+                "only_the_pages_of_this_address_are_served_and_only_to_it",
+            ),
+            (
+                "tests/cli/share/page.rs",
+                "a_page_of_another_origin_can_neither_connect_nor_read",
+            ),
+            (
+                "tests/cli/share/json.rs",
+                "a_request_that_is_wrong_too_long_or_one_too_many_ends_the_connection_with_the_reason",
+            ),
+            (
                 "tests/capture/websocket.rs",
                 "pages_of_other_sites_and_other_host_names_are_refused",
             ),
@@ -141,7 +153,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
                 "a_target_is_a_format_and_a_loopback_address",
             ),
             (
-                "tests/cli/share.rs",
+                "tests/cli/share/mod.rs",
                 "poses_and_angles_are_shared_as_lines_of_json",
             ),
         ]),

@@ -10,8 +10,7 @@ use super::pages;
 use super::socket::SocketReader;
 use crate::capture::transport::websocket::Admission;
 use crate::network::Stream;
-use crate::share::client::Disconnected;
-use crate::share::conversation::{Input, read};
+use crate::share::stream::{Disconnected, Input, read};
 
 /// Longest request, in bytes: that of a browser has some 600.
 const MAX_HEAD_BYTES: usize = 8192;

@@ -5,4 +5,4 @@ mod pages;
 mod socket;
 
 pub(super) use head::{Answer, Head};
-pub(super) use socket::{SocketReader, text_frame};
+pub(super) use socket::SocketReader;

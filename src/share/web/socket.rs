@@ -1,27 +1,13 @@
 //! Messages of a WebSocket.
 
 use std::io::{self, Read, Write};
-use std::sync::Arc;
 
 use tungstenite::Message;
-use tungstenite::protocol::frame::Frame;
-use tungstenite::protocol::frame::coding::{Data, OpCode};
 use tungstenite::protocol::{Role, WebSocketConfig, WebSocketContext};
 
 use crate::network::Stream;
-use crate::share::conversation::{Received, is_temporary};
 use crate::share::request::MAX_REQUEST_BYTES;
-
-/// Returns a line as the frame of a text message, without the line end.
-pub(in crate::share) fn text_frame(line: &[u8]) -> Arc<[u8]> {
-    let text = line.strip_suffix(b"\n").unwrap_or(line).to_vec();
-    let frame = Frame::message(text, OpCode::Data(Data::Text), true);
-    let mut bytes = Vec::with_capacity(frame.len());
-    frame
-        .format(&mut bytes)
-        .expect("a vector accepts all bytes");
-    bytes.into()
-}
+use crate::share::stream::{Received, is_temporary};
 
 /// The reader of the messages of a client.
 pub(in crate::share) struct SocketReader {
