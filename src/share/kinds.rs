@@ -60,13 +60,8 @@ pub(super) enum LineKind {
 
 impl LineKind {
     /// Returns the kind of the lines of a format, if the client cannot choose.
-    pub const fn of_plain(format: ShareFormat) -> Option<Self> {
-        match format {
-            ShareFormat::TextLine | ShareFormat::Angles | ShareFormat::Pose => {
-                Some(Self::Plain(format))
-            }
-            _ => None,
-        }
+    pub fn of_plain(format: ShareFormat) -> Option<Self> {
+        format.is_plain().then_some(Self::Plain(format))
     }
 }
 

@@ -52,6 +52,11 @@ impl ShareFormat {
         }
     }
 
+    /// Returns whether the format has one line for each accepted reading, and no requests.
+    pub const fn is_plain(self) -> bool {
+        matches!(self, Self::TextLine | Self::Angles | Self::Pose)
+    }
+
     /// Returns whether the format is sent to an address, instead of served to clients that connect.
     pub const fn is_datagram(self) -> bool {
         matches!(self, Self::Vmc | Self::Opentrack)
@@ -106,7 +111,7 @@ fn parse(text: &str) -> Result<ShareTarget, String> {
         let names: Vec<_> = ShareFormat::ALL.iter().map(|it| it.name()).collect();
         format!("{error} (available: {})", names.join(", "))
     })?;
-    if link.is_some() && format.plain_kind().is_none() {
+    if link.is_some() && !format.is_plain() {
         return Err(format!(
             "`{format}` is for programs on this machine only; use an SSH tunnel, or share `text-line`, `angles` or `pose`"
         ));
