@@ -11,7 +11,7 @@ use crate::failure::Failure;
 /// Manage the tokens with which programs on other machines connect to this one
 #[derive(clap::Args)]
 #[command(
-    after_help = "Example, a hand that is captured here and types on another machine:\n  here:   ademan token new desk --role type\n  here:   ademan run --share text-line+tls:192.168.1.7:10002\n  there:  ademan run --source 'tcp+tls:192.168.1.7:10002?protocol=text-line&token_file=desk.token' --output desktop\n\nTokens are in the folder `network` of the configuration folder (~/.config/ademan on Linux), with the certificate of this machine."
+    after_help = "Examples:\n  ademan token new desk --role type\n  ademan token list\n  ademan token revoke desk\n\nThe file of a token belongs on the machine that connects, whose source names it: 'tcp+tls:192.168.1.7:10002?protocol=text-line&token_file=desk.token'. This machine shares with `--share text-line+tls:192.168.1.7:10002`. Tokens and the certificate of this machine are in the folder `network` of the configuration folder: ~/.config/ademan on Linux."
 )]
 pub struct Args {
     #[command(subcommand)]
@@ -21,6 +21,7 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Action {
     /// Make a token, and the file that its client needs
+    #[command(after_help = "Example: ademan token new desk --role type")]
     New {
         /// Name of the token: letters, digits, `-` and `_`
         name: String,
@@ -29,8 +30,10 @@ enum Action {
         role: TokenRole,
     },
     /// List names and roles
+    #[command(after_help = "Example: ademan token list")]
     List,
     /// Remove a token; a running session disconnects its clients within a second
+    #[command(after_help = "Example: ademan token revoke desk")]
     Revoke {
         /// Name of the token
         name: String,

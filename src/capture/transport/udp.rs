@@ -52,7 +52,7 @@ fn check_address(address: &str) -> std::result::Result<(), String> {
         true => Ok(()),
         false => Err(
             "datagrams carry no credential, so `udp` receives from this machine only: write `udp:127.0.0.1:PORT` and \
-             forward the data through a tunnel"
+             forward the data through a tunnel such as WireGuard, or let the other machine share its hand with `+tls`"
                 .to_owned(),
         ),
     }

@@ -63,7 +63,7 @@ fn check_address(address: &str) -> std::result::Result<(), String> {
         true => Ok(()),
         false => Err(
             "a WebSocket is not encrypted, so `ws` serves this machine only: write `ws:127.0.0.1:PORT` and forward the \
-             data through a tunnel"
+             data through a tunnel such as `ssh -L`, or let the other machine share its hand with `+tls`"
                 .to_owned(),
         ),
     }
