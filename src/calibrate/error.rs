@@ -48,6 +48,11 @@ pub enum CalibrationError {
         "the recording has no readings of sensor channels; only gloves with channels are calibrated"
     )]
     NoChannels,
+    /// No channel of an unknown glove follows the index finger.
+    #[error(
+        "no channel changes when only the index finger bends, and nothing can be typed without it; check the wires, or repeat the poses with larger movements"
+    )]
+    NoIndexFinger,
     /// The marks of a recording are damaged.
     #[error(
         "the marks of the poses in the recording are damaged at `{line}`; record the calibration again"

@@ -6,11 +6,13 @@
 //!
 //! A [`Procedure`] leads through the [`CalibrationPose`]s that a glove needs. Each is captured once the hand is still, which the
 //! [`PoseCapture`] reads from the data. [`fit`] turns the [`Observations`] into gains and offsets, names the sensors with a
-//! fault, and rates the result. [`observe_recording`] finds the same observations in a recording.
+//! fault, and rates the result. [`observe_recording`] finds the same observations in a recording. [`discover`] finds the joints of
+//! the channels of a glove without a file.
 //!
 //! Everything here is free of clocks, files and terminals: the same readings give the same result.
 
 mod capture;
+mod discovery;
 mod error;
 mod fit;
 mod observation;
@@ -20,6 +22,7 @@ mod procedure;
 mod recorded;
 
 pub use capture::{CaptureState, LiveChannel, PoseCapture};
+pub use discovery::{DISCOVERY_POSES, Discovery, discover};
 pub use error::CalibrationError;
 pub use fit::{CalibrationResult, fit};
 pub use observation::{ChannelObservation, Observations, PoseObservation, rest_pose};

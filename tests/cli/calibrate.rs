@@ -48,7 +48,7 @@ fn a_simulated_person_gets_a_glove_file_and_its_recording_gives_the_same_file_tw
     for expected in [
         "pose 1 of 13: rest: lay the hand",
         "pose 13 of 13: elbow-bent:",
-        "score 100 of 100",
+        " of 100\n",
         "index-mcp-flexion",
         "wrote mine.ron",
         "undo: remove mine.ron",
@@ -129,6 +129,46 @@ fn a_glove_with_a_dead_sensor_is_refused_with_the_reason_and_nothing_is_written(
         "{errors}"
     );
     assert!(!folder.path().join("mine.ron").exists());
+}
+
+#[test]
+fn the_channels_of_an_unknown_glove_are_found_and_the_new_file_is_calibrated() {
+    let folder = folder();
+    let arguments = ["--discover", "--demo", "--hand", "right", "--out", "found"];
+    let (code, out, errors) = calibrate(&folder, &arguments);
+    println!("{out}{errors}");
+    assert_eq!(code, 0, "{errors}");
+    assert!(
+        out.contains("index-bent: bend only the index finger"),
+        "{out}"
+    );
+    assert!(
+        out.contains("next: ademan calibrate --glove found.ron"),
+        "{out}"
+    );
+    let found = Glove::parse(&Document::new("found.ron", read(&folder, "found.ron")));
+    let found = found.expect("a glove").map;
+    let worn = Glove::load("unam-hc11")
+        .expect("the glove of the person")
+        .map;
+    for finger in ["index", "middle", "ring", "little"] {
+        let channels = |map: &ademan::estimate::ChannelMap| {
+            let rows = map.rows().iter();
+            let mut channels: Vec<usize> = rows
+                .filter(|row| {
+                    row.dof.name().starts_with(finger) && row.dof.name().ends_with("flexion")
+                })
+                .map(|row| row.channel)
+                .collect();
+            channels.sort_unstable();
+            channels.dedup();
+            channels
+        };
+        assert_eq!(channels(&found), channels(&worn), "{finger}");
+    }
+    let arguments = ["--demo", "--glove", "found.ron", "--force"];
+    let (code, out, errors) = calibrate(&folder, &arguments);
+    assert_eq!(code, 0, "{out}{errors}");
 }
 
 /// Records the calibration of a person.

@@ -314,8 +314,13 @@ impl FuzzRun<'_> {
                     let _ = pipeline.tilt(by, events);
                 });
             }
-            248..=250 => self.command(|pipeline, events| {
+            248..=249 => self.command(|pipeline, events| {
                 let _ = pipeline.recenter(events);
+            }),
+            250 => self.command(|pipeline, events| {
+                let _ = pipeline
+                    .zero(events)
+                    .or_else(|_| pipeline.undo_zero(events));
             }),
             251 if bytes.byte() < 4 => self.command(CheckedPipeline::stop),
             _ => self.read_next(5_729),

@@ -50,6 +50,8 @@ pub fn requests() -> Vec<Vec<u8>> {
         r#"{"command":"nudge","x_mm":12.5,"y_mm":0,"z_mm":-3e1}"#,
         r#"{"command":"tilt","deg":-7.5}"#,
         r#"{"command":"scale","factor":1.05}"#,
+        r#"{"command":"zero"}"#,
+        r#"{"command":"undo-zero"}"#,
         r#"{"command":"save"}"#,
         r#"{"command":"subscribe"}"#,
         r#"{"command":"stop"}"#,

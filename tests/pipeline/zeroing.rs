@@ -1,21 +1,21 @@
 //! Zeroing of a slipped glove through the whole pipeline.
 
 use ademan::capture::{Reading, Sample};
-use ademan::command::{Command, CommandOrigin};
 use ademan::device::{EventKind, Events};
 use ademan::estimate::ZeroError;
 use ademan::hand::{Dof, Joint, JointAngles, JointPositions};
-use ademan::pipeline::{CommandError, Pipeline, PipelineState};
+use ademan::pipeline::{CommandError, PipelineState};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::time::Timestamp;
 use glam::DVec3;
 
+use crate::support::checked::CheckedPipeline;
 use crate::support::press::{Posture, Press, reading};
 
 /// A glove whose channels are shifted by a number of counts, as it has slipped.
 struct Slipped {
     loaded: LoadedSetup,
-    pipeline: Pipeline,
+    pipeline: CheckedPipeline,
     time: Timestamp,
     press: Press,
     shift: Posture,
@@ -34,7 +34,7 @@ impl Slipped {
         };
         let mut loaded = setup.load_files().expect("a setup");
         let mut hand = Self {
-            pipeline: loaded.pipeline(),
+            pipeline: CheckedPipeline::new(&loaded),
             loaded: loaded.clone(),
             time: Timestamp(0),
             press: Press::for_text("h"),
@@ -45,7 +45,7 @@ impl Slipped {
         hand.hold(&posture, 200);
         let rest_pose = hand.angles();
         loaded.glove.as_mut().expect("a glove").rest_pose = rest_pose;
-        hand.pipeline = loaded.pipeline();
+        hand.pipeline = CheckedPipeline::new(&loaded);
         hand.loaded = loaded;
         hand.time = Timestamp(0);
         hand.rest();
@@ -94,11 +94,16 @@ impl Slipped {
         step.expect("an accepted reading").estimate.angles
     }
 
-    fn execute(&mut self, command: Command) -> Result<(), CommandError> {
+    fn zero(&mut self) -> Result<(), CommandError> {
         let mut events = Events::new();
-        let outcome = self
-            .pipeline
-            .execute(&command, CommandOrigin::Client, &mut events);
+        let outcome = self.pipeline.zero(&mut events);
+        self.write(&events);
+        outcome
+    }
+
+    fn undo_zero(&mut self) -> Result<(), CommandError> {
+        let mut events = Events::new();
+        let outcome = self.pipeline.undo_zero(&mut events);
         self.write(&events);
         outcome
     }
@@ -144,17 +149,17 @@ fn zeroing_turns_the_resting_hand_into_the_rest_pose_and_undoing_it_turns_it_bac
     let slipped = degrees(&hand.angles(), dof);
     assert!((slipped - at_rest).abs() > 4.0, "{slipped}");
 
-    assert_eq!(hand.execute(Command::Zero), Ok(()));
+    assert_eq!(hand.zero(), Ok(()));
     let zeroed = hand.pipeline.zeroed().expect("it was zeroed");
     assert_eq!(zeroed.largest, dof);
     let found = degrees(&hand.angles(), dof);
     assert!((found - at_rest).abs() < 0.2, "{found}, not {at_rest}");
 
-    assert_eq!(hand.execute(Command::UndoZero), Ok(()));
+    assert_eq!(hand.undo_zero(), Ok(()));
     assert_eq!(hand.pipeline.zeroed(), None);
     let found = degrees(&hand.angles(), dof);
     assert!((found - slipped).abs() < 0.2, "{found}, not {slipped}");
-    let refused = hand.execute(Command::UndoZero).unwrap_err();
+    let refused = hand.undo_zero().unwrap_err();
     assert_eq!(refused, CommandError::Zero(ZeroError::NothingToUndo));
 }
 
@@ -164,7 +169,7 @@ fn zeroing_presses_no_key_and_arms_again_after_the_hand_was_clear() {
     hand.slip(Dof::IndexMcpFlexion, 6);
     hand.rest();
     hand.keys.clear();
-    assert_eq!(hand.execute(Command::Zero), Ok(()));
+    assert_eq!(hand.zero(), Ok(()));
     assert_eq!(hand.pipeline.state(), PipelineState::Paused);
     let pressed = hand.press.pressed();
     hand.hold(&pressed, 100);
@@ -182,14 +187,14 @@ fn zeroing_is_refused_with_the_reason() {
     let mut hand = Slipped::new(&layout());
     let (pressed, clear) = (hand.press.pressed(), hand.press.clear());
     hand.hold(&pressed, 200);
-    assert_eq!(hand.execute(Command::Zero), Err(CommandError::KeyDown));
+    assert_eq!(hand.zero(), Err(CommandError::KeyDown));
     hand.hold(&clear, 40);
     let moving = Err(CommandError::Zero(ZeroError::Moving));
-    assert_eq!(hand.execute(Command::Zero), moving, "0.2 s of rest");
+    assert_eq!(hand.zero(), moving, "0.2 s of rest");
     hand.rest();
     hand.slip(Dof::IndexMcpFlexion, 40);
     hand.rest();
-    let refused = hand.execute(Command::Zero).unwrap_err();
+    let refused = hand.zero().unwrap_err();
     let CommandError::Zero(ZeroError::TooFar { dof, degrees }) = refused else {
         panic!("{refused}");
     };
@@ -198,7 +203,7 @@ fn zeroing_is_refused_with_the_reason() {
     assert_eq!(hand.pipeline.zeroed(), None);
     assert_eq!(hand.pipeline.state(), PipelineState::Running, "no effect");
     hand.pipeline.stall(&mut Events::new());
-    assert_eq!(hand.execute(Command::Zero), Err(CommandError::NoHand));
+    assert_eq!(hand.zero(), Err(CommandError::NoHand));
 }
 
 #[test]
@@ -215,7 +220,7 @@ fn sources_of_positions_and_of_other_joints_are_not_zeroed() {
         (Sample::Joints { positions }, ZeroError::NoAngles),
         (Sample::Angles { angles: elbow }, ZeroError::NoRestPose),
     ] {
-        let mut pipeline = loaded.pipeline();
+        let mut pipeline = CheckedPipeline::new(&loaded);
         let mut events = Events::new();
         let reading = Reading::new(Timestamp(1_000), None, sample);
         pipeline.step(&reading, &mut events).expect("accepted");

@@ -149,6 +149,16 @@ impl CheckedPipeline {
     }
 
     #[track_caller]
+    pub fn zero(&mut self, events: &mut Events) -> Result<(), CommandError> {
+        self.move_boards(events, Pipeline::zero)
+    }
+
+    #[track_caller]
+    pub fn undo_zero(&mut self, events: &mut Events) -> Result<(), CommandError> {
+        self.move_boards(events, Pipeline::undo_zero)
+    }
+
+    #[track_caller]
     fn move_boards(
         &mut self,
         events: &mut Events,

@@ -5,7 +5,6 @@ use std::io::{self, BufRead, IsTerminal, Write};
 use std::iter;
 use std::path::{Path, PathBuf};
 
-use ademan::document::Document;
 use ademan::message::escape;
 
 use crate::failure::Failure;
@@ -18,13 +17,13 @@ pub struct Destination {
 }
 
 impl Destination {
-    /// Chooses the file: `out`, or else the glove file itself, or a file in the present folder for a glove that comes with the
+    /// Chooses the file: `out`, or else the file `glove` itself, or a file in the present folder for a glove that comes with the
     /// program.
     ///
     /// # Errors
     /// Fails if the file exists and the question whether to replace it cannot be asked.
-    pub fn new(out: Option<PathBuf>, glove: &Document, is_forced: bool) -> Result<Self, Failure> {
-        let own = Path::new(&glove.file);
+    pub fn new(out: Option<PathBuf>, glove: &str, is_forced: bool) -> Result<Self, Failure> {
+        let own = Path::new(glove);
         let path = match out {
             Some(path) => new_file::with_extension(&path, "ron"),
             None if own.is_file() => own.to_owned(),

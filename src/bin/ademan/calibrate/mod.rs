@@ -1,6 +1,7 @@
 //! `ademan calibrate`: fits a glove file to a hand.
 
 mod destination;
+mod discover;
 mod feed;
 mod figure;
 mod recording;
@@ -14,10 +15,12 @@ use std::time::Duration;
 use ademan::calibrate::{self, CalibrationError, Observations, Procedure};
 use ademan::capture::SourceUri;
 use ademan::document::Document;
+use ademan::hand::Side;
 use ademan::layout::{self, Glove};
 use ademan::message::escape;
 use ademan::setup::LoadedSetup;
 use ademan::sim::SimulatedWearer;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use self::destination::Destination;
 use self::feed::Feed;
@@ -30,7 +33,7 @@ use crate::{complete, messages, signals};
 /// Fit a glove file to a hand: take the poses that are shown, and hold each for a second
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n\nNothing is typed meanwhile. The readings are kept beside the glove file, and --from calibrates with them again."
+    after_help = "Examples:\n  ademan calibrate --demo\n  ademan calibrate --source serial:/dev/ttyUSB0 --out my-glove.ron\n  ademan calibrate --from my-glove.mcap --out my-glove.ron\n  ademan calibrate --discover --source 'tcp:localhost:10002' --out new-glove.ron\n\nNothing is typed meanwhile. The readings are kept beside the glove file, and --from calibrates with them again."
 )]
 pub struct Args {
     /// Setup file
@@ -48,6 +51,12 @@ pub struct Args {
     /// Let a simulated person take the poses, in a glove that is not calibrated; another number is another person
     #[arg(long, value_name = "NUMBER", num_args = 0..=1, default_missing_value = "1", conflicts_with = "source")]
     demo: Option<u64>,
+    /// Find the channels of a glove without a file: bend one finger after the other. Calibrate with the new file afterwards
+    #[arg(long, conflicts_with_all = ["from", "glove"])]
+    discover: bool,
+    /// Hand of the glove whose channels are found
+    #[arg(long, default_value = "right", requires = "discover", value_parser = side())]
+    hand: Side,
     /// Time before each pose, in seconds
     #[arg(long, value_name = "S", default_value = "3", value_parser = seconds)]
     countdown: f64,
@@ -69,6 +78,7 @@ impl Args {
 pub fn run(args: Args) -> Result<(), Failure> {
     match args.from.clone() {
         Some(path) => calibrate_from(&path, args),
+        None if args.discover => discover::run(args),
         None => calibrate_live(args),
     }
 }
@@ -108,7 +118,7 @@ fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
         _ => glove_document(&args.load_setup()?)?,
     };
     let start = Start::new(document)?;
-    let destination = Destination::new(args.out, &start.document, args.force)?;
+    let destination = Destination::new(args.out, &start.document.file, args.force)?;
     let observations =
         calibrate::observe_recording(&recorded.readings, &recorded.marks, &start.glove.map)?;
     start.finish(&observations, &destination)?;
@@ -118,14 +128,14 @@ fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
 fn calibrate_live(args: Args) -> Result<(), Failure> {
     let setup = args.load_setup()?;
     let start = Start::new(glove_document(&setup)?)?;
-    let destination = Destination::new(args.out, &start.document, args.force)?;
+    let destination = Destination::new(args.out, &start.document.file, args.force)?;
     messages::start()?;
     signals::install()?;
     let feed = open_feed(&setup, &start.glove, args.demo)?;
     let prepare = Duration::from_secs_f64(args.countdown);
     let procedure = Procedure::for_glove(&start.glove.map, prepare);
     let glove = &start.glove;
-    let mut session = Session::new(&glove.name, glove.side, &glove.map, procedure, feed);
+    let mut session = Session::new(&glove.name, glove.side, Some(&glove.map), procedure, feed);
     if let Outcome::Quit = session.run()? {
         println!("no file was written");
         return Ok(());
@@ -174,6 +184,11 @@ impl From<CalibrationError> for Failure {
     fn from(error: CalibrationError) -> Self {
         Self::job(error.to_string())
     }
+}
+
+fn side() -> impl TypedValueParser<Value = Side> {
+    PossibleValuesParser::new(Side::ALL.iter().map(|side| side.name()))
+        .map(|name| name.parse().expect("the parser accepts only sides"))
 }
 
 fn seconds(text: &str) -> Result<f64, String> {

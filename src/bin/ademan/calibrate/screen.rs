@@ -32,7 +32,10 @@ pub struct Screen<'a> {
     pub glove: &'a str,
     pub side: Side,
     pub source: &'a str,
-    pub map: &'a ChannelMap,
+    /// The channels of the glove; `None` if they are not known.
+    pub map: Option<&'a ChannelMap>,
+    /// The largest count of a channel.
+    pub full_scale: u16,
     pub procedure: &'a Procedure,
     pub state: CaptureState,
     /// A message about the source, empty for none.
@@ -157,15 +160,18 @@ impl Screen<'_> {
 
     /// Draws the sensors as far as there is room: first those that the pose is for.
     fn draw_sensors(&self, buffer: &mut Buffer, area: Rect) {
-        let rows = self.sorted_rows();
-        let room = usize::from(area.height);
-        let shown = match rows.len() <= room {
-            true => rows.len(),
-            false => room.saturating_sub(1),
+        let mut lines: Vec<Line> = match self.map {
+            Some(map) => {
+                let rows = self.sorted_rows(map).into_iter();
+                rows.map(|row| self.sensor(map, row)).collect()
+            }
+            None => self.unknown_sensors(),
         };
-        let mut lines: Vec<Line> = rows[..shown].iter().map(|row| self.sensor(row)).collect();
-        if shown < rows.len() {
-            let more = format!("and {} more: enlarge the window", rows.len() - shown);
+        let room = usize::from(area.height);
+        if lines.len() > room {
+            let shown = room.saturating_sub(1);
+            let more = format!("and {} more: enlarge the window", lines.len() - shown);
+            lines.truncate(shown);
             lines.push(Line::styled(more, self.look.faint()));
         }
         for (line, row) in lines.into_iter().zip(0..area.height) {
@@ -175,8 +181,8 @@ impl Screen<'_> {
 
     /// Returns a row for each channel, those first that the pose is for. Of several joints of one channel, it is the one
     /// nearest to the body.
-    fn sorted_rows(&self) -> Vec<&ChannelRow> {
-        let mut rows: Vec<&ChannelRow> = self.map.rows().iter().collect();
+    fn sorted_rows<'m>(&self, map: &'m ChannelMap) -> Vec<&'m ChannelRow> {
+        let mut rows: Vec<&ChannelRow> = map.rows().iter().collect();
         rows.sort_by_key(|row| (row.channel, row.dof));
         rows.dedup_by_key(|row| row.channel);
         let moves = |row: &ChannelRow| {
@@ -190,17 +196,31 @@ impl Screen<'_> {
     }
 
     /// Returns the line of a sensor: joint, bar with the range so far and the present count, count and angle.
-    fn sensor(&self, row: &ChannelRow) -> Line<'static> {
+    fn sensor(&self, map: &ChannelMap, row: &ChannelRow) -> Line<'static> {
         let mut live = self.procedure.live().iter();
         let live = live.find(|live| live.channel == row.channel);
         let name = format!("{:<20}", row.dof.name());
         let Some((live, count)) = live.and_then(|live| Some((live, live.count?))) else {
             return Line::styled(format!("{name}no readings"), self.look.faint());
         };
-        let degrees = self.map.radians(row, f64::from(count)).to_degrees();
+        let degrees = map.radians(row, f64::from(count)).to_degrees();
         let values = format!(" {count:>4} {degrees:>5.0}°");
-        let bar = bar(live, self.map.full_scale());
+        let bar = bar(live, map.full_scale());
         Line::from(format!("{name}{bar}{values}"))
+    }
+
+    /// Returns a line for each channel of an unknown glove, those first that have changed most.
+    fn unknown_sensors(&self) -> Vec<Line<'static>> {
+        let live = self.procedure.live().iter();
+        let mut live: Vec<&LiveChannel> = live.filter(|live| live.count.is_some()).collect();
+        let width = |live: &LiveChannel| live.range.map_or(0, |(low, high)| high - low);
+        live.sort_by_key(|live| std::cmp::Reverse(width(live)));
+        let line = |live: &&LiveChannel| {
+            let name = format!("channel {:<12}", live.channel);
+            let count = live.count.unwrap_or_default();
+            Line::from(format!("{name}{} {count:>4}", bar(live, self.full_scale)))
+        };
+        live.iter().map(line).collect()
     }
 }
 

@@ -38,7 +38,8 @@ pub enum Outcome {
 pub struct Session<'a> {
     pub glove: &'a str,
     pub side: Side,
-    pub map: &'a ChannelMap,
+    /// The channels of the glove; `None` if they are not known.
+    pub map: Option<&'a ChannelMap>,
     pub procedure: Procedure,
     pub readings: Readings,
     feed: Feed,
@@ -50,7 +51,7 @@ impl<'a> Session<'a> {
     pub fn new(
         glove: &'a str,
         side: Side,
-        map: &'a ChannelMap,
+        map: Option<&'a ChannelMap>,
         procedure: Procedure,
         feed: Feed,
     ) -> Self {
@@ -117,11 +118,18 @@ impl<'a> Session<'a> {
             side: self.side,
             source: self.feed.name(),
             map: self.map,
+            full_scale: self.full_scale(),
             procedure: &self.procedure,
             state: self.state,
             message: &self.message,
             look,
         }
+    }
+
+    /// Returns the largest count of a channel; 0 before the first reading.
+    pub fn full_scale(&self) -> u16 {
+        let first = self.readings.first();
+        first.map_or(0, |(_, channels)| channels.full_scale)
     }
 
     fn run_in_lines(&mut self) -> Result<Outcome, Failure> {
@@ -172,10 +180,12 @@ impl<'a> Session<'a> {
     }
 
     fn check_shape(&self, channels: &Channels) -> Result<(), Failure> {
-        let (found, expected) = (channels.full_scale, self.map.full_scale());
-        match found == expected {
-            true => Ok(()),
-            false => Err(CalibrationError::OtherFullScale { found, expected }.into()),
+        let found = channels.full_scale;
+        match self.map.map(ChannelMap::full_scale) {
+            Some(expected) if expected != found => {
+                Err(CalibrationError::OtherFullScale { found, expected }.into())
+            }
+            _ => Ok(()),
         }
     }
 
