@@ -9,6 +9,8 @@
 //! fault, and rates the result. [`observe_recording`] finds the same observations in a recording. [`discover`] finds the joints of
 //! the channels of a glove without a file.
 //!
+//! Sources that measure [`positions`] need lengths, a table and a place for the board instead of gains.
+//!
 //! Everything here is free of clocks, files and terminals: the same readings give the same result.
 
 mod capture;
@@ -17,6 +19,7 @@ mod error;
 mod fit;
 mod observation;
 mod pose;
+pub mod positions;
 mod problem;
 mod procedure;
 mod recorded;

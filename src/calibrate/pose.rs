@@ -144,6 +144,11 @@ impl CalibrationPose {
         self.degrees(dof).1 <= DEFINED
     }
 
+    /// Returns whether the pose leaves a joint free, so that its angle may be any.
+    pub fn leaves_free(self, dof: Dof) -> bool {
+        self.degrees(dof).1 >= FREE
+    }
+
     /// Returns whether a glove with these channels is calibrated by this pose: it moves a joint that the glove measures, or is
     /// the zero of all.
     pub fn is_needed_for(self, map: &ChannelMap) -> bool {

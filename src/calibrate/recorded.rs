@@ -57,6 +57,9 @@ pub fn marks_from_text(text: &str) -> Result<Vec<PoseMark>, CalibrationError> {
 /// The time over which stillness is judged.
 const WINDOW: Duration = Duration::from_millis(500);
 
+/// The shortest time between two checks: a fast glove sends several readings meanwhile.
+const STEP: Duration = Duration::from_millis(15);
+
 /// The shortest still phase that is a pose.
 const SHORTEST: Duration = Duration::from_millis(800);
 
@@ -154,9 +157,13 @@ impl Recording {
     fn still_phases(&self) -> Vec<(Timestamp, Timestamp)> {
         let mut phases: Vec<(Timestamp, Timestamp)> = Vec::new();
         let mut open: Option<(Timestamp, Timestamp)> = None;
-        let mut first = 0;
+        let (mut first, mut checked) = (0, Timestamp(0));
         for last in 0..self.times.len() {
             let end = self.times[last];
+            if last > 0 && end.since(checked) < STEP {
+                continue;
+            }
+            checked = end;
             while end.since(self.times[first]) > WINDOW {
                 first += 1;
             }

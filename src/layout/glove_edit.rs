@@ -33,7 +33,7 @@ pub fn write_calibration(
             continue;
         }
         let offset_rad: f64 = parse_ron(raw.offset_rad.get_ron(), &document.file)?;
-        let gain = round(new.calibration.gain * full_scale, 1e4);
+        let gain = written_gain(new.calibration.gain * full_scale);
         edit(raw.full_scale_rad, gain);
         edit(
             raw.offset_counts,
@@ -54,6 +54,14 @@ pub fn write_calibration(
         set("rest_deg", raw.rest_deg, rest.known().map(entry).collect());
     }
     Ok(replace_ranges(&document.text, edits))
+}
+
+/// Returns a gain with four decimals that a glove file accepts: not 0.
+fn written_gain(full_scale_rad: f64) -> f64 {
+    match round(full_scale_rad, 1e4) {
+        0.0 => 1e-4_f64.copysign(full_scale_rad),
+        gain => gain.clamp(-1e6, 1e6),
+    }
 }
 
 /// Returns the offset in counts of a row with this gain, as it is written, and this offset in radians.

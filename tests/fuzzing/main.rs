@@ -113,6 +113,11 @@ fn gloves_are_read_or_refused() {
 }
 
 #[test]
+fn marks_of_a_calibration_are_read_or_refused() {
+    run("marks", seeds::marks(), texts::marks);
+}
+
+#[test]
 fn arms_are_read_or_refused() {
     run("arms", seeds::arms(), texts::arm);
 }

@@ -20,6 +20,15 @@ pub fn gloves() -> Vec<Vec<u8>> {
         .into()
 }
 
+/// Returns the marks of calibrations.
+pub fn marks() -> Vec<Vec<u8>> {
+    texts(&[
+        "rest 0 1000000\nflat 2000000 3100000\nwrist-up 5000000 6000000\n",
+        "fist 17200 18446744073709551615\n",
+        "",
+    ])
+}
+
 /// Returns the shipped arm.
 pub fn arms() -> Vec<Vec<u8>> {
     vec![shipped("unam")]

@@ -2,12 +2,14 @@
 
 use std::sync::LazyLock;
 
+use ademan::calibrate::{marks_from_text, marks_to_text};
 use ademan::capture::SourceUri;
 use ademan::contact::TargetNames;
 use ademan::contact::board_pose::BoardPose;
 use ademan::document::{Document, DocumentError};
+use ademan::estimate::AffineMap;
 use ademan::kinematics::ArmModel;
-use ademan::layout::{Fit, Glove, Layout, Wearer, move_boards, scale_boards};
+use ademan::layout::{Fit, Glove, Layout, Wearer, move_boards, scale_boards, write_calibration};
 use ademan::session::control_socket::request;
 use ademan::setup::{ArmSetup, Setup, layout_instance};
 use ademan::sim::Script;
@@ -138,7 +140,7 @@ pub fn setup(data: &[u8]) -> bool {
     }
 }
 
-/// Parses a glove file.
+/// Parses a glove file. A valid one stays valid with another calibration.
 pub fn glove(data: &[u8]) -> bool {
     let Some(document) = document(data) else {
         return false;
@@ -146,10 +148,45 @@ pub fn glove(data: &[u8]) -> bool {
     match Glove::parse(&document) {
         Ok(glove) => {
             assert!(glove.map.required_channels() <= ademan::capture::MAX_CHANNELS);
+            check_calibrating(&glove, &document);
             true
         }
         Err(error) => {
             check_error(&error, &document);
+            false
+        }
+    }
+}
+
+fn check_calibrating(glove: &Glove, document: &Document) {
+    let halved: Vec<AffineMap> = glove
+        .map
+        .rows()
+        .iter()
+        .map(|row| AffineMap {
+            gain: row.calibration.gain / 2.0,
+            offset: row.calibration.offset + 0.25,
+        })
+        .collect();
+    let new = glove.map.clone().with_calibrations(&halved);
+    let text = write_calibration(document, &new, &glove.rest_pose).expect("a glove can be written");
+    let again = Glove::parse(&Document::new("calibrated.ron", text));
+    let again = again.unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(again.map.rows().len(), new.rows().len());
+}
+
+/// Reads the marks of a calibration in a recording. Valid ones survive a text.
+pub fn marks(data: &[u8]) -> bool {
+    let Ok(text) = str::from_utf8(data) else {
+        return false;
+    };
+    match marks_from_text(text) {
+        Ok(marks) => {
+            assert_eq!(marks_from_text(&marks_to_text(&marks)), Ok(marks));
+            true
+        }
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
             false
         }
     }

@@ -201,8 +201,29 @@ fn fifty_people_have_their_joints_within_3_degrees_in_half_of_the_cases_and_8_in
 }
 
 #[test]
+fn the_curvature_of_bend_sensors_matters() {
+    // A fit that expects linear sensors, as those of a glove that scales its counts itself.
+    let linear = shipped().with_full_range(true);
+    let (mut curved_errors, mut linear_errors) = (Vec::new(), Vec::new());
+    for seed in 0..50 {
+        let mut wearer = person(seed);
+        let observations = guide(&mut wearer, procedure()).observations;
+        for (start, errors) in [
+            (&shipped(), &mut curved_errors),
+            (&linear, &mut linear_errors),
+        ] {
+            let map = fit(&observations, start).unwrap().map;
+            errors.extend(joint_errors(&mut wearer.clone(), &map));
+        }
+    }
+    let [curved, linear] = [curved_errors, linear_errors].map(|errors| percentile(&errors, 0.95));
+    println!("95 %: {curved:.2}° with curvature, {linear:.2}° without");
+    assert!(curved < linear, "{curved} {linear}");
+}
+
+#[test]
 fn people_type_the_text_after_the_calibration() {
-    check_typing(6);
+    check_typing(12);
 }
 
 #[test]

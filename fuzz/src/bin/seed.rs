@@ -14,6 +14,7 @@ fn main() -> std::io::Result<()> {
         ("layouts", seeds::layouts()),
         ("setups", seeds::setups()),
         ("gloves", seeds::gloves()),
+        ("marks", seeds::marks()),
         ("arms", seeds::arms()),
         ("recordings", recordings::seeds()),
         ("requests", seeds::requests()),

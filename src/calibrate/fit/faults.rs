@@ -19,6 +19,10 @@ const CROSS_TALK_EVIDENCE: f64 = 12.0;
 /// The part of the movement of a source that must be independent of the joint's own movement.
 const INDEPENDENT: f64 = 0.3;
 
+/// The fewest poses that hold a joint and show a cross-talk: beside the line of the joint and the slope of the source, two that
+/// could contradict.
+const MIN_POSES: usize = 5;
+
 /// The smallest cross-talk that is named, as a fraction of the channel's range. Less is within the error of a joint.
 const CROSS_TALK: f64 = 0.1;
 
@@ -130,7 +134,7 @@ fn cross_talk(
     fits: &[&ChannelFit],
     observations: &Observations,
 ) -> Option<Problem> {
-    let line = fit.line_of_all(fit.dof, observations)?;
+    let line = fit.line(fit.dof, observations)?;
     let range = fit.range.map(|(low, high)| high - low)?;
     let own_angle = (line.map.gain * range).abs();
     let others = fits.iter().filter(|other| other.channel != fit.channel);
@@ -161,7 +165,8 @@ fn leak(
 ) -> Option<(f64, f64)> {
     let (low, high) = source.range?;
     let (mut own, mut other) = (Vec::new(), Vec::new());
-    for observed in observations.poses() {
+    let poses = observations.poses().iter();
+    for observed in poses.filter(|observed| !observed.pose.leaves_free(fit.dof)) {
         let (count, source) = observed
             .median(fit.channel)
             .zip(observed.median(source.channel))?;
@@ -173,6 +178,9 @@ fn leak(
         };
         own.push(point(map.apply(fit.linear(count)) - expected.radians));
         other.push(point((source - low) / (high - low)));
+    }
+    if own.len() < MIN_POSES {
+        return None;
     }
     let constant = fit_line(&other)?.constant_misfit;
     let (own, other) = (without_line(&own)?, without_line(&other)?);
