@@ -178,9 +178,11 @@ mod tests {
 
     impl Read for Pipe {
         fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            let input = std::mem::take(&mut self.0.lock().unwrap().input);
-            buffer[..input.len()].copy_from_slice(&input);
-            match input.len() {
+            let input = &mut self.0.lock().unwrap().input;
+            let count = input.len().min(buffer.len());
+            buffer[..count].copy_from_slice(&input[..count]);
+            input.drain(..count);
+            match count {
                 0 => Err(ErrorKind::WouldBlock.into()),
                 count => Ok(count),
             }
@@ -239,5 +241,54 @@ mod tests {
         assert_eq!(lines[kept], missed);
         assert!(lines[kept + 1].starts_with(r#"{"kind":"layout","#), "again");
         assert_eq!(lines.len(), kept + 2);
+    }
+
+    /// Beginnings of conversations: a request as a line, the request of a page, and of a WebSocket with a frame.
+    const BEGINNINGS: [&[u8]; 3] = [
+        b"{\"kinds\":[\"layout\",\"pose\"],\"rate_hz\":60}\n",
+        b"GET / HTTP/1.1\r\nHost: 127.0.0.1:1\r\n\r\n",
+        b"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
+          Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n\
+          \x81\x8d\0\0\0\0{\"kinds\":[]} \x89\x80\0\0\0\0",
+    ];
+
+    #[test]
+    fn whatever_a_client_sends_is_answered_within_bounds_or_ends_its_connection() {
+        let layout: Arc<Layout> = Layout::load("numpad").unwrap().into();
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut ends = [0; 2];
+        for round in 0..3000 {
+            let format = ["json", "ws", "web"][round % 3];
+            let pipe = Pipe::default();
+            pipe.0.lock().unwrap().is_read = true;
+            let connection = Connection {
+                server: 0,
+                stream: Box::new(pipe.clone()),
+            };
+            let target = format!("{format}:127.0.0.1:1").parse().unwrap();
+            let mut client = Client::new(connection, &target);
+            let mut encoder = LineEncoder::new(Side::Right, layout.clone());
+            let mut bytes = random.choice(BEGINNINGS).unwrap_or_default().to_vec();
+            for _ in 0..random.usize(..4) {
+                let at = random.usize(..bytes.len());
+                match random.u8(..3) {
+                    0 => bytes[at] = random.u8(..),
+                    1 => bytes.truncate(at + 1),
+                    _ => bytes.extend((0..random.usize(..9000)).map(|_| random.u8(..))),
+                }
+            }
+            let mut is_connected = true;
+            while is_connected && !bytes.is_empty() {
+                let rest = bytes.split_off(random.usize(1..=bytes.len()));
+                let part = std::mem::replace(&mut bytes, rest);
+                pipe.0.lock().unwrap().input.extend(part);
+                is_connected = client.receive().is_ok();
+                client.catch_up(&mut encoder);
+                is_connected &= client.flush().is_ok();
+                assert!(pipe.0.lock().unwrap().output.len() < 200_000);
+            }
+            ends[usize::from(is_connected)] += 1;
+        }
+        assert!(ends.iter().all(|&count| count > 300), "{ends:?}");
     }
 }
