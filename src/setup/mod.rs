@@ -56,7 +56,7 @@ pub struct Setup {
     pub profiles: Vec<ProfileSetup>,
     /// The outputs, separated by commas: `transcript`, `desktop`, `uinput`, `none`, ….
     pub output: String,
-    /// Servers of joint angles and poses for other programs: `text-line:127.0.0.1:10002`. Those of a recording are not started.
+    /// Formats and addresses in which the hand is shared with other programs: `web:127.0.0.1:8080`. Those of a recording are not used.
     pub share: Vec<ShareTarget>,
     /// Feedback to the gloves while a session runs, when a finger touches or presses.
     pub haptics: Haptics,
