@@ -109,13 +109,14 @@ const camera = {
   target: [0, 0, -0.5], azimuth: 0, elevation: 1, distance: 0.6,
   isMoved: false, isPlaced: false,
 
-  /** Shows all boards as the wearer sees the first one, or the hand if there are none. */
+  /** Shows all boards as the wearer sees them, or the hand if there are none. */
   reset() {
     const points = shownPoints();
     this.isMoved = false;
     if (points.length === 0) return;
     this.isPlaced = true;
-    const away = session.boards.length > 0 ? rotate(session.boards[0], [0, 0.8, -0.6]) : [0, 0, -1];
+    // Away from the wearer along a board that lies, and through one that stands.
+    const away = session.boards.map((board) => rotate(board, [0, 0.8, -0.6])).reduce(add, [0, 0, -1e-3]);
     this.azimuth = Math.atan2(-away[0], -away[2]);
     this.elevation = 1;
     const low = [0, 1, 2].map((axis) => Math.min(...points.map((p) => p[axis])));
@@ -182,8 +183,8 @@ function prepareBoards(boards) {
 }
 
 function circle(radius) {
-  return Array.from({ length: 24 }, (_, index) => {
-    const angle = (index / 24) * 2 * Math.PI;
+  return Array.from({ length: 40 }, (_, index) => {
+    const angle = (index / 40) * 2 * Math.PI;
     return [Math.cos(angle) * radius, Math.sin(angle) * radius, 0];
   });
 }
@@ -253,12 +254,13 @@ function lightOf(id, now) {
 }
 
 const FONT_PX = 100;
+const MAX_LABEL_M = 0.012;
 
 /** Writes the label flat on the key. */
 function drawLabel(target, at, z, color) {
   const [halfX, halfY] = target.half_m;
   const width = textWidth(target.label) / FONT_PX;
-  const size = Math.min(halfY * 0.95, (1.7 * halfX) / Math.max(width, 0.4));
+  const size = Math.min(halfY * 0.95, (1.7 * halfX) / Math.max(width, 0.4), MAX_LABEL_M);
   const [origin, right, down] = [at([0, 0], z), at([size, 0], z), at([0, -size], z)];
   const ratio = devicePixelRatio / FONT_PX;
   const along = (end) => [(end[0] - origin[0]) * ratio, (end[1] - origin[1]) * ratio];
