@@ -15,7 +15,7 @@ fn lines(sides: &[Side]) -> Vec<String> {
 }
 
 /// Returns the presses and releases of a transcript, in order.
-fn keys(transcript: &str) -> Vec<String> {
+pub fn keys(transcript: &str) -> Vec<String> {
     let words = |line: &str| {
         line.split_whitespace()
             .skip(1)
@@ -28,7 +28,7 @@ fn keys(transcript: &str) -> Vec<String> {
         .collect()
 }
 
-const TAPPED: [&str; 2] = ["down J", "up J"];
+pub const TAPPED: [&str; 2] = ["down J", "up J"];
 
 #[test]
 fn a_file_of_landmarks_is_typed_recorded_and_replayed() {

@@ -20,6 +20,7 @@ mod files;
 #[cfg(target_os = "linux")]
 mod haptics;
 mod help;
+mod holistic;
 #[cfg(target_os = "linux")]
 mod idle;
 mod log_options;

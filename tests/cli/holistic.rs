@@ -1,0 +1,84 @@
+//! A body and its hand in one line as the source of the program: the arm places the hand, whose index finger taps a key.
+
+use ademan::capture::protocol::{body_landmarks, hand_landmarks, holistic};
+use ademan::hand::{Finger, Joint, JointPositions, Side};
+use glam::DVec3;
+
+use crate::body_landmarks::{TAPPED, keys};
+use crate::support::body::{ONE_KEY, RATE_HZ, taps};
+use crate::{file, run, text};
+
+/// Returns a straight hand whose index fingertip is as far from the wrist as that of the body. The other fingers are short.
+fn hand() -> JointPositions {
+    let wrist = DVec3::new(0.0, -0.1, -0.5);
+    let mut positions = JointPositions::default();
+    positions.set(Joint::Wrist, wrist);
+    for &finger in Finger::ALL {
+        let tip = match finger {
+            Finger::Index => DVec3::new(-0.03, 0.0, -0.09),
+            _ => DVec3::new(0.005 * finger.index() as f64, 0.0, -0.02),
+        };
+        let joints = finger.joints();
+        for (number, &joint) in joints.iter().enumerate() {
+            let along = (number + 1) as f64 / joints.len() as f64;
+            positions.set(joint, wrist + tip * along);
+        }
+    }
+    positions
+}
+
+/// Returns the lines of a person who taps.
+fn lines(with_hand: bool) -> String {
+    let hand = with_hand.then(|| (Side::Right, hand()));
+    let bodies = taps(&[Side::Right]);
+    let line = |(number, body): (usize, &_)| {
+        let time_us = ((number + 1) as f64 * 1e6 / RATE_HZ) as u64;
+        let hands = hand_landmarks::encode(Some(time_us), hand.as_slice());
+        holistic::join(&body_landmarks::encode(body), &hands)
+    };
+    bodies.iter().enumerate().map(line).collect()
+}
+
+#[test]
+fn a_body_with_its_hand_is_typed_recorded_and_replayed() {
+    let folder = tempfile::tempdir().unwrap();
+    let layout = file(&folder, "one-key.ron", ONE_KEY);
+    let path = file(&folder, "whole.jsonl", lines(true));
+    let source = format!("file:{path}?protocol=holistic&camera=head");
+    let with = ["--source", &source, "--layout", &layout];
+    let typed = run([&["run", "--output", "transcript"], &with[..]].concat()).done();
+    assert_eq!(keys(&typed.out), TAPPED, "{}{}", typed.out, typed.err);
+
+    let recording = folder.path().join("whole.mcap");
+    run([&["record", text(&recording)], &with[..]].concat()).done();
+    let replayed = run(["replay", text(&recording)]).done();
+    assert_eq!(keys(&replayed.out), TAPPED, "{}", replayed.err);
+}
+
+#[test]
+fn a_body_without_its_hand_presses_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let layout = file(&folder, "one-key.ron", ONE_KEY);
+    let path = file(&folder, "body.jsonl", lines(false));
+    let source = format!("file:{path}?protocol=holistic&camera=head");
+    let typed = run(["run", "--source", &source, "--layout", &layout]).done();
+    assert_eq!(keys(&typed.out), [""; 0], "{}", typed.err);
+}
+
+#[test]
+fn a_second_source_for_the_arm_is_refused() {
+    let arm = "udp:127.0.0.1:5005?protocol=body-landmarks";
+    let refused = run([
+        "run",
+        "--source",
+        "stdin:?protocol=holistic",
+        "--arm-source",
+        arm,
+    ]);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert!(
+        refused.err.contains("remove `arm_source`"),
+        "{}",
+        refused.err
+    );
+}
