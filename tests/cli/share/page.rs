@@ -1,8 +1,8 @@
 //! The page of `web` in a headless Chromium, which is driven by its DevTools protocol.
 
 use std::fs;
-use std::io::{BufRead, BufReader};
-use std::net::TcpStream;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -215,13 +215,38 @@ fn chromium_shows_the_hand_over_lit_keys_and_connects_again() {
     browser.save_picture("page-phone.png");
 }
 
+/// Serves a page of another origin. A page without one, such as a `data:` URL, is refused by the browser itself.
+fn serve_elsewhere() -> SocketAddr {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+    let address = listener.local_addr().expect("it is bound");
+    std::thread::spawn(move || {
+        for mut stream in listener.incoming().map_while(Result::ok) {
+            let _ = stream.read(&mut [0; 4096]);
+            let page = "<title>elsewhere</title>";
+            let head = "HTTP/1.1 200 OK\r\nContent-Type: text/html\r\nConnection: close\r\n";
+            let length = page.len();
+            let _ = write!(stream, "{head}Content-Length: {length}\r\n\r\n{page}");
+        }
+    });
+    address
+}
+
 #[test]
 fn a_page_of_another_origin_can_neither_connect_nor_read() {
     let Some(mut browser) = Browser::start() else {
         return;
     };
     let (_typist, address) = typist(&"hola ".repeat(40), "web");
-    browser.call("Page.navigate", json!({"url": "data:text/html,elsewhere"}));
+    let elsewhere = serve_elsewhere();
+    browser.call(
+        "Page.navigate",
+        json!({"url": format!("http://{elsewhere}/")}),
+    );
+    let start = Instant::now();
+    while browser.evaluate("document.title") != "elsewhere" {
+        assert!(start.elapsed() < TIMEOUT, "the page of {elsewhere}");
+        std::thread::sleep(Duration::from_millis(20));
+    }
     let connect = |path: &str| {
         format!(
             r#"new Promise((done) => {{
