@@ -1,6 +1,6 @@
 //! Steps with joint positions do not allocate after the start.
 
-use ademan::capture::protocol::{hand_landmarks, joint_sets};
+use ademan::capture::protocol::{body_landmarks, hand_landmarks, holistic, joint_sets};
 use ademan::capture::{Reading, SourceUri};
 use ademan::device::Events;
 use ademan::hand::{JointPositions, Side};
@@ -8,6 +8,7 @@ use ademan::kinematics::HandPose;
 use ademan::setup::Setup;
 
 use crate::steady_state::allocations;
+use crate::support::body::Person;
 use crate::support::source::typing_poses;
 
 fn hand(pose: &HandPose) -> (Side, JointPositions) {
@@ -62,4 +63,49 @@ fn hands_of_cameras_and_headsets_are_processed_to_events_without_allocation() {
     type_lines("file:x?protocol=webxr&rate_hz=175", |pose| {
         joint_sets::encode(&joint_sets::WEBXR, None, &[hand(pose)])
     });
+}
+
+#[test]
+fn a_body_and_its_hand_are_decoded_and_fused_without_allocation() {
+    let setup = Setup {
+        source: Some(
+            "file:x?protocol=holistic&camera=head"
+                .parse()
+                .expect("a source"),
+        ),
+        ..Setup::default()
+    };
+    let mut decoder = setup.source.as_ref().and_then(SourceUri::protocol);
+    let mut decoder = (decoder.take().expect("a protocol").decoder)(&Default::default());
+    let mut pipeline = setup.load_files().expect("a valid setup").pipeline();
+    let body = body_landmarks::encode(&Person::new().landmarks());
+    let line = |pose: &HandPose| {
+        holistic::join(
+            &body,
+            &hand_landmarks::encode(Some(pose.time.0), &[hand(pose)]),
+        )
+    };
+    let lines: Vec<String> = typing_poses("h").iter().map(line).collect();
+    let (mut events, mut steps) = (Events::new(), 0);
+    let before = allocations();
+    for line in &lines {
+        decoder.push(line.as_bytes(), &mut |packet| {
+            steps += 1;
+            // Both parts have the time of the line; a source keeps them apart by a microsecond.
+            let time =
+                packet.time.expect("a time") + std::time::Duration::from_micros((steps + 1) % 2);
+            let mut reading = Reading::new(time, Some(Side::Right), packet.sample);
+            reading.part = packet.part;
+            events.clear();
+            let _ = std::hint::black_box(pipeline.step(&reading, &mut events));
+        });
+    }
+    let allocated = allocations() - before;
+    assert_eq!(steps, 2 * lines.len() as u64);
+    assert!(
+        pipeline.accepted() > steps / 2,
+        "{} of {steps}",
+        pipeline.accepted()
+    );
+    assert_eq!(allocated, 0, "{allocated} allocations in {steps} steps");
 }

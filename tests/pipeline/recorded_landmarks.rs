@@ -6,10 +6,10 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use ademan::capture::Sample;
-use ademan::capture::protocol::hand_landmarks;
+use ademan::capture::protocol::{hand_landmarks, holistic};
 use ademan::estimate::arm_attributes::{ArmAttributes, HALF_POSE_ROWS, HalfPose};
 use ademan::estimate::hand_angles;
-use ademan::hand::{Dof, Finger, Joint, JointPositions, Side};
+use ademan::hand::{Dof, Finger, HandPart, Joint, JointPositions, Side};
 use glam::DVec3;
 use serde_json::Value;
 
@@ -129,5 +129,59 @@ fn fingers_of_recorded_hands_pass_the_bridge_of_the_webcam_unchanged_and_bend_to
                 assert!(flexion > -1.0, "{name} {finger}: {flexion}");
             }
         }
+    }
+}
+
+#[test]
+fn a_recorded_body_and_a_recorded_hand_pass_the_bridge_in_one_line() {
+    let (Some((_, squats)), Some((_, mut hands))) = (
+        recording("tfjs_pose_squats_5fps.json"),
+        recording("mediapipe_tasks_hands.json"),
+    ) else {
+        return;
+    };
+    let frame = &squats["frames"][0];
+    let samples = hands["samples"].as_array_mut().expect("a list of samples");
+    for sample in &mut *samples {
+        // Some holistic models give logits in place of probabilities.
+        let point = |point: &Value| serde_json::json!([point[0], point[1], point[2], 4.0]);
+        let points = frame["world"].as_array().expect("a list of points");
+        sample["body"] = points.iter().map(point).collect();
+    }
+    let count = samples.len();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("whole.json");
+    std::fs::write(&path, hands.to_string()).expect("a file");
+    let bridge = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/examples/bridges/mediapipe_webcam.py"
+    );
+    let bridge = Command::new("python3")
+        .arg(bridge)
+        .arg("--from")
+        .arg(path)
+        .output();
+    let Ok(bridge) = bridge else {
+        println!("SKIPPED: there is no python3");
+        return;
+    };
+    assert!(bridge.status.success(), "{bridge:?}");
+    let mut decoder = (holistic::PROTOCOL.decoder)(&Default::default());
+    let mut packets = Vec::new();
+    decoder.push(&bridge.stdout, &mut |packet| packets.push(packet));
+    assert_eq!(
+        (packets.len(), decoder.stats().invalid.total()),
+        (2 * count, 0)
+    );
+    for pair in packets.chunks(2) {
+        assert_eq!(pair[0].part, Some(HandPart::Arm));
+        assert_eq!(pair[1].part, Some(HandPart::Fingers));
+        let Sample::Body(body) = &pair[0].sample else {
+            panic!("{:?}", pair[0]);
+        };
+        let elbow = &body.points[14];
+        let expected = frame["world"][14][0].as_f64().expect("a coordinate");
+        assert!((f64::from(elbow.position[0]) - expected).abs() < 1e-6);
+        assert!((0.98..0.99).contains(&elbow.confidence), "{elbow:?}");
     }
 }
