@@ -19,8 +19,8 @@ const LINEAR_SENSOR: Prior = Prior {
     deviation: 0.02,
 };
 
-/// The largest curvature, beyond which the readings of two poses could change places.
-const MAX: f64 = 0.2;
+/// The largest difference from the expectation, in deviations: poses that demand more contradict each other for another reason.
+const MAX_DEVIATIONS: f64 = 2.7;
 
 /// The expectation of a curvature before any pose was seen.
 #[derive(Clone, Copy, Debug)]
@@ -42,6 +42,11 @@ impl Prior {
             mean: sign * prior.mean,
             ..prior
         }
+    }
+
+    fn clamp(self, curvature: f64) -> f64 {
+        let most = MAX_DEVIATIONS * self.deviation;
+        curvature.clamp(self.mean - most, self.mean + most)
     }
 }
 
@@ -79,7 +84,7 @@ pub(super) fn estimate(points: &[Point], prior: Prior) -> f64 {
             weights += weight * effect * effect;
             sum += weight * effect * rest;
         }
-        curvature = (sum / weights).clamp(-MAX, MAX);
+        curvature = prior.clamp(sum / weights);
     }
     curvature
 }

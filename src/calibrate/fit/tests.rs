@@ -206,28 +206,28 @@ fn swapped_sensors_of_two_fingers_are_found_by_bending_single_fingers() {
 }
 
 #[test]
-fn cross_talk_is_named_by_both_channels_and_refused_if_it_moves_the_finger() {
-    let with = |part: f64| {
+fn cross_talk_is_named_by_both_channels_and_refused_at_the_index_finger() {
+    let from_wrist = |mixed: usize, part: f64| {
         observe(CalibrationPose::GUIDED, move |pose, channel| {
             let own = exact(pose, channel);
-            match channel {
-                12 => own + part * 133.0 * (exact(pose, 4) - 120.0) / 195.0,
-                _ => own,
+            let range =
+                exact(CalibrationPose::Fist, channel) - exact(CalibrationPose::Flat, channel);
+            match channel == mixed {
+                true => own + part * range * (exact(pose, 4) - 90.0) / 195.0,
+                false => own,
             }
         })
     };
-    let result = fit(&with(0.45), &shipped()).unwrap();
-    let is_it = |problem: &Problem| {
-        matches!(
-            problem,
-            Problem::CrossTalk {
-                channel: 12,
-                source: (4, _),
-                ..
-            }
-        )
-    };
-    assert!(result.problems.iter().any(is_it), "{:?}", result.problems);
-    let found = problems(fit(&with(0.9), &shipped()).unwrap_err());
-    assert!(found.iter().any(is_it), "{found:?}");
+    let is_from_wrist = |problem: &Problem, mixed: usize| matches!(problem, Problem::CrossTalk { channel, source: (4, _), .. } if *channel == mixed);
+    let result = fit(&from_wrist(33, 0.7), &shipped()).unwrap();
+    let named = &result.problems;
+    assert!(
+        named.len() == 1 && is_from_wrist(&named[0], 33),
+        "{named:?}"
+    );
+    let found = problems(fit(&from_wrist(12, 0.9), &shipped()).unwrap_err());
+    assert!(
+        found.len() == 1 && is_from_wrist(&found[0], 12),
+        "{found:?}"
+    );
 }
