@@ -4,10 +4,15 @@ use std::fs;
 use std::path::Path;
 use std::time::Duration;
 
-use ademan::calibrate::{CaptureState, MARKS_KIND, Procedure, ProcedureState, marks_to_text};
+use ademan::calibrate::{
+    CalibrationPose, CaptureState, MARKS_KIND, Procedure, ProcedureState, marks_to_text,
+};
 use ademan::capture::recording::RecordedSetup;
 use ademan::capture::{Channels, Reading, Sample};
 use ademan::document::Document;
+use ademan::estimate::Estimate;
+use ademan::hand::{Joint, Side};
+use ademan::kinematics::{ArmModel, BoneLengths};
 use ademan::layout::Glove;
 use ademan::recorder::Recorder;
 use ademan::sim::{GloveFault, SimulatedWearer};
@@ -204,13 +209,49 @@ fn sources_that_need_no_glove_or_are_not_named_are_refused() {
         errors.contains("no source is named") && errors.contains("--demo"),
         "{errors}"
     );
-    let source = "udp:127.0.0.1:5005?protocol=hand-landmarks";
+    fs::write(folder.path().join("angles.txt"), "0 ".repeat(64) + "\n").expect("a file");
+    let source = "file:angles.txt?protocol=text-line";
     let (code, _, errors) = calibrate(&folder, &["--source", source]);
-    assert_eq!(code, 2);
+    assert_eq!(code, 2, "{errors}");
     assert!(errors.contains("nothing to calibrate"), "{errors}");
     let (code, _, errors) = calibrate(&folder, &["--source", "typist:hello"]);
     assert_eq!(code, 1);
     assert!(errors.contains("ended at pose"), "{errors}");
+}
+
+#[test]
+fn a_headset_measures_the_hand_the_table_and_the_place_of_a_board() {
+    let bones = BoneLengths::from_hand_and_forearm(0.18, 0.25).expect("a person");
+    let arm = ArmModel::anthropometric(Side::Right, &bones).expect("an arm");
+    let hand = arm.forward(&Estimate::new(
+        Timestamp(0),
+        CalibrationPose::Spread.angles(),
+    ));
+    let joints: Vec<[f32; 3]> = Joint::ALL[Joint::Wrist.index()..]
+        .iter()
+        .map(|&joint| hand.position(joint).expect("all joints").to_array())
+        .collect();
+    let lines: String = (0..40)
+        .map(|index| {
+            let time = index * 20_000;
+            format!(
+                "{{\"time_us\":{time},\"hands\":[{{\"label\":\"right\",\"joints\":{joints:?}}}]}}\n"
+            )
+        })
+        .collect();
+    let folder = folder();
+    fs::write(folder.path().join("hand.jsonl"), lines).expect("a file");
+    let source = "file:hand.jsonl?protocol=webxr";
+    let (code, out, errors) = calibrate(&folder, &["--source", source]);
+    println!("{out}{errors}");
+    assert_eq!(code, 0, "{errors}");
+    for expected in [
+        "hand length: 18",
+        "slope 0°",
+        "in the layout: pose: (anchor: world, bearing_deg: ",
+    ] {
+        assert!(out.contains(expected), "no {expected}:\n{out}");
+    }
 }
 
 #[cfg(target_os = "linux")]

@@ -4,6 +4,7 @@ mod destination;
 mod discover;
 mod feed;
 mod figure;
+mod positions;
 mod recording;
 mod report;
 mod screen;
@@ -127,6 +128,9 @@ fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
 
 fn calibrate_live(args: Args) -> Result<(), Failure> {
     let setup = args.load_setup()?;
+    if let (None, Some(source)) = (setup.glove_document(), &setup.setup.source) {
+        return positions::run(&setup, source);
+    }
     let start = Start::new(glove_document(&setup)?)?;
     let destination = Destination::new(args.out, &start.document.file, args.force)?;
     messages::start()?;

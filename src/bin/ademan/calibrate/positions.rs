@@ -1,0 +1,129 @@
+//! The calibration of a source that measures positions: lengths for the setup, and the place of a board on a table.
+
+use std::time::{Duration, Instant};
+
+use ademan::calibrate::positions::{
+    HandLengths, PositionError, TablePlane, board_on_table, measure_lengths,
+};
+use ademan::capture::{CaptureEvent, Reading, SourceUri, spawn};
+use ademan::contact::board_pose::BoardPose;
+use ademan::estimate::{Estimator, EstimatorSettings, Smoothing};
+use ademan::hand::JointPositions;
+use ademan::setup::LoadedSetup;
+
+use crate::failure::Failure;
+
+/// The time for which positions of a live source are collected.
+const TIME: Duration = Duration::from_secs(5);
+
+/// The radius of a fingertip, in metres: that of arm models from lengths.
+const TIP_RADIUS: f64 = 0.005;
+
+/// Measures the hand of a source and prints what belongs in the setup and the layout.
+pub fn run(setup: &LoadedSetup, source: &SourceUri) -> Result<(), Failure> {
+    println!(
+        "lay the hand on the table so that all five fingertips touch it, spread, for {} s",
+        TIME.as_secs()
+    );
+    let positions = collect(setup, source)?;
+    if positions.is_empty() {
+        return Err(Failure::wrong_use(
+            "this source measures no positions of joints, and needs no glove file: there is nothing to calibrate",
+        ));
+    }
+    let lengths = measure_lengths(&positions);
+    let table = TablePlane::fit(&positions, TIP_RADIUS);
+    println!("{}", describe_lengths(&lengths));
+    println!("{}", describe_table(&table));
+    if let Some(board) = table
+        .as_ref()
+        .ok()
+        .and_then(|table| board_on_table(table, &positions))
+    {
+        println!("{}", describe_board(&board));
+    }
+    match (lengths, table) {
+        (Err(error), Err(_)) => Err(Failure::job(format!("nothing was measured: {error}"))),
+        _ => Ok(()),
+    }
+}
+
+/// Collects the positions of a live source for a few seconds, those of another one to its end.
+fn collect(setup: &LoadedSetup, source: &SourceUri) -> Result<Vec<JointPositions>, Failure> {
+    let capture = spawn(setup.open_source_alone(source)?)?;
+    // A filter delays, and a limit hides movement.
+    let mut estimator = Estimator::new(EstimatorSettings::unchecked(Smoothing::Off));
+    let mut positions = Vec::new();
+    let end = Instant::now() + TIME;
+    while !capture.is_live() || Instant::now() < end {
+        match capture.events().recv_timeout(Duration::from_millis(20)) {
+            Ok(CaptureEvent::Reading { reading, .. }) => {
+                positions.extend(measured(&mut estimator, &reading));
+            }
+            Ok(CaptureEvent::End(_)) => break,
+            Ok(CaptureEvent::Lost(error) | CaptureEvent::Failed(error)) => return Err(error.into()),
+            Ok(_) | Err(_) => {}
+        }
+    }
+    Ok(positions)
+}
+
+/// Returns the joints that a reading shows, or `None` if it shows none.
+fn measured(estimator: &mut Estimator, reading: &Reading) -> Option<JointPositions> {
+    let estimate = estimator.update(reading).ok()?;
+    let mut positions = JointPositions::default();
+    for (joint, position) in estimate.measured.iter() {
+        positions.set(joint, position.as_dvec3());
+    }
+    (!positions.is_empty()).then_some(positions)
+}
+
+fn describe_lengths(lengths: &Result<HandLengths, PositionError>) -> String {
+    let millimetres = |metres: f64| (metres * 1e3).round();
+    match lengths {
+        Ok(HandLengths {
+            hand: Some(hand),
+            forearm: Some(forearm),
+        }) => format!(
+            "in the setup file: arm: Measured(hand_length_mm: {}, forearm_length_mm: {})",
+            millimetres(*hand),
+            millimetres(*forearm)
+        ),
+        Ok(HandLengths {
+            hand: Some(hand), ..
+        }) => format!(
+            "hand length: {} mm; the source does not show the elbow, so measure the forearm with a ruler",
+            millimetres(*hand)
+        ),
+        Ok(HandLengths { forearm, .. }) => format!(
+            "forearm length: {} mm; the source does not show the fingers, so measure the hand with a ruler",
+            millimetres(forearm.unwrap_or_default())
+        ),
+        Err(error) => format!("no lengths: {error}"),
+    }
+}
+
+fn describe_table(table: &Result<TablePlane, PositionError>) -> String {
+    match table {
+        Ok(table) => format!(
+            "table: {:.0} mm high, slope {:.0}°, fingertips within {:.0} mm",
+            table.point.y * 1e3,
+            table.normal.y.acos().to_degrees(),
+            table.error * 1e3
+        ),
+        Err(error) => format!("no table: {error}"),
+    }
+}
+
+fn describe_board(board: &BoardPose) -> String {
+    let millimetres = |metres: f32| (metres * 1e3).round() + 0.0;
+    let degrees = |radians: f32| radians.to_degrees().round() + 0.0;
+    format!(
+        "in the layout: pose: (anchor: world, bearing_deg: {}, right_mm: {}, forward_mm: {}, height_mm: {}, tilt_deg: {})",
+        degrees(board.bearing),
+        millimetres(board.right),
+        millimetres(board.forward),
+        millimetres(board.height),
+        degrees(board.tilt)
+    )
+}
