@@ -265,6 +265,8 @@ fn a_source_has_no_more_than_the_role_of_its_token() {
         pointing.contains("cannot open tcp+tls:127.0.0.1:1"),
         "{pointing}"
     );
+    let missing = run(&source(Path::new("nope.token")));
+    assert!(missing.contains("copy it from the machine"), "{missing}");
     fs::set_permissions(&point, Permissions::from_mode(0o640)).expect("an own file");
     assert!(run(&source(&point)).contains("chmod 600"));
     let secret = value(&see, "secret");

@@ -50,8 +50,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
             writeln!(out, "wrote {}", escape(&path))?;
             writeln!(
                 out,
-                "move this file to the machine that connects, such as into its own folder ~/.config/ademan/network, and keep no \
-                 copy: it is a password"
+                "move this file to the machine that connects, into ~/.config/ademan/network there, and keep no copy: it is a password"
             )?;
         }
         Action::List => {

@@ -76,6 +76,11 @@ mod tests {
     fn anything_else_is_no_token() {
         let mut get = b"GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n".to_vec();
         get.resize(HELLO_BYTES, b'a');
+        let other_word = format!("tokem {}\n", "a".repeat(64)).into_bytes();
+        let other_end = format!("token {} ", "a".repeat(64)).into_bytes();
+        for line in [other_word, other_end] {
+            assert!(receive(&mut line.as_slice()).unwrap().is_none());
+        }
         for line in [
             get,
             vec![0; HELLO_BYTES],

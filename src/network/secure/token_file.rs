@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::secret_file;
 use super::token::{Hash, Token};
-use super::{file_error, secret_file};
+use crate::message::escape;
 use crate::network::{NetworkError, TokenEntry, TokenRole};
 
 /// The first line. Its number changes with the form of the file.
@@ -22,8 +23,10 @@ impl TokenFile {
     /// Reads a file, which only its owner may be able to access.
     pub fn read(path: &Path) -> Result<Self, NetworkError> {
         let Some(text) = secret_file::read(path)? else {
-            let missing = std::io::Error::from(std::io::ErrorKind::NotFound);
-            return Err(file_error("read", path, missing));
+            return Err(NetworkError::Token(format!(
+                "there is no token file {}; copy it from the machine whose `ademan token new` has made it",
+                escape(&path.to_string_lossy())
+            )));
         };
         parse(&text).ok_or_else(|| NetworkError::Content {
             path: path.into(),
