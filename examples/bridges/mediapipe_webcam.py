@@ -96,8 +96,11 @@ def open_landmarker(vision, base_options, is_holistic):
 
 def webcam_lines(model, camera, is_holistic):
     """Yields a line for each image of a webcam."""
-    import cv2
-    import mediapipe
+    try:
+        import cv2
+        import mediapipe
+    except ImportError as error:
+        sys.exit(f"{error}; install what is missing: python3 -m pip install mediapipe opencv-python")
 
     vision = mediapipe.tasks.vision
     base_options = mediapipe.tasks.BaseOptions(model_asset_path=model)
