@@ -99,3 +99,11 @@ pub fn rest_pose(observations: &Observations, map: &ChannelMap) -> JointAngles {
     }
     angles
 }
+
+/// Returns the channels of the joints of a glove, in ascending order.
+pub(super) fn channels_of(map: &ChannelMap) -> Vec<usize> {
+    let mut channels: Vec<usize> = map.rows().iter().map(|row| row.channel).collect();
+    channels.sort_unstable();
+    channels.dedup();
+    channels
+}

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::capture::{CaptureState, LiveChannel, PoseCapture};
-use super::observation::Observations;
+use super::observation::{Observations, channels_of};
 use super::pose::CalibrationPose;
 use super::recorded::PoseMark;
 use crate::capture::{Channels, MAX_CHANNELS};
@@ -155,14 +155,6 @@ impl Procedure {
         self.observations.remove(pose);
         self.marks.retain(|mark| mark.pose != pose);
     }
-}
-
-/// Returns the channels of the joints of a glove, in ascending order.
-pub(super) fn channels_of(map: &ChannelMap) -> Vec<usize> {
-    let mut channels: Vec<usize> = map.rows().iter().map(|row| row.channel).collect();
-    channels.sort_unstable();
-    channels.dedup();
-    channels
 }
 
 #[cfg(test)]

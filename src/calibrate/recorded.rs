@@ -5,9 +5,8 @@ use std::time::Duration;
 
 use super::capture::observe;
 use super::error::CalibrationError;
-use super::observation::{ChannelObservation, Observations, PoseObservation};
+use super::observation::{ChannelObservation, Observations, PoseObservation, channels_of};
 use super::pose::CalibrationPose;
-use super::procedure::channels_of;
 use crate::capture::Channels;
 use crate::estimate::ChannelMap;
 use crate::time::Timestamp;

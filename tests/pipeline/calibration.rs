@@ -37,7 +37,7 @@ fn shipped() -> ChannelMap {
     Glove::load("unam-hc11").unwrap().map
 }
 
-/// What a guided run leaves: the readings, the times of the poses, and the observations.
+/// The readings, the times of the poses and the observations of a guided run.
 struct Run {
     readings: Vec<(Timestamp, Channels)>,
     marks: Vec<PoseMark>,

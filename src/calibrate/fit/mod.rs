@@ -10,10 +10,9 @@ mod weighted_line;
 
 use self::channel_fit::ChannelFit;
 use super::error::CalibrationError;
-use super::observation::Observations;
+use super::observation::{Observations, channels_of};
 use super::pose::CalibrationPose;
 use super::problem::{Problem, Severity};
-use super::procedure::channels_of;
 use crate::estimate::{AffineMap, ChannelMap, ChannelRow, JointLimits};
 use crate::hand::{Dof, Finger};
 
