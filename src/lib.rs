@@ -21,6 +21,7 @@
 //! - [`session`] owns the threads around the pipeline: capture, layouts that are edited while they are used, the control
 //!   socket, panic keys and recordings.
 //! - [`calibrate`] turns readings of known poses into the values of a glove file.
+//! - [`network`] connects machines: TLS, tokens with roles, and routers of zenoh.
 //! - [`share`] gives joint angles and poses to other programs.
 //! - [`layout`] and [`setup`] read the RON files of users; [`doctor`] checks the machine against a setup.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
