@@ -246,8 +246,8 @@ fn a_headset_measures_the_hand_the_table_and_the_place_of_a_board() {
     println!("{out}{errors}");
     assert_eq!(code, 0, "{errors}");
     for expected in [
-        "hand length: 18",
-        "slope 0°",
+        "hand length: 178 mm",
+        "table: -5 mm high, slope 0°",
         "in the layout: pose: (anchor: world, bearing_deg: ",
     ] {
         assert!(out.contains(expected), "no {expected}:\n{out}");
