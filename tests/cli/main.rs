@@ -40,6 +40,7 @@ mod roles;
 mod security;
 mod share;
 mod signals;
+mod source_recordings;
 mod terminal;
 mod text_line;
 mod traces;

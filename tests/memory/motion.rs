@@ -1,7 +1,9 @@
-//! Reading motion capture allocates nothing after the first frames.
+//! Reading and writing motion capture allocates nothing after the first frames.
 
 use std::fmt::Write;
+use std::io::{self, Seek, SeekFrom};
 
+use ademan::capture::bvh::{Bvh, BvhWriter};
 use ademan::capture::protocol::{ProtocolOptions, bvh};
 
 use crate::steady_state::{allocations, live_bytes};
@@ -51,4 +53,45 @@ fn a_long_motion_capture_is_read_in_the_memory_of_its_first_frames() {
     assert_eq!(allocations() - allocated, 0);
     assert_eq!(live_bytes() - live, 0);
     assert_eq!((frames, decoder.take_error()), (FRAMES, None));
+}
+
+/// A file that counts its bytes and stores none.
+#[derive(Default)]
+struct Sink {
+    bytes: u64,
+}
+
+impl io::Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.bytes += bytes.len() as u64;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for Sink {
+    fn seek(&mut self, _: SeekFrom) -> io::Result<u64> {
+        Ok(self.bytes)
+    }
+}
+
+#[test]
+fn a_long_motion_capture_is_written_in_the_memory_of_its_first_frames() {
+    let text = header().replace(&format!("Frames: {FRAMES}"), "Frames: 0");
+    let skeleton = Bvh::parse(text.as_bytes()).expect("a skeleton");
+    let skeleton = &skeleton.motion().skeleton;
+    let mut sink = Sink::default();
+    let mut writer = BvhWriter::new(&mut sink, skeleton, 0.016_667).expect("room");
+    let values = vec![-179.123_456; skeleton.channel_count()];
+    (0..10).for_each(|_| writer.write_frame(&values).expect("room"));
+    let (allocated, live) = (allocations(), live_bytes());
+    (10..FRAMES).for_each(|_| writer.write_frame(&values).expect("room"));
+    assert_eq!(allocations() - allocated, 0);
+    assert_eq!(live_bytes() - live, 0);
+    assert_eq!(writer.frames(), FRAMES);
+    writer.finish().expect("room");
+    assert!(sink.bytes > FRAMES * 183 * 10, "{} bytes", sink.bytes);
 }

@@ -21,6 +21,7 @@ mod network_poses;
 mod panels;
 mod pauses;
 mod placement;
+mod random_vectors;
 mod recorded_landmarks;
 mod rig;
 mod scenarios;

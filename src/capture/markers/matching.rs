@@ -1,7 +1,7 @@
 //! The pairs of observations of two cameras that show the same marker.
 
 use super::assignment::{CostMatrix, assign};
-use super::ray::{Ray, closest_points};
+use super::ray::{Ray, gap_in_front};
 
 /// Returns, for each ray of the first camera, the index of the ray of the second camera that shows the same marker.
 ///
@@ -15,15 +15,8 @@ pub fn match_rays(first: &[Ray], second: &[Ray], max_gap: f64) -> Vec<Option<usi
     assign(&CostMatrix::new(
         first.len(),
         second.len(),
-        |row, column| pair_gap(&first[row], &second[column], max_gap),
+        |row, column| gap_in_front(&first[row], &second[column], max_gap),
     ))
-}
-
-/// Returns the gap of two rays that may show the same marker.
-pub(super) fn pair_gap(first: &Ray, second: &Ray, max_gap: f64) -> Option<f64> {
-    let closest = closest_points(first, second).ok()?;
-    let gap = closest.gap();
-    (closest.is_in_front() && gap <= max_gap).then_some(gap)
 }
 
 #[cfg(test)]

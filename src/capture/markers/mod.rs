@@ -20,5 +20,5 @@ pub use assignment::{CostMatrix, assign};
 pub use bone_rotation::{BoneRotation, bone_rotation};
 pub use joint_centers::{Bend, ElbowCenter, elbow_bend, wrist_center};
 pub use matching::match_rays;
-pub use ray::{ClosestPoints, Ray, RayError, closest_points, pass_within};
+pub use ray::{ClosestPoints, Ray, RayError, closest_points, gap_in_front};
 pub use triangulation::{Triangulation, TriangulationError, triangulate};

@@ -37,16 +37,17 @@ pub fn triangulate(rays: &[Ray]) -> Result<Triangulation, TriangulationError> {
         [first, second] => closest_points(first, second)?.midpoint(),
         _ => nearest_point(rays)?,
     };
-    let behind = rays.iter().position(|ray| ray.nearest(point) <= 0.0);
-    if let Some(index) = behind {
-        return Err(TriangulationError::Behind(index));
+    let mut largest = 0.0_f64;
+    for (index, ray) in rays.iter().enumerate() {
+        let k = ray.nearest(point);
+        if k <= 0.0 {
+            return Err(TriangulationError::Behind(index));
+        }
+        largest = largest.max(ray.at(k).distance_squared(point));
     }
-    let distances = rays
-        .iter()
-        .map(|ray| ray.at(ray.nearest(point)).distance(point));
     Ok(Triangulation {
         point,
-        gap: 2.0 * distances.fold(0.0, f64::max),
+        gap: 2.0 * largest.sqrt(),
     })
 }
 
@@ -61,9 +62,10 @@ fn nearest_point(rays: &[Ray]) -> Result<DVec3, RayError> {
     let reference = rays[0].origin;
     let (mut matrix, mut sum) = (DMat3::ZERO, DVec3::ZERO);
     for ray in rays {
-        let unit = ray.direction.normalize();
-        let across =
-            DMat3::IDENTITY - DMat3::from_cols(unit * unit.x, unit * unit.y, unit * unit.z);
+        let along = ray.direction;
+        let scaled = along / along.length_squared();
+        let across = DMat3::IDENTITY
+            - DMat3::from_cols(scaled * along.x, scaled * along.y, scaled * along.z);
         matrix += across;
         sum += across * (ray.origin - reference);
     }

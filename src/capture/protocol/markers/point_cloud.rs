@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::capture::markers::{CostMatrix, Ray, assign, closest_points, pass_within, triangulate};
+use crate::capture::markers::{CostMatrix, Ray, assign, gap_in_front, triangulate};
 
 /// A marker in the image of one camera.
 #[derive(Clone, Copy, Debug)]
@@ -105,11 +105,7 @@ impl Place {
     /// if the ray does not lead to the marker in front of the camera.
     fn gap(&self, ray: &Ray, max_gap: f64) -> Option<f64> {
         let gap = match self {
-            Self::Along(only) if !pass_within(only, ray, max_gap) => return None,
-            Self::Along(only) => {
-                let closest = closest_points(only, ray).ok()?;
-                closest.is_in_front().then(|| closest.gap())?
-            }
+            Self::Along(only) => return gap_in_front(only, ray, max_gap),
             Self::At(point) if !ray.passes(*point, max_gap / 2.0) => return None,
             Self::At(point) => {
                 let k = ray.nearest(*point);
