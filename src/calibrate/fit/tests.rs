@@ -225,7 +225,7 @@ fn cross_talk_is_named_by_both_channels_and_refused_at_the_index_finger() {
         named.len() == 1 && is_from_wrist(&named[0], 33),
         "{named:?}"
     );
-    let found = problems(fit(&from_wrist(12, 0.9), &shipped()).unwrap_err());
+    let found = problems(fit(&from_wrist(12, 1.2), &shipped()).unwrap_err());
     assert!(
         found.len() == 1 && is_from_wrist(&found[0], 12),
         "{found:?}"
