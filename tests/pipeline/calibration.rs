@@ -228,7 +228,7 @@ fn the_curvature_of_bend_sensors_matters() {
 
 #[test]
 fn people_type_the_text_after_the_calibration() {
-    check_typing(12);
+    check_typing(6);
 }
 
 #[test]
