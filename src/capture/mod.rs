@@ -12,6 +12,7 @@
 //!         CaptureEvent::Reading { reading, .. } => println!("{reading:?}"),
 //!         CaptureEvent::Lost(error) | CaptureEvent::Failed(error) => eprintln!("{error}"),
 //!         CaptureEvent::Elapsed(time) => println!("no reading until {time:?}"),
+//!         CaptureEvent::Command(command) => println!("a recorded command: {command:?}"),
 //!         CaptureEvent::Noise(stats) | CaptureEvent::End(stats) => println!("{stats:?}"),
 //!     }
 //! }
