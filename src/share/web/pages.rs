@@ -10,15 +10,21 @@ const HEADERS: &str = "Connection: close\r\n\
     Referrer-Policy: no-referrer\r\n\
     X-Content-Type-Options: nosniff\r\n";
 
+const HTML: &str = "text/html";
+const CSS: &str = "text/css";
+const SCRIPT: &str = "text/javascript";
+
 /// A file: its path, its type and its text.
-const FILES: [(&str, &str, &str); 3] = [
-    ("/", "text/html", include_str!("viewer/index.html")),
-    ("/viewer.css", "text/css", include_str!("viewer/viewer.css")),
-    (
-        "/viewer.js",
-        "text/javascript",
-        include_str!("viewer/viewer.js"),
-    ),
+const FILES: [(&str, &str, &str); 9] = [
+    ("/", HTML, include_str!("viewer/index.html")),
+    ("/viewer.css", CSS, include_str!("viewer/viewer.css")),
+    ("/boards.js", SCRIPT, include_str!("viewer/boards.js")),
+    ("/camera.js", SCRIPT, include_str!("viewer/camera.js")),
+    ("/hands.js", SCRIPT, include_str!("viewer/hands.js")),
+    ("/painting.js", SCRIPT, include_str!("viewer/painting.js")),
+    ("/session.js", SCRIPT, include_str!("viewer/session.js")),
+    ("/vectors.js", SCRIPT, include_str!("viewer/vectors.js")),
+    ("/viewer.js", SCRIPT, include_str!("viewer/viewer.js")),
 ];
 
 /// Returns the answer with the file of a path; `None` if there is no such file.
