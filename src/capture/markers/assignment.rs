@@ -43,20 +43,42 @@ impl CostMatrix {
 pub fn assign(costs: &CostMatrix) -> Vec<Option<usize>> {
     let mut assigned = vec![None; costs.rows()];
     let mut groups = Groups::new(costs);
+    for (row, column) in lone_pairs(costs) {
+        assigned[row] = Some(column);
+        groups.is_row_seen[row] = true;
+        groups.is_column_seen[column] = true;
+    }
     while let Some((rows, columns)) = groups.next() {
-        match (&rows[..], &columns[..]) {
-            ([row], [column]) => assigned[*row] = Some(*column),
-            _ => {
-                let group = CostMatrix::new(rows.len(), columns.len(), |row, column| {
-                    costs.get(rows[row], columns[column])
-                });
-                for (row, column) in assign_group(&group).into_iter().enumerate() {
-                    assigned[rows[row]] = column.map(|column| columns[column]);
-                }
-            }
+        let group = CostMatrix::new(rows.len(), columns.len(), |row, column| {
+            costs.get(rows[row], columns[column])
+        });
+        for (row, column) in assign_group(&group).into_iter().enumerate() {
+            assigned[rows[row]] = column.map(|column| columns[column]);
         }
     }
     assigned
+}
+
+/// Returns the pairs that share neither row nor column with another one. They are nearly all where markers are far apart, and
+/// found in one pass.
+fn lone_pairs(costs: &CostMatrix) -> impl Iterator<Item = (usize, usize)> {
+    let mut pairs_of_column = vec![0_u32; costs.columns];
+    let mut only_columns = vec![None; costs.rows()];
+    for (row, only_column) in only_columns.iter_mut().enumerate() {
+        let mut pairs = 0;
+        for (column, pairs_of_column) in pairs_of_column.iter_mut().enumerate() {
+            if costs.get(row, column).is_some() {
+                *pairs_of_column += 1;
+                pairs += 1;
+                *only_column = (pairs == 1).then_some(column);
+            }
+        }
+    }
+    let rows = only_columns.into_iter().enumerate();
+    rows.filter_map(move |(row, only_column)| {
+        let column = only_column?;
+        (pairs_of_column[column] == 1).then_some((row, column))
+    })
 }
 
 /// The groups of rows and columns that allowed pairs connect.
