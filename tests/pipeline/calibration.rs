@@ -170,11 +170,12 @@ fn joint_table(people: u64) -> [Vec<f64>; 2] {
     all
 }
 
-/// Prints a row of the table for each person, and asserts that all of them together make at most 1 % of errors.
+/// Prints a row of the table for each person, and asserts that all of them together make at most 1 % of errors, and more than
+/// half before. Some gloves type with their shipped values already.
 fn check_typing(people: u64) {
     println!("error rate of {TEXT:?}, by corrections for each key");
     println!("person   before: 3   after: 0      1      2      3");
-    let mut total = 0.0;
+    let mut totals = [0.0; 2];
     for seed in 0..people {
         let mut wearer = person(seed);
         let percent = |wearer: &SimulatedWearer, map: &ChannelMap, corrections| {
@@ -185,12 +186,13 @@ fn check_typing(people: u64) {
         let [none, one, two] = [0, 1, 2].map(|count| percent(&wearer, &result.map, count));
         let after = percent(&wearer, &result.map, CORRECTIONS);
         println!("{seed:6} {before:9.1} % {none:9.1} % {one:5.1} {two:6.1} {after:6.1}");
-        assert!(before > 10.0, "{seed}: the glove needs no calibration");
-        total += after;
+        totals[0] += before;
+        totals[1] += after;
     }
-    let mean = total / people as f64;
-    println!("mean after the calibration: {mean:.2} %");
-    assert!(mean <= 1.0, "{mean} %");
+    let [before, after] = totals.map(|total| total / people as f64);
+    println!("mean before the calibration: {before:.2} %, after: {after:.2} %");
+    assert!(before > 50.0, "{before} %");
+    assert!(after <= 1.0, "{after} %");
 }
 
 #[test]
