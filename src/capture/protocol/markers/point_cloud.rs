@@ -37,10 +37,11 @@ impl PointCloud {
         let mut unmatched = Vec::new();
         let mut is_free = vec![true; known];
         for observation in observations {
-            let same = |marker: &Marker| {
-                marker.label.is_some() && marker.label.as_deref() == observation.label
-            };
-            match self.markers[..known].iter().position(same) {
+            let known_index = observation.label.and_then(|label| {
+                let same = |marker: &Marker| marker.label.as_deref() == Some(label);
+                self.markers[..known].iter().position(same)
+            });
+            match known_index {
                 Some(index) if is_free[index] => {
                     is_free[index] = false;
                     self.markers[index].rays.push(observation.ray);
@@ -56,11 +57,11 @@ impl PointCloud {
             .map(|&index| self.markers[index].place())
             .collect();
         let costs = CostMatrix::new(unmatched.len(), free.len(), |row, column| {
-            let marker = &self.markers[free[column]];
-            if marker.label.is_some() && unmatched[row].label.is_some() {
+            let observation = &unmatched[row];
+            if observation.label.is_some() && self.markers[free[column]].label.is_some() {
                 return None;
             }
-            places[column].gap(&unmatched[row].ray, max_gap)
+            places[column].gap(&observation.ray, max_gap)
         });
         let mut columns = assign(&costs);
         columns.resize(unmatched.len(), None);
