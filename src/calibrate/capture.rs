@@ -15,7 +15,7 @@ const HOLD: Duration = Duration::from_millis(1_000);
 const CHECK_PERIOD: Duration = Duration::from_millis(50);
 
 /// The time after which a pose is captured although a few channels change, as a loose wire does.
-const PATIENCE: Duration = Duration::from_secs(6);
+const STRICT_TIME: Duration = Duration::from_secs(6);
 
 /// The fraction of the channels that must be still after that time.
 const MOST: f64 = 0.8;
@@ -162,8 +162,8 @@ impl PoseCapture {
         let rows: Vec<&[u16]> = self.window.iter().map(|(_, row)| row.as_slice()).collect();
         let observed = observe(&rows, &self.channels, full_scale);
         let still = observed.iter().filter(|channel| channel.is_still).count();
-        let is_patient = waited < PATIENCE;
-        let needed = match is_patient {
+        let is_strict = waited < STRICT_TIME;
+        let needed = match is_strict {
             true => observed.len(),
             false => (observed.len() as f64 * MOST).ceil() as usize,
         };

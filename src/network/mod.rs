@@ -4,7 +4,7 @@
 //! of it connects only to the certificate whose fingerprint it knows:
 //!
 //! - The **server** has a certificate, self-signed unless a person provides one, and a list of tokens. The list holds the
-//!   SHA-256 hash of each token with its name and its [`TokenRole`], so that a copy of the list admits nobody.
+//!   SHA-256 hash of each token with its name and its [`TokenRole`], so that a copy of the list is of no use to a client.
 //! - The **client** has a file with one token, and the fingerprint of the certificate of the server that issued it. That one
 //!   file, copied to the other machine, is all that a connection needs.
 //! - After the handshake the client sends `token`, a blank, 64 hexadecimal digits and a line end. The server answers `ok` or

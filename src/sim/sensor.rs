@@ -29,8 +29,8 @@ pub enum JointSensor {
     Body,
     /// Rotations of the bones.
     Bones,
-    /// The displacement of the wrist. The person moves a stiff hand, without turning it, so that the index fingertip goes
-    /// where that of a bending hand would go.
+    /// The displacement of the wrist. The person moves a stiff hand, without turning it, so that the index fingertip has
+    /// the same path as that of a bending hand.
     Displacement,
 }
 

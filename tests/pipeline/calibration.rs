@@ -118,7 +118,7 @@ fn load(wearer: &mut SimulatedWearer, map: &ChannelMap, folder: &std::path::Path
     setup.load_files().unwrap()
 }
 
-/// Returns the error rate of a person who types the text and makes so many corrections for each key.
+/// Returns the error rate of a person who types the text and makes at most `corrections` corrections for each key.
 fn typing_error(wearer: &mut SimulatedWearer, map: &ChannelMap, corrections: usize) -> f64 {
     let folder = tempfile::tempdir().unwrap();
     let setup = load(wearer, map, folder.path());

@@ -2,7 +2,7 @@
 //!
 //! Reads the folder `ADEMAN_PEERS` (default: `../shared/peers` beside the project), which is not part of the project.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use ademan::capture::Sample;
@@ -76,28 +76,36 @@ fn interior_angle_deg(positions: &JointPositions, joints: &[Joint]) -> f64 {
     sine.atan2(before.dot(after)).to_degrees()
 }
 
+/// Returns the lines that the bridge of the webcam sends for a file of landmarks; prints SKIPPED without Python.
+fn bridge_output(path: &Path) -> Option<Vec<u8>> {
+    let bridge = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/examples/bridges/mediapipe_webcam.py"
+    );
+    let output = Command::new("python3")
+        .arg(bridge)
+        .arg("--from")
+        .arg(path)
+        .output();
+    let Ok(output) = output else {
+        println!("SKIPPED: there is no python3");
+        return None;
+    };
+    assert!(output.status.success(), "{output:?}");
+    Some(output.stdout)
+}
+
 #[test]
 fn fingers_of_recorded_hands_pass_the_bridge_of_the_webcam_unchanged_and_bend_towards_the_palm() {
     let Some((path, recorded)) = recording("mediapipe_tasks_hands.json") else {
         return;
     };
-    let bridge = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/examples/bridges/mediapipe_webcam.py"
-    );
-    let bridge = Command::new("python3")
-        .arg(bridge)
-        .arg("--from")
-        .arg(path)
-        .output();
-    let Ok(bridge) = bridge else {
-        println!("SKIPPED: there is no python3");
+    let Some(lines) = bridge_output(&path) else {
         return;
     };
-    assert!(bridge.status.success(), "{bridge:?}");
     let mut decoder = (hand_landmarks::PROTOCOL.decoder)(&Default::default());
     let mut hands = Vec::new();
-    decoder.push(&bridge.stdout, &mut |packet| hands.push(packet));
+    decoder.push(&lines, &mut |packet| hands.push(packet));
     let samples = recorded["samples"].as_array().expect("a list of samples");
     assert_eq!(
         (hands.len(), decoder.stats().invalid.total()),
@@ -152,23 +160,12 @@ fn a_recorded_body_and_a_recorded_hand_pass_the_bridge_in_one_line() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("whole.json");
     std::fs::write(&path, hands.to_string()).expect("a file");
-    let bridge = concat!(
-        env!("CARGO_MANIFEST_DIR"),
-        "/examples/bridges/mediapipe_webcam.py"
-    );
-    let bridge = Command::new("python3")
-        .arg(bridge)
-        .arg("--from")
-        .arg(path)
-        .output();
-    let Ok(bridge) = bridge else {
-        println!("SKIPPED: there is no python3");
+    let Some(lines) = bridge_output(&path) else {
         return;
     };
-    assert!(bridge.status.success(), "{bridge:?}");
     let mut decoder = (holistic::PROTOCOL.decoder)(&Default::default());
     let mut packets = Vec::new();
-    decoder.push(&bridge.stdout, &mut |packet| packets.push(packet));
+    decoder.push(&lines, &mut |packet| packets.push(packet));
     assert_eq!(
         (packets.len(), decoder.stats().invalid.total()),
         (2 * count, 0)

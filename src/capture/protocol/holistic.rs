@@ -5,49 +5,25 @@
 //!  "hands":[{"label":"right","image":[[0.52,0.81,0.0],…],"world":[[0.01,0.07,0.02],…]}]}
 //! ```
 //!
-//! A line has the fields of [`body_landmarks`] and of [`hand_landmarks`](super::hand_landmarks), with their limits. The body places the arms, and the
+//! A line has the fields of [`body_landmarks`] and of [`hand_landmarks`], with their limits. The body places the arms, and the
 //! hands hang from its wrists. A body that is not seen is missing or `null`.
 
 use arrayvec::ArrayVec;
 use serde::Deserialize;
 
-use super::hand_landmarks::{
-    ANGLE_OF_VIEW, CAMERA, HAND_LANDMARKS, Hand, HandParser, MIRRORED, PALM, SWAP_HANDS,
-};
+use super::hand_landmarks::{Hand, HandParser};
 use super::lines::{LineDecoder, LineParser};
-use super::space::{self, HAND};
-use super::tracked_hands::{MAX_HANDS, MIN_SCORE, RATE};
-use super::{
-    Carriers, Packet, PacketError, PositionNoise, Protocol, ProtocolOptions, body_landmarks,
-};
+use super::tracked_hands::MAX_HANDS;
+use super::{Packet, PacketError, Protocol, ProtocolOptions, body_landmarks, hand_landmarks};
+use crate::capture::Sample;
 use crate::capture::body::{BODY_LANDMARKS, Landmark};
-use crate::capture::{Sample, SampleKind};
 use crate::hand::HandPart;
 
 /// The protocol of holistic landmarks.
 pub const PROTOCOL: Protocol = Protocol {
     name: "holistic",
     summary: "33 body landmarks and 21 landmarks of each hand of MediaPipe, as lines of JSON",
-    sample: SampleKind::Joints,
-    has_both_hands: true,
     has_parts: true,
-    position_noise: PositionNoise::Landmarks,
-    carriers: Carriers::Any,
-    // A packet of a line with a body and two hands whose numbers have one digit.
-    min_packet_bytes: 8 * HAND_LANDMARKS,
-    default_baud: None,
-    feedback: None,
-    options: &[
-        &HAND,
-        &CAMERA,
-        &MIRRORED,
-        &SWAP_HANDS,
-        &ANGLE_OF_VIEW,
-        &PALM,
-        &MIN_SCORE,
-        &RATE,
-    ],
-    nominal_rate_hz: |options| Some(space::number(options, &RATE)),
     decoder: |options| Box::new(decoder(options)),
     encoder: |_, _| {
         Err(
@@ -55,6 +31,7 @@ pub const PROTOCOL: Protocol = Protocol {
                 .to_owned(),
         )
     },
+    ..hand_landmarks::PROTOCOL
 };
 
 /// Creates a decoder at the start of a stream.

@@ -99,7 +99,7 @@ fn a_client_that_sends_is_disconnected() {
 #[test]
 fn the_last_lines_of_a_session_reach_its_clients() {
     let mut hub = hub(&["pose:127.0.0.1:0"]);
-    // So many that the lines of several milliseconds wait for one write.
+    // Enough clients that lines wait several milliseconds for one write.
     let readers: Vec<_> = (1..=32).map(|number| hub.connect(number)).collect();
     for time in 1000..1032 {
         hub.send(step(time));

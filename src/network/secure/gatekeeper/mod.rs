@@ -208,8 +208,8 @@ fn report_wrong_token(address: IpAddr, pause: Duration) {
     }
 }
 
-/// Disconnects clients whose tokens are no longer in the list, until the keeper is dropped. A list that cannot be read
-/// admits nobody.
+/// Disconnects clients whose tokens are no longer in the list, until the keeper is dropped. If the list cannot
+/// be read, all clients are disconnected.
 fn disconnect_revoked(shared: &Weak<Shared>) {
     loop {
         thread::sleep(REVOCATION_INTERVAL);

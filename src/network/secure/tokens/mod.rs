@@ -34,7 +34,7 @@ pub fn create(folder: &Path, name: &str, role: TokenRole) -> Result<PathBuf, Net
         token,
     };
     let path = file.create(folder)?;
-    // After the file, so that no token is listed that nobody has.
+    // After the file, so that every listed token has one.
     list.write(folder)
         .inspect_err(|_| _ = fs::remove_file(&path))?;
     Ok(path)
