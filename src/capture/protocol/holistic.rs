@@ -87,7 +87,7 @@ impl LineParser for HolisticParser {
     }
 }
 
-/// Joins a line of [`body_landmarks::encode`] and one of [`hand_landmarks::encode`](super::hand_landmarks::encode).
+/// Joins a line of [`body_landmarks::encode`] and one of [`hand_landmarks::encode`].
 pub fn join(body: &str, hands: &str) -> String {
     let body = body.trim_end().trim_end_matches('}');
     let hands = hands.trim_start_matches('{');

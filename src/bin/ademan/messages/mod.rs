@@ -88,6 +88,8 @@ fn print_line(message: &str, is_hidden: bool) {
     match QUEUE.get() {
         _ if is_hidden => {}
         Some(queue) => queue.push(line),
+        // The test harness captures only what is written by the macro.
+        None if cfg!(test) => eprint!("{line}"),
         None => _ = io::stderr().write_all(line.as_bytes()),
     }
 }
