@@ -11,18 +11,24 @@ use std::time::Duration;
 
 use ademan::capture::hc11::{self, BODY_BYTES, Framing, Hc11Decoder, PACKET_BYTES};
 use ademan::capture::protocol::Decoder;
-use ademan::capture::{Hc11Format, Reading, Sample};
+use ademan::capture::{
+    CaptureError, Hc11Format, Reading, Sample, Source, SourceEvent, SourceStats,
+};
 use ademan::contact::surface::{Anchor, Scene, Target};
 use ademan::contact::{ContactTracker, Phase, TargetId, TargetNames, Touch, Touches};
 use ademan::device::keyboard::{Activation, KeyBinding, Keyboard};
 use ademan::device::{
-    DeviceInput, DeviceOutput, Events, KeyAction, KeyArbiter, KeyCode, VirtualDevice,
+    Capabilities, DeviceInput, DeviceOutput, Events, KeyAction, KeyArbiter, KeyCode, KeyKind,
+    VirtualDevice,
 };
 use ademan::estimate::{Estimate, Estimator, EstimatorSettings};
-use ademan::hand::Side;
+use ademan::hand::{Dof, Finger, JointAngles, Side};
 use ademan::kinematics::{ArmModel, BoneLengths, HandPose};
+use ademan::output;
 use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use ademan::session::with_loop_step;
 use ademan::setup::{LoadedSetup, Setup};
+use ademan::snapshot::StepView;
 use ademan::time::Timestamp;
 use divan::Bencher;
 use parry3d::math::{Pose, Rotation, Vec3};
@@ -94,13 +100,17 @@ impl Board {
         scene
     }
 
-    /// Returns a keyboard with the same action on every key.
+    /// Returns a keyboard with other keys side by side: each code that is printed on a keyboard, again and again. Without modifiers, so that nothing is
+    /// suppressed.
     fn keyboard(self) -> Keyboard {
-        let code: KeyCode = "A".parse().expect("a valid key");
+        let is_plain = |code: &KeyCode| {
+            code.kind() == KeyKind::Keyboard && !code.is_system_key() && !code.is_modifier()
+        };
+        let codes: Vec<KeyCode> = KeyCode::all().filter(is_plain).take(100).collect();
         let (Self::Flat(keys) | Self::Rotated(keys) | Self::FourSurfaces(keys)) = self;
-        let binding = |index| KeyBinding {
+        let binding = |index: usize| KeyBinding {
             target: TargetId(index as u32),
-            actions: vec![Some(KeyAction::Key(code))],
+            actions: vec![Some(KeyAction::Key(codes[index % codes.len()]))],
             reports_depth: false,
             activation: Activation::OnPress,
             debounce: Duration::ZERO,
@@ -213,6 +223,11 @@ impl Typing {
             .with_channels(&self.setup.glove.as_ref().expect("a glove").map)
     }
 
+    fn anthropometric_arm(&self) -> ArmModel {
+        let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).expect("a person");
+        ArmModel::anthropometric(Side::Right, &bones).expect("an arm")
+    }
+
     fn presses_on(&self, board: Board) -> usize {
         let mut pipeline = board.pipeline();
         let mut count = 0;
@@ -288,14 +303,81 @@ fn c_estimate(bencher: Bencher) {
 fn d_forward_kinematics(bencher: Bencher, arm: &str) {
     let arm = match arm {
         "unam" => typing().setup.arm.clone(),
-        _ => {
-            let bones = BoneLengths::from_hand_and_forearm(0.190, 0.255).expect("a person");
-            ArmModel::anthropometric(Side::Right, &bones).expect("an arm")
-        }
+        _ => typing().anthropometric_arm(),
     };
     run(bencher, &typing().estimates, |estimate| {
         black_box(&arm.forward(estimate));
     });
+}
+
+/// The reference: the 21 joints of a hand as a tree of glam's quaternions, with its five fingertips.
+#[divan::bench]
+fn d_plain_glam(bencher: Bencher) {
+    let arm = &typing().anthropometric_arm();
+    let hand = PlainHand::new(arm);
+    run(bencher, &typing().estimates, |estimate| {
+        black_box(hand.fingertips(&estimate.angles));
+    });
+}
+
+/// A hand without its arm: the joints of the wrist and the fingers, each after its parent.
+struct PlainHand {
+    joints: Vec<PlainJoint>,
+}
+
+struct PlainJoint {
+    parent: Option<usize>,
+    offset: Vec3,
+    axis: Vec3,
+    dof: Dof,
+    tip: Option<Vec3>,
+}
+
+impl PlainHand {
+    fn new(arm: &ArmModel) -> Self {
+        let mut joints: Vec<PlainJoint> = Vec::new();
+        // The link in the tree, its offset from the joint before it, and that joint.
+        let mut places: Vec<(Option<usize>, Vec3)> = Vec::new();
+        for link in arm.links() {
+            let (parent, base) = link.parent.map_or((None, Vec3::ZERO), |at| places[at]);
+            let offset = base + link.offset;
+            let is_hand = |dof: &Dof| dof.finger().is_some() || *dof == Dof::WristFlexion;
+            let place = match link.dof.filter(is_hand) {
+                None => (parent, if parent.is_none() { Vec3::ZERO } else { offset }),
+                Some(dof) => {
+                    joints.push(PlainJoint {
+                        parent,
+                        offset,
+                        axis: link.axis,
+                        dof,
+                        tip: link.fingertip.map(|_| Vec3::X * link.length),
+                    });
+                    (Some(joints.len() - 1), Vec3::ZERO)
+                }
+            };
+            places.push(place);
+        }
+        assert_eq!(joints.len(), 21);
+        Self { joints }
+    }
+
+    fn fingertips(&self, angles: &JointAngles) -> [Vec3; Finger::COUNT] {
+        let mut poses = [(Rotation::IDENTITY, Vec3::ZERO); 21];
+        let mut tips = [Vec3::ZERO; Finger::COUNT];
+        let mut next_tip = 0;
+        for (index, joint) in self.joints.iter().enumerate() {
+            let (rotation, position) = joint.parent.map_or(poses[0], |parent| poses[parent]);
+            let angle = angles.get(joint.dof) as f32;
+            let position = position + rotation * joint.offset;
+            let rotation = rotation * Rotation::from_axis_angle(joint.axis, angle);
+            poses[index] = (rotation, position);
+            if let Some(tip) = joint.tip {
+                tips[next_tip] = position + rotation * tip;
+                next_tip += 1;
+            }
+        }
+        tips
+    }
 }
 
 #[divan::bench(args = BOARDS)]
@@ -346,6 +428,38 @@ fn g_step(bencher: Bencher, board: Board) {
         let _ = black_box(&pipeline.step(readings.next(), &mut events));
         black_box(&events);
     });
+}
+
+/// The step, and the loop of a session around it: with an observer that looks at the step, and with one that copies it.
+#[divan::bench(args = ["looks", "copies"])]
+fn g_step_in_loop(bencher: Bencher, observer: &str) {
+    let mut readings = Readings::new();
+    let mut pipeline = Board::Flat(100).pipeline();
+    let mut sink = output::open("none", &Capabilities::default()).expect("the output `none`");
+    let mut observe: Box<dyn FnMut(&StepView)> = match observer {
+        "looks" => Box::new(|step| _ = black_box(step.events)),
+        _ => Box::new(|step| _ = black_box(&step.to_snapshot())),
+    };
+    let body = |step: &mut dyn FnMut(&Reading)| bencher.bench_local(|| step(readings.next()));
+    with_loop_step(SilentSource, &mut pipeline, &mut *sink, &mut observe, body).expect("a loop");
+}
+
+/// A source without readings.
+struct SilentSource;
+
+impl Source for SilentSource {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        std::thread::sleep(Duration::from_millis(20));
+        Ok(SourceEvent::Idle)
+    }
+
+    fn name(&self) -> &str {
+        "silent"
+    }
+
+    fn stats(&self) -> SourceStats {
+        SourceStats::default()
+    }
 }
 
 #[divan::bench(args = BOARDS)]

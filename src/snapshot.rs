@@ -1,17 +1,72 @@
-//! The view of an observer: a copy of the results of all stages for one step.
+//! The view of an observer: the results of all stages for one step, by reference or as a copy.
 
 use serde::Serialize;
 
 use crate::capture::{CaptureError, Reading, SourceStats};
 use crate::command::CommandOrigin;
-use crate::contact::{TargetNames, Touches};
-use crate::device::{Events, TimedCommand, TimedCommands};
+use crate::contact::{TargetNames, Touch, Touches};
+use crate::device::{Events, OutputEvent, TimedCommand, TimedCommands};
 use crate::estimate::{JointAngles, Rejection};
 use crate::hand::Side;
 use crate::kinematics::HandPose;
 use crate::pipeline::{PipelineState, Suppressed};
 
-/// The results of all stages for one step of the pipeline.
+/// The results of all stages for one step of the pipeline, by reference: nothing is copied for an observer that only looks.
+#[derive(Clone, Copy, Debug)]
+pub struct StepView<'a> {
+    /// State of the pipeline after the step.
+    pub state: PipelineState,
+    /// Origin of a requested pause. A pipeline that waits for the hand is `Paused` too.
+    pub paused_by: Option<CommandOrigin>,
+    /// Index of the profile that the touches and events belong to.
+    pub profile: usize,
+    /// Names of the targets of this profile.
+    pub target_names: &'a TargetNames,
+    /// The reading; `None` for a step without one, such as a stall, a command or the end.
+    pub reading: Option<&'a Reading>,
+    /// Reason why readings of a live source were interrupted.
+    pub source_error: Option<&'a CaptureError>,
+    /// Joint angles; `None` if the reading was rejected.
+    pub angles: Option<&'a JointAngles>,
+    /// Pose of the hand.
+    pub pose: Option<&'a HandPose>,
+    /// Touches of the fingertips.
+    pub touches: &'a [Touch],
+    /// Events sent to the output.
+    pub events: &'a [OutputEvent],
+    /// Commands that the devices issued.
+    pub commands: &'a [TimedCommand],
+    /// Command from outside the layout that the pipeline executed in this step.
+    pub executed: Option<TimedCommand>,
+    /// Hands that are not tracked while the session goes on, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
+    pub lost_hands: [bool; Side::COUNT],
+    /// Statistics of all readings so far.
+    pub stats: Stats,
+}
+
+impl StepView<'_> {
+    /// Copies the results.
+    pub fn to_snapshot(&self) -> Snapshot {
+        Snapshot {
+            state: self.state,
+            paused_by: self.paused_by,
+            profile: self.profile,
+            target_names: self.target_names.clone(),
+            reading: self.reading.cloned(),
+            source_error: self.source_error.cloned(),
+            angles: self.angles.copied(),
+            pose: self.pose.copied(),
+            touches: self.touches.iter().copied().collect(),
+            events: self.events.iter().copied().collect(),
+            commands: self.commands.iter().copied().collect(),
+            executed: self.executed,
+            lost_hands: self.lost_hands,
+            stats: self.stats,
+        }
+    }
+}
+
+/// A copy of a [`StepView`], for another thread.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
     /// State of the pipeline after the step.
@@ -42,6 +97,28 @@ pub struct Snapshot {
     pub lost_hands: [bool; Side::COUNT],
     /// Statistics of all readings so far.
     pub stats: Stats,
+}
+
+impl Snapshot {
+    /// Returns the results by reference.
+    pub fn view(&self) -> StepView<'_> {
+        StepView {
+            state: self.state,
+            paused_by: self.paused_by,
+            profile: self.profile,
+            target_names: &self.target_names,
+            reading: self.reading.as_ref(),
+            source_error: self.source_error.as_ref(),
+            angles: self.angles.as_ref(),
+            pose: self.pose.as_ref(),
+            touches: &self.touches,
+            events: &self.events,
+            commands: &self.commands,
+            executed: self.executed,
+            lost_hands: self.lost_hands,
+            stats: self.stats,
+        }
+    }
 }
 
 /// Statistics of all readings: received = accepted + rejected + dropped.

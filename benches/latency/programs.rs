@@ -12,7 +12,7 @@ use ademan::output::{OutputError, Sink};
 use ademan::session::{CommandReceiver, run_pipeline};
 use ademan::setup::Setup;
 use ademan::sim::SimulatedTypist;
-use ademan::snapshot::Snapshot;
+use ademan::snapshot::StepView;
 use crossbeam_channel::{Receiver, Sender, bounded};
 use serialport::{DataBits, FlowControl, Parity, SerialPort, StopBits, TTYPort};
 
@@ -239,9 +239,9 @@ fn start_ours(writer: Box<dyn Writer>, mut load: Option<Load>) -> Loopback {
         let mut notifier = load.as_ref().map(|load| load.notifier.clone());
         let commands = load.as_mut().and_then(|load| load.commands.take());
         let commands = commands.unwrap_or_else(CommandReceiver::disconnected);
-        let observe = &mut |snapshot: &Snapshot| {
+        let observe = &mut |step: &StepView| {
             if let Some(notifier) = &mut notifier {
-                notifier.notify_snapshot(snapshot);
+                notifier.notify_step(step);
             }
         };
         // It runs until the benchmark exits.

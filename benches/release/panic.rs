@@ -14,6 +14,7 @@ use ademan::capture::{CaptureError, Source, SourceEvent};
 use ademan::output;
 use ademan::session::{command_channel, run_pipeline};
 use ademan::setup::Setup;
+use ademan::snapshot::StepView;
 
 use crate::panics;
 use crate::signals;
@@ -85,7 +86,7 @@ pub fn run_child(arguments: &[String]) {
         source,
     );
     let mut pipeline = setup.pipeline();
-    let mut observe = |_: &_| check(&loop_fuse);
+    let mut observe = |_: &StepView| check(&loop_fuse);
     let run = || run_pipeline(source, &mut pipeline, &mut *sink, &commands, &mut observe).map(drop);
     let _ = catch_unwind(AssertUnwindSafe(run));
     loop {

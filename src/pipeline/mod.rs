@@ -167,6 +167,11 @@ impl Pipeline {
         Ok(&self.hands[index].output)
     }
 
+    /// Returns the results for the latest accepted reading of the hand that `reading` belongs to.
+    pub fn output_for(&self, reading: &Reading) -> &StepOutput {
+        &self.hands[self.hand_index(reading)].output
+    }
+
     /// Runs forward kinematics and contact for the present estimate of a hand.
     fn update_pose(&mut self, index: usize) {
         let hand = &mut self.hands[index];
@@ -374,7 +379,13 @@ impl Pipeline {
         if !self.gate.filter(index, first, events) {
             self.pause(CommandOrigin::RateLimit, events);
         }
-        for issued in self.hands[index].output.commands.clone() {
+        self.execute_issued(index, events);
+    }
+
+    /// Executes the commands that the devices issued for a hand.
+    fn execute_issued(&mut self, index: usize, events: &mut Events) {
+        let mut next = 0;
+        while let Some(issued) = self.hands[index].output.commands.get(next) {
             let command = match issued.command {
                 // The rate limit or another command may have paused this step; a toggle must not resume it.
                 Command::TogglePause => Command::Pause,
@@ -382,6 +393,7 @@ impl Pipeline {
             };
             // A command that cannot be executed has no effect; no caller waits for a reply.
             let _ = self.execute(&command, CommandOrigin::Layout, events);
+            next += 1;
         }
     }
 

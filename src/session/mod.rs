@@ -36,6 +36,7 @@ mod writer_thread;
 
 use std::io;
 use std::sync::Arc;
+use std::time::Instant;
 
 use crossbeam_channel::Sender;
 use hdrhistogram::Histogram;
@@ -60,9 +61,11 @@ use crate::priority;
 use crate::recorder::RecordError;
 use crate::setup::{LoadedSetup, SetupError};
 use crate::share::{ShareError, ShareHub};
-use crate::snapshot::{Snapshot, Stats};
+use crate::snapshot::{Snapshot, Stats, StepView};
 
 pub use self::command_channel::{CommandReceiver, CommandSender, command_channel};
+#[doc(hidden)]
+pub use self::event_loop::with_loop_step;
 pub use self::handle::SessionHandle;
 pub use self::layout_link::LayoutLink;
 pub use self::notice::{Notice, counted};
@@ -242,19 +245,19 @@ impl Session {
         let views = &mut self.views;
         let is_lossless = self.options.lossless_snapshots;
         let share = &mut self.share;
-        let mut observe = |snapshot: &Snapshot, pipeline: &Pipeline| {
-            haptics.update(snapshot);
+        let mut observe = |step: &StepView, now: Instant, pipeline: &Pipeline| {
+            haptics.update(step);
             if let Some(status) = &mut status {
-                status.update(snapshot, &mut |notice| notices.send(notice));
+                status.update(step, now, &mut |notice| notices.send(notice));
             }
             if let Some(notifier) = &mut notifier {
-                notifier.notify_snapshot(snapshot);
+                notifier.notify_step(step);
                 notifier.notify_cursor(pipeline.layout());
             }
-            recordings.push(snapshot);
-            views.update(snapshot, pipeline);
-            share.push(snapshot, pipeline);
-            publish(snapshots, snapshot, is_lossless);
+            recordings.push(step);
+            views.update(step, now, pipeline);
+            share.push(step, pipeline);
+            publish(snapshots, step, is_lossless);
         };
         let mut pipeline = self.setup.pipeline();
         // Not for a replay, which needs all of a processor. The thread of the source, which notices a pulled cable, inherits it.
@@ -346,12 +349,12 @@ impl Session {
 }
 
 /// Hands a snapshot to the owner of the session.
-fn publish(snapshots: &Sender<Snapshot>, snapshot: &Snapshot, is_lossless: bool) {
+fn publish(snapshots: &Sender<Snapshot>, step: &StepView, is_lossless: bool) {
     // An error means that the owner dropped the receiver.
     if is_lossless {
-        let _ = snapshots.send(snapshot.clone());
+        let _ = snapshots.send(step.to_snapshot());
     } else if !snapshots.is_full() {
-        let _ = snapshots.try_send(snapshot.clone());
+        let _ = snapshots.try_send(step.to_snapshot());
     }
 }
 

@@ -9,7 +9,7 @@ use crate::capture::recording::RecordedSetup;
 use crate::files;
 use crate::kinematics::HandPose;
 use crate::recorder::{RecordError, Recorder, cannot_create};
-use crate::snapshot::Snapshot;
+use crate::snapshot::{Snapshot, StepView};
 use crate::trace::bvh::PoseWriter;
 
 /// Frames per second of a BVH file.
@@ -57,12 +57,12 @@ impl Recordings {
     }
 
     /// Records a step.
-    pub fn push(&mut self, snapshot: &Snapshot) {
+    pub fn push(&mut self, step: &StepView) {
         if let Some(steps) = &mut self.steps {
-            steps.push(snapshot.clone());
+            steps.push(step.to_snapshot());
         }
-        if let (Some(poses), Some(pose)) = (&mut self.poses, snapshot.pose) {
-            poses.push(pose);
+        if let (Some(poses), Some(pose)) = (&mut self.poses, step.pose) {
+            poses.push(*pose);
         }
     }
 

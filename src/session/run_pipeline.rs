@@ -1,12 +1,14 @@
 //! A pipeline between a source and a sink, without the other parts of a session.
 
 use super::command_channel::CommandReceiver;
+use std::time::Instant;
+
 use super::event_loop::run_observed;
 use super::{SessionError, Summary};
 use crate::capture::Source;
 use crate::output::Sink;
 use crate::pipeline::Pipeline;
-use crate::snapshot::Snapshot;
+use crate::snapshot::StepView;
 
 /// Passes readings from `source` through `pipeline` to `sink` on the calling thread, until the source ends or a `Stop`
 /// command arrives.
@@ -20,8 +22,8 @@ pub fn run_pipeline(
     pipeline: &mut Pipeline,
     sink: &mut dyn Sink,
     commands: &CommandReceiver,
-    observe: &mut dyn FnMut(&Snapshot),
+    observe: &mut dyn FnMut(&StepView),
 ) -> Result<Summary, SessionError> {
-    let mut observe = |snapshot: &Snapshot, _: &Pipeline| observe(snapshot);
+    let mut observe = |step: &StepView, _: Instant, _: &Pipeline| observe(step);
     run_observed(source, pipeline, sink, commands, &mut observe)
 }

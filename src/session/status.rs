@@ -8,13 +8,13 @@ use crate::estimate::Rejection;
 use crate::hand::{FingerSet, Side};
 use crate::message::MessageLimits;
 use crate::pipeline::PipelineState;
-use crate::snapshot::{Snapshot, Stats};
+use crate::snapshot::{Stats, StepView};
 
 /// Notices per 10 s that a person waits for: the pause that was asked for, and the start of typing, which must never
 /// be a surprise.
 const AWAITED: u32 = 10;
 
-/// Derives notices from snapshots: one for each change of state and each loss, but at most one per kind and source in
+/// Derives notices from steps: one for each change of state and each loss, but at most one per kind and source in
 /// 10 s, as a peer can cause them. Only those that a person waits for may come more often.
 #[derive(Default)]
 pub(super) struct StatusLog {
@@ -52,14 +52,13 @@ enum Topic {
 }
 
 impl StatusLog {
-    /// Reports the changes since the last snapshot.
-    pub fn update(&mut self, snapshot: &Snapshot, report: &mut impl FnMut(Notice)) {
-        let now = Instant::now();
+    /// Reports the changes since the last step.
+    pub fn update(&mut self, step: &StepView, now: Instant, report: &mut impl FnMut(Notice)) {
         // At the end the readings that were not processed count as dropped.
-        if snapshot.state != PipelineState::Stopped {
-            self.report_losses(&snapshot.stats, now, report);
+        if step.state != PipelineState::Stopped {
+            self.report_losses(&step.stats, now, report);
         }
-        if let Some(pose) = &snapshot.pose
+        if let Some(pose) = step.pose
             && let reported = &mut self.untrusted[pose.side.index()]
             && *reported != pose.untrusted
             && self.limits.admits(Topic::Untrusted(pose.side), now)
@@ -68,7 +67,7 @@ impl StatusLog {
             report(Notice::UntrustedFingers(pose.untrusted));
         }
         for &side in Side::ALL {
-            let is_lost = snapshot.lost_hands[side.index()];
+            let is_lost = step.lost_hands[side.index()];
             let reported = &mut self.lost_hands[side.index()];
             if *reported != is_lost && self.limits.admits(Topic::Hand(side), now) {
                 *reported = is_lost;
@@ -78,15 +77,15 @@ impl StatusLog {
                 });
             }
         }
-        if let Some(error) = &snapshot.source_error {
+        if let Some(error) = step.source_error {
             let topic = Topic::Lost(error.source_name().to_owned());
             let notice = Notice::SourceLost(error.to_string());
             if let Some(notice) = self.limits.admit(topic, 1, notice, now) {
                 report(notice);
             }
         }
-        self.report_state(snapshot, now, report);
-        let is_end = snapshot.state == PipelineState::Stopped;
+        self.report_state(step, now, report);
+        let is_end = step.state == PipelineState::Stopped;
         while let Some(held_back) = match is_end {
             true => self.limits.take_any(now),
             false => self.limits.take_due(now),
@@ -144,8 +143,8 @@ impl StatusLog {
         }
     }
 
-    fn report_state(&mut self, snapshot: &Snapshot, now: Instant, report: &mut impl FnMut(Notice)) {
-        let state = (snapshot.state, snapshot.paused_by);
+    fn report_state(&mut self, step: &StepView, now: Instant, report: &mut impl FnMut(Notice)) {
+        let state = (step.state, step.paused_by);
         if self.state.replace(state) == Some(state) {
             return;
         }

@@ -10,7 +10,7 @@ use crate::device::pressed_keys::PressedKeys;
 use crate::device::{EventKind, KeyCode};
 use crate::hand::FINGERS_OF_BOTH_HANDS;
 use crate::pipeline::{Pipeline, PipelineState};
-use crate::snapshot::Snapshot;
+use crate::snapshot::StepView;
 use crate::time::Timestamp;
 
 /// Most boards whose positions are shared. Further ones stay where the layout has them.
@@ -42,8 +42,8 @@ impl Default for SceneState {
 
 impl SceneState {
     /// Follows the keys of a step. Every step has to pass, also while there is no client.
-    pub fn follow_keys(&mut self, snapshot: &Snapshot) {
-        for event in &snapshot.events {
+    pub fn follow_keys(&mut self, step: &StepView) {
+        for event in step.events {
             match event.kind {
                 EventKind::KeyDown(key) => _ = self.keys.press(key),
                 EventKind::KeyUp(key) => _ = self.keys.release(key),
@@ -53,16 +53,16 @@ impl SceneState {
     }
 
     /// Reads the rest of the state from the pipeline after a step.
-    pub fn update(&mut self, snapshot: &Snapshot, pipeline: &Pipeline) {
-        if let Some(reading) = &snapshot.reading {
+    pub fn update(&mut self, step: &StepView, pipeline: &Pipeline) {
+        if let Some(reading) = step.reading {
             self.time = reading.time;
         }
-        self.state = snapshot.state;
+        self.state = step.state;
         let active = pipeline.layout();
         let surfaces = active.scene().surfaces();
         self.boards.truncate(surfaces.len());
         for (index, surface) in surfaces.iter().take(MAX_BOARDS).enumerate() {
-            let pose = snapshot.pose.as_ref();
+            let pose = step.pose;
             let pose = pose.and_then(|pose| surface.world_from_surface(pose));
             match self.boards.get_mut(index) {
                 Some(board) => *board = pose.or(*board),

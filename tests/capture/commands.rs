@@ -12,7 +12,7 @@ use ademan::session::{
 };
 use ademan::setup::Setup;
 use ademan::sim::SimulatedTypist;
-use ademan::snapshot::Snapshot;
+use ademan::snapshot::StepView;
 use crossbeam_channel::unbounded;
 
 /// A glove that falls silent after a number of readings.
@@ -51,7 +51,7 @@ impl Source for SilentGlove {
 /// Runs a session with a client until `is_over` returns `true`.
 fn run(
     client: impl FnOnce(CommandSender) + Send + 'static,
-    mut is_over: impl FnMut(&Snapshot) -> bool,
+    mut is_over: impl FnMut(&StepView) -> bool,
 ) {
     let setup = Setup::default().load_files().expect("the default setup");
     let hand = setup.typist("commands", &Hc11Format::default(), 0.0, 0);
@@ -64,8 +64,8 @@ fn run(
     let (sender, commands) = command_channel();
     let stop = sender.clone();
     thread::spawn(move || client(sender));
-    let mut observe = |snapshot: &Snapshot| {
-        if is_over(snapshot) {
+    let mut observe = |step: &StepView| {
+        if is_over(step) {
             stop.send(Command::Stop).expect("the session runs");
         }
     };

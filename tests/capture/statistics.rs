@@ -11,7 +11,7 @@ use ademan::output;
 use ademan::session::{CommandReceiver, Summary, command_channel, run_pipeline};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::sim::SimulatedTypist;
-use ademan::snapshot::{Snapshot, Stats};
+use ademan::snapshot::{Stats, StepView};
 
 /// A typist whose every tenth reading has an impossible wrist angle.
 struct FaultyTypist {
@@ -73,7 +73,7 @@ fn run(is_live: bool, stop_at: Option<u64>) -> Summary {
     let (sender, commands) = command_channel();
     let source = faulty_typist(&setup, is_live);
     let mut steps = 0;
-    let observe = &mut |_: &_| {
+    let observe = &mut |_: &StepView| {
         steps += 1;
         if stop_at == Some(steps) {
             sender.send(Command::Stop).expect("the session runs");
@@ -114,11 +114,11 @@ fn readings_from_before_a_stop_of_the_program_press_nothing_and_are_counted() {
     let source = PacedSource::new(typist.expect("the text can be typed"), 1.0);
     let mut has_blocked = false;
     let mut events_after = Vec::new();
-    let observe = &mut |snapshot: &Snapshot| {
+    let observe = &mut |step: &StepView| {
         let is_down = |event: &OutputEvent| matches!(event.kind, EventKind::KeyDown(_));
         if has_blocked {
-            events_after.extend(snapshot.events.iter().map(|event| event.kind));
-        } else if snapshot.events.iter().any(is_down) {
+            events_after.extend(step.events.iter().map(|event| event.kind));
+        } else if step.events.iter().any(is_down) {
             has_blocked = true;
             std::thread::sleep(Duration::from_millis(600));
         }

@@ -485,7 +485,7 @@ fn the_session_loop_does_not_allocate() {
         ademan::output::open("none", &setup.required_capabilities()).expect("the output `none`");
     let mut pipeline = setup.pipeline();
     let (mut steps, mut at_start, mut at_end) = (0, 0, 0);
-    let observe = &mut |_: &ademan::snapshot::Snapshot| {
+    let observe = &mut |_: &ademan::snapshot::StepView| {
         steps += 1;
         match steps {
             // Every queue has allocated its waker by then.

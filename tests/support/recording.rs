@@ -42,7 +42,11 @@ pub fn record_source(path: &Path, loaded: &LoadedSetup, source: impl Source + 's
         &mut loaded.pipeline(),
         &mut *nowhere,
         &CommandReceiver::disconnected(),
-        &mut |snapshot| recorder.write(snapshot).expect("room on the disk"),
+        &mut |step| {
+            recorder
+                .write(&step.to_snapshot())
+                .expect("room on the disk")
+        },
     );
     run.expect("a run");
     recorder.finish().expect("room on the disk");

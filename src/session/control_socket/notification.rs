@@ -14,7 +14,7 @@ use crate::contact::TargetNames;
 use crate::device::{CursorPosition, Events, TimedCommands};
 use crate::pipeline::{LayoutInstance, PipelineState};
 use crate::session::reload::LayoutReport;
-use crate::snapshot::Snapshot;
+use crate::snapshot::StepView;
 
 /// Capacity of the queue from the session loop to the thread that converts notifications.
 const QUEUE_NOTIFICATIONS: usize = 64;
@@ -67,18 +67,21 @@ impl Notifier {
 
     /// Notifies the subscribers of the commands and events of a step and of a new state. Does not wait, and does nothing
     /// without subscribers.
-    pub fn notify_snapshot(&mut self, snapshot: &Snapshot) {
-        let (state, paused_by) = (snapshot.state, snapshot.paused_by);
+    pub fn notify_step(&mut self, step: &StepView) {
+        let (state, paused_by) = (step.state, step.paused_by);
         let is_new = self.last.replace((state, paused_by)) != Some((state, paused_by));
         if self.subscribers.count.load(Ordering::Relaxed) == 0 {
             return;
         }
-        if !snapshot.commands.is_empty() {
-            self.send(Notification::Commands(snapshot.commands.clone()));
+        if !step.commands.is_empty() {
+            self.send(Notification::Commands(
+                step.commands.iter().copied().collect(),
+            ));
         }
-        if !snapshot.events.is_empty() {
-            let names = snapshot.target_names.clone();
-            self.send(Notification::Events(snapshot.events.clone(), names));
+        if !step.events.is_empty() {
+            let names = step.target_names.clone();
+            let events = step.events.iter().copied().collect();
+            self.send(Notification::Events(events, names));
         }
         if is_new {
             self.send(Notification::State { state, paused_by });
@@ -250,7 +253,6 @@ impl Subscription {
 mod tests {
     use super::*;
     use crate::command::Command;
-    use crate::contact::Touches;
     use crate::device::{EventKind, OutputEvent, TimedCommand};
     use crate::snapshot::Stats;
     use crate::time::Timestamp;
@@ -264,28 +266,28 @@ mod tests {
             y_mm: -1.5,
             z_mm: 2.0,
         };
-        let snapshot = Snapshot {
+        let step = StepView {
             state: PipelineState::Paused,
             paused_by: Some(CommandOrigin::Client),
             profile: 0,
-            target_names: TargetNames::default(),
+            target_names: &TargetNames::default(),
             reading: None,
             source_error: None,
             angles: None,
             pose: None,
-            touches: Touches::new(),
-            events: Events::from_iter([OutputEvent {
+            touches: &[],
+            events: &Events::from_iter([OutputEvent {
                 time,
                 kind: EventKind::KeyUp("Q".parse().unwrap()),
             }]),
-            commands: TimedCommands::from_iter([issued(nudge), issued(Command::TogglePause)]),
+            commands: &TimedCommands::from_iter([issued(nudge), issued(Command::TogglePause)]),
             executed: None,
             lost_hands: Default::default(),
             stats: Stats::default(),
         };
         let (mut notifier, queue) = Notifier::new();
         let subscription = queue.subscribers.add();
-        notifier.notify_snapshot(&snapshot);
+        notifier.notify_step(&step);
         drop(notifier);
         broadcast(&queue);
         let lines: Vec<_> = subscription.lines.try_iter().collect();

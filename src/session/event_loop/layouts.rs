@@ -92,8 +92,8 @@ impl SessionLoop<'_> {
         self.events.clear();
         self.pipeline
             .replace_profile(profile, &mut layout, &mut self.events);
-        self.send_events(None)?;
-        self.publish(None, None, None);
+        self.send_events()?;
+        self.publish(None, false, None);
         self.update_target_names();
         let _ = retired.try_send(layout);
         Ok(())

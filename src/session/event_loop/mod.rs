@@ -1,6 +1,7 @@
 //! The loop of a session: readings through the pipeline to the output, live or from a recording.
 
 mod layouts;
+mod publish;
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -8,10 +9,11 @@ use std::time::{Duration, Instant};
 use crossbeam_channel::TryRecvError;
 use hdrhistogram::Histogram;
 
+use self::publish::Observer;
 use super::close_on_panic::CloseOnPanic;
 use super::command_channel::{CommandReceiver, Message, QueuedCommand};
 use super::layout_link::LayoutOperation;
-use super::reply::{Reply, RequestError, SessionStatus};
+use super::reply::{Reply, RequestError};
 use super::{SessionError, Summary};
 use crate::capture::{
     CaptureError, CaptureEvent, CaptureThread, Reading, Source, SourceStats, spawn,
@@ -21,8 +23,8 @@ use crate::contact::TargetNames;
 use crate::device::{Events, TimedCommand};
 use crate::names::UnknownName;
 use crate::output::Sink;
-use crate::pipeline::{CommandError, Pipeline, PipelineState, StepOutput};
-use crate::snapshot::{Snapshot, Stats};
+use crate::pipeline::{CommandError, Pipeline, PipelineState};
+use crate::snapshot::StepView;
 use crate::time::{NO_DEADLINE, Timestamp};
 
 /// Upper limit of the stall timeout that follows from a source's packet period. Three packets at 1200 baud take 1.7 s; a
@@ -39,30 +41,14 @@ pub(super) fn run_observed(
     pipeline: &mut Pipeline,
     sink: &mut dyn Sink,
     commands: &CommandReceiver,
-    observe: &mut dyn FnMut(&Snapshot, &Pipeline),
+    observe: Observer,
 ) -> Result<Summary, SessionError> {
     let capture = spawn(source)?;
     commands.attach();
     let packet_period = capture.packet_period().unwrap_or(Duration::ZERO);
     let three_packets = packet_period.saturating_mul(3).min(MAX_STALL_TIMEOUT);
     pipeline.set_stall_timeout(pipeline.stall_timeout().max(three_packets));
-    let mut session = SessionLoop {
-        capture,
-        commands,
-        profile: pipeline.active_profile(),
-        target_names: pipeline.target_names().clone(),
-        pipeline,
-        sink: CloseOnPanic(sink),
-        observe,
-        events: Events::new(),
-        executed: None,
-        last_reading_at: None,
-        source_stats: SourceStats::default(),
-        expired: 0,
-        unprocessed: 0,
-        latency_ns: new_histogram(),
-    };
-    session.update_target_names();
+    let mut session = SessionLoop::new(capture, commands, pipeline, sink, observe);
     let ended = session.run();
     let closed = session.finish();
     ended?;
@@ -72,6 +58,27 @@ pub(super) fn run_observed(
         latency_ns: session.latency_ns,
         record_error: None,
     })
+}
+
+/// Calls `body` with a function that passes a reading through the loop as if it came from `source`: for benchmarks of the
+/// loop without the thread of a source.
+#[doc(hidden)]
+pub fn with_loop_step(
+    source: impl Source + 'static,
+    pipeline: &mut Pipeline,
+    sink: &mut dyn Sink,
+    observe: &mut dyn FnMut(&StepView),
+    body: impl FnOnce(&mut dyn FnMut(&Reading)),
+) -> Result<(), SessionError> {
+    let commands = CommandReceiver::disconnected();
+    let mut observe = |step: &StepView, _: Instant, _: &Pipeline| observe(step);
+    let mut session = SessionLoop::new(spawn(source)?, &commands, pipeline, sink, &mut observe);
+    body(&mut |reading| {
+        session.now = Instant::now();
+        // A reading that fails is measured, too.
+        let _ = session.step(reading, session.now);
+    });
+    session.finish()
 }
 
 /// The continuation of the loop.
@@ -89,10 +96,13 @@ struct SessionLoop<'a> {
     profile: usize,
     target_names: TargetNames,
     sink: CloseOnPanic<'a>,
-    observe: &'a mut dyn FnMut(&Snapshot, &Pipeline),
+    observe: Observer<'a>,
     events: Events,
     /// The command from outside the layout that was executed in this step.
     executed: Option<TimedCommand>,
+    /// Time of the latest message or capture event. A clock costs as much as a stage of the pipeline, so it is read once for
+    /// each of them.
+    now: Instant,
     /// Arrival of the last accepted reading; `None` after a stall.
     last_reading_at: Option<Instant>,
     source_stats: SourceStats,
@@ -101,6 +111,36 @@ struct SessionLoop<'a> {
     /// Readings that still waited when the loop ended.
     unprocessed: u64,
     latency_ns: Histogram<u64>,
+}
+
+impl<'a> SessionLoop<'a> {
+    fn new(
+        capture: CaptureThread,
+        commands: &'a CommandReceiver,
+        pipeline: &'a mut Pipeline,
+        sink: &'a mut dyn Sink,
+        observe: Observer<'a>,
+    ) -> Self {
+        let mut session = Self {
+            capture,
+            commands,
+            profile: pipeline.active_profile(),
+            target_names: pipeline.target_names().clone(),
+            pipeline,
+            sink: CloseOnPanic(sink),
+            observe,
+            events: Events::new(),
+            executed: None,
+            now: Instant::now(),
+            last_reading_at: None,
+            source_stats: SourceStats::default(),
+            expired: 0,
+            unprocessed: 0,
+            latency_ns: new_histogram(),
+        };
+        session.update_target_names();
+        session
+    }
 }
 
 impl SessionLoop<'_> {
@@ -133,6 +173,7 @@ impl SessionLoop<'_> {
     fn wait(&mut self) -> Result<(), SessionError> {
         thread::park_timeout(self.time_to_stall().min(self.time_to_heartbeat()));
         if self.capture.events().is_empty() {
+            self.now = Instant::now();
             self.sink.0.send(&[])?;
             self.stall_if_overdue()?;
         }
@@ -151,13 +192,14 @@ impl SessionLoop<'_> {
         match self.last_reading_at {
             Some(last) if self.capture.is_live() && self.pipeline.expects_readings() => {
                 let deadline = last + self.pipeline.stall_timeout();
-                deadline.saturating_duration_since(Instant::now())
+                deadline.saturating_duration_since(self.now)
             }
             _ => NO_DEADLINE,
         }
     }
 
     fn handle_message(&mut self, message: Message) -> Result<Next, SessionError> {
+        self.now = Instant::now();
         let next = match message {
             Message::Command(queued) => self.execute(queued)?,
             Message::LayoutSwap(swap) => {
@@ -171,6 +213,7 @@ impl SessionLoop<'_> {
     }
 
     fn handle_capture(&mut self, event: CaptureEvent) -> Result<Next, SessionError> {
+        self.now = Instant::now();
         match event {
             CaptureEvent::Reading {
                 reading,
@@ -178,7 +221,7 @@ impl SessionLoop<'_> {
                 stats,
             } => {
                 self.source_stats = stats;
-                return self.step(reading, received_at);
+                return self.step(&reading, received_at);
             }
             CaptureEvent::Command(command) => self.replay_command(command)?,
             CaptureEvent::Elapsed(time) => self.pass_gap(time)?,
@@ -196,29 +239,48 @@ impl SessionLoop<'_> {
         Ok(Next::Continue)
     }
 
-    fn step(&mut self, reading: Reading, received_at: Instant) -> Result<Next, SessionError> {
-        if self.capture.is_live() && received_at.elapsed() > self.pipeline.stall_timeout() {
+    fn step(&mut self, reading: &Reading, received_at: Instant) -> Result<Next, SessionError> {
+        let age = self.now.saturating_duration_since(received_at);
+        if self.capture.is_live() && age > self.pipeline.stall_timeout() {
             // This process was stopped or starved: the reading shows a hand of the past.
             self.expired += 1;
             self.stall(None)?;
             return Ok(Next::Continue);
         }
         self.events.clear();
-        let step = self.pipeline.step(&reading, &mut self.events).ok().cloned();
-        if step.is_some() {
+        let is_accepted = self.pipeline.step(reading, &mut self.events).is_ok();
+        if is_accepted {
             self.last_reading_at = Some(received_at);
+            self.log_commands(reading)?;
         }
-        self.send_events(step.as_ref())?;
+        self.send_events()?;
         if !self.events.is_empty() {
             let latency = received_at.elapsed().as_nanos() as u64;
             self.latency_ns.saturating_record(latency);
         }
-        self.publish(Some(reading), step.as_ref(), None);
-        let commands = step.map(|step| step.commands).unwrap_or_default();
-        for issued in commands {
+        self.publish(Some(reading), is_accepted, None);
+        match is_accepted {
+            true => self.execute_layout_commands(reading),
+            false => Ok(Next::Continue),
+        }
+    }
+
+    fn log_commands(&mut self, reading: &Reading) -> Result<(), SessionError> {
+        let commands = &self.pipeline.output_for(reading).commands;
+        if !commands.is_empty() {
+            self.sink.0.log_commands(commands)?;
+        }
+        Ok(())
+    }
+
+    /// Executes the commands that the devices issued in the step of a reading.
+    fn execute_layout_commands(&mut self, reading: &Reading) -> Result<Next, SessionError> {
+        let mut index = 0;
+        while let Some(issued) = self.pipeline.output_for(reading).commands.get(index) {
             if self.execute_layout_command(issued.command)? == Next::End {
                 return Ok(Next::End);
             }
+            index += 1;
         }
         Ok(Next::Continue)
     }
@@ -259,7 +321,7 @@ impl SessionLoop<'_> {
         }
         self.events.clear();
         let result = self.pipeline.execute(&command, origin, &mut self.events);
-        self.send_events(None)?;
+        self.send_events()?;
         self.publish_command(command, result.is_ok());
         Ok(result
             .map(|()| self.reply(&command))
@@ -278,17 +340,9 @@ impl SessionLoop<'_> {
         self.events.clear();
         // A command that cannot be executed has no effect: another layout or glove may replace the recorded one.
         let result = self.pipeline.replay(&command, &mut self.events);
-        self.send_events(None)?;
+        self.send_events()?;
         self.publish_command(command, result.is_ok());
         Ok(())
-    }
-
-    fn publish_command(&mut self, command: Command, is_executed: bool) {
-        self.executed = is_executed.then_some(TimedCommand {
-            time: self.pipeline.time(),
-            command,
-        });
-        self.publish(None, None, None);
     }
 
     /// Adds the nearest name of a profile to the error, or all names if none is similar.
@@ -318,10 +372,10 @@ impl SessionLoop<'_> {
     fn pass_gap(&mut self, time: Timestamp) -> Result<(), SessionError> {
         self.events.clear();
         let is_stalled = self.pipeline.stall_if_overdue(time, &mut self.events);
-        self.send_events(None)?;
+        self.send_events()?;
         if is_stalled {
             self.last_reading_at = None;
-            self.publish(None, None, None);
+            self.publish(None, false, None);
         }
         Ok(())
     }
@@ -329,24 +383,24 @@ impl SessionLoop<'_> {
     /// Releases what the lost source held.
     fn lose(&mut self, error: CaptureError) -> Result<(), SessionError> {
         let CaptureError::PartLost { side, part, .. } = error else {
-            return self.stall(Some(error));
+            return self.stall(Some(&error));
         };
         self.events.clear();
         self.pipeline.lose(side, part, &mut self.events);
         if !self.pipeline.expects_readings() {
             self.last_reading_at = None;
         }
-        self.send_events(None)?;
-        self.publish(None, None, Some(error));
+        self.send_events()?;
+        self.publish(None, false, Some(&error));
         Ok(())
     }
 
-    fn stall(&mut self, source_error: Option<CaptureError>) -> Result<(), SessionError> {
+    fn stall(&mut self, source_error: Option<&CaptureError>) -> Result<(), SessionError> {
         self.events.clear();
         self.pipeline.stall(&mut self.events);
         self.last_reading_at = None;
-        self.send_events(None)?;
-        self.publish(None, None, source_error);
+        self.send_events()?;
+        self.publish(None, false, source_error);
         Ok(())
     }
 
@@ -366,21 +420,16 @@ impl SessionLoop<'_> {
         }
         self.events.clear();
         self.pipeline.stop(&mut self.events);
-        let sent = self.send_events(None);
+        let sent = self.send_events();
         let closed = self.sink.0.close();
-        self.publish(None, None, None);
+        self.publish(None, false, None);
         sent?;
         Ok(closed?)
     }
 
     /// Hands the events of this step to the sink, even if there are none: a sink with its own thread reports an earlier
     /// failure at the next call.
-    fn send_events(&mut self, step: Option<&StepOutput>) -> Result<(), SessionError> {
-        if let Some(step) = step
-            && !step.commands.is_empty()
-        {
-            self.sink.0.log_commands(&step.commands)?;
-        }
+    fn send_events(&mut self) -> Result<(), SessionError> {
         // A press that still waits in a queue must not follow the releases of a pause or stall.
         if matches!(
             self.pipeline.state(),
@@ -389,65 +438,6 @@ impl SessionLoop<'_> {
             self.sink.0.void_presses();
         }
         Ok(self.sink.0.send(&self.events)?)
-    }
-
-    fn status(&self) -> SessionStatus {
-        SessionStatus {
-            state: self.pipeline.state(),
-            paused_by: self.pipeline.paused_by(),
-            profile: self.pipeline.active_profile(),
-            stats: self.stats(),
-            cursor: self.pipeline.layout().cursor(),
-        }
-    }
-
-    fn stats(&self) -> Stats {
-        Stats {
-            source: SourceStats {
-                dropped: self.source_stats.dropped + self.expired + self.unprocessed,
-                ..self.source_stats
-            },
-            accepted: self.pipeline.accepted(),
-            rejected: self.pipeline.rejected(),
-            stalls: self.pipeline.stalls(),
-            suppressed: self.pipeline.suppressed(),
-            dropped_presses: self.sink.0.dropped_presses(),
-        }
-    }
-
-    /// Shows this step to the observer. Its events belong to the profile that was active before them.
-    fn publish(
-        &mut self,
-        reading: Option<Reading>,
-        step: Option<&StepOutput>,
-        source_error: Option<CaptureError>,
-    ) {
-        let snapshot = Snapshot {
-            state: self.pipeline.state(),
-            paused_by: self.pipeline.paused_by(),
-            profile: self.profile,
-            target_names: self.target_names.clone(),
-            reading,
-            source_error,
-            angles: step.map(|step| step.estimate.angles),
-            pose: step.map(|step| step.pose),
-            touches: step.map(|step| step.touches.clone()).unwrap_or_default(),
-            events: self.events.clone(),
-            commands: step.map(|step| step.commands.clone()).unwrap_or_default(),
-            executed: self.executed.take(),
-            lost_hands: self.pipeline.lost_hands(),
-            stats: self.stats(),
-        };
-        (self.observe)(&snapshot, self.pipeline);
-        if self.profile != self.pipeline.active_profile() {
-            self.update_target_names();
-        }
-    }
-
-    fn update_target_names(&mut self) {
-        self.profile = self.pipeline.active_profile();
-        self.target_names = self.pipeline.target_names().clone();
-        self.sink.0.set_target_names(&self.target_names);
     }
 }
 

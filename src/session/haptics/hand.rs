@@ -1,4 +1,4 @@
-//! The feedback of one hand, derived from the snapshots of a session.
+//! The feedback of one hand, derived from the steps of a session.
 
 use super::thread::FeedbackState;
 use crate::capture::feedback::{FeedbackFormat, Pulse};
@@ -6,7 +6,7 @@ use crate::capture::{Haptics, Reading};
 use crate::contact::{Phase, Touch};
 use crate::hand::{Finger, Side};
 use crate::pipeline::PipelineState;
-use crate::snapshot::Snapshot;
+use crate::snapshot::StepView;
 
 /// Curl beyond that of the press at which a finger is held: a servo that holds it at once could pull it off its key, and it
 /// would press again and again.
@@ -40,20 +40,19 @@ impl HandFeedback {
     }
 
     /// Updates the feedback. Returns whether it has changed.
-    pub fn update(&mut self, snapshot: &Snapshot) -> bool {
+    pub fn update(&mut self, step: &StepView) -> bool {
         let before = self.state;
-        let is_new_profile =
-            std::mem::replace(&mut self.profile, snapshot.profile) != snapshot.profile;
+        let is_new_profile = std::mem::replace(&mut self.profile, step.profile) != step.profile;
         // Only an accepted reading of a running session shows that a key is still pressed: a pause, a stall, a loss, a new
         // layout and the end have no pose.
-        let is_tracked = snapshot.state == PipelineState::Running
-            && snapshot.pose.is_some()
-            && !snapshot.lost_hands[self.side.index()];
+        let is_tracked = step.state == PipelineState::Running
+            && step.pose.is_some()
+            && !step.lost_hands[self.side.index()];
         if !is_tracked || is_new_profile {
             self.state.release();
         }
-        if is_tracked && let Some(reading) = &snapshot.reading {
-            for touch in &snapshot.touches {
+        if is_tracked && let Some(reading) = step.reading {
+            for touch in step.touches {
                 self.apply(touch, reading);
             }
         }

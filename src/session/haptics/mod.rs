@@ -1,6 +1,6 @@
 //! Feedback to the gloves of a session: a finger that presses is held, and touches are felt as pulses.
 //!
-//! The loop compares each snapshot with what the gloves were told, and sends a change to the thread of that glove, which
+//! The loop compares each step with what the gloves were told, and sends a change to the thread of that glove, which
 //! writes. The newest state replaces one that the thread has not received yet, so a glove that does not read delays nothing,
 //! and no release is lost.
 
@@ -15,7 +15,7 @@ use self::hand::HandFeedback;
 use self::thread::FeedbackThread;
 use crate::capture::{Haptics, Source};
 use crate::hand::Side;
-use crate::snapshot::Snapshot;
+use crate::snapshot::StepView;
 
 /// The feedback to all gloves of a session. Dropping it frees all fingers, and waits 0.2 s for that at most.
 pub(super) struct SessionHaptics {
@@ -48,9 +48,9 @@ impl SessionHaptics {
     }
 
     /// Shows a step to the gloves. Does not wait.
-    pub fn update(&mut self, snapshot: &Snapshot) {
+    pub fn update(&mut self, step: &StepView) {
         for (hand, thread) in &mut self.hands {
-            if hand.update(snapshot) {
+            if hand.update(step) {
                 thread.send(hand.state());
             }
         }

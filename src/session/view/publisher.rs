@@ -16,7 +16,7 @@ use crate::kinematics::HandPose;
 use crate::layout::Layout;
 use crate::pipeline::{LayoutInstance, Pipeline, PipelineState};
 use crate::session::latest::LatestSender;
-use crate::snapshot::Snapshot;
+use crate::snapshot::StepView;
 
 /// Time between two views while nothing is pressed or released.
 const PERIOD: Duration = Duration::from_millis(33);
@@ -95,34 +95,33 @@ impl ViewPublisher {
     }
 
     /// Collects the changes of a step, and publishes a view if it is due. Does not wait.
-    pub fn update(&mut self, snapshot: &Snapshot, pipeline: &Pipeline) {
+    pub fn update(&mut self, step: &StepView, now: Instant, pipeline: &Pipeline) {
         let is_new_layout = self.update_layout(pipeline);
-        let is_new_state = mem::replace(&mut self.state, snapshot.state) != snapshot.state;
+        let is_new_state = mem::replace(&mut self.state, step.state) != step.state;
         let mut is_pressed = false;
-        for event in &snapshot.events {
+        for event in step.events {
             is_pressed |= self.handle(event.kind);
         }
-        self.update_poses(snapshot);
-        let now = Instant::now();
-        self.rate.update(snapshot.stats.source.readings, now);
+        self.update_poses(step);
+        self.rate.update(step.stats.source.readings, now);
         let is_due = |last: Instant| now.duration_since(last) >= PERIOD;
         let is_due = self.last_published.is_none_or(is_due);
         if self.viewers.load(Ordering::Relaxed) > 0
             && (is_due || is_pressed || is_new_state || is_new_layout)
         {
             self.last_published = Some(now);
-            self.publish(snapshot, pipeline);
+            self.publish(step, pipeline);
         }
     }
 
     /// Keeps the latest pose of each hand that is tracked.
-    fn update_poses(&mut self, snapshot: &Snapshot) {
-        if let Some(pose) = &snapshot.pose {
+    fn update_poses(&mut self, step: &StepView) {
+        if let Some(pose) = step.pose {
             self.poses[pose.side.index()] = Some(*pose);
-        } else if snapshot.state != PipelineState::Running {
+        } else if step.state != PipelineState::Running {
             self.poses = Default::default();
         }
-        for (pose, is_lost) in self.poses.iter_mut().zip(snapshot.lost_hands) {
+        for (pose, is_lost) in self.poses.iter_mut().zip(step.lost_hands) {
             if is_lost {
                 *pose = None;
             }
@@ -178,7 +177,7 @@ impl ViewPublisher {
         self.recent.push(event);
     }
 
-    fn publish(&self, snapshot: &Snapshot, pipeline: &Pipeline) {
+    fn publish(&self, step: &StepView, pipeline: &Pipeline) {
         let active = pipeline.layout();
         let CursorPosition {
             fractions,
@@ -193,13 +192,13 @@ impl ViewPublisher {
         keys.reverse();
         let state = ViewState {
             time_us: time.unwrap_or_default(),
-            state: snapshot.state,
-            paused_by: snapshot.paused_by,
+            state: step.state,
+            paused_by: step.paused_by,
             profile: profile.cloned().unwrap_or_default(),
             source: self.names.source.clone(),
             output: self.names.output.clone(),
             readings_per_second: self.rate.per_second,
-            counts: ViewCounts::from(&snapshot.stats),
+            counts: ViewCounts::from(&step.stats),
             fingertips: self.fingertips(active),
             pressed: active.pressed_targets().collect(),
             keys,

@@ -19,7 +19,7 @@ use crate::share::listener::{Connection, Listener};
 use crate::share::scene::SceneState;
 use crate::share::step::SharedStep;
 use crate::share::{ShareError, ShareLink, ShareTarget};
-use crate::snapshot::Snapshot;
+use crate::snapshot::StepView;
 
 /// Steps that wait for the thread.
 const MAX_STEPS: usize = 64;
@@ -105,12 +105,12 @@ impl ShareHub {
     }
 
     /// Shares a step. Does not wait: a step is dropped while 64 wait.
-    pub fn push(&mut self, snapshot: &Snapshot, pipeline: &Pipeline) {
-        self.scene.follow_keys(snapshot);
+    pub fn push(&mut self, step: &StepView, pipeline: &Pipeline) {
+        self.scene.follow_keys(step);
         if self.is_watched() {
-            self.scene.update(snapshot, pipeline);
+            self.scene.update(step, pipeline);
             self.send(SharedStep {
-                snapshot: snapshot.clone(),
+                snapshot: step.to_snapshot(),
                 layout: pipeline.layout().layout().cloned(),
                 scene: self.scene.clone(),
             });

@@ -8,7 +8,7 @@ use crate::device::{Events, TimedCommands};
 use crate::estimate::JointAngles;
 use crate::kinematics::HandPose;
 use crate::pipeline::PipelineState;
-use crate::snapshot::Stats;
+use crate::snapshot::{Snapshot, Stats};
 use crate::time::Timestamp;
 
 const TIMEOUT: Duration = Duration::from_secs(60);

@@ -50,7 +50,11 @@ fn record(folder: &TempDir, layout: &str, script: &str, recorded: &RecordedSetup
         &mut setup.pipeline(),
         &mut *sink,
         &CommandReceiver::disconnected(),
-        &mut |snapshot| recorder.write(snapshot).expect("room on the disk"),
+        &mut |step| {
+            recorder
+                .write(&step.to_snapshot())
+                .expect("room on the disk")
+        },
     )
     .expect("the hand ends");
     recorder.finish().expect("room on the disk");

@@ -19,7 +19,7 @@ use ademan::capture::{Hc11Format, SourceUri, StreamFormat, open};
 use ademan::output;
 use ademan::pipeline::PipelineSettings;
 use ademan::session::{CommandReceiver, run_pipeline};
-use ademan::snapshot::Snapshot;
+use ademan::snapshot::StepView;
 
 use self::run::SoakRun;
 use self::setup::SoakSetup;
@@ -83,9 +83,9 @@ fn the_event_loop_counts_every_reading_of_a_damaged_line() {
         loaded.layouts().map(OutputRules::from_layout),
         PipelineSettings::default(),
     );
-    let mut observe = |snapshot: &Snapshot| {
-        let outcome = oracle.check(snapshot);
-        outcome.unwrap_or_else(|violation| panic!("{violation}: {:?}", snapshot.events));
+    let mut observe = |step: &StepView| {
+        let outcome = oracle.check(step);
+        outcome.unwrap_or_else(|violation| panic!("{violation}: {:?}", step.events));
     };
     let mut pipeline = loaded.pipeline();
     let source = open(&source).expect("the file opens");

@@ -14,6 +14,7 @@ use ademan::output::Desktop;
 use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
 use ademan::session::{CommandReceiver, SessionError, run_pipeline};
 use ademan::setup::Setup;
+use ademan::snapshot::StepView;
 use ademan::time::Timestamp;
 
 use super::wait_for_release;
@@ -108,7 +109,7 @@ fn start(server: &XServer, fuses: &Fuses) -> JoinHandle<Ended> {
     let observer = fuses.observer.clone();
     let running = thread::spawn(move || {
         let run = || {
-            let mut observe = |_: &_| observer.check();
+            let mut observe = |_: &StepView| observer.check();
             run_pipeline(
                 source,
                 &mut pipeline,

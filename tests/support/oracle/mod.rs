@@ -18,6 +18,7 @@ mod state_check;
 mod touch_check;
 mod violation;
 
+use ademan::capture::Reading;
 use ademan::command::{Command, CommandOrigin};
 use ademan::contact::Touch;
 use ademan::device::pointer::{CursorOutput, PointerSettings};
@@ -28,7 +29,7 @@ use ademan::kinematics::HandPose;
 use ademan::layout::Layout;
 use ademan::pipeline::PipelineState;
 use ademan::pipeline::{PipelineSettings, StepOutput};
-use ademan::snapshot::Snapshot;
+use ademan::snapshot::StepView;
 use ademan::time::Timestamp;
 use parry3d::math::Vec2;
 
@@ -150,22 +151,22 @@ impl<'a> From<&'a StepOutput> for ObservedStep<'a> {
     }
 }
 
-impl<'a> From<&'a Snapshot> for Observation<'a> {
-    fn from(snapshot: &'a Snapshot) -> Self {
-        let step = snapshot.angles.as_ref().zip(snapshot.pose.as_ref());
-        let reading = snapshot.reading.as_ref();
+impl<'a> From<&StepView<'a>> for Observation<'a> {
+    fn from(step: &StepView<'a>) -> Self {
+        let cause = |reading: &Reading| Cause::Reading(reading.time);
+        let output = step.angles.zip(step.pose);
         Self {
-            cause: reading.map_or(Cause::Other, |reading| Cause::Reading(reading.time)),
-            state: snapshot.state,
-            paused_by: snapshot.paused_by,
-            profile: snapshot.profile,
-            output: step.map(|(angles, pose)| ObservedStep {
+            cause: step.reading.map_or(Cause::Other, cause),
+            state: step.state,
+            paused_by: step.paused_by,
+            profile: step.profile,
+            output: output.map(|(angles, pose)| ObservedStep {
                 angles,
                 pose,
-                touches: &snapshot.touches,
+                touches: step.touches,
             }),
-            events: &snapshot.events,
-            commands: &snapshot.commands,
+            events: step.events,
+            commands: step.commands,
         }
     }
 }

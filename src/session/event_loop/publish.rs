@@ -1,0 +1,88 @@
+//! The steps that observers see, by reference, and the statistics of the session.
+
+use std::time::Instant;
+
+use super::SessionLoop;
+use crate::capture::{CaptureError, Reading, SourceStats};
+use crate::command::Command;
+use crate::device::TimedCommand;
+use crate::pipeline::Pipeline;
+use crate::session::reply::SessionStatus;
+use crate::snapshot::{Stats, StepView};
+
+/// A function that sees every step, the time of the loop, and the pipeline after the step. It must not block.
+pub(in crate::session) type Observer<'a> = &'a mut dyn FnMut(&StepView, Instant, &Pipeline);
+
+impl SessionLoop<'_> {
+    /// Shows this step to the observer, with the results for `reading` if it was accepted. Its events belong to the profile
+    /// that was active before them.
+    pub(super) fn publish(
+        &mut self,
+        reading: Option<&Reading>,
+        is_accepted: bool,
+        source_error: Option<&CaptureError>,
+    ) {
+        let executed = self.executed.take();
+        let stats = self.stats();
+        let accepted = reading.filter(|_| is_accepted);
+        let output = accepted.map(|reading| self.pipeline.output_for(reading));
+        let step = StepView {
+            state: self.pipeline.state(),
+            paused_by: self.pipeline.paused_by(),
+            profile: self.profile,
+            target_names: &self.target_names,
+            reading,
+            source_error,
+            angles: output.map(|output| &output.estimate.angles),
+            pose: output.map(|output| &output.pose),
+            touches: output.map_or(&[], |output| &output.touches),
+            events: &self.events,
+            commands: output.map_or(&[], |output| &output.commands),
+            executed,
+            lost_hands: self.pipeline.lost_hands(),
+            stats,
+        };
+        (self.observe)(&step, self.now, self.pipeline);
+        if self.profile != self.pipeline.active_profile() {
+            self.update_target_names();
+        }
+    }
+
+    pub(super) fn publish_command(&mut self, command: Command, is_executed: bool) {
+        self.executed = is_executed.then_some(TimedCommand {
+            time: self.pipeline.time(),
+            command,
+        });
+        self.publish(None, false, None);
+    }
+
+    pub(super) fn status(&self) -> SessionStatus {
+        SessionStatus {
+            state: self.pipeline.state(),
+            paused_by: self.pipeline.paused_by(),
+            profile: self.pipeline.active_profile(),
+            stats: self.stats(),
+            cursor: self.pipeline.layout().cursor(),
+        }
+    }
+
+    pub(super) fn stats(&self) -> Stats {
+        Stats {
+            source: SourceStats {
+                dropped: self.source_stats.dropped + self.expired + self.unprocessed,
+                ..self.source_stats
+            },
+            accepted: self.pipeline.accepted(),
+            rejected: self.pipeline.rejected(),
+            stalls: self.pipeline.stalls(),
+            suppressed: self.pipeline.suppressed(),
+            dropped_presses: self.sink.0.dropped_presses(),
+        }
+    }
+
+    pub(super) fn update_target_names(&mut self) {
+        self.profile = self.pipeline.active_profile();
+        self.target_names = self.pipeline.target_names().clone();
+        self.sink.0.set_target_names(&self.target_names);
+    }
+}
