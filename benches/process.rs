@@ -1,7 +1,9 @@
-//! Start-up time of the program up to the first line of output, and its memory during a run.
+//! Start-up time of the program up to the first line of output, and its memory, processor time and wake-ups during a run.
 //!
-//! Prints a table. Memory is read from `/proc` and skipped on other systems. Without `--bench` (as in
+//! Prints tables. What a run needs is read from `/proc` and skipped on other systems. Without `--bench` (as in
 //! `cargo test --benches`) it measures one start and a short run.
+//!
+//! `ADEMAN_BASELINE=PATH` names an earlier build of the program. Its runs alternate with those of the present one.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -38,6 +40,23 @@ fn main() {
         time_to_first_line(&["trace", "touches", "--source", &source])
     });
     memory(feed);
+    if !Path::new("/proc/self/task").exists() {
+        println!("processor time and wake-ups of `run`: SKIPPED: no /proc");
+        return;
+    }
+    let baseline = std::env::var("ADEMAN_BASELINE").ok();
+    let programs: Vec<(&str, &str)> = [("now", Some(ADEMAN)), ("baseline", baseline.as_deref())]
+        .into_iter()
+        .filter_map(|(name, program)| Some((name, program?)))
+        .collect();
+    println!("run                              processor   wake-ups    goal");
+    for (rate_hz, goal) in [(175, "0.4 %"), (1_000, "1.2 %")] {
+        for _ in 0..if is_test { 1 } else { 3 } {
+            for (name, program) in &programs {
+                effort(name, program, rate_hz, feed, goal);
+            }
+        }
+    }
 }
 
 fn row(what: &str, times: usize, goal: &str, mut measure: impl FnMut() -> Duration) {
@@ -64,7 +83,11 @@ fn packets() -> Vec<[u8; 66]> {
 }
 
 fn start(arguments: &[&str]) -> Child {
-    Command::new(ADEMAN)
+    start_program(ADEMAN, arguments)
+}
+
+fn start_program(program: &str, arguments: &[&str]) -> Child {
+    Command::new(program)
         .args(arguments)
         .env_remove("XDG_RUNTIME_DIR")
         .stdout(Stdio::piped())
@@ -130,4 +153,64 @@ fn memory(feed: Duration) {
     }
     let _ = child.kill();
     let _ = child.wait();
+}
+
+/// Feeds `run` at `rate_hz` packets per second and prints its share of a core and the wake-ups of its threads per second.
+fn effort(name: &str, program: &str, rate_hz: u32, feed: Duration, goal: &str) {
+    let mut loopback = open_loopback(Hc11Format::default()).expect("a pseudo terminal");
+    let uri = loopback.uri.to_string();
+    let arguments = ["run", "--allow-root", "--armed", "--source", &uri];
+    let mut child = start_program(program, &arguments);
+    let packets = packets();
+    let begun = Instant::now();
+    let mut at_half = None;
+    for (number, packet) in (0..).zip(packets.iter().cycle()) {
+        let due = Duration::from_secs(1) * number / rate_hz;
+        sleep(due.saturating_sub(begun.elapsed()));
+        loopback.writer.write_all(packet).expect("the line is open");
+        // Not the start of the program.
+        if at_half.is_none() && due > feed / 2 {
+            at_half = Some((Instant::now(), Effort::of(child.id())));
+        }
+        if due > feed {
+            break;
+        }
+    }
+    let (half, before) = at_half.expect("half of the time has passed");
+    let (seconds, after) = (half.elapsed().as_secs_f64(), Effort::of(child.id()));
+    println!(
+        "{rate_hz:5} packets/s, {name:12} {:15.2} % {:8.0}/s    {goal}",
+        (after.processor - before.processor).as_secs_f64() / seconds * 1e2,
+        (after.wake_ups - before.wake_ups) as f64 / seconds
+    );
+    // It may have exited.
+    let _ = child.kill();
+    let _ = child.wait();
+}
+
+/// What all threads of a process have used so far.
+#[derive(Default)]
+struct Effort {
+    processor: Duration,
+    wake_ups: u64,
+}
+
+impl Effort {
+    fn of(process: u32) -> Self {
+        let tasks = std::fs::read_dir(format!("/proc/{process}/task"));
+        let mut sum = Self::default();
+        for task in tasks.expect("the program is still running").flatten() {
+            let read = |file| std::fs::read_to_string(task.path().join(file)).unwrap_or_default();
+            let nanoseconds = read("schedstat");
+            let nanoseconds = nanoseconds.split(' ').next().and_then(|it| it.parse().ok());
+            sum.processor += Duration::from_nanos(nanoseconds.unwrap_or(0));
+            let status = read("status");
+            let field = "voluntary_ctxt_switches:";
+            let line = status.lines().find_map(|line| line.strip_prefix(field));
+            sum.wake_ups += line
+                .and_then(|it| it.trim().parse::<u64>().ok())
+                .unwrap_or(0);
+        }
+        sum
+    }
 }

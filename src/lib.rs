@@ -5,13 +5,14 @@
 //! ```text
 //!  Source ──Reading──▶ Estimator ──Estimate──▶ ArmModel ──HandPose──▶ ContactTracker ──Touches──▶ Devices ──Events──▶ OutputGate ──▶ Sink
 //!  capture             estimate                kinematics             contact                     device              pipeline       output
-//!  └ own thread ┘└─ bounded channel ─┘└───────────────────────── session loop: Pipeline::step, then Sink::send ──────────────────────────┘
+//!  └─────────────────────────────────────────── session loop: Source::next, Pipeline::step, Sink::send ───────────────────────────────────┘
 //!
 //!  keys, gestures, control socket, panic keys, library ──Command──▶ Session ──Snapshot──▶ recorder, trace, control socket, observers
 //!                                                                         └───View──▶ terminal, control socket
 //! ```
 //!
-//! - [`capture`] decodes the bytes of a glove or another sensor into [`Reading`](capture::Reading)s.
+//! - [`capture`] decodes the bytes of a glove or another sensor into [`Reading`](capture::Reading)s. A source that has to
+//!   block, such as a recording, several sources at once, or any outside Linux, has a thread of its own and a bounded channel.
 //! - [`estimate`] derives joint angles and rejects implausible readings.
 //! - [`kinematics`] computes the positions of the fingertips.
 //! - [`contact`] detects presses of the fingertips on the targets of virtual boards.

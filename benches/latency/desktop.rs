@@ -1,5 +1,6 @@
 //! A key on an X server, and a client that receives it.
 
+use std::sync::Arc;
 use std::thread;
 use std::time::Instant;
 
@@ -23,6 +24,9 @@ use super::support::x11::{XServer, wait_for};
 /// The X11 key codes of A and S. A pressed key cannot be pressed again, so each program has its own.
 const PLAIN_KEYS: [u8; 2] = [38, 39];
 
+/// The keys of the output `desktop`.
+const KEYS: [&str; 2] = ["D", "F"];
+
 /// Starts an X server and opens its writers. Returns `None` if it is not installed.
 pub fn output() -> Option<Output> {
     let server = XServer::start()?;
@@ -37,16 +41,20 @@ pub fn output() -> Option<Output> {
             is_pressed: false,
         })
     };
-    let ours = Ours {
-        desktop: Desktop::open(Some(&display), &Capabilities::default())
-            .expect("the server answers"),
-        key: "D".parse().expect("a key"),
-        is_pressed: false,
-        _server: server,
+    let server = Arc::new(server);
+    let ours = |key: &str| -> Box<dyn Writer> {
+        let desktop = Desktop::open(Some(&display), &Capabilities::default());
+        Box::new(Ours {
+            desktop: desktop.expect("the server answers"),
+            key: key.parse().expect("a key"),
+            is_pressed: false,
+            _server: Arc::clone(&server),
+        })
     };
+    let writers = PLAIN_KEYS.map(plain).into_iter().chain(KEYS.map(ours));
     Some(Output {
         name: "a client of an X server",
-        writers: vec![plain(PLAIN_KEYS[0]), plain(PLAIN_KEYS[1]), Box::new(ours)],
+        writers: writers.collect(),
         arrivals,
     })
 }
@@ -108,7 +116,7 @@ struct Ours {
     desktop: Desktop,
     key: KeyCode,
     is_pressed: bool,
-    _server: XServer,
+    _server: Arc<XServer>,
 }
 
 impl Writer for Ours {

@@ -19,7 +19,8 @@ const NOISE: usize = 12_500_000;
 /// A control socket with its clients.
 pub struct Load {
     pub notifier: Notifier,
-    pub commands: Option<CommandReceiver>,
+    /// Keeps the command channel of the clients open.
+    _commands: CommandReceiver,
     _control: ControlServer,
     _clients: Vec<UnixStream>,
     _folder: TempDir,
@@ -38,7 +39,7 @@ impl Load {
         thread::spawn(move || send_noise(&noise_path));
         Self {
             notifier,
-            commands: Some(commands),
+            _commands: commands,
             _control: control,
             _clients: clients,
             _folder: folder,

@@ -46,6 +46,11 @@ pub(super) trait ByteStream: Read + Send {
     fn writer(&self) -> Option<Box<dyn Write + Send>> {
         None
     }
+
+    /// Returns `true` if a read may block although bytes were reported.
+    fn may_block(&self) -> bool {
+        false
+    }
 }
 
 impl ByteStream for File {}
@@ -77,6 +82,24 @@ impl Connection {
             return Err(Error::from(ErrorKind::WouldBlock));
         }
         self.bytes.read(buffer)
+    }
+
+    /// Reads the bytes that are available, without waiting for them. Errors are those of [`read`](Self::read).
+    pub fn read_available(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        let result = self.bytes.read(buffer);
+        if let Err(error) = &result
+            && error.kind() == ErrorKind::WouldBlock
+            && let Some(readiness) = &self.readiness
+        {
+            // A device that hung up has no bytes and is ready for ever.
+            readiness.poll(None, Some(Duration::ZERO))?;
+        }
+        result
+    }
+
+    /// Returns `true` if reads never block, and something reports when bytes can be read.
+    pub fn can_be_polled(&self) -> bool {
+        self.readiness.is_some() && !self.bytes.may_block()
     }
 }
 

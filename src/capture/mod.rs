@@ -30,7 +30,10 @@ pub mod markers;
 pub mod protocol;
 pub mod pace;
 pub mod thread;
+mod event;
+mod event_queue;
 mod merge;
+mod poll;
 mod sides;
 
 // Everything below needs an operating system with devices, files and sockets.
@@ -43,7 +46,7 @@ pub mod loopback;
 #[cfg(not(target_family = "wasm"))]
 mod packet_clock;
 #[cfg(not(target_family = "wasm"))]
-mod poll;
+mod in_place;
 #[cfg(not(target_family = "wasm"))]
 mod reconnect;
 #[cfg(not(target_family = "wasm"))]
@@ -54,9 +57,11 @@ mod stream;
 pub mod transport;
 #[cfg(not(target_family = "wasm"))]
 pub mod uri;
+#[cfg(not(target_family = "wasm"))]
+mod wake_up;
 mod suspend;
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use arrayvec::ArrayVec;
 use serde::{Deserialize, Serialize};
@@ -69,13 +74,17 @@ use crate::message::{escape, escape_lines};
 use crate::time::Timestamp;
 
 pub use cancel::CancelToken;
+pub use event::CaptureEvent;
 pub use feedback::Haptics;
 pub use merge::{MAX_SOURCES, MergedSource, PartialSource};
 pub use pace::PacedSource;
+pub use poll::Readiness;
 pub use protocol::hc11::{self, Hc11Format};
 pub use protocol::{InvalidPacket, InvalidPackets, PositionNoise, StreamFormat};
 pub use sides::SidedSource;
-pub use thread::{CaptureEvent, CaptureThread, spawn};
+pub use thread::{CaptureThread, spawn};
+#[cfg(not(target_family = "wasm"))]
+pub(crate) use {in_place::InPlaceCapture, wake_up::WakeUp};
 #[cfg(not(target_family = "wasm"))]
 pub use {
     loopback::{Loopback, open_loopback},
@@ -267,6 +276,18 @@ pub trait Source: Send {
         let _ = cancel;
     }
 
+    /// Makes [`next`](Self::next) return at once, with [`Idle`](SourceEvent::Idle) if nothing has arrived. Its caller waits
+    /// as [`wait`](Self::wait) says. Returns `false` if the source has to block and needs a thread of its own, which is the
+    /// default.
+    fn set_polled(&mut self) -> bool {
+        false
+    }
+
+    /// Returns what a [polled](Self::set_polled) source waits for, or `None` if [`next`](Self::next) has something already.
+    fn wait(&self) -> Option<SourceWait<'_>> {
+        None
+    }
+
     /// Returns the device that measures the fingers of a hand, if feedback can be sent to it. It is returned once. The
     /// default is `None`.
     fn take_feedback_device(&mut self, side: Side) -> Option<FeedbackDevice> {
@@ -310,6 +331,14 @@ impl Source for Box<dyn Source> {
         (**self).set_cancel_token(cancel);
     }
 
+    fn set_polled(&mut self) -> bool {
+        (**self).set_polled()
+    }
+
+    fn wait(&self) -> Option<SourceWait<'_>> {
+        (**self).wait()
+    }
+
     fn take_feedback_device(&mut self, side: Side) -> Option<FeedbackDevice> {
         (**self).take_feedback_device(side)
     }
@@ -333,6 +362,15 @@ impl Source for Box<dyn Source> {
     fn stats(&self) -> SourceStats {
         (**self).stats()
     }
+}
+
+/// The wait of a [polled](Source::set_polled) source: for bytes or a time, whichever comes first.
+#[derive(Clone, Copy, Debug)]
+pub struct SourceWait<'a> {
+    /// Reports bytes; `None` if none can arrive.
+    pub readiness: Option<&'a Readiness>,
+    /// Time of the next call without bytes.
+    pub deadline: Option<Instant>,
 }
 
 /// Longest time that [`Source::next`] blocks without a cancel token.

@@ -1,11 +1,16 @@
 //! Reconnection to a lost device, with back-off.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, after, bounded, never, select};
+use crossbeam_channel::{
+    Receiver, RecvTimeoutError, SendError, Sender, TryRecvError, after, bounded, never, select,
+};
 
+use super::SourceWait;
 use super::cancel::CancelToken;
 use super::connection::{ConnectError, Connection, Connector, READ_TIMEOUT};
+use super::poll::Readiness;
+use super::wake_up::WakeUp;
 
 /// Intervals between attempts: 0.1 s, doubling to 2 s.
 #[derive(Clone, Debug)]
@@ -31,6 +36,8 @@ impl Default for BackOff {
 /// A reconnection in progress on its own thread. Dropping it stops the attempts.
 pub(super) struct Reconnect {
     events: Receiver<ReconnectEvent>,
+    /// Reports events to a caller that polls. `None` if it has to try.
+    notification: Option<(WakeUp, Readiness)>,
     /// Stops the thread when it is dropped.
     _stop: Sender<()>,
 }
@@ -52,15 +59,44 @@ impl Reconnect {
     pub fn start(connector: impl Connector, back_off: BackOff) -> Self {
         let (sender, events) = bounded(1);
         let (stop, stopped) = bounded(0);
+        let wake_up = WakeUp::new();
+        let mut sender = EventSender {
+            events: sender,
+            notification: Notification(wake_up.clone()),
+        };
         let thread = std::thread::Builder::new()
             .name("reconnect".to_owned())
-            .spawn(move || reconnect(connector, back_off, &stopped, &sender));
-        if let Err(error) = thread {
+            .spawn(move || reconnect(connector, back_off, &stopped, &mut sender));
+        if let Err(error) = &thread {
             tracing::warn!("cannot start a thread to reconnect: {error}; trying again");
         }
+        // A thread that does not run reports nothing.
+        let wake_up = wake_up.filter(|_| thread.is_ok());
         Self {
             events,
+            notification: wake_up.and_then(|it| it.readiness().map(|readiness| (it, readiness))),
             _stop: stop,
+        }
+    }
+
+    /// Returns the next event. Never waits.
+    pub fn try_event(&self) -> ReconnectEvent {
+        if let Some((wake_up, _)) = &self.notification {
+            wake_up.reset();
+        }
+        match self.events.try_recv() {
+            Ok(event) => event,
+            Err(TryRecvError::Empty) => ReconnectEvent::Idle,
+            Err(TryRecvError::Disconnected) => ReconnectEvent::Stopped,
+        }
+    }
+
+    /// Returns what to wait for before [`try_event`](Self::try_event).
+    pub fn source_wait(&self) -> SourceWait<'_> {
+        let readiness = self.notification.as_ref().map(|(_, readiness)| readiness);
+        SourceWait {
+            readiness,
+            deadline: readiness.is_none().then(|| Instant::now() + READ_TIMEOUT),
         }
     }
 
@@ -82,11 +118,43 @@ impl Reconnect {
     }
 }
 
+/// Sending end of the events of a reconnection.
+struct EventSender {
+    events: Sender<ReconnectEvent>,
+    // Declared after `events`: the receiver is woken when the channel is already disconnected.
+    notification: Notification,
+}
+
+impl EventSender {
+    fn send(&mut self, event: ReconnectEvent) -> Result<(), SendError<ReconnectEvent>> {
+        let sent = self.events.send(event);
+        self.notification.notify();
+        sent
+    }
+}
+
+/// Wakes the thread that polls for events, also when it is dropped.
+struct Notification(Option<WakeUp>);
+
+impl Notification {
+    fn notify(&self) {
+        if let Some(wake_up) = &self.0 {
+            wake_up.wake();
+        }
+    }
+}
+
+impl Drop for Notification {
+    fn drop(&mut self) {
+        self.notify();
+    }
+}
+
 fn reconnect(
     mut connector: impl Connector,
     mut back_off: BackOff,
     stopped: &Receiver<()>,
-    events: &Sender<ReconnectEvent>,
+    events: &mut EventSender,
 ) {
     let mut last_reason = None;
     while stopped.recv_timeout(back_off.next_interval()) == Err(RecvTimeoutError::Timeout) {

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use arrayvec::ArrayVec;
 
-use super::{CancelToken, CaptureError, Reading, Source, SourceEvent, SourceStats};
+use super::{CancelToken, CaptureError, Reading, Source, SourceEvent, SourceStats, SourceWait};
 use crate::hand::Side;
 
 /// A source whose readings with both arms are repeated for each side.
@@ -75,6 +75,17 @@ impl Source for SidedSource {
 
     fn set_cancel_token(&mut self, cancel: &CancelToken) {
         self.source.set_cancel_token(cancel);
+    }
+
+    fn set_polled(&mut self) -> bool {
+        self.source.set_polled()
+    }
+
+    fn wait(&self) -> Option<SourceWait<'_>> {
+        match self.remaining.is_empty() {
+            true => self.source.wait(),
+            false => None,
+        }
     }
 
     fn name(&self) -> &str {

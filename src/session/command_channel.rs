@@ -11,7 +11,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounde
 
 use super::layout_link::{LayoutLink, LayoutSwap, LoopLayoutLink};
 use super::reply::{Reply, ReplySender, RequestError};
-use super::waker::Waker;
+use super::waker::{WakeTarget, Waker};
 use crate::command::{Command, CommandOrigin};
 
 /// Commands that wait for a busy loop: one of each client of the control socket, and 8 of panic keys and signals, which
@@ -148,9 +148,9 @@ impl CommandReceiver {
         self.layouts.as_ref()
     }
 
-    /// Makes the current thread the one that receives messages; every message unparks it.
-    pub(super) fn attach(&self) {
-        self.waker.attach();
+    /// Sets the thread that receives messages; every message wakes it.
+    pub(super) fn attach(&self, target: WakeTarget) {
+        self.waker.attach(target);
     }
 
     /// Returns `true` after a `Stop`.
@@ -167,7 +167,7 @@ impl CommandReceiver {
 
     /// Waits for `Stop`, at most for `timeout`. Returns whether it came. Other commands stay queued.
     pub(super) fn wait_for_stop(&self, timeout: Duration) -> bool {
-        self.attach();
+        self.attach(WakeTarget::Parked(thread::current()));
         let deadline = Instant::now() + timeout;
         while !self.is_stopped() {
             let left = deadline.saturating_duration_since(Instant::now());
@@ -237,7 +237,7 @@ mod tests {
     fn a_command_wakes_a_parked_loop() {
         let (sender, receiver) = command_channel();
         let session = thread::spawn(move || {
-            receiver.attach();
+            receiver.attach(WakeTarget::Parked(thread::current()));
             while receiver.try_next().is_none() {
                 thread::park();
             }

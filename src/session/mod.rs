@@ -113,7 +113,8 @@ pub enum SessionError {
 pub struct Summary {
     /// Statistics of all readings.
     pub stats: Stats,
-    /// Time from the last byte of a packet to the call of the output, in ns, for steps with events.
+    /// Time from the arrival of the bytes that complete a reading to the call of the output, in ns, for steps with events.
+    /// A protocol may complete a reading only with bytes of the next packet.
     pub latency_ns: Histogram<u64>,
     /// Reason why the recording is incomplete.
     pub record_error: Option<RecordError>,

@@ -1,22 +1,35 @@
 //! A way to wake the session loop from any thread.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::{self, Thread};
+use std::thread::Thread;
 
-/// Wakes the loop thread, which parks while there is nothing to do.
+use crate::capture::WakeUp;
+
+/// Wakes the loop thread, which waits while there is nothing to do.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Waker(Arc<Mutex<Option<Thread>>>);
+pub(super) struct Waker(Arc<Mutex<Option<WakeTarget>>>);
+
+/// A waiting thread.
+#[derive(Debug)]
+pub(super) enum WakeTarget {
+    /// It is parked.
+    Parked(Thread),
+    /// It polls descriptors.
+    Polling(WakeUp),
+}
 
 impl Waker {
     /// Wakes the loop. Must be called after the message was queued.
     pub fn wake(&self) {
-        if let Some(thread) = &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
-            thread.unpark();
+        match &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
+            Some(WakeTarget::Parked(thread)) => thread.unpark(),
+            Some(WakeTarget::Polling(wake_up)) => wake_up.wake(),
+            None => {}
         }
     }
 
-    /// Makes the current thread the one to wake. Messages queued before this call are in the queue.
-    pub fn attach(&self) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(thread::current());
+    /// Sets the thread to wake. Messages queued before this call are in the queue.
+    pub fn attach(&self, target: WakeTarget) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(target);
     }
 }

@@ -1,22 +1,17 @@
 //! Waiting with `poll(2)`.
 
-use std::fs::{self, File};
-use std::io::{Error, ErrorKind, Read, Result};
-use std::os::fd::{AsFd, OwnedFd};
-use std::os::unix::fs::MetadataExt;
+use std::io::{Error, ErrorKind, Result};
+use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::time::Duration;
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::fs::{Mode, OFlags, open};
 use rustix::io::Errno;
 
 use crate::capture::cancel::CancelToken;
 
-/// Directory of the kernel's pseudo-terminals.
-const PSEUDO_TERMINALS: &str = "/dev/pts";
-
 /// File descriptor that reports when bytes can be read.
-pub(in crate::capture) struct Readiness(OwnedFd);
+#[derive(Debug)]
+pub struct Readiness(OwnedFd);
 
 impl Readiness {
     /// Duplicates the descriptor. Returns `None` if the process is out of file descriptors.
@@ -45,47 +40,17 @@ impl Readiness {
     }
 }
 
-/// Opens `port` for reading, without blocking, before the port is locked: `serialport` does not expose its
-/// descriptor. Returns `None` on failure.
-pub(in crate::capture) fn open_to_read(port: &str) -> Option<File> {
-    let flags = OFlags::RDONLY | OFlags::NONBLOCK | OFlags::NOCTTY | OFlags::CLOEXEC;
-    open(port, flags, Mode::empty()).ok().map(File::from)
-}
-
-/// Opens the standard input. The file bypasses the buffer of [`std::io::stdin`], whose content `poll` cannot see.
-pub(in crate::capture) fn open_stdin() -> Result<(Box<dyn Read + Send>, Option<Readiness>)> {
-    let file = File::from(std::io::stdin().as_fd().try_clone_to_owned()?);
-    let readiness = Readiness::new(&file);
-    Ok((Box::new(file), readiness))
-}
-
-/// Identity of a pseudo-terminal: its number is given to the next terminal after it has ended.
-#[derive(Clone, Debug, PartialEq)]
-pub(in crate::capture) struct TerminalIdentity {
-    /// Inode and change time (seconds, nanoseconds) of a link; `None` for the terminal's own name.
-    link: Option<(u64, i64, i64)>,
-}
-
-impl TerminalIdentity {
-    /// Reads the identity of `port`. Returns `None` if it is not a pseudo-terminal.
-    pub fn read(port: &str) -> Option<Self> {
-        if !fs::canonicalize(port).ok()?.starts_with(PSEUDO_TERMINALS) {
-            return None;
-        }
-        let metadata = fs::symlink_metadata(port).ok()?;
-        let change = (metadata.ino(), metadata.ctime(), metadata.ctime_nsec());
-        Some(Self {
-            link: metadata.file_type().is_symlink().then_some(change),
-        })
+impl AsFd for Readiness {
+    fn as_fd(&self) -> BorrowedFd<'_> {
+        self.0.as_fd()
     }
 }
 
-/// Rounds up to a millisecond, so that a deadline has passed after the wait.
-fn timespec(duration: Duration) -> Timespec {
-    let millis = duration.as_millis() as i64 + 1;
+/// Converts a timeout. The kernel ends no wait early.
+pub(in crate::capture) fn timespec(duration: Duration) -> Timespec {
     Timespec {
-        tv_sec: millis / 1000,
-        tv_nsec: millis % 1000 * 1_000_000,
+        tv_sec: duration.as_secs() as i64,
+        tv_nsec: duration.subsec_nanos().into(),
     }
 }
 
@@ -112,27 +77,6 @@ mod tests {
         assert!(!readiness.poll(Some(&token), None).unwrap());
         assert!(readiness.poll(None, None).unwrap());
         drop(later.join().unwrap());
-    }
-
-    #[test]
-    fn a_replaced_link_has_another_identity() {
-        let folder = tempfile::tempdir().unwrap();
-        let link = folder.path().join("glove");
-        let identity = || TerminalIdentity::read(link.to_str().unwrap());
-        assert_eq!(identity(), None);
-        let (_master, slave) = serialport::TTYPort::pair().unwrap();
-        let terminal = serialport::SerialPort::name(&slave).unwrap();
-        std::os::unix::fs::symlink(&terminal, &link).unwrap();
-        let first = identity();
-        assert!(first.is_some());
-        assert_eq!(identity(), first);
-        fs::remove_file(&link).unwrap();
-        sleep(Duration::from_millis(20));
-        std::os::unix::fs::symlink(&terminal, &link).unwrap();
-        assert_ne!(identity(), first);
-        let own = TerminalIdentity::read(&terminal);
-        assert_eq!(own, Some(TerminalIdentity { link: None }));
-        assert_eq!(TerminalIdentity::read("/dev/null"), None);
     }
 
     #[test]

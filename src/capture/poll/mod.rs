@@ -1,4 +1,4 @@
-//! Cancellable waits for bytes, and the identity of the files that are waited on.
+//! Cancellable waits for bytes.
 
 #[cfg(target_os = "linux")]
 mod linux;
@@ -6,6 +6,8 @@ mod linux;
 mod unsupported;
 
 #[cfg(target_os = "linux")]
-pub(super) use linux::{Readiness, TerminalIdentity, open_stdin, open_to_read};
+pub use linux::Readiness;
+#[cfg(target_os = "linux")]
+pub(in crate::capture) use linux::timespec;
 #[cfg(not(target_os = "linux"))]
-pub(super) use unsupported::{Readiness, TerminalIdentity, open_stdin, open_to_read};
+pub use unsupported::Readiness;

@@ -11,7 +11,7 @@ use super::garbage::GarbageDetector;
 use super::packet_clock::PacketClock;
 use super::protocol::{Decoder, InvalidPacket, InvalidPackets, Packet, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
-use super::{CaptureError, Reading, Source, SourceEvent, SourceStats};
+use super::{CaptureError, Reading, Source, SourceEvent, SourceStats, SourceWait};
 use crate::hand::Side;
 use crate::message::escape;
 
@@ -21,10 +21,16 @@ pub(super) struct StreamSource<C> {
     format: StreamFormat,
     connector: C,
     cancel: Option<CancelToken>,
+    /// The caller waits for bytes; reads do not.
+    is_polled: bool,
+    /// The latest read may have left bytes behind.
+    may_have_more: bool,
     /// Writes to the same connection, once it was [taken](Source::take_feedback_device).
     feedback: Option<FeedbackDevice>,
     state: State,
     decoder: Box<dyn Decoder>,
+    /// Reason why the rest of the stream cannot be decoded. Reported after the pending readings.
+    format_error: Option<String>,
     buffer: Vec<u8>,
     pending: PendingReadings,
     garbage: GarbageDetector,
@@ -65,9 +71,12 @@ impl<C: Connector> StreamSource<C> {
             name,
             connector,
             cancel: None,
+            is_polled: false,
+            may_have_more: false,
             feedback: None,
             state: State::Connected(connection),
             decoder,
+            format_error: None,
             buffer: vec![0; C::READ_BYTES],
             pending: PendingReadings {
                 readings: VecDeque::with_capacity(max_packets),
@@ -87,7 +96,15 @@ impl<C: Connector> StreamSource<C> {
         let State::Connected(connection) = &mut self.state else {
             return Ok(SourceEvent::End);
         };
-        match connection.read(&mut self.buffer, self.cancel.as_ref(), timeout) {
+        let result = match self.is_polled {
+            true => connection.read_available(&mut self.buffer),
+            false => connection.read(&mut self.buffer, self.cancel.as_ref(), timeout),
+        };
+        self.may_have_more = match &result {
+            Ok(length) => C::IS_DATAGRAM || *length == self.buffer.len(),
+            Err(error) => error.kind() == UNKNOWN_SENDER,
+        };
+        match result {
             Ok(0) => self.end_of_stream(),
             Ok(length) => self.handle_bytes(length),
             Err(error) if is_idle(error.kind()) => self.handle_silence(),
@@ -122,6 +139,7 @@ impl<C: Connector> StreamSource<C> {
         if C::IS_DATAGRAM {
             self.decoder.finish(&mut emit);
         }
+        self.format_error = self.decoder.take_error();
         let has_packet = !self.pending.readings.is_empty();
         if self.garbage.update(now, has_packet) {
             tracing::warn!(
@@ -221,6 +239,8 @@ impl<C: Connector> StreamSource<C> {
     fn lose(&mut self, reason: String) -> CaptureError {
         self.losses += 1;
         self.decoder.reset();
+        self.may_have_more = false;
+        self.format_error = None;
         self.garbage = GarbageDetector::default();
         let reconnecting = State::Reconnecting(self.start_reconnect());
         let writer = self.feedback.as_ref().map(FeedbackDevice::disconnect);
@@ -243,7 +263,11 @@ impl<C: Connector> StreamSource<C> {
         let State::Reconnecting(reconnect) = &self.state else {
             return SourceEvent::Idle;
         };
-        match reconnect.wait(self.cancel.as_ref()) {
+        let event = match self.is_polled {
+            true => reconnect.try_event(),
+            false => reconnect.wait(self.cancel.as_ref()),
+        };
+        match event {
             ReconnectEvent::Idle => {}
             ReconnectEvent::Unusable(reason) => {
                 tracing::warn!(
@@ -253,6 +277,12 @@ impl<C: Connector> StreamSource<C> {
                 );
             }
             ReconnectEvent::Stopped => {
+                self.state = State::Reconnecting(self.start_reconnect());
+            }
+            ReconnectEvent::Connected(connection)
+                if self.is_polled && !connection.can_be_polled() =>
+            {
+                tracing::warn!(source = self.name, "out of file descriptors; trying again");
                 self.state = State::Reconnecting(self.start_reconnect());
             }
             ReconnectEvent::Connected(connection) => {
@@ -274,7 +304,7 @@ impl<C: Connector> Source for StreamSource<C> {
         if let Some(reading) = self.pending.pop() {
             return Ok(reading);
         }
-        if let Some(reason) = self.decoder.take_error() {
+        if let Some(reason) = self.format_error.take() {
             return Err(self.end_of_format(reason));
         }
         match &self.state {
@@ -286,6 +316,28 @@ impl<C: Connector> Source for StreamSource<C> {
 
     fn set_cancel_token(&mut self, cancel: &CancelToken) {
         self.cancel = Some(cancel.clone());
+    }
+
+    fn set_polled(&mut self) -> bool {
+        let State::Connected(connection) = &self.state else {
+            return false;
+        };
+        self.is_polled = C::IS_LIVE && connection.can_be_polled();
+        self.is_polled
+    }
+
+    fn wait(&self) -> Option<SourceWait<'_>> {
+        let has_event =
+            self.may_have_more || self.format_error.is_some() || !self.pending.readings.is_empty();
+        match &self.state {
+            _ if has_event => None,
+            State::Connected(connection) => Some(SourceWait {
+                readiness: connection.readiness.as_ref(),
+                deadline: C::IDLE_TIMEOUT.map(|timeout| self.last_received + timeout),
+            }),
+            State::Reconnecting(reconnect) => Some(reconnect.source_wait()),
+            State::Ended => None,
+        }
     }
 
     fn take_feedback_device(&mut self, _side: Side) -> Option<FeedbackDevice> {

@@ -1,9 +1,13 @@
 //! Tests of the events that a consumer receives, in order.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 use super::*;
-use crate::capture::{Channels, Sample};
+use crate::capture::event::NOISE_INTERVAL;
+use crate::capture::event_queue::QUEUE_CAPACITY;
+use crate::capture::suspend::SuspendDetector;
+use crate::capture::{Channels, Reading, Sample, SourceEvent, SourceStats};
 use crate::time::Timestamp;
 
 const TIMEOUT: Duration = Duration::from_secs(10);
@@ -182,20 +186,11 @@ fn a_suspend_is_a_loss_of_a_live_source_before_the_next_reading() {
                 step => Ok(reading(step)),
             }
         });
-        let mut suspend =
+        let suspend =
             SuspendDetector::with_clock(|| Duration::from_secs(SUSPENDED_S.load(Ordering::SeqCst)));
-        let (sender, queue) = bounded(QUEUE_CAPACITY);
-        let (_handle, cancel) = cancel_token().unwrap();
-        let mut sender = EventSender {
-            sender,
-            queue: queue.clone(),
-            is_live,
-            cancel,
-            dropped: 0,
-            consumer: ConsumerThread(std::thread::current()),
-        };
-        run(source, &mut suspend, &mut sender);
-        let events: Vec<CaptureEvent> = queue.try_iter().collect();
+        let mut source = EventSource::new(source).with_suspend_detector(suspend);
+        let mut events = Vec::new();
+        while source.next(&mut |event| events.push(event)) {}
         let is_end = |event: &CaptureEvent| matches!(event, CaptureEvent::End(stats) if stats.losses == u64::from(is_live));
         assert!(events.iter().any(is_end), "{events:?}");
         let events: Vec<String> = events.into_iter().map(brief).collect();

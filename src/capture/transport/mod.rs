@@ -2,6 +2,7 @@
 //!
 //! To add a transport, write its file with a [`Transport`] constant and list the constant in [`TRANSPORTS`].
 
+mod descriptor;
 mod file;
 pub(super) mod serial;
 mod stdin;

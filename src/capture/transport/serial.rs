@@ -8,13 +8,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
 
+use super::descriptor::{TerminalIdentity, open_to_read};
 use super::usb_port::{KnownDevice, Port, PortChoice, choose_port};
 use super::{Scheme, Transport, check_no_question_mark, open_stream};
 use crate::advice::{self, AccessDenied};
 use crate::capture::connection::{
     ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, WRITE_TIMEOUT,
 };
-use crate::capture::poll::{self, Readiness, TerminalIdentity};
+use crate::capture::poll::Readiness;
 
 /// The `serial` transport.
 pub const TRANSPORT: Transport = Transport {
@@ -81,7 +82,7 @@ impl Connector for SerialConnector {
                 "that pseudo-terminal has ended; give its successor a link of the same name".into(),
             ));
         }
-        let file = poll::open_to_read(&port_name);
+        let file = open_to_read(&port_name);
         let port = open(&port_name, self.baud)
             .map_err(|error| open_error(&error, &port_name, &present))?;
         *terminal = identity;

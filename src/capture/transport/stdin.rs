@@ -1,8 +1,8 @@
 //! Standard input, for a program that writes a stream to a pipe.
 
+use super::descriptor::open_stdin;
 use super::{Scheme, Transport, open_stream};
 use crate::capture::connection::{ConnectError, Connection, Connector};
-use crate::capture::poll::open_stdin;
 
 /// The `stdin` transport.
 pub const TRANSPORT: Transport = Transport {
@@ -40,7 +40,7 @@ impl Connector for StdinConnector {
         let (bytes, readiness) =
             open_stdin().map_err(|error| ConnectError::Unusable(error.to_string()))?;
         Ok(Connection {
-            bytes: Box::new(bytes),
+            bytes,
             readiness,
             endpoint: "the standard input".to_owned(),
         })

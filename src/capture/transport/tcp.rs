@@ -1,9 +1,10 @@
 //! TCP client, for RS232-to-TCP converters and programs that serve readings.
 
-use std::io::{Error, Write};
+use std::io::{Error, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
+use super::descriptor::read_available;
 use super::{Scheme, Transport, check_socket_address, open_stream};
 use crate::capture::connection::{
     ByteStream, ConnectError, Connection, Connector, READ_TIMEOUT, WRITE_TIMEOUT,
@@ -58,9 +59,14 @@ impl Connector for TcpConnector {
     fn connect(&mut self) -> Result<Connection, ConnectError> {
         let stream = connect(&self.address)
             .map_err(|error| ConnectError::Absent(format!("{error}; {REMEDY}")))?;
+        let readiness = Readiness::new(&stream);
+        let bytes: Box<dyn ByteStream> = match readiness.is_some() {
+            true => Box::new(AvailableBytes(stream)),
+            false => Box::new(stream),
+        };
         Ok(Connection {
-            readiness: Readiness::new(&stream),
-            bytes: Box::new(stream),
+            bytes,
+            readiness,
             endpoint: self.address.clone(),
         })
     }
@@ -71,6 +77,21 @@ impl ByteStream for TcpStream {
         let stream = self.try_clone().ok()?;
         stream.set_write_timeout(Some(WRITE_TIMEOUT)).ok()?;
         Some(Box::new(stream))
+    }
+}
+
+/// Reader of a socket that does not block. Writes to the same socket do, up to their timeout.
+struct AvailableBytes(TcpStream);
+
+impl Read for AvailableBytes {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        read_available(&self.0, buffer)
+    }
+}
+
+impl ByteStream for AvailableBytes {
+    fn writer(&self) -> Option<Box<dyn Write + Send>> {
+        self.0.writer()
     }
 }
 

@@ -74,8 +74,11 @@ impl Connector for UdpConnector {
     fn connect(&mut self) -> std::result::Result<Connection, ConnectError> {
         let socket = bind(&self.address)
             .map_err(|error| ConnectError::Absent(format!("{error}; {REMEDY}")))?;
+        let readiness = Readiness::new(&socket);
+        // Without one, each read blocks for its timeout.
+        let is_set = readiness.is_none() || socket.set_nonblocking(true).is_ok();
         Ok(Connection {
-            readiness: Readiness::new(&socket),
+            readiness: readiness.filter(|_| is_set),
             bytes: Box::new(Datagrams {
                 socket,
                 sender: None,

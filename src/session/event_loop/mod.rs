@@ -1,23 +1,22 @@
 //! The loop of a session: readings through the pipeline to the output, live or from a recording.
 
+mod capture;
 mod layouts;
 mod publish;
 
-use std::thread;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::TryRecvError;
 use hdrhistogram::Histogram;
 
+use self::capture::Capture;
 use self::publish::Observer;
 use super::close_on_panic::CloseOnPanic;
 use super::command_channel::{CommandReceiver, Message, QueuedCommand};
 use super::layout_link::LayoutOperation;
 use super::reply::{Reply, RequestError};
 use super::{SessionError, Summary};
-use crate::capture::{
-    CaptureError, CaptureEvent, CaptureThread, Reading, Source, SourceStats, spawn,
-};
+use crate::capture::{CaptureError, CaptureEvent, Reading, Source, SourceStats};
 use crate::command::{Command, CommandOrigin};
 use crate::contact::TargetNames;
 use crate::device::{Events, TimedCommand};
@@ -43,8 +42,8 @@ pub(super) fn run_observed(
     commands: &CommandReceiver,
     observe: Observer,
 ) -> Result<Summary, SessionError> {
-    let capture = spawn(source)?;
-    commands.attach();
+    let capture = Capture::start(source)?;
+    commands.attach(capture.wake_target());
     let packet_period = capture.packet_period().unwrap_or(Duration::ZERO);
     let three_packets = packet_period.saturating_mul(3).min(MAX_STALL_TIMEOUT);
     pipeline.set_stall_timeout(pipeline.stall_timeout().max(three_packets));
@@ -72,7 +71,13 @@ pub fn with_loop_step(
 ) -> Result<(), SessionError> {
     let commands = CommandReceiver::disconnected();
     let mut observe = |step: &StepView, _: Instant, _: &Pipeline| observe(step);
-    let mut session = SessionLoop::new(spawn(source)?, &commands, pipeline, sink, &mut observe);
+    let mut session = SessionLoop::new(
+        Capture::start(source)?,
+        &commands,
+        pipeline,
+        sink,
+        &mut observe,
+    );
     body(&mut |reading| {
         session.now = Instant::now();
         // A reading that fails is measured, too.
@@ -89,13 +94,14 @@ enum Next {
 }
 
 struct SessionLoop<'a> {
-    capture: CaptureThread,
+    // Declared before `capture`: a panic releases the keys before it closes the source, which may take a second.
+    sink: CloseOnPanic<'a>,
+    capture: Capture,
     commands: &'a CommandReceiver,
     pipeline: &'a mut Pipeline,
     /// Index of the profile whose target names the sink and observers use.
     profile: usize,
     target_names: TargetNames,
-    sink: CloseOnPanic<'a>,
     observe: Observer<'a>,
     events: Events,
     /// The command from outside the layout that was executed in this step.
@@ -115,7 +121,7 @@ struct SessionLoop<'a> {
 
 impl<'a> SessionLoop<'a> {
     fn new(
-        capture: CaptureThread,
+        capture: Capture,
         commands: &'a CommandReceiver,
         pipeline: &'a mut Pipeline,
         sink: &'a mut dyn Sink,
@@ -162,16 +168,17 @@ impl SessionLoop<'_> {
                 }
                 // The capture thread ended after `End` or `Failed`, which ended this loop.
                 Err(TryRecvError::Disconnected) => return Ok(()),
-                Err(TryRecvError::Empty) if had_message => {}
+                Err(TryRecvError::Empty) if had_message => self.capture.receive(),
                 Err(TryRecvError::Empty) => self.wait()?,
             }
         }
         Ok(())
     }
 
-    /// Parks until a message or a capture event wakes this thread, or a stall or heartbeat is due.
+    /// Waits for a message or a capture event, or until a stall or heartbeat is due.
     fn wait(&mut self) -> Result<(), SessionError> {
-        thread::park_timeout(self.time_to_stall().min(self.time_to_heartbeat()));
+        let timeout = self.time_to_stall().min(self.time_to_heartbeat());
+        self.capture.wait(timeout);
         if self.capture.events().is_empty() {
             self.now = Instant::now();
             self.sink.0.send(&[])?;
@@ -361,8 +368,12 @@ impl SessionLoop<'_> {
     }
 
     fn stall_if_overdue(&mut self) -> Result<(), SessionError> {
-        // A reading that waits in the channel prevents the stall.
-        if self.capture.events().is_empty() && self.time_to_stall().is_zero() {
+        if !self.time_to_stall().is_zero() {
+            return Ok(());
+        }
+        // A reading that waits prevents the stall.
+        self.capture.receive();
+        if self.capture.events().is_empty() {
             self.stall(None)?;
         }
         Ok(())

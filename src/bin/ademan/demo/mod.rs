@@ -9,6 +9,7 @@ use std::io::{self, Write};
 use std::num::NonZeroU32;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
 use ademan::capture::{Hc11Format, Source, open_loopback};
 use ademan::command::Command;
 use ademan::document::shipped_layouts;
@@ -251,9 +252,16 @@ fn report(
     writeln!(out, "readings   {}", stats::line(&summary.stats))?;
     writeln!(
         out,
-        "latency    from the last byte of a packet to its events: p50 {:.0} µs, p99 {:.0} µs, max {:.0} µs",
+        "latency    from the bytes that confirm a packet to its events: p50 {:.0} µs, p99 {:.0} µs, max {:.0} µs",
         micros(0.5),
         micros(0.99),
         micros(1.0)
+    )?;
+    writeln!(
+        out,
+        "           on a line without pauses those bytes, the header of the next packet, come {:.2} ms after the packet",
+        line.transmission_time(PACKET_BYTES - BODY_BYTES)
+            .as_secs_f64()
+            * 1e3
     )
 }

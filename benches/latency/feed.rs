@@ -1,0 +1,201 @@
+//! The measurement: packets to all programs in turn, and the times until their events.
+
+use std::io::Write;
+use std::num::NonZeroU32;
+use std::rc::Rc;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
+use ademan::capture::{Hc11Format, Loopback};
+use ademan::setup::Setup;
+use ademan::sim::SimulatedTypist;
+use crossbeam_channel::Receiver;
+
+use super::desktop;
+use super::load::Load;
+use super::programs::{Output, PACKET_BYTES, PROGRAMS, to_pipe};
+
+/// Time after which a packet counts as lost.
+const TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Numbers of packets: those that are measured, and those before them.
+#[derive(Clone, Copy)]
+struct Packets {
+    measured: usize,
+    warm_up: usize,
+}
+
+pub fn main() {
+    let is_test = !std::env::args().any(|argument| argument == "--bench");
+    let (measured, warm_up) = if is_test { (20, 5) } else { (4_000, 200) };
+    let packets = Packets { measured, warm_up };
+    println!(
+        "{:24} {:>8}  {:16} {:>9} {:>9}   of null: p50    p99",
+        "packet to event", "packet", "", "p50", "p99"
+    );
+    let millisecond = Duration::from_millis(1);
+    for is_loaded in [false, true] {
+        for pace in [millisecond, Hc11Format::default().packet_period()] {
+            measure(to_pipe, pace, packets, is_loaded);
+            measure(desktop::output, pace, packets, is_loaded);
+        }
+    }
+    println!();
+    println!(
+        "{:24} {:>8}  {:16} {:>9} {:>9}   of it the protocol's wait",
+        "frame to event", "baud", "", "p50", "p99"
+    );
+    for baud in [115_200, 9_600] {
+        measure_line(NonZeroU32::new(baud).expect("not zero"), measured / 10);
+    }
+}
+
+/// A program with its line and the times of its events.
+struct Fed {
+    name: &'static str,
+    loopback: Loopback,
+    times: Vec<Duration>,
+}
+
+/// Feeds all programs in turn and prints their latencies.
+fn measure(
+    output: impl FnOnce() -> Option<Output>,
+    pace: Duration,
+    packets: Packets,
+    is_loaded: bool,
+) {
+    let Some(output) = output() else {
+        println!("X server: SKIPPED, see above");
+        return;
+    };
+    let load = is_loaded.then(|| Rc::new(Load::start()));
+    let start = |(program, writer): (&super::programs::Program, _)| Fed {
+        name: program.name,
+        loopback: (program.start)(writer, load.as_deref()),
+        times: Vec::with_capacity(packets.measured),
+    };
+    let mut programs: Vec<Fed> = PROGRAMS.iter().zip(output.writers).map(start).collect();
+    let bodies = bodies();
+    let mut due = Instant::now();
+    let step = pace / programs.len() as u32;
+    for number in 0..packets.measured + packets.warm_up {
+        programs.rotate_left(1);
+        for program in &mut programs {
+            due = (due + step).max(Instant::now());
+            thread::sleep(due.saturating_duration_since(Instant::now()));
+            let body = &bodies[number % bodies.len()];
+            let time = time_of(&output.arrivals, || {
+                let begun = Instant::now();
+                let written = program.loopback.writer.write_all(body);
+                written.expect("the line is open");
+                begun
+            });
+            if number >= packets.warm_up {
+                program.times.extend(time);
+            }
+        }
+    }
+    programs.sort_by_key(|program| PROGRAMS.iter().position(|it| it.name == program.name));
+    let output_name = match is_loaded {
+        true => format!("{}, load", output.name),
+        false => output.name.to_owned(),
+    };
+    let mut of_null = None;
+    for program in &mut programs {
+        let found = (
+            percentile(&mut program.times, 50),
+            percentile(&mut program.times, 99),
+        );
+        let (p50, p99) = *of_null.get_or_insert(found);
+        println!(
+            "{output_name:24} {:5.2} ms  {:16} {:6.1} µs {:6.1} µs   {:12.2} {:6.2}{}",
+            pace.as_secs_f64() * 1e3,
+            program.name,
+            found.0,
+            found.1,
+            found.0 / p50,
+            found.1 / p99,
+            lost(packets.measured - program.times.len()),
+        );
+    }
+}
+
+/// Prints the time from the last byte of a packet to its event on a line with this bit rate.
+fn measure_line(baud: NonZeroU32, packets: usize) {
+    let format = Hc11Format {
+        baud,
+        ..Hc11Format::default()
+    };
+    let wait = format.transmission_time(PACKET_BYTES - BODY_BYTES);
+    let output = to_pipe().expect("pipes");
+    let bodies = bodies();
+    for (program, writer) in PROGRAMS.iter().zip(output.writers) {
+        let mut loopback = (program.start)(writer, None);
+        let mut times = Vec::with_capacity(packets);
+        for number in 0..packets {
+            thread::sleep(Duration::from_millis(1));
+            let (body, marks) = bodies[number % bodies.len()].split_at(BODY_BYTES);
+            times.extend(time_of(&output.arrivals, || {
+                let written = loopback.writer.write_all(body);
+                written.expect("the line is open");
+                let complete = Instant::now();
+                thread::sleep(wait);
+                // A program may call its output when it wakes up for something else than a packet.
+                while output.arrivals.try_recv().is_ok() {}
+                let written = loopback.writer.write_all(marks);
+                written.expect("the line is open");
+                complete
+            }));
+        }
+        println!(
+            "{:24} {baud:8}  {:16} {:6.1} µs {:6.1} µs   {:6.1} µs{}",
+            output.name,
+            program.name,
+            percentile(&mut times, 50),
+            percentile(&mut times, 99),
+            wait.as_secs_f64() * 1e6,
+            lost(packets - times.len()),
+        );
+    }
+}
+
+/// Feeds a packet and returns the time from its last byte, which `feed` returns, to its event. `None` if there is no event.
+fn time_of(arrivals: &Receiver<Instant>, feed: impl FnOnce() -> Instant) -> Option<Duration> {
+    // Events of lost packets.
+    while arrivals.try_recv().is_ok() {}
+    let complete = feed();
+    let arrival = arrivals.recv_timeout(TIMEOUT).ok()?;
+    Some(arrival.saturating_duration_since(complete))
+}
+
+fn lost(packets: usize) -> String {
+    match packets {
+        0 => String::new(),
+        packets => format!("   {packets} lost"),
+    }
+}
+
+/// Returns a percentile in microseconds.
+fn percentile(times: &mut [Duration], percent: usize) -> f64 {
+    times.sort_unstable();
+    let index = (times.len() * percent / 100).min(times.len().saturating_sub(1));
+    times
+        .get(index)
+        .map_or(f64::NAN, |time| time.as_secs_f64() * 1e6)
+}
+
+/// Returns the bodies of packets of a typing hand, each with the marks of the next packet.
+fn bodies() -> Vec<[u8; PACKET_BYTES]> {
+    let setup = Setup::default().load_files().expect("the default setup");
+    let typist = setup.typist("hello world", &Hc11Format::default(), 0.5, 1);
+    let mut typist: SimulatedTypist = typist.expect("the hand can type the text");
+    std::iter::from_fn(|| typist.next_counts())
+        .map(|counts| {
+            let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
+            let mut packet = encode(Framing::Double06, &body);
+            packet.rotate_left(PACKET_BYTES - BODY_BYTES);
+            packet
+        })
+        .collect()
+}

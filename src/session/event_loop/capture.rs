@@ -1,0 +1,80 @@
+//! The source of a session, on a thread of its own or read by the loop.
+
+use std::thread;
+use std::time::Duration;
+
+use crossbeam_channel::Receiver;
+
+use crate::capture::{CaptureError, CaptureEvent, CaptureThread, InPlaceCapture, Source, spawn};
+use crate::session::waker::WakeTarget;
+
+/// The source of a session and its events.
+pub(super) struct Capture {
+    form: CaptureForm,
+    packet_period: Option<Duration>,
+    is_live: bool,
+}
+
+enum CaptureForm {
+    /// The loop polls and reads the source, which saves a reading the way from one thread to another.
+    InPlace(InPlaceCapture),
+    /// The source has to block, as recordings, merged sources and those without a descriptor do.
+    Thread(CaptureThread),
+}
+
+impl Capture {
+    /// Starts to capture. The calling thread becomes the one that [waits](Self::wait).
+    pub fn start(source: impl Source + 'static) -> Result<Self, CaptureError> {
+        let (packet_period, is_live) = (source.packet_period(), source.is_live());
+        let form = match InPlaceCapture::new(Box::new(source)) {
+            Ok(capture) => CaptureForm::InPlace(capture),
+            Err(source) => CaptureForm::Thread(spawn(source)?),
+        };
+        Ok(Self {
+            form,
+            packet_period,
+            is_live,
+        })
+    }
+
+    /// Returns the shortest time between two readings, if the source knows it.
+    pub fn packet_period(&self) -> Option<Duration> {
+        self.packet_period
+    }
+
+    /// Returns `true` if readings arrive at their own pace.
+    pub fn is_live(&self) -> bool {
+        self.is_live
+    }
+
+    /// Returns the events that have arrived.
+    pub fn events(&self) -> &Receiver<CaptureEvent> {
+        match &self.form {
+            CaptureForm::InPlace(capture) => capture.events(),
+            CaptureForm::Thread(capture) => capture.events(),
+        }
+    }
+
+    /// Returns what ends a [`wait`](Self::wait).
+    pub fn wake_target(&self) -> WakeTarget {
+        match &self.form {
+            CaptureForm::InPlace(capture) => WakeTarget::Polling(capture.wake_up().clone()),
+            CaptureForm::Thread(_) => WakeTarget::Parked(thread::current()),
+        }
+    }
+
+    /// Waits for events, a wake-up or `timeout`. May return early.
+    pub fn wait(&mut self, timeout: Duration) {
+        match &mut self.form {
+            CaptureForm::InPlace(capture) => capture.wait(timeout),
+            CaptureForm::Thread(_) => thread::park_timeout(timeout),
+        }
+    }
+
+    /// Queues events that have arrived but are not in the channel yet.
+    pub fn receive(&mut self) {
+        if let CaptureForm::InPlace(capture) = &mut self.form {
+            capture.wait(Duration::ZERO);
+        }
+    }
+}
