@@ -6,6 +6,10 @@ use crate::hand::Dof;
 /// The largest excess over a range that a calibration error explains, as a fraction of the range.
 const TOLERANCE: f64 = 0.1;
 
+/// The same in radians, for joints with a small range: 12°. Calibrated joints are up to 8° off in 95 of 100 cases, and more at the
+/// ends of their range for people who do not reach as far as most.
+const MIN_TOLERANCE: f64 = 0.21;
+
 /// The range of motion of every degree of freedom, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits {
@@ -31,7 +35,7 @@ impl JointRange {
     }
 
     pub(super) fn checked_clamp(self, radians: f64) -> Option<f64> {
-        let tolerance = TOLERANCE * (self.high - self.low);
+        let tolerance = (TOLERANCE * (self.high - self.low)).max(MIN_TOLERANCE);
         (self.low - tolerance..=self.high + tolerance)
             .contains(&radians)
             .then(|| self.clamp(radians))
@@ -80,7 +84,7 @@ impl JointLimits {
     }
 
     /// Clamps an angle to the range of `dof`; radians. Returns `None` if it is NaN or outside the range by more than a
-    /// tenth of the range, which no calibration error explains.
+    /// tenth of the range and more than 12°, which no calibration error explains.
     pub fn checked_clamp(&self, dof: Dof, radians: f64) -> Option<f64> {
         self.joint_range(dof).checked_clamp(radians)
     }
@@ -132,5 +136,13 @@ mod tests {
         assert_eq!(degrees(160.0), None);
         assert_eq!(degrees(f64::NAN), None);
         assert_eq!(degrees(f64::INFINITY), None);
+    }
+
+    #[test]
+    fn an_error_of_the_calibration_is_clamped_for_joints_with_a_small_range_too() {
+        let limits = JointLimits::human();
+        let degrees = |value: f64| limits.checked_clamp(Dof::WristDeviation, value.to_radians());
+        assert_eq!(degrees(-29.0), Some((-20_f64).to_radians()));
+        assert_eq!(degrees(-33.0), None);
     }
 }

@@ -29,11 +29,11 @@ const POSTURES: usize = 60;
 /// The corrections that a person makes on the way to a key, at the key, and while pressing it.
 const CORRECTIONS: usize = 3;
 
-fn person(seed: u64) -> SimulatedWearer {
+pub(super) fn person(seed: u64) -> SimulatedWearer {
     SimulatedWearer::new(seed, &shipped(), Side::Right)
 }
 
-fn shipped() -> ChannelMap {
+pub(super) fn shipped() -> ChannelMap {
     Glove::load("unam-hc11").unwrap().map
 }
 
@@ -68,7 +68,9 @@ fn procedure() -> Procedure {
     Procedure::for_glove(&shipped(), Duration::from_millis(1_500))
 }
 
-fn calibrate(wearer: &mut SimulatedWearer) -> Result<CalibrationResult, CalibrationError> {
+pub(super) fn calibrate(
+    wearer: &mut SimulatedWearer,
+) -> Result<CalibrationResult, CalibrationError> {
     fit(&guide(wearer, procedure()).observations, &shipped())
 }
 
@@ -231,6 +233,15 @@ fn the_curvature_of_bend_sensors_matters() {
 #[test]
 fn people_type_the_text_after_the_calibration() {
     check_typing(6);
+}
+
+#[test]
+fn a_person_whose_wrist_bends_less_than_that_of_most_types_keys_at_both_ends() {
+    // The calibration takes 15° for 21°, so keys to the left need an angle beyond the limit of the joint.
+    let mut wearer = person(10);
+    let map = calibrate(&mut wearer).unwrap().map;
+    let error = typing_error(&mut wearer, &map, CORRECTIONS);
+    assert!(error <= 0.01, "{error}");
 }
 
 #[test]
