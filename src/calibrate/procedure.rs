@@ -10,6 +10,9 @@ use crate::capture::{Channels, MAX_CHANNELS};
 use crate::estimate::ChannelMap;
 use crate::time::Timestamp;
 
+/// The longest gap between two readings of one pose. After a longer one the hand was not seen, and the pose starts again.
+const MAX_GAP: Duration = Duration::from_secs(1);
+
 /// The state of a procedure after a reading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ProcedureState {
@@ -28,6 +31,8 @@ pub struct Procedure {
     prepare: Duration,
     index: usize,
     capture: Option<PoseCapture>,
+    /// The time of the last reading.
+    latest: Option<Timestamp>,
     live: Vec<LiveChannel>,
     observations: Observations,
     marks: Vec<PoseMark>,
@@ -64,6 +69,7 @@ impl Procedure {
             prepare,
             index: 0,
             capture: None,
+            latest: None,
             observations: Observations::default(),
             marks: Vec::new(),
         }
@@ -77,6 +83,10 @@ impl Procedure {
         let Some(pose) = self.pose() else {
             return ProcedureState::Finished;
         };
+        let latest = self.latest.replace(time);
+        if latest.is_some_and(|latest| time.since(latest) > MAX_GAP) {
+            self.capture = None;
+        }
         let new = || PoseCapture::new(pose, &self.channels, self.prepare);
         let capture = self.capture.get_or_insert_with(new);
         let state = capture.push(time, channels);
@@ -195,6 +205,19 @@ mod tests {
         assert!(marks.windows(2).all(|pair| pair[0].end < pair[1].start));
         let fist = procedure.observations().get(CalibrationPose::Fist).unwrap();
         assert_eq!(fist.median(10), Some(70.0));
+    }
+
+    #[test]
+    fn a_gap_in_the_readings_starts_the_pose_again() {
+        let mut procedure = procedure();
+        // 1 s of countdown, and nearly 1 s of rest.
+        assert_eq!(run(&mut procedure, 0..190), []);
+        assert_eq!(
+            run(&mut procedure, 5_000..5_190),
+            [],
+            "the program was stopped"
+        );
+        assert_eq!(run(&mut procedure, 5_190..5_210), [CalibrationPose::Rest]);
     }
 
     #[test]

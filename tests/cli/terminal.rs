@@ -175,7 +175,7 @@ fn closing_the_terminal_ends_the_demo_and_removes_its_serial_port() {
 }
 
 /// Waits until a process has ended. Returns `false` after 60 s.
-fn ends(process: &str) -> bool {
+pub fn ends(process: &str) -> bool {
     let status = format!("/proc/{process}/stat");
     // An ended process whose parent is gone may stay as a zombie.
     let has_ended = || fs::read_to_string(&status).map_or(true, |status| status.contains(") Z "));

@@ -14,6 +14,9 @@ use crate::failure::Failure;
 /// Longest wait for a reading, so that keys are answered.
 const POLL_PERIOD: Duration = Duration::from_millis(20);
 
+/// The longest delay that a simulated person makes up for. After a longer one, the process was stopped.
+const MAX_DELAY: Duration = Duration::from_secs(1);
+
 /// A source of readings.
 pub struct Feed {
     kind: FeedKind,
@@ -85,8 +88,12 @@ impl Feed {
                 }
                 let (time, channels) = wearer.next_packet();
                 if let Some(start) = start {
-                    let due = *start + Duration::from_micros(time.0);
-                    thread::sleep(due.saturating_duration_since(Instant::now()));
+                    let (due, now) = (*start + Duration::from_micros(time.0), Instant::now());
+                    let delay = now.saturating_duration_since(due);
+                    if delay > MAX_DELAY {
+                        *start += delay;
+                    }
+                    thread::sleep(due.saturating_duration_since(now));
                 }
                 Ok(FeedEvent::Channels(time, Box::new(channels)))
             }

@@ -18,7 +18,7 @@ use super::screen::Screen;
 use crate::failure::Failure;
 use crate::view::look::Look;
 use crate::view::terminal::{self, Output};
-use crate::{messages, signals, view};
+use crate::{messages, pause_signals, signals, view};
 
 /// Shortest time between two pictures.
 const PICTURE_PERIOD: Duration = Duration::from_millis(34);
@@ -77,6 +77,7 @@ impl<'a> Session<'a> {
 
     fn run_on_terminal(&mut self) -> Result<Outcome, Failure> {
         signals::before_exit(view::abandon);
+        pause_signals::install_without_session()?;
         terminal::take_over()?;
         messages::hold();
         let outcome = self.show();
@@ -87,7 +88,8 @@ impl<'a> Session<'a> {
 
     fn show(&mut self) -> Result<Outcome, Failure> {
         let look = Look::from_environment();
-        let mut screen = Terminal::new(CrosstermBackend::new(Output::open()?))?;
+        let mut screen = new_screen()?;
+        let mut takeover = terminal::takeover();
         let mut drawn_at: Option<Instant> = None;
         loop {
             if signals::is_stop_requested() {
@@ -107,6 +109,11 @@ impl<'a> Session<'a> {
             }
             if drawn_at.is_none_or(|drawn_at| drawn_at.elapsed() >= PICTURE_PERIOD) {
                 drawn_at = Some(Instant::now());
+                if takeover != terminal::takeover() {
+                    // The process was stopped, and nothing of the picture is left.
+                    takeover = terminal::takeover();
+                    screen = new_screen()?;
+                }
                 screen.draw(|frame| self.screen(look).draw(frame.buffer_mut()))?;
             }
         }
@@ -196,6 +203,10 @@ impl<'a> Session<'a> {
         }
         self.procedure.repeat();
     }
+}
+
+fn new_screen() -> io::Result<Terminal<CrosstermBackend<Output>>> {
+    Terminal::new(CrosstermBackend::new(Output::open()?))
 }
 
 /// Returns whether the session is shown on a terminal, which needs keys too.

@@ -10,4 +10,4 @@ use unix as system;
 #[cfg(not(unix))]
 use unsupported as system;
 
-pub use system::install;
+pub use system::{install, install_without_session};

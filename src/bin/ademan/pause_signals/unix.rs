@@ -39,6 +39,15 @@ pub fn install(commands: CommandSender) -> Result<(), Failure> {
     thread.spawn(handle).map(drop).map_err(Failure::no_thread)
 }
 
+/// Handles Ctrl-Z until the program ends, for a program without a session: gives the terminal back while it is stopped.
+pub fn install_without_session() -> Result<(), Failure> {
+    let failed = |error| Failure::job(format!("cannot handle signals: {error}"));
+    let mut signals = Signals::new([SIGTSTP]).map_err(failed)?;
+    let handle = move || signals.forever().for_each(|_| stop_process());
+    let thread = thread::Builder::new().name("signals".into());
+    thread.spawn(handle).map(drop).map_err(Failure::no_thread)
+}
+
 /// Pauses the session and stops the process. The session resumes when the process is continued, unless another pause was
 /// in effect before or was requested meanwhile.
 fn suspend(commands: &CommandSender) {
@@ -49,14 +58,19 @@ fn suspend(commands: &CommandSender) {
         let _ = request(Command::Pause);
     }
     thread::sleep(OUTPUT_DELAY);
+    stop_process();
+    if !was_paused {
+        let _ = request(Command::Resume);
+    }
+}
+
+/// Stops the process until it is continued. The view is closed meanwhile.
+fn stop_process() {
     let was_viewed = view::suspend();
     if let Err(error) = emulate_default_handler(SIGTSTP) {
         complain!("cannot stop this process: {error}");
     }
     if was_viewed {
         view::resume();
-    }
-    if !was_paused {
-        let _ = request(Command::Resume);
     }
 }

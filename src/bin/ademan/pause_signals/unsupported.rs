@@ -8,3 +8,8 @@ use crate::failure::Failure;
 pub fn install(_: CommandSender) -> Result<(), Failure> {
     Ok(())
 }
+
+/// Does nothing.
+pub fn install_without_session() -> Result<(), Failure> {
+    Ok(())
+}

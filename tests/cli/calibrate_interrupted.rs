@@ -1,0 +1,142 @@
+//! Guided calibrations on a terminal that are interrupted: nothing is overwritten, and the terminal is as it was.
+
+use std::fs;
+use std::io::Read;
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+use tempfile::TempDir;
+
+use crate::ademan;
+use crate::support::process::{Process, signal};
+use crate::terminal::ends;
+use crate::view::{screen::Screen, set_terminal};
+
+/// The content of the file that a calibration would replace.
+const PRECIOUS: &str = "precious";
+
+/// Starts a calibration of a simulated person that would replace an existing file.
+fn start() -> (TempDir, Screen) {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("mine.ron"), PRECIOUS).expect("a file");
+    let mut command = ademan(["calibrate", "--demo", "--countdown", "0.5", "--out", "mine"]);
+    command.current_dir(folder.path());
+    set_terminal(&mut command);
+    let screen = Screen::start(&command, 80, 24);
+    (folder, screen)
+}
+
+/// Asserts that the folder has only the file of before.
+fn assert_unchanged(folder: &TempDir) {
+    let text = fs::read_to_string(folder.path().join("mine.ron"));
+    assert_eq!(text.expect("a file"), PRECIOUS);
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+}
+
+#[test]
+fn ctrl_z_gives_the_terminal_back_and_the_calibration_continues() {
+    let (folder, mut screen) = start();
+    screen.wait_for_text("pose 3 of 13  ●●▶");
+    signal("TSTP", screen.program.0.id());
+    screen.wait_for("terminal of before", |screen| {
+        !screen.text().contains("pose 3")
+    });
+    screen.assert_restored();
+    // A person who held the pose all the time would be at the last one.
+    thread::sleep(Duration::from_secs(4));
+    assert!(!screen.text().contains("pose"), "{}", screen.text());
+    signal("CONT", screen.program.0.id());
+    let continued = screen.wait_for_text("pose ");
+    println!("{continued}");
+    assert!(continued.contains("pose 3 of 13") || continued.contains("pose 4 of 13"));
+    assert!(continued.contains("from the side"), "all is drawn again");
+    screen.wait_for_text("replace mine.ron? [y/N]");
+    screen.assert_restored();
+    screen.type_keys("n\r");
+    assert!(screen.wait().success());
+    assert!(screen.text().contains("mine.ron is unchanged"));
+    assert_unchanged(&folder);
+}
+
+#[test]
+fn a_signal_ends_a_calibration_and_nothing_is_overwritten() {
+    for name in ["INT", "TERM", "HUP"] {
+        let (folder, mut screen) = start();
+        screen.wait_for_text("pose 2 of 13");
+        signal(name, screen.program.0.id());
+        screen.wait();
+        screen.assert_restored();
+        assert!(screen.text().contains("no file was written"), "{name}");
+        assert_unchanged(&folder);
+    }
+}
+
+#[test]
+fn ctrl_c_at_the_question_is_a_no() {
+    let (folder, mut screen) = start();
+    screen.wait_for_text("pose 2 of 13");
+    screen.type_keys(&"s".repeat(12));
+    screen.wait_for_text("replace mine.ron? [y/N]");
+    screen.type_keys("\x03");
+    screen.wait();
+    screen.assert_restored();
+    assert_unchanged(&folder);
+}
+
+#[test]
+fn a_window_that_is_too_small_shows_the_calibration_again_once_it_is_enlarged() {
+    let (folder, mut screen) = start();
+    screen.wait_for_text("pose 2 of 13");
+    for (columns, rows) in [(20, 5), (1, 1), (200, 60), (80, 24)] {
+        screen.resize(columns, rows);
+        thread::sleep(Duration::from_millis(300));
+    }
+    let shown = screen.wait_for_text("from the side");
+    assert!(shown.contains("q quit"), "{shown}");
+    screen.type_keys("q");
+    assert!(screen.wait().success());
+    screen.assert_restored();
+    assert_unchanged(&folder);
+}
+
+#[test]
+fn a_calibration_ends_with_its_terminal() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("mine.ron"), PRECIOUS).expect("a file");
+    let id = tempfile::NamedTempFile::new().expect("a file");
+    let calibrate = format!(
+        "stty rows 24 columns 80; echo $$ > {}; exec {} calibrate --demo --out mine",
+        id.path().display(),
+        env!("CARGO_BIN_EXE_ademan")
+    );
+    let mut script = Command::new("script");
+    script
+        .args(["--quiet", "--command", &calibrate, "/dev/null"])
+        .envs([
+            ("TERM", "xterm-256color"),
+            ("LC_ALL", "C.UTF-8"),
+            ("SHELL", "/bin/sh"),
+        ])
+        .current_dir(folder.path())
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped());
+    let Ok(mut script) = Process::start(&mut script) else {
+        println!("SKIPPED: `script` of util-linux is not installed");
+        return;
+    };
+    let mut screen = script.0.stdout.take().expect("a pipe");
+    let mut shown = Vec::new();
+    while !String::from_utf8_lossy(&shown).contains("from above") {
+        let mut buffer = [0; 4096];
+        let length = screen.read(&mut buffer).expect("a pipe");
+        assert!(length > 0, "{}", String::from_utf8_lossy(&shown));
+        shown.extend(&buffer[..length]);
+    }
+    let program = fs::read_to_string(id.path()).expect("a file");
+    // The window is closed.
+    script.0.kill().expect("it runs");
+    script.0.wait().expect("it ends");
+    assert!(ends(program.trim()), "it goes on without a terminal");
+    assert_unchanged(&folder);
+}
