@@ -69,6 +69,8 @@ pub enum Command {
     Zero,
     /// Removes what `Zero` has changed.
     UndoZero,
+    /// Returns to the calibrated ranges of the sensors.
+    UndoLearning,
     /// Writes the poses and the size of the boards to the layout file.
     Save,
     /// Reads the layout files again.
@@ -201,6 +203,11 @@ pub const SPECS: &[CommandSpec] = &[
         "Undo zero",
     ),
     plain(
+        "undo-learning",
+        "Return to the calibrated ranges of the sensors, from what `--learn-ranges` has learned",
+        "Unlearn",
+    ),
+    plain(
         "save",
         "Write the poses and the size of the boards to the layout file",
         "Save",
@@ -309,6 +316,7 @@ impl Command {
             Self::Scale { .. } => "scale",
             Self::Zero => "zero",
             Self::UndoZero => "undo-zero",
+            Self::UndoLearning => "undo-learning",
             Self::Save => "save",
             Self::Reload => "reload",
             Self::Stop => "stop",
@@ -322,6 +330,7 @@ impl Command {
             self,
             Self::Zero
                 | Self::UndoZero
+                | Self::UndoLearning
                 | Self::Recenter
                 | Self::Nudge { .. }
                 | Self::Tilt { .. }

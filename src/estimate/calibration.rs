@@ -29,6 +29,14 @@ impl AffineMap {
         value * self.gain + self.offset
     }
 
+    /// Returns the map that applies `first`, and then this one.
+    pub fn after(&self, first: &Self) -> Self {
+        Self {
+            gain: self.gain * first.gain,
+            offset: self.apply(first.offset),
+        }
+    }
+
     /// Returns the raw value for an angle; not finite if the gain is 0.
     pub fn apply_inverse(&self, angle: f64) -> f64 {
         (angle - self.offset) / self.gain

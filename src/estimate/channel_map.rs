@@ -1,6 +1,7 @@
 //! Channel maps: the assignment of sensor channels to joint angles.
 
 use super::calibration::AffineMap;
+use super::learned_range::LearnedRange;
 use super::linearity::Linearity;
 use crate::capture::MAX_CHANNELS;
 use crate::hand::{Dof, FingerSet, Input};
@@ -32,6 +33,9 @@ pub struct InputRow {
     pub calibration: AffineMap,
 }
 
+/// The smallest and the largest count of a channel.
+pub type CountRange = (f64, f64);
+
 /// The channels of a glove that are in use. If two rows have the same angle, the later one takes precedence.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChannelMap {
@@ -39,6 +43,7 @@ pub struct ChannelMap {
     inputs: Vec<InputRow>,
     assumed: Vec<(Dof, f64)>,
     curvatures: Vec<(usize, f64)>,
+    ranges: Vec<(usize, CountRange)>,
     full_scale: u16,
     uses_full_range: bool,
 }
@@ -63,6 +68,7 @@ impl ChannelMap {
             inputs: Vec::new(),
             assumed: Vec::new(),
             curvatures: Vec::new(),
+            ranges: Vec::new(),
             full_scale,
             uses_full_range: false,
         }
@@ -94,6 +100,31 @@ impl ChannelMap {
         let limit = MAX_CURVATURE * f64::from(self.full_scale);
         assert!(curvatures.iter().all(|(_, counts)| counts.abs() <= limit));
         Self { curvatures, ..self }
+    }
+
+    /// Sets the smallest and the largest count of channels in the poses of their calibration. A channel without a range, or with
+    /// an empty one, is not widened by [learning](super::EstimatorSettings::learn_ranges).
+    #[must_use]
+    pub fn with_ranges(self, ranges: Vec<(usize, CountRange)>) -> Self {
+        Self { ranges, ..self }
+    }
+
+    /// Returns the map with what was learned of the ranges of its channels.
+    #[must_use]
+    pub fn with_learned_ranges(mut self, learned: &[LearnedRange]) -> Self {
+        for range in learned {
+            let Some(counts) = self.range(range.channel) else {
+                continue;
+            };
+            let linearity = self.linearity(range.channel);
+            let ends = (linearity.apply(counts.0), linearity.apply(counts.1));
+            let correction = range.correction(ends);
+            let rows = self.rows.iter_mut();
+            for row in rows.filter(|row| row.channel == range.channel) {
+                row.calibration = row.calibration.after(&correction);
+            }
+        }
+        self
     }
 
     /// Returns the map with other calibrations of its rows, in their order.
@@ -128,6 +159,18 @@ impl ChannelMap {
     /// Returns the curvatures of channels, in counts; see [`with_curvatures`](Self::with_curvatures).
     pub fn curvatures(&self) -> &[(usize, f64)] {
         &self.curvatures
+    }
+
+    /// Returns the calibrated ranges of channels, in counts; see [`with_ranges`](Self::with_ranges).
+    pub fn ranges(&self) -> &[(usize, CountRange)] {
+        &self.ranges
+    }
+
+    /// Returns the calibrated range of a channel; `None` if it is not known or empty.
+    pub fn range(&self, channel: usize) -> Option<CountRange> {
+        let mut ranges = self.ranges.iter();
+        let (_, range) = ranges.find(|(other, _)| *other == channel)?;
+        (range.0 < range.1).then_some(*range)
     }
 
     /// Returns the line of a channel: the map from its counts to linear counts.

@@ -5,11 +5,11 @@ use std::time::Duration;
 use parry3d::math::Vec3;
 
 use super::position_filter::PositionFilter;
-use super::samples::SampleConverter;
+use super::samples::{ChannelConverter, SampleConverter};
 use super::smoothing::Smoother;
 use super::zero::{Zero, ZeroError, Zeroed};
-use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
-use crate::capture::{Reading, SampleKind};
+use super::{ChannelMap, Estimate, EstimatorSettings, LearnedRange, Rejection};
+use crate::capture::{Reading, Sample, SampleKind};
 use crate::hand::{Displacement, Joint, JointAngles};
 use crate::time::Timestamp;
 
@@ -43,7 +43,7 @@ pub struct Estimator {
     /// An implausible jump, and the number of consecutive readings that agree with it.
     candidate: Option<(RawAngles, u8)>,
     zero: Zero,
-    /// The angles were zeroed since the latest reading, so that the next estimate jumps.
+    /// The meaning of the counts has changed since the latest reading, so that the next estimate jumps.
     has_jumped: bool,
     /// The sensor measures joint angles.
     measures_angles: bool,
@@ -104,9 +104,9 @@ impl Estimator {
             anchor: anchor(&self.estimate),
         };
         self.estimate.jumped |= self.check_speed(&raw)?;
+        let was_unseen = self.estimate.jumped || gap > self.settings.max_gap;
         self.estimate.jumped |= std::mem::take(&mut self.has_jumped);
-        let jumped = self.estimate.jumped;
-        let is_interrupted = jumped || gap > self.settings.max_gap;
+        let is_interrupted = was_unseen || self.estimate.jumped;
         if is_interrupted || !self.has_same_dofs(&raw.angles) {
             self.smoother.reset();
         }
@@ -132,7 +132,60 @@ impl Estimator {
         let estimate = &self.estimate;
         self.zero
             .update(estimate.time, &estimate.angles, estimate.untrusted);
+        self.observe_ranges(reading, was_unseen);
         Ok(&self.estimate)
+    }
+
+    /// Adds an accepted reading to the learning of ranges. A hand that was not seen before it may have done anything. A change of a
+    /// range is no reason to forget the excursions of other sensors.
+    fn observe_ranges(&mut self, reading: &Reading, was_unseen: bool) {
+        let (Sample::Channels(channels), Some(converter)) =
+            (&reading.sample, self.converter.channels_mut())
+        else {
+            return;
+        };
+        if was_unseen {
+            converter.forget_excursions();
+        }
+        converter.observe_ranges(reading.time, channels);
+    }
+
+    /// Returns whether a sensor has been beyond its range, so that [`widen_ranges`](Self::widen_ranges) changes something.
+    pub fn is_widening_due(&self) -> bool {
+        let converter = self.converter.channels();
+        converter.is_some_and(ChannelConverter::is_widening_due)
+    }
+
+    /// Widens the ranges of sensors that have been beyond them, each by 1 % of the calibrated one. The next estimate jumps. Does
+    /// not allocate.
+    pub fn widen_ranges(&mut self) {
+        self.change_ranges(ChannelConverter::widen_ranges);
+    }
+
+    /// Returns to the calibrated ranges. The next estimate jumps.
+    pub fn undo_learning(&mut self) {
+        self.change_ranges(ChannelConverter::undo_learning);
+    }
+
+    /// Discards what was observed of ranges and not learned yet.
+    pub fn forget_excursions(&mut self) {
+        if let Some(converter) = self.converter.channels_mut() {
+            converter.forget_excursions();
+        }
+    }
+
+    /// Iterates over the ranges that were widened.
+    pub fn learned_ranges(&self) -> impl Iterator<Item = LearnedRange> {
+        let converter = self.converter.channels().into_iter();
+        converter.flat_map(ChannelConverter::learned_ranges)
+    }
+
+    fn change_ranges(&mut self, change: impl FnOnce(&mut ChannelConverter)) {
+        if let Some(converter) = self.converter.channels_mut() {
+            change(converter);
+            self.candidate = None;
+            self.has_jumped = true;
+        }
     }
 
     /// Makes the present angles those of the [rest pose](EstimatorSettings::rest_pose), by offsets that last until

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Estimate, Estimator, FusedEstimator, Rejection, ZeroError, Zeroed};
+use super::{Estimate, Estimator, FusedEstimator, LearnedRange, Rejection, ZeroError, Zeroed};
 use crate::capture::Reading;
 use crate::hand::HandPart;
 
@@ -55,9 +55,38 @@ impl HandEstimator {
 
     /// Returns the effect of [`zero`](Self::zero), if there is one.
     pub fn zeroed(&self) -> Option<Zeroed> {
+        self.fingers().zeroed()
+    }
+
+    /// Returns whether a sensor has been beyond its range: see [`Estimator::is_widening_due`].
+    pub fn is_widening_due(&self) -> bool {
+        self.fingers().is_widening_due()
+    }
+
+    /// Widens ranges: see [`Estimator::widen_ranges`].
+    pub fn widen_ranges(&mut self) {
+        self.fingers_mut().widen_ranges();
+    }
+
+    /// Returns to the calibrated ranges.
+    pub fn undo_learning(&mut self) {
+        self.fingers_mut().undo_learning();
+    }
+
+    /// Discards what was observed of ranges and not learned yet.
+    pub fn forget_excursions(&mut self) {
+        self.fingers_mut().forget_excursions();
+    }
+
+    /// Iterates over the ranges that were widened.
+    pub fn learned_ranges(&self) -> impl Iterator<Item = LearnedRange> {
+        self.fingers().learned_ranges()
+    }
+
+    fn fingers(&self) -> &Estimator {
         match self {
-            Self::Single(estimator) => estimator.zeroed(),
-            Self::Fused(estimator) => estimator.fingers().zeroed(),
+            Self::Single(estimator) => estimator,
+            Self::Fused(estimator) => estimator.fingers(),
         }
     }
 

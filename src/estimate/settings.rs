@@ -25,6 +25,9 @@ pub struct EstimatorSettings {
     /// The angles of the hand at rest, in radians, to which [zeroing](super::Estimator::zero) returns. Angles that are not
     /// known are not zeroed.
     pub rest_pose: JointAngles,
+    /// `true` to widen the calibrated ranges of finger sensors that go beyond them; see
+    /// [`with_ranges`](super::ChannelMap::with_ranges).
+    pub learn_ranges: bool,
 }
 
 /// The trust in landmarks with confidences.
@@ -60,6 +63,7 @@ impl Default for EstimatorSettings {
             rail_timeout: Some(Duration::from_secs(1)),
             landmarks: LandmarkSettings::default(),
             rest_pose: JointAngles::default(),
+            learn_ranges: false,
         }
     }
 }
@@ -76,6 +80,7 @@ impl EstimatorSettings {
             rail_timeout: None,
             landmarks: LandmarkSettings::default(),
             rest_pose: JointAngles::default(),
+            learn_ranges: false,
         }
     }
 }

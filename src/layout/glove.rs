@@ -9,7 +9,7 @@ use crate::document::{
     Document, DocumentError, Format, Spanned, Structure, first_error, ranged_numbers,
 };
 use crate::estimate::{
-    AffineMap, ChannelMap, ChannelRow, InputRow, JointLimits, MAX_CURVATURE, MAX_ROWS,
+    AffineMap, ChannelMap, ChannelRow, CountRange, InputRow, JointLimits, MAX_CURVATURE, MAX_ROWS,
 };
 use crate::hand::{Dof, Input, JointAngles, Side};
 use crate::names::UnknownName;
@@ -50,6 +50,9 @@ struct GloveSchema<'a> {
     /// The counts by which a channel is above a straight line in the middle of the full scale.
     #[serde(default)]
     curvature_counts: BTreeMap<usize, f64>,
+    /// The smallest and the largest count of channels in the poses of the calibration.
+    #[serde(default)]
+    range_counts: BTreeMap<usize, CountRange>,
     /// Counts are at the ends of their range in normal use. Otherwise such a count is a broken wire.
     #[serde(default)]
     uses_full_range: bool,
@@ -187,12 +190,16 @@ impl Glove {
         let curvatures = schema
             .curvatures()
             .map_err(|message| document.error_at(&document.text, message))?;
+        let ranges = schema
+            .ranges()
+            .map_err(|message| document.error_at(&document.text, message))?;
         let map = |is_included: &dyn Fn(&RowSchema) -> bool| {
             let rows = schema.rows.iter().filter(|row| is_included(row));
             ChannelMap::new(rows.map(|row| row.build(full_scale)).collect(), full_scale)
                 .with_inputs(inputs.clone())
                 .with_assumed_angles(assumed.clone())
                 .with_curvatures(curvatures.clone())
+                .with_ranges(ranges.clone())
                 .with_full_range(schema.uses_full_range)
         };
         Ok(Self {
@@ -227,6 +234,25 @@ impl GloveSchema<'_> {
             }
         };
         self.assumed_deg.iter().map(check).collect()
+    }
+
+    /// Returns the calibrated ranges of channels in counts. An error states what is wrong with one.
+    fn ranges(&self) -> Result<Vec<(usize, CountRange)>, String> {
+        let full_scale = f64::from(self.full_scale_counts.0);
+        let check = |(&channel, &(low, high)): (&usize, &CountRange)| {
+            if !self.rows.iter().any(|row| row.channel.0 == channel) {
+                return Err(format!(
+                    "`range_counts` has channel {channel}, which no row has"
+                ));
+            }
+            match 0.0 <= low && low < high && high <= full_scale {
+                true => Ok((channel, (low, high))),
+                false => Err(format!(
+                    "the range of channel {channel} is ({low}, {high}); write the smaller count first, both within 0 to {full_scale}"
+                )),
+            }
+        };
+        self.range_counts.iter().map(check).collect()
     }
 
     /// Returns the curvatures of channels in counts. An error states what is wrong with one.
@@ -390,6 +416,29 @@ mod tests {
         );
         assert!(parse("1: 52").unwrap_err().contains("at most 51"));
         assert!(parse("1: NaN").unwrap_err().contains("at most 51"));
+    }
+
+    #[test]
+    fn a_range_is_of_a_channel_in_use_and_rises_within_the_full_scale() {
+        let row = "(label: \"a\", dof: \"elbow-flexion\", channel: 1, offset_counts: 0, full_scale_rad: 2.55, offset_rad: 0)";
+        let parse = |range: &str| {
+            let text = format!(
+                "Glove(name: \"g\", side: \"right\", full_scale_counts: 255, range_counts: {{{range}}}, rows: [{row}])"
+            );
+            Glove::parse(&Document::new("g.ron", text)).map_err(|error| error.to_string())
+        };
+        let map = parse("1: (6, 154)").unwrap().map;
+        assert_eq!(map.range(1), Some((6.0, 154.0)));
+        assert_eq!(map.range(2), None);
+        for (range, message) in [
+            ("2: (6, 154)", "channel 2, which no row has"),
+            ("1: (154, 6)", "the smaller count first"),
+            ("1: (6, 256)", "within 0 to 255"),
+            ("1: (NaN, 100)", "the range of channel 1 is (NaN, 100)"),
+        ] {
+            let error = parse(range).unwrap_err();
+            assert!(error.contains(message), "{error}");
+        }
     }
 
     #[test]

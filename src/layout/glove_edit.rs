@@ -8,7 +8,7 @@ use serde::Deserialize;
 use super::edit::{byte_range, replace_ranges};
 use super::glove::Glove;
 use crate::document::{Document, DocumentError, parse_ron};
-use crate::estimate::{ChannelMap, ChannelRow, JointLimits};
+use crate::estimate::{ChannelMap, ChannelRow, CountRange, JointLimits};
 use crate::hand::{Dof, JointAngles};
 
 /// Returns the text of a glove with the calibrations of `map`, whose rows are those that are enabled in the text, in their order,
@@ -48,6 +48,13 @@ pub fn write_calibration(
             |(channel, counts): &(usize, f64)| format!("{channel}: {}", round(*counts, 1e2));
         let entries = map.curvatures().iter().map(entry).collect();
         set("curvature_counts", raw.curvature_counts, entries);
+    }
+    if old.ranges() != map.ranges() {
+        let entry = |(channel, (low, high)): &(usize, CountRange)| {
+            format!("{channel}: ({}, {})", round(*low, 1e2), round(*high, 1e2))
+        };
+        let entries = map.ranges().iter().map(entry).collect();
+        set("range_counts", raw.range_counts, entries);
     }
     if !rest.is_empty() {
         let entry = |(dof, radians): (_, f64)| format!("\"{dof}\": {}", degrees(dof, radians));
@@ -108,6 +115,8 @@ struct RawGlove<'a> {
     full_scale_counts: &'a RawValue,
     #[serde(borrow, default)]
     curvature_counts: Option<&'a RawValue>,
+    #[serde(borrow, default)]
+    range_counts: Option<&'a RawValue>,
     #[serde(borrow, default)]
     rest_deg: Option<&'a RawValue>,
     #[serde(borrow)]
@@ -189,6 +198,20 @@ Glove(
         let curved = Document::new("mine.ron", text);
         let text = write(&curved, &map());
         assert!(text.contains("curvature_counts: {} /* 8 bits */"), "{text}");
+    }
+
+    #[test]
+    fn ranges_are_added_and_then_replaced() {
+        let ranged = map().with_ranges(vec![(1, (6.0, 154.5)), (2, (30.0, 90.0))]);
+        let text = write(&document(), &ranged);
+        assert!(
+            text.contains("range_counts: {1: (6, 154.5), 2: (30, 90)}"),
+            "{text}"
+        );
+        let read = Document::new("mine.ron", text);
+        assert_eq!(Glove::parse(&read).unwrap().map.ranges(), ranged.ranges());
+        let text = write(&read, &map());
+        assert!(text.contains("range_counts: {} /* 8 bits */"), "{text}");
     }
 
     #[test]

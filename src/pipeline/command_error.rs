@@ -28,6 +28,11 @@ pub enum CommandError {
     /// A fingertip or a control presses something, which a change of the angles would release.
     #[error("a key is down; lift the fingers off all keys, hold the hand at rest and try again")]
     KeyDown,
+    /// No range of a sensor was learned.
+    #[error(
+        "no range of a sensor was learned in this run; `--learn-ranges` of `ademan run` learns them"
+    )]
+    NothingLearned,
     /// The hand cannot be zeroed.
     #[error(transparent)]
     Zero(#[from] ZeroError),

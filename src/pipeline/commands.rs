@@ -20,7 +20,8 @@ impl Pipeline {
             | Command::Nudge { .. }
             | Command::Tilt { .. }
             | Command::Zero
-            | Command::UndoZero => true,
+            | Command::UndoZero
+            | Command::UndoLearning => true,
             Command::State
             | Command::Scale { .. }
             | Command::Save
@@ -58,6 +59,7 @@ impl Pipeline {
             Command::Zero if origin == CommandOrigin::Layout => self.zero_when_at_rest(),
             Command::Zero => self.zero(events)?,
             Command::UndoZero => self.undo_zero(events)?,
+            Command::UndoLearning => self.undo_learning(events)?,
             Command::State
             | Command::Scale { .. }
             | Command::Save

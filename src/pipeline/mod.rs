@@ -6,6 +6,7 @@ mod command_error;
 mod commands;
 mod hand_pipeline;
 mod layout_instance;
+mod learning;
 mod output_gate;
 mod permissions;
 mod rate_limit;
@@ -164,6 +165,7 @@ impl Pipeline {
         self.arm_if_clear(index);
         self.update_devices(index, events);
         self.zero_if_at_rest(events);
+        self.learn_ranges(index);
         Ok(&self.hands[index].output)
     }
 

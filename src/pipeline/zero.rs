@@ -68,7 +68,7 @@ impl Pipeline {
     }
 
     /// Releases everything, and arms output again as after a pause.
-    fn rearm(&mut self, events: &mut Events) {
+    pub(super) fn rearm(&mut self, events: &mut Events) {
         let state = match self.state {
             PipelineState::Running => PipelineState::Paused,
             state => state,

@@ -70,7 +70,7 @@ pub use self::handle::SessionHandle;
 pub use self::layout_link::LayoutLink;
 pub use self::notice::{Notice, counted};
 pub use self::options::{ControlSocket, NoticeReceiver, SessionOptions, WatchdogProgram};
-pub use self::reply::{Reply, RequestError, SessionStatus};
+pub use self::reply::{LearnedSummary, Reply, RequestError, SessionStatus};
 pub use self::run_pipeline::run_pipeline;
 pub use crate::pipeline::CommandError;
 

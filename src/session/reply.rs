@@ -4,6 +4,7 @@ use crossbeam_channel::Sender;
 
 use crate::command::{CommandOrigin, InvalidCommand};
 use crate::device::CursorPosition;
+use crate::estimate::LearnedRange;
 use crate::pipeline::{CommandError, PipelineState};
 use crate::snapshot::Stats;
 
@@ -62,4 +63,29 @@ pub struct SessionStatus {
     pub stats: Stats,
     /// Position of the cursor; `None` for a layout without a pointer and targets in space.
     pub cursor: Option<CursorPosition>,
+    /// What was learned of the ranges of sensors, if anything was.
+    pub learned: Option<LearnedSummary>,
+}
+
+/// What was learned of the ranges of sensors.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LearnedSummary {
+    /// The number of channels with a wider range.
+    pub channels: usize,
+    /// The channel with the widest one.
+    pub largest: LearnedRange,
+}
+
+impl LearnedSummary {
+    /// Summarizes ranges; `None` for none.
+    pub(crate) fn new(ranges: impl Iterator<Item = LearnedRange>) -> Option<Self> {
+        ranges.fold(None, |summary: Option<Self>, range| {
+            let earlier = summary.map_or((0, range), |summary| (summary.channels, summary.largest));
+            let is_larger = range.largest() > earlier.1.largest();
+            Some(Self {
+                channels: earlier.0 + 1,
+                largest: if is_larger { range } else { earlier.1 },
+            })
+        })
+    }
 }

@@ -169,11 +169,27 @@ impl LoadedSetup {
         };
         loaded.check_roles()?;
         loaded.check_parts()?;
+        loaded.check_ranges()?;
         loaded.setup.check_position_filter()?;
         for layout in loaded.layouts() {
             loaded.check_layout(layout)?;
         }
         Ok(loaded)
+    }
+
+    /// Checks that the glove of a hand has the ranges that are to be learned.
+    fn check_ranges(&self) -> Result<(), SetupError> {
+        let other = self
+            .other_hand
+            .as_ref()
+            .and_then(|hand| hand.glove.as_ref());
+        let mut gloves = self.glove.iter().chain(other);
+        if !self.setup.learn_ranges || gloves.any(|glove| !glove.map.ranges().is_empty()) {
+            return Ok(());
+        }
+        Err(SetupError::Value(
+            "`learn_ranges` needs a glove with `range_counts`, from which sensors drift: calibrate the glove with `ademan calibrate`, which writes them, or remove `learn_ranges`".into(),
+        ))
     }
 
     /// Returns all layouts. The first one is active at the start.
@@ -284,6 +300,7 @@ impl LoadedSetup {
         let settings = |source| EstimatorSettings {
             position_smoothing: self.setup.position_filter(source),
             rest_pose: rest_pose.unwrap_or_else(half_bent_fingers),
+            learn_ranges: self.setup.learn_ranges,
             ..self.estimator
         };
         let fingers = Estimator::new(settings(source));

@@ -64,6 +64,8 @@ pub struct Setup {
     pub smoothing: SmoothingSetup,
     /// The filter of joint positions, for sources that measure them.
     pub position_smoothing: PositionSmoothingSetup,
+    /// The range of a finger sensor may widen while the glove is worn, by at most 15 % at each end of the calibrated one.
+    pub learn_ranges: bool,
     /// Time without readings after which everything is released, 20 to 10000 ms, and at least three packet periods of the source.
     pub stall_timeout_ms: u32,
     /// Output is armed by the first reading. Otherwise it is armed after the hand has been clear of every key.
@@ -222,6 +224,7 @@ impl Default for Setup {
             haptics: Haptics::Off,
             smoothing: SmoothingSetup::Default,
             position_smoothing: PositionSmoothingSetup::Default,
+            learn_ranges: false,
             stall_timeout_ms: 200,
             arm_immediately: false,
             max_presses_per_second: None,

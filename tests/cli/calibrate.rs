@@ -220,6 +220,47 @@ fn sources_that_need_no_glove_or_are_not_named_are_refused() {
 }
 
 #[test]
+fn typed_lengths_are_checked_and_give_the_line_for_the_setup() {
+    let folder = folder();
+    let lengths = ["--hand-length", "189", "--forearm-length", "262"];
+    let demo = ["--demo", "--out", "mine"];
+    let (code, out, errors) = calibrate(&folder, &[&demo[..], &lengths].concat());
+    assert_eq!(code, 0, "{errors}");
+    let line = out
+        .lines()
+        .find_map(|line| line.strip_prefix("in the setup file: "));
+    let fields = line.expect("a line for the setup");
+    println!("{fields}");
+    let setup = format!("Setup(source: \"typist:a\", {fields})");
+    fs::write(folder.path().join("setup.ron"), setup).expect("a file");
+    let checked = ademan(["run", "setup.ron"])
+        .current_dir(folder.path())
+        .output()
+        .expect("the program starts");
+    assert!(checked.status.success(), "{checked:?}");
+    for (wrong, reason) in [
+        (
+            &lengths[..2],
+            "give both --hand-length and --forearm-length",
+        ),
+        (
+            &["--hand-length", "301", "--forearm-length", "262"],
+            "--hand-length and --forearm-length: a hand is 100 to 300 mm long",
+        ),
+        (
+            &["--hand-length", "18.9cm", "--forearm-length", "262"],
+            "is not a number",
+        ),
+    ] {
+        let (code, out, errors) =
+            calibrate(&folder, &[&["--demo", "--out", "other"], wrong].concat());
+        assert_eq!(code, 2, "{out}{errors}");
+        assert!(errors.contains(reason), "{errors}");
+        assert!(!folder.path().join("other.ron").exists());
+    }
+}
+
+#[test]
 fn a_headset_measures_the_hand_the_table_and_the_place_of_a_board() {
     let bones = BoneLengths::from_hand_and_forearm(0.18, 0.25).expect("a person");
     let arm = ArmModel::anthropometric(Side::Right, &bones).expect("an arm");
@@ -252,6 +293,10 @@ fn a_headset_measures_the_hand_the_table_and_the_place_of_a_board() {
     ] {
         assert!(out.contains(expected), "no {expected}:\n{out}");
     }
+    let (code, out, errors) = calibrate(&folder, &["--source", source, "--forearm-length", "262"]);
+    assert_eq!(code, 0, "{errors}");
+    let expected = "in the setup file: arm: Measured(hand_length_mm: 178, forearm_length_mm: 262)";
+    assert!(out.contains(expected), "no {expected}:\n{out}");
 }
 
 #[cfg(target_os = "linux")]

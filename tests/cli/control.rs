@@ -61,7 +61,7 @@ fn ademan(arguments: &[&str]) -> Command {
 }
 
 /// Runs `ademan ctl`. Returns its exit code, output and errors.
-fn ctl(run: &Run, arguments: &[&str]) -> (i32, String, String) {
+pub fn ctl(run: &Run, arguments: &[&str]) -> (i32, String, String) {
     let path = socket(run);
     let path = path.to_str().expect("the path is UTF-8");
     let output = ademan(&[&["ctl", "--socket", path], arguments].concat())
@@ -618,7 +618,7 @@ fn glove_with_straighter_rest_pose() -> tempfile::NamedTempFile {
 }
 
 /// Returns lines of a transcript, of a run or its replay, without the comments.
-fn events_of(transcript: &str) -> Vec<&str> {
+pub fn events_of(transcript: &str) -> Vec<&str> {
     let lines = transcript.lines();
     lines.filter(|line| !line.starts_with('#')).collect()
 }

@@ -7,6 +7,8 @@ mod body_landmarks;
 mod bvh;
 mod calibrate;
 #[cfg(target_os = "linux")]
+mod calibrate_interrupted;
+#[cfg(target_os = "linux")]
 mod completion;
 mod config_folder;
 #[cfg(unix)]
@@ -23,6 +25,8 @@ mod help;
 mod holistic;
 #[cfg(target_os = "linux")]
 mod idle;
+#[cfg(unix)]
+mod learning;
 mod log_options;
 mod lucidgloves;
 mod markers;

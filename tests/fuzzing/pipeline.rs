@@ -320,7 +320,8 @@ impl FuzzRun<'_> {
             250 => self.command(|pipeline, events| {
                 let _ = pipeline
                     .zero(events)
-                    .or_else(|_| pipeline.undo_zero(events));
+                    .or_else(|_| pipeline.undo_zero(events))
+                    .or_else(|_| pipeline.undo_learning(events));
             }),
             251 if bytes.byte() < 4 => self.command(CheckedPipeline::stop),
             _ => self.read_next(5_729),

@@ -61,6 +61,7 @@ pub fn requests() -> Vec<Vec<u8>> {
         r#"{"command":"scale","factor":1.05}"#,
         r#"{"command":"zero"}"#,
         r#"{"command":"undo-zero"}"#,
+        r#"{"command":"undo-learning"}"#,
         r#"{"command":"save"}"#,
         r#"{"command":"subscribe"}"#,
         r#"{"command":"stop"}"#,

@@ -4,6 +4,7 @@
 mod support;
 
 mod landmarks;
+mod learning;
 mod lucidgloves;
 mod motion;
 mod network_poses;

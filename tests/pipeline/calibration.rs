@@ -29,11 +29,11 @@ const POSTURES: usize = 60;
 /// The corrections that a person makes on the way to a key, at the key, and while pressing it.
 const CORRECTIONS: usize = 3;
 
-pub(super) fn person(seed: u64) -> SimulatedWearer {
+fn person(seed: u64) -> SimulatedWearer {
     SimulatedWearer::new(seed, &shipped(), Side::Right)
 }
 
-pub(super) fn shipped() -> ChannelMap {
+fn shipped() -> ChannelMap {
     Glove::load("unam-hc11").unwrap().map
 }
 
@@ -68,9 +68,7 @@ fn procedure() -> Procedure {
     Procedure::for_glove(&shipped(), Duration::from_millis(1_500))
 }
 
-pub(super) fn calibrate(
-    wearer: &mut SimulatedWearer,
-) -> Result<CalibrationResult, CalibrationError> {
+fn calibrate(wearer: &mut SimulatedWearer) -> Result<CalibrationResult, CalibrationError> {
     fit(&guide(wearer, procedure()).observations, &shipped())
 }
 

@@ -159,6 +159,11 @@ impl CheckedPipeline {
     }
 
     #[track_caller]
+    pub fn undo_learning(&mut self, events: &mut Events) -> Result<(), CommandError> {
+        self.move_boards(events, Pipeline::undo_learning)
+    }
+
+    #[track_caller]
     fn move_boards(
         &mut self,
         events: &mut Events,

@@ -27,7 +27,8 @@ pub const TIMEOUT: Duration = Duration::from_secs(60);
 /// The time for the filters to follow a change of posture.
 pub const MOVE_TIME: Duration = Duration::from_millis(500);
 
-type Posture = [u8; BODY_BYTES];
+/// The channel values of one packet.
+pub type Posture = [u8; BODY_BYTES];
 
 /// Returns two postures of the glove: the index finger over the H key, and on the pressed key.
 pub fn postures() -> (Posture, Posture) {
@@ -136,6 +137,11 @@ impl Run {
     /// Lifts the finger off the key H.
     pub fn lift(&self) {
         *self.posture.lock().expect("no panic while it is locked") = self.over;
+    }
+
+    /// Takes another posture.
+    pub fn take(&self, posture: Posture) {
+        *self.posture.lock().expect("no panic while it is locked") = posture;
     }
 
     /// Waits for the next event, and returns it without its time.

@@ -173,8 +173,18 @@ fn state_text(reply: &Value) -> String {
     for (reason, count) in non_zero(&stats["suppressed"]) {
         readings += &format!("; {count} suppressed ({})", reason.replace('_', " "));
     }
+    let mut learned = String::new();
+    if let Some(ranges) = reply.get("learned") {
+        let joint = or_unknown(&ranges["largest"]);
+        let count = &ranges["channels"];
+        let noun = if *count == 1 { "range" } else { "ranges" };
+        learned = format!(
+            "\nlearned    {count} {noun} of sensors, at most {} % wider ({joint}); `ademan ctl undo-learning` undoes it",
+            ranges["percent"]
+        );
+    }
     format!(
-        "state      {state}\nprofile    {}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {} times\ndropped    {} presses",
+        "state      {state}\nprofile    {}\nlayout     {}\nsteps      {}\nreadings   {readings}\nstalls     {}; the device was lost {} times\ndropped    {} presses{learned}",
         or_unknown(&reply["profile"]),
         or_unknown(&reply["layout"]),
         reply["steps"],

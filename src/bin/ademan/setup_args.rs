@@ -34,6 +34,9 @@ pub struct SetupArgs {
     /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
     #[arg(long, add = complete::layout())]
     layout: Option<String>,
+    /// Widen the ranges of finger sensors that drift while the glove is worn, within limits; `ademan ctl undo-learning` undoes it
+    #[arg(long)]
+    learn_ranges: bool,
 }
 
 impl SetupArgs {
@@ -46,6 +49,7 @@ impl SetupArgs {
             arm_role: None,
             glove,
             layout: None,
+            learn_ranges: false,
         }
     }
 
@@ -67,6 +71,7 @@ impl SetupArgs {
         setup.role = self.role.or(setup.role);
         setup.glove = self.glove.or(setup.glove);
         setup.layout = self.layout.unwrap_or(setup.layout);
+        setup.learn_ranges |= self.learn_ranges;
         Ok(setup)
     }
 }

@@ -13,7 +13,7 @@ use super::error::CalibrationError;
 use super::observation::{Observations, channels_of};
 use super::pose::CalibrationPose;
 use super::problem::{Problem, Severity};
-use crate::estimate::{AffineMap, ChannelMap, ChannelRow, JointLimits};
+use crate::estimate::{AffineMap, ChannelMap, ChannelRow, CountRange, JointLimits};
 use crate::hand::{Dof, Finger};
 
 /// The calibration of a glove for a hand.
@@ -68,6 +68,7 @@ pub fn fit(
         .collect();
     let map = map.with_calibrations(&calibrations);
     add_implausible(&map, observations, &mut problems);
+    let map = map.with_ranges(sound_ranges(&fits, start, &problems));
     problems.sort_by_key(|problem| std::cmp::Reverse(problem.severity()));
     let unusable = unusable(&problems, start);
     if !unusable.is_empty() {
@@ -117,6 +118,28 @@ fn calibration(
         problems.push(Problem::NotObserved { dof: row.dof });
     }
     row.calibration
+}
+
+/// Returns the ranges of the channels whose sensors have no fault that remains: only those may be widened while typing.
+fn sound_ranges(
+    fits: &[ChannelFit],
+    start: &ChannelMap,
+    problems: &[Problem],
+) -> Vec<(usize, CountRange)> {
+    let has_problem = |channel: usize| {
+        let mut rows = start.rows().iter().filter(|row| row.channel == channel);
+        rows.any(|row| {
+            problems.iter().any(|problem| {
+                problem.dof() == row.dof && problem.severity() != Severity::Corrected
+            })
+        })
+    };
+    let sound = fits.iter().filter(|fit| !has_problem(fit.channel));
+    let range = |fit: &ChannelFit| fit.range.map(|range| (fit.channel, range));
+    sound
+        .filter_map(range)
+        .filter(|(_, (low, high))| low < high)
+        .collect()
 }
 
 /// Adds the joints that a running program would reject in one of the poses.

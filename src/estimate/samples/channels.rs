@@ -3,16 +3,18 @@
 use std::time::Duration;
 
 use crate::capture::Channels;
+use crate::estimate::learned_range::RangeLearner;
 use crate::estimate::limits::JointRange;
 use crate::estimate::{
-    AffineMap, ChannelMap, Estimate, InputRow, JointLimits, Linearity, Rejection,
+    AffineMap, ChannelMap, Estimate, EstimatorSettings, InputRow, LearnedRange, Linearity,
+    Rejection,
 };
 use crate::hand::{Dof, FingerSet, InputValues, JointAngles};
 use crate::time::Timestamp;
 
 /// The converter of one glove.
 #[derive(Clone, Debug)]
-pub(super) struct ChannelConverter {
+pub(in crate::estimate) struct ChannelConverter {
     full_scale: u16,
     required_channels: usize,
     rows: Vec<ConverterRow>,
@@ -21,6 +23,8 @@ pub(super) struct ChannelConverter {
     health: Vec<ChannelHealth>,
     /// A count at an end of the range is not a broken wire.
     uses_full_range: bool,
+    /// The learners of channels with a calibrated range; none unless ranges are learned.
+    learners: Vec<ChannelLearner>,
 }
 
 /// The conversion of one channel to one angle.
@@ -28,9 +32,20 @@ pub(super) struct ChannelConverter {
 struct ConverterRow {
     dof: Dof,
     linearity: Linearity,
+    /// The calibration of the glove file.
+    calibrated: AffineMap,
+    /// The same for the learned range of the channel.
     calibration: AffineMap,
     range: JointRange,
     channel: usize,
+    /// The index of the channel's [`ChannelHealth`].
+    health: usize,
+}
+
+/// The learner of one channel, which measures a finger.
+#[derive(Clone, Debug)]
+struct ChannelLearner {
+    learner: RangeLearner,
     /// The index of the channel's [`ChannelHealth`].
     health: usize,
 }
@@ -47,7 +62,8 @@ struct ChannelHealth {
 }
 
 impl ChannelConverter {
-    pub(super) fn new(map: &ChannelMap, limits: Option<&JointLimits>) -> Self {
+    pub(super) fn new(map: &ChannelMap, settings: &EstimatorSettings) -> Self {
+        let limits = settings.limits.as_ref();
         let mut health: Vec<ChannelHealth> = Vec::new();
         let mut health_index = |channel: usize| {
             if let Some(index) = health.iter().position(|other| other.channel == channel) {
@@ -64,15 +80,22 @@ impl ChannelConverter {
         let rows = map.rows().iter().map(|row| ConverterRow {
             dof: row.dof,
             linearity: map.linearity(row.channel),
+            calibrated: row.calibration,
             calibration: row.calibration,
             range: limits.map_or(JointRange::ANY, |limits| limits.joint_range(row.dof)),
             channel: row.channel,
             health: health_index(row.channel),
         });
+        let rows: Vec<ConverterRow> = rows.collect();
+        let learners = match settings.learn_ranges {
+            true => learners(map, &health),
+            false => Vec::new(),
+        };
         Self {
             full_scale: map.full_scale(),
             required_channels: map.required_channels(),
-            rows: rows.collect(),
+            rows,
+            learners,
             inputs: map.inputs().to_vec(),
             assumed: map.assumed_angles().to_vec(),
             health,
@@ -107,6 +130,61 @@ impl ChannelConverter {
             estimate.angles.set(dof, radians);
         }
         Ok(())
+    }
+
+    /// Adds an accepted reading to the learning of ranges. Does not allocate.
+    pub(in crate::estimate) fn observe_ranges(&mut self, time: Timestamp, channels: &Channels) {
+        for ChannelLearner { learner, health } in &mut self.learners {
+            let health = &self.health[*health];
+            if health.is_railed {
+                learner.note_fault();
+            }
+            // A count at a rail shows no joint: the sensor cannot say by how much it is beyond.
+            match is_unknown(channels, health.channel) || health.at_rail_since.is_some() {
+                true => learner.interrupt(),
+                false => learner.observe(time, f64::from(channels.counts[health.channel])),
+            }
+        }
+    }
+
+    /// Discards what was observed of ranges and not learned yet.
+    pub(in crate::estimate) fn forget_excursions(&mut self) {
+        self.learners
+            .iter_mut()
+            .for_each(|own| own.learner.forget());
+    }
+
+    /// Returns whether a range is to be widened.
+    pub(in crate::estimate) fn is_widening_due(&self) -> bool {
+        self.learners.iter().any(|own| own.learner.is_due())
+    }
+
+    /// Widens the ranges that are due by a small step.
+    pub(in crate::estimate) fn widen_ranges(&mut self) {
+        self.learners.iter_mut().for_each(|own| own.learner.widen());
+        self.apply_ranges();
+    }
+
+    /// Returns to the calibrated ranges.
+    pub(in crate::estimate) fn undo_learning(&mut self) {
+        self.learners.iter_mut().for_each(|own| own.learner.undo());
+        self.apply_ranges();
+    }
+
+    /// Returns the ranges that were widened.
+    pub(in crate::estimate) fn learned_ranges(&self) -> impl Iterator<Item = LearnedRange> {
+        let learned = self.learners.iter().map(|own| *own.learner.learned());
+        learned.filter(|learned| learned.largest() > 0.0)
+    }
+
+    fn apply_ranges(&mut self) {
+        for ChannelLearner { learner, health } in &self.learners {
+            let correction = learner.correction();
+            let rows = self.rows.iter_mut();
+            for row in rows.filter(|row| row.health == *health) {
+                row.calibration = row.calibrated.after(&correction);
+            }
+        }
     }
 
     /// Returns the fingers that depend on a channel that was not measured.
@@ -171,6 +249,23 @@ impl ChannelConverter {
         }
         Ok(())
     }
+}
+
+/// Returns a learner for each channel that measures only fingers and has a calibrated range. The arm moves all fingertips, so a
+/// wrong range of its sensors does more harm than a drift.
+fn learners(map: &ChannelMap, health: &[ChannelHealth]) -> Vec<ChannelLearner> {
+    let learner = |(index, health): (usize, &ChannelHealth)| {
+        let channel = health.channel;
+        let range = map.range(channel)?;
+        let mut rows = map.rows().iter().filter(|row| row.channel == channel);
+        let dof = rows.clone().next()?.dof;
+        let is_of_fingers = rows.all(|row| row.dof.finger().is_some());
+        is_of_fingers.then(|| ChannelLearner {
+            learner: RangeLearner::new(channel, dof, map.linearity(channel), range),
+            health: index,
+        })
+    };
+    health.iter().enumerate().filter_map(learner).collect()
 }
 
 fn is_unknown(channels: &Channels, channel: usize) -> bool {

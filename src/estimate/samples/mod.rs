@@ -7,6 +7,7 @@ mod channels;
 mod displacement;
 mod joints;
 
+pub(super) use self::channels::ChannelConverter;
 use super::{ChannelMap, Estimate, EstimatorSettings, Rejection};
 use crate::capture::{Reading, Sample};
 use crate::hand::{JointAngles, Side};
@@ -14,7 +15,7 @@ use crate::hand::{JointAngles, Side};
 /// The converter of one hand, with the state that the kinds of samples need.
 #[derive(Clone, Debug)]
 pub(super) struct SampleConverter {
-    channels: Option<channels::ChannelConverter>,
+    channels: Option<ChannelConverter>,
     joints: joints::JointConverter,
     body: body::BodyConverter,
     bones: bones::BoneConverter,
@@ -33,8 +34,17 @@ impl SampleConverter {
 
     /// Sets the channel map for samples of sensor channels.
     pub(super) fn set_channel_map(&mut self, map: &ChannelMap, settings: &EstimatorSettings) {
-        let limits = settings.limits.as_ref();
-        self.channels = Some(channels::ChannelConverter::new(map, limits));
+        self.channels = Some(ChannelConverter::new(map, settings));
+    }
+
+    /// Returns the converter of sensor channels, if there is a channel map.
+    pub(super) fn channels(&self) -> Option<&ChannelConverter> {
+        self.channels.as_ref()
+    }
+
+    /// Returns the converter of sensor channels, to learn the ranges of its sensors.
+    pub(super) fn channels_mut(&mut self) -> Option<&mut ChannelConverter> {
+        self.channels.as_mut()
     }
 
     /// Writes what a reading shows without its history into `estimate`: angles within the joint limits, not filtered.

@@ -7,9 +7,10 @@ use crate::command::CommandOrigin;
 use crate::contact::TargetNames;
 use crate::device::{CursorPosition, OutputEvent, TimedCommand};
 use crate::estimate::Rejection;
+use crate::hand::Dof;
 use crate::layout::Layout;
 use crate::pipeline::{PipelineState, Suppressed};
-use crate::session::reply::SessionStatus;
+use crate::session::reply::{LearnedSummary, SessionStatus};
 use crate::session::view::{View, ViewState};
 use crate::snapshot::Stats;
 use crate::trace::{command_json, event_json};
@@ -42,6 +43,7 @@ pub(super) fn state(status: &SessionStatus, profiles: &[ProfileInfo]) -> JsonLin
         stats: StatsResponse::new(&status.stats),
         dropped_presses: status.stats.dropped_presses,
         pointer: status.cursor.as_ref().map(CursorJson::from),
+        learned: status.learned.as_ref().map(LearnedJson::from),
     })
 }
 
@@ -136,6 +138,26 @@ struct StateResponse<'a> {
     dropped_presses: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pointer: Option<CursorJson>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    learned: Option<LearnedJson>,
+}
+
+/// The ranges of sensors that were learned: their number, and the joint and the widening of the widest one.
+#[derive(Serialize)]
+struct LearnedJson {
+    channels: usize,
+    largest: Dof,
+    percent: u8,
+}
+
+impl From<&LearnedSummary> for LearnedJson {
+    fn from(learned: &LearnedSummary) -> Self {
+        Self {
+            channels: learned.channels,
+            largest: learned.largest.dof,
+            percent: (learned.largest.largest() * 100.0).round() as u8,
+        }
+    }
 }
 
 /// The position of a cursor: in its range, 0..=1, and in each space in millimetres.
@@ -222,6 +244,8 @@ enum NotificationLine<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimate::LearnedRange;
+    use serde_json::json;
 
     #[test]
     fn a_state_names_the_profile_and_counts_every_reading() {
@@ -240,6 +264,7 @@ mod tests {
             profile: 0,
             stats,
             cursor: None,
+            learned: LearnedSummary::new([learned(3, 0.02), learned(5, 0.11)].into_iter()),
         };
         let profiles = [ProfileInfo {
             name: "My board".into(),
@@ -256,6 +281,17 @@ mod tests {
         assert_eq!(line["paused_by"], "rate-limit");
         assert_eq!(line["state"], "paused");
         assert_eq!(line["dropped_presses"], 3);
+        let expected = json!({"channels": 2, "largest": "index-mcp-flexion", "percent": 11});
+        assert_eq!(line["learned"], expected);
+    }
+
+    fn learned(channel: usize, above: f64) -> LearnedRange {
+        LearnedRange {
+            channel,
+            dof: Dof::IndexMcpFlexion,
+            below: 0.0,
+            above,
+        }
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::capture::{CaptureError, Reading, SourceStats};
 use crate::command::Command;
 use crate::device::TimedCommand;
 use crate::pipeline::Pipeline;
-use crate::session::reply::SessionStatus;
+use crate::session::reply::{LearnedSummary, SessionStatus};
 use crate::snapshot::{Stats, StepView};
 
 /// A function that sees every step, the time of the loop, and the pipeline after the step. It must not block.
@@ -63,6 +63,7 @@ impl SessionLoop<'_> {
             profile: self.pipeline.active_profile(),
             stats: self.stats(),
             cursor: self.pipeline.layout().cursor(),
+            learned: LearnedSummary::new(self.pipeline.learned_ranges()),
         }
     }
 

@@ -13,8 +13,9 @@ pub use sighted_typist::SightedTypist;
 
 use self::habits::Habits;
 use super::movement::minimum_jerk;
+use super::typing_hand::TypingHand;
 use crate::calibrate::CalibrationPose;
-use crate::capture::Channels;
+use crate::capture::{Channels, Reading, Sample};
 use crate::estimate::ChannelMap;
 use crate::hand::{Dof, JointAngles, Side};
 use crate::kinematics::{ArmModel, BoneLengths};
@@ -25,6 +26,12 @@ const PERIOD_US: u64 = 17_200;
 
 /// The time of a movement from one pose to the next, in packets.
 const MOVE_PACKETS: u32 = 46;
+
+/// The time for which a stretch is held, in packets.
+const STRETCH_PACKETS: u32 = 58;
+
+/// The angle by which the elbow lifts a hand off the keys, in radians: 25°.
+const LIFT: f64 = 0.44;
 
 /// The probability of a spike in a count during a calibration: with 22 sensors, one packet of 23 has one.
 const SPIKE: f64 = 0.002;
@@ -87,6 +94,49 @@ impl SimulatedWearer {
         self
     }
 
+    /// Sets the part by which the finger sensors answer a bend more strongly than in the cold glove.
+    pub fn set_drift(&mut self, drift: f64) {
+        self.sensors.set_drift(drift);
+    }
+
+    /// Returns the readings of a person who takes the hand off the keys, makes a fist, stretches the fingers and returns, each
+    /// for a second.
+    pub fn stretch(&mut self) -> Vec<Reading> {
+        let hand = TypingHand::without_glove(&self.arm);
+        let typing = hand.angles(&hand.rest_values());
+        let lifted = |fingers: &JointAngles| {
+            let mut angles = typing;
+            for (dof, radians) in fingers.known().filter(|(dof, _)| dof.finger().is_some()) {
+                angles.set(dof, radians);
+            }
+            let elbow = angles.get(Dof::ElbowFlexion) + LIFT;
+            angles.set(Dof::ElbowFlexion, elbow);
+            angles
+        };
+        let [fist, flat] = [CalibrationPose::Fist, CalibrationPose::Flat]
+            .map(|pose| lifted(&self.habits.angles(pose)));
+        let mut readings = Vec::new();
+        for (from, to) in [
+            (typing, lifted(&typing)),
+            (lifted(&typing), fist),
+            (fist, flat),
+            (flat, lifted(&typing)),
+            (lifted(&typing), typing),
+        ] {
+            for packet in 1..=MOVE_PACKETS + STRETCH_PACKETS {
+                let t = f64::from(minimum_jerk((packet as f32 / MOVE_PACKETS as f32).min(1.0)));
+                readings.push(self.send(&between_postures(&from, &to, t)));
+            }
+        }
+        readings
+    }
+
+    /// Returns the next reading of the glove at these angles.
+    pub(super) fn send(&mut self, angles: &JointAngles) -> Reading {
+        let time = self.advance();
+        Reading::new(time, None, Sample::Channels(self.read(angles)))
+    }
+
     /// Returns the arm with the bones of the person.
     pub fn arm(&self) -> &ArmModel {
         &self.arm
@@ -118,10 +168,7 @@ impl SimulatedWearer {
             let t = f64::from(minimum_jerk(
                 (*packet as f32 / MOVE_PACKETS as f32).min(1.0),
             ));
-            for &dof in Dof::ALL {
-                self.angles
-                    .set(dof, from.get(dof) + t * (to.get(dof) - from.get(dof)));
-            }
+            self.angles = between_postures(from, to, t);
             if *packet >= MOVE_PACKETS {
                 self.movement = None;
             }
@@ -164,4 +211,13 @@ impl SimulatedWearer {
 /// Returns a uniformly distributed number.
 pub(super) fn between(random: &mut fastrand::Rng, (low, high): (f64, f64)) -> f64 {
     low + (high - low) * random.f64()
+}
+
+/// Returns the posture at `t` between two postures, 0..=1.
+fn between_postures(from: &JointAngles, to: &JointAngles, t: f64) -> JointAngles {
+    let mut angles = JointAngles::default();
+    for &dof in Dof::ALL {
+        angles.set(dof, from.get(dof) + t * (to.get(dof) - from.get(dof)));
+    }
+    angles
 }

@@ -42,6 +42,8 @@ pub struct GloveSensors {
     full_scale: u16,
     sensors: Vec<Sensor>,
     faults: Vec<GloveFault>,
+    /// The part by which all sensors have become more sensitive.
+    drift: f64,
 }
 
 /// A bend sensor in a voltage divider.
@@ -85,12 +87,18 @@ impl GloveSensors {
             full_scale: map.full_scale(),
             sensors: sensors.collect(),
             faults: Vec::new(),
+            drift: 0.0,
         }
     }
 
     /// Adds a fault.
     pub(super) fn add_fault(&mut self, fault: GloveFault) {
         self.faults.push(fault);
+    }
+
+    /// Sets the part by which the finger sensors answer a bend more strongly than in a cold glove.
+    pub(super) fn set_drift(&mut self, drift: f64) {
+        self.drift = drift;
     }
 
     /// Returns the joints of each sensor.
@@ -133,7 +141,11 @@ impl GloveSensors {
         for sensor in &self.sensors {
             let (source, leak) = sensor.leak;
             let fraction = sensor.fraction(angles) + leak * fractions[source];
-            counts[sensor.channel] = sensor.count(fraction);
+            let count = sensor.count(fraction);
+            let bend = count - sensor.count(sensor.fraction_of_straight_finger());
+            let is_of_finger = sensor.dofs.iter().all(|dof| dof.finger().is_some());
+            let drift = if is_of_finger { self.drift * bend } else { 0.0 };
+            counts[sensor.channel] = count + drift;
         }
         for fault in &self.faults {
             self.apply(*fault, &fractions, &mut counts);
@@ -209,6 +221,11 @@ impl Sensor {
     fn fraction(&self, angles: &JointAngles) -> f64 {
         let angle: f64 = self.dofs.iter().map(|&dof| angles.get(dof)).sum();
         (angle - self.straight) / (self.bent - self.straight)
+    }
+
+    /// Returns the bend at which all of its joints are at 0.
+    fn fraction_of_straight_finger(&self) -> f64 {
+        self.fraction(&JointAngles::default())
     }
 
     fn count(&self, fraction: f64) -> f64 {

@@ -3,7 +3,7 @@
 use parry3d::math::Vec3;
 
 use super::SimulatedWearer;
-use crate::capture::{Reading, Sample};
+use crate::capture::Reading;
 use crate::contact::TargetId;
 use crate::contact::surface::Scene;
 use crate::estimate::{ChannelMap, Estimate, JointAngles, JointLimits};
@@ -192,8 +192,6 @@ impl<'a> SightedTypist<'a> {
 
     fn send(&mut self) {
         let angles = self.hand.angles(&self.values);
-        let time = self.wearer.advance();
-        let sample = Sample::Channels(self.wearer.read(&angles));
-        self.readings.push(Reading::new(time, None, sample));
+        self.readings.push(self.wearer.send(&angles));
     }
 }

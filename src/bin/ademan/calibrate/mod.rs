@@ -4,6 +4,7 @@ mod destination;
 mod discover;
 mod feed;
 mod figure;
+mod lengths;
 mod positions;
 mod recording;
 mod report;
@@ -25,6 +26,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use self::destination::Destination;
 use self::feed::Feed;
+use self::lengths::LengthArgs;
 use self::session::{Outcome, Session};
 use crate::failure::Failure;
 use crate::setup_args::{SetupArgs, number_in};
@@ -66,12 +68,16 @@ pub struct Args {
     /// Glove to start from: the name of one that comes with the program, or a file
     #[arg(long, add = complete::glove())]
     glove: Option<String>,
+    #[command(flatten)]
+    lengths: LengthArgs,
 }
 
 impl Args {
     fn load_setup(&self) -> Result<LoadedSetup, Failure> {
         let flags = SetupArgs::for_glove(self.source.clone(), self.glove.clone());
-        let setup = flags.read_setup(self.setup.as_deref())?;
+        let mut setup = flags.read_setup(self.setup.as_deref())?;
+        // The glove that is calibrated may have no ranges yet.
+        setup.learn_ranges = false;
         Ok(setup.load_files()?)
     }
 }
@@ -113,6 +119,7 @@ impl Start {
 }
 
 fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
+    let lengths = args.lengths.both()?;
     let recorded = recording::read(path)?;
     let document = match (&args.glove, recorded.glove) {
         (None, Some(document)) => document,
@@ -122,15 +129,18 @@ fn calibrate_from(path: &Path, args: Args) -> Result<(), Failure> {
     let destination = Destination::new(args.out, &start.document.file, args.force)?;
     let observations =
         calibrate::observe_recording(&recorded.readings, &recorded.marks, &start.glove.map)?;
-    start.finish(&observations, &destination)?;
+    if start.finish(&observations, &destination)? {
+        print_setup_fields(&escape(&destination.path().to_string_lossy()), lengths);
+    }
     Ok(())
 }
 
 fn calibrate_live(args: Args) -> Result<(), Failure> {
     let setup = args.load_setup()?;
     if let (None, Some(source)) = (setup.glove_document(), &setup.setup.source) {
-        return positions::run(&setup, source);
+        return positions::run(&setup, source, args.lengths);
     }
+    let lengths = args.lengths.both()?;
     let start = Start::new(glove_document(&setup)?)?;
     let destination = Destination::new(args.out, &start.document.file, args.force)?;
     messages::start()?;
@@ -151,9 +161,17 @@ fn calibrate_live(args: Args) -> Result<(), Failure> {
     }
     if finished? {
         let file = escape(&destination.path().to_string_lossy()).into_owned();
+        print_setup_fields(&file, lengths);
         println!("use it: ademan run --glove {file} --source …");
     }
     Ok(())
+}
+
+/// Prints what to write in the setup file for a glove file and an arm, if its lengths are known.
+fn print_setup_fields(glove: &str, arm: Option<String>) {
+    if let Some(arm) = arm {
+        println!("in the setup file: glove: \"{glove}\", arm: {arm}");
+    }
 }
 
 fn glove_document(setup: &LoadedSetup) -> Result<Document, Failure> {

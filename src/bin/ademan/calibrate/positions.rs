@@ -11,6 +11,7 @@ use ademan::estimate::{Estimator, EstimatorSettings, Smoothing};
 use ademan::hand::JointPositions;
 use ademan::setup::LoadedSetup;
 
+use super::lengths::{self, LengthArgs};
 use crate::failure::Failure;
 
 /// The time for which positions of a live source are collected.
@@ -20,7 +21,9 @@ const TIME: Duration = Duration::from_secs(5);
 const TIP_RADIUS: f64 = 0.005;
 
 /// Measures the hand of a source and prints what belongs in the setup and the layout.
-pub fn run(setup: &LoadedSetup, source: &SourceUri) -> Result<(), Failure> {
+///
+/// `typed` are lengths that were measured with a ruler. They take precedence.
+pub fn run(setup: &LoadedSetup, source: &SourceUri, typed: LengthArgs) -> Result<(), Failure> {
     println!(
         "lay the hand on the table so that all five fingertips touch it, spread, for {} s",
         TIME.as_secs()
@@ -31,7 +34,7 @@ pub fn run(setup: &LoadedSetup, source: &SourceUri) -> Result<(), Failure> {
             "this source measures no positions of joints, and needs no glove file: there is nothing to calibrate",
         ));
     }
-    let lengths = measure_lengths(&positions);
+    let lengths = measure_lengths(&positions).map(|measured| typed.or(measured));
     let table = TablePlane::fit(&positions, TIP_RADIUS);
     println!("{}", describe_lengths(&lengths));
     println!("{}", describe_table(&table));
@@ -85,18 +88,17 @@ fn describe_lengths(lengths: &Result<HandLengths, PositionError>) -> String {
             hand: Some(hand),
             forearm: Some(forearm),
         }) => format!(
-            "in the setup file: arm: Measured(hand_length_mm: {}, forearm_length_mm: {})",
-            millimetres(*hand),
-            millimetres(*forearm)
+            "in the setup file: arm: {}",
+            lengths::arm_text(*hand, *forearm)
         ),
         Ok(HandLengths {
             hand: Some(hand), ..
         }) => format!(
-            "hand length: {} mm; the source does not show the elbow, so measure the forearm with a ruler",
+            "hand length: {} mm; the source does not show the elbow, so measure the forearm with a ruler, and add --forearm-length MM",
             millimetres(*hand)
         ),
         Ok(HandLengths { forearm, .. }) => format!(
-            "forearm length: {} mm; the source does not show the fingers, so measure the hand with a ruler",
+            "forearm length: {} mm; the source does not show the fingers, so measure the hand with a ruler, and add --hand-length MM",
             millimetres(forearm.unwrap_or_default())
         ),
         Err(error) => format!("no lengths: {error}"),

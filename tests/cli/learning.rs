@@ -1,0 +1,173 @@
+//! `ademan run --learn-ranges`: what is learned is shown, undone, recorded and replayed.
+
+use std::io::Write;
+use std::thread;
+use std::time::Duration;
+
+use ademan::capture::{Reading, Sample, hc11};
+use ademan::device::Events;
+use ademan::document::Document;
+use ademan::hand::Dof;
+use ademan::layout::Glove;
+use ademan::setup::Setup;
+use ademan::time::Timestamp;
+use tempfile::NamedTempFile;
+
+use crate::ademan;
+use crate::control::{ctl, events_of};
+use crate::support::run::{ARMED, MOVE_TIME, Posture, Run, postures};
+
+/// The time for which a finger is stretched.
+const STRETCH_TIME: Duration = Duration::from_millis(1_000);
+
+/// The most stretches that a test makes.
+const MOST: usize = 8;
+
+/// Returns the lowest posture on the way to the key H in which the finger presses nothing.
+fn above_the_key() -> Posture {
+    let (over, down) = postures();
+    let part = |number: i32| -> Posture {
+        std::array::from_fn(|channel| {
+            let (from, to) = (i32::from(over[channel]), i32::from(down[channel]));
+            (from + (to - from) * number / 40) as u8
+        })
+    };
+    let lowest = (0..=40)
+        .rev()
+        .map(part)
+        .find(|posture| !presses(&over, posture));
+    lowest.expect("the hand over the key presses nothing")
+}
+
+/// Returns whether a hand that moves from a clear posture to another one presses a key.
+fn presses(clear: &Posture, posture: &Posture) -> bool {
+    let mut pipeline = Setup::default()
+        .load_files()
+        .expect("the default setup")
+        .pipeline();
+    let mut events = Events::new();
+    for number in 1..=400 {
+        let posture = if number <= 200 { clear } else { posture };
+        let sample = Sample::Channels(hc11::channels(posture));
+        let reading = Reading::new(Timestamp(5_729 * number), None, sample);
+        let _ = pipeline.step(&reading, &mut events);
+    }
+    !events.is_empty()
+}
+
+/// Returns a glove in which the range of the sensor of the index finger begins a little below its count in a posture, and the
+/// channel of that sensor.
+fn glove(posture: &Posture) -> (NamedTempFile, usize) {
+    let shipped = Document::open("unam-hc11").expect("a shipped glove");
+    let map = Glove::parse(&shipped).expect("a glove").map;
+    let mut rows = map.rows().iter();
+    let row = rows.find(|row| row.dof == Dof::IndexMcpFlexion);
+    let channel = row.expect("a sensor of the finger").channel;
+    let low = posture[channel] - 3;
+    let range = format!(
+        "full_scale_counts: 255, range_counts: {{{channel}: ({low}, {})}},",
+        low + 80
+    );
+    let text = shipped.text.replace("full_scale_counts: 255,", &range);
+    let mut file = tempfile::Builder::new()
+        .suffix(".ron")
+        .tempfile()
+        .expect("a file");
+    file.write_all(text.as_bytes()).expect("it is written");
+    (file, channel)
+}
+
+#[test]
+fn a_learned_range_is_shown_undone_recorded_and_replayed() {
+    let near = above_the_key();
+    let (glove, channel) = glove(&near);
+    let fields = format!(
+        "role: Both, stall_timeout_ms: 10000, glove: {:?}",
+        glove.path()
+    );
+    let arguments = [
+        "--learn-ranges",
+        "--control",
+        "c.sock",
+        "--record",
+        "hand.mcap",
+    ];
+    let run = Run::with_setup(&fields, &arguments);
+    run.wait_for_message(ARMED);
+    run.take(near);
+    thread::sleep(MOVE_TIME);
+    assert!(run.events.is_empty(), "the finger is above the key");
+    let (code, _, refused) = ctl(&run, &["undo-learning"]);
+    assert_eq!(code, 1, "{refused}");
+    assert!(
+        refused.contains("no range of a sensor was learned"),
+        "{refused}"
+    );
+
+    let mut stretched = near;
+    stretched[channel] -= 13;
+    let mut stretches = 0;
+    while run.events.is_empty() {
+        assert!(stretches < MOST, "nothing is learned");
+        stretches += 1;
+        run.take(stretched);
+        thread::sleep(STRETCH_TIME);
+        run.take(near);
+        thread::sleep(MOVE_TIME);
+    }
+    let mut seen = vec![run.next_event()];
+    let (_, state, _) = ctl(&run, &["state"]);
+    println!("{state}");
+    let expected = "learned    1 range of sensors, at most";
+    assert!(state.contains(expected), "{state}");
+    assert!(
+        state.contains("(index-mcp-flexion); `ademan ctl undo-learning` undoes it"),
+        "{state}"
+    );
+    run.lift();
+    seen.push(run.next_event());
+
+    let (code, text, error) = ctl(&run, &["undo-learning"]);
+    println!("$ ademan ctl undo-learning\n{text}{error}");
+    assert_eq!(code, 0, "{error}");
+    run.wait_for_message(ARMED);
+    let (_, state, _) = ctl(&run, &["state"]);
+    assert!(!state.contains("learned"), "{state}");
+    run.take(near);
+    thread::sleep(MOVE_TIME);
+    assert!(run.events.is_empty(), "the finger is above the key again");
+    assert_eq!(ctl(&run, &["stop"]).0, 0);
+    assert_eq!(seen, ["down H", "up H"]);
+
+    let replay = |arguments: &[&str]| {
+        let mut command = ademan(["replay", "hand.mcap"]);
+        let output = command
+            .args(arguments)
+            .current_dir(run.folder.path())
+            .output();
+        String::from_utf8(output.expect("it starts").stdout).expect("it is UTF-8")
+    };
+    let first = replay(&[]);
+    let words = |line: &&str| {
+        line.split_whitespace()
+            .skip(1)
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    let replayed: Vec<String> = events_of(&first).iter().map(words).collect();
+    assert_eq!(replayed, seen, "a replay learns the same");
+    assert_eq!(replay(&[]), first);
+}
+
+#[test]
+fn learning_needs_a_calibrated_glove() {
+    let output = ademan(["run", "--source", "typist:a", "--learn-ranges"]).output();
+    let output = output.expect("it starts");
+    let error = String::from_utf8_lossy(&output.stderr);
+    println!("{error}");
+    assert!(!output.status.success());
+    assert!(
+        error.contains("`learn_ranges` needs a glove with `range_counts`"),
+        "{error}"
+    );
+}
