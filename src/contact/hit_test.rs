@@ -3,6 +3,7 @@
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Vec3;
 
+use super::front_index::front_aabb;
 use super::surface::{Surface, Target};
 use super::sweep::{Sweep, is_inside, pad_position};
 
@@ -78,10 +79,8 @@ impl Crossing {
 }
 
 /// Returns the first front of `surface` that a fingertip enters at or after `since` (0..=1); the centers at the start
-/// and end of the step and the radius are in the surface's frame (metres).
-///
-/// Does not allocate: the iterator of parry keeps its open branches, at most one for each level of the
-/// tree, inline up to 32; a tree of 10 000 fronts has half as many levels.
+/// and end of the step and the radius are in the surface's frame (metres). Does not allocate.
+#[inline]
 pub fn first_crossing(
     surface: &Surface,
     centers: [Vec3; 2],
@@ -89,20 +88,13 @@ pub fn first_crossing(
     since: f32,
 ) -> Option<Crossing> {
     let mut first: Option<Crossing> = None;
-    let extent = Vec3::splat(radius);
-    let [from, to] = centers;
-    let swept = Aabb::new(from.min(to) - extent, from.max(to) + extent);
-    // Most fingers are far from every target most of the time; this test costs a third of a traversal.
-    if !surface.front_bvh().root_aabb().intersects(&swept) {
-        return None;
-    }
-    for index in surface.front_bvh().intersect_aabb(&swept) {
+    surface.fronts().for_each_entered(centers, radius, |index| {
         let Some(target) = surface.target(surface.target_id(index)) else {
-            continue;
+            return;
         };
         let sweep = Sweep::from_centers(target, centers, radius);
         let Some(t) = sweep.t_at_entry(target.shape).filter(|&t| t >= since) else {
-            continue;
+            return;
         };
         let crossing = Crossing {
             index,
@@ -112,32 +104,50 @@ pub fn first_crossing(
         if first.is_none_or(|other| crossing.precedes(&other)) {
             first = Some(crossing);
         }
-    }
+    });
     first
 }
 
 /// Returns whether a fingertip is behind the front of any target of `surface`, inside its outline and at
 /// most 0.1 m deep; center and radius are in the surface's frame (metres).
 pub fn is_inside_any_target(surface: &Surface, center: Vec3, radius: f32) -> bool {
-    let extent = Vec3::splat(radius + MAX_PENETRATION);
-    let near = Aabb::new(center - extent, center + extent);
-    surface.front_bvh().intersect_aabb(&near).any(|index| {
-        surface
+    let mut is_inside = false;
+    let fronts = surface.fronts();
+    fronts.for_each_before(center, radius, MAX_PENETRATION, |index| {
+        is_inside |= surface
             .target(surface.target_id(index))
             .is_some_and(|target| {
                 let pad = pad_position(target, center, radius);
                 pad.z > -MAX_PENETRATION && penetration_depth(target, pad).is_some()
-            })
-    })
+            });
+    });
+    is_inside
 }
 
 /// Returns whether a fingertip may be within `distance` metres of a front of `surface`; center and radius
 /// are in the surface's frame (metres). Conservative: tests the bounding boxes of the fronts.
 pub fn is_near_any_target(surface: &Surface, center: Vec3, radius: f32, distance: f32) -> bool {
-    let extent = Vec3::splat(radius + distance);
-    let near = Aabb::new(center - extent, center + extent);
-    surface.front_bvh().root_aabb().intersects(&near)
-        && surface.front_bvh().intersect_aabb(&near).next().is_some()
+    let mut is_near = false;
+    for_each_front_near(surface, center, radius + distance, |_| is_near = true);
+    is_near
+}
+
+/// Calls `visit` with the index of each front whose bounding box is within `distance` metres of a position along each axis
+/// of the surface; the position is in the surface's frame (metres). May visit a front several times. Does not allocate.
+pub fn for_each_front_near(
+    surface: &Surface,
+    position: Vec3,
+    distance: f32,
+    mut visit: impl FnMut(u32),
+) {
+    let extent = Vec3::splat(distance);
+    let near = Aabb::new(position - extent, position + extent);
+    surface.fronts().for_each_near(&near, |index| {
+        let target = surface.target(surface.target_id(index));
+        if target.is_some_and(|target| front_aabb(target).intersects(&near)) {
+            visit(index);
+        }
+    });
 }
 
 #[cfg(test)]
@@ -199,27 +209,14 @@ mod tests {
         assert_eq!(cross(vec![at(0.0, 0.0), at(16.0, 0.0)], 8.0), None);
     }
 
-    #[test]
-    fn the_tree_agrees_with_a_linear_search_over_rotated_targets() {
-        let mut random = fastrand::Rng::with_seed(7);
-        let mut vector = |limit: f32| {
-            let mut component = || limit * (2.0 * random.f32() - 1.0);
-            Vec3::new(component(), component(), component())
-        };
-        let shapes = [KEY, Shape::Disc(0.01)].into_iter().cycle();
-        let targets = shapes.take(400).map(|shape| {
-            let pose = Pose::from_parts(vector(0.1), Rotation::from_scaled_axis(vector(3.0)));
-            target(shape, pose)
-        });
-        let mut scene = Scene::new();
-        scene.add_surface(Anchor::World, Pose::IDENTITY, targets.collect());
-        let surface = &scene.surfaces()[0];
-        let mut crossings = 0;
-        for _ in 0..2_000 {
-            let centers = [vector(0.12), vector(0.12)];
+    /// The searches on a surface, by testing every target.
+    struct LinearSearch<'a>(&'a Surface);
+
+    impl LinearSearch<'_> {
+        fn first_crossing(&self, centers: [Vec3; 2], radius: f32) -> Option<Crossing> {
             let mut first: Option<Crossing> = None;
-            for (id, target) in surface.targets() {
-                let sweep = Sweep::from_centers(target, centers, 0.006);
+            for (id, target) in self.0.targets() {
+                let sweep = Sweep::from_centers(target, centers, radius);
                 let Some(t) = sweep.t_at_entry(target.shape) else {
                     continue;
                 };
@@ -232,10 +229,107 @@ mod tests {
                     first = Some(crossing);
                 }
             }
-            assert_eq!(first_crossing(surface, centers, 0.006, 0.0), first);
-            crossings += u32::from(first.is_some());
+            first
         }
-        assert!(crossings > 500, "only {crossings}");
+
+        fn is_inside_any_target(&self, center: Vec3, radius: f32) -> bool {
+            self.0.targets().any(|(_, target)| {
+                let pad = pad_position(target, center, radius);
+                pad.z > -MAX_PENETRATION && penetration_depth(target, pad).is_some()
+            })
+        }
+
+        fn is_near_any_target(&self, center: Vec3, distance: f32) -> bool {
+            let extent = Vec3::splat(distance);
+            let near = Aabb::new(center - extent, center + extent);
+            let mut targets = self.0.targets();
+            targets.any(|(_, target)| front_aabb(target).intersects(&near))
+        }
+    }
+
+    /// Compares all searches with a linear one at random positions within `limit` metres along each axis.
+    fn assert_agrees_with_a_linear_search(targets: Vec<Target>, limit: Vec3) {
+        const RADIUS: f32 = 0.006;
+        let mut scene = Scene::new();
+        scene.add_surface(Anchor::World, Pose::IDENTITY, targets);
+        let surface = &scene.surfaces()[0];
+        let linear = LinearSearch(surface);
+        let mut random = fastrand::Rng::with_seed(8);
+        let mut position =
+            || limit * (2.0 * Vec3::from_array(std::array::from_fn(|_| random.f32())) - 1.0);
+        let (mut crossings, mut inside, mut near) = (0, 0, 0);
+        for _ in 0..2_000 {
+            let [from, to] = [position(), position()];
+            // Steep, as in a tap, and in any direction.
+            for centers in [
+                [from, to],
+                [from, from + (to - from) * Vec3::new(0.01, 0.01, 1.0)],
+            ] {
+                let first = linear.first_crossing(centers, RADIUS);
+                assert_eq!(
+                    first_crossing(surface, centers, RADIUS, 0.0),
+                    first,
+                    "{centers:?}"
+                );
+                crossings += u32::from(first.is_some());
+            }
+            let expected = linear.is_inside_any_target(from, RADIUS);
+            assert_eq!(
+                is_inside_any_target(surface, from, RADIUS),
+                expected,
+                "{from}"
+            );
+            inside += u32::from(expected);
+            let expected = linear.is_near_any_target(from, RADIUS + 0.01);
+            assert_eq!(
+                is_near_any_target(surface, from, RADIUS, 0.01),
+                expected,
+                "{from}"
+            );
+            near += u32::from(expected);
+        }
+        assert!(
+            crossings > 200 && inside > 100 && near > 100,
+            "{crossings} {inside} {near}"
+        );
+    }
+
+    #[test]
+    fn targets_in_any_direction_are_found_as_by_a_linear_search() {
+        let mut random = fastrand::Rng::with_seed(7);
+        let mut vector = |limit: f32| {
+            let mut component = || limit * (2.0 * random.f32() - 1.0);
+            Vec3::new(component(), component(), component())
+        };
+        let shapes = [KEY, Shape::Disc(0.01)].into_iter().cycle();
+        let targets = shapes.take(400).map(|shape| {
+            let pose = Pose::from_parts(vector(0.1), Rotation::from_scaled_axis(vector(3.0)));
+            target(shape, pose)
+        });
+        assert_agrees_with_a_linear_search(targets.collect(), Vec3::splat(0.12));
+    }
+
+    #[test]
+    fn targets_parallel_to_the_surface_are_found_as_by_a_linear_search() {
+        let mut random = fastrand::Rng::with_seed(6);
+        let mut between = |low: f32, high: f32| low + (high - low) * random.f32();
+        // Turns of the first and of all other targets, and the distance between the lowest and the highest.
+        for (turn, spread, thickness) in [(0.0, 0.0, 0.0), (0.5, 0.0, 0.0), (-2.0, 3.0, 0.02)] {
+            let target = |index: usize| {
+                let cell = Vec3::new((index % 20) as f32 - 9.5, (index / 20) as f32 - 9.5, 0.0);
+                let offset = Vec3::new(between(-2.0, 2.0), between(-2.0, 2.0), 0.0) * 1e-3;
+                let height = Vec3::Z * between(-0.5, 0.5) * thickness;
+                let rotation = Rotation::from_rotation_z(turn + between(-spread, spread));
+                let center = Rotation::from_rotation_z(turn) * (cell * 0.019 + offset);
+                let shape = match index % 5 {
+                    0 => Shape::Disc(between(0.003, 0.012)),
+                    _ => Shape::Box(Vec2::new(between(0.002, 0.02), between(0.002, 0.01))),
+                };
+                target(shape, Pose::from_parts(center + height, rotation))
+            };
+            let targets = (0..400).map(target).collect();
+            assert_agrees_with_a_linear_search(targets, Vec3::new(0.25, 0.25, 0.03));
+        }
     }
 
     #[test]

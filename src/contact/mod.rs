@@ -6,8 +6,12 @@ pub mod surface;
 pub mod sweep;
 pub mod tracker;
 pub mod volume;
+mod fingertip_positions;
+mod front_grid;
+mod front_index;
 mod target_names;
 
+pub use fingertip_positions::trusted_fingertip;
 pub use target_names::{TargetName, TargetNames};
 pub use tracker::ContactTracker;
 

@@ -1,10 +1,9 @@
 //! Targets in space: their outlines, the surfaces that they lie on, and the scene of all surfaces.
 
-use parry3d::bounding_volume::Aabb;
-use parry3d::math::{Mat3, Pose, Vec2, Vec3};
-use parry3d::partitioning::{Bvh, BvhBuildStrategy};
+use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::TargetId;
+use super::front_index::FrontIndex;
 use crate::hand::{Joint, Side};
 use crate::kinematics::HandPose;
 
@@ -46,13 +45,6 @@ pub const TREMOR_MARGIN: f32 = 0.002;
 /// not at the finger. Poke interaction of XR headsets uses the same distance.
 pub const DRAG_MARGIN: f32 = 0.03;
 
-/// The padding of the bounding box of a front, in metres on every side.
-///
-/// It covers the rounding of rotated fronts, some 1e-7 m at arm's length. It also gives the boxes a
-/// volume: parry splits a tree by volume, and a tree over boxes without volume is
-/// so unbalanced (48 levels for 10 000 fronts instead of 15) that a traversal allocates.
-const AABB_PADDING: f32 = 1e-5;
-
 /// The reference point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
@@ -72,7 +64,7 @@ pub struct Surface {
     center: Vec3,
     first: u32,
     targets: Vec<Target>,
-    front_bvh: Bvh,
+    fronts: FrontIndex,
 }
 
 impl Surface {
@@ -118,10 +110,9 @@ impl Surface {
         (first..).map(TargetId).zip(&self.targets)
     }
 
-    /// Returns the bounding volume hierarchy of the fronts, in the surface's frame; leaf `i` is the
-    /// target with index `i` on the surface.
-    pub fn front_bvh(&self) -> &Bvh {
-        &self.front_bvh
+    /// Returns the index of the fronts, in the surface's frame.
+    pub(super) fn fronts(&self) -> &FrontIndex {
+        &self.fronts
     }
 
     /// Returns the id of the target with this index on the surface.
@@ -168,7 +159,6 @@ impl Scene {
         targets: Vec<Target>,
     ) -> TargetId {
         let first = self.target_count;
-        let boxes: Vec<Aabb> = targets.iter().map(front_aabb).collect();
         self.target_count += targets.len() as u32;
         let centers = targets
             .iter()
@@ -179,7 +169,7 @@ impl Scene {
             anchor_from_surface,
             center: centers.sum::<Vec3>() / (targets.len().max(1) as f32),
             first,
-            front_bvh: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
+            fronts: FrontIndex::new(&targets),
             targets,
         });
         TargetId(first)
@@ -215,44 +205,5 @@ impl Scene {
         self.surfaces
             .iter()
             .find_map(|surface| Some((surface, surface.target(id)?)))
-    }
-}
-
-/// Returns the padded bounding box of a target's front at rest, in the surface's frame.
-fn front_aabb(target: &Target) -> Aabb {
-    let half = match target.shape {
-        Shape::Box(half) => half.extend(0.0),
-        Shape::Disc(radius) => Vec3::new(radius, radius, 0.0),
-    };
-    let axes = Mat3::from_quat(target.surface_from_target.rotation);
-    let extent = axes.x_axis.abs() * half.x + axes.y_axis.abs() * half.y + AABB_PADDING;
-    let center = target.surface_from_target.translation;
-    Aabb::new(center - extent, center + extent)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_tree_of_a_large_board_is_shallow() {
-        for (columns, rows) in [(100, 100), (142, 71), (1000, 10), (10_000, 1)] {
-            let key = |number: u32| {
-                let center = Vec3::new((number % columns) as f32, (number / columns) as f32, 0.0);
-                Target {
-                    shape: Shape::Box(Vec2::splat(0.008)),
-                    surface_from_target: Pose::from_translation(center * 0.019),
-                    travel: 0.004,
-                    press_at: 0.5,
-                    release_at: 0.25,
-                    margin: TREMOR_MARGIN,
-                }
-            };
-            let mut scene = Scene::new();
-            let keys = (0..columns * rows).map(key).collect();
-            scene.add_surface(Anchor::World, Pose::IDENTITY, keys);
-            let depth = scene.surfaces()[0].front_bvh().subtree_depth(0);
-            assert!(depth <= 24, "{columns} × {rows}: {depth} levels");
-        }
     }
 }

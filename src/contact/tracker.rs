@@ -2,6 +2,7 @@
 
 use parry3d::math::{Vec2, Vec3};
 
+use super::fingertip_positions::{FingertipPositions, Fingertips, trusted_fingertip};
 use super::hit_test::{self, Crossing};
 use super::surface::{Scene, Shape, Target};
 use super::sweep::{self, Sweep};
@@ -33,13 +34,6 @@ pub struct ContactTracker {
     /// The fingertip positions, for each surface of the scene.
     positions: Vec<FingertipPositions>,
     fingers: [FingerState; Finger::COUNT],
-}
-
-/// The centers of the fingertips in the frame of one surface; `None` if not known.
-#[derive(Clone, Copy, Debug, Default)]
-struct FingertipPositions {
-    previous: [Option<Vec3>; Finger::COUNT],
-    current: [Option<Vec3>; Finger::COUNT],
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,7 +78,10 @@ impl ContactTracker {
     /// Touches are cancelled at the time of the pose if the finger is untrusted, not known or not finite, if the anchor
     /// of the surface is not known, or if the hand jumped.
     pub fn update(&mut self, scene: &Scene, pose: &HandPose, touches: &mut Touches) {
-        self.locate(scene, pose);
+        let tips = Fingertips::trusted(pose);
+        for (positions, surface) in self.positions.iter_mut().zip(scene.surfaces()) {
+            positions.push(&tips, surface, pose);
+        }
         self.side = pose.side;
         let mut step = StepContext {
             side: pose.side,
@@ -158,35 +155,6 @@ impl ContactTracker {
         }
         is_seen
     }
-
-    fn locate(&mut self, scene: &Scene, pose: &HandPose) {
-        for (positions, surface) in self.positions.iter_mut().zip(scene.surfaces()) {
-            positions.previous = if pose.jumped {
-                Default::default()
-            } else {
-                positions.current
-            };
-            positions.current = Default::default();
-            let Some(world_from_surface) = surface.world_from_surface(pose) else {
-                continue;
-            };
-            let surface_from_world = world_from_surface.inverse();
-            for (current, &finger) in positions.current.iter_mut().zip(Finger::ALL) {
-                *current = trusted_fingertip(pose, finger)
-                    .map(|center| surface_from_world.transform_point(center))
-                    .filter(|center| center.is_finite());
-            }
-        }
-    }
-}
-
-/// Returns the center of a fingertip that may press (world, metres), or `None` if it is not known,
-/// not finite or untrusted.
-pub fn trusted_fingertip(pose: &HandPose, finger: Finger) -> Option<Vec3> {
-    if pose.untrusted.contains(finger) || !pose.tip_radius.is_finite() {
-        return None;
-    }
-    pose.fingertip(finger).filter(|center| center.is_finite())
 }
 
 fn push(
@@ -226,9 +194,7 @@ struct StepContext<'a> {
 impl<'a> StepContext<'a> {
     /// Returns the previous and current center of a fingertip on a surface, if both are known.
     fn centers(&self, surface: usize, finger: Finger) -> Option<[Vec3; 2]> {
-        let positions = self.positions.get(surface)?;
-        let index = finger.index();
-        Some([positions.previous[index]?, positions.current[index]?])
+        self.positions.get(surface)?.centers(finger)
     }
 
     /// Returns a target and the sweep of a finger's pad over it, if both centers are known.

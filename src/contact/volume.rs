@@ -144,7 +144,8 @@ impl VolumeSet {
     /// Returns the first volume that a segment is inside at or after `since` (0..=1). Volumes that it leaves at or before
     /// `since` do not count. If it is inside several at `since`, the one with the nearest center takes precedence.
     ///
-    /// Does not allocate; see [`first_crossing`](super::hit_test::first_crossing).
+    /// Does not allocate: the iterator of parry keeps its open branches, at most one for each level of the tree, inline up
+    /// to 32.
     pub fn first_entry(&self, segment: [Vec3; 2], since: f32) -> Option<VolumeEntry> {
         let mut first: Option<VolumeEntry> = None;
         let [from, to] = segment;

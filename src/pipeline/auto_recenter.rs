@@ -7,7 +7,7 @@ use parry3d::math::{Vec2, Vec3};
 use crate::contact::board_pose::AutoRecenter;
 use crate::contact::hit_test;
 use crate::contact::surface::{Scene, Surface};
-use crate::contact::tracker::trusted_fingertip;
+use crate::contact::trusted_fingertip;
 use crate::hand::{Finger, Side};
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;

@@ -6,7 +6,7 @@ use super::auto_recenter::RECENTER_FINGER;
 use super::{CommandError, LayoutInstance};
 use crate::contact::board_pose::BoardPose;
 use crate::contact::surface::Surface;
-use crate::contact::tracker::trusted_fingertip;
+use crate::contact::trusted_fingertip;
 use crate::kinematics::HandPose;
 
 /// A move of several boards.

@@ -2,10 +2,10 @@
 
 use std::f32::consts::TAU;
 
-use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Rotation, Vec3};
 
 use crate::contact::TargetId;
+use crate::contact::hit_test::for_each_front_near;
 use crate::contact::surface::Scene;
 use crate::contact::sweep::is_inside;
 use crate::device::target_index::TargetIndex;
@@ -88,8 +88,7 @@ impl PinchTips {
 
 /// Returns the grip on the knob that the fingertips close over, with value 0, if there is one.
 ///
-/// Tests only the fronts within [`MAX_HEIGHT`] of the midpoint, and only when the fingers close. Does not
-/// allocate: see [`first_crossing`](crate::contact::hit_test::first_crossing).
+/// Tests only the fronts within [`MAX_HEIGHT`] of the midpoint, and only when the fingers close. Does not allocate.
 pub(super) fn grip_between(
     tips: &PinchTips,
     pose: &HandPose,
@@ -101,23 +100,25 @@ pub(super) fn grip_between(
             continue;
         };
         let midpoint = world_from_surface.inverse_transform_point(tips.midpoint);
-        let margin = Vec3::splat(MAX_HEIGHT);
-        let aabb = Aabb::new(midpoint - margin, midpoint + margin);
-        for leaf in surface.front_bvh().intersect_aabb(&aabb) {
-            let id = surface.target_id(leaf);
+        let mut gripped = None;
+        for_each_front_near(surface, midpoint, MAX_HEIGHT, |front| {
+            let id = surface.target_id(front);
             let (Some(knob), Some(target)) = (knobs.get(id), surface.target(id)) else {
-                continue;
+                return;
             };
             let midpoint = target.surface_from_target.inverse_transform_point(midpoint);
-            if !is_inside(target.shape, midpoint.truncate(), 0.0) {
-                continue;
+            if is_inside(target.shape, midpoint.truncate(), 0.0) {
+                gripped.get_or_insert((knob, id));
             }
+        });
+        if let Some((knob, target)) = gripped {
+            let hand_from_target = target_from_hand(surface_index, target, pose, scene)?.inverse();
             return Some(PinchGrip {
                 knob,
                 value: 0.0,
                 surface: surface_index,
-                target: id,
-                hand_from_target: target_from_hand(surface_index, id, pose, scene)?.inverse(),
+                target,
+                hand_from_target,
                 twist: 0.0,
             });
         }
