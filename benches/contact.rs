@@ -47,6 +47,7 @@ fn main() {
         "ours/shapes",
     ]);
     print_contact(rounds);
+    print_units();
     print_rebuild(rounds);
     print_space(rounds);
 }
@@ -90,6 +91,14 @@ fn times(scene: &Scene, poses: &[HandPose], rounds: usize) -> (usize, [f64; 3]) 
     );
     let per_pose = |row: usize| times[row].as_secs_f64() * 1e9 / poses.len() as f64;
     (hits.len(), [0, 1, 2].map(per_pose))
+}
+
+/// The entries that `cast_shapes` finds with lengths in metres.
+fn print_units() {
+    let (scene, poses) = (Kind::Regular.scene(100), Motion::Tap.poses());
+    let expected = Tracker::new(&scene).hits(&poses).len();
+    let found = ParryShapeCast::new(&scene, 1.0).hits(&poses).len();
+    println!("\n`cast_shapes` in metres finds {found} of {expected} entries");
 }
 
 /// The time to build the scene of a board, as at the start and when a layout is edited.

@@ -3,7 +3,7 @@
 
 use parry3d::math::{Mat3, Vec2, Vec3};
 
-use super::surface::{Shape, Target};
+use super::target::{Shape, Target};
 
 /// The padding of a front, in metres on every side. It covers the rounding of rotated fronts and of crossings, some 1e-6 m
 /// at 2 m.
@@ -159,15 +159,14 @@ impl FrontGrid {
         }
     }
 
-    /// Calls `visit` with the index of each front that may meet a box, at least once for each. The corners are in the
-    /// surface's frame, in metres.
-    pub fn for_each_near(&self, low: Vec3, high: Vec3, visit: impl FnMut(u32)) {
+    /// Calls `visit` with the index of each front whose padded bounding box is within `distance` metres of a position along
+    /// each axis of the grid, at least once for each. All fronts count as high as the lowest to the highest. The position is
+    /// in the surface's frame, in metres.
+    pub fn for_each_near(&self, position: Vec3, distance: f32, visit: impl FnMut(u32)) {
         let [lowest, highest] = self.heights;
-        if high.z >= lowest && low.z <= highest {
-            // The rectangle may be turned against the grid: the circle around it is not.
-            let (low, high) = (low.truncate(), high.truncate());
-            let center = self.in_grid(low.midpoint(high));
-            self.for_each_front(Rectangle::around(center, low.distance(high) / 2.0), visit);
+        if position.z + distance >= lowest && position.z - distance <= highest {
+            let center = self.in_grid(position.truncate());
+            self.for_each_front(Rectangle::around(center, distance), visit);
         }
     }
 

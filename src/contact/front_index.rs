@@ -6,7 +6,7 @@ use parry3d::math::{Mat3, Vec3};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 
 use super::front_grid::FrontGrid;
-use super::surface::{Shape, Target};
+use super::target::{Shape, Target};
 
 /// The padding of the bounding box of a front, in metres on every side.
 ///
@@ -70,13 +70,19 @@ impl FrontIndex {
         }
     }
 
-    /// Calls `visit` with each front that may meet a box.
-    pub fn for_each_near(&self, near: &Aabb, visit: impl FnMut(u32)) {
+    /// Calls `visit` with each front whose bounding box is within `distance` metres of a position along each axis of the
+    /// index; in the surface's frame, in metres.
+    pub fn for_each_near(&self, position: Vec3, distance: f32, visit: impl FnMut(u32)) {
         match self {
-            Self::Grid(grid) => grid.for_each_near(near.mins, near.maxs, visit),
-            // A traversal of the tree costs three times as much as the test of its root.
-            Self::Tree(bvh) if !bvh.root_aabb().intersects(near) => {}
-            Self::Tree(bvh) => bvh.intersect_aabb(near).for_each(visit),
+            Self::Grid(grid) => grid.for_each_near(position, distance, visit),
+            Self::Tree(bvh) => {
+                let extent = Vec3::splat(distance);
+                let near = Aabb::new(position - extent, position + extent);
+                // A traversal of the tree costs three times as much as the test of its root.
+                if bvh.root_aabb().intersects(&near) {
+                    bvh.intersect_aabb(&near).for_each(visit);
+                }
+            }
         }
     }
 }
@@ -87,7 +93,7 @@ fn tree(targets: &[Target]) -> Bvh {
 }
 
 /// Returns the padded bounding box of a target's front at rest, in the surface's frame.
-pub(super) fn front_aabb(target: &Target) -> Aabb {
+fn front_aabb(target: &Target) -> Aabb {
     let half = match target.shape {
         Shape::Box(half) => half.extend(0.0),
         Shape::Disc(radius) => Vec3::new(radius, radius, 0.0),
@@ -103,7 +109,7 @@ mod tests {
     use parry3d::math::{Pose, Rotation, Vec2};
 
     use super::*;
-    use crate::contact::surface::TREMOR_MARGIN;
+    use crate::contact::target::TREMOR_MARGIN;
 
     fn key(surface_from_target: Pose) -> Target {
         Target {

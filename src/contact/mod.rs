@@ -9,6 +9,7 @@ pub mod volume;
 mod fingertip_positions;
 mod front_grid;
 mod front_index;
+mod target;
 mod target_names;
 
 pub use fingertip_positions::trusted_fingertip;

@@ -1,49 +1,12 @@
-//! Targets in space: their outlines, the surfaces that they lie on, and the scene of all surfaces.
+//! The surfaces that targets lie on, and the scene of all surfaces.
 
-use parry3d::math::{Pose, Vec2, Vec3};
+use parry3d::math::{Pose, Vec3};
 
 use super::TargetId;
 use super::front_index::FrontIndex;
+pub use super::target::{DRAG_MARGIN, Shape, TREMOR_MARGIN, Target};
 use crate::hand::{Joint, Side};
 use crate::kinematics::HandPose;
-
-/// The outline of a target's front, in metres, around its center.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Shape {
-    /// A rectangle with these half extents along the target's X and Y.
-    Box(Vec2),
-    /// A circle with this radius.
-    Disc(f32),
-}
-
-/// An object that a fingertip can press.
-///
-/// The origin of its frame is the center of its front at rest; +X is along its row, +Y away from
-/// the wearer, +Z out of the front. The press direction is −Z.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Target {
-    /// The outline of the front.
-    pub shape: Shape,
-    /// The pose on its surface.
-    pub surface_from_target: Pose,
-    /// The travel, in metres; more than 0.
-    pub travel: f32,
-    /// The depth at which the target counts as pressed, as a fraction of the travel: more than `release_at`, at most 1.
-    pub press_at: f32,
-    /// The depth at which the target counts as released, as a fraction of the travel: 0 or more.
-    pub release_at: f32,
-    /// The widening of the outline for a fingertip that touches it, in metres: [`TREMOR_MARGIN`] for a target that is
-    /// only pressed, [`DRAG_MARGIN`] or more for one that is dragged.
-    pub margin: f32,
-}
-
-/// The smallest [margin](Target::margin), in metres, so that tremor at the edge does not cancel a touch. An unsupported
-/// arm sways by 0.5–2 mm below 2 Hz, a fingertip trembles by 0.02–0.1 mm (Arch Neurol 1982;39:358).
-pub const TREMOR_MARGIN: f32 = 0.002;
-
-/// The [margin](Target::margin) of targets that are dragged, in metres: during a drag the wearer looks at the effect,
-/// not at the finger. Poke interaction of XR headsets uses the same distance.
-pub const DRAG_MARGIN: f32 = 0.03;
 
 /// The reference point of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
