@@ -11,7 +11,7 @@ pub const PITCH: f32 = 0.019;
 pub enum Kind {
     /// Rows and columns on one surface.
     Regular,
-    /// The same, turned by 30° against the axes of the surface, so that bounding boxes overlap.
+    /// Rows and columns at 30° to the axes of the surface, so that bounding boxes overlap.
     Turned,
     /// Each key on one of four surfaces in the same place, so that every fingertip is tested against each of them.
     FourSurfaces,
