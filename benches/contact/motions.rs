@@ -63,7 +63,7 @@ impl Motion {
                 let angle = phase as f32 / 24.0 * std::f32::consts::TAU;
                 0.010 - 0.014 * angle.sin().max(0.0)
             }
-            Self::Cross if pose % 2 == 0 => 0.010,
+            Self::Cross if pose.is_multiple_of(2) => 0.010,
             Self::Cross => -0.005,
         }
     }
