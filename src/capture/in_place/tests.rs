@@ -131,6 +131,30 @@ fn of_a_backlog_the_newest_readings_are_kept_and_the_others_counted() {
 }
 
 #[test]
+fn a_sender_that_pauses_needs_no_further_packet_to_confirm_its_last_one() {
+    let (glove, mut capture) = start();
+    let start = Instant::now();
+    let mut events = Vec::new();
+    // A busy machine may not see each of the pauses.
+    while events.last() != Some(&"9(0)".to_owned()) && start.elapsed() < TIMEOUT {
+        for _ in 0..10 {
+            glove.write(&encode(Framing::Double06, &[7; BODY_BYTES]));
+            capture.wait(TIMEOUT);
+            capture.wait(Duration::from_millis(1));
+        }
+        glove.write(&encode(Framing::Double06, &[9; BODY_BYTES]));
+        capture.wait(TIMEOUT);
+        capture.wait(Duration::from_millis(1));
+        events = queued(&capture);
+    }
+    assert_eq!(
+        events.last().map(String::as_str),
+        Some("9(0)"),
+        "{events:?}"
+    );
+}
+
+#[test]
 fn a_lost_device_is_reported_and_read_in_place_again_once_it_is_back() {
     let (glove, mut capture) = start();
     glove.write(&packets(1..3));

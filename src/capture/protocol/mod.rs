@@ -207,6 +207,12 @@ impl StreamFormat {
             .map_or(Duration::ZERO, |baud| transmission_time(baud, bytes))
     }
 
+    /// Returns the shortest silence after which a serial line has paused: one and a half bytes. `None` without a bit rate.
+    pub fn pause_time(&self) -> Option<Duration> {
+        self.baud?;
+        Some(self.transmission_time(3) / 2)
+    }
+
     /// Returns the shortest time between two packets. `None` if no bit rate limits it.
     pub fn packet_period(&self) -> Option<Duration> {
         self.baud?;
@@ -287,6 +293,16 @@ pub trait Decoder: Send {
 
     /// Ends the stream or datagram: emits a packet that only waited for confirmation and skips the rest.
     fn finish(&mut self, emit: &mut dyn FnMut(Packet));
+
+    /// Returns `true` if the pending bytes may be a packet that a pause of the stream confirms.
+    fn awaits_pause(&self) -> bool {
+        false
+    }
+
+    /// Handles a pause after the latest byte. Emits the packet that it confirms. The default ignores it.
+    fn pause(&mut self, emit: &mut dyn FnMut(Packet)) {
+        let _ = emit;
+    }
 
     /// Skips the pending bytes, after a stream broke off: the bytes that follow are unrelated.
     fn reset(&mut self);

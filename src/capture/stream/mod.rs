@@ -123,14 +123,34 @@ impl<C: Connector> StreamSource<C> {
     fn read_timeout(&self) -> Option<Duration> {
         match self.cancel {
             None => Some(READ_TIMEOUT),
-            Some(_) => {
-                C::IDLE_TIMEOUT.map(|timeout| timeout.saturating_sub(self.last_received.elapsed()))
-            }
+            Some(_) => self
+                .deadline()
+                .map(|deadline| deadline.saturating_duration_since(Instant::now())),
         }
+    }
+
+    /// Returns the time at which silence has a meaning: a pause confirms a packet, or the connection counts as lost.
+    fn deadline(&self) -> Option<Instant> {
+        let is_awaited = self.decoder.awaits_pause();
+        let pause = self.format.pause_time().filter(|_| is_awaited);
+        let timeout = pause.or(C::IDLE_TIMEOUT)?;
+        Some(self.last_received + timeout)
+    }
+
+    /// Returns `true` if, at `now`, no byte has come for longer than the line needs for one.
+    fn has_paused(&self, now: Instant) -> bool {
+        let silence = now.saturating_duration_since(self.last_received);
+        self.format
+            .pause_time()
+            .is_some_and(|pause| silence >= pause)
     }
 
     fn handle_bytes(&mut self, length: usize) -> Result<SourceEvent, CaptureError> {
         let now = Instant::now();
+        // A pause that ended before a wait for it did. It confirms nothing, as this thread may have been late.
+        if !self.decoder.awaits_pause() && self.has_paused(now) {
+            self.decoder.pause(&mut |_| {});
+        }
         self.last_received = now;
         let received = self.decoder.stats().bytes + length as u64;
         let (format, pending) = (&self.format, &mut self.pending);
@@ -172,6 +192,13 @@ impl<C: Connector> StreamSource<C> {
     }
 
     fn handle_silence(&mut self) -> Result<SourceEvent, CaptureError> {
+        if self.decoder.awaits_pause() && self.has_paused(Instant::now()) {
+            let (format, pending) = (&self.format, &mut self.pending);
+            let (now, received) = (self.last_received, self.decoder.stats().bytes);
+            self.decoder
+                .pause(&mut |packet| pending.push(packet, now, received, format));
+            return Ok(self.pending.pop().unwrap_or(SourceEvent::Idle));
+        }
         match C::IDLE_TIMEOUT {
             Some(timeout) if self.last_received.elapsed() >= timeout => {
                 Err(self.lose(format!("nothing was received for {} s", timeout.as_secs())))
@@ -333,7 +360,7 @@ impl<C: Connector> Source for StreamSource<C> {
             _ if has_event => None,
             State::Connected(connection) => Some(SourceWait {
                 readiness: connection.readiness.as_ref(),
-                deadline: C::IDLE_TIMEOUT.map(|timeout| self.last_received + timeout),
+                deadline: self.deadline(),
             }),
             State::Reconnecting(reconnect) => Some(reconnect.source_wait()),
             State::Ended => None,

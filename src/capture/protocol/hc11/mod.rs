@@ -1,8 +1,11 @@
 //! HC11 glove packets: 64 sensor counts between marks.
 
+mod pauses;
+
 use std::num::NonZeroU32;
 use std::time::Duration;
 
+use self::pauses::PacketPauses;
 use super::restart_text::RestartTextDetector;
 use super::{
     Carriers, Decoder, Packet, PositionNoise, Protocol, ProtocolOption, ProtocolOptions,
@@ -64,7 +67,8 @@ named_enum! {
     #[derive(Default)]
     pub enum Framing ("framing") {
         /// Two bytes 06 before the body, as the glove's firmware sends them. A packet is emitted when the
-        /// two marks of the next one are received, or when the stream ends.
+        /// two marks of the next one are received, when the stream ends, or after a pause of a sender that pauses after
+        /// every packet.
         #[default]
         Double06 = "double06",
         /// A `#` before the body and one after it. A packet is emitted with its end mark.
@@ -218,6 +222,7 @@ pub struct Hc11Decoder {
     stats: SourceStats,
     is_searching: bool,
     restart_text: RestartTextDetector,
+    pauses: PacketPauses,
 }
 
 /// Room for the 67 bytes that may be undecided, and for enough new ones that moving them to the front is rare.
@@ -234,6 +239,7 @@ impl Hc11Decoder {
             stats: SourceStats::default(),
             is_searching: false,
             restart_text: RestartTextDetector::default(),
+            pauses: PacketPauses::default(),
         }
     }
 
@@ -264,6 +270,16 @@ impl Hc11Decoder {
         self.is_searching = true;
     }
 
+    /// Returns `true` if the pending bytes are a packet with nothing after it.
+    fn is_complete(&self) -> bool {
+        let window = &self.buffer[self.start..self.end];
+        window.len() == PACKET_BYTES
+            && matches!(
+                self.framing.check_start(window, PACKET_BYTES),
+                StartCheck::Packet(_)
+            )
+    }
+
     fn move_to_front_when_full(&mut self) {
         if self.end < CAPACITY {
             return;
@@ -275,6 +291,7 @@ impl Hc11Decoder {
 
 impl Decoder for Hc11Decoder {
     fn push(&mut self, mut bytes: &[u8], emit: &mut dyn FnMut(Packet)) {
+        self.pauses.push_bytes();
         self.stats.bytes += bytes.len() as u64;
         while !bytes.is_empty() {
             self.move_to_front_when_full();
@@ -291,7 +308,19 @@ impl Decoder for Hc11Decoder {
         self.reset();
     }
 
+    fn awaits_pause(&self) -> bool {
+        self.pauses.is_expected() && self.is_complete()
+    }
+
+    fn pause(&mut self, emit: &mut dyn FnMut(Packet)) {
+        let is_after_packet = self.pending_bytes() == 0 || self.is_complete();
+        if self.pauses.push_pause(is_after_packet) {
+            self.decode_buffer(PACKET_BYTES, emit);
+        }
+    }
+
     fn reset(&mut self) {
+        self.pauses = PacketPauses::default();
         self.stats.skipped_bytes += self.pending_bytes() as u64;
         (self.start, self.end) = (0, 0);
         self.is_searching = false;

@@ -106,6 +106,73 @@ fn decode(
     (bodies, before_end.readings as usize, stats)
 }
 
+/// Decodes in pieces of the given size with a pause after each. Returns the bodies.
+fn decode_with_pauses(case: &Case, sizes: impl IntoIterator<Item = usize>) -> Vec<Vec<u8>> {
+    let mut decoder = Hc11Decoder::new(case.framing);
+    let mut bodies = Vec::new();
+    let mut emit = |packet: Packet| bodies.push(packet_body(&packet));
+    let mut rest = case.stream.as_slice();
+    for size in sizes {
+        let (piece, later) = rest.split_at(size.min(rest.len()));
+        decoder.push(piece, &mut emit);
+        decoder.pause(&mut emit);
+        rest = later;
+    }
+    decoder.push(rest, &mut emit);
+    decoder.finish(&mut emit);
+    bodies
+}
+
+#[test]
+fn the_vectors_decode_alike_with_pauses_between_pieces_of_any_size() {
+    let mut random = fastrand::Rng::with_seed(2);
+    for case in &cases() {
+        let length = case.stream.len();
+        for size in [1, 2, 33, 64, 66, 67, 132] {
+            let sizes = std::iter::repeat_n(size, length / size);
+            let bodies = decode_with_pauses(case, sizes);
+            assert_eq!(bodies, case.bodies, "{} in pieces of {size}", case.name);
+        }
+        let bodies = decode_with_pauses(case, case.chunks.iter().copied());
+        assert_eq!(bodies, case.bodies, "{} in its chunks", case.name);
+        for _ in 0..20 {
+            let sizes: Vec<usize> = (0..length / 60).map(|_| random.usize(1..130)).collect();
+            let bodies = decode_with_pauses(case, sizes.iter().copied());
+            assert_eq!(bodies, case.bodies, "{} in {sizes:?}", case.name);
+        }
+    }
+}
+
+/// Pushes a packet without its last `missing` bytes and then a pause. Returns the number of packets emitted.
+fn push_and_pause(decoder: &mut Hc11Decoder, missing: usize) -> usize {
+    let mut packets = 0;
+    let packet = encode(Framing::Double06, &[100; BODY_BYTES]);
+    decoder.push(&packet[..PACKET_BYTES - missing], &mut |_| packets += 1);
+    decoder.pause(&mut |_| packets += 1);
+    packets
+}
+
+#[test]
+fn a_sender_that_pauses_after_every_packet_confirms_packets_by_its_pauses() {
+    let mut decoder = Hc11Decoder::new(Framing::Double06);
+    let packets: Vec<usize> = (0..11).map(|_| push_and_pause(&mut decoder, 0)).collect();
+    // The ninth packet is confirmed by its pause, at once.
+    assert_eq!(packets, [0, 1, 1, 1, 1, 1, 1, 1, 2, 1, 1]);
+    assert!(!decoder.awaits_pause(), "it was this pause");
+}
+
+#[test]
+fn a_pause_within_a_packet_confirms_nothing_until_eight_packets_were_whole_again() {
+    let mut decoder = Hc11Decoder::new(Framing::Double06);
+    for _ in 0..10 {
+        push_and_pause(&mut decoder, 0);
+    }
+    assert_eq!(push_and_pause(&mut decoder, 1), 0, "it lost a byte");
+    let packets: Vec<usize> = (0..10).map(|_| push_and_pause(&mut decoder, 0)).collect();
+    assert_eq!(packets, [0, 1, 1, 1, 1, 1, 1, 1, 2, 1]);
+    assert_eq!(decoder.stats().skipped_bytes, 65);
+}
+
 #[test]
 fn the_vectors_decode_alike_in_pieces_of_any_size() {
     let cases = cases();
