@@ -188,7 +188,7 @@ fn effort(name: &str, program: &str, rate_hz: u32, feed: Duration, goal: &str) {
     let _ = child.wait();
 }
 
-/// What all threads of a process have used so far.
+/// The processor time and the wake-ups of all threads of a process so far.
 #[derive(Default)]
 struct Effort {
     processor: Duration,

@@ -153,15 +153,19 @@ fn start_ours(
     let mut notifier = load.map(|load| load.notifier.clone());
     thread::spawn(move || {
         let mut pipeline = setup.pipeline();
-        let mut sink = ForEachStep(writer);
+        let mut writer = writer;
         let commands = CommandReceiver::disconnected();
         let observe = &mut |step: &StepView| {
+            // One event per step, whichever events it has.
+            if step.reading.is_some() {
+                writer.write();
+            }
             if let Some(notifier) = &mut notifier {
                 notifier.notify_step(step);
             }
         };
         // It runs until the line is closed.
-        let _ = run_pipeline(source, &mut pipeline, &mut sink, &commands, observe);
+        let _ = run_pipeline(source, &mut pipeline, &mut NoSink, &commands, observe);
     });
     let marks = &encode(Framing::Double06, &[0; BODY_BYTES])[..PACKET_BYTES - BODY_BYTES];
     loopback.writer.write_all(marks).expect("the line is open");
@@ -193,12 +197,11 @@ impl Source for Blocking {
     }
 }
 
-/// A sink that writes one event per step, whichever events it has.
-struct ForEachStep(Box<dyn Writer>);
+/// A sink for the events of the pipeline, which are not those that are measured.
+struct NoSink;
 
-impl Sink for ForEachStep {
+impl Sink for NoSink {
     fn send(&mut self, _: &[OutputEvent]) -> Result<(), OutputError> {
-        self.0.write();
         Ok(())
     }
 

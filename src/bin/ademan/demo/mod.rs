@@ -252,14 +252,14 @@ fn report(
     writeln!(out, "readings   {}", stats::line(&summary.stats))?;
     writeln!(
         out,
-        "latency    from the bytes that confirm a packet to its events: p50 {:.0} µs, p99 {:.0} µs, max {:.0} µs",
+        "latency    from the confirmation of a packet to its events: p50 {:.0} µs, p99 {:.0} µs, max {:.0} µs",
         micros(0.5),
         micros(0.99),
         micros(1.0)
     )?;
     writeln!(
         out,
-        "           on a line without pauses those bytes, the header of the next packet, come {:.2} ms after the packet",
+        "           the header of the next packet, {:.2} ms after it, or a pause confirms a packet",
         line.transmission_time(PACKET_BYTES - BODY_BYTES)
             .as_secs_f64()
             * 1e3
