@@ -27,6 +27,16 @@ pub enum CaptureEvent {
         /// Statistics up to and including this reading.
         stats: SourceStats,
     },
+    /// Readings of a source that had them [ready](Source::is_ready), the oldest first. Only from
+    /// [`spawn_batched`](super::spawn_batched).
+    Readings {
+        /// The sensor values.
+        readings: Vec<Reading>,
+        /// Time at which the first one was received.
+        received_at: Instant,
+        /// Statistics up to and including the last one.
+        stats: SourceStats,
+    },
     /// A command that a recorded session executed between two readings.
     Command(Command),
     /// The [clock](Source::clock) of a source that waits: no reading precedes this time.
@@ -45,10 +55,15 @@ pub enum CaptureEvent {
 /// Shortest time between two [`CaptureEvent::Noise`].
 pub(super) const NOISE_INTERVAL: Duration = Duration::from_millis(500);
 
+/// Readings in a [`CaptureEvent::Readings`]: few enough that a command waits for less than a millisecond, and so many that
+/// waking the other thread costs little for each.
+const BATCH_LENGTH: usize = 64;
+
 /// A source whose results are passed on as events.
 pub(super) struct EventSource<S> {
     source: S,
     is_live: bool,
+    is_batched: bool,
     suspend: SuspendDetector,
     suspends: u64,
     /// Time of the latest event with statistics, and the bytes in them.
@@ -60,10 +75,19 @@ impl<S: Source> EventSource<S> {
     pub fn new(source: S) -> Self {
         Self {
             is_live: source.is_live(),
+            is_batched: false,
             source,
             suspend: SuspendDetector::default(),
             suspends: 0,
             reported: (Instant::now(), 0),
+        }
+    }
+
+    /// Passes readings that are ready together on together.
+    pub fn with_batches(self) -> Self {
+        Self {
+            is_batched: true,
+            ..self
         }
     }
 
@@ -81,16 +105,49 @@ impl<S: Source> EventSource<S> {
     /// Passes the events of the next call of the source to `emit`: none, one, or two. Returns `false` after the last
     /// event. A panic of the source is a failure.
     pub fn next(&mut self, emit: &mut dyn FnMut(CaptureEvent)) -> bool {
-        match catch_unwind(AssertUnwindSafe(|| self.source.next())) {
-            Ok(result) => self.convert(result, emit),
-            Err(panic) => {
-                emit(CaptureEvent::Failed(panic_error(
-                    self.source.name(),
-                    &*panic,
-                )));
-                false
+        match self.call() {
+            Ok(SourceEvent::Reading(first)) if self.is_batched && self.source.is_ready() => {
+                match self.pass_ready(first, emit) {
+                    Some(result) => self.convert(result, emit),
+                    None => true,
+                }
+            }
+            result => self.convert(result, emit),
+        }
+    }
+
+    /// Calls the source. A panic of the source is an error.
+    fn call(&mut self) -> Result<SourceEvent, CaptureError> {
+        let result = catch_unwind(AssertUnwindSafe(|| self.source.next()));
+        result.unwrap_or_else(|panic| Err(panic_error(self.source.name(), &*panic)))
+    }
+
+    /// Passes readings that are ready on together. Returns another result, if one came after them.
+    fn pass_ready(
+        &mut self,
+        first: Reading,
+        emit: &mut dyn FnMut(CaptureEvent),
+    ) -> Option<Result<SourceEvent, CaptureError>> {
+        let received_at = Instant::now();
+        let mut readings = Vec::with_capacity(BATCH_LENGTH);
+        readings.push(first);
+        let (mut stats, mut other) = (self.stats(), None);
+        while other.is_none() && readings.len() < BATCH_LENGTH && self.source.is_ready() {
+            match self.call() {
+                Ok(SourceEvent::Reading(reading)) => {
+                    readings.push(reading);
+                    stats = self.stats();
+                }
+                result => other = Some(result),
             }
         }
+        self.reported = (received_at, stats.bytes);
+        emit(CaptureEvent::Readings {
+            readings,
+            received_at,
+            stats,
+        });
+        other
     }
 
     fn convert(

@@ -45,6 +45,7 @@ impl EventQueue {
             self.make_room();
         }
         if let CaptureEvent::Reading { stats, .. }
+        | CaptureEvent::Readings { stats, .. }
         | CaptureEvent::Noise(stats)
         | CaptureEvent::End(stats) = &mut event
         {
@@ -61,6 +62,9 @@ impl EventQueue {
         while self.sender.is_full() {
             match self.events.try_recv() {
                 Ok(CaptureEvent::Reading { .. }) => self.dropped += 1,
+                Ok(CaptureEvent::Readings { readings, .. }) => {
+                    self.dropped += readings.len() as u64;
+                }
                 // The statistics of later events include these.
                 Ok(CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_)) => {}
                 Ok(loss) => self.keep_last_loss(loss),
@@ -75,6 +79,7 @@ impl EventQueue {
         while let Ok(event) = self.events.try_recv() {
             match event {
                 CaptureEvent::Reading { .. } => self.dropped += 1,
+                CaptureEvent::Readings { readings, .. } => self.dropped += readings.len() as u64,
                 CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_) => {}
                 later => loss = later,
             }

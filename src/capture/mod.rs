@@ -10,6 +10,7 @@
 //! for event in capture.events() {
 //!     match event {
 //!         CaptureEvent::Reading { reading, .. } => println!("{reading:?}"),
+//!         CaptureEvent::Readings { readings, .. } => println!("{readings:?}"),
 //!         CaptureEvent::Lost(error) | CaptureEvent::Failed(error) => eprintln!("{error}"),
 //!         CaptureEvent::Elapsed(time) => println!("no reading until {time:?}"),
 //!         CaptureEvent::Command(command) => println!("a recorded command: {command:?}"),
@@ -82,7 +83,7 @@ pub use poll::Readiness;
 pub use protocol::hc11::{self, Hc11Format};
 pub use protocol::{InvalidPacket, InvalidPackets, PositionNoise, StreamFormat};
 pub use sides::SidedSource;
-pub use thread::{CaptureThread, spawn};
+pub use thread::{CaptureThread, spawn, spawn_batched};
 #[cfg(not(target_family = "wasm"))]
 pub(crate) use {in_place::InPlaceCapture, wake_up::WakeUp};
 #[cfg(not(target_family = "wasm"))]
@@ -240,6 +241,12 @@ pub struct Channels {
 impl Channels {
     /// The count of a channel that was not measured. No converter has so large a count.
     pub const UNKNOWN: u16 = u16::MAX;
+
+    /// Returns `true` if a channel that was measured has a count larger than the full scale.
+    pub(crate) fn has_impossible_counts(&self) -> bool {
+        let mut counts = self.counts.iter();
+        counts.any(|&count| count > self.full_scale && count != Self::UNKNOWN)
+    }
 }
 
 /// Result of a call to [`Source::next`].
@@ -308,6 +315,12 @@ pub trait Source: Send {
         true
     }
 
+    /// Returns `true` if the next call of [`next`](Self::next) returns at once, so that readings may be passed on together. The
+    /// default is `false`, as suits a source with a pace of its own.
+    fn is_ready(&self) -> bool {
+        false
+    }
+
     /// Returns the present time on the clock of the source while it waits for a reading that it knows already; `None` if
     /// it knows none. It is earlier than that reading.
     ///
@@ -353,6 +366,10 @@ impl Source for Box<dyn Source> {
 
     fn is_live(&self) -> bool {
         (**self).is_live()
+    }
+
+    fn is_ready(&self) -> bool {
+        (**self).is_ready()
     }
 
     fn clock(&self) -> Option<Timestamp> {

@@ -35,6 +35,11 @@ impl Displacement {
         Vec3::from_array(self.translation)
     }
 
+    /// Returns the translation, in metres, and the quaternion x, y, z, w as they were measured.
+    pub(crate) fn to_arrays(self) -> ([f32; 3], [f32; 4]) {
+        (self.translation, self.rotation)
+    }
+
     /// Returns the rotation in the world about the joint. `None` if a number is not finite or the quaternion has no length.
     pub fn rotation(&self) -> Option<Quat> {
         let [x, y, z, w] = self.rotation;

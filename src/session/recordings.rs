@@ -3,6 +3,9 @@
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use crossbeam_channel::RecvTimeoutError;
 
 use super::writer_thread::{QueuedSteps, WriterThread};
 use crate::capture::recording::RecordedSetup;
@@ -10,7 +13,11 @@ use crate::files;
 use crate::kinematics::HandPose;
 use crate::recorder::{RecordError, Recorder, cannot_create};
 use crate::snapshot::{Snapshot, StepView};
+use crate::time::NO_DEADLINE;
 use crate::trace::bvh::PoseWriter;
+
+/// Time without a step after which the steps so far reach the disk.
+const FLUSH_AFTER: Duration = Duration::from_millis(500);
 
 /// Frames per second of a BVH file.
 const BVH_RATE_HZ: f64 = 100.0;
@@ -37,11 +44,20 @@ impl Recordings {
         is_lossless: bool,
     ) -> Result<(), RecordError> {
         let mut recorder = Recorder::create(path, setup)?;
-        let write = move |steps: QueuedSteps<Snapshot>| {
-            for step in steps {
-                recorder.write(&step)?;
+        // A recording of a replay is the same on a slow machine.
+        let timeout = if is_lossless {
+            NO_DEADLINE
+        } else {
+            FLUSH_AFTER
+        };
+        let write = move |mut steps: QueuedSteps<Snapshot>| {
+            loop {
+                match steps.next_within(timeout) {
+                    Ok(step) => recorder.write(&step)?,
+                    Err(RecvTimeoutError::Timeout) => recorder.flush()?,
+                    Err(RecvTimeoutError::Disconnected) => return recorder.finish(),
+                }
             }
-            recorder.finish()
         };
         self.steps = Some(WriterThread::start(path, is_lossless, write)?);
         Ok(())

@@ -43,10 +43,23 @@ impl<T> Iterator for QueuedSteps<T> {
     type Item = T;
 
     fn next(&mut self) -> Option<T> {
+        self.count();
+        self.queue.recv().ok()
+    }
+}
+
+impl<T> QueuedSteps<T> {
+    /// Returns the next step, or an error if none comes within `timeout` or the session has ended.
+    pub fn next_within(&mut self, timeout: Duration) -> Result<T, RecvTimeoutError> {
+        self.count();
+        self.queue.recv_timeout(timeout)
+    }
+
+    /// Counts the step that was taken before as written.
+    fn count(&mut self) {
         if !std::mem::take(&mut self.is_first) {
             self.written.fetch_add(1, Ordering::Relaxed);
         }
-        self.queue.recv().ok()
     }
 }
 

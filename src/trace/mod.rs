@@ -1,4 +1,4 @@
-//! The results of each stage as JSON: the lines of `ademan trace` and the messages of a recording.
+//! The results of each stage as JSON: the lines of `ademan trace`.
 //!
 //! | stage | one object per | form |
 //! |---|---|---|
@@ -51,42 +51,6 @@ named_enum! {
 }
 
 impl Stage {
-    /// Topic of its channel in a recording.
-    pub const fn topic(self) -> &'static str {
-        match self {
-            Self::Readings => recording::READINGS_TOPIC,
-            Self::Angles => "/angles",
-            Self::Pose => "/pose",
-            Self::Touches => "/touches",
-            Self::Events => "/events",
-            Self::Commands => recording::COMMANDS_TOPIC,
-        }
-    }
-
-    /// Name of its JSON Schema in a recording.
-    pub const fn schema_name(self) -> &'static str {
-        match self {
-            Self::Readings => "ademan.Reading",
-            Self::Angles => "ademan.JointAngles",
-            Self::Pose => "ademan.HandPose",
-            Self::Touches => "ademan.Touch",
-            Self::Events => "ademan.OutputEvent",
-            Self::Commands => "ademan.Command",
-        }
-    }
-
-    /// JSON Schema (draft 2020-12) of its objects.
-    pub const fn schema(self) -> &'static str {
-        match self {
-            Self::Readings => include_str!("reading.schema.json"),
-            Self::Angles => include_str!("angles.schema.json"),
-            Self::Pose => include_str!("pose.schema.json"),
-            Self::Touches => include_str!("touch.schema.json"),
-            Self::Events => include_str!("event.schema.json"),
-            Self::Commands => include_str!("command.schema.json"),
-        }
-    }
-
     /// Calls `write` with the time and the JSON of each result in `snapshot`, without line ends. `buffer` is overwritten.
     pub fn for_each_json<E>(
         self,
@@ -466,23 +430,6 @@ mod tests {
         };
         for stage in Stage::ALL {
             assert_eq!(lines(*stage, &empty), [""; 0], "{stage}");
-        }
-    }
-
-    #[test]
-    fn schemas_list_all_fields_of_the_objects() {
-        for &stage in Stage::ALL {
-            let schema: Value = serde_json::from_str(stage.schema()).unwrap();
-            for line in lines(stage, &snapshot()) {
-                let object: Value = serde_json::from_str(&line).unwrap();
-                let object = object.as_object().unwrap();
-                for key in object.keys() {
-                    assert!(schema["properties"].get(key).is_some(), "{stage} {key}");
-                }
-                for key in schema["required"].as_array().unwrap() {
-                    assert!(object.contains_key(key.as_str().unwrap()), "{stage} {key}");
-                }
-            }
         }
     }
 

@@ -37,6 +37,7 @@ mod pictures;
 mod process_limits;
 mod protocols;
 #[cfg(unix)]
+mod recorded_messages;
 mod reload;
 #[cfg(unix)]
 mod roles;

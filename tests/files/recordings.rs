@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Cursor, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use ademan::capture::recording::{RecordedSetup, Replay};
-use ademan::capture::{CaptureError, Channels, Reading, Sample, Source, SourceEvent};
+use ademan::capture::{CaptureError, Channels, Reading, Sample, SampleKind, Source, SourceEvent};
 use ademan::contact::{Phase, TargetId, TargetNames, Touch, Touches};
 use ademan::device::{EventKind, Events, OutputEvent};
 use ademan::estimate::JointAngles;
@@ -19,7 +19,8 @@ use ademan::snapshot::{Snapshot, Stats};
 use ademan::time::Timestamp;
 use parry3d::math::{Pose, Vec2, Vec3};
 
-const READINGS: u64 = 40;
+/// Readings of a recording of some chunks.
+const READINGS: u64 = 400;
 
 fn reading(number: u64) -> Reading {
     let count = |channel: u64| (number * 31 + channel * 7) as u16 % 256;
@@ -148,15 +149,28 @@ fn records(bytes: &[u8]) -> Vec<(u8, usize, usize)> {
     records
 }
 
-const MESSAGE: u8 = 5;
+const CHUNK: u8 = 6;
 
-/// Returns start and end of each message on the channel of readings.
-fn reading_messages(bytes: &[u8]) -> Vec<(usize, usize)> {
-    let is_reading = |start: usize| bytes[start + 9..start + 11] == [1, 0];
-    records(bytes)
+/// A chunk of a recording: its place in the file and its last time.
+struct Chunk {
+    start: usize,
+    end: usize,
+    last: Timestamp,
+}
+
+/// Returns the chunks of a recording. Their content begins with their first and last time in nanoseconds.
+fn chunks(bytes: &[u8]) -> Vec<Chunk> {
+    let chunks = records(bytes)
         .into_iter()
-        .filter(|&(kind, start, _)| kind == MESSAGE && is_reading(start))
-        .map(|(_, start, end)| (start, end))
+        .filter(|record| record.0 == CHUNK);
+    chunks
+        .map(|(_, start, end)| {
+            let time = |at: usize| u64::from_le_bytes(bytes[at..at + 8].try_into().unwrap());
+            let (first, last) = (time(start + 9), time(start + 17));
+            assert!(last - first < 1_000_000_000, "a chunk is shorter than 1 s");
+            let last = Timestamp(last / 1000);
+            Chunk { start, end, last }
+        })
         .collect()
 }
 
@@ -195,28 +209,43 @@ fn a_complete_recording_is_not_truncated_and_all_bytes_are_counted() {
 #[test]
 fn the_setup_is_readable_without_the_readings() {
     let bytes = recorded();
-    let (first, _) = reading_messages(&bytes)[0];
+    let first = chunks(&bytes)[0].start;
     assert_eq!(*replay(&bytes[..first]).unwrap().setup(), setup());
 }
 
 #[test]
-fn a_truncated_recording_gives_every_complete_reading() {
-    let bytes = recorded();
-    let messages = reading_messages(&bytes);
-    assert_eq!(messages.len() as u64, READINGS);
+fn a_recording_cut_at_any_byte_gives_everything_but_its_last_second() {
+    // Few readings far apart, so that the file has some chunks and is small.
+    let numbers: Vec<u64> = (0..16).map(|index| index * 30).collect();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("small.mcap");
+    let mut recorder = Recorder::create(&path, &setup()).unwrap();
+    for &number in &numbers {
+        recorder.write(&snapshot(number)).unwrap();
+    }
+    recorder.finish().unwrap();
+    let bytes = fs::read(&path).unwrap();
+    let chunks = chunks(&bytes);
+    let (first, last) = (&chunks[0], &chunks[chunks.len() - 1]);
+    assert!(chunks.len() > 3, "the recording has some chunks");
+    assert_eq!(last.last, reading(numbers[15]).time);
     let ends: Vec<_> = records(&bytes).iter().map(|&(_, _, end)| end).collect();
-    let last_messages = messages[messages.len() - 3].0..bytes.len();
-    let lengths = (1..bytes.len()).step_by(97).chain(last_messages);
-    for length in lengths {
+    let declarations = (1..first.start).step_by(997);
+    let summary = (last.end + 40..bytes.len()).step_by(997);
+    let chunk_bytes = first.start..last.end + 40;
+    for length in declarations.chain(chunk_bytes).chain(summary) {
         let mut replay =
             replay(&bytes[..length]).unwrap_or_else(|error| panic!("{length}: {error}"));
         let mut count = 0;
         while let SourceEvent::Reading(replayed) = replay.next().unwrap() {
-            assert_eq!(replayed, reading(count), "cut at {length}");
+            assert_eq!(replayed, reading(numbers[count]), "cut at {length}");
             count += 1;
         }
-        let complete = messages.iter().filter(|(_, end)| *end <= length).count();
-        assert_eq!(count, complete as u64, "cut at {length}");
+        let complete = chunks.iter().rfind(|chunk| chunk.end <= length);
+        let complete = complete.map_or(0, |chunk| {
+            numbers.partition_point(|&number| reading(number).time <= chunk.last)
+        });
+        assert_eq!(count, complete, "cut at {length}");
 
         let truncation = replay
             .truncation()
@@ -225,6 +254,31 @@ fn a_truncated_recording_gives_every_complete_reading() {
         let before = before.unwrap_or(if length < 8 { 0 } else { 8 }) as u64;
         assert_eq!(truncation.offset, before, "cut at {length}");
         assert_eq!(replay.stats().skipped_bytes, length as u64 - before);
+    }
+}
+
+#[test]
+fn a_long_recording_cut_anywhere_gives_everything_but_its_last_second() {
+    const READINGS: u64 = 5_000;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("long.mcap");
+    let mut recorder = Recorder::create(&path, &setup()).unwrap();
+    // The size of the file after each reading is what a crash at that time leaves.
+    let mut lengths = Vec::new();
+    for number in 0..READINGS {
+        recorder.write(&snapshot(number)).unwrap();
+        lengths.push(fs::metadata(&path).unwrap().len());
+    }
+    recorder.finish().unwrap();
+    let bytes = fs::read(&path).unwrap();
+    let mut random = fastrand::Rng::with_seed(7);
+    for _ in 0..30 {
+        let length = random.usize(60_000..bytes.len());
+        let (count, end) = count_and_end(replay(&bytes[..length]).unwrap());
+        assert!(end.is_some(), "cut at {length}");
+        let written = lengths.partition_point(|&written| written <= length as u64) as u64;
+        let lost = reading(written).time.since(reading(count).time);
+        assert!(lost < Duration::from_secs(1), "cut at {length}: {lost:?}");
     }
 }
 
@@ -290,7 +344,7 @@ fn files_without_readings_and_of_another_format_are_rejected() {
 }
 
 #[test]
-fn an_impossible_reading_ends_the_replay_with_its_offset() {
+fn an_impossible_reading_ends_the_replay_with_the_offset_of_its_chunk() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let mut recorder = Recorder::create(&path, &setup()).unwrap();
@@ -305,10 +359,10 @@ fn an_impossible_reading_ends_the_replay_with_its_offset() {
         recorder.write(snapshot).unwrap();
     }
     recorder.finish().unwrap();
-    let (second, _) = reading_messages(&fs::read(&path).unwrap())[1];
+    let chunk = chunks(&fs::read(&path).unwrap())[0].start;
     let (replayed, error) = readings_and_error(Replay::open(&path).unwrap());
     assert_eq!(replayed, [reading(0)]);
-    let end = format!("at byte {second}, a count is larger than its full scale");
+    let end = format!("at byte {chunk}, a count is larger than its full scale");
     assert!(error.unwrap().to_string().ends_with(&end));
 }
 
@@ -321,7 +375,7 @@ fn a_missing_file_is_named_in_the_error() {
 
 #[test]
 fn an_endless_recording_is_read_in_pieces() {
-    /// Reader of a recording whose messages repeat endlessly.
+    /// Reader of a recording whose first chunk repeats endlessly.
     struct Endless {
         head: Cursor<Vec<u8>>,
         body: Vec<u8>,
@@ -339,14 +393,17 @@ fn an_endless_recording_is_read_in_pieces() {
     }
 
     let bytes = recorded();
-    let (start, end) = reading_messages(&bytes)[0];
+    let first = &chunks(&bytes)[0];
     let endless = Endless {
-        head: Cursor::new(bytes[..end].to_vec()),
-        body: bytes[start..end].to_vec(),
+        head: Cursor::new(bytes[..first.end].to_vec()),
+        body: bytes[first.start..first.end].to_vec(),
     };
+    let numbers = (0..READINGS).take_while(|&number| reading(number).time <= first.last);
+    let numbers: Vec<u64> = numbers.collect();
     let mut replay = Replay::from_reader("recording:-", endless).unwrap();
-    for _ in 0..10_000 {
-        assert_eq!(replay.next().unwrap(), SourceEvent::Reading(reading(0)));
+    for &number in numbers.iter().cycle().take(10_000) {
+        let expected = SourceEvent::Reading(reading(number));
+        assert_eq!(replay.next().unwrap(), expected);
     }
 }
 
@@ -361,11 +418,12 @@ fn an_existing_file_is_not_overwritten() {
 }
 
 #[test]
-fn an_unfinished_recording_is_readable_up_to_its_last_step() {
+fn an_unfinished_recording_is_readable_up_to_its_last_flush() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.mcap");
     let mut recorder = Recorder::create(&path, &setup()).unwrap();
     recorder.write(&snapshot(0)).unwrap();
+    recorder.flush().unwrap();
     let (replayed, _) = readings_and_error(Replay::open(&path).unwrap());
     assert_eq!(replayed, [reading(0)]);
     drop(recorder);
@@ -408,4 +466,121 @@ fn a_recording_keeps_the_packet_period_of_its_source() {
     let recorder = Recorder::create(&path, &setup).unwrap();
     recorder.finish().unwrap();
     assert_eq!(Replay::open(&path).unwrap().packet_period(), Some(period));
+}
+
+/// The recordings of the folder `tests/recordings`, which have format 1: messages in JSON without chunks.
+fn json_recordings() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recordings");
+    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
+    let mut paths: Vec<PathBuf> = files.map(|file| file.path()).collect();
+    paths.retain(|path| {
+        path.extension()
+            .is_some_and(|extension| extension == "mcap")
+    });
+    let is_json = |path: &PathBuf| {
+        let bytes = fs::read(path).unwrap();
+        records(&bytes).iter().all(|record| record.0 != CHUNK)
+    };
+    paths.retain(is_json);
+    paths
+}
+
+#[test]
+fn readings_of_every_kind_of_sensor_have_the_same_bits_in_both_formats() {
+    let recordings = json_recordings();
+    let mut kinds = Vec::new();
+    for path in &recordings {
+        let old = Replay::open(path).unwrap();
+        let setup = old.setup().clone();
+        let (readings, error) = readings_and_error(old);
+        assert!(
+            error.is_none() && readings.len() > 50,
+            "{path:?}: {error:?}"
+        );
+        let folder = tempfile::tempdir().unwrap();
+        let copy = folder.path().join("copy.mcap");
+        let mut recorder = Recorder::create(&copy, &setup).unwrap();
+        for reading in &readings {
+            recorder.write_reading(reading).unwrap();
+        }
+        recorder.finish().unwrap();
+        let new = Replay::open(&copy).unwrap();
+        assert_eq!(*new.setup(), setup);
+        let (copied, error) = readings_and_error(new);
+        assert!(error.is_none(), "{error:?}");
+        // JSON distinguishes 0 from −0.
+        let json = |readings: &[Reading]| serde_json::to_string(readings).unwrap();
+        assert!(json(&copied) == json(&readings), "{path:?}");
+        kinds.push(readings[0].sample.kind());
+    }
+    for kind in [
+        SampleKind::Channels,
+        SampleKind::Angles,
+        SampleKind::Joints,
+        SampleKind::Body,
+        SampleKind::Bones,
+        SampleKind::Displacement,
+    ] {
+        assert!(
+            kinds.contains(&kind),
+            "no recording of format 1 has {kind:?}"
+        );
+    }
+}
+
+#[test]
+fn a_channel_that_was_not_measured_is_replayed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.mcap");
+    let mut recorder = Recorder::create(&path, &setup()).unwrap();
+    let mut partial = reading(0);
+    if let Sample::Channels(channels) = &mut partial.sample {
+        channels.counts[7] = Channels::UNKNOWN;
+    }
+    recorder.write_reading(&partial).unwrap();
+    recorder.finish().unwrap();
+    let (replayed, error) = readings_and_error(Replay::open(&path).unwrap());
+    assert!(error.is_none(), "{error:?}");
+    assert_eq!(replayed, [partial]);
+}
+
+/// Returns a recording of format 2 whose only chunk states these sizes and this compression.
+fn with_chunk(compression: &str, uncompressed_size: u64, data: &[u8]) -> Vec<u8> {
+    let bytes = recorded();
+    let first = chunks(&bytes)[0].start;
+    let mut chunk = vec![0; 16];
+    chunk.extend(uncompressed_size.to_le_bytes());
+    chunk.extend(0_u32.to_le_bytes());
+    chunk.extend((compression.len() as u32).to_le_bytes());
+    chunk.extend(compression.as_bytes());
+    chunk.extend((data.len() as u64).to_le_bytes());
+    chunk.extend(data);
+    let length = (chunk.len() as u64).to_le_bytes();
+    [&bytes[..first], &[CHUNK], &length, &chunk].concat()
+}
+
+#[test]
+fn chunks_that_are_not_what_they_state_are_refused() {
+    let huge = error(&with_chunk("lz4", u64::MAX, b""));
+    assert!(
+        huge.contains("a chunk states a size of 18446744073709551615 bytes"),
+        "{huge}"
+    );
+    let noise = error(&with_chunk("lz4", 9, b"no frame of LZ4"));
+    assert!(noise.contains("a chunk cannot be decompressed"), "{noise}");
+    let long = error(&with_chunk("", 9, &[0; 10]));
+    assert!(
+        long.contains("a chunk has another size than it states"),
+        "{long}"
+    );
+    let record = error(&with_chunk("", 9, &[5, 1, 0, 0, 0, 0, 0, 0, 0]));
+    assert!(
+        record.contains("a record is longer than its chunk"),
+        "{record}"
+    );
+    let foreign = error(&with_chunk("zstd", 9, &[0; 9]));
+    assert!(
+        foreign.contains("its chunks are compressed with `zstd`, and this program reads `lz4`"),
+        "{foreign}"
+    );
 }

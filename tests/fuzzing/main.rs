@@ -128,6 +128,11 @@ fn recordings_are_replayed_or_refused() {
 }
 
 #[test]
+fn messages_of_recordings_are_decoded_or_refused() {
+    run("messages", recordings::message_seeds(), recordings::message);
+}
+
+#[test]
 fn requests_are_read_or_refused() {
     run("requests", seeds::requests(), texts::request);
 }

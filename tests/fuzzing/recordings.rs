@@ -1,15 +1,31 @@
 //! Recordings: a replayed recording can be recorded again, with the same content.
 
+use std::collections::BTreeMap;
+use std::io::Cursor;
 use std::sync::LazyLock;
 
-use ademan::capture::recording::{RecordedSetup, Replay};
-use ademan::capture::{Hc11Format, Reading, Source, SourceEvent};
+use ademan::capture::body::{BODY_LANDMARKS, BodyLandmarks, Landmark};
+use ademan::capture::recording::message::{
+    decode_external_command, decode_reading, encode_command, encode_reading,
+};
+use ademan::capture::recording::{
+    JSON_ENCODING, MESSAGE_ENCODING, READINGS_TOPIC, RecordedSetup, Replay,
+};
+use ademan::capture::{Channels, Hc11Format, Reading, Sample, Source, SourceEvent};
 use ademan::contact::Touches;
 use ademan::device::Events;
+use ademan::hand::{
+    ArmBone, BoneRotations, Displacement, Dof, HandPart, Joint, JointAngles, JointPositions, Side,
+};
 use ademan::pipeline::PipelineState;
 use ademan::recorder::Recorder;
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::snapshot::{Snapshot, Stats};
+use ademan::time::Timestamp;
+use ademan::trace::reading_json;
+use glam::{DVec3, Quat, Vec3};
+use mcap::WriteOptions;
+use mcap::records::MessageHeader;
 
 /// The content of a recording, and `true` if it is complete.
 struct Replayed {
@@ -61,10 +77,93 @@ pub fn recording(data: &[u8]) -> bool {
     if let Some(bytes) = record(&replayed.setup, &replayed.readings) {
         let again = replay(&bytes).expect("what was recorded can be replayed");
         assert!(again.is_whole);
-        assert_eq!(again.readings, replayed.readings);
         assert_eq!(again.setup, replayed.setup);
+        // Bytes, as a number may be NaN.
+        let copied = record(&again.setup, &again.readings);
+        assert!(copied == Some(bytes), "a copy of a recording differs");
     }
     true
+}
+
+/// Decodes a message as a reading and as a command. Returns `true` if it is a reading.
+pub fn message(data: &[u8]) -> bool {
+    if let Ok(Some(command)) = decode_external_command(data) {
+        assert_eq!(command.check(), Ok(()));
+        let mut message = Vec::new();
+        encode_command(Timestamp(7), &command, true, &mut message);
+        assert_eq!(decode_external_command(&message), Ok(Some(command)));
+    }
+    let Ok(reading) = decode_reading(data) else {
+        return false;
+    };
+    let encode = |reading: &Reading| {
+        let mut message = Vec::new();
+        encode_reading(reading, &mut message);
+        message
+    };
+    let message = encode(&reading);
+    let again = decode_reading(&message).expect("what was encoded can be decoded");
+    assert!(encode(&again) == message, "a copy of a reading differs");
+    true
+}
+
+/// Returns messages of readings of every kind, and of commands.
+pub fn message_seeds() -> Vec<Vec<u8>> {
+    let mut angles = JointAngles::default();
+    let mut positions = JointPositions::default();
+    let mut bones = BoneRotations::default();
+    let mut body = BodyLandmarks::default();
+    for &dof in Dof::ALL {
+        angles.set(dof, 0.1);
+    }
+    for &joint in Joint::ALL {
+        positions.set(joint, DVec3::new(0.1, -0.2, 0.0));
+    }
+    for &bone in ArmBone::ALL {
+        bones.right.set(bone, Quat::IDENTITY);
+    }
+    for _ in 0..BODY_LANDMARKS {
+        body.points.push(Landmark {
+            position: [0.1, 0.2, -0.3],
+            confidence: 0.9,
+        });
+    }
+    let displacement = Displacement::new(Joint::Wrist, Vec3::X, Quat::IDENTITY);
+    let counts = (0..64).map(|channel| channel * 4).collect();
+    let samples = [
+        Sample::Channels(Channels {
+            full_scale: 255,
+            counts,
+        }),
+        Sample::Angles { angles },
+        Sample::Joints { positions },
+        Sample::Body(body),
+        Sample::Bones { bones },
+        Sample::Displacement { displacement },
+    ];
+    let mut messages: Vec<Vec<u8>> = samples
+        .into_iter()
+        .map(|sample| {
+            let mut reading = Reading::new(Timestamp(12_500), Some(Side::Left), sample);
+            reading.part = Some(HandPart::Fingers);
+            let mut message = Vec::new();
+            encode_reading(&reading, &mut message);
+            message
+        })
+        .collect();
+    for text in [
+        "recenter",
+        "nudge 1 -2 3",
+        "tilt 5",
+        "scale 0.9",
+        "profile a",
+    ] {
+        let command = text.parse().expect("a command");
+        let mut message = Vec::new();
+        encode_command(Timestamp(1), &command, true, &mut message);
+        messages.push(message);
+    }
+    messages
 }
 
 /// Returns the bytes of a recording of these readings; `None` if the recorder refuses them.
@@ -106,8 +205,8 @@ static ASSEMBLY: LazyLock<LoadedSetup> = LazyLock::new(|| {
     setup.load_files().expect("a shipped layout")
 });
 
-/// Returns recordings of a hand that presses an arrow key: with and without the setup, each with and without a checksum,
-/// so that damage reaches the parser.
+/// Returns recordings of a hand that presses an arrow key: with and without the setup, in both encodings, and each also
+/// without checksum and compression, so that damage reaches the parser.
 pub fn seeds() -> Vec<Vec<u8>> {
     let hand = ASSEMBLY.scripted("tap ArrowUp", &Hc11Format::default(), 0.0, 0);
     let mut hand = hand.expect("a hand");
@@ -115,12 +214,45 @@ pub fn seeds() -> Vec<Vec<u8>> {
     while let Ok(SourceEvent::Reading(reading)) = hand.next() {
         readings.push(reading);
     }
+    readings.truncate(8);
     let recorded = [ASSEMBLY.recorded_setup(), RecordedSetup::default()];
-    let bytes = recorded.map(|setup| record(&setup, &readings[..8]).expect("a recording"));
-    bytes
+    let compressed = recorded.map(|setup| record(&setup, &readings).expect("a recording"));
+    let plain = [MESSAGE_ENCODING, JSON_ENCODING]
         .into_iter()
-        .flat_map(|bytes| [unchecked(&bytes), bytes])
-        .collect()
+        .flat_map(|encoding| [true, false].map(|has_chunk| plain(&readings, encoding, has_chunk)));
+    let checked: Vec<Vec<u8>> = compressed.into_iter().chain(plain).collect();
+    let unchecked: Vec<Vec<u8>> = checked.iter().map(|bytes| unchecked(bytes)).collect();
+    checked.into_iter().chain(unchecked).collect()
+}
+
+/// Returns a recording without setup and compression.
+fn plain(readings: &[Reading], encoding: &str, has_chunk: bool) -> Vec<u8> {
+    let mut bytes = Cursor::new(Vec::new());
+    let options = WriteOptions::new()
+        .use_chunks(has_chunk)
+        .calculate_chunk_crcs(false)
+        .compression(None);
+    let mut writer = options.create(&mut bytes).expect("a recording");
+    let channel = writer.add_channel(0, READINGS_TOPIC, encoding, &BTreeMap::new());
+    let channel_id = channel.expect("room");
+    for reading in readings {
+        let header = MessageHeader {
+            channel_id,
+            sequence: 0,
+            log_time: reading.time.0 * 1000,
+            publish_time: reading.time.0 * 1000,
+        };
+        let mut message = Vec::new();
+        match encoding {
+            MESSAGE_ENCODING => encode_reading(reading, &mut message),
+            _ => _ = reading_json(reading, &mut message),
+        }
+        let written = writer.write_to_known_channel(&header, &message);
+        written.expect("room");
+    }
+    writer.finish().expect("room");
+    drop(writer);
+    bytes.into_inner()
 }
 
 /// Replaces the checksum by 0, which means that there is none.

@@ -17,6 +17,7 @@ fn main() -> std::io::Result<()> {
         ("marks", seeds::marks()),
         ("arms", seeds::arms()),
         ("recordings", recordings::seeds()),
+        ("messages", recordings::message_seeds()),
         ("requests", seeds::requests()),
         ("sources", seeds::sources()),
         ("scripts", seeds::scripts()),

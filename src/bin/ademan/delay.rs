@@ -108,7 +108,13 @@ impl Record {
             Ok(CaptureEvent::Lost(error) | CaptureEvent::Failed(error)) => {
                 return Err(error.into());
             }
-            Ok(CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_) | CaptureEvent::Command(_))
+            // Readings come one by one.
+            Ok(
+                CaptureEvent::Noise(_)
+                | CaptureEvent::Elapsed(_)
+                | CaptureEvent::Command(_)
+                | CaptureEvent::Readings { .. },
+            )
             | Err(_) => {}
         }
         Ok(())

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use ademan::files;
 
-/// Bytes of a reading with the results of all stages, for one hand and the default layout.
-const BYTES_PER_READING: f64 = 4230.0;
+/// Bytes of a reading with the results of all stages, for one hand whose sensors are noisy. A steady one takes half.
+const BYTES_PER_READING: f64 = 235.0;
 
 /// Readings per second of a glove on the fastest line.
 const READINGS_PER_SECOND: f64 = 175.0;
@@ -15,11 +15,11 @@ pub fn announce(path: &Path) {
     let per_hour = BYTES_PER_READING * READINGS_PER_SECOND * 3600.0;
     let left = files::free_bytes(path).map_or(String::new(), |free| {
         let (free, hours) = (free as f64 / 1e9, free as f64 / per_hour);
-        format!("; {free:.1} GB are free on its disk, enough for {hours:.1} hours")
+        format!("; {free:.1} GB are free on its disk, enough for {hours:.0} hours")
     });
     say!(
-        "recording to {}: {:.1} GB an hour at {READINGS_PER_SECOND} readings per second{left}",
+        "recording to {}: up to {:.0} MB an hour at {READINGS_PER_SECOND} readings per second{left}",
         path.display(),
-        per_hour / 1e9,
+        per_hour / 1e6,
     );
 }

@@ -110,8 +110,10 @@ impl MergedInput {
                 self.hold_back(reading, received_at, start);
             }
             Some(CaptureEvent::Noise(stats)) => self.stats = stats,
-            // Only a recording has commands, and a recording has both hands already.
-            Some(CaptureEvent::Elapsed(_) | CaptureEvent::Command(_)) => {}
+            // Only a recording has commands, and a recording has both hands already. Readings come one by one.
+            Some(
+                CaptureEvent::Elapsed(_) | CaptureEvent::Command(_) | CaptureEvent::Readings { .. },
+            ) => {}
             Some(CaptureEvent::Lost(error)) => {
                 self.stats.losses += 1;
                 self.held.clear();

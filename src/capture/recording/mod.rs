@@ -1,10 +1,16 @@
 //! Recordings: MCAP files with readings, the results of the pipeline and the setup.
 //!
-//! A recording is an [MCAP](https://mcap.dev/spec) file without chunks, so a truncated file keeps every message
-//! before the cut. Its records, in order: a metadata record [`FORMAT_RECORD`], a metadata record [`SETUP_RECORD`] per
-//! setup text, the channels, and messages in JSON. Readings are on the channel [`READINGS_TOPIC`].
+//! A recording is an [MCAP](https://mcap.dev/spec) file. Its records, in order: a metadata record [`FORMAT_RECORD`], a
+//! metadata record [`SETUP_RECORD`] per setup text, the channels, and chunks of [messages](message). Readings are on the
+//! channel [`READINGS_TOPIC`]. A chunk has the messages of less than a second, so a truncated file keeps all but those of
+//! its last second.
+//!
+//! Recordings of format 1 have messages in JSON outside chunks. They are read and no longer written.
 
+mod chunk;
+mod json;
 mod lengths;
+pub mod message;
 mod records;
 
 use std::fs::File;
@@ -13,11 +19,9 @@ use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
-use mcap::records::Metadata;
-use serde_json::Value;
+use mcap::records::{Channel, Metadata};
 
 use super::{CaptureError, Reading, Sample, Source, SourceEvent, SourceStats};
-use crate::command::Command;
 use crate::files;
 use records::{Content, Records, Stop};
 
@@ -27,22 +31,28 @@ pub const READINGS_TOPIC: &str = "/readings";
 /// Topic of the channel of commands.
 pub const COMMANDS_TOPIC: &str = "/commands";
 
-/// The `origin` of a command from outside the layout, which no reading repeats.
+/// The `origin` in JSON of a command from outside the layout, which no reading repeats.
 pub const EXTERNAL_ORIGIN: &str = "external";
 
-/// Encoding of the messages of all channels.
-pub const MESSAGE_ENCODING: &str = "json";
+/// Encoding of the messages of all channels, and of the schemas.
+pub const MESSAGE_ENCODING: &str = "protobuf";
+
+/// Encoding of the messages of format 1.
+pub const JSON_ENCODING: &str = "json";
 
 /// Metadata record with the version of the format, under the key `format`.
 pub const FORMAT_RECORD: &str = "ademan";
 
-/// Version of the format that this program reads and writes.
-pub const FORMAT_VERSION: &str = "1";
+/// Version of the format that this program writes.
+pub const FORMAT_VERSION: &str = "2";
+
+/// Version of the format with messages in JSON, which this program reads, too.
+pub const JSON_FORMAT_VERSION: &str = "1";
 
 /// Metadata record with a setup text: the keys `kind`, `name` and `text`.
 pub const SETUP_RECORD: &str = "ademan.setup";
 
-/// Largest size of a record in bytes: enough for the largest setup text.
+/// Largest size of a record and of a chunk in bytes: enough for the largest setup text.
 pub const MAX_RECORD_BYTES: usize = 4 << 20;
 
 /// Kind of the setup text with the shortest time between two readings, in microseconds.
@@ -113,14 +123,21 @@ pub struct Replay<R = File> {
     name: String,
     records: Records<R>,
     setup: RecordedSetup,
-    /// Id of the channel of readings.
-    channel: Option<u16>,
-    /// Id of the channel of commands.
-    commands: Option<u16>,
+    /// The channel of readings.
+    channel: Option<MessageChannel>,
+    /// The channel of commands.
+    commands: Option<MessageChannel>,
     pending: Option<SourceEvent>,
     readings: u64,
     truncation: SharedTruncation,
     has_ended: bool,
+}
+
+/// Id and encoding of a channel.
+#[derive(Clone, Copy)]
+struct MessageChannel {
+    id: u16,
+    is_json: bool,
 }
 
 /// Truncation of a recording, shared with its [`Replay`]. It is set when the replay reaches it.
@@ -188,56 +205,72 @@ impl<R: Read + Send> Replay<R> {
     /// Reads records up to the next reading or command. Returns `None` at the end.
     fn next_event(&mut self) -> Result<Option<SourceEvent>, CaptureError> {
         while !self.has_ended {
-            match self.records.next() {
-                Ok(Content::Message(channel, data)) if Some(channel) == self.channel => {
-                    return Ok(Some(SourceEvent::Reading(self.decode(&data)?)));
+            let content = match self.records.next() {
+                Ok(content) => content,
+                Err(stop) => {
+                    self.end(stop)?;
+                    continue;
                 }
-                Ok(Content::Message(channel, data)) if Some(channel) == self.commands => {
-                    if let Some(command) = external_command(&data) {
-                        return Ok(Some(SourceEvent::Command(command)));
-                    }
-                }
-                Ok(content) => self.handle(content)?,
-                Err(stop) => self.end(stop)?,
+            };
+            let decoded = match content {
+                Content::Message(id, data) => match (self.channel, self.commands) {
+                    (Some(channel), _) if channel.id == id => channel.decode_reading(data),
+                    (_, Some(channel)) if channel.id == id => channel.decode_command(data),
+                    _ => Ok(None),
+                },
+                Content::Channel(channel) => self.add_channel(channel).map(|()| None),
+                Content::Metadata(metadata) => self.add_metadata(metadata).map(|()| None),
+                Content::Other => Ok(None),
+            };
+            match decoded {
+                Ok(None) => {}
+                Ok(event) => return Ok(event),
+                Err(reason) => return Err(self.malformed(reason)),
             }
         }
         Ok(None)
     }
 
-    fn handle(&mut self, content: Content) -> Result<(), CaptureError> {
-        match content {
-            Content::Channel(channel) if channel.topic == READINGS_TOPIC => {
-                if channel.message_encoding != MESSAGE_ENCODING {
-                    let encoding = channel.message_encoding;
-                    return Err(self.malformed(format!(
-                        "its readings are encoded as `{encoding}`, not as `{MESSAGE_ENCODING}`"
-                    )));
-                }
-                self.channel = Some(channel.id);
+    fn add_channel(&mut self, channel: Channel) -> Result<(), String> {
+        let is_json = match channel.message_encoding.as_str() {
+            MESSAGE_ENCODING => Some(false),
+            JSON_ENCODING => Some(true),
+            _ => None,
+        };
+        let known = is_json.map(|is_json| MessageChannel {
+            id: channel.id,
+            is_json,
+        });
+        match channel.topic.as_str() {
+            READINGS_TOPIC if known.is_none() => Err(format!(
+                "its readings are encoded as `{}`, not as `{MESSAGE_ENCODING}` or `{JSON_ENCODING}`",
+                channel.message_encoding
+            )),
+            READINGS_TOPIC => {
+                self.channel = known;
                 Ok(())
             }
-            Content::Channel(channel) if channel.topic == COMMANDS_TOPIC => {
-                self.commands = Some(channel.id);
+            COMMANDS_TOPIC => {
+                self.commands = known;
                 Ok(())
             }
-            Content::Metadata(metadata) => self.handle_metadata(metadata),
             _ => Ok(()),
         }
     }
 
-    fn handle_metadata(&mut self, record: Metadata) -> Result<(), CaptureError> {
+    fn add_metadata(&mut self, record: Metadata) -> Result<(), String> {
         let mut fields = record.metadata;
         let mut field = |key: &str| fields.remove(key).unwrap_or_default();
         match record.name.as_str() {
             FORMAT_RECORD => {
                 let format = field("format");
-                if format == FORMAT_VERSION {
+                if [FORMAT_VERSION, JSON_FORMAT_VERSION].contains(&format.as_str()) {
                     return Ok(());
                 }
-                Err(self.malformed(format!(
-                    "it has format `{format}` and this program reads format `{FORMAT_VERSION}`; use the version that \
-                     wrote it"
-                )))
+                Err(format!(
+                    "it has format `{format}` and this program reads the formats `{JSON_FORMAT_VERSION}` and \
+                     `{FORMAT_VERSION}`; use the version that wrote it"
+                ))
             }
             SETUP_RECORD => {
                 self.setup.entries.push(SetupText {
@@ -249,20 +282,6 @@ impl<R: Read + Send> Replay<R> {
             }
             _ => Ok(()),
         }
-    }
-
-    fn decode(&mut self, data: &[u8]) -> Result<Reading, CaptureError> {
-        let reading: Reading = serde_json::from_slice(data)
-            .map_err(|error| self.malformed(format!("a reading cannot be decoded: {error}")))?;
-        if let Sample::Channels(channels) = &reading.sample
-            && channels
-                .counts
-                .iter()
-                .any(|count| *count > channels.full_scale)
-        {
-            return Err(self.malformed("a count is larger than its full scale".into()));
-        }
-        Ok(reading)
     }
 
     /// Ends the replay. A truncation is stored and is not an error.
@@ -303,14 +322,30 @@ impl<R: Read + Send> Replay<R> {
     }
 }
 
-/// Returns a recorded command that no reading repeats, or `None`: those of the layout are issued again, and those of a later
-/// version are not known.
-fn external_command(data: &[u8]) -> Option<Command> {
-    let mut fields: serde_json::Map<String, Value> = serde_json::from_slice(data).ok()?;
-    fields.remove("time_us");
-    let origin = fields.remove("origin")?;
-    let command: Command = serde_json::from_value(Value::Object(fields)).ok()?;
-    (origin == EXTERNAL_ORIGIN && command.check().is_ok()).then_some(command)
+impl MessageChannel {
+    fn decode_reading(self, data: &[u8]) -> Result<Option<SourceEvent>, String> {
+        let reading: Result<Reading, String> = match self.is_json {
+            true => json::decode_reading(data).map_err(|error| error.to_string()),
+            false => message::decode_reading(data).map_err(|error| error.to_string()),
+        };
+        let reading = reading.map_err(|error| format!("a reading cannot be decoded: {error}"))?;
+        if let Sample::Channels(channels) = &reading.sample
+            && channels.has_impossible_counts()
+        {
+            return Err("a count is larger than its full scale".into());
+        }
+        Ok(Some(SourceEvent::Reading(reading)))
+    }
+
+    /// Returns a command that no reading repeats.
+    fn decode_command(self, data: &[u8]) -> Result<Option<SourceEvent>, String> {
+        let command = match self.is_json {
+            true => json::decode_external_command(data),
+            // As one of a later version, it is not known.
+            false => message::decode_external_command(data).unwrap_or(None),
+        };
+        Ok(command.map(SourceEvent::Command))
+    }
 }
 
 impl<R: Read + Send> Source for Replay<R> {
@@ -335,6 +370,11 @@ impl<R: Read + Send> Source for Replay<R> {
 
     fn is_live(&self) -> bool {
         false
+    }
+
+    /// Returns `true` within a chunk, whose readings are in memory.
+    fn is_ready(&self) -> bool {
+        !self.has_ended && self.records.has_next()
     }
 
     fn stats(&self) -> SourceStats {

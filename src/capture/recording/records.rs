@@ -1,19 +1,29 @@
-//! The records of an MCAP file, one after the other.
+//! The records of an MCAP file, one after the other, also those within chunks.
 
 use std::io::{self, BufReader, Read};
+use std::ops::Range;
 
-use mcap::records::{Metadata, Record, op};
+use mcap::records::{Channel, Metadata, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{MAGIC, McapError};
 
-use super::{MAX_RECORD_BYTES, lengths};
+use super::{MAX_RECORD_BYTES, chunk, lengths};
+
+/// Bytes of a record before its content: its code and its length.
+const RECORD_HEAD_BYTES: usize = 9;
+
+/// Bytes of a message before its data: its channel, its number and its times.
+const MESSAGE_HEAD_BYTES: usize = 22;
+
+/// Bytes of a read from a file. Those of format 1 have a record for each message.
+const READ_BYTES: usize = 1 << 16;
 
 /// Content of a record, as far as a replay needs it.
-pub(super) enum Content {
-    Channel(mcap::records::Channel),
+pub(super) enum Content<'a> {
+    Channel(Channel),
     Metadata(Metadata),
     /// Channel id and data of a message.
-    Message(u16, Vec<u8>),
+    Message(u16, &'a [u8]),
     Other,
 }
 
@@ -34,6 +44,10 @@ pub(super) struct Records<R> {
     complete_end: u64,
     /// The record with the checksum over all data was read.
     is_checked: bool,
+    /// A record of the file, or the records of a chunk.
+    buffer: Vec<u8>,
+    /// Records of a chunk that were not returned.
+    rest: Range<usize>,
 }
 
 impl<R: Read> Records<R> {
@@ -41,15 +55,17 @@ impl<R: Read> Records<R> {
     pub fn new(bytes: R) -> Self {
         let options = LinearReaderOptions::default()
             .with_validate_data_section_crc(true)
-            .with_validate_chunk_crcs(true)
+            .with_emit_chunks(true)
             .with_record_length_limit(MAX_RECORD_BYTES);
         Self {
-            bytes: BufReader::new(bytes),
+            bytes: BufReader::with_capacity(READ_BYTES, bytes),
             reader: LinearReader::new_with_options(options),
             bytes_read: 0,
             record_start: 0,
             complete_end: 0,
             is_checked: false,
+            buffer: Vec::new(),
+            rest: 0..0,
         }
     }
 
@@ -58,7 +74,7 @@ impl<R: Read> Records<R> {
         self.bytes_read
     }
 
-    /// Returns the offset of the last record.
+    /// Returns the offset of the last record; that of the chunk for a record within one.
     pub fn record_start(&self) -> u64 {
         self.record_start
     }
@@ -66,6 +82,11 @@ impl<R: Read> Records<R> {
     /// Returns the offset of the end of the last complete record.
     pub fn complete_end(&self) -> u64 {
         self.complete_end
+    }
+
+    /// Returns `true` if the next record is in memory.
+    pub fn has_next(&self) -> bool {
+        !self.rest.is_empty()
     }
 
     /// Reads the magic bytes at the start of a file.
@@ -95,7 +116,22 @@ impl<R: Read> Records<R> {
     }
 
     /// Reads the next record.
-    pub fn next(&mut self) -> Result<Content, Stop> {
+    pub fn next(&mut self) -> Result<Content<'_>, Stop> {
+        let (opcode, data) = loop {
+            if !self.rest.is_empty() {
+                break self.next_in_chunk()?;
+            }
+            let opcode = self.read_record()?;
+            if opcode != op::CHUNK {
+                break (opcode, 0..self.buffer.len());
+            }
+            self.read_chunk()?;
+        };
+        content(opcode, &self.buffer[data])
+    }
+
+    /// Reads the next record of the file into the buffer. Returns its code.
+    fn read_record(&mut self) -> Result<u8, Stop> {
         self.record_start = self.complete_end;
         loop {
             match self.reader.next_event() {
@@ -104,10 +140,11 @@ impl<R: Read> Records<R> {
                 None => return Err(Stop::Malformed("the end of the data is missing".into())),
                 // The reader requests exactly the bytes of a record, so the record ends with the bytes read.
                 Some(Ok(LinearReadEvent::Record { opcode, data })) => {
-                    let content = content(opcode, data);
+                    self.buffer.clear();
+                    self.buffer.extend(data);
                     self.complete_end = self.bytes_read;
                     self.is_checked |= opcode == op::DATA_END;
-                    return content;
+                    return Ok(opcode);
                 }
                 Some(Ok(LinearReadEvent::ReadRequest(size))) => {
                     let read = read_some(&mut self.bytes, self.reader.insert(size));
@@ -119,6 +156,34 @@ impl<R: Read> Records<R> {
                 Some(Err(error)) => return Err(Stop::Malformed(reason(error))),
             }
         }
+    }
+
+    /// Replaces the chunk in the buffer by its records.
+    fn read_chunk(&mut self) -> Result<(), Stop> {
+        let chunk = std::mem::take(&mut self.buffer);
+        let record = parse(op::CHUNK, &chunk)?;
+        if let Record::Chunk { header, data } = record {
+            chunk::decompress(&header, &data, &mut self.buffer).map_err(Stop::Malformed)?;
+        }
+        self.rest = 0..self.buffer.len();
+        Ok(())
+    }
+
+    /// Splits the next record off the chunk. Returns its code and its content.
+    fn next_in_chunk(&mut self) -> Result<(u8, Range<usize>), Stop> {
+        let too_long = || Stop::Malformed("a record is longer than its chunk".into());
+        let rest = &self.buffer[self.rest.clone()];
+        let (head, content) = rest
+            .split_at_checked(RECORD_HEAD_BYTES)
+            .ok_or_else(too_long)?;
+        let length = u64::from_le_bytes(head[1..].try_into().expect("it has eight bytes"));
+        if length > content.len() as u64 {
+            return Err(too_long());
+        }
+        let start = self.rest.start + RECORD_HEAD_BYTES;
+        let end = start + length as usize;
+        self.rest.start = end;
+        Ok((head[0], start..end))
     }
 }
 
@@ -132,23 +197,35 @@ fn read_some(bytes: &mut impl Read, buffer: &mut [u8]) -> io::Result<usize> {
 }
 
 /// Decodes the records that a replay needs. Damage in other records is ignored.
-fn content(opcode: u8, data: &[u8]) -> Result<Content, Stop> {
-    if !matches!(opcode, op::CHANNEL | op::METADATA | op::MESSAGE) {
+fn content(opcode: u8, data: &[u8]) -> Result<Content<'_>, Stop> {
+    if opcode == op::MESSAGE {
+        let undecodable = || Stop::Malformed(UNDECODABLE.into());
+        let message = data.split_at_checked(MESSAGE_HEAD_BYTES);
+        let (head, data) = message.ok_or_else(undecodable)?;
+        return Ok(Content::Message(
+            u16::from_le_bytes([head[0], head[1]]),
+            data,
+        ));
+    }
+    if !matches!(opcode, op::CHANNEL | op::METADATA) {
         return Ok(Content::Other);
     }
+    Ok(match parse(opcode, data)? {
+        Record::Channel(channel) => Content::Channel(channel),
+        Record::Metadata(metadata) => Content::Metadata(metadata),
+        _ => Content::Other,
+    })
+}
+
+fn parse(opcode: u8, data: &[u8]) -> Result<Record<'_>, Stop> {
     if !lengths::are_within_record(opcode, data) {
         let reason = "a text of the record is longer than the record";
         return Err(Stop::Malformed(reason.into()));
     }
-    let record =
-        mcap::parse_record(opcode, data).map_err(|error| Stop::Malformed(reason(error)))?;
-    Ok(match record {
-        Record::Channel(channel) => Content::Channel(channel),
-        Record::Metadata(metadata) => Content::Metadata(metadata),
-        Record::Message { header, data } => Content::Message(header.channel_id, data.into_owned()),
-        _ => Content::Other,
-    })
+    mcap::parse_record(opcode, data).map_err(|error| Stop::Malformed(reason(error)))
 }
+
+const UNDECODABLE: &str = "a record cannot be decoded";
 
 fn reason(error: McapError) -> String {
     match error {
@@ -157,7 +234,7 @@ fn reason(error: McapError) -> String {
         McapError::RecordTooLarge { len, .. } => {
             format!("a record states a length of {len} bytes; the limit is {MAX_RECORD_BYTES}")
         }
-        McapError::Parse(_) => "a record cannot be decoded".into(),
+        McapError::Parse(_) => UNDECODABLE.into(),
         other => other.to_string(),
     }
 }

@@ -35,7 +35,20 @@ pub struct CaptureThread {
 ///
 /// If the consumer is slow, a [live](Source::is_live) source drops its oldest readings and counts them in
 /// [`SourceStats::dropped`](super::SourceStats::dropped); any other source waits.
-pub fn spawn(mut source: impl Source + 'static) -> Result<CaptureThread, CaptureError> {
+pub fn spawn(source: impl Source + 'static) -> Result<CaptureThread, CaptureError> {
+    start(source, false)
+}
+
+/// Runs `source` as [`spawn`] does, and sends readings together that are [ready](Source::is_ready) together. The sending and
+/// the wake-up of the consumer would otherwise take longer than a step of the pipeline.
+pub fn spawn_batched(source: impl Source + 'static) -> Result<CaptureThread, CaptureError> {
+    start(source, true)
+}
+
+fn start(
+    mut source: impl Source + 'static,
+    is_batched: bool,
+) -> Result<CaptureThread, CaptureError> {
     let name = source.name().to_owned();
     let packet_period = source.packet_period();
     let is_live = source.is_live();
@@ -56,7 +69,11 @@ pub fn spawn(mut source: impl Source + 'static) -> Result<CaptureThread, Capture
     };
     let run = move || {
         let _disconnects_at_the_end: Sender<()> = end_of_thread;
-        capture(EventSource::new(source), &mut sender);
+        let source = EventSource::new(source);
+        match is_batched {
+            true => capture(source.with_batches(), &mut sender),
+            false => capture(source, &mut sender),
+        }
     };
     let thread = std::thread::Builder::new()
         .name("capture".to_owned())

@@ -8,6 +8,7 @@ use crate::capture::event::NOISE_INTERVAL;
 use crate::capture::event_queue::QUEUE_CAPACITY;
 use crate::capture::suspend::SuspendDetector;
 use crate::capture::{Channels, Reading, Sample, SourceEvent, SourceStats};
+use crate::command::Command;
 use crate::time::Timestamp;
 
 const TIMEOUT: Duration = Duration::from_secs(10);
@@ -86,6 +87,10 @@ fn brief(event: CaptureEvent) -> String {
         CaptureEvent::Reading { reading, stats, .. } => {
             format!("{}({})", reading.time.0, stats.dropped)
         }
+        CaptureEvent::Readings { readings, .. } => {
+            let numbers = readings.iter().map(|reading| reading.time.0.to_string());
+            numbers.collect::<Vec<_>>().join(" ")
+        }
         CaptureEvent::Command(command) => command.to_string(),
         CaptureEvent::Elapsed(_) => "elapsed".to_owned(),
         CaptureEvent::Noise(_) => "noise".to_owned(),
@@ -137,6 +142,74 @@ fn a_recording_waits_for_a_slow_consumer() {
     let expected: Vec<String> = (0..99).map(|step| format!("{step}(0)")).collect();
     assert_eq!(events[..99], expected);
     assert_eq!(events[99..], ["end"]);
+}
+
+/// A source that has everything ready, as a recording.
+struct ReadySource(ScriptedSource);
+
+impl Source for ReadySource {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        self.0.next()
+    }
+
+    fn name(&self) -> &str {
+        self.0.name()
+    }
+
+    fn is_live(&self) -> bool {
+        false
+    }
+
+    fn is_ready(&self) -> bool {
+        self.0.next_step < self.0.steps
+    }
+
+    fn stats(&self) -> SourceStats {
+        self.0.stats()
+    }
+}
+
+#[test]
+fn readings_that_are_ready_come_together_in_their_order() {
+    let (source, _done) = scripted(140, false, |step| match step {
+        70 => Ok(SourceEvent::Command(Command::Recenter)),
+        139 => Ok(SourceEvent::End),
+        step => Ok(reading(step)),
+    });
+    let capture = spawn_batched(ReadySource(source)).unwrap();
+    let events: Vec<CaptureEvent> = capture.events().iter().collect();
+    let mut readings = 0;
+    for event in &events {
+        if let CaptureEvent::Readings {
+            readings: together,
+            stats,
+            ..
+        } = event
+        {
+            readings += together.len() as u64;
+            let last = together.last().expect("it is not empty").time.0;
+            assert_eq!(
+                stats.readings,
+                last + 1,
+                "statistics up to the last reading"
+            );
+        }
+    }
+    assert_eq!(readings, 138);
+    let numbers = |range: std::ops::Range<u64>| {
+        let numbers: Vec<String> = range.map(|number| number.to_string()).collect();
+        numbers.join(" ")
+    };
+    let events: Vec<String> = events.into_iter().map(brief).collect();
+    let expected = [
+        numbers(0..64),
+        numbers(64..70),
+        "recenter".to_owned(),
+        numbers(71..135),
+        numbers(135..139),
+        "end".to_owned(),
+    ];
+    assert_eq!(events, expected);
 }
 
 #[test]

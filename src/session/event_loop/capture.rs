@@ -5,7 +5,9 @@ use std::time::Duration;
 
 use crossbeam_channel::Receiver;
 
-use crate::capture::{CaptureError, CaptureEvent, CaptureThread, InPlaceCapture, Source, spawn};
+use crate::capture::{
+    CaptureError, CaptureEvent, CaptureThread, InPlaceCapture, Source, spawn_batched,
+};
 use crate::session::waker::WakeTarget;
 
 /// The source of a session and its events.
@@ -28,7 +30,7 @@ impl Capture {
         let (packet_period, is_live) = (source.packet_period(), source.is_live());
         let form = match InPlaceCapture::new(Box::new(source)) {
             Ok(capture) => CaptureForm::InPlace(capture),
-            Err(source) => CaptureForm::Thread(spawn(source)?),
+            Err(source) => CaptureForm::Thread(spawn_batched(source)?),
         };
         Ok(Self {
             form,

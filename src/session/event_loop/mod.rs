@@ -230,6 +230,11 @@ impl SessionLoop<'_> {
                 self.source_stats = stats;
                 return self.step(&reading, received_at);
             }
+            CaptureEvent::Readings {
+                readings,
+                received_at,
+                stats,
+            } => return self.step_through(&readings, received_at, stats),
             CaptureEvent::Command(command) => self.replay_command(command)?,
             CaptureEvent::Elapsed(time) => self.pass_gap(time)?,
             CaptureEvent::Noise(stats) => self.source_stats = stats,
@@ -240,6 +245,27 @@ impl SessionLoop<'_> {
             CaptureEvent::Failed(error) => return Err(error.into()),
             CaptureEvent::End(stats) => {
                 self.source_stats = stats;
+                return Ok(Next::End);
+            }
+        }
+        Ok(Next::Continue)
+    }
+
+    /// Steps through readings that came together. `stats` are those after the last one.
+    fn step_through(
+        &mut self,
+        readings: &[Reading],
+        received_at: Instant,
+        stats: SourceStats,
+    ) -> Result<Next, SessionError> {
+        for (reading, left) in readings.iter().zip((0..readings.len() as u64).rev()) {
+            self.source_stats = SourceStats {
+                readings: stats.readings - left,
+                ..stats
+            };
+            if self.commands.is_stopped() || self.step(reading, received_at)? == Next::End {
+                self.source_stats = stats;
+                self.unprocessed += left;
                 return Ok(Next::End);
             }
         }
@@ -421,6 +447,12 @@ impl SessionLoop<'_> {
                 CaptureEvent::Reading { stats, .. } => {
                     self.source_stats = stats;
                     self.unprocessed += 1;
+                }
+                CaptureEvent::Readings {
+                    readings, stats, ..
+                } => {
+                    self.source_stats = stats;
+                    self.unprocessed += readings.len() as u64;
                 }
                 CaptureEvent::Noise(stats) => self.source_stats = stats,
                 _ => {}

@@ -6,7 +6,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use ademan::capture::recording::{
-    FORMAT_RECORD, FORMAT_VERSION, MAX_RECORD_BYTES, MESSAGE_ENCODING, READINGS_TOPIC, Replay,
+    FORMAT_RECORD, JSON_ENCODING, JSON_FORMAT_VERSION, MAX_RECORD_BYTES, READINGS_TOPIC, Replay,
 };
 use ademan::capture::{Source, SourceEvent};
 use ademan::layout::Layout;
@@ -20,13 +20,13 @@ fn recording(messages: &[&[u8]]) -> Vec<u8> {
     let mut bytes = Cursor::new(Vec::new());
     let options = mcap::WriteOptions::new().use_chunks(false);
     let mut writer = options.create(&mut bytes).expect("a recording");
-    let metadata = BTreeMap::from([("format".to_owned(), FORMAT_VERSION.to_owned())]);
+    let metadata = BTreeMap::from([("format".to_owned(), JSON_FORMAT_VERSION.to_owned())]);
     let name = FORMAT_RECORD.to_owned();
     writer
         .write_metadata(&Metadata { name, metadata })
         .expect("room");
     let channel_id = writer
-        .add_channel(0, READINGS_TOPIC, MESSAGE_ENCODING, &BTreeMap::new())
+        .add_channel(0, READINGS_TOPIC, JSON_ENCODING, &BTreeMap::new())
         .expect("room");
     for (sequence, data) in messages.iter().enumerate() {
         let header = MessageHeader {
@@ -41,6 +41,9 @@ fn recording(messages: &[&[u8]]) -> Vec<u8> {
     drop(writer);
     bytes.into_inner()
 }
+
+/// Bytes of the schemas at the start of a recording, and again at its end.
+const SCHEMA_BYTES: usize = 45_000;
 
 const READING: &str = r#"{"time_us":1000,"full_scale":255,"channels":[1,2,3]}"#;
 
@@ -189,21 +192,16 @@ fn a_damaged_recording_is_played_up_to_the_damage_releases_everything_and_ends_w
         fs::write(&path, bytes).expect("room");
         path.to_str().expect("a plain path").to_owned()
     };
+    let messages = bytes.len() - 2 * SCHEMA_BYTES;
     for eighths in [3, 4, 5] {
-        let cut = damaged("cut.mcap", &bytes[..bytes.len() * eighths / 8]);
+        let cut = damaged("cut.mcap", &bytes[..SCHEMA_BYTES + messages * eighths / 8]);
         let (code, out, err) = run(&["replay", &cut]);
         assert_eq!(code, Some(3), "{err}");
         assert!(err.contains("cut off at byte "), "{err}");
         check_releases(&out, &whole);
     }
-    let messages = bytes.windows(9).enumerate();
-    let positions = messages.filter(|(_, window)| window == b"\"time_us\"");
-    let position = positions
-        .map(|(position, _)| position)
-        .nth(200)
-        .expect("readings");
     let mut broken = bytes.clone();
-    broken[position] = b'x';
+    broken[SCHEMA_BYTES + messages * 5 / 8] ^= 0x10;
     let (code, out, err) = run(&["replay", &damaged("broken.mcap", &broken)]);
     assert_eq!(code, Some(3), "{err}");
     assert!(err.contains("at byte "), "{err}");

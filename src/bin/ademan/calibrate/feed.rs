@@ -107,9 +107,11 @@ fn captured(event: CaptureEvent) -> Result<FeedEvent, Failure> {
         CaptureEvent::Lost(error) => Ok(FeedEvent::Lost(error.to_string())),
         CaptureEvent::Failed(error) => Err(error.into()),
         CaptureEvent::End(_) => Ok(FeedEvent::End),
-        CaptureEvent::Noise(_) | CaptureEvent::Elapsed(_) | CaptureEvent::Command(_) => {
-            Ok(FeedEvent::Idle)
-        }
+        // Readings come one by one.
+        CaptureEvent::Noise(_)
+        | CaptureEvent::Elapsed(_)
+        | CaptureEvent::Command(_)
+        | CaptureEvent::Readings { .. } => Ok(FeedEvent::Idle),
     }
 }
 
