@@ -11,8 +11,8 @@ use super::{Session, SessionError, Summary};
 use crate::command::Command;
 use crate::snapshot::Snapshot;
 
-/// Snapshots that wait for the owner.
-const QUEUED_SNAPSHOTS: usize = 16;
+/// Snapshots that wait for the owner: so many that two threads of a trace seldom wait for each other.
+const QUEUED_SNAPSHOTS: usize = 64;
 
 /// A running session. Dropping it stops the session and waits until everything is released.
 pub struct SessionHandle {

@@ -127,7 +127,8 @@ pub struct Session {
     commands: CommandReceiver,
     command_sender: CommandSender,
     notices: NoticeThread,
-    snapshots: Sender<Snapshot>,
+    /// `None` once the owner has dropped the receiver.
+    snapshots: Option<Sender<Snapshot>>,
     views: ViewPublisher,
     /// Dropped once the outputs are open.
     start_signal: Option<Sender<()>>,
@@ -186,7 +187,7 @@ impl Session {
             commands,
             command_sender: command_sender.clone(),
             notices,
-            snapshots,
+            snapshots: Some(snapshots),
             views,
             start_signal: None,
             control,
@@ -242,7 +243,7 @@ impl Session {
         drop(self.start_signal.take());
         let mut status = self.options.report_status.then(StatusLog::default);
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);
-        let (notices, snapshots) = (self.notices.sender(), &self.snapshots);
+        let (notices, snapshots) = (self.notices.sender(), &mut self.snapshots);
         let views = &mut self.views;
         let is_lossless = self.options.lossless_snapshots;
         let share = &mut self.share;
@@ -349,13 +350,21 @@ impl Session {
     }
 }
 
-/// Hands a snapshot to the owner of the session.
-fn publish(snapshots: &Sender<Snapshot>, step: &StepView, is_lossless: bool) {
-    // An error means that the owner dropped the receiver.
-    if is_lossless {
-        let _ = snapshots.send(step.to_snapshot());
-    } else if !snapshots.is_full() {
-        let _ = snapshots.try_send(step.to_snapshot());
+/// Hands a snapshot to the owner of the session, until the owner drops the receiver.
+fn publish(snapshots: &mut Option<Sender<Snapshot>>, step: &StepView, is_lossless: bool) {
+    let Some(sender) = snapshots else {
+        return;
+    };
+    let is_disconnected = match is_lossless {
+        true => sender.send(step.to_snapshot()).is_err(),
+        false if sender.is_full() => false,
+        false => {
+            let sent = sender.try_send(step.to_snapshot());
+            sent.is_err_and(|error| error.is_disconnected())
+        }
+    };
+    if is_disconnected {
+        *snapshots = None;
     }
 }
 

@@ -128,3 +128,58 @@ fn write_blocks(
     }
     writer.finish().map(drop)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::Instant;
+
+    use super::*;
+    use crate::capture::recording::Replay;
+    use crate::capture::{Channels, Reading, Sample, Source, SourceEvent};
+    use crate::contact::TargetNames;
+    use crate::pipeline::PipelineState;
+    use crate::snapshot::Stats;
+    use crate::time::Timestamp;
+
+    #[test]
+    fn a_step_of_a_live_source_reaches_the_disk_when_no_other_follows() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("hand.mcap");
+        let mut recordings = Recordings::default();
+        let setup = RecordedSetup::default();
+        recordings.record_steps(&path, &setup, false).unwrap();
+        let channels = Channels {
+            full_scale: 255,
+            counts: [3, 141].into_iter().collect(),
+        };
+        let reading = Reading::new(Timestamp(7), None, Sample::Channels(channels));
+        recordings.push(&StepView {
+            state: PipelineState::Running,
+            paused_by: None,
+            profile: 0,
+            target_names: &TargetNames::default(),
+            reading: Some(&reading),
+            source_error: None,
+            angles: None,
+            pose: None,
+            touches: &[],
+            events: &[],
+            commands: &[],
+            executed: None,
+            lost_hands: Default::default(),
+            stats: Stats::default(),
+        });
+        let start = Instant::now();
+        // The recording is not complete, as after a crash.
+        while Replay::open(&path).unwrap().next().unwrap() == SourceEvent::End {
+            assert!(
+                start.elapsed() < Duration::from_secs(60),
+                "nothing is written"
+            );
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let replayed = Replay::open(&path).unwrap().next().unwrap();
+        assert_eq!(replayed, SourceEvent::Reading(reading));
+        assert!(recordings.finish().is_none());
+    }
+}

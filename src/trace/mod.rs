@@ -17,6 +17,7 @@
 
 pub mod bvh;
 pub mod hand_signals;
+mod pose;
 pub mod signal;
 
 use serde::{Serialize, Serializer};
@@ -103,7 +104,8 @@ pub fn angles_json<'a>(time: Timestamp, angles: &JointAngles, buffer: &'a mut Ve
 
 /// Returns the object of [`Stage::Pose`] without a line end. `buffer` is overwritten.
 pub fn pose_json<'a>(pose: &HandPose, buffer: &'a mut Vec<u8>) -> &'a [u8] {
-    json(&PoseJson::new(pose), buffer)
+    pose::write(pose, buffer);
+    buffer
 }
 
 /// Returns one object of [`Stage::Events`] without a line end. `names` are those of the targets; `buffer` is overwritten.
@@ -164,37 +166,6 @@ impl<'a> AnglesJson<'a> {
 
 fn known_angles<S: Serializer>(angles: &&JointAngles, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_map(angles.known())
-}
-
-#[derive(Serialize)]
-struct PoseJson<'a> {
-    time_us: Timestamp,
-    side: Side,
-    #[serde(serialize_with = "positions")]
-    positions: &'a HandPose,
-    #[serde(serialize_with = "orientations")]
-    orientations: &'a HandPose,
-}
-
-impl<'a> PoseJson<'a> {
-    fn new(pose: &'a HandPose) -> Self {
-        Self {
-            time_us: pose.time,
-            side: pose.side,
-            positions: pose,
-            orientations: pose,
-        }
-    }
-}
-
-fn positions<S: Serializer>(pose: &&HandPose, serializer: S) -> Result<S::Ok, S::Error> {
-    let known = pose.known();
-    serializer.collect_map(known.map(|(joint, pose)| (joint, pose.translation.to_array())))
-}
-
-fn orientations<S: Serializer>(pose: &&HandPose, serializer: S) -> Result<S::Ok, S::Error> {
-    let known = pose.known();
-    serializer.collect_map(known.map(|(joint, pose)| (joint, pose.rotation.to_array())))
 }
 
 #[derive(Serialize)]

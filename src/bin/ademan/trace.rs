@@ -61,9 +61,12 @@ pub fn run(args: Args) -> Result<(), Failure> {
     Ok(printed?)
 }
 
+/// Bytes of a write to the standard output while more results are waiting: those of 40 poses.
+const WRITE_BYTES: usize = 1 << 17;
+
 /// Prints all results of a stage, without delay if no more are waiting.
 fn print(session: &SessionHandle, stage: Stage) -> io::Result<()> {
-    let mut out = BufWriter::new(io::stdout().lock());
+    let mut out = BufWriter::with_capacity(WRITE_BYTES, io::stdout().lock());
     let mut buffer = Vec::new();
     for snapshot in session.snapshots() {
         stage.for_each_json(&snapshot, &mut buffer, |_, json| {
