@@ -133,8 +133,17 @@ fn a_stretch_widens_the_range_and_undoing_it_returns_to_the_calibration() {
 #[test]
 fn a_wider_range_does_not_press_the_key_below_a_hovering_finger() {
     let any = Learning::new(Dof::IndexMcpFlexion, (40.0, 40.0));
-    let approach = any.press.approach.iter().rev();
-    let hover = approach.copied().find(|posture| !presses(&any, posture));
+    let (clear, pressed) = (any.press.clear(), any.press.pressed());
+    let part = |number: i32| -> Posture {
+        std::array::from_fn(|channel| {
+            let (from, to) = (i32::from(clear[channel]), i32::from(pressed[channel]));
+            (from + (to - from) * number / 40) as u8
+        })
+    };
+    let hover = (0..=40)
+        .rev()
+        .map(part)
+        .find(|posture| !presses(&any, posture));
     let hover = hover.expect("a posture above the key");
     let bend = f64::from(hover[any.channel]) - f64::from(any.press.clear()[any.channel]);
     let mut hand = Learning::new(Dof::IndexMcpFlexion, (3.0 - bend, 77.0 + bend));
