@@ -4,8 +4,9 @@ use std::path::Path;
 
 use ademan::files;
 
-/// Bytes of a reading with the results of all stages, for one hand whose sensors are noisy. A steady one takes half.
-const BYTES_PER_READING: f64 = 235.0;
+/// Bytes of a reading with the results of all stages, for one hand with a noise of one count in each channel. A steady one takes
+/// less than half.
+const BYTES_PER_READING: f64 = 280.0;
 
 /// Readings per second of a glove on the fastest line.
 const READINGS_PER_SECOND: f64 = 175.0;
