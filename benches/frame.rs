@@ -5,6 +5,9 @@
 //! readings, so rest, movement and presses have their natural frequency. `a_nothing` is the cost
 //! of copying a reading, which the figures of `c_` and `g_` include.
 
+#[path = "support/plain_hand.rs"]
+mod plain_hand;
+
 use std::hint::black_box;
 use std::sync::LazyLock;
 use std::time::Duration;
@@ -22,16 +25,18 @@ use ademan::device::{
     VirtualDevice,
 };
 use ademan::estimate::{Estimate, Estimator, EstimatorSettings};
-use ademan::hand::{Dof, Finger, JointAngles, Side};
+use ademan::hand::{JointAngles, Side};
 use ademan::kinematics::{ArmModel, BoneLengths, HandPose};
 use ademan::output;
-use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings};
+use ademan::pipeline::{LayoutInstance, Pipeline, PipelineSettings, StepOutput};
 use ademan::session::with_loop_step;
 use ademan::setup::{LoadedSetup, Setup};
-use ademan::snapshot::StepView;
+use ademan::snapshot::{Snapshot, StepView};
 use ademan::time::Timestamp;
 use divan::Bencher;
 use parry3d::math::{Pose, Rotation, Vec3};
+
+use self::plain_hand::PlainHand;
 
 /// The readings of one pass: 12 s at 115 200 baud.
 const READINGS: usize = 2_048;
@@ -42,9 +47,28 @@ fn main() {
         let presses = typing().presses_on(board);
         assert_eq!(presses, typing().presses, "presses on {board:?}");
     }
+    print_sizes();
     divan::Divan::from_args()
         .sample_size(READINGS as u32)
         .main();
+}
+
+/// Prints the sizes of what passes from stage to stage, in bytes.
+fn print_sizes() {
+    let sizes = [
+        ("Reading", size_of::<Reading>()),
+        ("JointAngles", size_of::<JointAngles>()),
+        ("Estimate", size_of::<Estimate>()),
+        ("HandPose", size_of::<HandPose>()),
+        ("Touches", size_of::<Touches>()),
+        ("Events", size_of::<Events>()),
+        ("StepOutput", size_of::<StepOutput>()),
+        ("StepView", size_of::<StepView>()),
+        ("Snapshot", size_of::<Snapshot>()),
+    ];
+    for (name, bytes) in sizes {
+        println!("{name:<12} {bytes:>5} B");
+    }
 }
 
 /// A board with a number of keys.
@@ -305,8 +329,10 @@ fn d_forward_kinematics(bencher: Bencher, arm: &str) {
         "unam" => typing().setup.arm.clone(),
         _ => typing().anthropometric_arm(),
     };
+    let mut pose = typing().poses[0];
     run(bencher, &typing().estimates, |estimate| {
-        black_box(&arm.forward(estimate));
+        arm.forward_into(estimate, &mut pose);
+        black_box(&pose);
     });
 }
 
@@ -318,66 +344,6 @@ fn d_plain_glam(bencher: Bencher) {
     run(bencher, &typing().estimates, |estimate| {
         black_box(hand.fingertips(&estimate.angles));
     });
-}
-
-/// A hand without its arm: the joints of the wrist and the fingers, each after its parent.
-struct PlainHand {
-    joints: Vec<PlainJoint>,
-}
-
-struct PlainJoint {
-    parent: Option<usize>,
-    offset: Vec3,
-    axis: Vec3,
-    dof: Dof,
-    tip: Option<Vec3>,
-}
-
-impl PlainHand {
-    fn new(arm: &ArmModel) -> Self {
-        let mut joints: Vec<PlainJoint> = Vec::new();
-        // The link in the tree, its offset from the joint before it, and that joint.
-        let mut places: Vec<(Option<usize>, Vec3)> = Vec::new();
-        for link in arm.links() {
-            let (parent, base) = link.parent.map_or((None, Vec3::ZERO), |at| places[at]);
-            let offset = base + link.offset;
-            let is_hand = |dof: &Dof| dof.finger().is_some() || *dof == Dof::WristFlexion;
-            let place = match link.dof.filter(is_hand) {
-                None => (parent, if parent.is_none() { Vec3::ZERO } else { offset }),
-                Some(dof) => {
-                    joints.push(PlainJoint {
-                        parent,
-                        offset,
-                        axis: link.axis,
-                        dof,
-                        tip: link.fingertip.map(|_| Vec3::X * link.length),
-                    });
-                    (Some(joints.len() - 1), Vec3::ZERO)
-                }
-            };
-            places.push(place);
-        }
-        assert_eq!(joints.len(), 21);
-        Self { joints }
-    }
-
-    fn fingertips(&self, angles: &JointAngles) -> [Vec3; Finger::COUNT] {
-        let mut poses = [(Rotation::IDENTITY, Vec3::ZERO); 21];
-        let mut tips = [Vec3::ZERO; Finger::COUNT];
-        let mut next_tip = 0;
-        for (index, joint) in self.joints.iter().enumerate() {
-            let (rotation, position) = joint.parent.map_or(poses[0], |parent| poses[parent]);
-            let angle = angles.get(joint.dof) as f32;
-            let position = position + rotation * joint.offset;
-            let rotation = rotation * Rotation::from_axis_angle(joint.axis, angle);
-            poses[index] = (rotation, position);
-            if let Some(tip) = joint.tip {
-                tips[next_tip] = position + rotation * tip;
-                next_tip += 1;
-            }
-        }
-        tips
-    }
 }
 
 #[divan::bench(args = BOARDS)]
@@ -422,6 +388,24 @@ fn f_keyboard(bencher: Bencher) {
 fn g_step(bencher: Bencher, board: Board) {
     let mut readings = Readings::new();
     let mut pipeline = board.pipeline();
+    let mut events = Events::new();
+    bencher.bench_local(|| {
+        events.clear();
+        let _ = black_box(&pipeline.step(readings.next(), &mut events));
+        black_box(&events);
+    });
+}
+
+/// The step for readings of both hands in turn, of which the left one is the mirror image of the right one.
+#[divan::bench]
+fn g_step_of_two_hands(bencher: Bencher) {
+    let mut readings = Readings::new();
+    for (reading, side) in readings.readings.iter_mut().zip(Side::ALL.iter().cycle()) {
+        reading.side = Some(*side);
+    }
+    let left_arm = typing().setup.arm.clone().for_side(Side::Left);
+    let pipeline = Board::Flat(100).pipeline();
+    let mut pipeline = pipeline.with_second_hand(typing().estimator(), left_arm);
     let mut events = Events::new();
     bencher.bench_local(|| {
         events.clear();

@@ -6,8 +6,9 @@ use parry3d::math::{Mat3, Pose, Vec3};
 
 use super::HandPose;
 use super::joint_rotations::JointRotations;
-use super::link::{Link, MAX_LINKS};
+use super::link::{Link, MAX_LINKS, far_end};
 use super::measured::{displace, follow_measured_arm};
+use super::prepared_arm::PreparedArm;
 use crate::estimate::{Estimate, JointAngles};
 use crate::hand::{Joint, Side};
 
@@ -16,6 +17,8 @@ use crate::hand::{Joint, Side};
 pub struct ArmModel {
     side: Side,
     links: Vec<Link>,
+    /// Follows from `links`.
+    prepared: PreparedArm,
     world_from_root: Pose,
     tip_radius: f32,
 }
@@ -60,6 +63,7 @@ impl ArmModel {
         }
         Ok(Self {
             side,
+            prepared: PreparedArm::new(&links),
             links,
             world_from_root,
             tip_radius,
@@ -86,6 +90,7 @@ impl ArmModel {
             // A mirror reverses the sense of every rotation, and also the component of the axis along its normal.
             link.axis = Vec3::new(-link.axis.x, -link.axis.y, link.axis.z);
         }
+        self.prepared = PreparedArm::new(&self.links);
         self
     }
 
@@ -139,13 +144,30 @@ impl ArmModel {
     /// No joint of a hand that is [nowhere](Estimate::is_placed) is known.
     pub fn forward(&self, estimate: &Estimate) -> HandPose {
         let mut hand = HandPose::new(estimate.time, self.side, self.tip_radius);
+        self.forward_into(estimate, &mut hand);
+        hand
+    }
+
+    /// Does the same as [`forward`](Self::forward) in place of an earlier pose.
+    pub fn forward_into(&self, estimate: &Estimate, hand: &mut HandPose) {
+        hand.reset(estimate.time, self.side, self.tip_radius);
         hand.untrusted = estimate.untrusted;
         hand.jumped = estimate.jumped;
         if !estimate.is_placed {
-            return hand;
+            return;
         }
         let world_from_root = estimate.root.unwrap_or(self.world_from_root);
-        let mut poses = self.link_poses_from(&world_from_root, &estimate.angles);
+        if estimate.displacement.is_some() || !estimate.measured.is_empty() {
+            self.forward_measured(&world_from_root, estimate, hand);
+        } else {
+            self.prepared
+                .forward(&world_from_root, &estimate.angles, hand);
+        }
+    }
+
+    /// Computes the poses of the joints for an estimate with measured or displaced ones.
+    fn forward_measured(&self, world_from_root: &Pose, estimate: &Estimate, hand: &mut HandPose) {
+        let mut poses = self.link_poses_from(world_from_root, &estimate.angles);
         if let Some(displacement) = &estimate.displacement {
             displace(&self.links, &mut poses, displacement);
         }
@@ -157,23 +179,14 @@ impl ArmModel {
                 hand.set(joint, *pose);
             }
             if let Some(finger) = link.fingertip {
-                hand.set(Joint::tip(finger), far_end(link, pose));
+                hand.set(Joint::tip(finger), far_end(link.length, pose));
             }
         }
         for (joint, position) in estimate.measured.iter() {
             let rotation = hand.get(joint).map_or(Quat::IDENTITY, |pose| pose.rotation);
             hand.set(joint, Pose::from_parts(position, rotation));
         }
-        hand
     }
-}
-
-/// Returns the frame of a link, moved to its far end.
-pub(super) fn far_end(link: &Link, pose: &Pose) -> Pose {
-    Pose::from_parts(
-        pose.translation + pose.rotation * Vec3::new(link.length, 0.0, 0.0),
-        pose.rotation,
-    )
 }
 
 fn check(link: &Link, index: usize, preceding: &[Link]) -> Result<(), ArmModelError> {

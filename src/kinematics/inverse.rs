@@ -4,8 +4,8 @@ use arrayvec::ArrayVec;
 use glam::{DMat3, DVec3};
 use parry3d::math::{Pose, Vec3};
 
-use super::arm_model::{ArmModel, far_end};
-use super::link::MAX_LINKS;
+use super::arm_model::ArmModel;
+use super::link::{MAX_LINKS, far_end};
 use crate::estimate::{AffineMap, JointAngles};
 use crate::hand::{Dof, Finger};
 
@@ -200,7 +200,7 @@ impl Chain {
 
     fn fingertip(&self, model: &ArmModel, poses: &[Pose]) -> Vec3 {
         let last = self.links[0];
-        far_end(&model.links()[last], &poses[last]).translation
+        far_end(model.links()[last].length, &poses[last]).translation
     }
 
     /// Returns the displacement of the fingertip per radian of each variable's fastest angle.

@@ -6,7 +6,7 @@
 
 use std::f32::consts::FRAC_2_PI;
 
-use glam::Quat;
+use glam::{Quat, Vec4};
 use parry3d::math::Vec3;
 
 use crate::estimate::JointAngles;
@@ -18,10 +18,16 @@ const ROUND: f32 = 12_582_912.0;
 /// π/2 in three parts, the first two short enough that their multiples are exact (Cody & Waite 1980).
 const HALF_PI_PARTS: [f32; 3] = [1.570_312_5, 4.837_513e-4, 7.549_79e-8];
 
+/// Room for the angles and for one that is 0, in whole vector registers.
+const COUNT: usize = Dof::COUNT + 4;
+
+/// The index of an angle that is always 0; see [`JointRotations::lanes`].
+pub(super) const NO_ROTATION: usize = Dof::COUNT;
+
 /// The sine and cosine of half the angle of each degree of freedom.
 pub(super) struct JointRotations {
-    sines: [f32; Dof::COUNT],
-    cosines: [f32; Dof::COUNT],
+    sines: [f32; COUNT],
+    cosines: [f32; COUNT],
 }
 
 impl JointRotations {
@@ -30,8 +36,8 @@ impl JointRotations {
         // A separate loop: a vector register holds twice as many `f32` as `f64`.
         let half_angles = angles.radians().map(|angle| angle as f32 * 0.5);
         let mut rotations = Self {
-            sines: [0.0; Dof::COUNT],
-            cosines: [0.0; Dof::COUNT],
+            sines: [0.0; COUNT],
+            cosines: [1.0; COUNT],
         };
         let pairs = rotations.sines.iter_mut().zip(&mut rotations.cosines);
         for ((sine, cosine), half_angle) in pairs.zip(half_angles) {
@@ -42,8 +48,20 @@ impl JointRotations {
 
     /// Returns the rotation by the angle of `dof` about a unit axis.
     pub(super) fn about(&self, axis: Vec3, dof: Dof) -> Quat {
-        let index = dof.index();
-        Quat::from_vec4((axis * self.sines[index]).extend(self.cosines[index]))
+        let (sine, cosine) = self.sine_and_cosine(dof);
+        Quat::from_vec4((axis * sine).extend(cosine))
+    }
+
+    /// Returns the sine and cosine of half the angle of `dof`.
+    pub(super) fn sine_and_cosine(&self, dof: Dof) -> (f32, f32) {
+        (self.sines[dof.index()], self.cosines[dof.index()])
+    }
+
+    /// Returns the sines and cosines of half the angles with these indices in [`Dof::ALL`].
+    pub(super) fn lanes(&self, angles: [usize; 4]) -> (Vec4, Vec4) {
+        let sines = angles.map(|index| self.sines[index]);
+        let cosines = angles.map(|index| self.cosines[index]);
+        (Vec4::from_array(sines), Vec4::from_array(cosines))
     }
 }
 

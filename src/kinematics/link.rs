@@ -1,6 +1,6 @@
 //! The links of an arm model.
 
-use parry3d::math::Vec3;
+use parry3d::math::{Pose, Vec3};
 
 use crate::hand::{Dof, Finger, Joint};
 
@@ -30,4 +30,12 @@ pub struct Link {
     pub joint: Option<Joint>,
     /// The finger whose tip is the far end of the link.
     pub fingertip: Option<Finger>,
+}
+
+/// Returns the frame of a link of this length, moved to its far end.
+pub(super) fn far_end(length: f32, pose: &Pose) -> Pose {
+    Pose::from_parts(
+        pose.translation + pose.rotation * Vec3::new(length, 0.0, 0.0),
+        pose.rotation,
+    )
 }

@@ -2,10 +2,13 @@
 
 mod anthropometry;
 mod arm_model;
+mod finger_lanes;
 mod inverse;
 mod joint_rotations;
 mod link;
 mod measured;
+mod prepared_arm;
+mod principal_axis;
 mod reach;
 
 pub use anthropometry::BoneLengths;
@@ -50,6 +53,16 @@ impl HandPose {
         }
     }
 
+    /// Prepares for the next reading: no joint is known. Cheaper than a new pose.
+    fn reset(&mut self, time: Timestamp, side: Side, tip_radius: f32) {
+        self.time = time;
+        self.side = side;
+        self.untrusted = FingerSet::NONE;
+        self.jumped = false;
+        self.tip_radius = tip_radius;
+        self.known = 0;
+    }
+
     /// Sets `world_from_joint` (metres).
     pub fn set(&mut self, joint: Joint, world_from_joint: Pose) {
         self.joints[joint.index()] = world_from_joint;
@@ -88,3 +101,6 @@ impl HandPose {
             .filter_map(|&joint| Some((joint, self.get(joint)?)))
     }
 }
+
+#[cfg(test)]
+mod tests;
