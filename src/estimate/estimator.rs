@@ -54,11 +54,13 @@ pub struct Estimator {
 struct RawAngles {
     time: Timestamp,
     angles: JointAngles,
-    /// A measured joint that moves with the whole hand: the wrist, or else the first one, or else the displaced one.
-    anchor: Option<(Joint, Vec3)>,
+    anchor: Option<Anchor>,
 }
 
-fn anchor(estimate: &Estimate) -> Option<(Joint, Vec3)> {
+/// A measured joint that moves with the whole hand: the wrist, or else the first one, or else the displaced one.
+type Anchor = (Joint, Vec3);
+
+fn anchor(estimate: &Estimate) -> Option<Anchor> {
     let wrist = estimate.measured.get(Joint::Wrist);
     let wrist = wrist.map(|position| (Joint::Wrist, position));
     let displaced = |displacement: Displacement| (displacement.joint, displacement.translation());
@@ -98,19 +100,15 @@ impl Estimator {
         let offsets = self.zero.offsets();
         self.converter
             .convert(reading, &self.settings, offsets, &mut self.estimate)?;
-        let raw = RawAngles {
-            time: reading.time,
-            angles: self.estimate.angles,
-            anchor: anchor(&self.estimate),
-        };
-        self.estimate.jumped |= self.check_speed(&raw)?;
+        let anchor = anchor(&self.estimate);
+        self.estimate.jumped |= self.check_speed(anchor)?;
         let was_unseen = self.estimate.jumped || gap > self.settings.max_gap;
         self.estimate.jumped |= std::mem::take(&mut self.has_jumped);
         let is_interrupted = was_unseen || self.estimate.jumped;
-        if is_interrupted || !self.has_same_dofs(&raw.angles) {
+        if is_interrupted || !self.has_same_dofs() {
             self.smoother.reset();
         }
-        self.last = Some(raw);
+        self.last = Some(RawAngles::new(&self.estimate, anchor));
         let angles = &mut self.estimate.angles;
         self.smoother.filter(angles, gap.as_secs_f64());
         if let Some(limits) = &self.settings.limits {
@@ -233,13 +231,13 @@ impl Estimator {
         }
     }
 
-    fn has_same_dofs(&self, angles: &JointAngles) -> bool {
+    fn has_same_dofs(&self) -> bool {
         let last = self.last.as_ref();
-        last.is_none_or(|last| last.angles.has_same_dofs(angles))
+        last.is_none_or(|last| last.angles.has_same_dofs(&self.estimate.angles))
     }
 
     /// Returns whether the hand was re-acquired at another position; an error until consecutive readings agree on it.
-    fn check_speed(&mut self, raw: &RawAngles) -> Result<bool, Rejection> {
+    fn check_speed(&mut self, anchor: Option<Anchor>) -> Result<bool, Rejection> {
         let (Some(max_speed), Some(last)) = (self.settings.max_speed, &self.last) else {
             return Ok(false);
         };
@@ -248,21 +246,24 @@ impl Estimator {
             .candidate
             .as_ref()
             .map_or(last.time, |(candidate, _)| candidate.time);
-        let seconds = raw.time.since(previous).as_secs_f64();
+        let estimate = &self.estimate;
+        let seconds = estimate.time.since(previous).as_secs_f64();
         let reach = Reach {
             rotation: (max_speed * seconds).max(MIN_PLAUSIBLE_ROTATION),
             distance: (MAX_HAND_SPEED * seconds).max(MIN_PLAUSIBLE_DISTANCE),
         };
-        if raw.is_within(&reach, last) {
+        if last.is_within(&reach, &estimate.angles, anchor) {
             self.candidate = None;
             return Ok(false);
         }
         let agreeing = match &self.candidate {
-            Some((candidate, count)) if raw.is_within(&reach, candidate) => count + 1,
+            Some((candidate, count)) if candidate.is_within(&reach, &estimate.angles, anchor) => {
+                count + 1
+            }
             _ => 1,
         };
         if agreeing < CONSISTENT_READINGS {
-            self.candidate = Some((*raw, agreeing));
+            self.candidate = Some((RawAngles::new(estimate, anchor), agreeing));
             return Err(Rejection::TooFast);
         }
         self.candidate = None;
@@ -279,18 +280,21 @@ struct Reach {
 }
 
 impl RawAngles {
-    /// Returns whether neither an angle nor the measured position is out of reach from `other`. Those that are known in only
-    /// one of both do not count.
-    fn is_within(&self, reach: &Reach, other: &Self) -> bool {
-        let distance = match (self.anchor, other.anchor) {
+    fn new(estimate: &Estimate, anchor: Option<Anchor>) -> Self {
+        Self {
+            time: estimate.time,
+            angles: estimate.angles,
+            anchor,
+        }
+    }
+
+    /// Returns whether neither an angle nor the measured position of a later reading is out of reach. Those that are known in
+    /// only one of both do not count.
+    fn is_within(&self, reach: &Reach, angles: &JointAngles, anchor: Option<Anchor>) -> bool {
+        let distance = match (anchor, self.anchor) {
             (Some((joint, now)), Some((same, before))) if joint == same => now.distance(before),
             _ => 0.0,
         };
-        let mut known = self.angles.known();
-        f64::from(distance) <= reach.distance
-            && known.all(|(dof, radians)| {
-                !other.angles.is_known(dof)
-                    || (radians - other.angles.get(dof)).abs() <= reach.rotation
-            })
+        f64::from(distance) <= reach.distance && angles.is_within(reach.rotation, &self.angles)
     }
 }

@@ -30,15 +30,41 @@ impl JointRange {
         high: f64::MAX,
     };
 
+    pub(super) const fn new(low: f64, high: f64) -> Self {
+        Self { low, high }
+    }
+
+    /// Returns the lower and the upper end.
+    pub(super) const fn ends(self) -> [f64; 2] {
+        [self.low, self.high]
+    }
+
+    /// Clamps an angle. Unlike `f64::clamp` it checks nothing, so that a loop over all angles is vectorised.
     pub(super) fn clamp(self, radians: f64) -> f64 {
-        radians.clamp(self.low, self.high)
+        let radians = if radians < self.low {
+            self.low
+        } else {
+            radians
+        };
+        if radians > self.high {
+            self.high
+        } else {
+            radians
+        }
+    }
+
+    /// Returns the range with the excess that a calibration error explains.
+    pub(super) fn with_tolerance(self) -> Self {
+        let tolerance = (TOLERANCE * (self.high - self.low)).max(MIN_TOLERANCE);
+        Self {
+            low: (self.low - tolerance).max(f64::MIN),
+            high: (self.high + tolerance).min(f64::MAX),
+        }
     }
 
     pub(super) fn checked_clamp(self, radians: f64) -> Option<f64> {
-        let tolerance = (TOLERANCE * (self.high - self.low)).max(MIN_TOLERANCE);
-        (self.low - tolerance..=self.high + tolerance)
-            .contains(&radians)
-            .then(|| self.clamp(radians))
+        let [low, high] = self.with_tolerance().ends();
+        (low..=high).contains(&radians).then(|| self.clamp(radians))
     }
 }
 

@@ -20,6 +20,11 @@ impl Linearity {
         }
     }
 
+    /// Returns `bend` of the formula.
+    pub(super) fn bend(&self) -> f64 {
+        self.bend
+    }
+
     /// Returns the linear count of a count: the same for a sensor without curvature.
     pub fn apply(&self, count: f64) -> f64 {
         count - self.bend * count * (self.full_scale - count)

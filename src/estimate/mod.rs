@@ -84,6 +84,33 @@ impl Estimate {
         }
     }
 
+    /// Becomes a copy of `other`. Cheaper than an assignment, which also copies the positions that were not measured.
+    pub(crate) fn copy_from(&mut self, other: &Self) {
+        let Self {
+            time,
+            angles,
+            untrusted,
+            jumped,
+            is_placed,
+            root,
+            displacement,
+            measured,
+            inputs,
+        } = other;
+        self.time = *time;
+        self.angles = *angles;
+        self.untrusted = *untrusted;
+        self.jumped = *jumped;
+        self.is_placed = *is_placed;
+        self.root = *root;
+        self.displacement = *displacement;
+        self.inputs = *inputs;
+        match measured.is_empty() {
+            true => self.measured.known = 0,
+            false => self.measured = *measured,
+        }
+    }
+
     /// Prepares for the next reading: nothing is known but its time. Cheaper than a new estimate, most of which is the
     /// positions of joints that few sensors measure.
     fn reset(&mut self, time: Timestamp) {

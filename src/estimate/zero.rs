@@ -165,9 +165,10 @@ impl Zero {
 
 impl Rest {
     fn update(&mut self, time: Timestamp, angles: &JointAngles, untrusted: FingerSet) {
-        let moved =
-            |(dof, radians): (Dof, f64)| (radians - self.first.get(dof)).abs() > STILL_RANGE;
-        if self.since.is_none() || !self.first.has_same_dofs(angles) || angles.known().any(moved) {
+        let is_still = |first: &JointAngles| {
+            first.has_same_dofs(angles) && first.is_within(STILL_RANGE, angles)
+        };
+        if self.since.is_none() || !is_still(&self.first) {
             *self = Self {
                 since: Some(time),
                 first: *angles,

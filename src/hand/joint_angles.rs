@@ -48,12 +48,29 @@ impl JointAngles {
         self.known == other.known
     }
 
+    /// Returns whether no angle that is known in both differs by more than `radians`.
+    pub(crate) fn is_within(&self, radians: f64, other: &Self) -> bool {
+        let is_near = |a: f64, b: f64| (a - b).abs() <= radians;
+        if self.has_same_dofs(other) {
+            // Without a branch for each angle. Those that are not known are 0 in both.
+            let pairs = self.radians.iter().zip(&other.radians);
+            return pairs.fold(true, |is_within, (a, b)| is_within & is_near(*a, *b));
+        }
+        let mut known = self.known().filter(|(dof, _)| other.is_known(*dof));
+        known.all(|(dof, angle)| is_near(angle, other.get(dof)))
+    }
+
     /// Iterates over the known angles, in the order of [`Dof::ALL`].
     pub fn known(&self) -> impl Iterator<Item = (Dof, f64)> + '_ {
         Dof::ALL
             .iter()
             .filter(|dof| self.is_known(**dof))
             .map(|&dof| (dof, self.get(dof)))
+    }
+
+    /// Marks the same angles as known as in `other`. The caller sets all of them.
+    pub(crate) fn set_known_as(&mut self, other: &Self) {
+        self.known = other.known;
     }
 
     /// Returns the values of all angles for changes in place, in the order of [`Dof::ALL`]. Which angles are known does

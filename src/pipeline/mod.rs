@@ -153,7 +153,8 @@ impl Pipeline {
         self.detect_gaps(reading.time, events);
         let hand = &mut self.hands[index];
         let estimate = &mut hand.output.estimate;
-        let updated = hand.estimator.update(reading).map(|new| *estimate = *new);
+        let updated = hand.estimator.update(reading);
+        let updated = updated.map(|new| estimate.copy_from(new));
         if hand.count_rejection(updated.is_err()) && self.state() == PipelineState::Running {
             self.release_all(self.time, events);
         }
@@ -178,7 +179,7 @@ impl Pipeline {
     fn update_pose(&mut self, index: usize) {
         let hand = &mut self.hands[index];
         let output = &mut hand.output;
-        output.pose = hand.arm.forward(&output.estimate);
+        hand.arm.forward_into(&output.estimate, &mut output.pose);
         output.commands.clear();
         let layout = &mut self.profiles[self.active_profile].layout;
         layout.track(&output.pose, &mut output.touches);

@@ -196,6 +196,8 @@ fn a_finger_with_a_broken_sensor_is_untrusted_after_one_second() {
     assert_eq!(untrusted, FingerSet::NONE.with(Finger::Middle));
     let repaired = hand.set(MIDDLE_MCP, 20).expect("plugged in again");
     assert_eq!(repaired.untrusted, FingerSet::NONE);
+    let loose = hand.set(MIDDLE_MCP, 0).expect("a possible angle");
+    assert_eq!(loose.untrusted, FingerSet::NONE, "a new second begins");
 }
 
 #[test]

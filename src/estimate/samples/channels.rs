@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::channel_table::ChannelTable;
 use crate::capture::Channels;
 use crate::estimate::learned_range::RangeLearner;
 use crate::estimate::limits::JointRange;
@@ -21,6 +22,10 @@ pub(in crate::estimate) struct ChannelConverter {
     inputs: Vec<InputRow>,
     assumed: Vec<(Dof, f64)>,
     health: Vec<ChannelHealth>,
+    /// A channel was at an end of its range in the latest reading.
+    was_at_rail: bool,
+    /// All rows at once, for readings without exceptions.
+    table: Option<ChannelTable>,
     /// A count at an end of the range is not a broken wire.
     uses_full_range: bool,
     /// The learners of channels with a calibrated range; none unless ranges are learned.
@@ -61,6 +66,20 @@ struct ChannelHealth {
     is_railed: bool,
 }
 
+/// The exceptions in the channels of a reading.
+struct Exceptions {
+    has_unknown: bool,
+    is_at_rail: bool,
+}
+
+impl Exceptions {
+    /// The exceptions of a reading that was not examined.
+    const ALL: Self = Self {
+        has_unknown: true,
+        is_at_rail: true,
+    };
+}
+
 impl ChannelConverter {
     pub(super) fn new(map: &ChannelMap, settings: &EstimatorSettings) -> Self {
         let limits = settings.limits.as_ref();
@@ -99,6 +118,8 @@ impl ChannelConverter {
             inputs: map.inputs().to_vec(),
             assumed: map.assumed_angles().to_vec(),
             health,
+            was_at_rail: false,
+            table: ChannelTable::new(map, limits),
             uses_full_range: map.uses_full_range(),
         }
     }
@@ -117,12 +138,32 @@ impl ChannelConverter {
         {
             return Err(Rejection::WrongShape);
         }
-        if let Some(timeout) = rail_timeout.filter(|_| !self.uses_full_range) {
+        let counts = self.table.as_ref().map(|table| table.counts(channels));
+        let exceptions = counts.as_ref().map(|counts| self.exceptions(counts));
+        let Exceptions {
+            has_unknown,
+            is_at_rail,
+        } = exceptions.unwrap_or(Exceptions::ALL);
+        if let Some(timeout) = rail_timeout.filter(|_| !self.uses_full_range)
+            && (is_at_rail || self.was_at_rail)
+        {
+            self.was_at_rail = is_at_rail;
             estimate.untrusted = self.update_health(estimate.time, channels, timeout);
         }
-        estimate.untrusted = estimate.untrusted.union(self.unknown_fingers(channels));
+        if has_unknown {
+            let unknown = self.unknown_fingers(channels);
+            estimate.untrusted = estimate.untrusted.union(unknown);
+        }
         self.write_inputs(channels, &mut estimate.inputs);
-        self.write_angles(channels, offsets, &mut estimate.angles)?;
+        let angles = &mut estimate.angles;
+        let is_converted = match (&self.table, &counts) {
+            (Some(table), Some(counts)) if !has_unknown => table.convert(counts, offsets, angles),
+            _ => false,
+        };
+        if !is_converted {
+            *angles = JointAngles::default();
+            self.write_angles(channels, offsets, angles)?;
+        }
         if estimate.angles.is_empty() && !self.rows.is_empty() {
             return Err(Rejection::WrongShape);
         }
@@ -183,8 +224,24 @@ impl ChannelConverter {
             let rows = self.rows.iter_mut();
             for row in rows.filter(|row| row.health == *health) {
                 row.calibration = row.calibrated.after(&correction);
+                if let Some(table) = &mut self.table {
+                    table.set_calibration(row.dof, row.calibration);
+                }
             }
         }
+    }
+
+    /// Looks for exceptions in the counts of all angles, without a branch for each.
+    fn exceptions(&self, counts: &[u16; Dof::COUNT]) -> Exceptions {
+        let mut found = Exceptions {
+            has_unknown: false,
+            is_at_rail: false,
+        };
+        for &count in counts {
+            found.has_unknown |= count == Channels::UNKNOWN;
+            found.is_at_rail |= (count == 0) | (count == self.full_scale);
+        }
+        found
     }
 
     /// Returns the fingers that depend on a channel that was not measured.

@@ -3,6 +3,7 @@
 mod angles;
 mod body;
 mod bones;
+mod channel_table;
 mod channels;
 mod displacement;
 mod joints;
@@ -82,3 +83,6 @@ impl SampleConverter {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
