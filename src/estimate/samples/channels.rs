@@ -39,7 +39,7 @@ struct ConverterRow {
     linearity: Linearity,
     /// The calibration of the glove file.
     calibrated: AffineMap,
-    /// The same for the learned range of the channel.
+    /// The calibration for the learned range of the channel.
     calibration: AffineMap,
     range: JointRange,
     channel: usize,

@@ -78,3 +78,45 @@ fn a_table_gives_the_angles_of_the_rows_one_by_one() {
     }
     assert!(outcomes.iter().all(|count| *count > 10), "{outcomes:?}");
 }
+
+#[test]
+fn a_learned_range_changes_the_table() {
+    let row = ChannelRow {
+        label: "pip".to_owned(),
+        dof: Dof::IndexPipFlexion,
+        channel: 0,
+        calibration: AffineMap::from_counts(-50.0, 0.01, 0.0),
+    };
+    let settings = EstimatorSettings {
+        learn_ranges: true,
+        ..EstimatorSettings::default()
+    };
+    let map = |rows| ChannelMap::new(rows, 255).with_ranges(vec![(0, (50.0, 200.0))]);
+    let [by_table, by_rows] = [vec![row.clone()], vec![row.clone(), row]].map(|rows| {
+        let mut converter = ChannelConverter::new(&map(rows), &settings);
+        let channels = |count| Channels {
+            full_scale: 255,
+            counts: [count].into_iter().collect(),
+        };
+        let convert = |converter: &mut ChannelConverter| {
+            let mut estimate = Estimate::new(Timestamp(1), JointAngles::default());
+            let offsets = JointAngles::default();
+            let outcome = converter.convert(&channels(150), None, &offsets, &mut estimate);
+            outcome.unwrap();
+            estimate.angles.get(Dof::IndexPipFlexion)
+        };
+        let before = convert(&mut converter);
+        for index in 0..80 {
+            let count = if index < 60 { 220 } else { 150 };
+            converter.observe_ranges(Timestamp(10_000 * index), &channels(count));
+        }
+        assert!(converter.is_widening_due());
+        converter.widen_ranges();
+        let widened = convert(&mut converter);
+        converter.undo_learning();
+        [before, widened, convert(&mut converter)]
+    });
+    assert_eq!(by_table, by_rows);
+    let [before, widened, undone] = by_table;
+    assert!(widened < before && undone == before, "{by_table:?}");
+}
