@@ -11,7 +11,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
+use ademan::capture::hc11::{BODY_BYTES, Framing, PACKET_BYTES, encode};
 use ademan::capture::{Hc11Format, open_loopback};
 use ademan::setup::Setup;
 use ademan::sim::SimulatedTypist;
@@ -70,7 +70,7 @@ fn row(what: &str, times: usize, goal: &str, mut measure: impl FnMut() -> Durati
     );
 }
 
-fn packets() -> Vec<[u8; 66]> {
+fn packets() -> Vec<[u8; PACKET_BYTES]> {
     let setup = Setup::default().load_files().expect("the default setup");
     let typist = setup.typist("hello world", &Hc11Format::default(), 0.5, 1);
     let mut typist: SimulatedTypist = typist.expect("the hand can type the text");
@@ -161,7 +161,13 @@ fn effort(name: &str, program: &str, rate_hz: u32, feed: Duration, goal: &str) {
     let uri = loopback.uri.to_string();
     let arguments = ["run", "--allow-root", "--armed", "--source", &uri];
     let mut child = start_program(program, &arguments);
-    let packets = packets();
+    let mut packets = packets();
+    // On a line without pauses the header of the next packet follows at once.
+    let header = &packets[0][..PACKET_BYTES - BODY_BYTES];
+    loopback.writer.write_all(header).expect("the line is open");
+    packets
+        .iter_mut()
+        .for_each(|packet| packet.rotate_left(PACKET_BYTES - BODY_BYTES));
     let begun = Instant::now();
     let mut at_half = None;
     for (number, packet) in (0..).zip(packets.iter().cycle()) {
