@@ -203,7 +203,7 @@ impl Row for ParryRay<'_> {
 const PAD_RADIUS: f32 = 1e-6;
 
 /// Pads cast as small balls against the plates whose bounding boxes they sweep, in millimetres: the tolerances of
-/// `cast_shapes` are absolute, and in metres it finds no entry at all.
+/// `cast_shapes` are absolute, and in metres it misses entries.
 pub struct ParryShapeCast<'a> {
     scene: &'a Scene,
     plates: Vec<Plates>,

@@ -1,4 +1,4 @@
-//! The same arm in the crate `k`.
+//! Forward kinematics of the arm with the crate `k`.
 
 use ademan::estimate::Estimate;
 use ademan::hand::{Dof, Finger};
@@ -52,7 +52,9 @@ impl KChain {
         let chain = Chain::from_root(base);
         let dof_of = |name: &str| {
             let mut links = arm.links().iter();
-            links.find(|link| link.name == name).and_then(|link| link.dof)
+            links
+                .find(|link| link.name == name)
+                .and_then(|link| link.dof)
         };
         let dofs = chain.iter_joints().filter(|joint| joint.is_movable());
         Self {
@@ -73,7 +75,10 @@ impl KChain {
         self.chain.update_transforms();
         std::array::from_fn(|finger| {
             let pose = self.tips[finger].world_transform();
-            let position = pose.expect("the transforms are up to date").translation.vector;
+            let position = pose
+                .expect("the transforms are up to date")
+                .translation
+                .vector;
             Vec3::new(position.x as f32, position.y as f32, position.z as f32)
         })
     }
