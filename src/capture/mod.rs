@@ -33,6 +33,7 @@ pub mod pace;
 pub mod thread;
 mod event;
 mod event_queue;
+mod clock_offset;
 mod merge;
 mod poll;
 mod sides;
@@ -50,6 +51,8 @@ mod packet_clock;
 mod in_place;
 #[cfg(not(target_family = "wasm"))]
 mod reconnect;
+#[cfg(not(target_family = "wasm"))]
+mod sender_clock;
 #[cfg(not(target_family = "wasm"))]
 pub mod recording;
 #[cfg(not(target_family = "wasm"))]
@@ -302,6 +305,12 @@ pub trait Source: Send {
         None
     }
 
+    /// Sets the age above which a source on the network drops a reading that states its time, see
+    /// [`InvalidPacket::TooOld`]. The default ignores it.
+    fn set_max_age(&mut self, age: Duration) {
+        let _ = age;
+    }
+
     /// Returns the name for messages: the URI, if the source has one.
     fn name(&self) -> &str;
 
@@ -354,6 +363,10 @@ impl Source for Box<dyn Source> {
 
     fn take_feedback_device(&mut self, side: Side) -> Option<FeedbackDevice> {
         (**self).take_feedback_device(side)
+    }
+
+    fn set_max_age(&mut self, age: Duration) {
+        (**self).set_max_age(age);
     }
 
     fn name(&self) -> &str {

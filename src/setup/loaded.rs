@@ -37,7 +37,7 @@ pub struct LoadedSetup {
     /// The names of recorded permissions that differ from those that apply.
     pub ignored_permissions: Vec<&'static str>,
     estimator: EstimatorSettings,
-    pipeline: PipelineSettings,
+    pub(super) pipeline: PipelineSettings,
 }
 
 /// The glove and the arm of a hand.

@@ -266,7 +266,8 @@ impl LoadedSetup {
             }
             SourceUri::Script { script } => Box::new(self.scripted(script, &format, 0.0, 0)?),
             _ => {
-                let opened = capture::open(source)?;
+                let mut opened = capture::open(source)?;
+                opened.set_max_age(self.pipeline.stall_timeout);
                 match source.has_both_hands() {
                     true => Box::new(SidedSource::new(opened, sides)),
                     false => opened,

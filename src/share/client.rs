@@ -41,7 +41,7 @@ impl Client {
             stream: connection.stream,
             outbox: Outbox::new(),
             conversation: Conversation::new(target),
-            subscription: LineKind::of_plain(target.format).map(Subscription::to),
+            subscription: LineKind::of_target(target).map(Subscription::to),
             dropped: 0,
             all_dropped: 0,
         }
@@ -129,7 +129,7 @@ impl Client {
         }
         let dropped = std::mem::take(&mut self.dropped);
         self.all_dropped += dropped;
-        if LineKind::of_plain(self.target.format).is_none() {
+        if !self.target.format.is_plain() {
             self.push_object(&json!({"kind": "dropped", "lines": dropped}));
         }
         if let Some(subscription) = &mut self.subscription {

@@ -1,6 +1,6 @@
 //! Kinds of lines, and sets of them.
 
-use super::target::ShareFormat;
+use super::target::{ShareFormat, ShareLink, ShareTarget};
 use crate::names::named_enum;
 use crate::trace::Stage;
 
@@ -54,14 +54,21 @@ impl ShareKind {
 pub(super) enum LineKind {
     /// The line of a format without requests.
     Plain(ShareFormat),
+    /// The text line with the time of its reading, by which a receiver on another machine recognises old ones.
+    TimedTextLine,
     /// An object with its kind.
     Object(ShareKind),
 }
 
 impl LineKind {
-    /// Returns the kind of the lines of a format, if the client cannot choose.
-    pub fn of_plain(format: ShareFormat) -> Option<Self> {
-        format.is_plain().then_some(Self::Plain(format))
+    /// Returns the kind of the lines of a target whose clients cannot choose.
+    pub fn of_target(target: &ShareTarget) -> Option<Self> {
+        match (target.format, target.link) {
+            (ShareFormat::TextLine, ShareLink::Tls | ShareLink::Zenoh(_)) => {
+                Some(Self::TimedTextLine)
+            }
+            (format, _) => format.is_plain().then_some(Self::Plain(format)),
+        }
     }
 }
 
@@ -73,6 +80,7 @@ impl KindSet {
     fn bit(kind: LineKind) -> u32 {
         match kind {
             LineKind::Plain(format) => 1 << format.index(),
+            LineKind::TimedTextLine => 1 << 15,
             LineKind::Object(kind) => 1 << (16 + kind.index()),
         }
     }

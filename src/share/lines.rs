@@ -10,15 +10,19 @@ use super::step::SharedStep;
 use super::target::ShareFormat;
 use crate::capture::protocol::text_line;
 use crate::contact::Phase;
+use crate::estimate::JointAngles;
 use crate::hand::Side;
+use crate::kinematics::HandPose;
 use crate::layout::Layout;
+use crate::time::Timestamp;
 use crate::trace::{Stage, angles_json, pose_json};
 
-/// The formats of lines without requests.
-const PLAIN_FORMATS: [ShareFormat; 3] = [
-    ShareFormat::TextLine,
-    ShareFormat::Angles,
-    ShareFormat::Pose,
+/// The kinds of lines without requests.
+const PLAIN_KINDS: [LineKind; 4] = [
+    LineKind::Plain(ShareFormat::TextLine),
+    LineKind::TimedTextLine,
+    LineKind::Plain(ShareFormat::Angles),
+    LineKind::Plain(ShareFormat::Pose),
 ];
 
 /// A line of a step.
@@ -76,9 +80,9 @@ impl LineEncoder {
         {
             self.change_layout(layout);
         }
-        for format in PLAIN_FORMATS {
-            if wanted.kinds.contains(LineKind::Plain(format)) && self.write_plain(step, format) {
-                self.add(LineKind::Plain(format), true, wanted);
+        for kind in PLAIN_KINDS {
+            if wanted.kinds.contains(kind) && self.write_plain(step, kind) {
+                self.add(kind, true, wanted);
             }
         }
         for &kind in ShareKind::ALL {
@@ -118,24 +122,37 @@ impl LineEncoder {
         self.layouts
     }
 
-    /// Writes the line of a format into the buffer. Returns `false` if the step has none.
-    fn write_plain(&mut self, step: &SharedStep, format: ShareFormat) -> bool {
+    /// Writes the line of a kind without requests into the buffer. Returns `false` if the step has none.
+    fn write_plain(&mut self, step: &SharedStep, kind: LineKind) -> bool {
         let Some((angles, pose)) = step.hand() else {
             return false;
         };
-        self.buffer.clear();
-        match format {
-            ShareFormat::TextLine if pose.side != self.first => return false,
-            ShareFormat::TextLine => {
-                let line = text_line::encode(angles);
-                self.buffer.extend_from_slice(line.as_bytes());
-                return true;
+        match kind {
+            LineKind::Plain(ShareFormat::TextLine) => self.write_text_line(angles, pose, None),
+            LineKind::TimedTextLine => self.write_text_line(angles, pose, Some(pose.time)),
+            LineKind::Plain(ShareFormat::Angles) => {
+                angles_json(pose.time, angles, &mut self.buffer);
+                self.buffer.push(b'\n');
+                true
             }
-            ShareFormat::Angles => _ = angles_json(pose.time, angles, &mut self.buffer),
-            _ => _ = pose_json(pose, &mut self.buffer),
+            _ => {
+                pose_json(pose, &mut self.buffer);
+                self.buffer.push(b'\n');
+                true
+            }
         }
-        self.buffer.push(b'\n');
-        true
+    }
+
+    /// Writes a text line, which is that of the first hand.
+    fn write_text_line(
+        &mut self,
+        angles: &JointAngles,
+        pose: &HandPose,
+        time: Option<Timestamp>,
+    ) -> bool {
+        self.buffer.clear();
+        text_line::write(angles, time, &mut self.buffer);
+        pose.side == self.first
     }
 
     fn add_objects(&mut self, step: &SharedStep, kind: ShareKind, wanted: &Wanted) {

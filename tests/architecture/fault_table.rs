@@ -33,6 +33,7 @@ pub const COVERED: &[u8] = &[
     1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26,
     27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49,
     50, 51, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, 62, 63, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, 74, 75, 76, 77, 78,
+    79,
 ];
 
 /// The faults, in the order of their numbers.
@@ -454,5 +455,11 @@ pub const FAULTS: &[Fault] = &[
         ("tests/cli/haptics/mod.rs", "a_glove_that_comes_back_is_freed_and_held_again"),
         ("tests/cli/haptics/mod.rs", "a_finger_is_not_held_for_more_than_two_seconds"),
         ("tests/capture/haptics.rs", "a_panic_of_the_session_frees_all_fingers"),
+    ])),
+    fault(79, "a congested network delays readings by seconds", Tests(&[
+        ("tests/capture/late_readings.rs", "readings_that_the_network_held_back_are_dropped_and_counted_and_later_ones_pass"),
+        ("tests/cli/zenoh.rs", "a_hand_behind_a_congested_router_types_nothing_until_its_readings_are_young_again"),
+        ("src/capture/sender_clock.rs", "readings_of_a_growing_delay_are_too_old_beyond_the_limit_and_young_ones_pass_again"),
+        ("src/capture/sender_clock.rs", "a_clock_that_jumps_is_followed_at_once_or_after_ten_seconds"),
     ])),
 ];

@@ -11,6 +11,7 @@ mod commands;
 mod file;
 mod gap;
 mod haptics;
+mod late_readings;
 #[cfg(unix)]
 mod lucidgloves;
 #[cfg(unix)]

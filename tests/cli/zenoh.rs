@@ -1,11 +1,12 @@
 //! Hands through a router of zenoh: capture, a typist and viewers, each a process of its own, around a router.
 
-use std::io::{BufRead, BufReader, Read};
-use std::net::TcpListener;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{TcpListener, TcpStream};
 use std::process::Stdio;
 use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ::zenoh::{Config, Session, Wait};
 
@@ -78,6 +79,66 @@ fn receiver(stream: impl Read + Send + 'static) -> Receiver<String> {
     receiver
 }
 
+/// A connection to a router that can be congested.
+#[derive(Clone, Default)]
+struct Link {
+    /// The start of a congestion.
+    congested_at: Arc<Mutex<Option<Instant>>>,
+}
+
+impl Link {
+    /// Forwards one client to a router. Returns the address for the client.
+    fn to(&self, router: &str) -> String {
+        let listener = TcpListener::bind("127.0.0.1:0").expect("a free port");
+        let address = listener.local_addr().expect("its address").to_string();
+        let (router, link) = (router.to_owned(), self.clone());
+        thread::spawn(move || {
+            let (client, _) = listener.accept().expect("a client");
+            let router = TcpStream::connect(router).expect("the router runs");
+            let back = [&client, &router].map(|end| end.try_clone().expect("a descriptor"));
+            thread::spawn(move || forward(client, router, Duration::default));
+            let [client, router] = back;
+            forward(router, client, move || link.delay());
+        });
+        address
+    }
+
+    /// Returns the delay: each second of a congestion adds a half, up to 3 s.
+    fn delay(&self) -> Duration {
+        let congested_at = *self.congested_at.lock().expect("no panic");
+        let elapsed = congested_at.map_or(Duration::ZERO, |start| start.elapsed());
+        (elapsed / 2).min(Duration::from_secs(3))
+    }
+
+    fn set_congested(&self, is_congested: bool) {
+        *self.congested_at.lock().expect("no panic") = is_congested.then(Instant::now);
+    }
+}
+
+/// Passes bytes on, each after a delay.
+fn forward(mut from: TcpStream, mut to: TcpStream, delay: impl Fn() -> Duration) {
+    let (sender, receiver) = channel();
+    thread::spawn(move || {
+        let mut buffer = vec![0; 1 << 16];
+        while let Ok(count @ 1..) = from.read(&mut buffer) {
+            if sender
+                .send((Instant::now(), buffer[..count].to_vec()))
+                .is_err()
+            {
+                return;
+            }
+        }
+    });
+    for (arrived_at, bytes) in receiver {
+        while arrived_at.elapsed() < delay() {
+            thread::sleep(Duration::from_millis(1));
+        }
+        if to.write_all(&bytes).is_err() {
+            return;
+        }
+    }
+}
+
 /// A hand that types for minutes and shares.
 fn capture(share: &str) -> Run {
     let source = format!("typist:{}", "hola ".repeat(200));
@@ -120,4 +181,34 @@ fn a_typist_and_viewers_follow_a_hand_that_is_killed_and_comes_back() {
 fn without_a_router_the_message_says_what_to_start() {
     let run = Run::start(&["--source", "zenoh:lab/desk?router=127.0.0.1:1"]);
     Run::wait_for(&run.messages, "start `zenohd` on this machine");
+}
+
+#[test]
+fn a_hand_behind_a_congested_router_types_nothing_until_its_readings_are_young_again() {
+    let (_router, address) = router();
+    let link = Link::default();
+    let capture = capture(&format!("zenoh:lab/desk/right?router={address}"));
+    Run::wait_for(&capture.messages, "sharing");
+    let source = format!("zenoh:lab/desk/right?router={}", link.to(&address));
+    let typist = Run::start(&["--source", &source, "--role", "both"]);
+    Run::wait_for(&typist.messages, "armed");
+    Run::wait_for(&typist.transcript, "down ");
+    // In this time the clock of the sender is learned.
+    for _ in 0..20 {
+        Run::wait_for(&typist.transcript, "down ");
+    }
+    link.set_congested(true);
+    Run::wait_for(&typist.messages, "arrive too late and are dropped");
+    Run::wait_for(&typist.messages, "stalled");
+    // The transcript is written by another thread than messages.
+    thread::sleep(Duration::from_millis(500));
+    typist.transcript.try_iter().for_each(drop);
+    thread::sleep(Duration::from_secs(2));
+    let late: Vec<String> = typist.transcript.try_iter().collect();
+    assert!(late.is_empty(), "{late:?}");
+    link.set_congested(false);
+    Run::wait_for(&typist.messages, "armed");
+    Run::wait_for(&typist.transcript, "down ");
+    signal("TERM", typist.process.0.id());
+    Run::wait_for(&typist.messages, "too-old");
 }

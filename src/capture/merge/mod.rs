@@ -1,6 +1,5 @@
 //! Merging of several sources: of both hands, or of the arm and the fingers of a hand.
 
-mod clock_offset;
 #[cfg(test)]
 mod tests;
 
@@ -10,7 +9,7 @@ use std::time::{Duration, Instant};
 use arrayvec::ArrayVec;
 use crossbeam_channel::{Receiver, never, select};
 
-use self::clock_offset::ClockOffset;
+use super::clock_offset::ClockOffset;
 use super::feedback::FeedbackDevice;
 use super::{
     CancelToken, CaptureError, CaptureEvent, CaptureThread, MAX_BLOCK, Reading, Source,

@@ -232,6 +232,7 @@ impl FrameReader {
             time: Some(Timestamp::from_seconds(
                 self.count as f64 * motion.frame_time,
             )),
+            sent_at: None,
             side: Some(self.hand),
             part: None,
         })

@@ -65,20 +65,23 @@ impl LineParser for HolisticParser {
         let body = line.pose_world_landmarks.map(body_landmarks::body);
         let body = body.transpose()?;
         let hands = self.hands.best_hands(&line.hands, line.image_size)?;
-        let time = self.hands.hands.start_line(line.time_us)?;
+        let line_time = self.hands.hands.start_line(line.time_us)?;
         if let Some(body) = body {
             emit(Packet {
-                time: Some(time),
+                time: Some(line_time.time),
+                sent_at: line_time.stated,
                 part: Some(HandPart::Arm),
                 ..Packet::new(Sample::Body(body), 0)
             });
         }
-        self.hands.hands.emit(time, hands.hands(), &mut |packet| {
-            emit(Packet {
-                part: Some(HandPart::Fingers),
-                ..packet
+        self.hands
+            .hands
+            .emit(line_time, hands.hands(), &mut |packet| {
+                emit(Packet {
+                    part: Some(HandPart::Fingers),
+                    ..packet
+                });
             });
-        });
         Ok(())
     }
 

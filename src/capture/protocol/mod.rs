@@ -261,8 +261,10 @@ pub struct Packet {
     pub sample: Sample,
     /// Offset of the first byte after the packet, counted from the start of the stream.
     pub end: u64,
-    /// Time at which the values were complete on the clock of the sender, if the format states it. Files play by it.
+    /// Time by which files play, if the format has one: the time that the packet states, or that of its number.
     pub time: Option<Timestamp>,
+    /// Time at which the values were complete on the clock of the sender, if the packet states it.
+    pub sent_at: Option<Timestamp>,
     /// Hand that was measured, if the format states it.
     pub side: Option<Side>,
     /// Part of the hand that counts, if another packet of the same stream measures the rest.
@@ -276,6 +278,7 @@ impl Packet {
             sample,
             end,
             time: None,
+            sent_at: None,
             side: None,
             part: None,
         }

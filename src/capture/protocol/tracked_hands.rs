@@ -128,20 +128,24 @@ impl TrackedHands {
         }
     }
 
-    /// Returns the time of the next line: the one that it states, or that of its number.
-    pub fn start_line(&mut self, time_us: Option<u64>) -> Result<Timestamp, PacketError> {
+    /// Returns the times of the next line, which states `time_us`.
+    pub fn start_line(&mut self, time_us: Option<u64>) -> Result<LineTime, PacketError> {
         if let Some(time) = time_us {
             self.times.check(time)?;
         }
         self.lines += 1;
         let nominal = Timestamp::from_seconds(self.lines as f64 / self.rate_hz);
-        Ok(time_us.map_or(nominal, Timestamp))
+        let stated = time_us.map(Timestamp);
+        Ok(LineTime {
+            time: stated.unwrap_or(nominal),
+            stated,
+        })
     }
 
     /// Passes the hands of a line, by side, to `emit`.
     pub fn emit(
         &mut self,
-        time: Timestamp,
+        line: LineTime,
         hands: &[Option<JointPositions>; Side::COUNT],
         emit: &mut dyn FnMut(Packet),
     ) {
@@ -151,7 +155,8 @@ impl TrackedHands {
             if *was_seen {
                 let positions = hands[side.index()].unwrap_or_default();
                 emit(Packet {
-                    time: Some(time),
+                    time: Some(line.time),
+                    sent_at: line.stated,
                     side: Some(side),
                     ..Packet::new(Sample::Joints { positions }, 0)
                 });
@@ -164,6 +169,15 @@ impl TrackedHands {
         self.times = LineTimes::default();
         self.was_seen = [false; Side::COUNT];
     }
+}
+
+/// The times of a line.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LineTime {
+    /// The time that the line states, or that of its number.
+    pub time: Timestamp,
+    /// The time that the line states.
+    pub stated: Option<Timestamp>,
 }
 
 /// Two hands of the same side in one line: the one with the higher score counts.

@@ -11,6 +11,7 @@ use super::garbage::GarbageDetector;
 use super::packet_clock::PacketClock;
 use super::protocol::{Decoder, InvalidPacket, InvalidPackets, Packet, StreamFormat};
 use super::reconnect::{BackOff, Reconnect, ReconnectEvent};
+use super::sender_clock::{DEFAULT_MAX_AGE, SenderClock};
 use super::{CaptureError, Reading, Source, SourceEvent, SourceStats, SourceWait};
 use crate::hand::Side;
 use crate::message::escape;
@@ -38,7 +39,7 @@ pub(super) struct StreamSource<C> {
     /// Restarts only after a packet: a device that comes and goes is opened less and less often.
     back_off: BackOff,
     losses: u64,
-    /// Packets that were dropped before the decoder saw them.
+    /// Datagrams of other senders, which the decoder has not seen.
     unread: InvalidPackets,
 }
 
@@ -81,6 +82,9 @@ impl<C: Connector> StreamSource<C> {
             pending: PendingReadings {
                 readings: VecDeque::with_capacity(max_packets),
                 clock: PacketClock::new(C::IS_LIVE),
+                sender: None,
+                too_old: InvalidPackets::default(),
+                is_late: false,
             },
             format,
             garbage: GarbageDetector::default(),
@@ -89,6 +93,12 @@ impl<C: Connector> StreamSource<C> {
             losses: 0,
             unread: InvalidPackets::default(),
         })
+    }
+
+    /// Drops readings that were sent too long ago, if they state their time.
+    pub fn drop_old_readings(mut self) -> Self {
+        self.pending.sender = Some(SenderClock::new(DEFAULT_MAX_AGE));
+        self
     }
 
     fn read(&mut self) -> Result<SourceEvent, CaptureError> {
@@ -154,13 +164,16 @@ impl<C: Connector> StreamSource<C> {
         self.last_received = now;
         let received = self.decoder.stats().bytes + length as u64;
         let (format, pending) = (&self.format, &mut self.pending);
-        let mut emit = |packet| pending.push(packet, now, received, format);
+        let (mut has_packet, was_late) = (false, pending.is_late);
+        let mut emit = |packet| {
+            has_packet = true;
+            pending.push(packet, now, received, format);
+        };
         self.decoder.push(&self.buffer[..length], &mut emit);
         if C::IS_DATAGRAM {
             self.decoder.finish(&mut emit);
         }
         self.format_error = self.decoder.take_error();
-        let has_packet = !self.pending.readings.is_empty();
         if self.garbage.update(now, has_packet) {
             tracing::warn!(
                 source = self.name,
@@ -172,6 +185,13 @@ impl<C: Connector> StreamSource<C> {
         }
         if has_packet {
             self.back_off = BackOff::default();
+        }
+        if self.pending.is_late && !was_late {
+            tracing::warn!(
+                source = self.name,
+                "readings from {} arrive too late and are dropped; the network or its router is overloaded",
+                self.name
+            );
         }
         if C::IS_LIVE && self.decoder.take_restart() {
             self.losses += 1;
@@ -269,6 +289,9 @@ impl<C: Connector> StreamSource<C> {
         self.may_have_more = false;
         self.format_error = None;
         self.garbage = GarbageDetector::default();
+        if let Some(sender) = &mut self.pending.sender {
+            sender.reset();
+        }
         let reconnecting = State::Reconnecting(self.start_reconnect());
         let writer = self.feedback.as_ref().map(FeedbackDevice::disconnect);
         if let State::Connected(lost) = std::mem::replace(&mut self.state, reconnecting) {
@@ -380,6 +403,12 @@ impl<C: Connector> Source for StreamSource<C> {
         Some(self.feedback.insert(device).clone())
     }
 
+    fn set_max_age(&mut self, age: Duration) {
+        if let Some(sender) = &mut self.pending.sender {
+            sender.set_max_age(age);
+        }
+    }
+
     fn name(&self) -> &str {
         &self.name
     }
@@ -395,9 +424,11 @@ impl<C: Connector> Source for StreamSource<C> {
     fn stats(&self) -> SourceStats {
         let decoded = self.decoder.stats();
         SourceStats {
-            readings: decoded.readings - self.pending.readings.len() as u64,
+            readings: decoded.readings
+                - self.pending.readings.len() as u64
+                - self.pending.too_old.total(),
             losses: self.losses,
-            invalid: decoded.invalid + self.unread,
+            invalid: decoded.invalid + self.unread + self.pending.too_old,
             ..decoded
         }
     }
@@ -407,11 +438,24 @@ impl<C: Connector> Source for StreamSource<C> {
 struct PendingReadings {
     readings: VecDeque<Reading>,
     clock: PacketClock,
+    /// The clock by which old readings are recognised; `None` if none is dropped.
+    sender: Option<SenderClock>,
+    /// Readings that were dropped because of their age.
+    too_old: InvalidPackets,
+    /// The latest reading was too old.
+    is_late: bool,
 }
 
 impl PendingReadings {
-    /// Adds a packet of a stream of which `received` bytes had arrived by `now`.
+    /// Adds a packet of a stream of which `received` bytes had arrived by `now`, unless it is too old.
     fn push(&mut self, packet: Packet, now: Instant, received: u64, format: &StreamFormat) {
+        if let (Some(sender), Some(sent_at)) = (&mut self.sender, packet.sent_at) {
+            self.is_late = sender.is_too_old(now, sent_at);
+            if self.is_late {
+                self.too_old.count(InvalidPacket::TooOld);
+                return;
+            }
+        }
         let bytes_after = received.saturating_sub(packet.end) as usize;
         self.readings.push_back(Reading {
             time: self.clock.stamp(now, bytes_after, format, packet.time),

@@ -152,7 +152,10 @@ fn open_stream(
     connector: impl Connector,
 ) -> Result<Box<dyn Source>, CaptureError> {
     let source = StreamSource::open(uri.to_string(), uri.format.clone(), connector)?;
-    Ok(Box::new(source))
+    Ok(match uri.transport.is_remote {
+        true => Box::new(source.drop_old_readings()),
+        false => Box::new(source),
+    })
 }
 
 /// Checks an address that cannot contain a `?`.

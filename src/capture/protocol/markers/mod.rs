@@ -155,8 +155,10 @@ impl LineParser for MarkerParser {
             let text = "no labelled marker of the hand is seen by two cameras";
             return Err(PacketError::new(InvalidPacket::Unknown, text));
         }
+        let time = line.time_us.map(Timestamp);
         emit(Packet {
-            time: line.time_us.map(Timestamp),
+            time,
+            sent_at: time,
             side: Some(self.hand),
             ..Packet::new(Sample::Joints { positions }, 0)
         });

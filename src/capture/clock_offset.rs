@@ -1,4 +1,4 @@
-//! Offset of the clock of a source.
+//! Offset of the clock of a source or a sender.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use std::time::Duration;
 /// is wrong by 100 parts per million err by 2 ms at most.
 const WINDOW: Duration = Duration::from_secs(10);
 
-/// Offset of the clock of a source from that of the receiver: the smallest difference between the arrival of a reading and
+/// Offset of the clock of a source or a sender from that of the receiver: the smallest difference between the arrival of a reading and
 /// its own time in the last 10 to 20 s. A reading that was delayed on its way does not count as the clock.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ClockOffset {
@@ -18,7 +18,7 @@ pub(super) struct ClockOffset {
 
 impl ClockOffset {
     /// Returns the offset after an arrival, in microseconds. Both times are in microseconds on their own clocks.
-    pub(super) fn update(&mut self, arrival: i64, time: i64) -> i64 {
+    pub fn update(&mut self, arrival: i64, time: i64) -> i64 {
         let difference = arrival - time;
         let [present, previous] = self.smallest.get_or_insert([difference; 2]);
         if arrival - self.started_at >= WINDOW.as_micros() as i64 {
