@@ -162,3 +162,27 @@ impl LoadedSetup {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::capture::{Hc11Format, Reading, Source, SourceEvent};
+    use crate::setup::Setup;
+    use crate::sim::RepeatedTypist;
+
+    #[test]
+    fn a_repeated_typist_moves_as_at_first_and_time_goes_on() {
+        let setup = Setup::default().load_files().unwrap();
+        let typist = setup.typist("a", &Hc11Format::default(), 0.0, 0).unwrap();
+        let count = typist.count_packets() as usize;
+        let mut repeated = RepeatedTypist::new(typist);
+        let next = || match repeated.next() {
+            Ok(SourceEvent::Reading(reading)) => Some(reading),
+            _ => None,
+        };
+        let readings: Vec<Reading> = std::iter::from_fn(next).take(3 * count).collect();
+        assert!(readings.is_sorted_by(|one, next| one.time < next.time));
+        let samples: Vec<_> = readings.iter().map(|reading| &reading.sample).collect();
+        assert_eq!(samples[..count], samples[count..2 * count]);
+        assert_eq!(samples[..count], samples[2 * count..]);
+    }
+}

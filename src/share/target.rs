@@ -57,6 +57,11 @@ impl ShareFormat {
         matches!(self, Self::TextLine | Self::Angles | Self::Pose)
     }
 
+    /// Returns whether clients of other machines are served over TLS.
+    pub const fn can_have_tls(self) -> bool {
+        self.is_plain() || matches!(self, Self::Json)
+    }
+
     /// Returns whether the format is sent to an address, instead of served to clients that connect.
     pub const fn is_datagram(self) -> bool {
         matches!(self, Self::Vmc | Self::Opentrack)
@@ -111,15 +116,14 @@ fn parse(text: &str) -> Result<ShareTarget, String> {
         let names: Vec<_> = ShareFormat::ALL.iter().map(|it| it.name()).collect();
         format!("{error} (available: {})", names.join(", "))
     })?;
-    if link.is_some() && !format.is_plain() {
-        return Err(format!(
-            "`{format}` is for programs on this machine only; use an SSH tunnel, or share `text-line`, `angles` or `pose`"
-        ));
-    }
     match link {
         None => parse_address(format, ShareLink::Plain, address),
-        Some("tls") => parse_address(format, ShareLink::Tls, address),
-        Some("zenoh") => parse_key(format, address),
+        Some("tls") if format.can_have_tls() => parse_address(format, ShareLink::Tls, address),
+        Some("zenoh") if format.is_plain() => parse_key(format, address),
+        Some("tls") => Err(local_only(format)),
+        Some("zenoh") => Err(format!(
+            "a key of zenoh has no requests, so `{format}` is not sent to one; share `text-line`, `angles` or `pose`"
+        )),
         Some(link) => Err(format!(
             "`+{}` is unknown: write `+tls` for clients with a token, or `+zenoh` for the key of a router",
             escape(link)
@@ -134,7 +138,10 @@ fn parse_address(format: ShareFormat, link: ShareLink, text: &str) -> Result<Sha
             escape(text)
         )
     })?;
-    check_listen_address(address, link == ShareLink::Tls)?;
+    check_listen_address(address, link == ShareLink::Tls || !format.can_have_tls())?;
+    if !format.can_have_tls() && !address.ip().is_loopback() {
+        return Err(local_only(format));
+    }
     if format.is_datagram() && address.port() == 0 {
         return Err(format!(
             "`{format}` is sent to a port; write that of the receiver"
@@ -145,6 +152,14 @@ fn parse_address(format: ShareFormat, link: ShareLink, text: &str) -> Result<Sha
         link,
         address,
     })
+}
+
+/// Returns the reason why a format is not shared with other machines.
+fn local_only(format: ShareFormat) -> String {
+    format!(
+        "`{format}` is for programs on this machine only, at 127.0.0.1 or [::1]; use an SSH tunnel for another machine \
+         (`ssh -L`), or share `json`, `text-line`, `angles` or `pose` with `+tls`"
+    )
 }
 
 fn parse_key(format: ShareFormat, text: &str) -> Result<ShareTarget, String> {
@@ -204,6 +219,7 @@ mod tests {
             "opentrack:[::1]:4242",
             "text-line+tls:127.0.0.1:0",
             "pose+tls:192.0.2.2:10002",
+            "json+tls:192.0.2.2:10004",
             "angles+zenoh:lab/desk-3/right",
             "text-line+zenoh:lab/left?router=127.0.0.1:7448",
         ] {
@@ -220,7 +236,14 @@ mod tests {
         for any in ["pose:0.0.0.0:1", "pose+tls:0.0.0.0:1", "pose+tls:[::]:1"] {
             assert!(error(any).contains("every network"), "{any}");
         }
-        assert!(error("vmc+tls:192.0.2.2:1").contains("SSH tunnel"));
+        for local in [
+            "vmc+tls:192.0.2.2:1",
+            "ws+tls:192.0.2.2:1",
+            "web:192.0.2.2:1",
+        ] {
+            assert!(error(local).contains("`json`, `text-line`"), "{local}");
+        }
+        assert!(error("json+zenoh:lab/right").contains("has no requests"));
         assert!(error("pose+ssl:192.0.2.2:1").contains("`+tls`"));
         assert!(error("zenoh:lab/**").contains("without wildcards"));
         assert!(error("zenoh:lab?router=192.0.2.2:7447").contains("with TLS"));

@@ -116,6 +116,16 @@ impl SimulatedTypist {
         })
     }
 
+    /// Starts again as `start` did; the time goes on.
+    pub(super) fn repeat(&mut self, start: &Self) {
+        let (packet, readings) = (self.packet, self.readings);
+        *self = Self {
+            packet,
+            readings,
+            ..start.clone()
+        };
+    }
+
     /// Returns the number of hands.
     pub fn hand_count(&self) -> usize {
         self.hands.len()

@@ -176,6 +176,25 @@ fn a_hand_of_one_machine_types_on_another_with_the_role_of_its_token_and_no_toke
 }
 
 #[test]
+fn a_client_with_a_token_asks_for_kinds_of_json() {
+    let machine = Machine::new();
+    let secret = value(&machine.token("screen", "see"), "secret");
+    let long = "hola ".repeat(60);
+    let shared = machine.share(&long, &format!("json+tls:{}:0", own_address()));
+    let request = format!("token {secret}\n{{\"kinds\":[\"angles\"],\"rate_hz\":20}}\n");
+    let Some(mut client) = s_client(&shared.address, &["-tls1_3"], &request) else {
+        return;
+    };
+    let received = lines(&mut client, 4);
+    assert_eq!(received[0], "ok");
+    assert!(
+        received[1..]
+            .iter()
+            .all(|line| line.contains("\"kind\":\"angles\""))
+    );
+}
+
+#[test]
 fn openssl_receives_lines_with_a_token_and_nothing_without_one() {
     let machine = Machine::new();
     let token_file = machine.token("screen", "see");

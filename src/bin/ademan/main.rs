@@ -65,6 +65,7 @@ mod script;
 mod session;
 mod setup;
 mod setup_args;
+mod share;
 mod signal_mask;
 mod signals;
 mod source_value;
@@ -100,6 +101,7 @@ struct Cli {
 subcommands! {
     Demo(demo),
     Run(run),
+    Share(share),
     Watch(watch),
     Ctl(ctl),
     Calibrate(calibrate),

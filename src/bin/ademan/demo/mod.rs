@@ -3,7 +3,7 @@
 mod player;
 pub mod script;
 mod task;
-mod text;
+pub mod text;
 
 use std::io::{self, Write};
 use std::num::NonZeroU32;

@@ -1,0 +1,92 @@
+//! `ademan share`: a session that shares the hand and types nothing.
+
+use ademan::capture::{Hc11Format, Source};
+use ademan::session::{Notice, NoticeReceiver, SessionOptions};
+use ademan::setup::LoadedSetup;
+use ademan::share::ShareTarget;
+use ademan::sim::RepeatedTypist;
+
+use crate::demo::script;
+use crate::demo::text::{self, TextChoice};
+use crate::failure::Failure;
+use crate::setup_args::SetupArgs;
+use crate::{complete, messages, session, stats};
+
+/// The page of `--web`.
+const PAGE: &str = "web:127.0.0.1:8080";
+
+/// Show the hand in a browser, or share it with other programs, without typing
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan share --web\n  ademan share --web --source 'serial:/dev/ttyUSB0?baud=9600'\n  ademan share web:127.0.0.1:8081 vmc:127.0.0.1:39539 --source typist:hello\n\nNothing is sent to an output. Without a source, a simulated hand types. `ademan run --share` types and shares."
+)]
+pub struct Args {
+    /// Formats and addresses, as of `ademan run --share` (docs/sharing.md): `json`, `ws`, `web`, `text-line`, `angles`, `pose`,
+    /// `vmc`, `opentrack`. Without any, the page of --web
+    #[arg(value_name = "FORMAT:ADDRESS:PORT")]
+    targets: Vec<ShareTarget>,
+    /// Share a page that shows the hand over its boards, at http://127.0.0.1:8080/
+    #[arg(long)]
+    web: bool,
+    /// Setup file; the flags override it. The default is setup.ron in the configuration folder, if it exists
+    #[arg(long, value_name = "FILE", add = complete::setup())]
+    setup: Option<String>,
+    #[command(flatten)]
+    flags: SetupArgs,
+    /// Wait for a device that is not connected yet
+    #[arg(long)]
+    wait: bool,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    let mut setup = args.flags.read_setup(args.setup.as_deref())?;
+    setup.output = "none".into();
+    let mut share = args.targets;
+    share.append(&mut setup.share);
+    let page = PAGE.parse().expect("a format and an address");
+    if share.is_empty() || args.web && !share.contains(&page) {
+        share.push(page);
+    }
+    let setup = setup.load_files()?;
+    let source = match &setup.setup.source {
+        Some(_) => None,
+        None => Some(simulated_hand(&setup)?),
+    };
+    session::prepare()?;
+    if source.is_some() {
+        say!("no source is given: a simulated hand types; `--source` shares yours, Ctrl-C ends");
+    }
+    let options = SessionOptions {
+        source,
+        speed: Some(1.0),
+        wait_for_source: args.wait,
+        share,
+        watch_layouts: true,
+        report_status: true,
+        on_notice: Some(print_notices()),
+        ..SessionOptions::default()
+    };
+    stats::report(session::start(setup, options)?.join()?)
+}
+
+/// Returns a receiver that prints notices but those about typing.
+fn print_notices() -> NoticeReceiver {
+    Box::new(|notice| {
+        if !matches!(notice, Notice::Armed | Notice::Disarmed) {
+            messages::print_notice(&notice);
+        }
+    })
+}
+
+/// Returns a hand that types or plays what suits the layout, again and again.
+fn simulated_hand(setup: &LoadedSetup) -> Result<Box<dyn Source>, Failure> {
+    let format = Hc11Format::default();
+    let hand = match script::for_layout(&setup.setup.layout) {
+        Some(script) => setup.scripted(script, &format, 0.0, 0)?,
+        None => {
+            let text = text::choose(TextChoice::Default, &setup.layout)?;
+            setup.typist(&text, &format, 0.0, 0)?
+        }
+    };
+    Ok(Box::new(RepeatedTypist::new(hand)))
+}
