@@ -129,7 +129,7 @@ impl LineEncoder {
         };
         match kind {
             LineKind::Plain(ShareFormat::TextLine) => self.write_text_line(angles, pose, None),
-            LineKind::TimedTextLine => self.write_text_line(angles, pose, Some(pose.time)),
+            LineKind::TimedTextLine => self.write_text_line(angles, pose, Some(step.shared_at)),
             LineKind::Plain(ShareFormat::Angles) => {
                 angles_json(pose.time, angles, &mut self.buffer);
                 self.buffer.push(b'\n');

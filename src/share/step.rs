@@ -7,6 +7,7 @@ use crate::estimate::JointAngles;
 use crate::kinematics::HandPose;
 use crate::layout::Layout;
 use crate::snapshot::Snapshot;
+use crate::time::Timestamp;
 
 /// The shared part of one step.
 #[derive(Clone, Debug)]
@@ -17,6 +18,8 @@ pub(super) struct SharedStep {
     pub layout: Option<Arc<Layout>>,
     /// The rest of what a viewer draws.
     pub scene: SceneState,
+    /// The time since the start of the hub. That of the reading is no clock if a simulated hand is late.
+    pub shared_at: Timestamp,
 }
 
 impl SharedStep {

@@ -4,7 +4,7 @@
 //! may have an exponent: `12.5 -0.0 1.0E-5 …`. A line ends with LF or CR LF. A line that does not have exactly
 //! [`VALUES`] finite numbers is skipped. In a datagram the line end may be missing.
 //!
-//! A line for another machine ends with the time of its reading in microseconds: `… 0.0 time_us=12500`.
+//! A line for another machine ends with the time at which it was sent, in microseconds: `… 0.0 time_us=12500`.
 
 use std::io::Write;
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{self, JoinHandle};
+use std::time::Instant;
 
 use crossbeam_channel::{Sender, bounded};
 
@@ -20,6 +21,7 @@ use crate::share::scene::SceneState;
 use crate::share::step::SharedStep;
 use crate::share::{ShareError, ShareLink, ShareTarget};
 use crate::snapshot::StepView;
+use crate::time::Timestamp;
 
 /// Steps that wait for the thread.
 const MAX_STEPS: usize = 64;
@@ -36,6 +38,7 @@ pub struct ShareHub {
     has_receivers: bool,
     clients: Arc<AtomicUsize>,
     scene: SceneState,
+    started_at: Instant,
     /// They accept connections until they are dropped.
     _listeners: Vec<Listener>,
     /// `None` without targets.
@@ -58,6 +61,7 @@ impl ShareHub {
             has_receivers: false,
             clients: Arc::clone(&clients),
             scene: SceneState::default(),
+            started_at: Instant::now(),
             _listeners: Vec::new(),
             thread: None,
         };
@@ -113,6 +117,7 @@ impl ShareHub {
                 snapshot: step.to_snapshot(),
                 layout: pipeline.layout().layout().cloned(),
                 scene: self.scene.clone(),
+                shared_at: Timestamp::default() + self.started_at.elapsed(),
             });
         }
     }

@@ -9,7 +9,6 @@ use crate::estimate::JointAngles;
 use crate::kinematics::HandPose;
 use crate::pipeline::PipelineState;
 use crate::snapshot::{Snapshot, Stats};
-use crate::time::Timestamp;
 
 const TIMEOUT: Duration = Duration::from_secs(60);
 
@@ -43,6 +42,7 @@ fn step(time: u64) -> SharedStep {
         snapshot,
         layout: None,
         scene: SceneState::default(),
+        shared_at: Timestamp(time),
     }
 }
 
