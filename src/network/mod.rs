@@ -16,6 +16,7 @@
 
 mod address;
 mod deadline;
+mod memory_stream;
 pub mod zenoh;
 
 #[cfg(feature = "tls")]
@@ -30,6 +31,7 @@ pub use self::unsupported::{Gatekeeper, connect, tokens};
 
 pub use self::address::check_listen_address;
 pub(crate) use self::deadline::DeadlineStream;
+pub use self::memory_stream::MemoryStream;
 
 use std::io::{self, Read, Write};
 use std::net::TcpStream;

@@ -158,70 +158,23 @@ impl Drop for Client {
 
 #[cfg(test)]
 mod tests {
-    use std::io::{self, ErrorKind, Read, Write};
-    use std::sync::Mutex;
-
     use super::*;
     use crate::hand::Side;
     use crate::layout::Layout;
-
-    /// A connection whose other end reads nothing until it is told to.
-    #[derive(Clone, Default)]
-    struct Pipe(Arc<Mutex<PipeState>>);
-
-    #[derive(Default)]
-    struct PipeState {
-        is_read: bool,
-        input: Vec<u8>,
-        output: Vec<u8>,
-    }
-
-    impl Read for Pipe {
-        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-            let input = &mut self.0.lock().unwrap().input;
-            let count = input.len().min(buffer.len());
-            buffer[..count].copy_from_slice(&input[..count]);
-            input.drain(..count);
-            match count {
-                0 => Err(ErrorKind::WouldBlock.into()),
-                count => Ok(count),
-            }
-        }
-    }
-
-    impl Write for Pipe {
-        fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-            let mut state = self.0.lock().unwrap();
-            if !state.is_read {
-                return Err(ErrorKind::WouldBlock.into());
-            }
-            state.output.extend_from_slice(buffer);
-            Ok(buffer.len())
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-
-    impl Stream for Pipe {
-        fn set_nonblocking(&self, _: bool) -> io::Result<()> {
-            Ok(())
-        }
-    }
+    use crate::network::MemoryStream;
 
     #[test]
     fn a_client_that_reads_late_is_told_how_many_lines_it_has_missed() {
-        let pipe = Pipe::default();
+        let stream = MemoryStream::new(0);
         let target = "json:127.0.0.1:1".parse().unwrap();
         let connection = Connection {
             server: 0,
-            stream: Box::new(pipe.clone()),
+            stream: Box::new(stream.clone()),
         };
         let mut client = Client::new(connection, &target);
         let layout = Layout::load("numpad").unwrap();
         let mut encoder = LineEncoder::new(Side::Right, layout.into());
-        pipe.0.lock().unwrap().input = b"{\"kinds\":[\"layout\"]}\n".to_vec();
+        stream.send(b"{\"kinds\":[\"layout\"]}\n");
         assert!(client.receive().is_ok());
         client.catch_up(&mut encoder);
         let length = encoder.layout().bytes.len();
@@ -230,65 +183,16 @@ mod tests {
             let line = encoder.layout();
             client.outbox.push(line.bytes.clone());
         }
-        pipe.0.lock().unwrap().is_read = true;
+        stream.set_room(usize::MAX);
         assert!(client.flush().is_ok());
         client.catch_up(&mut encoder);
         assert!(client.flush().is_ok());
-        let output = std::mem::take(&mut pipe.0.lock().unwrap().output);
+        let output = stream.take_received();
         let lines: Vec<&str> = std::str::from_utf8(&output).unwrap().lines().collect();
         let kept = (1 << 18) / length;
         let missed = format!(r#"{{"kind":"dropped","lines":{}}}"#, count + 1 - kept);
         assert_eq!(lines[kept], missed);
         assert!(lines[kept + 1].starts_with(r#"{"kind":"layout","#), "again");
         assert_eq!(lines.len(), kept + 2);
-    }
-
-    /// Beginnings of conversations: a request as a line, the request of a page, and of a WebSocket with a frame.
-    const BEGINNINGS: [&[u8]; 3] = [
-        b"{\"kinds\":[\"layout\",\"pose\"],\"rate_hz\":60}\n",
-        b"GET / HTTP/1.1\r\nHost: 127.0.0.1:1\r\n\r\n",
-        b"GET /ws HTTP/1.1\r\nHost: 127.0.0.1:1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n\
-          Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n\
-          \x81\x8d\0\0\0\0{\"kinds\":[]} \x89\x80\0\0\0\0",
-    ];
-
-    #[test]
-    fn whatever_a_client_sends_is_answered_within_bounds_or_ends_its_connection() {
-        let layout: Arc<Layout> = Layout::load("numpad").unwrap().into();
-        let mut random = fastrand::Rng::with_seed(7);
-        let mut ends = [0; 2];
-        for round in 0..3000 {
-            let format = ["json", "ws", "web"][round % 3];
-            let pipe = Pipe::default();
-            pipe.0.lock().unwrap().is_read = true;
-            let connection = Connection {
-                server: 0,
-                stream: Box::new(pipe.clone()),
-            };
-            let target = format!("{format}:127.0.0.1:1").parse().unwrap();
-            let mut client = Client::new(connection, &target);
-            let mut encoder = LineEncoder::new(Side::Right, layout.clone());
-            let mut bytes = random.choice(BEGINNINGS).unwrap_or_default().to_vec();
-            for _ in 0..random.usize(..4) {
-                let at = random.usize(..bytes.len());
-                match random.u8(..3) {
-                    0 => bytes[at] = random.u8(..),
-                    1 => bytes.truncate(at + 1),
-                    _ => bytes.extend((0..random.usize(..9000)).map(|_| random.u8(..))),
-                }
-            }
-            let mut is_connected = true;
-            while is_connected && !bytes.is_empty() {
-                let rest = bytes.split_off(random.usize(1..=bytes.len()));
-                let part = std::mem::replace(&mut bytes, rest);
-                pipe.0.lock().unwrap().input.extend(part);
-                is_connected = client.receive().is_ok();
-                client.catch_up(&mut encoder);
-                is_connected &= client.flush().is_ok();
-                assert!(pipe.0.lock().unwrap().output.len() < 200_000);
-            }
-            ends[usize::from(is_connected)] += 1;
-        }
-        assert!(ends.iter().all(|&count| count > 300), "{ends:?}");
     }
 }

@@ -15,6 +15,7 @@
 //! machine shows a token behind TLS ([`crate::network`]), or receives what a router of zenoh passes on. A client of a format
 //! without requests is disconnected when it sends anything, so that no web page can make a request of it.
 
+mod answer;
 mod broadcast;
 mod client;
 mod conversation;
@@ -34,6 +35,7 @@ mod stream;
 mod target;
 mod web;
 
+pub use answer::{ShareAnswer, answer};
 pub use hub::ShareHub;
 pub use kinds::ShareKind;
 pub use target::{ShareFormat, ShareLink, ShareTarget};

@@ -101,64 +101,25 @@ impl Outbox {
     fn advance(&mut self, bytes: usize) {
         self.progress_at = Instant::now();
         self.written += bytes;
-        while let Some(line) = self.lines.front()
-            && self.written >= line.len()
+        while let Some(chunk) = self.chunks.front()
+            && self.written >= chunk.bytes.len()
         {
-            self.written -= line.len();
-            self.bytes -= line.len();
-            self.lines.pop_front();
+            self.written -= chunk.bytes.len();
+            self.bytes -= chunk.bytes.len();
+            self.chunks.pop_front();
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::io::{self, Read, Write};
-
     use super::*;
-
-    /// A stream that accepts a number of bytes.
-    #[derive(Default)]
-    struct Pipe {
-        room: usize,
-        bytes: Vec<u8>,
-    }
-
-    impl Read for Pipe {
-        fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
-            Err(ErrorKind::WouldBlock.into())
-        }
-    }
-
-    impl Write for Pipe {
-        fn write(&mut self, buffer: &[u8]) -> io::Result<usize> {
-            let count = buffer.len().min(self.room);
-            self.room -= count;
-            self.bytes.extend_from_slice(&buffer[..count]);
-            match count {
-                0 => Err(ErrorKind::WouldBlock.into()),
-                count => Ok(count),
-            }
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-
-    impl Stream for Pipe {
-        fn set_nonblocking(&self, _: bool) -> io::Result<()> {
-            Ok(())
-        }
-    }
+    use crate::network::MemoryStream;
 
     #[test]
     fn a_slow_client_loses_whole_lines_and_never_the_one_that_was_begun() {
         let mut outbox = Outbox::new();
-        let mut pipe = Pipe {
-            room: 10,
-            ..Pipe::default()
-        };
+        let mut stream = MemoryStream::new(10);
         let line = |number: usize| -> Arc<[u8]> {
             let mut line = vec![b'0' + (number % 10) as u8; MAX_BYTES / 4];
             line.push(b'\n');
@@ -166,14 +127,14 @@ mod tests {
         };
         for number in 0..8 {
             outbox.push(line(number));
-            assert!(outbox.flush(&mut pipe).is_ok());
+            assert!(outbox.flush(&mut stream).is_ok());
         }
         assert_eq!(outbox.take_dropped(), 5);
         assert_eq!(outbox.take_dropped(), 0);
-        pipe.room = usize::MAX;
-        assert!(outbox.flush(&mut pipe).is_ok());
+        stream.set_room(usize::MAX);
+        assert!(outbox.flush(&mut stream).is_ok());
         assert!(outbox.is_empty());
-        let received = String::from_utf8(pipe.bytes).unwrap();
+        let received = String::from_utf8(stream.take_received()).unwrap();
         let first: String = received.lines().map(|line| &line[..1]).collect();
         assert_eq!(first, "067");
         assert!(received.lines().all(|line| line.len() == MAX_BYTES / 4));

@@ -31,6 +31,7 @@ const GATEKEEPER_TESTS: &str = "src/network/secure/gatekeeper/tests.rs";
 const TOKEN_TESTS: &str = "src/network/secure/tokens/tests.rs";
 const FAILED_TRIES: &str = "src/network/secure/failed_tries.rs";
 const NETWORK_TESTS: &str = "tests/cli/network.rs";
+const FUZZING: &str = "tests/fuzzing/main.rs";
 
 pub const REQUIREMENTS: &[Requirement] = &[
     requirement(
@@ -76,6 +77,14 @@ pub const REQUIREMENTS: &[Requirement] = &[
                     GATEKEEPER_TESTS,
                     "what_a_client_has_sent_admits_no_one_who_sends_it_again",
                 ),
+                (
+                    FUZZING,
+                    "first_bytes_of_clients_of_tls_are_answered_or_refused",
+                ),
+                (
+                    FUZZING,
+                    "messages_of_other_machines_are_separated_from_noise",
+                ),
             ],
             "a serial converter (`tcp:`) cannot, and the routers of zenoh decide who may publish; both only point by default",
         ),
@@ -113,6 +122,10 @@ pub const REQUIREMENTS: &[Requirement] = &[
             (
                 "src/share/hub/tests.rs",
                 "a_client_that_sends_is_disconnected",
+            ),
+            (
+                FUZZING,
+                "clients_of_a_shared_hand_are_answered_or_disconnected",
             ),
             (
                 "tests/cli/share/websocket.rs",
@@ -407,6 +420,7 @@ pub const REQUIREMENTS: &[Requirement] = &[
         "files with secrets are private",
         Status::Met(&[
             (TOKEN_TESTS, "files_that_others_can_read_are_refused"),
+            (FUZZING, "tokens_are_read_or_refused"),
             (
                 TOKEN_TESTS,
                 "a_token_is_made_once_listed_without_its_secret_and_revoked",

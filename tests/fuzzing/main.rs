@@ -6,9 +6,12 @@
 mod inputs;
 mod lines;
 mod motion;
+mod network;
 mod packets;
 mod pipeline;
 mod recordings;
+#[cfg(feature = "tls")]
+mod secure;
 mod seeds;
 #[path = "../support/mod.rs"]
 mod support;
@@ -135,6 +138,28 @@ fn messages_of_recordings_are_decoded_or_refused() {
 #[test]
 fn requests_are_read_or_refused() {
     run("requests", seeds::requests(), texts::request);
+}
+
+#[test]
+fn clients_of_a_shared_hand_are_answered_or_disconnected() {
+    run("share", network::share_seeds(), network::share_client);
+}
+
+#[test]
+fn messages_of_other_machines_are_separated_from_noise() {
+    run("datagrams", network::message_seeds(), network::messages);
+}
+
+#[cfg(feature = "tls")]
+#[test]
+fn tokens_are_read_or_refused() {
+    run("tokens", secure::token_seeds(), secure::token);
+}
+
+#[cfg(feature = "tls")]
+#[test]
+fn first_bytes_of_clients_of_tls_are_answered_or_refused() {
+    run("handshake", secure::handshake_seeds(), secure::handshake);
 }
 
 #[test]

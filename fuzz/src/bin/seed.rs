@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use ademan_fuzz::{lines, motion, packets, recordings, seeds};
+use ademan_fuzz::{lines, motion, network, packets, recordings, secure, seeds};
 
 fn main() -> std::io::Result<()> {
     let all = [
@@ -21,6 +21,10 @@ fn main() -> std::io::Result<()> {
         ("requests", seeds::requests()),
         ("sources", seeds::sources()),
         ("scripts", seeds::scripts()),
+        ("share", network::share_seeds()),
+        ("datagrams", network::message_seeds()),
+        ("tokens", secure::token_seeds()),
+        ("handshake", secure::handshake_seeds()),
         ("pipeline", seeds::pipeline()),
     ];
     for (target, inputs) in all {

@@ -28,11 +28,30 @@ impl TokenFile {
                 escape(&path.to_string_lossy())
             )));
         };
-        parse(&text).ok_or_else(|| NetworkError::Content {
+        Self::parse(&text).ok_or_else(|| NetworkError::Content {
             path: path.into(),
             reason:
                 "it is no token file; `ademan token new NAME --role see` on the server makes one"
                     .into(),
+        })
+    }
+
+    /// Reads the text of a file.
+    pub fn parse(text: &str) -> Option<Self> {
+        let mut lines = text.lines();
+        if lines.next()?.trim_end() != HEADER {
+            return None;
+        }
+        let mut value = |key: &str| {
+            let (name, value) = lines.next()?.trim_end().split_once(' ')?;
+            (name == key).then_some(value)
+        };
+        let name = value("name")?.to_owned();
+        let role: TokenRole = value("role")?.parse().ok()?;
+        Some(Self {
+            entry: TokenEntry { name, role },
+            server: Hash::from_hex(value("server")?)?,
+            token: Token::from_hex(value("secret")?)?,
         })
     }
 
@@ -61,24 +80,6 @@ pub fn path_of(folder: &Path, name: &str) -> PathBuf {
     folder.join(format!("{name}.token"))
 }
 
-fn parse(text: &str) -> Option<TokenFile> {
-    let mut lines = text.lines();
-    if lines.next()?.trim_end() != HEADER {
-        return None;
-    }
-    let mut value = |key: &str| {
-        let (name, value) = lines.next()?.trim_end().split_once(' ')?;
-        (name == key).then_some(value)
-    };
-    let name = value("name")?.to_owned();
-    let role: TokenRole = value("role")?.parse().ok()?;
-    Some(TokenFile {
-        entry: TokenEntry { name, role },
-        server: Hash::from_hex(value("server")?)?,
-        token: Token::from_hex(value("secret")?)?,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,7 +101,7 @@ mod tests {
         assert_eq!(read.token.hash(), file.token.hash());
         let text = std::fs::read_to_string(&path).unwrap();
         for end in 0..text.len() - 1 {
-            assert!(parse(&text[..end]).is_none(), "cut at {end}");
+            assert!(TokenFile::parse(&text[..end]).is_none(), "cut at {end}");
         }
         std::fs::write(&path, text.replace("role type", "role everything")).unwrap();
         let error = TokenFile::read(&path).unwrap_err().to_string();

@@ -25,12 +25,16 @@ impl TokenList {
     pub fn read(folder: &Path) -> Result<Self, NetworkError> {
         let path = path_of(folder);
         let text = secret_file::read(&path)?.unwrap_or_default();
-        let invalid = |line: usize| NetworkError::Content {
-            path: path.clone(),
+        Self::parse(&text).map_err(|line| NetworkError::Content {
+            path,
             reason: format!("line {line} is not `NAME ROLE HASH`; remove it and make a new token"),
-        };
+        })
+    }
+
+    /// Reads the text of a list. The error is the number of the first invalid line.
+    pub fn parse(text: &str) -> Result<Self, usize> {
         let lines = text.lines().enumerate();
-        let tokens = lines.map(|(index, line)| parse(line).ok_or_else(|| invalid(index + 1)));
+        let tokens = lines.map(|(index, line)| parse(line).ok_or(index + 1));
         Ok(Self(tokens.collect::<Result<_, _>>()?))
     }
 

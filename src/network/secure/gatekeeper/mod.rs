@@ -1,7 +1,7 @@
 //! The admission of clients to a server: TLS and a token, off the thread that accepts connections.
 
 use std::fmt;
-use std::io;
+use std::io::{self, Read, Write};
 use std::net::{IpAddr, Shutdown, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -13,10 +13,10 @@ use rustls::{ServerConfig, ServerConnection, StreamOwned};
 use super::failed_tries::{FailedTries, network_of};
 use super::hello;
 use super::identity::Identity;
-use super::token::Hash;
+use super::token::{Hash, Token};
 use super::token_list::TokenList;
 use crate::advice;
-use crate::network::{Admitted, DeadlineStream, NetworkError};
+use crate::network::{Admitted, DeadlineStream, MemoryStream, NetworkError};
 
 /// Longest time for the handshake and the token.
 const HANDSHAKE_TIMEOUT: Duration = Duration::from_secs(5);
@@ -104,6 +104,25 @@ impl Gatekeeper {
                 }
             });
     }
+
+    /// Returns what a client receives that sends these bytes and no more.
+    pub fn answer(&self, bytes: &[u8]) -> Vec<u8> {
+        let stream = MemoryStream::new(usize::MAX);
+        stream.send(bytes);
+        // It fails where the bytes end.
+        let _ = receive_token(&self.0.config, stream.clone());
+        stream.take_received()
+    }
+}
+
+/// Performs the handshake of TLS and receives the token of a client; `None` if its first line is not a token.
+fn receive_token<S: Read + Write>(
+    config: &Arc<ServerConfig>,
+    stream: S,
+) -> io::Result<(Option<Token>, StreamOwned<ServerConnection, S>)> {
+    let connection = ServerConnection::new(config.clone()).map_err(io::Error::other)?;
+    let mut stream = StreamOwned::new(connection, stream);
+    Ok((hello::receive(&mut stream)?, stream))
 }
 
 impl Shared {
@@ -146,9 +165,7 @@ impl Handshake {
         stream.set_nonblocking(false)?;
         let socket = Arc::new(stream);
         let stream = DeadlineStream::new(socket.clone(), HANDSHAKE_TIMEOUT)?;
-        let connection = ServerConnection::new(self.shared.config.clone());
-        let mut stream = StreamOwned::new(connection.map_err(io::Error::other)?, stream);
-        let token = hello::receive(&mut stream)?;
+        let (token, mut stream) = receive_token(&self.shared.config, stream)?;
         let hash = token.map(|token| token.hash());
         let list = TokenList::read(&self.shared.folder).map_err(io::Error::other)?;
         let listed = hash.and_then(|hash| Some((hash, list.find(&hash)?.entry.clone())));

@@ -8,7 +8,7 @@ use crate::network::secure::identity::Identity;
 use crate::network::secure::token::Token;
 use crate::network::secure::token_file::{self, TokenFile};
 use crate::network::secure::token_list::TokenList;
-use crate::network::secure::{file_error, secret_file};
+use crate::network::secure::{file_error, hello, secret_file};
 use crate::network::{NetworkError, TokenEntry, TokenRole};
 
 /// Longest name of a token.
@@ -67,6 +67,21 @@ pub fn revoke(folder: &Path, name: &str) -> Result<(), NetworkError> {
 /// Returns the role of the token in a file of a client.
 pub fn role_of_file(path: &Path) -> Result<TokenRole, NetworkError> {
     Ok(TokenFile::read(path)?.entry.role)
+}
+
+/// Returns the role in the text of a token file; `None` if it is not valid.
+pub fn role_in(text: &str) -> Option<TokenRole> {
+    Some(TokenFile::parse(text)?.entry.role)
+}
+
+/// Returns whether a text is a list of tokens.
+pub fn is_list(text: &str) -> bool {
+    TokenList::parse(text).is_ok()
+}
+
+/// Returns whether the first bytes of a client are a token.
+pub fn is_hello(mut bytes: &[u8]) -> bool {
+    matches!(hello::receive(&mut bytes), Ok(Some(_)))
 }
 
 /// Checks that a name is part of a file name and one word of a line.
