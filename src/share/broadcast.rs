@@ -10,6 +10,7 @@ use super::client::Client;
 use super::datagrams::DatagramSender;
 use super::lines::{LineEncoder, Wanted};
 use super::listener::Connection;
+use super::rounds::Rounds;
 use super::step::SharedStep;
 use super::target::ShareTarget;
 use crate::time::NO_DEADLINE;
@@ -20,9 +21,9 @@ const MAX_CLIENTS: usize = 128;
 /// Interval at which the requests of clients are read.
 const RECEIVE_INTERVAL: Duration = Duration::from_millis(20);
 
-/// Time between two writes to a client, for each client: a write takes some 10 µs, so all of them together take a twentieth
-/// of a processor. A single client gets each line at once, and each of 100 clients the lines of 20 ms in one write.
-const WRITE_INTERVAL_PER_CLIENT: Duration = Duration::from_micros(200);
+/// Time between two writes to a client, for each client: a write takes some 10 µs, so all of them together take a thirtieth
+/// of a processor. A single client gets each line at once, and each of 100 clients the lines of 30 ms in one write.
+const WRITE_INTERVAL_PER_CLIENT: Duration = Duration::from_micros(300);
 
 /// The state of the thread.
 pub(super) struct Broadcast {
@@ -35,6 +36,7 @@ pub(super) struct Broadcast {
     /// The number of clients, for the session.
     count: Arc<AtomicUsize>,
     encoder: LineEncoder,
+    rounds: Rounds,
     written_at: Instant,
     received_at: Instant,
 }
@@ -57,6 +59,7 @@ impl Broadcast {
             clients: Vec::new(),
             count,
             encoder,
+            rounds: Rounds::default(),
             written_at: Instant::now(),
             received_at: Instant::now(),
         }
@@ -80,6 +83,7 @@ impl Broadcast {
             self.receive();
             self.count.store(self.clients.len(), Ordering::Relaxed);
         }
+        self.end_round();
         for client in &mut self.clients {
             let _ = client.flush();
         }
@@ -89,7 +93,8 @@ impl Broadcast {
         if self.clients.is_empty() {
             return NO_DEADLINE;
         }
-        let write_in = match self.clients.iter().any(Client::is_behind) {
+        let is_behind = !self.rounds.is_empty() || self.clients.iter().any(Client::is_behind);
+        let write_in = match is_behind {
             true => self.write_interval().max(Duration::from_millis(1)),
             false => RECEIVE_INTERVAL,
         };
@@ -104,6 +109,8 @@ impl Broadcast {
         let server = connection.server;
         let others = self.clients.iter().filter(|it| it.server == server);
         if others.count() < MAX_CLIENTS {
+            // The lines before it came are not its own.
+            self.end_round();
             let client = Client::new(connection, &self.servers[server]);
             self.clients.push(client);
         }
@@ -118,15 +125,29 @@ impl Broadcast {
             client.start_step(step, &mut wanted);
         }
         let lines = self.encoder.encode(step, &wanted);
+        for line in lines.iter().filter(|line| line.kind.is_plain()) {
+            self.rounds.push(line);
+        }
         for client in &mut self.clients {
             client.push(lines);
         }
+    }
+
+    /// Gives the lines since the last write to the clients without requests.
+    fn end_round(&mut self) {
+        let clients = &mut self.clients;
+        self.rounds.take(|kind, round| {
+            for client in clients.iter_mut().filter(|it| it.has_rounds_of(kind)) {
+                client.push_round(round.clone());
+            }
+        });
     }
 
     /// Writes to all clients if that is due, and disconnects those that do not read.
     fn write(&mut self) {
         if !self.clients.is_empty() && self.written_at.elapsed() >= self.write_interval() {
             self.written_at = Instant::now();
+            self.end_round();
             self.clients.retain_mut(|client| client.flush().is_ok());
         }
     }

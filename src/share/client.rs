@@ -9,7 +9,7 @@ use super::frame::text_frame;
 use super::kinds::{KindSet, LineKind};
 use super::lines::{Line, LineEncoder, Wanted};
 use super::listener::Connection;
-use super::outbox::Outbox;
+use super::outbox::{Chunk, Outbox};
 use super::request::Subscription;
 use super::step::SharedStep;
 use super::stream::{Disconnected, Received};
@@ -59,8 +59,21 @@ impl Client {
         }
     }
 
-    /// Adds the lines of the step that it wants.
+    /// Returns whether the client receives [rounds](Self::push_round) of lines of this kind.
+    pub fn has_rounds_of(&self, kind: LineKind) -> bool {
+        LineKind::of_target(&self.target) == Some(kind)
+    }
+
+    /// Adds the lines since the last write, for a client that makes no requests.
+    pub fn push_round(&mut self, round: Chunk) {
+        self.outbox.push(round);
+    }
+
+    /// Adds the lines of the step that it has asked for.
     pub fn push(&mut self, lines: &[Line]) {
+        if self.target.format.is_plain() {
+            return;
+        }
         let Some(subscription) = &self.subscription else {
             return;
         };
@@ -102,7 +115,7 @@ impl Client {
         loop {
             match self.conversation.receive(&mut *self.stream) {
                 Received::Nothing => return Ok(()),
-                Received::Reply(bytes) => self.outbox.push(bytes.into()),
+                Received::Reply(bytes) => self.outbox.push(Arc::<[u8]>::from(bytes)),
                 Received::Request(request) => match Subscription::parse(&request) {
                     Ok(subscription) => self.subscription = Some(subscription),
                     Err(reason) => self.refuse(&reason),

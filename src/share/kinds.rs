@@ -61,6 +61,11 @@ pub(super) enum LineKind {
 }
 
 impl LineKind {
+    /// Returns whether it is that of clients without requests.
+    pub const fn is_plain(self) -> bool {
+        !matches!(self, Self::Object(_))
+    }
+
     /// Returns the kind of the lines of a target whose clients cannot choose.
     pub fn of_target(target: &ShareTarget) -> Option<Self> {
         match (target.format, target.link) {

@@ -29,6 +29,7 @@ mod listener;
 mod outbox;
 mod request;
 mod request_lines;
+mod rounds;
 mod scene;
 mod step;
 mod stream;

@@ -14,15 +14,31 @@ const MAX_BYTES: usize = 1 << 18;
 /// Longest time in which a client reads nothing while lines wait for it.
 const READ_TIMEOUT: Duration = Duration::from_secs(1);
 
-/// Lines of one write.
-const LINES_PER_WRITE: usize = 64;
+/// Chunks of one write.
+const CHUNKS_PER_WRITE: usize = 128;
 
-/// Lines that wait for a client. The bytes are those of all clients.
+/// Lines that are written together. The bytes are those of all clients.
+#[derive(Clone, Debug)]
+pub(super) struct Chunk {
+    /// The lines with their ends.
+    pub bytes: Arc<[u8]>,
+    /// Their number.
+    pub lines: u64,
+}
+
+impl From<Arc<[u8]>> for Chunk {
+    /// Returns one line.
+    fn from(bytes: Arc<[u8]>) -> Self {
+        Self { bytes, lines: 1 }
+    }
+}
+
+/// Lines that wait for a client.
 pub(super) struct Outbox {
-    lines: VecDeque<Arc<[u8]>>,
-    /// The bytes of all lines.
+    chunks: VecDeque<Chunk>,
+    /// The bytes of all chunks.
     bytes: usize,
-    /// The bytes of the first line that were written.
+    /// The bytes of the first chunk that were written.
     written: usize,
     /// Lines that were dropped since the last [`take_dropped`](Self::take_dropped).
     dropped: u64,
@@ -34,7 +50,7 @@ impl Outbox {
     /// Creates an outbox without lines.
     pub fn new() -> Self {
         Self {
-            lines: VecDeque::new(),
+            chunks: VecDeque::new(),
             bytes: 0,
             written: 0,
             dropped: 0,
@@ -44,7 +60,7 @@ impl Outbox {
 
     /// Returns whether no line waits.
     pub fn is_empty(&self) -> bool {
-        self.lines.is_empty()
+        self.chunks.is_empty()
     }
 
     /// Returns the number of dropped lines since the last call.
@@ -52,32 +68,33 @@ impl Outbox {
         std::mem::take(&mut self.dropped)
     }
 
-    /// Adds a line. While too much waits, the oldest line that was not begun is dropped and counted.
-    pub fn push(&mut self, line: Arc<[u8]>) {
-        if self.lines.is_empty() {
+    /// Adds lines. While too much waits, the oldest chunk that was not begun is dropped and its lines are counted.
+    pub fn push(&mut self, chunk: impl Into<Chunk>) {
+        if self.chunks.is_empty() {
             self.progress_at = Instant::now();
         }
-        self.bytes += line.len();
-        self.lines.push_back(line);
+        let chunk = chunk.into();
+        self.bytes += chunk.bytes.len();
+        self.chunks.push_back(chunk);
         let first = usize::from(self.written > 0);
-        // The new line stays, however long it is.
-        while self.bytes > MAX_BYTES && self.lines.len() > first + 1 {
-            if let Some(line) = self.lines.remove(first) {
-                self.bytes -= line.len();
-                self.dropped += 1;
+        // The new chunk stays, however long it is.
+        while self.bytes > MAX_BYTES && self.chunks.len() > first + 1 {
+            if let Some(chunk) = self.chunks.remove(first) {
+                self.bytes -= chunk.bytes.len();
+                self.dropped += chunk.lines;
             }
         }
     }
 
     /// Writes what the client accepts. Fails if it has gone, or has read nothing for one second.
     pub fn flush(&mut self, stream: &mut dyn Stream) -> Result<(), Disconnected> {
-        while !self.lines.is_empty() {
-            let mut slices = [IoSlice::new(&[]); LINES_PER_WRITE];
-            for (slice, line) in slices.iter_mut().zip(&self.lines) {
-                *slice = IoSlice::new(line);
+        while !self.chunks.is_empty() {
+            let mut slices = [IoSlice::new(&[]); CHUNKS_PER_WRITE];
+            for (slice, chunk) in slices.iter_mut().zip(&self.chunks) {
+                *slice = IoSlice::new(&chunk.bytes);
             }
-            slices[0] = IoSlice::new(&self.lines[0][self.written..]);
-            let count = self.lines.len().min(LINES_PER_WRITE);
+            slices[0] = IoSlice::new(&self.chunks[0].bytes[self.written..]);
+            let count = self.chunks.len().min(CHUNKS_PER_WRITE);
             match stream.write_vectored(&slices[..count]) {
                 Ok(0) => return Err(Disconnected),
                 Ok(bytes) => self.advance(bytes),
