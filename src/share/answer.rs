@@ -10,7 +10,7 @@ use crate::hand::Side;
 use crate::layout::Layout;
 use crate::network::MemoryStream;
 
-/// What a client has received.
+/// The bytes that a client has received, and its connection.
 #[derive(Clone, Debug)]
 pub struct ShareAnswer {
     /// All bytes.
