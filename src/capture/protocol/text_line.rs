@@ -134,7 +134,7 @@ pub fn angles(values: &[f64; VALUES]) -> JointAngles {
     angles
 }
 
-/// Returns `angles` as a line without a time, see [`write`].
+/// Returns `angles` as a line without a time, see [`write()`].
 pub fn encode(angles: &JointAngles) -> String {
     let mut line = Vec::new();
     write(angles, None, &mut line);
