@@ -18,8 +18,7 @@
 //!
 //! The last table is the frame-to-event time of a real line. The feeder notes the time when the last byte of a packet is in
 //! the kernel, and sends the header of the next packet, which confirms it, as late as a line of that bit rate does. The time
-//! includes that wait of the protocol, which is stated beside it. A packet of this sender, which pauses after each, is
-//! confirmed by the pause.
+//! includes that wait of the protocol, which is stated beside it.
 //!
 //! Prints tables. Without `--bench` (as in `cargo test --benches`) it measures a few packets.
 
