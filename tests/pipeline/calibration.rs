@@ -29,7 +29,7 @@ const POSTURES: usize = 60;
 /// The corrections that a person makes on the way to a key, at the key, and while pressing it.
 const CORRECTIONS: usize = 3;
 
-fn person(seed: u64) -> SimulatedWearer {
+pub(super) fn person(seed: u64) -> SimulatedWearer {
     SimulatedWearer::new(seed, &shipped(), Side::Right)
 }
 
@@ -68,7 +68,9 @@ fn procedure() -> Procedure {
     Procedure::for_glove(&shipped(), Duration::from_millis(1_500))
 }
 
-fn calibrate(wearer: &mut SimulatedWearer) -> Result<CalibrationResult, CalibrationError> {
+pub(super) fn calibrate(
+    wearer: &mut SimulatedWearer,
+) -> Result<CalibrationResult, CalibrationError> {
     fit(&guide(wearer, procedure()).observations, &shipped())
 }
 

@@ -2,14 +2,112 @@
 
 use ademan::command::CommandOrigin;
 use ademan::device::{EventKind, Events};
-use ademan::estimate::LearnedRange;
-use ademan::hand::Dof;
+use ademan::document::Document;
+use ademan::estimate::{ChannelMap, LearnedRange};
+use ademan::hand::{Dof, JointAngles};
+use ademan::layout::write_calibration;
 use ademan::pipeline::{CommandError, PipelineState};
-use ademan::setup::{LoadedSetup, Setup};
+use ademan::setup::{ArmSetup, LoadedSetup, Setup};
+use ademan::sim::{
+    HandAction, SightedTypist, SimulatedWearer, UsTextField, error_rate, taps_for_text,
+};
 use ademan::time::Timestamp;
 
+use crate::calibration::{calibrate, person};
 use crate::support::checked::CheckedPipeline;
 use crate::support::press::{Posture, Press, reading};
+
+/// The text that is typed between two stretches.
+const TEXT: &str = "the quick brown fox, ";
+
+/// The number of times that it is typed. The sensors drift from 0 to 10 % in the first three quarters.
+const TEXTS: usize = 24;
+
+/// The corrections of a person for each key: none, as without a look at the screen.
+const CORRECTIONS: usize = 0;
+
+/// Loads the setup of a person with a calibrated glove.
+fn load(wearer: &mut SimulatedWearer, map: &ChannelMap, learn_ranges: bool) -> LoadedSetup {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("glove.ron");
+    let shipped = Document::shipped("unam-hc11").expect("a shipped glove");
+    let text = write_calibration(&shipped, map, &JointAngles::default()).expect("a glove");
+    std::fs::write(&path, text).expect("a file");
+    let (hand, forearm) = wearer.measured_lengths();
+    let setup = Setup {
+        glove: Some(path.display().to_string()),
+        arm: ArmSetup::Measured {
+            hand_length_mm: hand * 1e3,
+            forearm_length_mm: forearm * 1e3,
+        },
+        layout: "qwerty-flat".into(),
+        learn_ranges,
+        ..Setup::default()
+    };
+    setup.load_files().expect("a setup")
+}
+
+/// Returns the error rates of a text typed again and again, while the sensors become 10 % more sensitive and the person stretches
+/// the hand after each text: those of the first and of the last quarter, in percent.
+fn type_while_drifting(seed: u64, learn_ranges: bool) -> [f64; 2] {
+    let mut wearer = person(seed);
+    let map = calibrate(&mut wearer).expect("a calibration").map;
+    let setup = load(&mut wearer, &map, learn_ranges);
+    let map = setup.glove.as_ref().expect("a glove").map.clone();
+    let taps = taps_for_text(TEXT, &setup.layout.key_bindings()).expect("a text");
+    let target = |action: &HandAction| match action {
+        HandAction::Tap(point) => Some(point.target),
+        _ => None,
+    };
+    let targets: Vec<_> = taps.iter().filter_map(target).collect();
+    let mut pipeline = setup.pipeline();
+    let mut errors = Vec::new();
+    for number in 0..TEXTS {
+        let part = number as f64 / (TEXTS * 3 / 4) as f64;
+        wearer.set_drift(0.1 * part.min(1.0));
+        let learned: Vec<LearnedRange> = pipeline.learned_ranges().collect();
+        let seen = map.clone().with_learned_ranges(&learned);
+        let typist = SightedTypist::new(
+            &mut wearer,
+            &setup.layout.scene,
+            &seen,
+            &setup.arm,
+            CORRECTIONS,
+        );
+        let mut readings = typist.tap_all(&targets);
+        readings.extend(wearer.stretch());
+        let (mut field, mut events) = (UsTextField::new(), Events::new());
+        for reading in &readings {
+            events.clear();
+            let _ = pipeline.step(reading, &mut events);
+            events.iter().for_each(|event| field.handle(event));
+        }
+        errors.push(100.0 * error_rate(TEXT, field.text()));
+    }
+    let learned: Vec<LearnedRange> = pipeline.learned_ranges().collect();
+    println!("person {seed}, learning {learn_ranges}: {errors:.0?}");
+    for range in &learned {
+        println!("  {} {:.2} {:.2}", range.dof, range.below, range.above);
+    }
+    let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
+    let quarter = TEXTS / 4;
+    [mean(&errors[..quarter]), mean(&errors[TEXTS - quarter..])]
+}
+
+#[test]
+fn people_whose_sensors_drift_by_a_tenth_type_better_with_learning() {
+    let mut totals = [0.0; 2];
+    for seed in [0, 4, 7] {
+        for (total, learn_ranges) in totals.iter_mut().zip([false, true]) {
+            let [first, last] = type_while_drifting(seed, learn_ranges);
+            println!("  first quarter {first:.1} %, last quarter {last:.1} %");
+            *total += last / 3.0;
+        }
+    }
+    let [without, with] = totals;
+    println!("errors after the drift: {without:.1} % without learning, {with:.1} % with it");
+    assert!(with < without / 2.0, "{with} {without}");
+}
 
 /// A hand whose glove learns the range of one channel.
 struct Learning {
