@@ -34,18 +34,9 @@ fn main() {
         true => ROUNDS,
         false => 1,
     };
-    let line = |cells: [&str; 9]| println!("| {} |", cells.join(" | "));
-    line([
-        "motion",
-        "board",
-        "keys",
-        "hits",
-        "ours",
-        "ray",
-        "shapes",
-        "ours/ray",
-        "ours/shapes",
-    ]);
+    println!(
+        "| motion | board | keys | entries | ours | ray | shapes | ray / ours | shapes / ours | growth |"
+    );
     print_contact(rounds);
     print_units();
     print_rebuild(rounds);
