@@ -26,6 +26,7 @@
 pub mod bvh;
 pub mod body;
 pub mod cancel;
+mod error;
 pub mod feedback;
 pub mod markers;
 pub mod protocol;
@@ -74,10 +75,10 @@ use self::body::BodyLandmarks;
 use self::feedback::FeedbackDevice;
 use crate::command::Command;
 use crate::hand::{BoneRotations, Displacement, HandPart, JointAngles, JointPositions, Side};
-use crate::message::{escape, escape_lines};
 use crate::time::Timestamp;
 
 pub use cancel::CancelToken;
+pub use error::CaptureError;
 pub use event::CaptureEvent;
 pub use feedback::Haptics;
 pub use merge::{MAX_SOURCES, MergedSource, PartialSource};
@@ -423,85 +424,4 @@ pub struct SourceStats {
     pub dropped: u64,
     /// Number of times that the device was lost.
     pub losses: u64,
-}
-
-/// Error of a source. Each message states what failed, why, and what to do.
-#[derive(Clone, Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum CaptureError {
-    /// The text is not a source URI.
-    #[error("cannot read `{}` as a source: {}", escape(.text), escape(.reason))]
-    InvalidUri {
-        /// The text as written.
-        text: String,
-        /// Error in the text.
-        reason: String,
-    },
-    /// The device or file cannot be opened.
-    #[error("cannot open {}: {}", escape(.source_name), escape_lines(.reason))]
-    Open {
-        /// Name of the source.
-        source_name: String,
-        /// Cause and remedy.
-        reason: String,
-    },
-    /// The device was lost. The source reconnects.
-    #[error("lost {}: {}; reconnecting", escape(.source_name), escape(.reason))]
-    Lost {
-        /// Name of the source.
-        source_name: String,
-        /// Cause.
-        reason: String,
-    },
-    /// One of several merged sources was lost or interrupted. The others continue.
-    #[error("{error}")]
-    PartLost {
-        /// Hand that it measures; `None` for both.
-        side: Option<Side>,
-        /// Part of the hand that it measures; `None` for all of it.
-        part: Option<HandPart>,
-        /// Cause.
-        error: Box<CaptureError>,
-    },
-    /// The readings before and after the interruption may be unrelated.
-    #[error(
-        "{} was interrupted: {}; hold the hand off all keys for a moment",
-        escape(.source_name), escape(.reason)
-    )]
-    Interrupted {
-        /// Name of the source.
-        source_name: String,
-        /// Cause.
-        reason: String,
-    },
-    /// The data of the source cannot be used.
-    #[error("cannot use {}: {}", escape(.source_name), escape_lines(.reason))]
-    Malformed {
-        /// Name of the source.
-        source_name: String,
-        /// Position and cause.
-        reason: String,
-    },
-}
-
-impl CaptureError {
-    /// Returns `true` if the source continues, so that [`Source::next`] may be called again.
-    pub const fn is_recoverable(&self) -> bool {
-        matches!(
-            self,
-            Self::Lost { .. } | Self::PartLost { .. } | Self::Interrupted { .. }
-        )
-    }
-
-    /// Returns the name of the source; the text as written if it is not a URI.
-    pub fn source_name(&self) -> &str {
-        match self {
-            Self::InvalidUri { text, .. } => text,
-            Self::Open { source_name, .. }
-            | Self::Lost { source_name, .. }
-            | Self::Interrupted { source_name, .. }
-            | Self::Malformed { source_name, .. } => source_name,
-            Self::PartLost { error, .. } => error.source_name(),
-        }
-    }
 }

@@ -1,5 +1,8 @@
 //! Linear calibration: converts a raw sensor value into an angle.
 
+/// The smallest and the largest count of a channel.
+pub type CountRange = (f64, f64);
+
 /// An affine map from a raw value to an angle: `angle = gain × value + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AffineMap {

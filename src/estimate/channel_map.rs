@@ -1,6 +1,6 @@
 //! Channel maps: the assignment of sensor channels to joint angles.
 
-use super::calibration::AffineMap;
+use super::calibration::{AffineMap, CountRange};
 use super::learned_range::LearnedRange;
 use super::linearity::Linearity;
 use crate::capture::MAX_CHANNELS;
@@ -32,9 +32,6 @@ pub struct InputRow {
     /// The map from counts to the value of the input, which is clamped to −1..=1.
     pub calibration: AffineMap,
 }
-
-/// The smallest and the largest count of a channel.
-pub type CountRange = (f64, f64);
 
 /// The channels of a glove that are in use. If two rows have the same angle, the later one takes precedence.
 #[derive(Clone, Debug, PartialEq)]

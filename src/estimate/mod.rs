@@ -21,8 +21,8 @@ pub mod t_pose;
 mod zero;
 
 pub use bone_angles::{angles_from_bones, bones_from_angles};
-pub use calibration::{AffineMap, FitError, divider_resistance};
-pub use channel_map::{ChannelMap, ChannelRow, CountRange, InputRow, MAX_CURVATURE, MAX_ROWS};
+pub use calibration::{AffineMap, CountRange, FitError, divider_resistance};
+pub use channel_map::{ChannelMap, ChannelRow, InputRow, MAX_CURVATURE, MAX_ROWS};
 pub use estimator::Estimator;
 pub use fusion::FusedEstimator;
 pub use hand_angles::hand_angles;

@@ -63,11 +63,11 @@ pub struct SessionStatus {
     pub stats: Stats,
     /// Position of the cursor; `None` for a layout without a pointer and targets in space.
     pub cursor: Option<CursorPosition>,
-    /// What was learned of the ranges of sensors, if anything was.
+    /// Ranges of sensors that were learned; `None` without any.
     pub learned: Option<LearnedSummary>,
 }
 
-/// What was learned of the ranges of sensors.
+/// Summary of the ranges of sensors that were learned.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearnedSummary {
     /// The number of channels with a wider range.
