@@ -6,6 +6,7 @@
 pub mod binary;
 pub mod body;
 pub mod checked;
+pub mod free_address;
 pub mod full_pipe;
 pub mod glove;
 pub mod hand;

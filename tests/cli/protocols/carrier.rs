@@ -10,6 +10,7 @@ use std::thread;
 use std::time::Duration;
 
 use super::packets::Stream;
+use crate::support::free_address::free_address;
 
 /// Time between two packets.
 const PERIOD: Duration = Duration::from_millis(5);
@@ -122,12 +123,6 @@ impl Sender {
             });
         }
     }
-}
-
-/// Returns an address that was just free.
-pub fn free_address() -> SocketAddr {
-    let probe = TcpListener::bind("127.0.0.1:0").expect("a free port");
-    probe.local_addr().expect("its address")
 }
 
 /// Sends all packets, and the latest one over and over, until the end.

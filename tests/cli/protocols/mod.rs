@@ -10,8 +10,9 @@ use std::process::Stdio;
 use ademan::capture::SourceUri;
 use ademan::capture::protocol::PROTOCOLS;
 
-use self::carrier::{Carrier, Sender, free_address};
+use self::carrier::{Carrier, Sender};
 use self::packets::{Stream, streams};
+use crate::support::free_address::free_address;
 use crate::support::process::Process;
 use crate::{ademan, run, text};
 

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use super::{is_part_of, share};
 use crate::ademan;
+use crate::support::free_address::free_address;
 use crate::support::process::{Process, signal};
 use crate::support::python::python;
 use crate::text_line::pressed_keys;
@@ -54,12 +55,6 @@ const BONES: [&str; 18] = [
     "RightThumbProximal",
     "RightUpperArm",
 ];
-
-/// Returns a port at which nothing listens now.
-fn free_port() -> u16 {
-    let socket = UdpSocket::bind("127.0.0.1:0").expect("a free port");
-    socket.local_addr().expect("it is bound").port()
-}
 
 #[test]
 fn python_osc_receives_the_bones_of_a_typing_hand() {
@@ -119,7 +114,7 @@ fn python_osc_receives_the_bones_of_a_typing_hand() {
 #[test]
 fn another_program_types_the_bones_that_the_first_one_sends() {
     let text = "hola hola";
-    let port = free_port();
+    let port = free_address().port();
     let source = format!("udp:127.0.0.1:{port}?protocol=vmc");
     let arguments = "run --control off --armed --role both --source";
     let mut second = ademan(arguments.split(' ').chain([source.as_str()]));

@@ -259,7 +259,7 @@ fn report(
     )?;
     writeln!(
         out,
-        "           the header of the next packet, {:.2} ms after it, or a pause confirms a packet",
+        "confirmed  by the header of the next packet, {:.2} ms after it, or by a pause",
         line.transmission_time(PACKET_BYTES - BODY_BYTES)
             .as_secs_f64()
             * 1e3
