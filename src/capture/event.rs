@@ -98,6 +98,7 @@ impl<S: Source> EventSource<S> {
     }
 
     /// Returns the source.
+    #[cfg(not(target_family = "wasm"))]
     pub fn source(&self) -> &S {
         &self.source
     }

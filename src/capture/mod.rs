@@ -247,6 +247,7 @@ impl Channels {
     pub const UNKNOWN: u16 = u16::MAX;
 
     /// Returns `true` if a channel that was measured has a count larger than the full scale.
+    #[cfg(not(target_family = "wasm"))]
     pub(crate) fn has_impossible_counts(&self) -> bool {
         let mut counts = self.counts.iter();
         counts.any(|&count| count > self.full_scale && count != Self::UNKNOWN)
