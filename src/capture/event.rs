@@ -61,7 +61,7 @@ const BATCH_LENGTH: usize = 64;
 
 /// A source whose results are passed on as events.
 pub(super) struct EventSource<S> {
-    source: S,
+    pub(super) source: S,
     is_live: bool,
     is_batched: bool,
     suspend: SuspendDetector,
@@ -95,12 +95,6 @@ impl<S: Source> EventSource<S> {
     #[cfg(test)]
     pub fn with_suspend_detector(self, suspend: SuspendDetector) -> Self {
         Self { suspend, ..self }
-    }
-
-    /// Returns the source.
-    #[cfg(not(target_family = "wasm"))]
-    pub fn source(&self) -> &S {
-        &self.source
     }
 
     /// Passes the events of the next call of the source to `emit`: none, one, or two. Returns `false` after the last

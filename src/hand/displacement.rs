@@ -36,8 +36,7 @@ impl Displacement {
     }
 
     /// Returns the translation, in metres, and the quaternion x, y, z, w as they were measured.
-    #[cfg(not(target_family = "wasm"))]
-    pub(crate) fn to_arrays(self) -> ([f32; 3], [f32; 4]) {
+    pub fn to_arrays(self) -> ([f32; 3], [f32; 4]) {
         (self.translation, self.rotation)
     }
 

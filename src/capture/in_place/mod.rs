@@ -57,7 +57,7 @@ impl InPlaceCapture {
         let Some(source) = &mut self.source else {
             return;
         };
-        if !is_due(source.source(), &self.wake_up, timeout) {
+        if !is_due(&source.source, &self.wake_up, timeout) {
             return;
         }
         let queue = &mut self.queue;
@@ -66,7 +66,7 @@ impl InPlaceCapture {
             let _ = queue.push(event);
         };
         for _ in 0..MAX_CALLS {
-            if !source.next(&mut emit) || source.source().wait().is_some() {
+            if !source.next(&mut emit) || source.source.wait().is_some() {
                 return;
             }
         }
@@ -95,7 +95,7 @@ impl Drop for InPlaceCapture {
         let Some(source) = self.source.take() else {
             return;
         };
-        let name = source.source().name().to_owned();
+        let name = source.source.name().to_owned();
         let (end, ended) = bounded::<()>(0);
         let close = move || {
             drop(source);
