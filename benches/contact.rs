@@ -26,7 +26,7 @@ use rows::{ParryRay, ParryShapeCast, Row, Tracker, pass};
 
 const KEYS: [usize; 4] = [64, 100, 1_000, 10_000];
 
-/// The fastest of so many passes counts.
+/// Passes of each row; the fastest one counts.
 const ROUNDS: usize = 100;
 
 fn main() {

@@ -55,7 +55,7 @@ pub enum CaptureEvent {
 /// Shortest time between two [`CaptureEvent::Noise`].
 pub(super) const NOISE_INTERVAL: Duration = Duration::from_millis(500);
 
-/// Readings in a [`CaptureEvent::Readings`]: few enough that a command waits for less than a millisecond, and so many that
+/// Readings in a [`CaptureEvent::Readings`]: few enough that a command waits for less than a millisecond, and enough that
 /// waking the other thread costs little for each.
 const BATCH_LENGTH: usize = 64;
 

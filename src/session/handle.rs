@@ -11,7 +11,7 @@ use super::{Session, SessionError, Summary};
 use crate::command::Command;
 use crate::snapshot::Snapshot;
 
-/// Snapshots that wait for the owner: so many that two threads of a trace seldom wait for each other.
+/// Snapshots that wait for the owner: enough that the two threads of a trace seldom wait for each other.
 const QUEUED_SNAPSHOTS: usize = 64;
 
 /// A running session. Dropping it stops the session and waits until everything is released.
