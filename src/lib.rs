@@ -25,6 +25,7 @@
 //! - [`network`] connects machines: TLS, tokens with roles, and routers of zenoh.
 //! - [`share`] gives joint angles and poses to other programs.
 //! - [`layout`] and [`setup`] read the RON files of users; [`doctor`] checks the machine against a setup.
+//! - `studio`, with the feature of that name, shows a session in a window.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
 //!
 //! # Example
@@ -93,3 +94,5 @@ pub mod setup;
 pub mod session;
 #[cfg(not(target_family = "wasm"))]
 pub mod doctor;
+#[cfg(feature = "studio")]
+pub mod studio;

@@ -56,6 +56,7 @@ const FLOW: &[&str] = &[
     "setup",
     "session",
     "doctor",
+    "studio",
 ];
 
 /// The modules that work between a reading and its events.

@@ -9,6 +9,8 @@ mod chaos;
 mod spacenav;
 #[cfg(target_os = "linux")]
 mod vm;
+#[cfg(feature = "studio")]
+mod studio;
 #[cfg(feature = "wayland")]
 mod wayland;
 #[cfg(unix)]

@@ -71,6 +71,7 @@ mod signals;
 mod source_value;
 mod sources;
 mod stats;
+mod studio;
 mod system_files;
 mod token;
 mod trace;
@@ -102,6 +103,7 @@ subcommands! {
     Demo(demo),
     Run(run),
     Share(share),
+    Studio(studio),
     Watch(watch),
     Ctl(ctl),
     Calibrate(calibrate),

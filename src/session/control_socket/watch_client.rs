@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::{Client, ControlError};
 use crate::layout::Layout;
-use crate::session::view::{View, ViewState};
+use crate::session::view::{View, ViewState, board_poses};
 
 /// A connection that receives views.
 pub struct WatchClient {
@@ -75,6 +75,7 @@ impl WatchClient {
                     let layout = self.layout.clone();
                     let layout = layout.ok_or_else(|| invalid("it names no layout".into()))?;
                     return Ok(Some(View {
+                        boards: board_poses(&layout.scene),
                         layout,
                         state: Arc::new(*state),
                         messages: messages.into(),

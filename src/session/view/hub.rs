@@ -10,7 +10,7 @@ use crossbeam_channel::TryRecvError::Disconnected;
 use crossbeam_channel::{Receiver, Sender, bounded, select};
 
 use super::publisher::{Published, SessionNames, ViewPublisher};
-use super::{MAX_MESSAGES, View, ViewState};
+use super::{MAX_MESSAGES, View, ViewState, board_poses};
 use crate::layout::Layout;
 use crate::session::latest::LatestSender;
 
@@ -47,6 +47,7 @@ impl ViewHub {
         let state = ViewState::starting(profile, &names.source, &names.output);
         let view = View {
             layout: Arc::clone(&layout),
+            boards: board_poses(&layout.scene),
             state: Arc::new(state),
             messages: Arc::default(),
             missed: 0,
@@ -104,8 +105,9 @@ impl Shared {
         loop {
             select! {
                 recv(views) -> view => match view {
-                    Ok(Published { layout, state }) => self.show(|view| {
+                    Ok(Published { layout, boards, state }) => self.show(|view| {
                         view.layout = layout;
+                        view.boards = boards;
                         view.state = Arc::new(state);
                     }),
                     Err(_) => break,

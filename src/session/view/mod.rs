@@ -14,9 +14,12 @@ mod state;
 
 use std::sync::Arc;
 
+use parry3d::math::Pose;
+
 pub use self::hub::{ViewHub, Viewer};
 pub(super) use self::publisher::{SessionNames, ViewPublisher};
 pub use self::state::{Fingertip, ViewCounts, ViewState};
+use crate::contact::surface::{Scene, Surface};
 use crate::layout::Layout;
 
 /// The state of a session at one time, for displays. Cloning is cheap.
@@ -26,6 +29,8 @@ pub struct View {
     pub layout: Arc<Layout>,
     /// The state.
     pub state: Arc<ViewState>,
+    /// The present pose of each board relative to its anchor, in the axes of the world.
+    pub boards: Arc<[Pose]>,
     /// The latest notices of the session, at most [`MAX_MESSAGES`], oldest first.
     pub messages: Arc<[String]>,
     /// The number of views that this viewer has missed so far.
@@ -34,3 +39,9 @@ pub struct View {
 
 /// The maximum number of notices of a view.
 pub const MAX_MESSAGES: usize = 8;
+
+/// Returns the pose of each board of a scene relative to its anchor.
+pub(super) fn board_poses(scene: &Scene) -> Arc<[Pose]> {
+    let surfaces = scene.surfaces().iter();
+    surfaces.map(Surface::anchor_from_surface).collect()
+}

@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use arrayvec::ArrayVec;
+use parry3d::math::Pose;
 
+use super::board_poses;
 use super::state::{Fingertip, ViewCounts, ViewState};
 use crate::contact::TargetId;
 use crate::device::pressed_keys::PressedKeys;
@@ -36,6 +38,7 @@ const MAX_FINGERTIPS: usize = 80;
 /// A layout and the state of the session that uses it.
 pub(super) struct Published {
     pub layout: Arc<Layout>,
+    pub boards: Arc<[Pose]>,
     pub state: ViewState,
 }
 
@@ -213,7 +216,12 @@ impl ViewPublisher {
             selected: self.selected.to_vec(),
         };
         let layout = Arc::clone(&self.layout);
-        self.views.send(Published { layout, state });
+        let boards = board_poses(active.scene());
+        self.views.send(Published {
+            layout,
+            boards,
+            state,
+        });
     }
 
     fn fingertips(&self, active: &LayoutInstance) -> Vec<Fingertip> {

@@ -45,6 +45,7 @@ fn view(layout: &str) -> View {
         }
     }
     View {
+        boards: Arc::default(),
         layout: Arc::new(layout),
         state: Arc::new(state),
         messages: Arc::default(),

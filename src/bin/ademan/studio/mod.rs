@@ -1,0 +1,47 @@
+//! `ademan studio`: a session in a window.
+
+#[cfg(feature = "studio")]
+mod source;
+#[cfg(feature = "studio")]
+mod window;
+#[cfg(feature = "studio")]
+use self::window::open;
+
+#[cfg(not(feature = "studio"))]
+mod unsupported;
+#[cfg(not(feature = "studio"))]
+use self::unsupported::open;
+
+use std::path::PathBuf;
+
+use ademan::capture::SourceUri;
+
+use crate::complete;
+use crate::failure::Failure;
+use crate::source_value::{self, SourceValue};
+
+/// Watch a hand, its boards and its sensors in a window
+#[derive(clap::Args)]
+#[command(
+    after_help = "Examples:\n  ademan studio\n  ademan studio --layout media\n  ademan studio my-setup.ron\n  ademan studio --source 'serial:/dev/ttyUSB0?baud=9600'\n  ademan studio --recording session.mcap\n\nWithout a source, a simulated hand types in a loop. Nothing is sent to other programs unless a setup file names an output. Closing the window releases everything and ends the session."
+)]
+pub struct Args {
+    /// Setup file (see `ademan setup new`); the flags override it
+    #[arg(add = complete::setup())]
+    setup: Option<String>,
+    #[arg(long, value_name = "URI", value_parser = SourceValue, add = complete::source(), help = "Source of readings", long_help = source_value::help())]
+    source: Option<SourceUri>,
+    /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
+    #[arg(long, add = complete::layout())]
+    layout: Option<String>,
+    /// Recording to play in place of a source, at its own speed
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["source", "setup"], add = complete::recording())]
+    recording: Option<PathBuf>,
+    /// Run as root with an output that types
+    #[arg(long)]
+    allow_root: bool,
+}
+
+pub fn run(args: Args) -> Result<(), Failure> {
+    open(args)
+}

@@ -1,0 +1,18 @@
+//! `ademan studio` in a program that is built without windows.
+
+use super::Args;
+use crate::failure::Failure;
+
+pub fn open(args: Args) -> Result<(), Failure> {
+    // The fields are read where there is a window.
+    let Args {
+        setup: _,
+        source: _,
+        layout: _,
+        recording: _,
+        allow_root: _,
+    } = args;
+    Err(Failure::wrong_use(
+        "this program is built without windows; build it with `cargo install --path . --features studio`, or watch the session with `ademan run --view board`",
+    ))
+}

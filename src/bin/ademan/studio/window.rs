@@ -1,0 +1,84 @@
+//! The session of Studio and its window.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use ademan::capture::recording::Replay;
+use ademan::command::Command;
+use ademan::session::SessionOptions;
+use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
+use ademan::studio::sensors::SensorTable;
+use ademan::studio::{StudioApp, StudioError, open_window};
+use ademan::{advice, doctor, output};
+
+use super::{Args, source};
+use crate::failure::Failure;
+use crate::{session, signals, stats, watchdog};
+
+/// The outputs, unless a setup file names others: nothing is typed into other programs by surprise.
+const NO_OUTPUT: &str = "none";
+
+pub fn open(args: Args) -> Result<(), Failure> {
+    let mut options = SessionOptions {
+        speed: Some(1.0),
+        watch_layouts: true,
+        report_status: true,
+        ..SessionOptions::default()
+    };
+    let is_root_allowed = args.allow_root;
+    let setup = load(args, &mut options)?;
+    let may_type = output::has_effect(&setup.setup.output);
+    if may_type && !is_root_allowed && doctor::is_running_as_root() {
+        return Err(Failure::wrong_use(advice::running_as_root().to_string()));
+    }
+    session::prepare()?;
+    options.watchdog = Some(watchdog::program(Command::Pause)?);
+    options.use_panic_keys = setup.setup.output != NO_OUTPUT;
+    options.on_notice = Some(session::print_notices());
+    let map = setup.glove.as_ref().map(|glove| &glove.map);
+    let sensors = map.map(SensorTable::new).unwrap_or_default();
+    let session = session::start(setup, options)?;
+    session.wait_until_started();
+    let shown = catch_unwind(AssertUnwindSafe(|| {
+        let app = StudioApp::new(&session, sensors)?;
+        open_window(app, signals::is_stop_requested)
+    }));
+    match shown {
+        Ok(Ok(())) => _ = session.commands().send(Command::Stop),
+        // The error of the session says more.
+        Ok(Err(StudioError::Ended)) => {}
+        Ok(Err(error)) => return Err(Failure::wrong_use(error.to_string())),
+        Err(_) => say!("the window has failed; the session goes on, and Ctrl-C ends it"),
+    }
+    stats::report(session.join()?)
+}
+
+/// Loads the setup, and opens a recording or a simulated hand as the source where the setup has none.
+fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure> {
+    if let Some(path) = &args.recording {
+        let replay = Replay::open(path)?;
+        let settings = ReplaySettings {
+            glove: None,
+            layout: args.layout.as_deref(),
+            permissions: None,
+        };
+        let mut setup = LoadedSetup::from_recording(replay.setup(), &settings)?;
+        setup.setup.output = NO_OUTPUT.into();
+        options.source = Some(Box::new(replay));
+        return Ok(setup);
+    }
+    let mut setup = match &args.setup {
+        Some(path) => Setup::load(path)?,
+        None => Setup {
+            output: NO_OUTPUT.into(),
+            ..Setup::default()
+        },
+    };
+    setup.source = args.source.or(setup.source);
+    setup.layout = args.layout.unwrap_or(setup.layout);
+    setup.use_token_roles()?;
+    let setup = setup.load_files()?;
+    if setup.setup.source.is_none() {
+        options.source = Some(Box::new(source::simulated_hand(&setup)?));
+    }
+    Ok(setup)
+}

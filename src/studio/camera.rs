@@ -1,0 +1,190 @@
+//! The camera of the 3D view, which orbits around a point.
+
+use std::f32::consts::FRAC_PI_2;
+
+use parry3d::math::{Vec2, Vec3};
+
+/// Nearest point that is drawn, in metres from the eye.
+const NEAR: f32 = 0.02;
+
+/// Focal length in heights of the picture.
+const FOCAL: f32 = 1.25;
+
+/// Rotation per pixel of a drag, in radians.
+const ORBIT_SPEED: f32 = 0.008;
+
+/// Range of the distance from the eye to the target, in metres.
+const DISTANCES: (f32, f32) = (0.08, 6.0);
+
+/// A camera that looks at a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// The point in the middle of the picture, in the world.
+    pub target: Vec3,
+    /// Direction of the eye about the vertical, in radians: 0 is behind the wearer, positive to the right.
+    pub azimuth: f32,
+    /// Elevation of the eye above the horizon, in radians.
+    pub elevation: f32,
+    /// Distance from the eye to the target, in metres.
+    pub distance: f32,
+}
+
+/// A position of the camera with a name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Viewpoint {
+    /// Behind and above the wearer.
+    Eye,
+    /// Straight above.
+    Above,
+    /// At the right of the wearer.
+    Side,
+}
+
+impl Viewpoint {
+    /// Returns azimuth and elevation, in radians.
+    const fn direction(self) -> (f32, f32) {
+        match self {
+            Self::Eye => (0.0, 0.9),
+            Self::Above => (0.0, FRAC_PI_2),
+            Self::Side => (FRAC_PI_2, 0.15),
+        }
+    }
+}
+
+/// A point on the screen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projected {
+    /// Position in points, from the upper left corner.
+    pub position: Vec2,
+    /// Distance along the view, in metres.
+    pub depth: f32,
+    /// Points per metre at this depth.
+    pub scale: f32,
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        let (azimuth, elevation) = Viewpoint::Eye.direction();
+        Self {
+            target: Vec3::new(0.0, 0.0, -0.5),
+            azimuth,
+            elevation,
+            distance: 0.7,
+        }
+    }
+}
+
+impl Camera {
+    /// Moves to a named position without a change of target and distance.
+    pub fn look_from(&mut self, viewpoint: Viewpoint) {
+        (self.azimuth, self.elevation) = viewpoint.direction();
+    }
+
+    /// Shows all of these points in a picture with this ratio of width to height.
+    pub fn frame(&mut self, points: impl Iterator<Item = Vec3>, aspect: f32) {
+        let bounds = points.map(|point| (point, point));
+        let Some((low, high)) = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
+            return;
+        };
+        self.target = (low + high) / 2.0;
+        let radius = ((high - low).length() / 2.0).max(0.08);
+        self.zoom(radius * 2.6 / (0.95 * aspect).clamp(0.2, 1.0) / self.distance);
+    }
+
+    /// Turns around the target by a drag in points.
+    pub fn orbit(&mut self, drag: Vec2) {
+        self.azimuth -= drag.x * ORBIT_SPEED;
+        self.elevation = (self.elevation + drag.y * ORBIT_SPEED).clamp(-FRAC_PI_2, FRAC_PI_2);
+    }
+
+    /// Moves the target by a drag in points of a picture of this height.
+    pub fn pan(&mut self, drag: Vec2, height: f32) {
+        let [right, up, _] = self.axes();
+        let metres = self.distance / (FOCAL * height.max(1.0));
+        self.target += (up * drag.y - right * drag.x) * metres;
+    }
+
+    /// Multiplies the distance.
+    pub fn zoom(&mut self, factor: f32) {
+        self.distance = (self.distance * factor).clamp(DISTANCES.0, DISTANCES.1);
+    }
+
+    /// Returns the position of the eye.
+    pub fn eye(&self) -> Vec3 {
+        self.target + self.axes()[2] * self.distance
+    }
+
+    /// Returns the position of a point on a picture of this size, or `None` behind the eye.
+    pub fn project(&self, point: Vec3, size: Vec2) -> Option<Projected> {
+        let [right, up, back] = self.axes();
+        let offset = point - self.eye();
+        let depth = -offset.dot(back);
+        if depth < NEAR {
+            return None;
+        }
+        let scale = FOCAL * size.y / depth;
+        let position = size / 2.0 + Vec2::new(offset.dot(right), -offset.dot(up)) * scale;
+        Some(Projected {
+            position,
+            depth,
+            scale,
+        })
+    }
+
+    /// Returns the directions to the right, up and backwards.
+    fn axes(&self) -> [Vec3; 3] {
+        let (sin, cos) = self.azimuth.sin_cos();
+        let (rise, run) = self.elevation.sin_cos();
+        let back = Vec3::new(sin * run, rise, cos * run);
+        let right = Vec3::new(cos, 0.0, -sin);
+        [right, back.cross(right), back]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIZE: Vec2 = Vec2::new(800.0, 600.0);
+
+    #[test]
+    fn the_target_is_in_the_middle_of_every_view() {
+        for viewpoint in [Viewpoint::Eye, Viewpoint::Above, Viewpoint::Side] {
+            let mut camera = Camera::default();
+            camera.look_from(viewpoint);
+            let middle = camera.project(camera.target, SIZE).unwrap();
+            assert!((middle.position - SIZE / 2.0).length() < 1e-2);
+            assert!((middle.depth - camera.distance).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn right_and_up_in_the_world_are_right_and_up_on_the_screen() {
+        let camera = Camera::default();
+        let at = |offset| {
+            camera
+                .project(camera.target + offset, SIZE)
+                .unwrap()
+                .position
+        };
+        assert!(at(Vec3::X * 0.1).x > SIZE.x / 2.0);
+        assert!(at(Vec3::Y * 0.1).y < SIZE.y / 2.0);
+        assert!(at(Vec3::NEG_Z * 0.1).y < SIZE.y / 2.0);
+    }
+
+    #[test]
+    fn a_panned_target_follows_the_mouse() {
+        let mut camera = Camera::default();
+        let point = camera.target;
+        camera.pan(Vec2::new(30.0, -20.0), SIZE.y);
+        let moved = camera.project(point, SIZE).unwrap().position - SIZE / 2.0;
+        assert!((moved - Vec2::new(30.0, -20.0)).length() < 1.0, "{moved}");
+    }
+
+    #[test]
+    fn nothing_behind_the_eye_is_drawn() {
+        let camera = Camera::default();
+        let behind = camera.eye() + (camera.eye() - camera.target);
+        assert_eq!(camera.project(behind, SIZE), None);
+    }
+}

@@ -1,0 +1,32 @@
+//! Studio: one window that shows a session: the hand over its boards, its sensors, and time plots.
+//!
+//! Studio receives [`Snapshot`](crate::snapshot::Snapshot)s and [`View`](crate::session::view::View)s, and sends
+//! [`Command`](crate::command::Command)s. It shares nothing else with a session: both channels drop what a slow window does not
+//! receive, so that typing does not depend on it.
+//!
+//! ```text
+//!  session ─ snapshots, views ──▶ StudioModel ──▶ panels (egui) ─ Command ──▶ session
+//!                                     └──▶ scene, camera ──▶ Picture ──▶ panels/space
+//! ```
+//!
+//! The content of the panels is computed without a window and has unit tests: [`model`], [`camera`], [`scene`], [`sensors`],
+//! [`history`]. Only `app` and the files of `panels` name egui.
+//!
+//! # Adding a panel
+//!
+//! 1. What it shows: a file beside this one, without egui, with unit tests.
+//! 2. How it is drawn: a file in `panels`, with a function that receives a `&mut Ui` and a `PanelContext`.
+//! 3. A variant of `panels::PanelKind`, which gives it an entry in the menu, and a line in `panels::show`.
+//! 4. Its words: constants in [`texts`], the only file with words for the screen.
+
+mod app;
+pub mod camera;
+pub mod history;
+pub mod model;
+mod panels;
+pub mod picture;
+pub mod scene;
+pub mod sensors;
+pub mod texts;
+
+pub use self::app::{StudioApp, StudioError, open_window};

@@ -1,0 +1,147 @@
+//! The state that the panels show: the latest of everything, and the last seconds.
+
+use parry3d::math::{Pose, Vec3};
+
+use super::history::{History, Moment, SHOWN_ANGLES};
+use super::sensors::SensorTable;
+use crate::capture::Sample;
+use crate::contact::surface::Anchor;
+use crate::contact::{Phase, TargetId};
+use crate::hand::{Finger, JointAngles, Side};
+use crate::kinematics::HandPose;
+use crate::pipeline::PipelineState;
+use crate::session::view::View;
+use crate::snapshot::{Snapshot, Stats};
+
+/// The contact of a fingertip with a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contact {
+    /// The target.
+    pub target: TargetId,
+    /// Depth as a fraction of the travel, 0..=1.
+    pub depth: f32,
+    /// The target is pressed.
+    pub is_pressed: bool,
+}
+
+/// The state of a session, as far as Studio has received it.
+pub struct StudioModel {
+    /// The latest view.
+    pub view: View,
+    /// The latest pose of each hand that is tracked, by side.
+    pub poses: [Option<HandPose>; Side::COUNT],
+    /// Contacts, by side and finger.
+    pub contacts: [[Option<Contact>; Finger::COUNT]; Side::COUNT],
+    /// The latest joint angles.
+    pub angles: Option<JointAngles>,
+    /// Statistics of all readings so far.
+    pub stats: Stats,
+    /// The channels of the glove.
+    pub sensors: SensorTable,
+    /// The last seconds.
+    pub history: History,
+    /// The session has ended.
+    pub has_ended: bool,
+}
+
+impl StudioModel {
+    /// Creates the state before the first snapshot.
+    pub fn new(view: View, sensors: SensorTable) -> Self {
+        Self {
+            view,
+            poses: [None; Side::COUNT],
+            contacts: Default::default(),
+            angles: None,
+            stats: Stats::default(),
+            sensors,
+            history: History::default(),
+            has_ended: false,
+        }
+    }
+
+    /// Adds the results of a step.
+    pub fn update(&mut self, snapshot: &Snapshot) {
+        self.stats = snapshot.stats;
+        if let Some(reading) = &snapshot.reading
+            && let Sample::Channels(channels) = &reading.sample
+        {
+            self.sensors.update(reading.time, channels);
+        }
+        self.angles = snapshot.angles.or(self.angles);
+        match &snapshot.pose {
+            Some(pose) => self.poses[pose.side.index()] = Some(*pose),
+            None if snapshot.state != PipelineState::Running => self.clear_contacts(),
+            None => {}
+        }
+        for (pose, is_lost) in self.poses.iter_mut().zip(snapshot.lost_hands) {
+            *pose = pose.filter(|_| !is_lost);
+        }
+        for touch in &snapshot.touches {
+            let contact = &mut self.contacts[touch.side.index()][touch.finger.index()];
+            let was_pressed = contact.is_some_and(|contact| contact.is_pressed);
+            *contact = match touch.phase {
+                Phase::Left | Phase::Cancelled => None,
+                phase => Some(Contact {
+                    target: touch.target,
+                    depth: touch.depth,
+                    is_pressed: match phase {
+                        Phase::Pressed => true,
+                        Phase::Released => false,
+                        _ => was_pressed,
+                    },
+                }),
+            };
+        }
+        self.remember(snapshot);
+    }
+
+    fn clear_contacts(&mut self) {
+        self.contacts = Default::default();
+    }
+
+    fn remember(&mut self, snapshot: &Snapshot) {
+        let (Some(pose), Some(angles)) = (&snapshot.pose, &snapshot.angles) else {
+            return;
+        };
+        let contacts = self.contacts.iter().flatten().flatten();
+        self.history.push(Moment {
+            time: pose.time,
+            angles: SHOWN_ANGLES.map(|dof| angles.get(dof).to_degrees() as f32),
+            height_mm: self.lowest_fingertip(pose).map(|height| height * 1e3),
+            is_pressed: contacts.into_iter().any(|contact| contact.is_pressed),
+        });
+    }
+
+    /// Returns the height of the lowest pad of a fingertip over the first board, in metres.
+    fn lowest_fingertip(&self, pose: &HandPose) -> Option<f32> {
+        let surface_from_world = self.world_from_board(0)?.inverse();
+        let tips = Finger::ALL
+            .iter()
+            .filter_map(|&finger| pose.fingertip(finger));
+        let heights = tips.map(|tip| (surface_from_world * tip).z - pose.tip_radius);
+        heights.min_by(f32::total_cmp)
+    }
+
+    /// Returns the present pose of a board in the world, or `None` while the hand that it follows is not known.
+    pub fn world_from_board(&self, index: usize) -> Option<Pose> {
+        let surface = self.view.layout.scene.surfaces().get(index)?;
+        let anchor_from_board = self.view.boards.get(index)?;
+        let origin = match surface.anchor() {
+            Anchor::World => Vec3::ZERO,
+            Anchor::Joint(joint) => {
+                let is_own = |pose: &&HandPose| surface.side().is_none_or(|side| side == pose.side);
+                let mut poses = self.poses.iter().rev().flatten().filter(is_own);
+                poses.find_map(|pose| pose.position(joint))?
+            }
+        };
+        let translation = origin + anchor_from_board.translation;
+        Some(Pose::from_parts(translation, anchor_from_board.rotation))
+    }
+
+    /// Returns the deepest contact with a target.
+    pub fn contact_with(&self, target: TargetId) -> Option<Contact> {
+        let contacts = self.contacts.iter().flatten().flatten();
+        let own = contacts.filter(|contact| contact.target == target);
+        own.copied().max_by(|a, b| a.depth.total_cmp(&b.depth))
+    }
+}

@@ -1,0 +1,86 @@
+//! The panels of the window, one file each, and the part of the window that each fills.
+
+mod scope;
+mod sensors;
+mod space;
+mod status;
+mod toolbar;
+
+use eframe::egui;
+
+use super::camera::Camera;
+use super::model::StudioModel;
+use super::scene::SceneOptions;
+use crate::command::Command;
+
+/// The state of the session, and commands to it, for a panel.
+pub struct PanelContext<'a> {
+    /// The state to show.
+    pub model: &'a StudioModel,
+    /// Commands that are sent after the picture.
+    pub sent: &'a mut Vec<Command>,
+}
+
+/// The state of the panels between two pictures.
+pub struct PanelState {
+    /// Panels beside the 3D view that are shown, by [`PanelKind`].
+    shown: [bool; PanelKind::ALL.len()],
+    camera: Camera,
+    /// The camera has been pointed at the boards.
+    is_camera_placed: bool,
+    scene: SceneOptions,
+    /// Reason why the last command was not sent.
+    pub message: Option<String>,
+}
+
+/// A panel that can be hidden.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PanelKind {
+    /// Channels of the glove, and statistics.
+    Sensors,
+    /// Time plots.
+    Scope,
+}
+
+impl PanelKind {
+    const ALL: [Self; 2] = [Self::Sensors, Self::Scope];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Sensors => super::texts::SENSORS,
+            Self::Scope => super::texts::SCOPE,
+        }
+    }
+}
+
+impl Default for PanelState {
+    fn default() -> Self {
+        Self {
+            shown: [true; PanelKind::ALL.len()],
+            camera: Camera::default(),
+            is_camera_placed: false,
+            scene: SceneOptions::default(),
+            message: None,
+        }
+    }
+}
+
+/// Draws all panels.
+pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    egui::Panel::top("toolbar").show(ui, |ui| toolbar::show(ui, state, context));
+    egui::Panel::bottom("status").show(ui, |ui| status::show(ui, state, context));
+    if state.shown[PanelKind::Sensors as usize] {
+        let panel = egui::Panel::right("sensors")
+            .default_size(330.0)
+            .min_size(260.0);
+        panel.show(ui, |ui| sensors::show(ui, context));
+    }
+    if state.shown[PanelKind::Scope as usize] {
+        let panel = egui::Panel::bottom("scope")
+            .resizable(true)
+            .default_size(190.0);
+        panel.show(ui, |ui| scope::show(ui, context));
+    }
+    let space = egui::CentralPanel::default().frame(egui::Frame::NONE);
+    space.show(ui, |ui| space::show(ui, state, context));
+}

@@ -1,0 +1,202 @@
+//! A picture on the screen: coloured triangles and labels, before any window toolkit.
+
+use std::f32::consts::{PI, TAU};
+
+use parry3d::math::Vec2;
+
+/// A colour: red, green, blue, opacity; not premultiplied.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Color(pub [u8; 4]);
+
+impl Color {
+    /// Creates an opaque colour.
+    pub const fn rgb(red: u8, green: u8, blue: u8) -> Self {
+        Self([red, green, blue, 255])
+    }
+
+    /// Returns the colour with another opacity, 0..=1.
+    #[must_use]
+    pub fn with_opacity(self, opacity: f32) -> Self {
+        let [red, green, blue, _] = self.0;
+        Self([red, green, blue, (opacity.clamp(0.0, 1.0) * 255.0) as u8])
+    }
+
+    /// Returns the colour at `t` between this one (0) and another (1).
+    #[must_use]
+    pub fn mix(self, other: Self, t: f32) -> Self {
+        let t = t.clamp(0.0, 1.0);
+        let mut mixed = self.0;
+        for (own, other) in mixed.iter_mut().zip(other.0) {
+            *own = (f32::from(*own) * (1.0 - t) + f32::from(other) * t).round() as u8;
+        }
+        Self(mixed)
+    }
+}
+
+/// A word on the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// The middle of the word, in points.
+    pub position: Vec2,
+    /// The height of the letters, in points.
+    pub size: f32,
+    /// The colour.
+    pub color: Color,
+    /// The word.
+    pub text: String,
+}
+
+/// Triangles in the order in which they are drawn.
+#[derive(Clone, Debug, Default)]
+pub struct Triangles {
+    /// Corners: position in points, and colour.
+    pub vertices: Vec<(Vec2, Color)>,
+    /// Indices of the corners, three for each triangle.
+    pub indices: Vec<u32>,
+}
+
+/// A picture: what lies below the labels, the labels, and what lies above them.
+#[derive(Clone, Debug, Default)]
+pub struct Picture {
+    /// Boards.
+    pub below: Triangles,
+    /// Labels of keys and controls.
+    pub labels: Vec<Label>,
+    /// Hands and rings.
+    pub above: Triangles,
+}
+
+/// Width of the soft edge of a shape, in points.
+const FEATHER: f32 = 1.0;
+
+/// Lines of half a circle.
+const ARC_STEPS: usize = 12;
+
+impl Triangles {
+    /// Adds a convex polygon with soft edges; each corner has a colour.
+    pub fn add_polygon(&mut self, corners: &[(Vec2, Color)]) {
+        let count = corners.len() as u32;
+        if count < 3 {
+            return;
+        }
+        let center = corners.iter().map(|(at, _)| *at).sum::<Vec2>() / count as f32;
+        let first = self.vertices.len() as u32;
+        for &(at, color) in corners {
+            let out = (at - center).normalize_or_zero() * FEATHER;
+            self.vertices.push((at, color));
+            self.vertices.push((at + out, color.with_opacity(0.0)));
+        }
+        let inner = |index: u32| first + 2 * (index % count);
+        for index in 1..count - 1 {
+            self.indices.extend([first, inner(index), inner(index + 1)]);
+        }
+        for index in 0..count {
+            let (a, b) = (inner(index), inner(index + 1));
+            self.indices.extend([a, b, b + 1, a, b + 1, a + 1]);
+        }
+    }
+
+    /// Adds a convex polygon of one colour.
+    pub fn add_flat_polygon(&mut self, corners: &[Vec2], color: Color) {
+        let corners: Vec<_> = corners.iter().map(|&corner| (corner, color)).collect();
+        self.add_polygon(&corners);
+    }
+
+    /// Adds a ring of this width around a center.
+    pub fn add_ring(&mut self, center: Vec2, radius: f32, width: f32, color: Color) {
+        let steps = 2 * ARC_STEPS as u32;
+        let first = self.vertices.len() as u32;
+        for step in 0..steps {
+            let direction = Vec2::from_angle(step as f32 / steps as f32 * TAU);
+            for (offset, opacity) in [
+                (-FEATHER, 0.0),
+                (0.0, 1.0),
+                (width, 1.0),
+                (width + FEATHER, 0.0),
+            ] {
+                let own = f32::from(color.0[3]) / 255.0;
+                let color = color.with_opacity(opacity * own);
+                self.vertices
+                    .push((center + direction * (radius + offset), color));
+            }
+        }
+        for step in 0..steps {
+            let (a, b) = (first + 4 * step, first + 4 * ((step + 1) % steps));
+            for band in 0..3 {
+                let (a, b) = (a + band, b + band);
+                self.indices.extend([a, b, b + 1, a, b + 1, a + 1]);
+            }
+        }
+    }
+}
+
+/// Returns the outline of two discs and what is between them.
+pub fn capsule((from, from_radius): (Vec2, f32), (to, to_radius): (Vec2, f32)) -> Vec<Vec2> {
+    let along = to - from;
+    let angle = along.y.atan2(along.x);
+    let mut outline = Vec::with_capacity(2 * ARC_STEPS + 2);
+    for (center, radius, start) in [
+        (to, to_radius, angle - PI / 2.0),
+        (from, from_radius, angle + PI / 2.0),
+    ] {
+        for step in 0..=ARC_STEPS {
+            let at = start + step as f32 / ARC_STEPS as f32 * PI;
+            outline.push(center + Vec2::from_angle(at) * radius);
+        }
+    }
+    outline
+}
+
+/// Returns the convex hull of points (Andrew's monotone chain).
+pub fn convex_hull(mut points: Vec<Vec2>) -> Vec<Vec2> {
+    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    let half = |points: &mut dyn Iterator<Item = Vec2>| {
+        let mut chain: Vec<Vec2> = Vec::new();
+        for point in points {
+            while let [.., a, b] = chain[..]
+                && (b - a).perp_dot(point - a) <= 0.0
+            {
+                chain.pop();
+            }
+            chain.push(point);
+        }
+        chain.pop();
+        chain
+    };
+    let mut hull = half(&mut points.iter().copied());
+    hull.extend(half(&mut points.iter().rev().copied()));
+    hull
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hull_of_a_square_is_its_corners() {
+        let square = [(0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0)].map(|(x, y)| Vec2::new(x, y));
+        let mut points = square.to_vec();
+        points.extend([Vec2::ONE, Vec2::new(1.0, 0.5)]);
+        let hull = convex_hull(points);
+        assert_eq!(hull.len(), 4);
+        assert!(square.iter().all(|corner| hull.contains(corner)));
+    }
+
+    #[test]
+    fn all_indices_of_a_polygon_and_a_ring_are_corners() {
+        let mut triangles = Triangles::default();
+        let corners = capsule((Vec2::ZERO, 4.0), (Vec2::new(30.0, 0.0), 3.0));
+        triangles.add_flat_polygon(&corners, Color::rgb(1, 2, 3));
+        triangles.add_ring(Vec2::ZERO, 10.0, 2.0, Color::rgb(1, 2, 3));
+        let count = triangles.vertices.len() as u32;
+        assert!(triangles.indices.iter().all(|&index| index < count));
+        assert_eq!(triangles.indices.len() % 3, 0);
+    }
+
+    #[test]
+    fn colours_mix() {
+        let (black, white) = (Color::rgb(0, 0, 0), Color::rgb(255, 255, 255));
+        assert_eq!(black.mix(white, 0.5), Color::rgb(128, 128, 128));
+        assert_eq!(black.mix(white, 7.0), white);
+    }
+}
