@@ -18,8 +18,15 @@ const LENGTH: f64 = 0.03;
 /// The distance of the knuckle of each finger from that of the middle finger, to the little finger, in metres.
 const KNUCKLES: [f64; Finger::COUNT] = [-0.03, -0.02, 0.0, 0.02, 0.04];
 
+/// Smallest sine of the angle between a forearm and the vertical at which the palm can face down.
+const MIN_SINE: f64 = 0.2;
+
 /// Returns the joint angles that the rotations of an arm show, in radians. An angle whose bones are not all known is
 /// unknown.
+///
+/// Supination is 0 with the palm down if the rotation of the upper arm in the world is known and the forearm is not vertical.
+/// Else it is 0 if the palm faces away from the direction in which the elbow bends, as in [`hand_angles`]. Both are the same for
+/// an upper arm that hangs down.
 pub fn angles_from_bones(bones: &ArmRotations, side: Side) -> JointAngles {
     let arm = Arm::new(bones, side);
     let shown = hand_angles(&arm.positions(), side);
@@ -103,17 +110,34 @@ impl<'a> Arm<'a> {
         }
     }
 
-    /// Returns the supination of the forearm, also of a straight arm: the elbow is a hinge that bends forward in the T pose.
+    /// Returns the supination of the forearm.
     fn supination(&self, wrist_flexion: f64) -> f64 {
-        let (along, sign) = (outward(self.side), sign(self.side));
-        let forearm = self.lower_arm * along;
-        let hinge = DQuat::from_rotation_arc(along, forearm.normalize());
-        let bend_side = hinge * DVec3::NEG_Z;
-        let across = bend_side.cross(forearm);
+        let along = outward(self.side);
+        let forearm = (self.lower_arm * along).normalize();
         let palm_side =
             self.hand * (along * wrist_flexion.sin() + DVec3::NEG_Y * wrist_flexion.cos());
-        let supination = sign * palm_side.dot(across);
-        supination.atan2(-palm_side.dot(bend_side))
+        // The side that the palm faces away from at 0.
+        let back = self
+            .upward(forearm)
+            .unwrap_or_else(|| self.bend_side(forearm));
+        let supination = sign(self.side) * palm_side.dot(back.cross(forearm));
+        supination.atan2(-palm_side.dot(back))
+    }
+
+    /// Returns the upper side of the forearm in the frame of the upper arm, if the rotation of that in the world is known and
+    /// the forearm is not vertical.
+    fn upward(&self, forearm: DVec3) -> Option<DVec3> {
+        self.bones.get(ArmBone::UpperArm)?;
+        let up = rotation(self.bones, ArmBone::UpperArm).inverse() * DVec3::Y;
+        let across = up.reject_from_normalized(forearm);
+        (across.length() >= MIN_SINE).then(|| across.normalize())
+    }
+
+    /// Returns the side of the forearm to which the elbow bends, also of a straight arm: the elbow is a hinge that bends forward
+    /// in the T pose.
+    fn bend_side(&self, forearm: DVec3) -> DVec3 {
+        let hinge = DQuat::from_rotation_arc(outward(self.side), forearm);
+        hinge * DVec3::NEG_Z
     }
 }
 
@@ -240,7 +264,9 @@ mod tests {
     fn the_t_pose_has_a_straight_hand_and_a_thumb_that_is_up_for_a_bent_elbow() {
         let mut bones = ArmRotations::default();
         for &bone in ArmBone::ALL {
-            bones.set(bone, glam::Quat::IDENTITY);
+            if bone != ArmBone::UpperArm {
+                bones.set(bone, glam::Quat::IDENTITY);
+            }
         }
         for &side in Side::ALL {
             let angles = angles_from_bones(&bones, side);
@@ -258,6 +284,51 @@ mod tests {
                 assert!((found - expected).abs() < 1e-3, "{side} {dof}: {found}");
             }
         }
+    }
+
+    #[test]
+    fn the_palm_is_down_at_supination_0_whatever_the_direction_of_the_upper_arm() {
+        let quarter = std::f32::consts::FRAC_PI_2;
+        for &side in Side::ALL {
+            let sign = sign(side) as f32;
+            // In the T pose, the palm is down; an elbow that bends forward keeps it there.
+            for (turn, expected) in [(0.0, 0.0), (quarter, 90.0), (-0.5 * quarter, -45.0)] {
+                let mut bones = ArmRotations::default();
+                let roll = glam::Quat::from_rotation_x(turn);
+                let bend = glam::Quat::from_rotation_y(sign * quarter);
+                bones.set(ArmBone::UpperArm, glam::Quat::IDENTITY);
+                bones.set(ArmBone::LowerArm, bend * roll);
+                bones.set(ArmBone::Hand, glam::Quat::IDENTITY);
+                let found = angles_from_bones(&bones, side).get(Dof::ForearmSupination);
+                assert!(
+                    (found.to_degrees() - expected).abs() < 1e-3,
+                    "{side} {found}"
+                );
+                // An arm that hangs down, its hand forward with the palm on a table.
+                let hanging = glam::Quat::from_rotation_z(-sign * quarter);
+                bones.set(ArmBone::UpperArm, hanging);
+                bones.set(
+                    ArmBone::LowerArm,
+                    bend * glam::Quat::from_rotation_x(turn - quarter),
+                );
+                let found = angles_from_bones(&bones, side).get(Dof::ForearmSupination);
+                assert!(
+                    (found.to_degrees() - expected).abs() < 1e-3,
+                    "{side} {found}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_vertical_forearm_shows_its_roll_against_the_elbow() {
+        let mut bones = ArmRotations::default();
+        let down = glam::Quat::from_rotation_z(-std::f32::consts::FRAC_PI_2);
+        bones.set(ArmBone::LowerArm, glam::Quat::IDENTITY);
+        bones.set(ArmBone::Hand, glam::Quat::IDENTITY);
+        let without = angles_from_bones(&bones, Side::Right);
+        bones.set(ArmBone::UpperArm, down);
+        assert_eq!(angles_from_bones(&bones, Side::Right), without);
     }
 
     #[test]

@@ -14,10 +14,7 @@ const MIN_SINE: f64 = 0.05;
 /// elbow bends, as on a table, and unknown while the arm is straight. Shoulder angles are those of the upper arm in the
 /// world, 0 if it points straight forward.
 pub fn hand_angles(positions: &JointPositions, side: Side) -> JointAngles {
-    let sign = match side {
-        Side::Right => 1.0,
-        Side::Left => -1.0,
-    };
+    let sign = sign(side);
     let mut angles = JointAngles::default();
     let bones = Bones { positions };
     let upper_arm = bones.direction(Joint::Shoulder, Joint::Elbow);
@@ -31,7 +28,7 @@ pub fn hand_angles(positions: &JointPositions, side: Side) -> JointAngles {
         let bend = upper_arm.cross(forearm).length();
         angles.set(Dof::ElbowFlexion, bend.atan2(upper_arm.dot(forearm)));
     }
-    let Some(palm) = Palm::new(&bones, sign) else {
+    let Some(palm) = Palm::new(&bones, side) else {
         return angles;
     };
     if let Some(forearm) = forearm {
@@ -41,6 +38,17 @@ pub fn hand_angles(positions: &JointPositions, side: Side) -> JointAngles {
         set_finger(&mut angles, &palm, &bones, finger);
     }
     angles
+}
+
+/// Returns the direction from the elbow to the wrist and the side of the forearm to which the palm faces, both of length 1, if
+/// forearm and palm are known.
+pub fn forearm_sides(positions: &JointPositions, side: Side) -> Option<[DVec3; 2]> {
+    let bones = Bones { positions };
+    let forearm = bones.direction(Joint::Elbow, Joint::Wrist)?;
+    let palm = Palm::new(&bones, side)?;
+    let palm_side = palm.side_of_forearm(palm.wrist_flexion(forearm));
+    let palm_side = palm_side.reject_from_normalized(forearm).try_normalize()?;
+    Some([forearm, palm_side])
 }
 
 /// The directions between joints.
@@ -67,7 +75,8 @@ struct Palm {
 }
 
 impl Palm {
-    fn new(bones: &Bones, sign: f64) -> Option<Self> {
+    fn new(bones: &Bones, side: Side) -> Option<Self> {
+        let sign = sign(side);
         let get = |joint| bones.positions.get(joint);
         let index = get(Joint::IndexPhalanxProximal)?;
         let little = get(Joint::LittlePhalanxProximal).or(get(Joint::RingPhalanxProximal))?;
@@ -84,6 +93,16 @@ impl Palm {
         })
     }
 
+    /// Returns the flexion of the wrist against the direction of a forearm, in radians.
+    fn wrist_flexion(&self, forearm: DVec3) -> f64 {
+        (-forearm.dot(self.y)).atan2(forearm.dot(self.x))
+    }
+
+    /// Returns the side of the forearm to which the palm faces at a flexion of the wrist in radians.
+    fn side_of_forearm(&self, wrist_flexion: f64) -> DVec3 {
+        self.x * wrist_flexion.sin() + self.y * wrist_flexion.cos()
+    }
+
     fn components(&self, direction: DVec3) -> DVec3 {
         DVec3::new(
             direction.dot(self.x),
@@ -93,13 +112,20 @@ impl Palm {
     }
 }
 
+/// Returns 1 for a right arm, −1 for a left one.
+fn sign(side: Side) -> f64 {
+    match side {
+        Side::Right => 1.0,
+        Side::Left => -1.0,
+    }
+}
+
 /// Sets the angles of the wrist and the roll of the forearm: the palm is turned against the forearm by the supination
 /// about X, the deviation about Y, then the flexion about Z.
 fn set_wrist(angles: &mut JointAngles, palm: &Palm, forearm: DVec3, upper_arm: Option<DVec3>) {
-    let seen = palm.components(forearm);
-    let flexion = (-seen.y).atan2(seen.x);
+    let flexion = palm.wrist_flexion(forearm);
     angles.set(Dof::WristFlexion, flexion);
-    let deviation = palm.sign * seen.z.clamp(-1.0, 1.0).asin();
+    let deviation = palm.sign * forearm.dot(palm.z).clamp(-1.0, 1.0).asin();
     angles.set(Dof::WristDeviation, deviation);
     let Some(bend) = upper_arm.map(|upper_arm| upper_arm.cross(forearm)) else {
         return;
@@ -107,8 +133,8 @@ fn set_wrist(angles: &mut JointAngles, palm: &Palm, forearm: DVec3, upper_arm: O
     if bend.length() < MIN_SINE {
         return;
     }
-    // The palm side of the forearm, and the side towards which the elbow bends.
-    let palm_side = palm.x * flexion.sin() + palm.y * flexion.cos();
+    let palm_side = palm.side_of_forearm(flexion);
+    // The side of the forearm to which the elbow bends.
     let bend_side = bend.normalize().cross(forearm);
     let across = bend_side.cross(forearm);
     // From facing away from the bend, over the thumb side up, to facing it.

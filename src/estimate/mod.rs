@@ -25,7 +25,7 @@ pub use calibration::{AffineMap, CountRange, FitError, divider_resistance};
 pub use channel_map::{ChannelMap, ChannelRow, InputRow, MAX_CURVATURE, MAX_ROWS};
 pub use estimator::Estimator;
 pub use fusion::FusedEstimator;
-pub use hand_angles::hand_angles;
+pub use hand_angles::{forearm_sides, hand_angles};
 pub use hand_estimator::HandEstimator;
 pub use learned_range::LearnedRange;
 pub use limits::JointLimits;

@@ -1,4 +1,4 @@
-//! Rotations of the bones from the elbows to the fingertips, as animation programs keep them.
+//! Rotations of the bones of the arms, as animation programs keep them.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use super::{Finger, Side};
 use crate::names::named_enum;
 
 named_enum! {
-    /// A bone from the elbow to a fingertip. A parent precedes its children.
+    /// A bone of an arm. The number in recordings is the place in this list: new bones come last.
     pub enum ArmBone ("bone") {
         /// The forearm.
         LowerArm = "lower-arm",
@@ -45,6 +45,8 @@ named_enum! {
         LittleSecond = "little-2",
         /// The distal phalanx of the little finger.
         LittleThird = "little-3",
+        /// The upper arm.
+        UpperArm = "upper-arm",
     }
 }
 
@@ -61,9 +63,12 @@ impl ArmBone {
 
     /// Returns the finger of the bone, or `None` if it moves the whole hand.
     pub const fn finger(self) -> Option<Finger> {
-        match self.index().checked_sub(Self::ThumbFirst.index()) {
-            Some(index) => Some(Finger::ALL[index / Self::PER_FINGER]),
-            None => None,
+        match self {
+            Self::LowerArm | Self::Hand | Self::UpperArm => None,
+            _ => {
+                let index = self.index() - Self::ThumbFirst.index();
+                Some(Finger::ALL[index / Self::PER_FINGER])
+            }
         }
     }
 }
@@ -71,7 +76,7 @@ impl ArmBone {
 /// The rotations of the bones of one arm, some of which may not be known.
 ///
 /// Each is the rotation from the T pose in the frame of the parent, with the axes of the world: X to the right of the body,
-/// Y up, −Z forward. As JSON a map of quaternions x, y, z, w: `{"hand":[0.0,0.0,0.0,1.0]}`.
+/// Y up, −Z forward. The upper arm has no parent: its rotation is in the world. As JSON a map of quaternions x, y, z, w: `{"hand":[0.0,0.0,0.0,1.0]}`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(
     from = "BTreeMap<ArmBone, [f32; 4]>",

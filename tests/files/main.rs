@@ -5,3 +5,4 @@ mod layout_mistakes;
 mod layouts;
 mod pictures;
 mod recordings;
+mod schema;

@@ -5,8 +5,8 @@ use std::time::Duration;
 use glam::{Mat3, Quat, Vec3};
 
 use crate::capture::protocol::vmc;
-use crate::estimate::{JointAngles, bones_from_angles};
-use crate::hand::{BoneRotations, Joint, Side};
+use crate::estimate::{JointAngles, bones_from_angles, forearm_sides};
+use crate::hand::{ArmBone, ArmRotations, BoneRotations, Joint, Side};
 use crate::kinematics::HandPose;
 use crate::time::Timestamp;
 
@@ -20,7 +20,6 @@ const MIN_ACROSS: f32 = 0.05;
 #[derive(Default)]
 pub(super) struct VmcEncoder {
     bones: BoneRotations,
-    upper_arms: [Option<Quat>; Side::COUNT],
     /// The time of the last datagram after a pose of each hand.
     sent_at: [Option<Timestamp>; Side::COUNT],
 }
@@ -35,9 +34,40 @@ impl VmcEncoder {
             return None;
         }
         *sent_at = Some(pose.time);
-        *self.bones.arm_mut(pose.side) = bones_from_angles(angles, pose.side);
-        self.upper_arms[pose.side.index()] = upper_arm(pose);
-        Some(vmc::encode_body(&self.bones, &self.upper_arms, pose.time))
+        *self.bones.arm_mut(pose.side) = arm_bones(angles, pose);
+        Some(vmc::encode_at(&self.bones, pose.time))
+    }
+}
+
+/// Returns the rotations of the bones of an arm. Upper arm and forearm are those of the pose: avatars have the elbow of a person,
+/// and an arm of a setup may bend otherwise.
+fn arm_bones(angles: &JointAngles, pose: &HandPose) -> ArmRotations {
+    let mut bones = bones_from_angles(angles, pose.side);
+    let Some(upper_arm) = upper_arm(pose) else {
+        return bones;
+    };
+    bones.set(ArmBone::UpperArm, upper_arm);
+    if bones.is_known(ArmBone::LowerArm)
+        && let Some(forearm) = forearm(pose)
+    {
+        bones.set(ArmBone::LowerArm, upper_arm.inverse() * forearm);
+    }
+    bones
+}
+
+/// Returns the rotation of the forearm from the T pose in the world: along the forearm, its palm side down.
+fn forearm(pose: &HandPose) -> Option<Quat> {
+    let [along, palm_side] = forearm_sides(&pose.positions(), pose.side)?;
+    let x = outward(along.as_vec3(), pose.side);
+    let y = -palm_side.as_vec3();
+    Some(Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y))))
+}
+
+/// Returns the direction that is +X in the T pose of an arm with this direction.
+fn outward(along: Vec3, side: Side) -> Vec3 {
+    match side {
+        Side::Right => along,
+        Side::Left => -along,
     }
 }
 
@@ -55,10 +85,7 @@ fn upper_arm(pose: &HandPose) -> Option<Quat> {
     let bend_side = [forearm, Vec3::Y, Vec3::NEG_Z]
         .into_iter()
         .find_map(across)?;
-    let x = match pose.side {
-        Side::Right => along,
-        Side::Left => -along,
-    };
+    let x = outward(along, pose.side);
     let z = -bend_side;
     Some(Quat::from_mat3(&Mat3::from_cols(x, z.cross(x), z)))
 }

@@ -1,5 +1,6 @@
 //! A hand shared with other programs.
 
+mod blender;
 mod command;
 mod datagrams;
 mod json;

@@ -9,30 +9,28 @@ pub(super) enum NamedBone {
     Arm(Side, ArmBone),
     /// The metacarpal of a thumb, as VRM 1.0 names it: its `ThumbProximal` is then the second bone.
     ThumbMetacarpal(Side),
+    /// A bone of the trunk, by its index in [`TRUNK`].
+    Trunk(usize),
+    /// A shoulder.
+    Shoulder(Side),
     /// A bone of the rest of the body.
     Body,
 }
 
-/// Bones of the rest of the body, without their sides.
-const BODY: [&str; 18] = [
-    "Hips",
-    "Spine",
-    "Chest",
-    "UpperChest",
-    "Neck",
-    "Head",
-    "Jaw",
-    "Eye",
-    "Shoulder",
-    "UpperArm",
-    "UpperLeg",
-    "LowerLeg",
-    "Foot",
-    "Toes",
-    "ToeBase",
-    "LastBone",
-    "Root",
-    "Origin",
+/// Bones from the root to the shoulders. A parent precedes its child.
+pub(super) const TRUNK: [&str; 4] = ["Hips", "Spine", "Chest", "UpperChest"];
+
+/// Bones that carry no arm, without their sides.
+const BODY: [&str; 12] = [
+    "Neck", "Head", "Jaw", "Eye", "UpperLeg", "LowerLeg", "Foot", "Toes", "ToeBase", "LastBone",
+    "Root", "Origin",
+];
+
+/// Bones of an arm without those of the fingers, without their sides.
+const ARM: [(&str, ArmBone); 3] = [
+    ("UpperArm", ArmBone::UpperArm),
+    ("LowerArm", ArmBone::LowerArm),
+    ("Hand", ArmBone::Hand),
 ];
 
 /// Returns the bone of a name; case does not matter. `None` if there is no such bone.
@@ -42,16 +40,18 @@ pub(super) fn bone_of(name: &[u8]) -> Option<NamedBone> {
         (_, Some(part)) => (Some(Side::Right), part),
         _ => (None, name),
     };
-    if BODY
-        .iter()
-        .any(|bone| part.eq_ignore_ascii_case(bone.as_bytes()))
-    {
+    let is_part = |bone: &str| part.eq_ignore_ascii_case(bone.as_bytes());
+    if BODY.iter().any(|bone| is_part(bone)) {
         return Some(NamedBone::Body);
     }
+    if let Some(index) = TRUNK.iter().position(|bone| is_part(bone)) {
+        return Some(NamedBone::Trunk(index));
+    }
     let side = side?;
-    let arm = [("LowerArm", ArmBone::LowerArm), ("Hand", ArmBone::Hand)];
-    let named = |(name, _): &&(&str, ArmBone)| part.eq_ignore_ascii_case(name.as_bytes());
-    if let Some((_, bone)) = arm.iter().find(named) {
+    if is_part("Shoulder") {
+        return Some(NamedBone::Shoulder(side));
+    }
+    if let Some((_, bone)) = ARM.iter().find(|(name, _)| is_part(name)) {
         return Some(NamedBone::Arm(side, *bone));
     }
     let (finger, segment) = finger_of(part)?;
@@ -93,8 +93,8 @@ pub(super) fn name_of(bone: ArmBone) -> String {
         Some(Finger::Ring) => "Ring",
         Some(Finger::Little) => "Little",
         None => {
-            let names = ["LowerArm", "Hand"];
-            return names[bone.index()].to_owned();
+            let names = ARM.iter().find(|(_, arm_bone)| *arm_bone == bone);
+            return names.map_or("", |(name, _)| name).to_owned();
         }
     };
     let index = (bone.index() - ArmBone::ThumbFirst.index()) % ArmBone::PER_FINGER;

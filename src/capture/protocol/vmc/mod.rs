@@ -1,8 +1,8 @@
 //! VMC: rotations of the bones of a humanoid as OSC messages, as programs for avatars send them.
 //!
 //! `/VMC/Ext/Bone/Pos` has the name of a bone, its position and its rotation in the frame of its parent. Positions are
-//! ignored: the arm of the setup has its own lengths. So are the bones above the elbow, from which boards are placed. A frame ends with the datagram that holds `/VMC/Ext/T` or
-//! `/VMC/Ext/OK`; of senders that have neither, with a bone that comes again. Other messages and additional arguments are
+//! ignored: the arm of the setup has its own lengths. The rotation of an upper arm is that of its parents and its own. A
+//! frame ends with the datagram that holds `/VMC/Ext/T` or `/VMC/Ext/OK`; of senders that have neither, with a bone that comes again. Other messages and additional arguments are
 //! ignored. A message that is not valid is left out of its datagram.
 
 mod bone_names;
@@ -10,7 +10,7 @@ mod osc;
 
 use glam::Quat;
 
-use self::bone_names::{NamedBone, bone_of, name_of};
+use self::bone_names::{NamedBone, TRUNK, bone_of, name_of};
 use self::osc::Message;
 use super::datagrams::{DatagramDecoder, DatagramParser};
 use super::{Carriers, InvalidPacket, Packet, PacketError, PositionNoise, Protocol};
@@ -22,7 +22,7 @@ use crate::time::Timestamp;
 /// The VMC protocol.
 pub const PROTOCOL: Protocol = Protocol {
     name: "vmc",
-    summary: "VMC (OSC): rotations of the bones of forearms and hands, from a program for avatars",
+    summary: "VMC (OSC): rotations of the bones of arms and hands, from a program for avatars",
     sample: SampleKind::Bones,
     has_both_hands: true,
     has_parts: false,
@@ -59,6 +59,12 @@ const MAX_LENGTH: f32 = 1e6;
 pub struct VmcParser {
     /// The bones of the frame so far.
     frame: BoneRotations,
+    /// The latest rotations of the bones of the trunk, each in the frame of the one before.
+    trunk: [Quat; TRUNK.len()],
+    /// The latest rotations of the shoulders in the frame of the trunk, by side.
+    shoulders: [Quat; Side::COUNT],
+    /// The rotations of the upper arms of the frame so far in the frames of the shoulders, by side.
+    upper_arms: [Option<Quat>; Side::COUNT],
     /// The sender names the metacarpals of the thumbs.
     has_metacarpals: bool,
     /// The sender ends its frames with a message.
@@ -95,6 +101,7 @@ impl DatagramParser for VmcParser {
         let error = error.or(state.error);
         if state.is_model_missing {
             self.frame = BoneRotations::default();
+            self.upper_arms = Default::default();
         }
         if state.is_frame_end {
             self.has_ends = true;
@@ -152,8 +159,28 @@ impl VmcParser {
             let text = format!("unknown bone `{}`", escape(&name));
             PacketError::new(InvalidPacket::Unknown, text)
         })?;
+        if bone == NamedBone::Body {
+            return Ok(());
+        }
+        let [_, _, _, x, y, z, w] = numbers;
+        let rotation = rotation([x, y, z, w]).ok_or_else(|| {
+            PacketError::new(
+                InvalidPacket::NotFinite,
+                "a rotation is not finite or has no length",
+            )
+        })?;
+        self.set_bone(bone, rotation, emit);
+        Ok(())
+    }
+
+    fn set_bone(&mut self, bone: NamedBone, rotation: Quat, emit: &mut dyn FnMut(Packet)) {
         let (side, bone) = match bone {
-            NamedBone::Body => return Ok(()),
+            NamedBone::Body => return,
+            NamedBone::Trunk(index) => return self.trunk[index] = rotation,
+            NamedBone::Shoulder(side) => return self.shoulders[side.index()] = rotation,
+            NamedBone::Arm(side, ArmBone::UpperArm) => {
+                return self.upper_arms[side.index()] = Some(rotation);
+            }
             NamedBone::ThumbMetacarpal(side) => {
                 self.has_metacarpals = true;
                 (side, ArmBone::ThumbFirst)
@@ -163,22 +190,23 @@ impl VmcParser {
             }
             NamedBone::Arm(side, bone) => (side, bone),
         };
-        let [_, _, _, x, y, z, w] = numbers;
-        let rotation = rotation([x, y, z, w]).ok_or_else(|| {
-            PacketError::new(
-                InvalidPacket::NotFinite,
-                "a rotation is not finite or has no length",
-            )
-        })?;
         if !self.has_ends && self.frame.arm(side).is_known(bone) {
             self.end_frame(emit);
         }
         self.frame.arm_mut(side).set(bone, rotation);
-        Ok(())
     }
 
     fn end_frame(&mut self, emit: &mut dyn FnMut(Packet)) {
-        let bones = std::mem::take(&mut self.frame);
+        let mut bones = std::mem::take(&mut self.frame);
+        let trunk = self.trunk.iter().copied().product::<Quat>();
+        for &side in Side::ALL {
+            let upper_arm = self.upper_arms[side.index()].take();
+            // An avatar without a tracked arm has an upper arm at rest.
+            if let Some(rotation) = upper_arm.filter(|_| !bones.arm(side).is_empty()) {
+                let rotation = trunk * self.shoulders[side.index()] * rotation;
+                bones.arm_mut(side).set(ArmBone::UpperArm, rotation);
+            }
+        }
         if !bones.left.is_empty() || !bones.right.is_empty() {
             emit(Packet::new(Sample::Bones { bones }, 0));
         }
@@ -209,22 +237,15 @@ fn merged(readings: &[Reading]) -> BoneRotations {
     merged
 }
 
-/// Writes a frame as a datagram: a bundle of the state and the time, with the bones in a bundle of their own.
+/// Writes a frame at time 0.
 pub fn encode(bones: &BoneRotations) -> Vec<u8> {
-    encode_body(bones, &[None; Side::COUNT], Timestamp::default())
+    encode_at(bones, Timestamp::default())
 }
 
-/// Writes a frame with the rotations of the upper arms in the world, by side, and its time.
-pub fn encode_body(
-    bones: &BoneRotations,
-    upper_arms: &[Option<Quat>; Side::COUNT],
-    time: Timestamp,
-) -> Vec<u8> {
+/// Writes a frame as a datagram: a bundle of the state and the time, with the bones in a bundle of their own.
+pub fn encode_at(bones: &BoneRotations, time: Timestamp) -> Vec<u8> {
     let mut messages = Vec::new();
     for (side, prefix) in [(Side::Left, "Left"), (Side::Right, "Right")] {
-        if let Some(rotation) = upper_arms[side.index()] {
-            messages.push(encode_bone(&format!("{prefix}UpperArm"), rotation));
-        }
         for (bone, rotation) in bones.arm(side).known() {
             messages.push(encode_bone(&format!("{prefix}{}", name_of(bone)), rotation));
         }

@@ -83,10 +83,52 @@ fn a_frame_of_several_datagrams_with_nested_bundles_is_one_sample() {
     assert_eq!(frames.len(), 1);
     assert_eq!(
         names(&frames[0]),
-        ["left lower-arm", "left hand", "left index-3"]
+        [
+            "left lower-arm",
+            "left hand",
+            "left index-3",
+            "left upper-arm"
+        ]
     );
     let stats = decoder.stats();
     assert_eq!((stats.skipped_bytes, stats.invalid.total()), (0, 0));
+}
+
+#[test]
+fn the_rotation_of_an_upper_arm_includes_the_bones_from_the_hips_to_the_shoulder() {
+    // About Z, so that the angles add up; Unity's axis points the other way twice.
+    let turn = |name, radians: f32| {
+        let (sin, cos) = (radians / 2.0).sin_cos();
+        bone(name, [0.0, 0.0, sin, cos])
+    };
+    let trunk = osc::bundle(&[
+        turn("Hips", 0.01),
+        turn("Spine", 0.02),
+        turn("Chest", 0.04),
+        turn("UpperChest", 0.08),
+        turn("RightShoulder", 0.16),
+        turn("LeftShoulder", 5.0),
+        turn("RightUpperArm", 0.32),
+        turn("LeftUpperArm", 0.32),
+        turn("RightLowerArm", 0.64),
+        time(),
+    ]);
+    // The bones above stay where they were if their datagram is lost.
+    let arm = osc::bundle(&[
+        turn("RightUpperArm", 0.5),
+        turn("RightLowerArm", 0.64),
+        time(),
+    ]);
+    let lost = osc::bundle(&[turn("RightLowerArm", 0.64), time()]);
+    let frames = decode(&mut decoder(), &[trunk, arm, lost]);
+    let angle = |frame: &BoneRotations| {
+        let upper_arm = frame.right.get(ArmBone::UpperArm)?;
+        let along = upper_arm * glam::Vec3::X;
+        Some((along.y.atan2(along.x) * 1e3).round())
+    };
+    let angles: Vec<_> = frames.iter().map(angle).collect();
+    assert_eq!(angles, [Some(630.0), Some(810.0), None]);
+    assert!(frames.iter().all(|frame| frame.left.is_empty()));
 }
 
 #[test]
