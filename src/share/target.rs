@@ -156,10 +156,15 @@ fn parse_address(format: ShareFormat, link: ShareLink, text: &str) -> Result<Sha
 
 /// Returns the reason why a format is not shared with other machines.
 fn local_only(format: ShareFormat) -> String {
-    format!(
-        "`{format}` is for programs on this machine only, at 127.0.0.1 or [::1]; use an SSH tunnel for another machine \
-         (`ssh -L`), or share `json`, `text-line`, `angles` or `pose` with `+tls`"
-    )
+    let remedy = match format.is_datagram() {
+        true => {
+            "share `text-line+tls` with another machine, and let an `ademan share` there send to its programs"
+        }
+        false => {
+            "use an SSH tunnel for another machine (`ssh -L`), or share `json`, `text-line`, `angles` or `pose` with `+tls`"
+        }
+    };
+    format!("`{format}` is for programs on this machine only, at 127.0.0.1 or [::1]; {remedy}")
 }
 
 fn parse_key(format: ShareFormat, text: &str) -> Result<ShareTarget, String> {
@@ -230,17 +235,18 @@ mod tests {
         let unknown = error("text-lnie:127.0.0.1:1");
         assert!(unknown.contains("did you mean `text-line`?"), "{unknown}");
         assert!(error("pose:localhost:1").contains("not an address and a port"));
-        for remote in ["pose:192.0.2.2:1", "vmc:192.168.1.2:1", "pose:[fd00::2]:1"] {
+        for remote in ["pose:192.0.2.2:1", "ws:192.168.1.2:1", "pose:[fd00::2]:1"] {
             assert!(error(remote).contains("ssh -L"), "{remote}");
         }
         for any in ["pose:0.0.0.0:1", "pose+tls:0.0.0.0:1", "pose+tls:[::]:1"] {
             assert!(error(any).contains("every network"), "{any}");
         }
-        for local in [
-            "vmc+tls:192.0.2.2:1",
-            "ws+tls:192.0.2.2:1",
-            "web:192.0.2.2:1",
-        ] {
+        for datagrams in ["vmc:192.168.1.2:1", "opentrack+tls:192.0.2.2:1"] {
+            let error = error(datagrams);
+            assert!(error.contains("text-line+tls"), "{error}");
+            assert!(!error.contains("ssh"), "{error}");
+        }
+        for local in ["ws+tls:192.0.2.2:1", "web:192.0.2.2:1"] {
             assert!(error(local).contains("`json`, `text-line`"), "{local}");
         }
         assert!(error("json+zenoh:lab/right").contains("has no requests"));
