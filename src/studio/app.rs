@@ -8,7 +8,7 @@ use eframe::egui;
 use super::model::StudioModel;
 use super::panels::{self, PanelContext, PanelState};
 use super::sensors::SensorTable;
-use super::texts;
+use super::texts::text;
 use crate::command::Command;
 use crate::session::view::Viewer;
 use crate::session::{CommandSender, SessionHandle};
@@ -111,7 +111,7 @@ impl eframe::App for Window {
 /// require.
 pub fn open_window(app: StudioApp, should_close: fn() -> bool) -> Result<(), StudioError> {
     let viewport = egui::ViewportBuilder::default()
-        .with_title(texts::TITLE)
+        .with_title(text("window-title"))
         .with_app_id("ademan-studio")
         .with_inner_size(WINDOW_SIZE)
         .with_min_inner_size(MIN_WINDOW_SIZE);
@@ -121,6 +121,10 @@ pub fn open_window(app: StudioApp, should_close: fn() -> bool) -> Result<(), Stu
         ..eframe::NativeOptions::default()
     };
     let window = Window { app, should_close };
-    let opened = eframe::run_native(texts::TITLE, options, Box::new(|_| Ok(Box::new(window))));
+    let opened = eframe::run_native(
+        text("window-title"),
+        options,
+        Box::new(|_| Ok(Box::new(window))),
+    );
     opened.map_err(|error| StudioError::Window(error.to_string()))
 }

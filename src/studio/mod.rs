@@ -17,7 +17,7 @@
 //! 1. What it shows: a file beside this one, without egui, with unit tests.
 //! 2. How it is drawn: a file in `panels`, with a function that receives a `&mut Ui` and a `PanelContext`.
 //! 3. A variant of `panels::PanelKind`, which gives it an entry in the menu, and a line in `panels::show`.
-//! 4. Its words: constants in [`texts`], the only file with words for the screen.
+//! 4. Its words: in `texts/en.ftl` and `texts/es.ftl`; see [`texts`].
 
 mod app;
 pub mod camera;

@@ -11,6 +11,7 @@ use eframe::egui;
 use super::camera::Camera;
 use super::model::StudioModel;
 use super::scene::SceneOptions;
+use super::texts::text;
 use crate::command::Command;
 
 /// The state of the session, and commands to it, for a panel.
@@ -47,8 +48,8 @@ impl PanelKind {
 
     fn name(self) -> &'static str {
         match self {
-            Self::Sensors => super::texts::SENSORS,
-            Self::Scope => super::texts::SCOPE,
+            Self::Sensors => text("panel-sensors"),
+            Self::Scope => text("panel-scope"),
         }
     }
 }

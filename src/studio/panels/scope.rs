@@ -4,7 +4,7 @@ use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rect, Stroke};
 
 use super::PanelContext;
 use crate::studio::history::{History, Moment, SECONDS, SHOWN_ANGLES};
-use crate::studio::texts;
+use crate::studio::texts::text;
 
 /// Colours of the lines: those of the angles, and that of the fingertip.
 const LINE_COLORS: [Color32; SHOWN_ANGLES.len() + 1] = [
@@ -30,13 +30,13 @@ const GRID_SECONDS: usize = 5;
 pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
-        ui.strong(texts::SCOPE);
+        ui.strong(text("panel-scope"));
         let angles = SHOWN_ANGLES.iter().map(|dof| format!("{}, °", dof.name()));
-        let names = angles.chain([format!("{}, mm", texts::LOWEST_FINGERTIP)]);
+        let names = angles.chain([format!("{}, mm", text("scope-lowest-fingertip"))]);
         for (name, color) in names.zip(LINE_COLORS) {
             ui.colored_label(color, format!("— {name}"));
         }
-        ui.colored_label(PRESS_COLOR, format!("▬ {}", texts::PRESSES));
+        ui.colored_label(PRESS_COLOR, format!("▬ {}", text("scope-presses")));
     });
     let (area, _) = ui.allocate_exact_size(ui.available_size(), egui::Sense::hover());
     if area.height() < 2.0 * PRESS_LINE {

@@ -6,11 +6,19 @@ use super::PanelContext;
 use crate::estimate::Rejection;
 use crate::studio::model::StudioModel;
 use crate::studio::sensors::{ChannelState, SensorRow, SensorTable};
-use crate::studio::texts;
+use crate::studio::texts::text;
+
+/// Headings of the table of channels.
+const COLUMNS: [&str; 4] = [
+    "channel-column",
+    "channel-joint",
+    "channel-count",
+    "channel-angle",
+];
 
 pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
     ui.add_space(6.0);
-    ui.heading(texts::SENSORS);
+    ui.heading(text("panel-sensors"));
     ui.add_space(4.0);
     egui::ScrollArea::vertical().show(ui, |ui| {
         show_source(ui, context.model);
@@ -23,16 +31,25 @@ fn show_source(ui: &mut egui::Ui, model: &StudioModel) {
     let state = &model.view.state;
     let stats = &model.stats;
     let mut rows = vec![
-        (texts::SOURCE.to_owned(), state.source.clone()),
-        (texts::OUTPUT.to_owned(), state.output.clone()),
+        (text("stats-source").to_owned(), state.source.clone()),
+        (text("stats-output").to_owned(), state.output.clone()),
         (
-            texts::RATE.to_owned(),
+            text("stats-rate").to_owned(),
             format!("{:.0}", state.readings_per_second),
         ),
-        (texts::ACCEPTED.to_owned(), stats.accepted.to_string()),
-        (texts::DROPPED.to_owned(), stats.source.dropped.to_string()),
-        (texts::LOSSES.to_owned(), stats.source.losses.to_string()),
-        (texts::STALLS.to_owned(), stats.stalls.to_string()),
+        (
+            text("stats-accepted").to_owned(),
+            stats.accepted.to_string(),
+        ),
+        (
+            text("stats-dropped").to_owned(),
+            stats.source.dropped.to_string(),
+        ),
+        (
+            text("stats-losses").to_owned(),
+            stats.source.losses.to_string(),
+        ),
+        (text("stats-stalls").to_owned(), stats.stalls.to_string()),
     ];
     for (reason, count) in Rejection::ALL.iter().zip(stats.rejected) {
         if count > 0 {
@@ -55,16 +72,16 @@ fn show_channels(ui: &mut egui::Ui, model: &StudioModel) {
     if !model.sensors.is_seen() {
         let is_waiting = model.stats.source.readings == 0;
         ui.label(if is_waiting {
-            texts::NO_READING
+            text("channel-no-reading")
         } else {
-            texts::NO_CHANNELS
+            text("channel-none")
         });
         return;
     }
     let grid = egui::Grid::new("channels").num_columns(4).striped(true);
     grid.spacing([10.0, 3.0]).show(ui, |ui| {
-        for name in texts::SENSOR_COLUMNS {
-            ui.strong(name);
+        for key in COLUMNS {
+            ui.strong(text(key));
         }
         ui.end_row();
         for row in model.sensors.rows() {
@@ -78,8 +95,8 @@ fn show_row(ui: &mut egui::Ui, model: &StudioModel, table: &SensorTable, row: &S
     let state = table.state(row);
     let hint = match state {
         ChannelState::Good => row.label.as_str(),
-        ChannelState::AtEnd => texts::AT_END,
-        ChannelState::Unchanged => texts::UNCHANGED,
+        ChannelState::AtEnd => text("channel-at-end"),
+        ChannelState::Unchanged => text("channel-unchanged"),
     };
     let color = match state {
         ChannelState::Good => Color32::from_rgb(0x3b, 0x82, 0xc4),

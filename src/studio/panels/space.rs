@@ -6,7 +6,7 @@ use parry3d::math::Vec2;
 use super::{PanelContext, PanelState};
 use crate::studio::picture::{Color, Picture, Triangles};
 use crate::studio::scene::{self, SceneColors};
-use crate::studio::texts;
+use crate::studio::texts::text;
 
 /// Height of letters as a fraction of the size of their font.
 const LETTER_HEIGHT: f32 = 0.72;
@@ -40,7 +40,13 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
     let font = FontId::proportional(12.0);
     let color = ui.visuals().weak_text_color();
     let painter = ui.painter_at(area);
-    painter.text(hint, Align2::CENTER_BOTTOM, texts::CAMERA_HINT, font, color);
+    painter.text(
+        hint,
+        Align2::CENTER_BOTTOM,
+        text("hint-camera"),
+        font,
+        color,
+    );
 }
 
 /// Points the camera at the boards once their poses are known.

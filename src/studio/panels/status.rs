@@ -4,7 +4,7 @@ use eframe::egui::{self, Color32};
 
 use super::{PanelContext, PanelState};
 use crate::pipeline::PipelineState;
-use crate::studio::texts;
+use crate::studio::texts::text;
 
 pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     ui.add_space(3.0);
@@ -23,7 +23,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
         ui.separator();
         let notice = model.view.messages.last();
         let message = match (&state.message, notice) {
-            _ if model.has_ended => texts::ENDED,
+            _ if model.has_ended => text("message-ended"),
             (Some(message), _) => message,
             (None, Some(notice)) => notice,
             (None, None) => "",

@@ -5,7 +5,7 @@ use eframe::egui::{self, Key};
 use super::{PanelContext, PanelKind, PanelState};
 use crate::command::Command;
 use crate::studio::camera::Viewpoint;
-use crate::studio::texts;
+use crate::studio::texts::text;
 
 pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     ui.add_space(4.0);
@@ -15,18 +15,18 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
         ui.separator();
         for (viewpoint, name, key) in VIEWPOINTS {
             let is_pressed = ui.input(|input| input.key_pressed(key));
-            if ui.button(name).clicked() || is_pressed {
+            if ui.button(text(name)).clicked() || is_pressed {
                 state.camera.look_from(viewpoint);
             }
         }
         ui.separator();
-        ui.menu_button(texts::VIEW, |ui| {
+        ui.menu_button(text("menu-view"), |ui| {
             for kind in PanelKind::ALL {
                 ui.checkbox(&mut state.shown[kind as usize], kind.name());
             }
-            ui.checkbox(&mut state.scene.bones, texts::BONES);
+            ui.checkbox(&mut state.scene.bones, text("view-bones"));
             let mut is_dark = ui.visuals().dark_mode;
-            if ui.checkbox(&mut is_dark, texts::DARK).changed() {
+            if ui.checkbox(&mut is_dark, text("view-dark")).changed() {
                 ui.ctx().set_theme(match is_dark {
                     true => egui::Theme::Dark,
                     false => egui::Theme::Light,
@@ -39,26 +39,31 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
 
 /// The named positions of the camera, with their keys.
 const VIEWPOINTS: [(Viewpoint, &str, Key); 3] = [
-    (Viewpoint::Eye, texts::FROM_EYE, Key::Num1),
-    (Viewpoint::Above, texts::FROM_ABOVE, Key::Num2),
-    (Viewpoint::Side, texts::FROM_SIDE, Key::Num3),
+    (Viewpoint::Eye, "view-eye", Key::Num1),
+    (Viewpoint::Above, "view-above", Key::Num2),
+    (Viewpoint::Side, "view-side", Key::Num3),
 ];
 
 fn show_commands(ui: &mut egui::Ui, context: &mut PanelContext) {
     let is_paused = context.model.view.state.paused_by.is_some();
     let pause = match is_paused {
-        true => (texts::RESUME, Command::Resume),
-        false => (texts::PAUSE, Command::Pause),
+        true => (text("button-resume"), Command::Resume),
+        false => (text("button-pause"), Command::Pause),
     };
     let buttons = [
-        (pause.0, texts::PAUSE_HINT, Key::P, pause.1),
+        (pause.0, text("hint-pause"), Key::P, pause.1),
         (
-            texts::RECENTER,
-            texts::RECENTER_HINT,
+            text("button-recenter"),
+            text("hint-recenter"),
             Key::C,
             Command::Recenter,
         ),
-        (texts::ZERO, texts::ZERO_HINT, Key::Z, Command::Zero),
+        (
+            text("button-zero"),
+            text("hint-zero"),
+            Key::Z,
+            Command::Zero,
+        ),
     ];
     for (name, hint, key, command) in buttons {
         let button = egui::Button::new(name);

@@ -1,5 +1,6 @@
 //! The session of Studio and its window.
 
+use std::env;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use ademan::capture::recording::Replay;
@@ -7,6 +8,7 @@ use ademan::command::Command;
 use ademan::session::SessionOptions;
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use ademan::studio::sensors::SensorTable;
+use ademan::studio::texts::{self, Language};
 use ademan::studio::{StudioApp, StudioError, open_window};
 use ademan::{advice, doctor, output};
 
@@ -38,6 +40,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let sensors = map.map(SensorTable::new).unwrap_or_default();
     let session = session::start(setup, options)?;
     session.wait_until_started();
+    texts::set_language(language());
     let shown = catch_unwind(AssertUnwindSafe(|| {
         let app = StudioApp::new(&session, sensors)?;
         open_window(app, signals::is_stop_requested)
@@ -50,6 +53,13 @@ pub fn open(args: Args) -> Result<(), Failure> {
         Err(_) => say!("the window has failed; the session goes on, and Ctrl-C ends it"),
     }
     stats::report(session.join()?)
+}
+
+/// Returns the language of messages, as the environment names it.
+fn language() -> Language {
+    let set = |name| env::var(name).ok().filter(|value| !value.is_empty());
+    let locale = ["LC_ALL", "LC_MESSAGES", "LANG"].into_iter().find_map(set);
+    Language::from_locale(&locale.unwrap_or_default())
 }
 
 /// Loads the setup, and opens a recording or a simulated hand as the source where the setup has none.
