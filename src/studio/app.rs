@@ -57,6 +57,16 @@ impl StudioApp {
         })
     }
 
+    /// Prepares a window for the first picture.
+    pub fn prepare(context: &egui::Context) {
+        context.set_fonts(panels::fonts());
+    }
+
+    /// The state that the window shows.
+    pub fn model(&self) -> &StudioModel {
+        &self.model
+    }
+
     /// Draws one picture.
     pub fn show(&mut self, ui: &mut egui::Ui) {
         self.receive();
@@ -121,10 +131,10 @@ pub fn open_window(app: StudioApp, should_close: fn() -> bool) -> Result<(), Stu
         ..eframe::NativeOptions::default()
     };
     let window = Window { app, should_close };
-    let opened = eframe::run_native(
-        text("window-title"),
-        options,
-        Box::new(|_| Ok(Box::new(window))),
-    );
+    let create: eframe::AppCreator = Box::new(|creation| {
+        StudioApp::prepare(&creation.egui_ctx);
+        Ok(Box::new(window))
+    });
+    let opened = eframe::run_native(text("window-title"), options, create);
     opened.map_err(|error| StudioError::Window(error.to_string()))
 }

@@ -1,5 +1,6 @@
 //! The panels of the window, one file each, and the part of the window that each fills.
 
+mod fonts;
 mod scope;
 mod sensors;
 mod space;
@@ -13,6 +14,8 @@ use super::model::StudioModel;
 use super::scene::SceneOptions;
 use super::texts::text;
 use crate::command::Command;
+
+pub use self::fonts::fonts;
 
 /// The state of the session, and commands to it, for a panel.
 pub struct PanelContext<'a> {

@@ -114,9 +114,20 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
             position: center.position,
             size,
             color: label,
-            text: text.clone(),
+            text: with_known_signs(text),
         });
     }
+}
+
+/// Replaces the signs that the font of the window lacks.
+fn with_known_signs(label: &str) -> String {
+    let known = |sign| match sign {
+        '⏎' => '↵',
+        '⌫' => '⟵',
+        '␣' => ' ',
+        known => known,
+    };
+    label.chars().map(known).collect()
 }
 
 fn key_height(target: &Target) -> f32 {

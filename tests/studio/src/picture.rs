@@ -1,0 +1,106 @@
+//! Pictures of windows: written, checked not to be blank, and compared with reviewed ones.
+
+use std::collections::HashSet;
+use std::env;
+use std::fs::{self, File};
+use std::panic::catch_unwind;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
+use egui_kittest::{SnapshotOptions, try_image_snapshot_options};
+use image::RgbaImage;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+
+use crate::window::StudioWindow;
+
+/// The fewest colours of a picture that shows something.
+const MIN_COLORS: usize = 40;
+
+/// The largest difference of a pixel that is not seen, as a squared distance of colours.
+const THRESHOLD: f32 = 1.0;
+
+/// The number of pixels that another version of the driver may draw in another way.
+const MAX_FAILED_PIXELS: usize = 200;
+
+/// Draws the window, writes the picture to `target/studio/NAME.png`, and checks that it is not blank.
+///
+/// Returns `None`, and says that the test is skipped, without a Vulkan driver.
+pub fn draw(window: &mut StudioWindow, name: &str) -> Option<RgbaImage> {
+    if !has_driver() {
+        println!("SKIPPED: there is no Vulkan driver; Debian's mesa-vulkan-drivers is one");
+        return None;
+    }
+    let picture = window.harness.render().expect("the driver draws");
+    save(
+        &picture,
+        &folder("../../target/studio")
+            .join(name)
+            .with_extension("png"),
+    );
+    let colors: HashSet<[u8; 4]> = picture.pixels().map(|pixel| pixel.0).collect();
+    assert!(
+        colors.len() > MIN_COLORS,
+        "{name} is blank: {} colours",
+        colors.len()
+    );
+    Some(picture)
+}
+
+/// Draws the window and compares it with the reviewed picture of this name, or replaces that if `UPDATE_SNAPSHOTS` is set.
+pub fn compare(window: &mut StudioWindow, name: &str) {
+    let Some(mut picture) = draw(window, name) else {
+        return;
+    };
+    if let Some(area) = window.unsteady_area() {
+        cover(&mut picture, area);
+    }
+    if env::var_os("UPDATE_SNAPSHOTS").is_some() {
+        save(
+            &picture,
+            &folder("pictures").join(name).with_extension("png"),
+        );
+        return;
+    }
+    let options = SnapshotOptions::new()
+        .threshold(THRESHOLD)
+        .max_failed_pixels(MAX_FAILED_PIXELS)
+        .output_path(folder("pictures"));
+    if let Err(error) = try_image_snapshot_options(&picture, name, &options) {
+        panic!("{error}");
+    }
+}
+
+/// Fills an area with one colour.
+fn cover(picture: &mut RgbaImage, area: egui::Rect) {
+    for (x, y, pixel) in picture.enumerate_pixels_mut() {
+        if area.contains(egui::pos2(x as f32, y as f32)) {
+            *pixel = image::Rgba([128, 128, 128, 255]);
+        }
+    }
+}
+
+/// Writes a picture into a small file.
+pub fn save(picture: &RgbaImage, path: &Path) {
+    let folder = path.parent().expect("a picture is in a folder");
+    fs::create_dir_all(folder).expect("the folder can be created");
+    let file = File::create(path).expect("the picture can be written");
+    let encoder = PngEncoder::new_with_quality(file, CompressionType::Best, FilterType::Adaptive);
+    let opaque = image::DynamicImage::ImageRgba8(picture.clone()).into_rgb8();
+    opaque
+        .write_with_encoder(encoder)
+        .expect("the picture can be written");
+}
+
+/// Returns a folder from that of this package.
+pub fn folder(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
+}
+
+/// Returns `true` if pictures can be drawn.
+fn has_driver() -> bool {
+    static HAS_DRIVER: OnceLock<bool> = OnceLock::new();
+    *HAS_DRIVER.get_or_init(|| {
+        catch_unwind(|| create_render_state(default_wgpu_setup(), Default::default())).is_ok()
+    })
+}

@@ -1,0 +1,53 @@
+//! The toolbar: commands to the session, and panels that are hidden and shown.
+
+use ademan::studio::texts::text;
+
+use crate::picture;
+use crate::window::Opening;
+
+#[test]
+fn a_click_on_pause_pauses_the_session_and_another_resumes_it() {
+    let mut window = Opening::default().open();
+    window.click(text("button-pause"));
+    window.wait_for("a paused session", |model| {
+        model.view.state.paused_by.is_some()
+    });
+    window.draw(1);
+    window.click(text("button-resume"));
+    window.wait_for("a running session", |model| {
+        model.view.state.paused_by.is_none()
+    });
+}
+
+#[test]
+fn the_p_key_pauses_the_session() {
+    let mut window = Opening::default().open();
+    window.press_key(egui::Key::P);
+    window.wait_for("a paused session", |model| {
+        model.view.state.paused_by.is_some()
+    });
+}
+
+#[test]
+fn each_panel_is_hidden_and_shown() {
+    let mut window = Opening::default().open();
+    let presses = format!("▬ {}", text("scope-presses"));
+    for (panel, content) in [
+        (text("panel-sensors"), text("stats-source")),
+        (text("panel-scope"), presses.as_str()),
+    ] {
+        assert!(window.has(content), "{panel} is shown");
+        for is_shown in [false, true] {
+            window.click(text("menu-view"));
+            window.toggle(panel);
+            window.press_key(egui::Key::Escape);
+            assert_eq!(window.has(content), is_shown, "{panel}");
+        }
+    }
+}
+
+#[test]
+fn the_whole_window_is_as_reviewed() {
+    let mut window = Opening::default().open();
+    picture::compare(&mut window, "studio");
+}

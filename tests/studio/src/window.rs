@@ -1,0 +1,164 @@
+//! Studio in a window without a display, and a person who operates it.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use ademan::session::{Session, SessionHandle, SessionOptions};
+use ademan::setup::{OtherHand, Setup};
+use ademan::studio::StudioApp;
+use ademan::studio::model::StudioModel;
+use ademan::studio::sensors::SensorTable;
+use ademan::studio::texts::text;
+use egui::accesskit::Role;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+use crate::played_hand::PlayedHand;
+
+/// Time after which a session that does not do what a test waits for has failed.
+const TIMEOUT: Duration = Duration::from_secs(30);
+
+/// Time between two pictures while a test waits.
+const PICTURE_PERIOD: Duration = Duration::from_millis(10);
+
+/// The content of a window when it opens.
+pub struct Opening {
+    /// The setup of the session. Its source is the simulated hand.
+    pub setup: Setup,
+    /// Number of readings after which the hand keeps still.
+    pub readings: usize,
+    /// Colours.
+    pub theme: egui::Theme,
+    /// Size, in points.
+    pub size: [f32; 2],
+}
+
+impl Default for Opening {
+    fn default() -> Self {
+        Self {
+            setup: Setup {
+                output: "none".into(),
+                ..Setup::default()
+            },
+            readings: 180,
+            theme: egui::Theme::Dark,
+            size: [1280.0, 800.0],
+        }
+    }
+}
+
+impl Opening {
+    /// Returns the default window on a layout that comes with the program, with both hands if it is for both.
+    pub fn on_layout(layout: &str) -> Self {
+        let mut opening = Self::default();
+        opening.setup.layout = layout.to_owned();
+        opening.setup.other_hand = layout.contains("-two-").then(OtherHand::default);
+        opening
+    }
+
+    /// Starts the session and opens the window. Waits until the hand keeps still.
+    pub fn open(self) -> StudioWindow {
+        let setup = self.setup.load_files().expect("the files of the setup");
+        let hand = PlayedHand::new(&setup, self.readings).expect("a hand for the layout");
+        let map = setup.glove.as_ref().map(|glove| &glove.map);
+        let sensors = map.map(SensorTable::new).unwrap_or_default();
+        let options = SessionOptions {
+            source: Some(Box::new(hand)),
+            lossless_snapshots: true,
+            ..SessionOptions::default()
+        };
+        let session = Session::start(setup, options).expect("the session starts");
+        session.wait_until_started();
+        let app = StudioApp::new(&session, sensors).expect("the session runs");
+        let builder = Harness::builder()
+            .with_size(self.size)
+            .with_theme(self.theme)
+            .with_context_setup(StudioApp::prepare)
+            .wgpu();
+        let mut window = StudioWindow {
+            harness: builder.build_ui_state(show, app),
+            _session: session,
+        };
+        window.wait_for_still_hand(self.readings);
+        window
+    }
+}
+
+/// Draws Studio on the whole window: the harness leaves a margin.
+fn show(ui: &mut egui::Ui, app: &mut StudioApp) {
+    let area = ui.ctx().content_rect();
+    ui.scope_builder(egui::UiBuilder::new().max_rect(area), |ui| {
+        ui.set_clip_rect(area);
+        app.show(ui);
+    });
+}
+
+/// Studio in a window without a display, on a session of its own.
+pub struct StudioWindow {
+    /// The window. Declared first: the session ends after it.
+    pub harness: Harness<'static, StudioApp>,
+    _session: SessionHandle,
+}
+
+impl StudioWindow {
+    /// The state that the window shows.
+    pub fn model(&self) -> &StudioModel {
+        self.harness.state().model()
+    }
+
+    /// Draws `count` pictures.
+    pub fn draw(&mut self, count: usize) {
+        self.harness.run_steps(count);
+    }
+
+    /// Clicks on the widget with this name, and draws what follows.
+    pub fn click(&mut self, name: &str) {
+        self.harness.get_by_label(name).click();
+        self.draw(3);
+    }
+
+    /// Clicks on the check box with this name, and draws what follows.
+    pub fn toggle(&mut self, name: &str) {
+        let check_box = self.harness.get_by_role_and_label(Role::CheckBox, name);
+        check_box.click();
+        self.draw(3);
+    }
+
+    /// Presses and releases a key, and draws what follows.
+    pub fn press_key(&mut self, key: egui::Key) {
+        self.harness.key_press(key);
+        self.draw(3);
+    }
+
+    /// Returns `true` if the window has a widget with this name.
+    pub fn has(&self, name: &str) -> bool {
+        self.harness.query_by_label(name).is_some()
+    }
+
+    /// The part of the window that depends on the speed of the machine: the rate of readings.
+    pub fn unsteady_area(&self) -> Option<egui::Rect> {
+        let label = self.harness.query_by_label(text("stats-rate"))?.rect();
+        let right = self.harness.ctx.content_rect().right();
+        Some(label.with_min_x(label.right() + 2.0).with_max_x(right))
+    }
+
+    /// Draws pictures until the state that the window shows is as `condition` says.
+    pub fn wait_for(&mut self, what: &str, condition: impl Fn(&StudioModel) -> bool) {
+        let deadline = Instant::now() + TIMEOUT;
+        while !condition(self.model()) {
+            assert!(Instant::now() < deadline, "timed out: {what}");
+            thread::sleep(PICTURE_PERIOD);
+            self.draw(1);
+        }
+    }
+
+    /// Waits until the window shows the last reading of the hand.
+    fn wait_for_still_hand(&mut self, readings: usize) {
+        let readings = readings as u64;
+        self.wait_for("the readings of the hand", |model| {
+            let received = model.stats.accepted + model.stats.rejected.iter().sum::<u64>();
+            received >= readings
+        });
+        self.draw(2);
+    }
+}
