@@ -7,6 +7,7 @@ use eframe::egui;
 
 use super::model::StudioModel;
 use super::panels::{self, PanelContext, PanelState};
+use super::playback::Player;
 use super::sensors::SensorTable;
 use super::texts::text;
 use crate::command::Command;
@@ -40,6 +41,8 @@ pub struct StudioApp {
     snapshots: Receiver<Snapshot>,
     viewer: Viewer,
     commands: CommandSender,
+    /// The recording that is shown in place of the session.
+    player: Option<Player>,
     panels: PanelState,
 }
 
@@ -53,6 +56,7 @@ impl StudioApp {
             snapshots: session.snapshots().clone(),
             viewer,
             commands: session.commands().clone(),
+            player: None,
             panels: PanelState::default(),
         })
     }
@@ -67,17 +71,36 @@ impl StudioApp {
         &self.model
     }
 
+    /// Shows a recording in place of what the session sends.
+    #[must_use]
+    pub fn with_player(mut self, player: Player) -> Self {
+        self.player = Some(player);
+        self
+    }
+
     /// Draws one picture.
     pub fn show(&mut self, ui: &mut egui::Ui) {
-        self.receive();
+        match &mut self.player {
+            Some(player) => {
+                let elapsed = ui.input(|input| input.unstable_dt);
+                player.advance(Duration::from_secs_f32(elapsed), &mut self.model);
+            }
+            None => self.receive(),
+        }
         let mut sent = Vec::new();
+        let mut moves = Vec::new();
         let mut context = PanelContext {
             model: &self.model,
             sent: &mut sent,
+            player: self.player.as_ref(),
+            moves: &mut moves,
         };
         panels::show(ui, &mut self.panels, &mut context);
         for command in sent {
             self.send(command);
+        }
+        if let Some(player) = &mut self.player {
+            moves.into_iter().for_each(|change| player.apply(change));
         }
     }
 

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`camera`], [`scene`], [`sensors`],
-//! [`history`]. Only `app` and the files of `panels` name egui.
+//! [`history`], [`plot`]. Only `app` and the files of `panels` name egui.
 //!
 //! # Adding a panel
 //!
@@ -25,6 +25,8 @@ pub mod history;
 pub mod model;
 mod panels;
 pub mod picture;
+pub mod playback;
+pub mod plot;
 pub mod scene;
 pub mod sensors;
 pub mod texts;

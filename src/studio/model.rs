@@ -2,12 +2,12 @@
 
 use parry3d::math::{Pose, Vec3};
 
-use super::history::{History, Moment, SHOWN_ANGLES};
+use super::history::{History, Moment, SentEvent};
 use super::sensors::SensorTable;
 use crate::capture::Sample;
 use crate::contact::surface::Anchor;
 use crate::contact::{Phase, TargetId};
-use crate::hand::{Finger, JointAngles, Side};
+use crate::hand::{Dof, Finger, FingerSet, JointAngles, Side};
 use crate::kinematics::HandPose;
 use crate::pipeline::PipelineState;
 use crate::session::view::View;
@@ -25,6 +25,7 @@ pub struct Contact {
 }
 
 /// The state of a session, as far as Studio has received it.
+#[derive(Clone)]
 pub struct StudioModel {
     /// The latest view.
     pub view: View,
@@ -100,26 +101,50 @@ impl StudioModel {
     }
 
     fn remember(&mut self, snapshot: &Snapshot) {
-        let (Some(pose), Some(angles)) = (&snapshot.pose, &snapshot.angles) else {
-            return;
-        };
-        let contacts = self.contacts.iter().flatten().flatten();
-        self.history.push(Moment {
-            time: pose.time,
-            angles: SHOWN_ANGLES.map(|dof| angles.get(dof).to_degrees() as f32),
-            height_mm: self.lowest_fingertip(pose).map(|height| height * 1e3),
-            is_pressed: contacts.into_iter().any(|contact| contact.is_pressed),
-        });
+        if let (Some(pose), Some(angles)) = (&snapshot.pose, &snapshot.angles) {
+            let degrees = |dof: Dof| match angles.is_known(dof) {
+                true => angles.get(dof).to_degrees() as f32,
+                false => f32::NAN,
+            };
+            self.history.push(Moment {
+                time: pose.time,
+                degrees: std::array::from_fn(|index| degrees(Dof::ALL[index])),
+                heights_mm: self.heights_mm(),
+                pressing: self.pressing(),
+                latency_ms: f32::NAN,
+            });
+        }
+        for event in snapshot.events.iter().filter_map(SentEvent::new) {
+            self.history.push_event(event);
+        }
     }
 
-    /// Returns the height of the lowest pad of a fingertip over the first board, in metres.
-    fn lowest_fingertip(&self, pose: &HandPose) -> Option<f32> {
-        let surface_from_world = self.world_from_board(0)?.inverse();
-        let tips = Finger::ALL
-            .iter()
-            .filter_map(|&finger| pose.fingertip(finger));
-        let heights = tips.map(|tip| (surface_from_world * tip).z - pose.tip_radius);
-        heights.min_by(f32::total_cmp)
+    /// Returns the heights of the pads of all fingertips over the first board; NaN for those that are not known.
+    fn heights_mm(&self) -> [[f32; Finger::COUNT]; Side::COUNT] {
+        let mut heights = [[f32::NAN; Finger::COUNT]; Side::COUNT];
+        let Some(world_from_board) = self.world_from_board(0) else {
+            return heights;
+        };
+        let surface_from_world = world_from_board.inverse();
+        for pose in self.poses.iter().flatten() {
+            for &finger in Finger::ALL {
+                if let Some(tip) = pose.fingertip(finger) {
+                    let height = (surface_from_world * tip).z - pose.tip_radius;
+                    heights[pose.side.index()][finger.index()] = height * 1e3;
+                }
+            }
+        }
+        heights
+    }
+
+    /// Returns the fingers that press a target, by side.
+    fn pressing(&self) -> [FingerSet; Side::COUNT] {
+        self.contacts.map(|contacts| {
+            let fingers = Finger::ALL.iter().copied().zip(contacts);
+            let pressing =
+                fingers.filter(|(_, contact)| contact.is_some_and(|contact| contact.is_pressed));
+            pressing.fold(FingerSet::NONE, |set, (finger, _)| set.with(finger))
+        })
     }
 
     /// Returns the present pose of a board in the world, or `None` while the hand that it follows is not known.

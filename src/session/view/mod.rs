@@ -10,6 +10,7 @@
 
 mod hub;
 mod publisher;
+mod replay;
 mod state;
 
 use std::sync::Arc;
@@ -18,6 +19,7 @@ use parry3d::math::Pose;
 
 pub use self::hub::{ViewHub, Viewer};
 pub(super) use self::publisher::{SessionNames, ViewPublisher};
+pub(super) use self::replay::ReplayViews;
 pub use self::state::{Fingertip, ViewCounts, ViewState};
 use crate::contact::surface::{Scene, Surface};
 use crate::layout::Layout;

@@ -1,6 +1,7 @@
 //! The panels of the window, one file each, and the part of the window that each fills.
 
 mod fonts;
+mod recording;
 mod scope;
 mod sensors;
 mod space;
@@ -9,8 +10,11 @@ mod toolbar;
 
 use eframe::egui;
 
+use self::recording::RecordingState;
+use self::scope::ScopeState;
 use super::camera::Camera;
 use super::model::StudioModel;
+use super::playback::{Move, Player};
 use super::scene::SceneOptions;
 use super::texts::text;
 use crate::command::Command;
@@ -23,6 +27,10 @@ pub struct PanelContext<'a> {
     pub model: &'a StudioModel,
     /// Commands that are sent after the picture.
     pub sent: &'a mut Vec<Command>,
+    /// The recording that is shown, if any.
+    pub player: Option<&'a Player>,
+    /// Moves within the recording, which follow the picture.
+    pub moves: &'a mut Vec<Move>,
 }
 
 /// The state of the panels between two pictures.
@@ -33,6 +41,8 @@ pub struct PanelState {
     /// The camera has been pointed at the boards.
     is_camera_placed: bool,
     scene: SceneOptions,
+    scope: ScopeState,
+    recording: RecordingState,
     /// Reason why the last command was not sent.
     pub message: Option<String>,
 }
@@ -64,6 +74,8 @@ impl Default for PanelState {
             camera: Camera::default(),
             is_camera_placed: false,
             scene: SceneOptions::default(),
+            scope: ScopeState::default(),
+            recording: RecordingState::default(),
             message: None,
         }
     }
@@ -73,6 +85,12 @@ impl Default for PanelState {
 pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     egui::Panel::top("toolbar").show(ui, |ui| toolbar::show(ui, state, context));
     egui::Panel::bottom("status").show(ui, |ui| status::show(ui, state, context));
+    if let Some(player) = context.player {
+        let panel = egui::Panel::bottom("recording");
+        panel.show(ui, |ui| {
+            recording::show(ui, &mut state.recording, player, context.moves)
+        });
+    }
     if state.shown[PanelKind::Sensors as usize] {
         let panel = egui::Panel::right("sensors")
             .default_size(330.0)
@@ -82,8 +100,9 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
     if state.shown[PanelKind::Scope as usize] {
         let panel = egui::Panel::bottom("scope")
             .resizable(true)
-            .default_size(190.0);
-        panel.show(ui, |ui| scope::show(ui, context));
+            .default_size(230.0)
+            .min_size(90.0);
+        panel.show(ui, |ui| scope::show(ui, &mut state.scope, context));
     }
     let space = egui::CentralPanel::default().frame(egui::Frame::NONE);
     space.show(ui, |ui| space::show(ui, state, context));

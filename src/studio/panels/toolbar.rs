@@ -11,8 +11,11 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
     ui.add_space(4.0);
     ui.horizontal(|ui| {
         ui.spacing_mut().button_padding = egui::vec2(10.0, 5.0);
-        show_commands(ui, context);
-        ui.separator();
+        // A recording takes no commands.
+        if context.player.is_none() {
+            show_commands(ui, context);
+            ui.separator();
+        }
         for (viewpoint, name, key) in VIEWPOINTS {
             let is_pressed = ui.input(|input| input.key_pressed(key));
             if ui.button(text(name)).clicked() || is_pressed {

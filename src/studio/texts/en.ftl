@@ -44,9 +44,50 @@ stats-stalls = Stalls
 
 ## Scope
 
-scope-presses = Presses
-scope-lowest-fingertip = Lowest fingertip over the board
+scope-angles = Angles
+scope-rows = Rows
+scope-heights = Height of fingertips
+scope-latency = Latency
+scope-presses = Presses by finger
+scope-events = Keys sent
+scope-hold = Hold the plot
+scope-latest = Last 30 s
+scope-hint = scroll: zoom · drag: pan · double click: last 30 s
+scope-plot = Plot of angles, fingertips and presses over time
 
 ## Status line
 
 message-ended = The session has ended. Everything is released.
+
+## Recording
+
+recording-play = Play
+recording-pause = Pause
+recording-first = First reading
+recording-back = One reading back
+recording-on = One reading on
+recording-last = Last reading
+recording-position = Position
+recording-speed = Speed
+recording-hint = Left, Right: one reading; with Shift: 1 s; Home, End; Space: play or pause
+recording-step = reading { $index } of { $count }
+recording-loading = Reading the recording: { $count } readings so far
+recording-cut = The recording is not complete: { $reason }. Everything before is shown.
+recording-part = Part
+recording-from = From here
+recording-to = To here
+recording-file = File
+recording-export = Export the part
+recording-exporting = Writing…
+recording-exported = { $count } readings are in { $file }
+recording-replace = { $file } exists.
+recording-replace-yes = Replace it
+recording-replace-no = Keep it
+recording-compare = Compare with the layout
+recording-compare-go = Compare
+recording-compare-close = Close
+recording-comparing = Comparing…
+recording-same = same: { $count }
+recording-only-a = only A: { $count }
+recording-only-b = only B: { $count }
+recording-rows = Presses of both layouts over the time of the recording; a click goes to the time

@@ -31,10 +31,9 @@ fn the_p_key_pauses_the_session() {
 #[test]
 fn each_panel_is_hidden_and_shown() {
     let mut window = Opening::default().open();
-    let presses = format!("▬ {}", text("scope-presses"));
     for (panel, content) in [
         (text("panel-sensors"), text("stats-source")),
-        (text("panel-scope"), presses.as_str()),
+        (text("panel-scope"), text("scope-hold")),
     ] {
         assert!(window.has(content), "{panel} is shown");
         for is_shown in [false, true] {

@@ -34,7 +34,7 @@ pub struct Args {
     /// Layout: the name of one that comes with the program (see `ademan layout list`), or a file
     #[arg(long, add = complete::layout())]
     layout: Option<String>,
-    /// Recording to play in place of a source, at its own speed
+    /// Recording to show in place of a session: forwards, backwards and step by step
     #[arg(long, value_name = "FILE", conflicts_with_all = ["source", "setup"], add = complete::recording())]
     recording: Option<PathBuf>,
     /// Run as root with an output that types

@@ -1,8 +1,9 @@
-//! The simulated hand of Studio, which types again and again.
+//! The sources of Studio: a simulated hand that types again and again, and none beside a recording.
 
+use std::thread;
 use std::time::Duration;
 
-use ademan::capture::{CaptureError, Hc11Format, Source, SourceEvent, SourceStats};
+use ademan::capture::{CaptureError, Hc11Format, MAX_BLOCK, Source, SourceEvent, SourceStats};
 use ademan::setup::LoadedSetup;
 use ademan::sim::SimulatedTypist;
 use ademan::time::Timestamp;
@@ -32,6 +33,28 @@ pub fn simulated_hand(setup: &LoadedSetup) -> Result<RepeatedTypist, Failure> {
         last: Timestamp::default(),
         readings: 0,
     })
+}
+
+/// A source without readings, for the session behind the window while that shows a recording.
+pub struct NoReadings;
+
+impl Source for NoReadings {
+    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
+        thread::sleep(MAX_BLOCK);
+        Ok(SourceEvent::Idle)
+    }
+
+    fn name(&self) -> &str {
+        "none"
+    }
+
+    fn is_live(&self) -> bool {
+        false
+    }
+
+    fn stats(&self) -> SourceStats {
+        SourceStats::default()
+    }
 }
 
 /// A simulated hand that starts again when it is done, on a clock that goes on.

@@ -2,11 +2,13 @@
 
 use std::env;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
 
 use ademan::capture::recording::Replay;
 use ademan::command::Command;
 use ademan::session::SessionOptions;
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
+use ademan::studio::playback::{OpenError, Player, Recording};
 use ademan::studio::sensors::SensorTable;
 use ademan::studio::texts::{self, Language};
 use ademan::studio::{StudioApp, StudioError, open_window};
@@ -27,6 +29,9 @@ pub fn open(args: Args) -> Result<(), Failure> {
         ..SessionOptions::default()
     };
     let is_root_allowed = args.allow_root;
+    let player = args.recording.as_deref();
+    let player = player.map(|path| open_player(path, args.layout.as_deref()));
+    let player = player.transpose()?;
     let setup = load(args, &mut options)?;
     let may_type = output::has_effect(&setup.setup.output);
     if may_type && !is_root_allowed && doctor::is_running_as_root() {
@@ -43,6 +48,10 @@ pub fn open(args: Args) -> Result<(), Failure> {
     texts::set_language(language());
     let shown = catch_unwind(AssertUnwindSafe(|| {
         let app = StudioApp::new(&session, sensors)?;
+        let app = match player {
+            Some(player) => app.with_player(player),
+            None => app,
+        };
         open_window(app, signals::is_stop_requested)
     }));
     match shown {
@@ -62,7 +71,17 @@ fn language() -> Language {
     Language::from_locale(&locale.unwrap_or_default())
 }
 
-/// Loads the setup, and opens a recording or a simulated hand as the source where the setup has none.
+/// Opens a recording, which the window shows in place of its session.
+fn open_player(path: &Path, layout: Option<&str>) -> Result<Player, Failure> {
+    let player = Recording::open(path, layout).and_then(Player::open);
+    player.map_err(|error| match error {
+        OpenError::Capture(error) => error.into(),
+        OpenError::Setup(error) => error.into(),
+        OpenError::Thread(_) => Failure::wrong_use(error.to_string()),
+    })
+}
+
+/// Loads the setup, with a simulated hand as the source where it has none.
 fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure> {
     if let Some(path) = &args.recording {
         let replay = Replay::open(path)?;
@@ -73,7 +92,7 @@ fn load(args: Args, options: &mut SessionOptions) -> Result<LoadedSetup, Failure
         };
         let mut setup = LoadedSetup::from_recording(replay.setup(), &settings)?;
         setup.setup.output = NO_OUTPUT.into();
-        options.source = Some(Box::new(replay));
+        options.source = Some(Box::new(source::NoReadings));
         return Ok(setup);
     }
     let mut setup = match &args.setup {
