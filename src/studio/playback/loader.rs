@@ -13,7 +13,7 @@ use super::step::RecordedStep;
 use crate::capture::CaptureError;
 use crate::capture::recording::Replay;
 use crate::command::Command;
-use crate::pipeline::Pipeline;
+use crate::pipeline::{Pipeline, PipelineState};
 use crate::session::view::View;
 use crate::session::{self, CommandSender, command_channel};
 use crate::setup::{LoadedSetup, ReplaySettings, SetupError};
@@ -137,6 +137,10 @@ impl Loader {
             let truncation = source.shared_truncation();
             let mut pass = Pass::new(recording.first_model(), sender, part);
             let mut observe = |step: &StepView, pipeline: &Pipeline, view: Option<View>| {
+                // The end of the replay releases everything; it is no step of the recording.
+                if step.state == PipelineState::Stopped {
+                    return;
+                }
                 let step = RecordedStep::new(step, view);
                 if !pass.add(step, pipeline.time()) {
                     // A full queue of commands does not refuse this one.

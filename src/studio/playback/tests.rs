@@ -6,9 +6,11 @@ use std::time::Duration;
 use super::*;
 use crate::capture::recording::Replay;
 use crate::capture::{Hc11Format, Reading, Source, SourceEvent};
+use crate::hand::Finger;
 use crate::recorder::Recorder;
 use crate::session::{command_channel, replay};
 use crate::setup::Setup;
+use crate::studio::history::{Moment, SentEvent};
 use crate::studio::model::StudioModel;
 use crate::time::Timestamp;
 
@@ -59,33 +61,54 @@ impl Shown {
         self.player.advance(elapsed, &mut self.model);
     }
 
-    fn show(&mut self, index: usize) -> String {
+    fn show(&mut self, index: usize) -> Content {
         self.player.apply(Move::Step(index));
         self.advance(Duration::ZERO);
         assert!(self.player.is_shown());
-        content(&self.model)
+        Content::new(&self.model)
     }
 }
 
-/// The model as text, with all digits of its numbers.
-fn content(model: &StudioModel) -> String {
-    format!(
-        "{:?} {:?} {:?} {:?} {:?} {:?} {:?}",
-        model.poses,
-        model.contacts,
-        model.angles,
-        model.stats,
-        model.history,
-        model.view.boards,
-        model.view.state.keys,
-    )
+/// All digits of a model.
+#[derive(Clone, Default, PartialEq)]
+struct Content {
+    state: String,
+    history: Vec<u32>,
+    events: Vec<SentEvent>,
+}
+
+impl Content {
+    fn new(model: &StudioModel) -> Self {
+        let view = &model.view;
+        let state = (&model.poses, &model.contacts, &model.angles, &model.stats);
+        Self {
+            state: format!("{state:?} {:?} {:?}", view.boards, view.state),
+            history: model.history.moments().flat_map(bits).collect(),
+            events: model.history.events().copied().collect(),
+        }
+    }
+}
+
+/// The bits of a moment. Unknown values are NaN, which differ from themselves.
+fn bits(moment: &Moment) -> impl Iterator<Item = u32> {
+    let heights = moment.heights_mm.iter().flatten();
+    let values = moment.degrees.iter().chain(heights).copied();
+    let values: Vec<u32> = values.map(f32::to_bits).collect();
+    let pressing = moment.pressing.map(|set| {
+        let fingers = Finger::ALL.iter().filter(|finger| set.contains(**finger));
+        fingers.map(|finger| 1_u32 << finger.index()).sum::<u32>()
+    });
+    values
+        .into_iter()
+        .chain([moment.time.0 as u32])
+        .chain(pressing)
 }
 
 /// The models of a straight replay at some steps.
-fn straight(path: &Path, indices: &[usize]) -> Vec<String> {
+fn straight(path: &Path, indices: &[usize]) -> Vec<Content> {
     let recording = Recording::open(path, None).unwrap();
     let mut model = recording.first_model();
-    let mut contents = vec![String::new(); indices.len()];
+    let mut contents = vec![Content::default(); indices.len()];
     let mut index = 0;
     let mut observe = |step: &crate::snapshot::StepView, _: &_, view: Option<_>| {
         if let Some(view) = view {
@@ -97,7 +120,7 @@ fn straight(path: &Path, indices: &[usize]) -> Vec<String> {
             .zip(indices)
             .filter(|(_, i)| **i == index)
         {
-            *content = self::content(&model);
+            *content = Content::new(&model);
         }
         index += 1;
     };
@@ -128,7 +151,7 @@ fn scrubbing_back_and_forth_shows_what_a_straight_replay_shows() {
     let last = shown.player.len() - 1;
     let (_, end) = shown.player.range().unwrap();
     assert!(end.seconds() > 35.0, "the history drops moments: {end:?}");
-    let indices = [
+    let mut indices = vec![
         last,
         0,
         last / 2,
@@ -139,15 +162,15 @@ fn scrubbing_back_and_forth_shows_what_a_straight_replay_shows() {
         1,
         last,
     ];
+    // One of them is within a press: a letter takes 75 readings, a press at least 15.
+    indices.extend((0..5).map(|step| last / 2 + 15 * step));
     let expected = straight(&path, &indices);
     for (&index, expected) in indices.iter().zip(&expected) {
         assert!(shown.show(index) == *expected, "step {index} of {last}");
     }
-    assert!(
-        expected
-            .iter()
-            .any(|content| content.contains("is_pressed: true"))
-    );
+    let is_pressed = |content: &Content| content.state.contains("is_pressed: true");
+    assert!(expected.iter().any(is_pressed));
+    assert!(!expected[0].history.is_empty() && !expected[0].events.is_empty());
 }
 
 #[test]

@@ -66,15 +66,16 @@ fn pressed_keys(ui: &egui::Ui, player: &Player) -> Option<Move> {
 
 fn show_transport(ui: &mut egui::Ui, player: &Player, moves: &mut Vec<Move>) {
     let toggle = match player.is_playing() {
-        true => ("⏸", "recording-pause", Move::Pause),
-        false => ("▶", "recording-play", Move::Play),
+        true => ("recording-pause", Move::Pause),
+        false => ("recording-play", Move::Play),
     };
+    // Signs that the fonts of the window have.
     let buttons = [
-        ("⏮", "recording-first", Move::Step(0)),
-        ("⏴", "recording-back", Move::By(-1)),
-        toggle,
-        ("⏵", "recording-on", Move::By(1)),
-        ("⏭", "recording-last", Move::Step(usize::MAX)),
+        ("|<", "recording-first", Move::Step(0)),
+        ("<", "recording-back", Move::By(-1)),
+        (text(toggle.0), toggle.0, toggle.1),
+        (">", "recording-on", Move::By(1)),
+        (">|", "recording-last", Move::Step(usize::MAX)),
     ];
     for (sign, name, change) in buttons {
         let button = ui.add_enabled(!player.is_empty(), egui::Button::new(sign));

@@ -26,6 +26,9 @@ const PRESS_COLOR: Color32 = Color32::from_rgb(0xff, 0xa0, 0x1c);
 /// Height of the presses of one finger, in points.
 const FINGER_ROW: f32 = 10.0;
 
+/// Height of the names of the lines of a plot, in points.
+const LEGEND: f32 = 14.0;
+
 /// Height of the row of events, in points.
 const EVENT_ROW: f32 = 15.0;
 
@@ -55,7 +58,7 @@ pub fn draw(canvas: &Canvas, angles: &[bool; Dof::COUNT], rows: Rows) {
         &|row| draw_latency(canvas, row),
     ];
     for (draw, _) in draws.iter().zip(plots).filter(|(_, is_shown)| *is_shown) {
-        draw(take_top(&mut rest, height).shrink2([0.0, 1.0].into()));
+        draw(take_top(&mut rest, height));
     }
 }
 
@@ -100,8 +103,8 @@ fn draw_angles(canvas: &Canvas, row: Rect, angles: &[bool; Dof::COUNT]) {
     let values = |dof: Dof| move |moment: &Moment| moment.degrees[dof.index()];
     let lowest = shown(angles).map(|dof| extremes(canvas.history, values(dof)));
     let range = lowest.fold((0.0_f32, 45.0_f32), |a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let (mut legend, row) = Legend::split_off(canvas, row);
     canvas.draw_axis(row, range, "°");
-    let mut legend = Legend::new(canvas, row);
     for (dof, color) in shown(angles).zip(LINE_COLORS.into_iter().cycle()) {
         draw_line(canvas, row, range, color, values(dof));
         legend.add(dof.name(), color);
@@ -110,8 +113,8 @@ fn draw_angles(canvas: &Canvas, row: Rect, angles: &[bool; Dof::COUNT]) {
 
 fn draw_heights(canvas: &Canvas, row: Rect) {
     let range = (-15.0, HIGHEST_MM);
+    let (mut legend, row) = Legend::split_off(canvas, row);
     canvas.draw_axis(row, range, "mm");
-    let mut legend = Legend::new(canvas, row);
     let known = known_fingers(canvas.history);
     for &(side, finger) in &known {
         let color = LINE_COLORS[finger.index()];
@@ -125,9 +128,10 @@ fn draw_latency(canvas: &Canvas, row: Rect) {
     let latency = |moment: &Moment| moment.latency_ms;
     let (_, highest) = extremes(canvas.history, latency);
     let range = (0.0, highest.max(1.0));
+    let (mut legend, row) = Legend::split_off(canvas, row);
     canvas.draw_axis(row, range, "ms");
     draw_line(canvas, row, range, LINE_COLORS[4], latency);
-    Legend::new(canvas, row).add(text("scope-latency"), LINE_COLORS[4]);
+    legend.add(text("scope-latency"), LINE_COLORS[4]);
 }
 
 fn draw_line(
@@ -179,11 +183,11 @@ fn draw_events(canvas: &Canvas, row: Rect) {
         }
         let x = canvas.x_at(time);
         let (top, arrow) = match event.is_press {
-            true => (row.min.y, '⬇'),
-            false => (row.center().y, '⬆'),
+            true => (row.min.y, '↓'),
+            false => (row.center().y, '↑'),
         };
         let (color, tick) = (canvas.strong, Rangef::new(top, row.max.y));
-        canvas.draw_tick(tick, time, color.gamma_multiply(0.7));
+        canvas.draw_tick(tick, time, color.gamma_multiply(0.4));
         if x >= free_from {
             let name = format!("{}{arrow}", event.key);
             let at = Pos2::new(x + 2.0, row.center().y);
@@ -200,9 +204,11 @@ struct Legend<'a, 'b> {
 }
 
 impl<'a, 'b> Legend<'a, 'b> {
-    fn new(canvas: &'a Canvas<'b>, row: Rect) -> Self {
+    /// Returns a legend at the top of a row, and the rest of the row for the plot.
+    fn split_off(canvas: &'a Canvas<'b>, row: Rect) -> (Self, Rect) {
         let next = row.min + [6.0, 1.0].into();
-        Self { canvas, next }
+        let plot = row.with_min_y((row.min.y + LEGEND).min(row.max.y - 1.0));
+        (Self { canvas, next }, plot)
     }
 
     fn add(&mut self, name: &str, color: Color32) {
