@@ -1,5 +1,6 @@
 //! The window: receives what the session shows, and lays out the panels.
 
+use std::path::PathBuf;
 use std::time::Duration;
 
 use crossbeam_channel::{Receiver, TryRecvError};
@@ -9,6 +10,8 @@ use super::model::StudioModel;
 use super::panels::{self, PanelContext, PanelState};
 use super::playback::Player;
 use super::sensors::SensorTable;
+use super::settings::{Settings, WindowPlace};
+use super::settings_file::SettingsFile;
 use super::texts::text;
 use crate::command::Command;
 use crate::session::view::Viewer;
@@ -44,6 +47,7 @@ pub struct StudioApp {
     /// The recording that is shown in place of the session.
     player: Option<Player>,
     panels: PanelState,
+    settings_file: SettingsFile,
 }
 
 impl StudioApp {
@@ -58,7 +62,23 @@ impl StudioApp {
             commands: session.commands().clone(),
             player: None,
             panels: PanelState::default(),
+            settings_file: SettingsFile::default(),
         })
+    }
+
+    /// Restores the settings of a file, and writes them there when they change. Without this, nothing is remembered.
+    #[must_use]
+    pub fn with_settings(mut self, path: PathBuf) -> Self {
+        let (file, settings, error) = SettingsFile::open(path);
+        self.panels.restore(settings);
+        self.settings_file = file;
+        self.panels.message = error.map(|error| error.to_string());
+        self
+    }
+
+    /// Returns the settings, which are written when they change: by panels and by other windows of Studio.
+    pub fn settings(&mut self) -> &mut Settings {
+        self.panels.settings()
     }
 
     /// Prepares a window for the first picture.
@@ -116,11 +136,44 @@ impl StudioApp {
         }
     }
 
+    /// Remembers the place of the window, and writes the settings every few seconds or, at the end, at once.
+    fn save_settings(&mut self, context: &egui::Context, is_end: bool) {
+        let settings = self.panels.settings();
+        settings.window = place_of_window(context).or(settings.window);
+        let saved = match is_end {
+            true => self.settings_file.save(settings),
+            false => {
+                let now = context.input(|input| input.time);
+                self.settings_file.save_at(now, settings)
+            }
+        };
+        if let Err(error) = saved {
+            self.panels.message = Some(error.to_string());
+        }
+    }
+
     fn send(&mut self, command: Command) {
         if let Err(error) = self.commands.send(command) {
             self.panels.message = Some(error.to_string());
         }
     }
+}
+
+/// Returns position and size of a window that is neither maximized nor minimized.
+fn place_of_window(context: &egui::Context) -> Option<WindowPlace> {
+    context.input(|input| {
+        let window = input.viewport();
+        let is_placed_by_desktop = [window.maximized, window.minimized, window.fullscreen];
+        if is_placed_by_desktop.contains(&Some(true)) {
+            return None;
+        }
+        let size = window.inner_rect?.size();
+        let position = window.outer_rect.map(|area| [area.min.x, area.min.y]);
+        Some(WindowPlace {
+            position,
+            size: [size.x, size.y],
+        })
+    })
 }
 
 /// A [`StudioApp`] in a window of the desktop.
@@ -133,6 +186,9 @@ impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         self.app.show(ui);
         let context = ui.ctx();
+        let is_end =
+            (self.should_close)() || context.input(|input| input.viewport().close_requested());
+        self.app.save_settings(context, is_end);
         if (self.should_close)() {
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
@@ -142,12 +198,17 @@ impl eframe::App for Window {
 
 /// Shows the program in a window until that is closed, or `should_close` returns `true`. On the main thread only, as desktops
 /// require.
-pub fn open_window(app: StudioApp, should_close: fn() -> bool) -> Result<(), StudioError> {
-    let viewport = egui::ViewportBuilder::default()
+pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(), StudioError> {
+    let place = app.settings().window;
+    let scale = app.settings().scale;
+    let mut viewport = egui::ViewportBuilder::default()
         .with_title(text("window-title"))
         .with_app_id("ademan-studio")
-        .with_inner_size(WINDOW_SIZE)
+        .with_inner_size(place.map_or(WINDOW_SIZE, |place| place.size))
         .with_min_inner_size(MIN_WINDOW_SIZE);
+    if let Some(position) = place.and_then(|place| place.position) {
+        viewport = viewport.with_position(position);
+    }
     let options = eframe::NativeOptions {
         viewport,
         renderer: eframe::Renderer::Glow,
@@ -156,6 +217,7 @@ pub fn open_window(app: StudioApp, should_close: fn() -> bool) -> Result<(), Stu
     let window = Window { app, should_close };
     let create: eframe::AppCreator = Box::new(|creation| {
         StudioApp::prepare(&creation.egui_ctx);
+        creation.egui_ctx.set_zoom_factor(scale);
         Ok(Box::new(window))
     });
     let opened = eframe::run_native(text("window-title"), options, create);

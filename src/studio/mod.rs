@@ -10,14 +10,15 @@
 //! ```
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`camera`], [`scene`], [`sensors`],
-//! [`history`], [`plot`]. Only `app` and the files of `panels` name egui.
+//! [`history`], [`plot`], [`tour`], [`typing`], [`settings`]. Only `app` and the files of `panels` name egui.
 //!
 //! # Adding a panel
 //!
 //! 1. What it shows: a file beside this one, without egui, with unit tests.
 //! 2. How it is drawn: a file in `panels`, with a function that receives a `&mut Ui` and a `PanelContext`.
 //! 3. A variant of `panels::PanelKind`, which gives it an entry in the menu, and a line in `panels::show`.
-//! 4. Its words: in `texts/en.ftl` and `texts/es.ftl`; see [`texts`].
+//! 4. Its keys: actions in the table of `panels/actions.rs`, which the toolbar and the list of keys show.
+//! 5. Its words: in `texts/en.ftl` and `texts/es.ftl`; see [`texts`].
 
 mod app;
 pub mod camera;
@@ -29,6 +30,10 @@ pub mod playback;
 pub mod plot;
 pub mod scene;
 pub mod sensors;
+pub mod settings;
+pub mod settings_file;
 pub mod texts;
+pub mod tour;
+pub mod typing;
 
 pub use self::app::{StudioApp, StudioError, open_window};

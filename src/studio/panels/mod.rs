@@ -1,6 +1,9 @@
 //! The panels of the window, one file each, and the part of the window that each fills.
 
+mod actions;
 mod fonts;
+mod help;
+mod look;
 mod recording;
 mod scope;
 mod sensors;
@@ -16,7 +19,8 @@ use super::camera::Camera;
 use super::model::StudioModel;
 use super::playback::{Move, Player};
 use super::scene::SceneOptions;
-use super::texts::text;
+use super::settings::{CameraPlace, Settings, Theme};
+use super::tour::Tour;
 use crate::command::Command;
 
 pub use self::fonts::fonts;
@@ -43,7 +47,17 @@ pub struct PanelState {
     scene: SceneOptions,
     scope: ScopeState,
     recording: RecordingState,
-    /// Reason why the last command was not sent.
+    /// The settings that are remembered until the next start.
+    settings: Settings,
+    /// Theme and contrast that the window has.
+    applied_look: Option<(Theme, bool)>,
+    tour: Tour,
+    /// The list of keys is shown.
+    shows_keys: bool,
+    /// The panels in the order of F6, and the index of the last one that it reached.
+    panel_ids: Vec<egui::Id>,
+    focused_panel: Option<usize>,
+    /// Reason why something was not done: a command was not sent, or the settings were not kept.
     pub message: Option<String>,
 }
 
@@ -59,10 +73,11 @@ pub enum PanelKind {
 impl PanelKind {
     const ALL: [Self; 2] = [Self::Sensors, Self::Scope];
 
-    fn name(self) -> &'static str {
+    /// Returns the key of the name.
+    const fn key(self) -> &'static str {
         match self {
-            Self::Sensors => text("panel-sensors"),
-            Self::Scope => text("panel-scope"),
+            Self::Sensors => "panel-sensors",
+            Self::Scope => "panel-scope",
         }
     }
 }
@@ -76,14 +91,67 @@ impl Default for PanelState {
             scene: SceneOptions::default(),
             scope: ScopeState::default(),
             recording: RecordingState::default(),
+            settings: Settings::default(),
+            applied_look: None,
+            tour: Tour::default(),
+            shows_keys: false,
+            panel_ids: Vec::new(),
+            focused_panel: None,
             message: None,
         }
     }
 }
 
+impl PanelState {
+    /// Takes the panels to where they were at the last start, and opens the tour at the first.
+    pub fn restore(&mut self, settings: Settings) {
+        for kind in PanelKind::ALL {
+            let is_hidden = |hidden: &String| hidden == kind.key();
+            self.shown[kind as usize] = !settings.hidden_panels.iter().any(is_hidden);
+        }
+        self.settings = settings;
+        if !self.settings.has_seen_tour {
+            self.settings.has_seen_tour = true;
+            self.tour.open();
+        }
+    }
+
+    /// Returns what is to be remembered until the next start.
+    pub fn settings(&mut self) -> &mut Settings {
+        &mut self.settings
+    }
+
+    fn remember(&mut self, ui: &egui::Ui, layout: &str) {
+        let hidden = PanelKind::ALL
+            .into_iter()
+            .filter(|&kind| !self.shown[kind as usize]);
+        self.settings.hidden_panels = hidden.map(|kind| kind.key().to_owned()).collect();
+        self.settings.scale = ui.ctx().zoom_factor();
+        if self.is_camera_placed {
+            self.settings.camera = Some(CameraPlace::new(&self.camera, layout));
+        }
+    }
+
+    fn size_of(&self, kind: PanelKind, default: f32) -> f32 {
+        let sizes = &self.settings.panel_sizes;
+        sizes.get(kind.key()).copied().unwrap_or(default)
+    }
+
+    fn set_size_of(&mut self, kind: PanelKind, size: f32) {
+        let sizes = &mut self.settings.panel_sizes;
+        sizes.insert(kind.key().to_owned(), size);
+    }
+}
+
 /// Draws all panels.
 pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
-    egui::Panel::top("toolbar").show(ui, |ui| toolbar::show(ui, state, context));
+    look::apply(ui.ctx(), state);
+    actions::handle_keys(ui, state, context);
+    state.panel_ids.clear();
+    egui::Panel::top("toolbar").show(ui, |ui| {
+        look::mark_panel(ui, state, "panel-toolbar");
+        toolbar::show(ui, state, context);
+    });
     egui::Panel::bottom("status").show(ui, |ui| status::show(ui, state, context));
     if let Some(player) = context.player {
         let panel = egui::Panel::bottom("recording");
@@ -92,18 +160,39 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
         });
     }
     if state.shown[PanelKind::Sensors as usize] {
-        let panel = egui::Panel::right("sensors")
-            .default_size(330.0)
-            .min_size(260.0);
-        panel.show(ui, |ui| sensors::show(ui, context));
+        show_sensors(ui, state, context);
     }
     if state.shown[PanelKind::Scope as usize] {
-        let panel = egui::Panel::bottom("scope")
-            .resizable(true)
-            .default_size(230.0)
-            .min_size(90.0);
-        panel.show(ui, |ui| scope::show(ui, &mut state.scope, context));
+        show_scope(ui, state, context);
     }
     let space = egui::CentralPanel::default().frame(egui::Frame::NONE);
-    space.show(ui, |ui| space::show(ui, state, context));
+    space.show(ui, |ui| {
+        look::mark_panel(ui, state, "panel-space");
+        space::show(ui, state, context);
+    });
+    help::show(ui, state);
+    state.remember(ui, &context.model.view.layout.name);
+}
+
+fn show_sensors(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    let panel = egui::Panel::right("sensors")
+        .min_size(260.0)
+        .default_size(state.size_of(PanelKind::Sensors, 330.0));
+    let shown = panel.show(ui, |ui| {
+        look::mark_panel(ui, state, PanelKind::Sensors.key());
+        sensors::show(ui, context);
+    });
+    state.set_size_of(PanelKind::Sensors, shown.response.rect.width());
+}
+
+fn show_scope(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    let panel = egui::Panel::bottom("scope")
+        .resizable(true)
+        .default_size(state.size_of(PanelKind::Scope, 230.0))
+        .min_size(90.0);
+    let shown = panel.show(ui, |ui| {
+        look::mark_panel(ui, state, PanelKind::Scope.key());
+        scope::show(ui, &mut state.scope, context);
+    });
+    state.set_size_of(PanelKind::Scope, shown.response.rect.height());
 }

@@ -3,7 +3,7 @@
 use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sense};
 use parry3d::math::Vec2;
 
-use super::{PanelContext, PanelState};
+use super::{PanelContext, PanelState, look};
 use crate::studio::picture::{Color, Picture, Triangles};
 use crate::studio::scene::{self, SceneColors};
 use crate::studio::texts::text;
@@ -14,6 +14,7 @@ const LETTER_HEIGHT: f32 = 0.72;
 pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     let size = ui.available_size();
     let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+    look::name_image(&response, text("panel-space"));
     let size = Vec2::new(area.width(), area.height());
     if size.min_element() < 1.0 {
         return;
@@ -30,10 +31,8 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
         let scroll = ui.input(|input| input.smooth_scroll_delta().y);
         state.camera.zoom((-scroll * 0.002).exp());
     }
-    let colors = match ui.visuals().dark_mode {
-        true => SceneColors::DARK,
-        false => SceneColors::LIGHT,
-    };
+    let has_high_contrast = state.settings.has_high_contrast;
+    let colors = SceneColors::new(ui.visuals().dark_mode, has_high_contrast);
     let picture = scene::draw(context.model, &state.camera, size, &colors, state.scene);
     paint(&ui.painter_at(area), area, &picture, colors.background);
     let hint = area.center_bottom() - egui::vec2(0.0, 8.0);
@@ -51,6 +50,13 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
 
 /// Points the camera at the boards once their poses are known.
 fn place_camera(state: &mut PanelState, context: &PanelContext, size: Vec2) {
+    let layout = &context.model.view.layout.name;
+    if !state.is_camera_placed
+        && let Some(camera) = state.settings.camera_for(layout)
+    {
+        state.camera = camera;
+        state.is_camera_placed = true;
+    }
     if !state.is_camera_placed {
         let points = scene::points_of_interest(context.model);
         state.is_camera_placed = !points.is_empty();

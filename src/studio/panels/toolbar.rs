@@ -1,79 +1,118 @@
-//! The toolbar: commands to the session, and what is shown.
+//! The toolbar: commands to the session, camera positions, and menus.
 
-use eframe::egui::{self, Key};
+use eframe::egui;
 
-use super::{PanelContext, PanelKind, PanelState};
-use crate::command::Command;
+use super::actions::{ACTIONS, Action};
+use super::{PanelContext, PanelState};
 use crate::studio::camera::Viewpoint;
-use crate::studio::texts::text;
+use crate::studio::settings::Theme;
+use crate::studio::texts::{self, Language, text};
+
+/// Width of the first button in points, so that the others stay where they are in a pause.
+const PAUSE_WIDTH: f32 = 92.0;
+
+/// Factor of one step of the scale.
+const SCALE_STEP: f32 = 1.1;
+
+/// The guide, as it comes with the sources.
+const GUIDE: &str = "docs/studio.md";
 
 pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     ui.add_space(4.0);
-    ui.horizontal(|ui| {
+    ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().button_padding = egui::vec2(10.0, 5.0);
         // A recording takes no commands.
         if context.player.is_none() {
-            show_commands(ui, context);
+            for action in [Action::Pause, Action::Recenter, Action::Zero] {
+                show_button(ui, action, state, context);
+            }
             ui.separator();
         }
-        for (viewpoint, name, key) in VIEWPOINTS {
-            let is_pressed = ui.input(|input| input.key_pressed(key));
-            if ui.button(text(name)).clicked() || is_pressed {
-                state.camera.look_from(viewpoint);
-            }
+        for viewpoint in [Viewpoint::Eye, Viewpoint::Above, Viewpoint::Side] {
+            show_button(ui, Action::Look(viewpoint), state, context);
         }
         ui.separator();
-        ui.menu_button(text("menu-view"), |ui| {
-            for kind in PanelKind::ALL {
-                ui.checkbox(&mut state.shown[kind as usize], kind.name());
-            }
-            ui.checkbox(&mut state.scene.bones, text("view-bones"));
-            let mut is_dark = ui.visuals().dark_mode;
-            if ui.checkbox(&mut is_dark, text("view-dark")).changed() {
-                ui.ctx().set_theme(match is_dark {
-                    true => egui::Theme::Dark,
-                    false => egui::Theme::Light,
-                });
-            }
-        });
+        ui.menu_button(text("menu-view"), |ui| show_view_menu(ui, state, context));
+        ui.menu_button(text("menu-settings"), |ui| show_settings_menu(ui, state));
+        ui.menu_button(text("menu-help"), |ui| show_help_menu(ui, state));
     });
     ui.add_space(4.0);
 }
 
-/// The named positions of the camera, with their keys.
-const VIEWPOINTS: [(Viewpoint, &str, Key); 3] = [
-    (Viewpoint::Eye, "view-eye", Key::Num1),
-    (Viewpoint::Above, "view-above", Key::Num2),
-    (Viewpoint::Side, "view-side", Key::Num3),
-];
+fn show_button(
+    ui: &mut egui::Ui,
+    action: Action,
+    state: &mut PanelState,
+    context: &mut PanelContext,
+) {
+    let mut button = egui::Button::new(action.name(context.model));
+    if action == Action::Pause {
+        button = button.min_size(egui::vec2(PAUSE_WIDTH, 0.0));
+    }
+    let spec = action.spec();
+    let hint = format!("{} ({})", text(spec.hint), spec.keys(ui.ctx()));
+    let response = ui.add_enabled(action.is_enabled(context), button);
+    if response.on_hover_text(hint).clicked() {
+        action.perform(ui.ctx(), state, context);
+    }
+}
 
-fn show_commands(ui: &mut egui::Ui, context: &mut PanelContext) {
-    let is_paused = context.model.view.state.paused_by.is_some();
-    let pause = match is_paused {
-        true => (text("button-resume"), Command::Resume),
-        false => (text("button-pause"), Command::Pause),
-    };
-    let buttons = [
-        (pause.0, text("hint-pause"), Key::P, pause.1),
-        (
-            text("button-recenter"),
-            text("hint-recenter"),
-            Key::C,
-            Command::Recenter,
-        ),
-        (
-            text("button-zero"),
-            text("hint-zero"),
-            Key::Z,
-            Command::Zero,
-        ),
-    ];
-    for (name, hint, key, command) in buttons {
-        let button = egui::Button::new(name);
-        let button = ui.add_enabled(!context.model.has_ended, button);
-        let is_pressed = ui.input(|input| input.key_pressed(key));
-        if button.on_hover_text(hint).clicked() || (is_pressed && !context.model.has_ended) {
-            context.sent.push(command);
+fn show_view_menu(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    for spec in &ACTIONS {
+        let mut is_on = match spec.action {
+            Action::Show(kind) => state.shown[kind as usize],
+            Action::Bones => state.scene.bones,
+            _ => continue,
+        };
+        let response = ui.checkbox(&mut is_on, text(spec.name));
+        if response.on_hover_text(spec.keys(ui.ctx())).changed() {
+            spec.action.perform(ui.ctx(), state, context);
         }
     }
+}
+
+fn show_settings_menu(ui: &mut egui::Ui, state: &mut PanelState) {
+    let settings = &mut state.settings;
+    for (theme, name) in [
+        (Theme::System, "theme-system"),
+        (Theme::Light, "theme-light"),
+        (Theme::Dark, "theme-dark"),
+    ] {
+        ui.radio_value(&mut settings.theme, theme, text(name));
+    }
+    ui.checkbox(&mut settings.has_high_contrast, text("theme-contrast"));
+    ui.separator();
+    let scale = ui.ctx().zoom_factor();
+    for (name, scale) in [
+        ("scale-larger", scale * SCALE_STEP),
+        ("scale-smaller", scale / SCALE_STEP),
+        ("scale-normal", 1.0),
+    ] {
+        if ui.button(text(name)).clicked() {
+            ui.ctx().set_zoom_factor(scale.clamp(0.5, 3.0));
+        }
+    }
+    ui.separator();
+    for language in Language::ALL {
+        let is_own = texts::language() == language;
+        if ui.radio(is_own, language.name()).clicked() {
+            settings.language = Some(language);
+        }
+    }
+}
+
+fn show_help_menu(ui: &mut egui::Ui, state: &mut PanelState) {
+    let keys = Action::Keys.spec();
+    let name = format!("{} ({})", text(keys.name), keys.keys(ui.ctx()));
+    if ui.button(name).clicked() {
+        state.shows_keys = true;
+        ui.close();
+    }
+    if ui.button(text("help-tour")).clicked() {
+        state.tour.open();
+        ui.close();
+    }
+    ui.separator();
+    ui.label(text("help-guide"));
+    ui.monospace(GUIDE);
 }

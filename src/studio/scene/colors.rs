@@ -34,6 +34,40 @@ pub struct SceneColors {
 }
 
 impl SceneColors {
+    /// Returns the colours for a window.
+    pub const fn new(is_dark: bool, has_high_contrast: bool) -> Self {
+        match (is_dark, has_high_contrast) {
+            (false, false) => Self::LIGHT,
+            (true, false) => Self::DARK,
+            (false, true) => Self::LIGHT_CONTRAST,
+            (true, true) => Self::DARK_CONTRAST,
+        }
+    }
+
+    /// Colours of high contrast for a light window.
+    pub const LIGHT_CONTRAST: Self = Self {
+        background: Color::rgb(0xff, 0xff, 0xff),
+        board: Color::rgb(0x8a, 0x90, 0x9a),
+        key_side: Color::rgb(0x20, 0x20, 0x20),
+        label: Color::rgb(0x00, 0x00, 0x00),
+        skin_edge: Color::rgb(0x4a, 0x28, 0x14),
+        bone: Color::rgb(0x00, 0x18, 0x50),
+        ring: Color::rgb(0x00, 0x30, 0xc0),
+        ..Self::LIGHT
+    };
+
+    /// Colours of high contrast for a dark window.
+    pub const DARK_CONTRAST: Self = Self {
+        background: Color::rgb(0x00, 0x00, 0x00),
+        board: Color::rgb(0x55, 0x5c, 0x68),
+        key: Color::rgb(0x10, 0x10, 0x14),
+        key_side: Color::rgb(0xb0, 0xb8, 0xc4),
+        label: Color::rgb(0xff, 0xff, 0xff),
+        skin_edge: Color::rgb(0x40, 0x24, 0x10),
+        ring: Color::rgb(0xff, 0xe0, 0x40),
+        ..Self::DARK
+    };
+
     /// Colours for a light window.
     pub const LIGHT: Self = Self {
         background: Color::rgb(0xee, 0xf1, 0xf7),
@@ -67,4 +101,39 @@ impl SceneColors {
         bone: Color::rgb(0x24, 0x3a, 0x66),
         ring: Color::rgb(0x6f, 0xb3, 0xff),
     };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance of the Web Content Accessibility Guidelines 2.2.
+    fn luminance(Color([red, green, blue, _]): Color) -> f32 {
+        let linear = |value: u8| match f32::from(value) / 255.0 {
+            value if value <= 0.04045 => value / 12.92,
+            value => ((value + 0.055) / 1.055).powf(2.4),
+        };
+        0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue)
+    }
+
+    fn contrast(a: Color, b: Color) -> f32 {
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    #[test]
+    fn labels_are_readable_in_every_theme() {
+        for (is_dark, has_high_contrast, least) in [
+            (false, false, 4.5),
+            (true, false, 4.5),
+            (false, true, 7.0),
+            (true, true, 7.0),
+        ] {
+            let colors = SceneColors::new(is_dark, has_high_contrast);
+            for (label, key) in [(colors.label, colors.key), (colors.lit_label, colors.lit)] {
+                let ratio = contrast(label, key);
+                assert!(ratio >= least, "{is_dark} {has_high_contrast}: {ratio}");
+            }
+        }
+    }
 }

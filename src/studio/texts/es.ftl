@@ -8,17 +8,61 @@ button-pause = Pausar
 button-resume = Reanudar
 button-recenter = Recentrar
 button-zero = Poner a cero
-hint-pause = Suelta todas las teclas y no envía nada más, o continúa (P)
-hint-recenter = Coloca los tableros bajo la punta del índice (C)
-hint-zero = Relaje antes la mano: sus ángulos actuales pasan a ser los de reposo (Z)
+hint-pause = Suelta todas las teclas y deja de enviar, o reanuda la sesión
+hint-recenter = Coloca los tableros bajo la punta del índice
+hint-zero = Relaje antes la mano: sus ángulos actuales pasan a ser los de reposo
+hint-view = Cambia la vista 3D
+hint-panel = Muestra u oculta este panel
 menu-view = Vista
 view-eye = Desde los ojos
 view-above = Desde arriba
 view-side = De lado
 view-bones = Huesos y articulaciones
-view-dark = Oscuro
+menu-settings = Ajustes
+menu-help = Ayuda
+theme-system = Colores del sistema
+theme-light = Claro
+theme-dark = Oscuro
+theme-contrast = Alto contraste
+scale-larger = Más grande (Ctrl+Más)
+scale-smaller = Más pequeño (Ctrl+Menos)
+scale-normal = Tamaño normal (Ctrl+0)
 panel-sensors = Sensores
 panel-scope = Osciloscopio
+panel-space = Vista 3D
+panel-toolbar = Barra de herramientas
+panel-word = Panel
+
+## Ayuda
+
+help-tour = Visita guiada
+help-guide = La guía viene con el código fuente:
+keys-title = Teclas
+keys-next-panel = Panel siguiente
+keys-previous-panel = Panel anterior
+keys-tab = Control siguiente o anterior
+keys-operate = Accionar el control seleccionado
+keys-escape = Cerrar un menú o una ventana
+keys-scale = Más grande, más pequeño
+keys-normal-scale = Tamaño normal
+
+## Visita guiada
+
+tour-step = Paso { $step } de { $count }
+tour-next = Siguiente
+tour-back = Atrás
+tour-skip = Saltar la visita
+tour-done = Terminar
+tour-view = La mano y sus tableros
+tour-view-words = La vista 3D muestra la mano tal como Ademán la interpreta. Un anillo sobre el tablero se encoge cuando se acerca un dedo, y la tecla pulsada se hunde y se ilumina. Arrastre para girar, use la rueda para acercarse o pulse 1, 2 o 3.
+tour-pause = Pausar en cualquier momento
+tour-pause-words = El primer botón, o la tecla P, suelta todas las teclas y no envía nada hasta que reanude. Para pausar desde cualquier programa, indique teclas de emergencia en su archivo de configuración, por ejemplo las dos teclas Ctrl: panic_keys: ["ControlLeft", "ControlRight"].
+tour-sensors = Sensores
+tour-sensors-words = El panel de la derecha muestra cada sensor y el ángulo que mide. Una marca ! avisa de un cable roto o de un sensor bloqueado. Si los ángulos no siguen a su mano, calibre el guante: ademan calibrate.
+tour-layout = Su propia distribución
+tour-layout-words = Los teclados, paneles e instrumentos son archivos de texto. Copie uno con ademan layout new, edítelo y ábralo con ademan studio --layout ARCHIVO: la vista se actualiza cada vez que lo guarda.
+tour-output = Conectar una salida con seguridad
+tour-output-words = No se escribe nada en otros programas hasta que un archivo de configuración indique una salida. La línea inferior siempre dice cuál es. Pruebe primero aquí la distribución, compruebe la pausa y las teclas de emergencia, y ejecute ademan doctor antes de conectar una.
 
 ## Vista 3D
 
@@ -56,6 +100,15 @@ scope-hint = rueda: ampliar · arrastrar: mover · doble clic: últimos 30 s
 scope-plot = Gráfica de ángulos, yemas y pulsaciones en el tiempo
 
 ## Línea de estado
+
+state-starting = Iniciando
+state-running = En marcha
+state-paused = En pausa
+state-stalled = Sin lecturas
+state-stopped = Terminada
+typing-nowhere = No se escribe nada en otros programas
+typing-suppressed = En pausa: por ahora no se escribe nada en otros programas
+typing-into = Escribe en otros programas: { $output }
 
 message-ended = La sesión ha terminado. No queda ninguna tecla pulsada.
 

@@ -10,6 +10,7 @@ use ademan::session::SessionOptions;
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use ademan::studio::playback::{OpenError, Player, Recording};
 use ademan::studio::sensors::SensorTable;
+use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::texts::{self, Language};
 use ademan::studio::{StudioApp, StudioError, open_window};
 use ademan::{advice, doctor, output};
@@ -48,10 +49,13 @@ pub fn open(args: Args) -> Result<(), Failure> {
     texts::set_language(language());
     let shown = catch_unwind(AssertUnwindSafe(|| {
         let app = StudioApp::new(&session, sensors)?;
-        let app = match player {
+        let mut app = match player {
             Some(player) => app.with_player(player),
             None => app,
         };
+        if let Some(path) = SettingsFile::default_path() {
+            app = app.with_settings(path);
+        }
         open_window(app, signals::is_stop_requested)
     }));
     match shown {

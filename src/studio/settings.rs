@@ -1,0 +1,223 @@
+//! The settings that Studio remembers between two starts.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::camera::Camera;
+use super::texts::Language;
+
+/// Range of the scale of everything in the window.
+const SCALES: (f32, f32) = (0.5, 3.0);
+
+/// Lowest opacity of the overlay: below, it cannot be found.
+const MIN_OPACITY: f32 = 0.1;
+
+/// The settings. Fields that a file lacks have their defaults, so that files of other versions are read.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Settings {
+    /// Light or dark colours.
+    pub theme: Theme,
+    /// Colours of high contrast.
+    pub has_high_contrast: bool,
+    /// Scale of everything in the window, 0.5..=3.
+    pub scale: f32,
+    /// The language, unless it follows the locale.
+    pub language: Option<Language>,
+    /// Position and size of the window.
+    pub window: Option<WindowPlace>,
+    /// Panels that are not shown, by key of their name.
+    pub hidden_panels: Vec<String>,
+    /// Width or height of panels in points, by key of their name.
+    pub panel_sizes: BTreeMap<String, f32>,
+    /// The camera, and the layout that it was pointed at.
+    pub camera: Option<CameraPlace>,
+    /// The tour has been shown.
+    pub has_seen_tour: bool,
+    /// The overlay.
+    pub overlay: OverlaySettings,
+}
+
+/// A choice of colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Theme {
+    /// As the desktop.
+    #[default]
+    System,
+    /// Dark on light.
+    Light,
+    /// Light on dark.
+    Dark,
+}
+
+/// Position and size of the window, in points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WindowPlace {
+    /// Upper left corner. `None` where the desktop does not report it.
+    pub position: Option<[f32; 2]>,
+    /// Width and height.
+    pub size: [f32; 2],
+}
+
+/// A camera, and the layout that it was pointed at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraPlace {
+    /// Name of the layout.
+    pub layout: String,
+    /// The point in the middle of the picture, in metres.
+    pub target: [f32; 3],
+    /// Direction of the eye about the vertical, in radians.
+    pub azimuth: f32,
+    /// Elevation of the eye, in radians.
+    pub elevation: f32,
+    /// Distance from the eye to the target, in metres.
+    pub distance: f32,
+}
+
+/// Position and opacity of the overlay.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct OverlaySettings {
+    /// Upper left corner, in points. `None` before it was moved.
+    pub position: Option<[f32; 2]>,
+    /// Opacity, 0.1..=1.
+    pub opacity: f32,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            theme: Theme::default(),
+            has_high_contrast: false,
+            scale: 1.0,
+            language: None,
+            window: None,
+            hidden_panels: Vec::new(),
+            panel_sizes: BTreeMap::new(),
+            camera: None,
+            has_seen_tour: false,
+            overlay: OverlaySettings::default(),
+        }
+    }
+}
+
+impl Default for OverlaySettings {
+    fn default() -> Self {
+        Self {
+            position: None,
+            opacity: 0.8,
+        }
+    }
+}
+
+impl Settings {
+    /// Returns the settings with every number in its range.
+    #[must_use]
+    pub fn checked(mut self) -> Self {
+        self.scale = in_range(self.scale, SCALES, 1.0);
+        self.overlay.opacity = in_range(self.overlay.opacity, (MIN_OPACITY, 1.0), 0.8);
+        let is_finite = |position: &[f32; 2]| position.iter().all(|value| value.is_finite());
+        self.overlay.position = self.overlay.position.filter(is_finite);
+        self.window = self.window.filter(|window| {
+            is_finite(&window.size) && window.position.as_ref().is_none_or(is_finite)
+        });
+        self.panel_sizes
+            .retain(|_, size| size.is_finite() && *size > 0.0);
+        self.camera = self.camera.filter(|place| {
+            let mut values = place
+                .target
+                .iter()
+                .chain([&place.azimuth, &place.elevation]);
+            values.all(|value| value.is_finite()) && place.distance > 0.0
+        });
+        self
+    }
+
+    /// Returns the camera that was pointed at this layout.
+    pub fn camera_for(&self, layout: &str) -> Option<Camera> {
+        let place = self
+            .camera
+            .as_ref()
+            .filter(|place| place.layout == layout)?;
+        Some(place.camera())
+    }
+}
+
+impl CameraPlace {
+    /// Creates the place of a camera that is pointed at a layout.
+    pub fn new(camera: &Camera, layout: &str) -> Self {
+        Self {
+            layout: layout.to_owned(),
+            target: camera.target.to_array(),
+            azimuth: camera.azimuth,
+            elevation: camera.elevation,
+            distance: camera.distance,
+        }
+    }
+
+    fn camera(&self) -> Camera {
+        let mut camera = Camera {
+            target: self.target.into(),
+            azimuth: self.azimuth,
+            elevation: self.elevation,
+            distance: self.distance,
+        };
+        // Limits the distance.
+        camera.zoom(1.0);
+        camera
+    }
+}
+
+fn in_range(value: f32, (low, high): (f32, f32), default: f32) -> f32 {
+    match value.is_finite() {
+        true => value.clamp(low, high),
+        false => default,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_out_of_range_are_corrected() {
+        let settings = Settings {
+            scale: f32::NAN,
+            window: Some(WindowPlace {
+                position: Some([f32::INFINITY, 0.0]),
+                size: [800.0, 600.0],
+            }),
+            panel_sizes: [("panel-scope".to_owned(), -1.0)].into(),
+            overlay: OverlaySettings {
+                position: None,
+                opacity: 0.0,
+            },
+            ..Settings::default()
+        };
+        let checked = settings.checked();
+        let expected = Settings {
+            overlay: OverlaySettings {
+                position: None,
+                opacity: MIN_OPACITY,
+            },
+            ..Settings::default()
+        };
+        assert_eq!(checked, expected);
+    }
+
+    #[test]
+    fn a_camera_is_kept_for_its_layout_only() {
+        let camera = Camera {
+            azimuth: 0.5,
+            ..Camera::default()
+        };
+        let settings = Settings {
+            camera: Some(CameraPlace::new(&camera, "numpad")),
+            ..Settings::default()
+        };
+        assert_eq!(settings.camera_for("numpad"), Some(camera));
+        assert_eq!(settings.camera_for("piano"), None);
+    }
+}
