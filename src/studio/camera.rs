@@ -16,6 +16,12 @@ const ORBIT_SPEED: f32 = 0.008;
 /// Range of the distance from the eye to the target, in metres.
 const DISTANCES: (f32, f32) = (0.08, 6.0);
 
+/// Part of the picture that framed points fill.
+const FRAME: f32 = 0.88;
+
+/// Steps that approach the distance from which points fill the picture.
+const FRAMING_STEPS: usize = 12;
+
 /// A camera that looks at a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
@@ -32,7 +38,7 @@ pub struct Camera {
 /// A position of the camera with a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Viewpoint {
-    /// Behind and above the wearer.
+    /// Above and behind the wearer.
     Eye,
     /// Straight above.
     Above,
@@ -44,7 +50,7 @@ impl Viewpoint {
     /// Returns azimuth and elevation, in radians.
     const fn direction(self) -> (f32, f32) {
         match self {
-            Self::Eye => (0.0, 0.9),
+            Self::Eye => (0.0, 1.05),
             Self::Above => (0.0, FRAC_PI_2),
             Self::Side => (FRAC_PI_2, 0.15),
         }
@@ -75,20 +81,43 @@ impl Default for Camera {
 }
 
 impl Camera {
-    /// Moves to a named position without a change of target and distance.
-    pub fn look_from(&mut self, viewpoint: Viewpoint) {
-        (self.azimuth, self.elevation) = viewpoint.direction();
+    /// Moves to a named position relative to this azimuth, without a change of target and distance.
+    fn look_from(&mut self, viewpoint: Viewpoint, bearing: f32) {
+        let (azimuth, elevation) = viewpoint.direction();
+        self.azimuth = bearing + azimuth;
+        self.elevation = elevation;
     }
 
-    /// Shows all of these points in a picture with this ratio of width to height.
-    pub fn frame(&mut self, points: impl Iterator<Item = Vec3>, aspect: f32) {
-        let bounds = points.map(|point| (point, point));
+    /// Shows all of these points in a picture with this ratio of width to height, as large as they fit. The viewpoint is relative
+    /// to the bearing of the boards.
+    pub fn frame(&mut self, points: &[Vec3], bearing: f32, viewpoint: Viewpoint, aspect: f32) {
+        let bounds = points.iter().map(|&point| (point, point));
         let Some((low, high)) = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
             return;
         };
+        self.look_from(viewpoint, bearing);
         self.target = (low + high) / 2.0;
-        let radius = ((high - low).length() / 2.0).max(0.08);
-        self.zoom(radius * 2.6 / (0.95 * aspect).clamp(0.2, 1.0) / self.distance);
+        let size = Vec2::new(aspect, 1.0);
+        self.distance = DISTANCES.1;
+        for _ in 0..FRAMING_STEPS {
+            let Some((low, high)) = self.bounds(points, size) else {
+                return;
+            };
+            let middle = (low + high) / 2.0 - size / 2.0;
+            self.pan(-middle, size.y);
+            let factor = ((high - low) / (size * FRAME)).max_element();
+            self.zoom(factor);
+        }
+    }
+
+    /// Returns the bounds of points on a picture of this size, or `None` if one is behind the eye.
+    fn bounds(&self, points: &[Vec3], size: Vec2) -> Option<(Vec2, Vec2)> {
+        let mut bounds = (Vec2::MAX, Vec2::MIN);
+        for &point in points {
+            let position = self.project(point, size)?.position;
+            bounds = (bounds.0.min(position), bounds.1.max(position));
+        }
+        Some(bounds)
     }
 
     /// Turns around the target by a drag in points.
@@ -132,7 +161,7 @@ impl Camera {
     }
 
     /// Returns the directions to the right, up and backwards.
-    fn axes(&self) -> [Vec3; 3] {
+    pub fn axes(&self) -> [Vec3; 3] {
         let (sin, cos) = self.azimuth.sin_cos();
         let (rise, run) = self.elevation.sin_cos();
         let back = Vec3::new(sin * run, rise, cos * run);
@@ -151,7 +180,7 @@ mod tests {
     fn the_target_is_in_the_middle_of_every_view() {
         for viewpoint in [Viewpoint::Eye, Viewpoint::Above, Viewpoint::Side] {
             let mut camera = Camera::default();
-            camera.look_from(viewpoint);
+            camera.look_from(viewpoint, 0.3);
             let middle = camera.project(camera.target, SIZE).unwrap();
             assert!((middle.position - SIZE / 2.0).length() < 1e-2);
             assert!((middle.depth - camera.distance).abs() < 1e-5);
@@ -179,6 +208,37 @@ mod tests {
         camera.pan(Vec2::new(30.0, -20.0), SIZE.y);
         let moved = camera.project(point, SIZE).unwrap().position - SIZE / 2.0;
         assert!((moved - Vec2::new(30.0, -20.0)).length() < 1.0, "{moved}");
+    }
+
+    #[test]
+    fn framed_points_fill_the_picture_and_stay_inside() {
+        let points = [
+            Vec3::new(0.1, -0.1, -0.5),
+            Vec3::new(0.4, 0.1, -0.3),
+            Vec3::new(0.2, 0.0, -0.6),
+        ];
+        for aspect in [0.5, 1.0, 2.5] {
+            let mut camera = Camera::default();
+            camera.frame(&points, 0.6, Viewpoint::Eye, aspect);
+            let size = Vec2::new(aspect, 1.0);
+            let (low, high) = camera.bounds(&points, size).unwrap();
+            assert!(
+                low.min_element() >= 0.0 && high.cmple(size).all(),
+                "{low} {high}"
+            );
+            let filled = ((high - low) / size).max_element();
+            assert!((0.8..0.95).contains(&filled), "{filled}");
+        }
+    }
+
+    #[test]
+    fn viewpoints_turn_with_the_boards() {
+        let mut camera = Camera::default();
+        let points = [Vec3::ZERO, Vec3::X];
+        camera.frame(&points, 0.5, Viewpoint::Eye, 1.5);
+        assert_eq!(camera.azimuth, 0.5);
+        camera.frame(&points, 0.5, Viewpoint::Side, 1.5);
+        assert_eq!(camera.azimuth, 0.5 + FRAC_PI_2);
     }
 
     #[test]

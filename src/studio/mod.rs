@@ -34,6 +34,7 @@ pub mod settings;
 pub mod settings_file;
 pub mod texts;
 pub mod tour;
+pub mod trails;
 pub mod typing;
 
 pub use self::app::{StudioApp, StudioError, open_window};

@@ -4,6 +4,7 @@ use parry3d::math::{Pose, Vec3};
 
 use super::history::{History, Moment, SentEvent};
 use super::sensors::SensorTable;
+use super::trails::Trail;
 use crate::capture::Sample;
 use crate::contact::surface::Anchor;
 use crate::contact::{Phase, TargetId};
@@ -31,6 +32,8 @@ pub struct StudioModel {
     pub view: View,
     /// The latest pose of each hand that is tracked, by side.
     pub poses: [Option<HandPose>; Side::COUNT],
+    /// The paths of the fingertips, by side and finger.
+    pub trails: [[Trail; Finger::COUNT]; Side::COUNT],
     /// Contacts, by side and finger.
     pub contacts: [[Option<Contact>; Finger::COUNT]; Side::COUNT],
     /// The latest joint angles.
@@ -51,6 +54,7 @@ impl StudioModel {
         Self {
             view,
             poses: [None; Side::COUNT],
+            trails: Default::default(),
             contacts: Default::default(),
             angles: None,
             stats: Stats::default(),
@@ -70,7 +74,7 @@ impl StudioModel {
         }
         self.angles = snapshot.angles.or(self.angles);
         match &snapshot.pose {
-            Some(pose) => self.poses[pose.side.index()] = Some(*pose),
+            Some(pose) => self.set_pose(pose),
             None if snapshot.state != PipelineState::Running => self.clear_contacts(),
             None => {}
         }
@@ -94,6 +98,17 @@ impl StudioModel {
             };
         }
         self.remember(snapshot);
+    }
+
+    fn set_pose(&mut self, pose: &HandPose) {
+        self.poses[pose.side.index()] = Some(*pose);
+        for &finger in Finger::ALL {
+            let trail = &mut self.trails[pose.side.index()][finger.index()];
+            match pose.fingertip(finger).filter(|_| !pose.jumped) {
+                Some(tip) => trail.push(pose.time, tip),
+                None => trail.clear(),
+            }
+        }
     }
 
     fn clear_contacts(&mut self) {

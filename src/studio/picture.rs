@@ -33,13 +33,15 @@ impl Color {
     }
 }
 
-/// A word on the picture.
+/// A word on the picture, in perspective.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
     /// The middle of the word, in points.
     pub position: Vec2,
-    /// The height of the letters, in points.
-    pub size: f32,
+    /// The direction of the text, as long as a letter is high.
+    pub right: Vec2,
+    /// The direction from the top of a letter to its bottom, as long as a letter is high.
+    pub down: Vec2,
     /// The colour.
     pub color: Color,
     /// The word.
@@ -55,15 +57,17 @@ pub struct Triangles {
     pub indices: Vec<u32>,
 }
 
-/// A picture: what lies below the labels, the labels, and what lies above them.
+/// A picture, in layers from below to above.
 #[derive(Clone, Debug, Default)]
 pub struct Picture {
-    /// Boards.
+    /// Boards and targets in space.
     pub below: Triangles,
     /// Labels of keys and controls.
     pub labels: Vec<Label>,
-    /// Hands and rings.
+    /// Hands.
     pub above: Triangles,
+    /// Rings, trails and cursors.
+    pub marks: Triangles,
 }
 
 /// Width of the soft edge of a shape, in points.
@@ -100,6 +104,26 @@ impl Triangles {
     pub fn add_flat_polygon(&mut self, corners: &[Vec2], color: Color) {
         let corners: Vec<_> = corners.iter().map(|&corner| (corner, color)).collect();
         self.add_polygon(&corners);
+    }
+
+    /// Adds a line of this width, with a colour at each end.
+    pub fn add_line(&mut self, [from, to]: [(Vec2, Color); 2], width: f32) {
+        let side = (to.0 - from.0).perp().normalize_or_zero();
+        let first = self.vertices.len() as u32;
+        for (at, color) in [from, to] {
+            let clear = color.with_opacity(0.0);
+            let (inner, outer) = (side * width / 2.0, side * (width / 2.0 + FEATHER));
+            self.vertices.extend([
+                (at + outer, clear),
+                (at + inner, color),
+                (at - inner, color),
+                (at - outer, clear),
+            ]);
+        }
+        for band in 0..3 {
+            let (a, b) = (first + band, first + 4 + band);
+            self.indices.extend([a, b, b + 1, a, b + 1, a + 1]);
+        }
     }
 
     /// Adds a ring of this width around a center.

@@ -16,6 +16,8 @@ pub(super) enum Action {
     Zero,
     Look(Viewpoint),
     Bones,
+    Trails,
+    Reach,
     Show(PanelKind),
     NextPanel,
     PreviousPanel,
@@ -59,7 +61,7 @@ const fn plain(key: Key) -> (Modifiers, Key) {
 }
 
 /// All actions. A shortcut with more modifiers stands before one with fewer.
-pub(super) const ACTIONS: [ActionSpec; 12] = [
+pub(super) const ACTIONS: [ActionSpec; 14] = [
     spec(Action::Pause, plain(Key::P), "button-pause", "hint-pause"),
     spec(
         Action::Recenter,
@@ -87,6 +89,8 @@ pub(super) const ACTIONS: [ActionSpec; 12] = [
         "hint-view",
     ),
     spec(Action::Bones, plain(Key::B), "view-bones", "hint-view"),
+    spec(Action::Trails, plain(Key::T), "view-trails", "hint-view"),
+    spec(Action::Reach, plain(Key::R), "view-reach", "hint-view"),
     global(spec(
         Action::Show(PanelKind::Sensors),
         plain(Key::F7),
@@ -159,8 +163,10 @@ impl Action {
             Self::Pause => context.sent.push(Command::Pause),
             Self::Recenter => context.sent.push(Command::Recenter),
             Self::Zero => context.sent.push(Command::Zero),
-            Self::Look(viewpoint) => state.camera.look_from(viewpoint),
+            Self::Look(viewpoint) => state.next_viewpoint = Some(viewpoint),
             Self::Bones => state.scene.bones = !state.scene.bones,
+            Self::Trails => state.scene.trails = !state.scene.trails,
+            Self::Reach => state.scene.reach = !state.scene.reach,
             Self::Show(kind) => state.shown[kind as usize] = !state.shown[kind as usize],
             Self::NextPanel => move_focus(ui, state, 1),
             Self::PreviousPanel => move_focus(ui, state, -1),

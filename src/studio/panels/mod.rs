@@ -15,7 +15,7 @@ use eframe::egui;
 
 use self::recording::RecordingState;
 use self::scope::ScopeState;
-use super::camera::Camera;
+use super::camera::{Camera, Viewpoint};
 use super::model::StudioModel;
 use super::playback::{Move, Player};
 use super::scene::SceneOptions;
@@ -42,6 +42,8 @@ pub struct PanelState {
     /// Panels beside the 3D view that are shown, by [`PanelKind`].
     shown: [bool; PanelKind::ALL.len()],
     camera: Camera,
+    /// The viewpoint that was chosen since the last picture.
+    next_viewpoint: Option<Viewpoint>,
     /// The camera has been pointed at the boards.
     is_camera_placed: bool,
     scene: SceneOptions,
@@ -87,6 +89,7 @@ impl Default for PanelState {
         Self {
             shown: [true; PanelKind::ALL.len()],
             camera: Camera::default(),
+            next_viewpoint: None,
             is_camera_placed: false,
             scene: SceneOptions::default(),
             scope: ScopeState::default(),

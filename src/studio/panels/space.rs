@@ -4,12 +4,19 @@ use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sen
 use parry3d::math::Vec2;
 
 use super::{PanelContext, PanelState, look};
-use crate::studio::picture::{Color, Picture, Triangles};
+use crate::studio::camera::Viewpoint;
+use crate::studio::picture::{Color, Label, Picture, Triangles};
 use crate::studio::scene::{self, SceneColors};
 use crate::studio::texts::text;
 
 /// Height of letters as a fraction of the size of their font.
 const LETTER_HEIGHT: f32 = 0.72;
+
+/// Opacity of labels behind a hand.
+const THROUGH_HANDS: f32 = 0.5;
+
+/// Sizes of the font in which labels are drawn, in points.
+const FONT_SIZES: [f32; 6] = [10.0, 14.0, 20.0, 28.0, 40.0, 64.0];
 
 pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     let size = ui.available_size();
@@ -48,7 +55,7 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
     );
 }
 
-/// Points the camera at the boards once their poses are known.
+/// Points the camera at the boards once their poses are known, or where it was at the last start, and from a chosen viewpoint.
 fn place_camera(state: &mut PanelState, context: &PanelContext, size: Vec2) {
     let layout = &context.model.view.layout.name;
     if !state.is_camera_placed
@@ -57,28 +64,78 @@ fn place_camera(state: &mut PanelState, context: &PanelContext, size: Vec2) {
         state.camera = camera;
         state.is_camera_placed = true;
     }
-    if !state.is_camera_placed {
+    let chosen = state.next_viewpoint.take();
+    if !state.is_camera_placed || chosen.is_some() {
         let points = scene::points_of_interest(context.model);
         state.is_camera_placed = !points.is_empty();
-        state.camera.frame(points.into_iter(), size.x / size.y);
+        let bearing = scene::bearing(context.model);
+        let viewpoint = chosen.unwrap_or(Viewpoint::Eye);
+        let aspect = size.x / size.y;
+        state.camera.frame(&points, bearing, viewpoint, aspect);
     }
 }
 
 fn paint(painter: &egui::Painter, area: Rect, picture: &Picture, background: Color) {
     painter.rect_filled(area, 0.0, color32(background));
     painter.add(mesh(&picture.below, area));
-    for label in &picture.labels {
-        let font = FontId::proportional(label.size / LETTER_HEIGHT);
-        let at = on_screen(label.position, area);
-        painter.text(
-            at,
-            Align2::CENTER_CENTER,
-            &label.text,
-            font,
-            color32(label.color),
-        );
-    }
+    let labels = label_mesh(painter, area, &picture.labels);
+    // Labels that are drawn twice look the same beside a hand, and are read through it.
+    let through_hands = faded(&labels);
+    painter.add(labels);
     painter.add(mesh(&picture.above, area));
+    painter.add(through_hands);
+    painter.add(mesh(&picture.marks, area));
+}
+
+/// Returns labels as they are seen through a hand.
+fn faded(labels: &egui::Mesh) -> egui::Mesh {
+    let mut faded = labels.clone();
+    for vertex in &mut faded.vertices {
+        vertex.color = vertex.color.gamma_multiply(THROUGH_HANDS);
+    }
+    faded
+}
+
+/// Returns the letters of all labels. Each lies on its key, which no text of egui can.
+fn label_mesh(painter: &egui::Painter, area: Rect, labels: &[Label]) -> egui::Mesh {
+    let galleys: Vec<_> = labels
+        .iter()
+        .map(|label| {
+            let font = FontId::proportional(font_size(label));
+            painter.layout_no_wrap(label.text.clone(), font, color32(label.color))
+        })
+        .collect();
+    // Known only after all letters are in the texture.
+    let [width, height] = painter.ctx().fonts(|fonts| fonts.font_image_size());
+    let texture_size = egui::vec2(width as f32, height as f32);
+    let mut mesh = egui::Mesh::default();
+    for (label, galley) in labels.iter().zip(&galleys) {
+        let letter_height = font_size(label) * LETTER_HEIGHT;
+        let center = galley.mesh_bounds.center();
+        for row in &galley.rows {
+            let first = mesh.vertices.len() as u32;
+            let letters = &row.visuals.mesh;
+            mesh.vertices.extend(letters.vertices.iter().map(|vertex| {
+                let offset = (row.pos + vertex.pos.to_vec2() - center) / letter_height;
+                let position = label.position + label.right * offset.x + label.down * offset.y;
+                egui::epaint::Vertex {
+                    pos: on_screen(position, area),
+                    uv: (vertex.uv.to_vec2() / texture_size).to_pos2(),
+                    color: vertex.color,
+                }
+            }));
+            let indices = letters.indices.iter().map(|index| first + index);
+            mesh.indices.extend(indices);
+        }
+    }
+    mesh
+}
+
+/// Returns the size of the font for a label: one of a few, so that the texture of letters stays small.
+fn font_size(label: &Label) -> f32 {
+    let height = label.down.length().max(label.right.length()) / LETTER_HEIGHT;
+    let fits = FONT_SIZES.iter().find(|size| **size >= height);
+    *fits.unwrap_or(&FONT_SIZES[FONT_SIZES.len() - 1])
 }
 
 fn mesh(triangles: &Triangles, area: Rect) -> egui::Mesh {

@@ -62,6 +62,8 @@ fn show_view_menu(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Panel
         let mut is_on = match spec.action {
             Action::Show(kind) => state.shown[kind as usize],
             Action::Bones => state.scene.bones,
+            Action::Trails => state.scene.trails,
+            Action::Reach => state.scene.reach,
             _ => continue,
         };
         let response = ui.checkbox(&mut is_on, text(spec.name));

@@ -4,15 +4,15 @@ use parry3d::math::{Pose, Vec2, Vec3};
 
 use super::Canvas;
 use crate::contact::TargetId;
-use crate::contact::surface::{Shape, Target};
+use crate::contact::surface::{Shape, Surface, Target};
 use crate::studio::model::StudioModel;
-use crate::studio::picture::{Label, convex_hull};
+use crate::studio::picture::{Color, Label, convex_hull};
 
 /// The lowest key, in metres: a key with less travel would look like a drawing.
 const MIN_KEY_HEIGHT: f32 = 0.004;
 
 /// The edge of the plate around the keys, in metres.
-const BOARD_MARGIN: f32 = 0.006;
+const BOARD_MARGIN: f32 = 0.005;
 
 /// The largest deviation of fronts from a plane for which a plate is drawn, in metres.
 const FLATNESS: f32 = 0.002;
@@ -20,8 +20,17 @@ const FLATNESS: f32 = 0.002;
 /// The largest label, in metres.
 const MAX_LABEL: f32 = 0.009;
 
+/// Width of a letter as a fraction of its height.
+const LETTER_WIDTH: f32 = 0.76;
+
+/// The largest distance from the fronts to the plate, in metres.
+const MAX_PLATE_DEPTH: f32 = 0.006;
+
 /// The smallest label that can be read, in points.
-const MIN_LABEL_PT: f32 = 7.0;
+const MIN_LABEL_PT: f32 = 5.0;
+
+/// Size of a key on the screen below which it is a flat rectangle, in points.
+const MIN_DETAIL_PT: f32 = 9.0;
 
 /// Adds a board, if its pose is known.
 pub(super) fn add_board(canvas: &mut Canvas, model: &StudioModel, index: usize) {
@@ -29,14 +38,15 @@ pub(super) fn add_board(canvas: &mut Canvas, model: &StudioModel, index: usize) 
         return;
     };
     let surface = &model.view.layout.scene.surfaces()[index];
-    let targets: Vec<_> = surface.targets().collect();
-    add_plate(canvas, &world_from_board, &targets);
-    let mut keys: Vec<_> = targets
-        .into_iter()
+    add_plate(canvas, &world_from_board, surface);
+    let mut keys: Vec<_> = surface
+        .targets()
         .filter_map(|(id, target)| {
             let world_from_target = world_from_board * target.surface_from_target;
-            let depth = canvas.project(world_from_target.translation)?.depth;
-            Some((depth, id, target, world_from_target))
+            let center = canvas.project(world_from_target.translation)?;
+            let radius = half_extents(target).length() * 2.0 * center.scale;
+            let is_seen = canvas.is_seen(center.position, radius);
+            is_seen.then_some((center.depth, id, target, world_from_target))
         })
         .collect();
     keys.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -46,30 +56,30 @@ pub(super) fn add_board(canvas: &mut Canvas, model: &StudioModel, index: usize) 
 }
 
 /// Adds the plate below the keys of a flat board.
-fn add_plate(canvas: &mut Canvas, world_from_board: &Pose, targets: &[(TargetId, &Target)]) {
-    let bounds = targets.iter().map(|(_, target)| {
-        let center = target.surface_from_target.translation;
-        let half = (target.surface_from_target.rotation * half_extents(target).extend(0.0)).abs();
-        (center - half, center + half)
+fn add_plate(canvas: &mut Canvas, world_from_board: &Pose, surface: &Surface) {
+    let targets = || surface.targets().map(|(_, target)| target);
+    let height = |target: &Target| target.surface_from_target.translation.z;
+    let (low, high) = targets().fold((f32::MAX, f32::MIN), |(low, high), target| {
+        (low.min(height(target)), high.max(height(target)))
     });
-    let Some((low, high)) = bounds.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))) else {
-        return;
-    };
-    if high.z - low.z > FLATNESS {
+    if high - low > FLATNESS || high < low {
         return;
     }
-    let height = targets.iter().map(|(_, target)| key_height(target));
-    let z = low.z - height.fold(0.0, f32::max);
-    let (low, high) = (low - BOARD_MARGIN, high + BOARD_MARGIN);
-    let corners = [
-        (low.x, low.y),
-        (high.x, low.y),
-        (high.x, high.y),
-        (low.x, high.y),
-    ];
-    let corners = corners.map(|(x, y)| canvas.project(*world_from_board * Vec3::new(x, y, z)));
-    let corners: Vec<Vec2> = corners.iter().flatten().map(|it| it.position).collect();
-    if corners.len() == 4 {
+    let corners = targets().flat_map(|target| {
+        let grown = corners_with_margin(target, BOARD_MARGIN);
+        grown.map(Vec3::truncate)
+    });
+    let z = low
+        - targets()
+            .map(key_height)
+            .fold(0.0, f32::max)
+            .min(MAX_PLATE_DEPTH);
+    let corners = convex_hull(corners.collect());
+    let corners = corners.iter().map(|corner| {
+        let projected = canvas.project(*world_from_board * corner.extend(z))?;
+        Some(projected.position)
+    });
+    if let Some(corners) = corners.collect::<Option<Vec<_>>>() {
         let color = canvas.colors.board;
         canvas.picture.below.add_flat_polygon(&corners, color);
     }
@@ -80,16 +90,8 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
     let is_lit = contact.is_some_and(|contact| contact.is_pressed)
         || model.view.state.selected.contains(&id);
     let depth = contact.map_or(0.0, |contact| contact.depth * target.travel);
-    let outline = outline(target);
-    let at = |point: Vec2, z: f32| {
-        let projected = canvas.project(*pose * point.extend(z))?;
-        Some(projected.position)
-    };
-    let fronts: Option<Vec<Vec2>> = outline.iter().map(|&point| at(point, -depth)).collect();
-    let backs = outline
-        .iter()
-        .map(|&point| at(point * 1.04, -key_height(target)));
-    let (Some(front), Some(back)) = (fronts, backs.collect::<Option<Vec<_>>>()) else {
+    let center = *pose * Vec3::new(0.0, 0.0, -depth);
+    let Some(projected) = canvas.project(center) else {
         return;
     };
     let colors = canvas.colors;
@@ -97,23 +99,79 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
         true => (colors.lit, colors.lit_side, colors.lit_label),
         false => (colors.key, colors.key_side, colors.label),
     };
-    let hull = convex_hull(front.iter().chain(&back).copied().collect());
-    canvas.picture.below.add_flat_polygon(&hull, side);
+    let is_detailed = 2.0 * half_extents(target).min_element() * projected.scale >= MIN_DETAIL_PT;
+    let outline = outline(target, is_detailed);
+    let at = |point: Vec2, z: f32| {
+        let projected = canvas.project(*pose * point.extend(z))?;
+        Some(projected.position)
+    };
+    let front: Option<Vec<Vec2>> = outline.iter().map(|&point| at(point, -depth)).collect();
+    let Some(front) = front else {
+        return;
+    };
+    if is_detailed {
+        let back = |point: &Vec2| at(*point * 1.04, -key_height(target));
+        let Some(back) = outline.iter().map(back).collect::<Option<Vec<_>>>() else {
+            return;
+        };
+        let hull = convex_hull(front.iter().chain(&back).copied().collect());
+        canvas.picture.below.add_flat_polygon(&hull, side);
+    }
+    let is_turned_away = (pose.rotation * Vec3::Z).dot(canvas.camera.eye() - center) <= 0.0;
+    if is_turned_away {
+        return;
+    }
     canvas.picture.below.add_flat_polygon(&front, face);
-    let Some(text) = model.view.layout.face(id).map(|face| &face.label) else {
-        return;
-    };
-    let Some(center) = canvas.project(*pose * Vec3::new(0.0, 0.0, -depth)) else {
-        return;
-    };
+    if let Some(text) = model.view.layout.face(id).map(|face| &face.label) {
+        add_label(
+            canvas,
+            text,
+            label,
+            target,
+            &Pose::from_parts(center, pose.rotation),
+        );
+    }
+}
+
+/// Adds the label of a front, which lies on it and is upright for the eye.
+fn add_label(canvas: &mut Canvas, text: &str, color: Color, target: &Target, front: &Pose) {
     let half = half_extents(target);
-    let width = 1.7 * half.x / (0.62 * text.chars().count().max(1) as f32);
-    let size = (half.y * 1.1).min(width).min(MAX_LABEL) * center.scale;
-    if size >= MIN_LABEL_PT {
+    let origin = front.translation;
+    let direction = |axis: Vec3| {
+        let ahead = canvas.project(origin + front.rotation * axis * half.min_element())?;
+        let behind = canvas.project(origin - front.rotation * axis * half.min_element())?;
+        Some((ahead.position - behind.position) / (2.0 * half.min_element()))
+    };
+    let (Some(center), Some(x), Some(y)) = (
+        canvas.project(origin),
+        direction(Vec3::X),
+        direction(Vec3::Y),
+    ) else {
+        return;
+    };
+    let turned = Vec2::new(half.y, half.x);
+    // The quarter turn in which the text runs to the right of the screen.
+    let turns = [
+        (x, -y, half),
+        (-x, y, half),
+        (y, x, turned),
+        (-y, -x, turned),
+    ];
+    let best = turns.into_iter().max_by(|a, b| {
+        let rightward = |(right, _, _): &(Vec2, Vec2, Vec2)| right.x / right.length().max(1e-6);
+        rightward(a).total_cmp(&rightward(b))
+    });
+    let Some((right, down, half)) = best else {
+        return;
+    };
+    let width = 1.7 * half.x / (LETTER_WIDTH * text.chars().count().max(1) as f32);
+    let size = (half.y * 1.1).min(width).min(MAX_LABEL);
+    if size * down.length().min(right.length()) >= MIN_LABEL_PT {
         canvas.picture.labels.push(Label {
             position: center.position,
-            size,
-            color: label,
+            right: right * size,
+            down: down * size,
+            color,
             text: with_known_signs(text),
         });
     }
@@ -130,6 +188,17 @@ fn with_known_signs(label: &str) -> String {
     label.chars().map(known).collect()
 }
 
+/// Returns the corners of the box around a front, on the surface.
+pub(super) fn corners(target: &Target) -> [Vec3; 4] {
+    corners_with_margin(target, 0.0)
+}
+
+fn corners_with_margin(target: &Target, margin: f32) -> [Vec3; 4] {
+    let half = half_extents(target) + margin;
+    let signs = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+    signs.map(|(x, y)| target.surface_from_target * Vec3::new(x * half.x, y * half.y, 0.0))
+}
+
 fn key_height(target: &Target) -> f32 {
     target.travel.max(MIN_KEY_HEIGHT)
 }
@@ -141,9 +210,10 @@ fn half_extents(target: &Target) -> Vec2 {
     }
 }
 
-/// Returns the outline of a front: a box with round corners, or a disc.
-fn outline(target: &Target) -> Vec<Vec2> {
+/// Returns the outline of a front: a box with round corners, or a disc. Without details, both are boxes.
+fn outline(target: &Target, is_detailed: bool) -> Vec<Vec2> {
     let (half, radius, steps) = match target.shape {
+        _ if !is_detailed => (half_extents(target), 0.0, 0),
         Shape::Box(half) => (half, 0.22 * half.min_element(), 3),
         Shape::Disc(radius) => (Vec2::splat(radius), radius, 8),
     };
@@ -151,7 +221,8 @@ fn outline(target: &Target) -> Vec<Vec2> {
     let mut points = Vec::with_capacity(corners.len() * (steps + 1));
     for (corner, (x, y)) in corners.into_iter().enumerate() {
         for step in 0..=steps {
-            let angle = (corner as f32 + step as f32 / steps as f32) * std::f32::consts::FRAC_PI_2;
+            let angle =
+                (corner as f32 + step as f32 / steps.max(1) as f32) * std::f32::consts::FRAC_PI_2;
             points.push(Vec2::new(x, y) * (half - radius) + Vec2::from_angle(angle) * radius);
         }
     }

@@ -2,22 +2,46 @@
 
 mod boards;
 mod colors;
+mod fingertips;
 mod hand;
+mod limbs;
+mod reach;
+mod skin;
+mod spaces;
 
-use parry3d::math::{Vec2, Vec3};
+use parry3d::math::{Pose, Vec2, Vec3};
 
 use self::boards::add_board;
 pub use self::colors::SceneColors;
-use self::hand::{add_hand, add_rings};
+use self::fingertips::{add_rings, add_trail};
+use self::hand::add_hand;
+use self::reach::add_reach;
+use self::spaces::{add_pointer, add_spaces};
 use super::camera::{Camera, Projected};
 use super::model::StudioModel;
 use super::picture::Picture;
+use crate::hand::Joint;
+use crate::kinematics::HandPose;
 
 /// Optional parts of the picture.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneOptions {
     /// Bones and joints, through the skin.
     pub bones: bool,
+    /// Trails of the fingertips.
+    pub trails: bool,
+    /// The space that the fingertips can reach with the elbow where it is.
+    pub reach: bool,
+}
+
+impl Default for SceneOptions {
+    fn default() -> Self {
+        Self {
+            bones: false,
+            trails: true,
+            reach: false,
+        }
+    }
 }
 
 /// The camera and the picture that it draws.
@@ -31,6 +55,11 @@ struct Canvas<'a> {
 impl Canvas<'_> {
     fn project(&self, point: Vec3) -> Option<Projected> {
         self.camera.project(point, self.size)
+    }
+
+    /// Returns `true` if a disc of this radius is on the picture, at least in part.
+    fn is_seen(&self, center: Vec2, radius: f32) -> bool {
+        center.cmpge(Vec2::splat(-radius)).all() && center.cmple(self.size + radius).all()
     }
 }
 
@@ -48,32 +77,62 @@ pub fn draw(
         colors,
         picture: Picture::default(),
     };
+    for pose in model.poses.iter().flatten().filter(|_| options.reach) {
+        add_reach(&mut canvas, pose);
+    }
     for index in 0..model.view.layout.boards.len() {
         add_board(&mut canvas, model, index);
     }
+    add_spaces(&mut canvas, model);
     for pose in model.poses.iter().flatten() {
         add_rings(&mut canvas, model, pose);
         add_hand(&mut canvas, pose, options);
     }
+    if options.trails {
+        for trail in model.trails.iter().flatten() {
+            add_trail(&mut canvas, trail);
+        }
+    }
+    add_pointer(&mut canvas, model);
     canvas.picture
 }
 
-/// Returns the points that the first picture shows: the centers of all keys and controls, or else the hands.
+/// Returns the points that the first picture shows: the corners of all keys and controls, targets in space, and the hands.
 pub fn points_of_interest(model: &StudioModel) -> Vec<Vec3> {
     let surfaces = model.view.layout.scene.surfaces().iter().enumerate();
     let mut points = Vec::new();
     for (index, surface) in surfaces {
         if let Some(world_from_board) = model.world_from_board(index) {
-            let targets = surface.targets();
-            points.extend(
-                targets
-                    .map(|(_, target)| world_from_board * target.surface_from_target.translation),
-            );
+            points.extend(surface.targets().flat_map(|(_, target)| {
+                boards::corners(target).map(|corner| world_from_board * corner)
+            }));
         }
     }
-    if points.is_empty() {
-        let poses = model.poses.iter().flatten();
-        points.extend(poses.flat_map(|pose| pose.known().map(|(_, joint)| joint.translation)));
-    }
+    points.extend(spaces::points(model));
+    // An arm alone is shown with its elbow.
+    let is_near = |joint: Joint| match points.is_empty() {
+        true => joint != Joint::Shoulder,
+        false => !matches!(joint, Joint::Shoulder | Joint::Elbow),
+    };
+    let known = model.poses.iter().flatten().flat_map(HandPose::known);
+    let near: Vec<Vec3> = known
+        .filter(|(joint, _)| is_near(*joint))
+        .map(|(_, pose)| pose.translation)
+        .collect();
+    points.extend(near);
     points
 }
+
+/// Returns the direction from which the boards are upright, in radians about the vertical: 0 is behind the wearer, positive to
+/// the right.
+pub fn bearing(model: &StudioModel) -> f32 {
+    // Away from the wearer along a board that lies, and through one that stands.
+    let away = |pose: Pose| pose.rotation * Vec3::new(0.0, 0.8, -0.6);
+    let boards = 0..model.view.layout.boards.len();
+    let boards = boards.filter_map(|index| model.world_from_board(index));
+    let away = boards.map(away).sum::<Vec3>() + Vec3::NEG_Z * 1e-3;
+    (-away.x).atan2(-away.z)
+}
+
+#[cfg(test)]
+mod tests;

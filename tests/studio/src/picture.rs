@@ -14,6 +14,9 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 
 use crate::window::StudioWindow;
 
+/// The folder of reviewed pictures, which the documentation shows.
+const PICTURES: &str = "../../docs/pictures";
+
 /// The fewest colours of a picture that shows something.
 const MIN_COLORS: usize = 40;
 
@@ -47,37 +50,48 @@ pub fn draw(window: &mut StudioWindow, name: &str) -> Option<RgbaImage> {
     Some(picture)
 }
 
-/// Draws the window and compares it with the reviewed picture of this name, or replaces that if `UPDATE_SNAPSHOTS` is set.
+/// Draws the window and compares it with the reviewed picture `docs/pictures/NAME.png`, or replaces that if `UPDATE_SNAPSHOTS`
+/// is set.
 pub fn compare(window: &mut StudioWindow, name: &str) {
-    let Some(mut picture) = draw(window, name) else {
+    let Some(picture) = draw(window, name) else {
         return;
     };
-    if let Some(area) = window.unsteady_area() {
-        cover(&mut picture, area);
-    }
-    if env::var_os("UPDATE_SNAPSHOTS").is_some() {
-        save(
-            &picture,
-            &folder("pictures").join(name).with_extension("png"),
-        );
+    let picture = fewer_colors(&picture);
+    if is_update() {
+        save(&picture, &folder(PICTURES).join(name).with_extension("png"));
         return;
     }
     let options = SnapshotOptions::new()
         .threshold(THRESHOLD)
         .max_failed_pixels(MAX_FAILED_PIXELS)
-        .output_path(folder("pictures"));
+        .output_path(folder(PICTURES));
     if let Err(error) = try_image_snapshot_options(&picture, name, &options) {
         panic!("{error}");
     }
 }
 
-/// Fills an area with one colour.
-fn cover(picture: &mut RgbaImage, area: egui::Rect) {
-    for (x, y, pixel) in picture.enumerate_pixels_mut() {
-        if area.contains(egui::pos2(x as f32, y as f32)) {
-            *pixel = image::Rgba([128, 128, 128, 255]);
-        }
+/// Draws the window, and writes it to `docs/pictures/NAME.png` if `UPDATE_SNAPSHOTS` is set: a picture for the documentation, with
+/// panels that have tests of their own.
+pub fn document(window: &mut StudioWindow, name: &str) {
+    if let Some(picture) = draw(window, name)
+        && is_update()
+    {
+        let path = folder(PICTURES).join(name).with_extension("png");
+        save(&fewer_colors(&picture), &path);
     }
+}
+
+fn is_update() -> bool {
+    env::var_os("UPDATE_SNAPSHOTS").is_some()
+}
+
+/// Returns the picture with 64 steps per colour, which looks the same and makes a smaller file.
+fn fewer_colors(picture: &RgbaImage) -> RgbaImage {
+    let mut picture = picture.clone();
+    for pixel in picture.pixels_mut() {
+        pixel.0 = pixel.0.map(|value| (value & 0xfc) | (value >> 6));
+    }
+    picture
 }
 
 /// Writes a picture into a small file.

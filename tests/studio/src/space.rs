@@ -1,14 +1,49 @@
 //! The 3D view.
 
-use crate::picture;
-use crate::window::Opening;
+use ademan::studio::texts::text;
 
-#[test]
-fn the_light_window_is_as_reviewed() {
+use crate::picture;
+use crate::window::{Opening, StudioWindow};
+
+/// A window of the 3D view alone, which is drawn for the documentation.
+const SIZE: [f32; 2] = [880.0, 560.0];
+
+fn open(layout: &str, theme: egui::Theme, readings: usize) -> StudioWindow {
     let opening = Opening {
-        theme: egui::Theme::Light,
-        ..Opening::default()
+        readings,
+        theme,
+        size: SIZE,
+        ..Opening::on_layout(layout)
     };
     let mut window = opening.open();
-    picture::compare(&mut window, "studio-light");
+    window.show_space_only();
+    window
+}
+
+#[test]
+fn a_hand_over_keys_is_as_reviewed() {
+    let mut window = open("qwerty-flat", egui::Theme::Dark, 165);
+    picture::compare(&mut window, "studio-keys");
+}
+
+#[test]
+fn bones_and_reach_are_as_reviewed() {
+    let mut window = open("qwerty-arc", egui::Theme::Light, 165);
+    for option in ["view-bones", "view-reach"] {
+        window.toggle_in_menu(text(option));
+    }
+    window.press_key(egui::Key::Num3);
+    picture::compare(&mut window, "studio-bones");
+}
+
+#[test]
+fn targets_in_space_are_as_reviewed() {
+    let mut window = open("space", egui::Theme::Dark, 120);
+    picture::compare(&mut window, "studio-targets");
+}
+
+#[test]
+fn two_hands_are_as_reviewed() {
+    let mut window = open("qwerty-two-flat", egui::Theme::Light, 120);
+    picture::compare(&mut window, "studio-two-hands");
 }

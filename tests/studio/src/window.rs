@@ -73,6 +73,7 @@ impl Opening {
         let builder = Harness::builder()
             .with_size(self.size)
             .with_theme(self.theme)
+            .with_render_cursor(false)
             .with_context_setup(StudioApp::prepare)
             .wgpu();
         let mut window = StudioWindow {
@@ -80,6 +81,8 @@ impl Opening {
             _session: session,
         };
         window.wait_for_still_hand(self.readings);
+        // The camera was placed when the first pose arrived, which is another one in each run.
+        window.press_key(egui::Key::Num1);
         window
     }
 }
@@ -135,11 +138,20 @@ impl StudioWindow {
         self.harness.query_by_label(name).is_some()
     }
 
-    /// The part of the window that depends on the speed of the machine: the rate of readings.
-    pub fn unsteady_area(&self) -> Option<egui::Rect> {
-        let label = self.harness.query_by_label(text("stats-rate"))?.rect();
-        let right = self.harness.ctx.content_rect().right();
-        Some(label.with_min_x(label.right() + 2.0).with_max_x(right))
+    /// Hides all panels beside the 3D view.
+    pub fn show_space_only(&mut self) {
+        for panel in ["panel-sensors", "panel-scope"] {
+            self.toggle_in_menu(text(panel));
+        }
+        // The boards fill the larger view.
+        self.press_key(egui::Key::Num1);
+    }
+
+    /// Clicks on an entry of the menu `View`.
+    pub fn toggle_in_menu(&mut self, name: &str) {
+        self.click(text("menu-view"));
+        self.toggle(name);
+        self.press_key(egui::Key::Escape);
     }
 
     /// Draws pictures until the state that the window shows is as `condition` says.
