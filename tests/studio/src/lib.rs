@@ -6,6 +6,7 @@
 
 #![cfg(test)]
 
+mod accessibility;
 mod layouts;
 mod picture;
 mod played_hand;

@@ -1,5 +1,6 @@
 //! Studio in a window without a display, and a person who operates it.
 
+use std::path::PathBuf;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -31,6 +32,8 @@ pub struct Opening {
     pub theme: egui::Theme,
     /// Size, in points.
     pub size: [f32; 2],
+    /// The file of the settings. Without one nothing is remembered.
+    pub settings: Option<PathBuf>,
 }
 
 impl Default for Opening {
@@ -43,6 +46,7 @@ impl Default for Opening {
             readings: 180,
             theme: egui::Theme::Dark,
             size: [1280.0, 800.0],
+            settings: None,
         }
     }
 }
@@ -69,7 +73,10 @@ impl Opening {
         };
         let session = Session::start(setup, options).expect("the session starts");
         session.wait_until_started();
-        let app = StudioApp::new(&session, sensors).expect("the session runs");
+        let mut app = StudioApp::new(&session, sensors).expect("the session runs");
+        if let Some(path) = self.settings {
+            app = app.with_settings(path);
+        }
         let builder = Harness::builder()
             .with_size(self.size)
             .with_theme(self.theme)

@@ -1,0 +1,96 @@
+//! Screen readers and the keyboard: names and roles, the list of keys, the tour, and the language.
+
+use std::collections::HashSet;
+use std::fs;
+
+use ademan::studio::texts::{self, Language, text};
+use egui::accesskit::{Action, Role};
+use egui_kittest::kittest::NodeT;
+
+use crate::picture;
+use crate::window::{Opening, StudioWindow};
+
+/// Returns the widgets that are reached by keyboard and that a screen reader cannot announce.
+fn unannounced(window: &StudioWindow) -> Vec<String> {
+    let root = window.harness.root();
+    let nodes = root.children_recursive().map(|node| node.accesskit_node());
+    nodes
+        .filter(|node| node.data().supports_action(Action::Focus))
+        .filter(|node| {
+            let name = node.label().or(node.value()).unwrap_or_default();
+            name.trim().is_empty() || matches!(node.role(), Role::Unknown | Role::GenericContainer)
+        })
+        .map(|node| format!("{:?} {:?}", node.role(), node.bounding_box()))
+        .collect()
+}
+
+#[test]
+fn every_widget_has_a_name_and_a_role() {
+    let mut window = Opening::default().open();
+    assert_eq!(unannounced(&window), [""; 0]);
+    for menu in ["menu-view", "menu-settings", "menu-help"] {
+        window.click(text(menu));
+        assert_eq!(unannounced(&window), [""; 0], "{menu}");
+        window.press_key(egui::Key::Escape);
+    }
+}
+
+#[test]
+fn f1_shows_the_keys_and_escape_hides_them() {
+    let mut window = Opening::default().open();
+    window.press_key(egui::Key::F1);
+    assert!(window.has(text("keys-next-panel")));
+    picture::draw(&mut window, "keys");
+    window.press_key(egui::Key::Escape);
+    assert!(!window.has(text("keys-next-panel")));
+}
+
+#[test]
+fn f6_moves_the_focus_from_panel_to_panel() {
+    let mut window = Opening::default().open();
+    let focused = |window: &StudioWindow| window.harness.ctx.memory(|memory| memory.focused());
+    let mut seen = HashSet::new();
+    for _ in 0..4 {
+        window.press_key(egui::Key::F6);
+        seen.extend(focused(&window));
+    }
+    assert_eq!(seen.len(), 4, "toolbar, sensors, scope, 3D view");
+}
+
+#[test]
+fn the_tour_is_shown_at_the_first_start_only() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("studio.ron");
+    let opening = || Opening {
+        settings: Some(path.clone()),
+        ..Opening::default()
+    };
+    let mut window = opening().open();
+    for step in [
+        "tour-view-words",
+        "tour-pause-words",
+        "tour-sensors-words",
+        "tour-layout-words",
+        "tour-output-words",
+    ] {
+        assert!(window.has(text(step)), "{step}");
+        picture::draw(&mut window, step);
+        window.press_key(egui::Key::Enter);
+    }
+    assert!(!window.has(text("tour-output-words")));
+    let settings = window.harness.state_mut().settings().clone();
+    let written = ron::ser::to_string(&settings).expect("settings");
+    fs::write(&path, written).expect("a write");
+    assert!(!opening().open().has(text("tour-view-words")));
+}
+
+#[test]
+fn the_whole_window_is_in_spanish() {
+    let mut window = Opening::default().open();
+    window.harness.state_mut().settings().language = Some(Language::Spanish);
+    window.draw(2);
+    assert_eq!(texts::language(), Language::Spanish);
+    assert!(window.has("Pausar"));
+    assert!(window.has("No se escribe nada en otros programas"));
+    picture::draw(&mut window, "studio-spanish");
+}
