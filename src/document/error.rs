@@ -163,6 +163,11 @@ impl DocumentFault {
         self.position.as_ref().map(|position| position.column)
     }
 
+    /// The number of underlined characters, from 1 if the error has a position, otherwise 0.
+    pub fn width(&self) -> usize {
+        self.position.as_ref().map_or(0, |position| position.width)
+    }
+
     fn add_line(&mut self, line: Option<usize>) {
         let is_listed = line == self.line() || line.is_some_and(|line| self.lines.contains(&line));
         match line.filter(|_| !is_listed) {

@@ -14,6 +14,8 @@ mod scan;
 mod search;
 mod shipped;
 mod spanned;
+#[cfg(feature = "studio")]
+mod tree;
 
 pub use error::{DocumentError, DocumentFault};
 pub(crate) use error::{byte_offset, line_number};
@@ -24,6 +26,8 @@ pub(crate) use ranged::{format_number, ranged_numbers};
 pub use search::{own_gloves, own_layouts};
 pub use shipped::{shipped_gloves, shipped_layouts};
 pub use spanned::Spanned;
+#[cfg(feature = "studio")]
+pub(crate) use tree::{Item, Node, quote, quoted_content, read_tree};
 
 use std::fs;
 use std::io::{self, ErrorKind, Read};

@@ -9,8 +9,10 @@ use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 mod config;
+mod replace;
 
-pub use config::{config_folder, in_config_folder};
+pub use config::{config_folder, in_config_folder, state_folder};
+pub use replace::{replace_private_text, replace_text};
 
 #[cfg(unix)]
 mod unix;

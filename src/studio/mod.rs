@@ -22,6 +22,7 @@
 
 mod app;
 pub mod camera;
+pub mod editor;
 pub mod history;
 pub mod model;
 mod panels;

@@ -9,3 +9,9 @@ pub fn base_folder() -> Option<PathBuf> {
     let strategy = etcetera::choose_base_strategy().ok()?;
     Some(strategy.config_dir())
 }
+
+/// Returns the folder for the state of all programs. `None` without a home folder.
+pub fn state_folder() -> Option<PathBuf> {
+    let strategy = etcetera::choose_base_strategy().ok()?;
+    Some(strategy.state_dir().unwrap_or_else(|| strategy.cache_dir()))
+}

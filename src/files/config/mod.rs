@@ -18,6 +18,12 @@ pub fn config_folder() -> Option<PathBuf> {
     Some(system::base_folder()?.join("ademan"))
 }
 
+/// Returns the folder for what programs keep between two runs, which may not exist: `~/.local/state/ademan`, below
+/// `$XDG_STATE_HOME` if it is set, or `%LOCALAPPDATA%\ademan` on Windows. `None` if the system has no such folder.
+pub fn state_folder() -> Option<PathBuf> {
+    Some(system::state_folder()?.join("ademan"))
+}
+
 /// Returns the path of a file of a person in the configuration folder, if the file exists.
 pub fn in_config_folder(path: impl AsRef<Path>) -> Option<PathBuf> {
     let path = config_folder()?.join(path);

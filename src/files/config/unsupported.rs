@@ -5,3 +5,7 @@ use std::path::PathBuf;
 pub fn base_folder() -> Option<PathBuf> {
     None
 }
+
+pub fn state_folder() -> Option<PathBuf> {
+    None
+}

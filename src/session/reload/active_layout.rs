@@ -1,7 +1,5 @@
 //! An active layout and its file.
 
-use std::fs;
-use std::io::{self, Write};
 use std::path::Path;
 use std::time::Instant;
 
@@ -9,7 +7,7 @@ use super::LayoutReport;
 use super::watched_file::WatchedFile;
 use crate::contact::board_pose::BoardPose;
 use crate::document::{Document, DocumentError};
-use crate::files::{self, FileError};
+use crate::files;
 use crate::layout::{self, Layout};
 use crate::pipeline::LayoutInstance;
 use crate::session::layout_link::{LayoutLink, SessionEnded};
@@ -132,7 +130,7 @@ impl ActiveLayout {
         }
         let layout = self.layout.with_text(&text);
         let layout = layout.map_err(|error| error.to_string())?;
-        write(Path::new(file.path()), &text)
+        files::replace_text(Path::new(file.path()), &text)
             .map_err(|error| format!("{name}: cannot write the file: {error}"))?;
         file.set_active_text(&text);
         self.layout = layout;
@@ -144,36 +142,13 @@ impl ActiveLayout {
     }
 }
 
-/// Replaces the content of a file of this user atomically: a reader sees the old or the new text, also after a crash.
-/// Permissions and symbolic links are kept.
-fn write(path: &Path, text: &str) -> Result<(), FileError> {
-    let path = files::own_target(path)?;
-    let permissions = fs::metadata(&path)?.permissions();
-    if permissions.readonly() {
-        let error = io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only");
-        return Err(error.into());
-    }
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = path.with_file_name(format!(".{name}.{}", std::process::id()));
-    let mut file = files::create_private(&temporary)?;
-    let written = file
-        .set_permissions(permissions)
-        .and_then(|()| file.write_all(text.as_bytes()))
-        .and_then(|()| file.sync_all())
-        .and_then(|()| fs::rename(&temporary, &path));
-    if written.is_err() {
-        let _ = fs::remove_file(&temporary);
-    }
-    Ok(written?)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::session::layout_link::LayoutOperation;
     use crate::session::reload::test_loop::TestLoop;
-    use std::thread;
     use std::time::Duration;
+    use std::{fs, thread};
 
     const TEXT: &str = "Layout(name: \"a\", boards: [(pose: (anchor: elbow), \
                         rows: [(at_mm: (0, 0), keys: \"A\")])])";

@@ -1,0 +1,43 @@
+//! Whole files that are written at once.
+
+use std::fs::{self, Permissions};
+use std::io::{self, Write};
+use std::path::Path;
+
+use super::{FileError, create_private, own_target};
+
+/// Replaces the content of a file of this user atomically: a reader sees the old or the new text, also after a crash or on a
+/// full disk. Permissions and symbolic links are kept.
+pub fn replace_text(path: &Path, text: &str) -> Result<(), FileError> {
+    let path = own_target(path)?;
+    let permissions = fs::metadata(&path)?.permissions();
+    if permissions.readonly() {
+        let error = io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only");
+        return Err(error.into());
+    }
+    write_and_rename(&path, text, Some(permissions))
+}
+
+/// Writes a file that only its owner can access, atomically as [`replace_text`]. Whatever file has the name is replaced.
+pub fn replace_private_text(path: &Path, text: &str) -> Result<(), FileError> {
+    write_and_rename(path, text, None)
+}
+
+fn write_and_rename(
+    path: &Path,
+    text: &str,
+    permissions: Option<Permissions>,
+) -> Result<(), FileError> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let temporary = path.with_file_name(format!(".{name}.{}", std::process::id()));
+    let mut file = create_private(&temporary)?;
+    let permitted = permissions.map_or(Ok(()), |permissions| file.set_permissions(permissions));
+    let written = permitted
+        .and_then(|()| file.write_all(text.as_bytes()))
+        .and_then(|()| file.sync_all())
+        .and_then(|()| fs::rename(&temporary, path));
+    if written.is_err() {
+        let _ = fs::remove_file(&temporary);
+    }
+    Ok(written?)
+}

@@ -1,0 +1,147 @@
+//! Arrangement of several controls of a board: align, distribute, snap.
+
+use super::draft::Draft;
+use super::error::EditError;
+use super::geometry::{Extent, extent, shift_one, without_children};
+use super::part::Part;
+use super::rows::take_out;
+
+/// The line on which parts are aligned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum AlignEdge {
+    /// The left edge of the leftmost.
+    Left,
+    /// The right edge of the rightmost.
+    Right,
+    /// The far edge of the farthest.
+    Top,
+    /// The near edge of the nearest.
+    Bottom,
+    /// The middle between left and right.
+    CenterX,
+    /// The middle between near and far.
+    CenterY,
+}
+
+/// A direction on a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoardAxis {
+    /// Along the rows.
+    X,
+    /// Away from the wearer.
+    Y,
+}
+
+/// Aligns parts along their outlines.
+pub(super) fn align(
+    draft: &mut Draft,
+    parts: &[Part],
+    edge: AlignEdge,
+) -> Result<Vec<Part>, EditError> {
+    let (parts, extents) = prepare(
+        draft,
+        parts,
+        2,
+        "select at least two controls to align them",
+    )?;
+    let Some(all) = Extent::around(&extents) else {
+        return Ok(parts);
+    };
+    let (axis, side) = match edge {
+        AlignEdge::Left => (0, -1.0),
+        AlignEdge::Right => (0, 1.0),
+        AlignEdge::CenterX => (0, 0.0),
+        AlignEdge::Bottom => (1, -1.0),
+        AlignEdge::Top => (1, 1.0),
+        AlignEdge::CenterY => (1, 0.0),
+    };
+    let line = |extent: &Extent| extent.center[axis] + side * extent.half[axis];
+    let distances = extents.iter().map(|extent| line(&all) - line(extent));
+    shift_along(draft, &parts, axis, distances.collect())
+}
+
+/// Makes the gaps between parts equal.
+pub(super) fn distribute(
+    draft: &mut Draft,
+    parts: &[Part],
+    axis: BoardAxis,
+) -> Result<Vec<Part>, EditError> {
+    let message = "select at least three controls to distribute them";
+    let (parts, extents) = prepare(draft, parts, 3, message)?;
+    let axis = axis as usize;
+    let mut order: Vec<usize> = (0..parts.len()).collect();
+    order.sort_by(|&a, &b| extents[a].center[axis].total_cmp(&extents[b].center[axis]));
+    let (first, last) = (&extents[order[0]], &extents[order[order.len() - 1]]);
+    let start = first.center[axis] - first.half[axis];
+    let end = last.center[axis] + last.half[axis];
+    let widths: f64 = extents.iter().map(|extent| 2.0 * extent.half[axis]).sum();
+    let gap = (end - start - widths) / (parts.len() - 1) as f64;
+    let mut distances = vec![0.0; parts.len()];
+    let mut next = start;
+    for index in order {
+        let extent = &extents[index];
+        distances[index] = next + extent.half[axis] - extent.center[axis];
+        next += 2.0 * extent.half[axis] + gap;
+    }
+    shift_along(draft, &parts, axis, distances)
+}
+
+/// Moves centers to the nearest crossing of a grid.
+pub(super) fn snap(
+    draft: &mut Draft,
+    parts: &[Part],
+    grid_mm: f64,
+) -> Result<Vec<Part>, EditError> {
+    if !(0.01..=500.0).contains(&grid_mm) {
+        return Err(EditError::Selection(
+            "the grid must be 0.01 to 500 mm wide; set another width",
+        ));
+    }
+    let parts = take_out(draft, &without_children(parts), true)?;
+    for &part in &parts {
+        let Some([x, y]) = draft.numbers(part, "at_mm")? else {
+            return Err(super::geometry::unsupported(part, "snapped to a grid", ""));
+        };
+        let distance = |value: f64| (value / grid_mm).round() * grid_mm - value;
+        shift_one(draft, part, [distance(x), distance(y), 0.0])?;
+    }
+    draft.commit()?;
+    Ok(parts)
+}
+
+/// Returns the parts after keys were taken out of their rows, and their outlines.
+fn prepare(
+    draft: &mut Draft,
+    parts: &[Part],
+    minimum: usize,
+    message: &'static str,
+) -> Result<(Vec<Part>, Vec<Extent>), EditError> {
+    let parts = take_out(draft, &without_children(parts), true)?;
+    if parts.len() < minimum {
+        return Err(EditError::Selection(message));
+    }
+    if parts
+        .iter()
+        .any(|part| part.board().is_none() || part.board() != parts[0].board())
+    {
+        let message = "these parts are not all on one board; select controls of one board";
+        return Err(EditError::Selection(message));
+    }
+    let extents: Result<_, _> = parts.iter().map(|part| extent(draft, *part)).collect();
+    Ok((parts, extents?))
+}
+
+fn shift_along(
+    draft: &mut Draft,
+    parts: &[Part],
+    axis: usize,
+    distances: Vec<f64>,
+) -> Result<Vec<Part>, EditError> {
+    for (part, distance) in parts.iter().zip(distances) {
+        let mut by = [0.0; 3];
+        by[axis] = distance;
+        shift_one(draft, *part, by)?;
+    }
+    draft.commit()?;
+    Ok(parts.to_vec())
+}

@@ -1,0 +1,349 @@
+//! The layout editor without its view: a text, the edits of it, and what they lead to.
+//!
+//! The RON text is the truth. An [`Edit`] becomes replacements of parts of the text, so that comments, order and the spelling of
+//! numbers stay in everything that is not edited. The loader reads the text after each edit; [`LayoutEditor::layout`] is the
+//! last one that is valid.
+//!
+//! ```text
+//!  Edit ──▶ edit(text) ──▶ Patch ──▶ text ──▶ loader ──▶ layout, problems
+//!                            └──▶ history: undo, redo
+//! ```
+//!
+//! # For a view
+//!
+//! - [`LayoutEditor::open`] opens a file; a layout that comes with the program is opened as an unsaved copy.
+//! - A click on a [`TargetId`] of [`LayoutEditor::layout`] selects [`LayoutEditor::part_of`]; [`LayoutEditor::target_of`] is the way
+//!   back, and [`LayoutEditor::board_of`] tells the board. While the text is invalid after an edit that added or removed
+//!   parts, `part_of` returns `None`.
+//! - [`LayoutEditor::apply`] makes an edit, which is one step of [`undo`](LayoutEditor::undo). While a drag lasts,
+//!   [`LayoutEditor::amend`] replaces the last edit by one with the whole distance of the drag, so that a drag is one step.
+//!   Both select the parts that were edited or added.
+//! - [`LayoutEditor::value`] is a field as written (`None`: the default), [`FieldSpec`]s of [`fields_of`] are the fields that a
+//!   part can have, with units and ranges, for forms. [`Edit::SetField`] sets any of them.
+//! - [`LayoutEditor::problems`] lists all errors and warnings with bytes of the text and the part there.
+//! - [`LayoutEditor::save`] and [`LayoutEditor::save_as`] write the file; [`LayoutEditor::poll`], a few times a second, reads changes
+//!   that other programs made, merges them, or reports a conflict. [`LayoutEditor::start_recovery`] keeps unsaved work.
+//! - An error of any of these is for the status line: it says what failed, why, and what to do.
+
+mod add;
+mod arrange;
+mod bind;
+mod delete;
+mod draft;
+mod duplicate;
+mod edit;
+mod error;
+mod fields;
+mod file;
+mod geometry;
+mod history;
+mod names;
+mod part;
+mod patch;
+mod problems;
+mod recovery;
+mod rename;
+mod rows;
+#[cfg(test)]
+mod file_tests;
+#[cfg(test)]
+mod tests;
+
+pub use self::add::NewPart;
+pub use self::arrange::{AlignEdge, BoardAxis};
+pub use self::bind::{Binding, Slot};
+pub use self::draft::Edited;
+pub use self::edit::{Edit, edit};
+pub use self::error::EditError;
+pub use self::fields::{FieldSpec, FieldType, fields_of};
+pub use self::file::{Change, Conflict, FileState, Resolution, SaveError};
+pub use self::part::{ControlKind, Part};
+pub use self::patch::{Patch, Replacement};
+pub use self::problems::{Problem, Severity};
+pub use self::recovery::UnsavedWork;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use self::file::EditedFile;
+use self::history::{History, Step};
+use self::recovery::Recovery;
+use crate::contact::TargetId;
+use crate::document::{Document, DocumentError, Node, quote, read_tree};
+use crate::layout::{Fit, Layout};
+
+/// A layout that is being edited.
+pub struct LayoutEditor {
+    file: EditedFile,
+    text: String,
+    fit: Fit,
+    /// `None` while brackets are not balanced.
+    tree: Option<Node>,
+    layout: Option<Arc<Layout>>,
+    /// The targets of `layout` in its text.
+    layout_targets: Vec<Part>,
+    /// The targets of the text.
+    targets: Vec<Part>,
+    problems: Vec<Problem>,
+    selection: Vec<Part>,
+    history: History,
+    /// Number of changes of the text.
+    revision: u64,
+    recovery: Option<Recovery>,
+}
+
+impl LayoutEditor {
+    /// Opens the layout with a name, as [`Document::open`] finds it, for these hands. One that comes with the program is an unsaved
+    /// copy: [`save`](Self::save) fails until [`save_as`](Self::save_as) has given it a file.
+    ///
+    /// A file that is not a valid layout is opened, too: [`problems`](Self::problems) lists the reasons.
+    pub fn open(name: &str, fit: Fit) -> Result<Self, DocumentError> {
+        let document = Document::open(name)?;
+        let file = EditedFile::open(&document);
+        Ok(Self::new(file, document.text, fit))
+    }
+
+    /// Edits a text that has no file. `name` stands for it in messages.
+    pub fn from_text(name: &str, text: &str, fit: Fit) -> Self {
+        let document = Document::new(name, text);
+        let file = EditedFile::unsaved(name).with_text(&document.text);
+        Self::new(file, document.text, fit)
+    }
+
+    fn new(file: EditedFile, text: String, fit: Fit) -> Self {
+        let mut editor = Self {
+            file,
+            text,
+            fit,
+            tree: None,
+            layout: None,
+            layout_targets: Vec::new(),
+            targets: Vec::new(),
+            problems: Vec::new(),
+            selection: Vec::new(),
+            history: History::default(),
+            revision: 0,
+            recovery: None,
+        };
+        editor.read();
+        editor
+    }
+
+    /// The text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The name of the file in messages.
+    pub fn name(&self) -> &str {
+        self.file.name()
+    }
+
+    /// The path of the file; `None` for an unsaved copy.
+    pub fn path(&self) -> Option<&Path> {
+        self.file.path()
+    }
+
+    /// The layout of the last valid text; `None` if there has been none.
+    pub fn layout(&self) -> Option<&Arc<Layout>> {
+        self.layout.as_ref()
+    }
+
+    /// Returns `true` if [`layout`](Self::layout) is that of the present text.
+    pub fn is_valid(&self) -> bool {
+        !self
+            .problems
+            .iter()
+            .any(|it| it.severity == Severity::Error)
+    }
+
+    /// The problems of the text, in its order.
+    pub fn problems(&self) -> &[Problem] {
+        &self.problems
+    }
+
+    /// Counts the changes of the text, for views that keep what they computed from it.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// The selected parts.
+    pub fn selection(&self) -> &[Part] {
+        &self.selection
+    }
+
+    /// Selects parts. Those that are not in the text are left out.
+    pub fn select(&mut self, parts: impl IntoIterator<Item = Part>) {
+        let mut selection = Vec::new();
+        for part in parts {
+            if self.node(part).is_some() && !selection.contains(&part) {
+                selection.push(part);
+            }
+        }
+        self.selection = selection;
+    }
+
+    /// Returns the part of a target of [`layout`](Self::layout); `None` if the text has other parts by now.
+    pub fn part_of(&self, target: TargetId) -> Option<Part> {
+        let part = part::part_of(&self.layout_targets, target)?;
+        (self.targets == self.layout_targets).then_some(part)
+    }
+
+    /// Returns the targets of a part: one, those of a row, board or radio group, or none.
+    pub fn targets_of(&self, part: Part) -> Vec<TargetId> {
+        let ancestors = |own: Part| std::iter::successors(Some(own), |part| part.parent());
+        let targets = self.layout_targets.iter().enumerate();
+        targets
+            .filter(|(_, own)| ancestors(**own).any(|own| own == part))
+            .map(|(index, _)| TargetId(index as u32))
+            .collect()
+    }
+
+    /// Returns the part at a byte of the text, such as that of the cursor.
+    pub fn part_at(&self, offset: usize) -> Option<Part> {
+        let tree = self.tree.as_ref()?;
+        Some(part::part_at(&self.text, tree, offset))
+    }
+
+    /// Returns the bytes of a part in the text. Those of a key of a row are the row.
+    pub fn range_of(&self, part: Part) -> Option<std::ops::Range<usize>> {
+        Some(self.node(part)?.range.clone())
+    }
+
+    /// Returns a field of a part as written, such as `4.0` or `Box(17, 17)`; `None` if it is not written. `field` is as in
+    /// [`Edit::SetField`].
+    pub fn value(&self, part: Part, field: &str) -> Option<&str> {
+        let node = self.node(part)?.at(&self.text, field.split('.'))?;
+        Some(node.text(&self.text))
+    }
+
+    /// Returns the name of a part in layers, chords and messages, if it has one.
+    pub fn part_name(&self, part: Part) -> Option<String> {
+        names::name_of(&self.text, self.tree.as_ref()?, part)
+    }
+
+    /// Returns the number of parts in a list of the layout: `boards`, `layers`, `chords`, `triggers` or `spaces`.
+    pub fn count(&self, list: &str) -> usize {
+        let list = self
+            .node(Part::Layout)
+            .and_then(|layout| layout.field(&self.text, list));
+        list.map_or(0, |list| list.items().len())
+    }
+
+    fn node(&self, part: Part) -> Option<&Node> {
+        part.node(&self.text, self.tree.as_ref()?)
+    }
+
+    /// Makes an edit. The text may become invalid, which [`problems`](Self::problems) tells; undo leads back.
+    pub fn apply(&mut self, edit: &Edit) -> Result<(), EditError> {
+        let edited = edit::edit(&self.text, edit)?;
+        self.adopt(edited)
+    }
+
+    /// Makes an edit in place of the last one: the present state of a drag.
+    pub fn amend(&mut self, edit: &Edit) -> Result<(), EditError> {
+        let selection = self.selection.clone();
+        if !self.undo() {
+            return self.apply(edit);
+        }
+        let applied = self.apply(edit);
+        if applied.is_err() {
+            self.redo();
+            self.selection = selection;
+        }
+        applied
+    }
+
+    fn adopt(&mut self, edited: Edited) -> Result<(), EditError> {
+        let mut text = self.text.clone();
+        let (mut undo, mut redo) = (Vec::new(), Vec::new());
+        for patch in edited.patches {
+            let (patched, inverse) = patch.apply(&text).ok_or(EditError::Overlap)?;
+            text = patched;
+            undo.insert(0, inverse);
+            redo.push(patch);
+        }
+        let before = std::mem::take(&mut self.selection);
+        let has_changed = text != self.text;
+        self.text = text;
+        if has_changed {
+            self.read();
+        }
+        self.select(edited.parts);
+        self.history.push(Step {
+            undo,
+            redo,
+            selection: [before, self.selection.clone()],
+        });
+        Ok(())
+    }
+
+    /// Undoes the last edit. Returns `false` if there is none.
+    pub fn undo(&mut self) -> bool {
+        let Some(step) = self.history.undo().cloned() else {
+            return false;
+        };
+        let [before, _] = step.selection;
+        self.patch(&step.undo, before);
+        true
+    }
+
+    /// Makes the last undone edit again. Returns `false` if there is none.
+    pub fn redo(&mut self) -> bool {
+        let Some(step) = self.history.redo().cloned() else {
+            return false;
+        };
+        let [_, after] = step.selection;
+        self.patch(&step.redo, after);
+        true
+    }
+
+    /// Returns `true` if there is an edit to undo.
+    pub fn can_undo(&self) -> bool {
+        self.history.can_undo()
+    }
+
+    /// Returns `true` if there is an edit to redo.
+    pub fn can_redo(&self) -> bool {
+        self.history.can_redo()
+    }
+
+    /// Applies patches that were made for the present text.
+    fn patch(&mut self, patches: &[Patch], selection: Vec<Part>) {
+        for patch in patches {
+            if let Some((text, _)) = patch.apply(&self.text) {
+                self.text = text;
+            }
+        }
+        self.read();
+        self.select(selection);
+    }
+
+    /// Reads the present text.
+    fn read(&mut self) {
+        self.revision += 1;
+        self.update_recovery();
+        self.tree = read_tree(&self.text);
+        let targets = self
+            .tree
+            .as_ref()
+            .map(|tree| part::targets(&self.text, tree));
+        self.targets = targets.unwrap_or_default();
+        let document = Document::new(self.file.name(), self.text.as_str());
+        match Layout::for_hands(document, self.fit) {
+            Ok(layout) => {
+                self.layout = Some(Arc::new(layout));
+                self.layout_targets.clone_from(&self.targets);
+                self.problems = Vec::new();
+            }
+            Err(error) => {
+                self.problems = problems::of_error(&error, &self.text, self.tree.as_ref());
+            }
+        }
+    }
+}
+
+/// Returns a text as it is written in a layout, in quotes.
+pub fn quoted(text: &str) -> String {
+    quote(text)
+}
