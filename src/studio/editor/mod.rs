@@ -12,9 +12,9 @@
 //! # For a view
 //!
 //! - [`LayoutEditor::open`] opens a file; a layout that comes with the program is opened as an unsaved copy.
-//! - A click on a [`TargetId`] of [`LayoutEditor::layout`] selects [`LayoutEditor::part_of`]; [`LayoutEditor::target_of`] is the way
-//!   back, and [`LayoutEditor::board_of`] tells the board. While the text is invalid after an edit that added or removed
-//!   parts, `part_of` returns `None`.
+//! - A click on a [`TargetId`] of [`LayoutEditor::layout`] selects [`LayoutEditor::part_of`]; [`LayoutEditor::targets_of`] is the
+//!   way back, and [`Part::board`] tells the board. While the text is invalid after an edit that added or removed parts,
+//!   `part_of` returns `None`.
 //! - [`LayoutEditor::apply`] makes an edit, which is one step of [`undo`](LayoutEditor::undo). While a drag lasts,
 //!   [`LayoutEditor::amend`] replaces the last edit by one with the whole distance of the drag, so that a drag is one step.
 //!   Both select the parts that were edited or added.
