@@ -207,8 +207,8 @@ impl Player {
     fn steps_of_history(&self, index: usize) -> usize {
         let from = Timestamp::from_seconds(self.times[index].seconds() - SECONDS);
         let first = self.times[..index].partition_point(|time| *time < from);
-        // One more, as a sum of seconds is rounded.
-        index - first.saturating_sub(1)
+        // One more, as a sum of seconds is rounded. Half of the steps that are kept are more than a history has, whatever the rate.
+        (index - first.saturating_sub(1)).min(MAX_STEPS / 2)
     }
 
     /// Returns whether the history before a step is loaded, too.

@@ -13,7 +13,7 @@ use crate::session::view::View;
 use crate::snapshot::{Snapshot, Stats, StepView};
 use crate::studio::model::StudioModel;
 
-/// The results of a step, about 1.5 kB. A [`Snapshot`] has room for the most events that a step can have.
+/// The results of a step. A [`Snapshot`] has room for the most events that a step can have.
 #[derive(Clone, Debug)]
 pub struct RecordedStep {
     state: PipelineState,
