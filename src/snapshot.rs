@@ -1,5 +1,7 @@
 //! The view of an observer: the results of all stages for one step, by reference or as a copy.
 
+use std::time::Duration;
+
 use serde::Serialize;
 
 use crate::capture::{CaptureError, Reading, SourceStats};
@@ -42,6 +44,8 @@ pub struct StepView<'a> {
     pub lost_hands: [bool; Side::COUNT],
     /// Statistics of all readings so far.
     pub stats: Stats,
+    /// Time from the arrival of the reading to the call of the output; `None` for a step without events.
+    pub latency: Option<Duration>,
 }
 
 impl StepView<'_> {
@@ -62,6 +66,7 @@ impl StepView<'_> {
             executed: self.executed,
             lost_hands: self.lost_hands,
             stats: self.stats,
+            latency: self.latency,
         }
     }
 }
@@ -97,6 +102,8 @@ pub struct Snapshot {
     pub lost_hands: [bool; Side::COUNT],
     /// Statistics of all readings so far.
     pub stats: Stats,
+    /// Time from the arrival of the reading to the call of the output; `None` for a step without events.
+    pub latency: Option<Duration>,
 }
 
 impl Snapshot {
@@ -117,6 +124,7 @@ impl Snapshot {
             executed: self.executed,
             lost_hands: self.lost_hands,
             stats: self.stats,
+            latency: self.latency,
         }
     }
 }

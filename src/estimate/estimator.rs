@@ -197,6 +197,12 @@ impl Estimator {
         Ok(())
     }
 
+    /// Adopts the offsets of [`zero`](Self::zero) from the estimator that this one replaces. The next estimate jumps.
+    pub(super) fn succeed(&mut self, previous: &Self) {
+        self.zero.adopt_offsets(&previous.zero);
+        self.has_jumped = true;
+    }
+
     /// Removes the offsets of [`zero`](Self::zero). The next estimate jumps.
     pub fn undo_zero(&mut self) -> Result<(), ZeroError> {
         let changes = self.zero.undo()?;

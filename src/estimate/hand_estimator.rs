@@ -83,6 +83,14 @@ impl HandEstimator {
         self.fingers().learned_ranges()
     }
 
+    /// Exchanges the estimator of the whole hand, or of the fingers if another source measures the arm, for one with another
+    /// calibration or filter. The offsets of [`zero`](Self::zero) stay, and the next estimate jumps. Does not allocate.
+    pub fn exchange(&mut self, estimator: &mut Estimator) {
+        let own = self.fingers_mut();
+        estimator.succeed(own);
+        std::mem::swap(own, estimator);
+    }
+
     fn fingers(&self) -> &Estimator {
         match self {
             Self::Single(estimator) => estimator,

@@ -89,6 +89,11 @@ impl Zero {
         }
     }
 
+    /// Adopts the offsets of another glove file or filter for the same hand.
+    pub(super) fn adopt_offsets(&mut self, other: &Self) {
+        self.offsets = other.offsets;
+    }
+
     /// Returns the offsets of the measured angles, in radians; 0 for those without one.
     pub(super) fn offsets(&self) -> &JointAngles {
         &self.offsets

@@ -1,10 +1,10 @@
-//! Zeroing of a hand at rest.
+//! Changes of the angles that readings mean: zeroing of a hand at rest, and another calibration.
 
 use std::time::Duration;
 
 use super::{CommandError, Pipeline, PipelineState};
 use crate::device::Events;
-use crate::estimate::Zeroed;
+use crate::estimate::{Estimator, Zeroed};
 
 /// The time within which a hand must rest after a key or a gesture of the layout has asked for it.
 const REST_TIMEOUT: Duration = Duration::from_secs(5);
@@ -36,6 +36,13 @@ impl Pipeline {
     pub(super) fn replay_zero(&mut self, events: &mut Events) -> Result<(), CommandError> {
         let index = self.last_tracked_hand().ok_or(CommandError::NoHand)?;
         self.zero_hand(index, events)
+    }
+
+    /// Exchanges the estimator of the first hand for one with another calibration or filter. `estimator` is the old one
+    /// afterwards. Everything is released, and output is armed again as after [`zero`](Self::zero).
+    pub fn exchange_estimator(&mut self, estimator: &mut Estimator, events: &mut Events) {
+        self.hands[0].estimator.exchange(estimator);
+        self.rearm(events);
     }
 
     /// Returns what [`zero`](Self::zero) has changed of the hand that was tracked last.

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, TrySendError, bounded};
 
+use super::estimator_swap::EstimatorSwap;
 use super::layout_link::{LayoutLink, LayoutSwap, LoopLayoutLink};
 use super::reply::{Reply, ReplySender, RequestError};
 use super::waker::{WakeTarget, Waker};
@@ -34,6 +35,7 @@ pub(super) struct QueuedCommand {
 pub struct CommandSender {
     origin: CommandOrigin,
     queue: Sender<QueuedCommand>,
+    estimators: Sender<EstimatorSwap>,
     stop: Arc<AtomicBool>,
     waker: Waker,
 }
@@ -76,6 +78,13 @@ impl CommandSender {
         })?
     }
 
+    /// Sends an estimator without waiting. The queue has room for one.
+    pub(super) fn send_estimator(&self, swap: EstimatorSwap) -> Result<(), RequestError> {
+        self.estimators.try_send(swap).map_err(refusal)?;
+        self.waker.wake();
+        Ok(())
+    }
+
     fn enqueue(&self, command: Command, reply: Option<ReplySender>) -> Result<(), RequestError> {
         command.check()?;
         if command == Command::Stop {
@@ -86,13 +95,17 @@ impl CommandSender {
                 origin: self.origin,
                 reply,
             };
-            self.queue.try_send(queued).map_err(|error| match error {
-                TrySendError::Full(_) => RequestError::QueueFull,
-                TrySendError::Disconnected(_) => RequestError::Ended,
-            })?;
+            self.queue.try_send(queued).map_err(refusal)?;
         }
         self.waker.wake();
         Ok(())
+    }
+}
+
+fn refusal<T>(error: TrySendError<T>) -> RequestError {
+    match error {
+        TrySendError::Full(_) => RequestError::QueueFull,
+        TrySendError::Disconnected(_) => RequestError::Ended,
     }
 }
 
@@ -100,6 +113,7 @@ impl CommandSender {
 #[derive(Debug)]
 pub struct CommandReceiver {
     queue: Receiver<QueuedCommand>,
+    estimators: Receiver<EstimatorSwap>,
     stop: Arc<AtomicBool>,
     waker: Waker,
     layouts: Option<LoopLayoutLink>,
@@ -109,14 +123,17 @@ pub struct CommandReceiver {
 pub(super) enum Message {
     Command(QueuedCommand),
     LayoutSwap(LayoutSwap),
+    EstimatorSwap(EstimatorSwap),
 }
 
 /// Creates a channel. Commands stay queued until a session loop receives them.
 pub fn command_channel() -> (CommandSender, CommandReceiver) {
     let (sender, queue) = bounded(QUEUE_LENGTH);
+    let (estimator_sender, estimators) = bounded(1);
     let (stop, waker) = (Arc::default(), Waker::default());
     let receiver = CommandReceiver {
         queue,
+        estimators,
         stop: Arc::clone(&stop),
         waker: waker.clone(),
         layouts: None,
@@ -124,6 +141,7 @@ pub fn command_channel() -> (CommandSender, CommandReceiver) {
     let sender = CommandSender {
         origin: CommandOrigin::Client,
         queue: sender,
+        estimators: estimator_sender,
         stop,
         waker,
     };
@@ -161,8 +179,10 @@ impl CommandReceiver {
     /// The next message, if there is one. Never waits.
     pub(super) fn try_next(&self) -> Option<Message> {
         let swap = self.layouts.as_ref().and_then(LoopLayoutLink::try_swap);
+        let estimator = || self.estimators.try_recv().ok().map(Message::EstimatorSwap);
         let command = || self.queue.try_recv().ok().map(Message::Command);
-        swap.map(Message::LayoutSwap).or_else(command)
+        let swap = swap.map(Message::LayoutSwap);
+        swap.or_else(estimator).or_else(command)
     }
 
     /// Waits for `Stop`, at most for `timeout`. Returns whether it came. Other commands stay queued.

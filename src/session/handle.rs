@@ -1,11 +1,13 @@
 //! The owner's end of a session.
 
 use std::panic::resume_unwind;
+use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 
 use crossbeam_channel::{Receiver, Sender, bounded, never};
 
 use super::command_channel::CommandSender;
+use super::sensor_link::SensorLink;
 use super::view::{ViewHub, Viewer};
 use super::{Session, SessionError, Summary};
 use crate::command::Command;
@@ -19,6 +21,7 @@ pub struct SessionHandle {
     commands: CommandSender,
     snapshots: Receiver<Snapshot>,
     views: ViewHub,
+    sensors: Arc<SensorLink>,
     /// Disconnected once the outputs are open.
     started: Receiver<()>,
     thread: Option<JoinHandle<Result<Summary, SessionError>>>,
@@ -34,6 +37,7 @@ impl SessionHandle {
         commands: CommandSender,
         snapshots: Receiver<Snapshot>,
         views: ViewHub,
+        sensors: SensorLink,
     ) -> Result<Self, SessionError> {
         let thread = thread::Builder::new().name("session".into());
         let (sender, started) = bounded(0);
@@ -42,6 +46,7 @@ impl SessionHandle {
             commands,
             snapshots,
             views,
+            sensors: Arc::new(sensors),
             started,
             thread: Some(thread.spawn(move || session.run())?),
         })
@@ -61,6 +66,11 @@ impl SessionHandle {
     /// Adds a viewer, which receives the present state and then every change, at most about 30 times a second.
     pub fn add_viewer(&self) -> Viewer {
         self.views.add_viewer()
+    }
+
+    /// Changes of the calibration and the filter of the first hand.
+    pub fn sensors(&self) -> &Arc<SensorLink> {
+        &self.sensors
     }
 
     /// Waits until the source and the outputs are open, or the session has ended. A compositor takes some tenths of a

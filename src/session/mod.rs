@@ -16,6 +16,7 @@
 mod close_on_panic;
 mod command_channel;
 pub mod control_socket;
+mod estimator_swap;
 mod event_loop;
 mod handle;
 mod haptics;
@@ -29,6 +30,7 @@ pub mod reload;
 mod replay;
 mod reply;
 mod run_pipeline;
+mod sensor_link;
 mod source;
 mod status;
 pub mod view;
@@ -74,6 +76,7 @@ pub use self::options::{ControlSocket, NoticeReceiver, SessionOptions, WatchdogP
 pub use self::replay::{first_view, replay};
 pub use self::reply::{LearnedSummary, Reply, RequestError, SessionStatus};
 pub use self::run_pipeline::run_pipeline;
+pub use self::sensor_link::SensorLink;
 pub use crate::pipeline::CommandError;
 
 /// Reason why a session could not start or ended early.
@@ -182,6 +185,8 @@ impl Session {
                 views: Some(hub.clone()),
             })?;
         }
+        let is_recorded = options.record_to.is_some();
+        let sensors = SensorLink::new(Arc::clone(&setup), command_sender.clone(), is_recorded);
         let (snapshots, snapshot_receiver) = SessionHandle::snapshot_channel();
         let session = Self {
             setup,
@@ -195,7 +200,7 @@ impl Session {
             control,
             share,
         };
-        SessionHandle::spawn(session, command_sender, snapshot_receiver, hub)
+        SessionHandle::spawn(session, command_sender, snapshot_receiver, hub, sensors)
     }
 
     /// Runs the session to its end on the calling thread.

@@ -168,6 +168,7 @@ mod tests {
             executed: None,
             lost_hands: Default::default(),
             stats: Stats::default(),
+            latency: None,
         });
         let start = Instant::now();
         // The recording is not complete, as after a crash.

@@ -36,6 +36,9 @@ pub enum RequestError {
     /// The layout cannot be scaled, saved or read.
     #[error("{0}")]
     Layout(String),
+    /// The session cannot make this change.
+    #[error("{0}")]
+    Refused(String),
     /// The queue is full.
     #[error("too many commands are waiting; try again later")]
     QueueFull,

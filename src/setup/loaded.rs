@@ -8,8 +8,10 @@ use crate::capture::SourceUri;
 use crate::command::ProfileName;
 use crate::device::Capabilities;
 use crate::document::{Document, DocumentError};
-use crate::estimate::{Estimator, EstimatorSettings, FusedEstimator, HandEstimator};
-use crate::hand::Side;
+use crate::estimate::{
+    ChannelMap, Estimator, EstimatorSettings, FusedEstimator, HandEstimator, Smoothing,
+};
+use crate::hand::{JointAngles, Side};
 use crate::kinematics::{ArmModel, half_bent_fingers};
 use crate::layout::{Fit, Glove, Layout};
 use crate::names::UnknownName;
@@ -248,6 +250,13 @@ impl LoadedSetup {
         glove.map(|(_, document)| document)
     }
 
+    /// Returns the path of the glove file of the first hand, or `None` if it comes with the program or a recording.
+    pub fn glove_path(&self) -> Option<&str> {
+        let file = self.glove_document()?.file.as_str();
+        let is_file = self.has_files && Path::new(file).is_file();
+        is_file.then_some(file)
+    }
+
     /// Returns the run-time instance of a layout that is, or replaces, one of this setup.
     pub fn layout_instance(&self, layout: &Layout) -> Result<LayoutInstance, SetupError> {
         self.check_layout(layout)?;
@@ -295,14 +304,8 @@ impl LoadedSetup {
         source: Option<&SourceUri>,
         arm_source: Option<&SourceUri>,
     ) -> HandEstimator {
-        let rest_pose = glove.map(|glove| glove.rest_pose);
-        let rest_pose = rest_pose.filter(|angles| !angles.is_empty());
-        let settings = |source| EstimatorSettings {
-            position_smoothing: self.setup.position_filter(source),
-            rest_pose: rest_pose.unwrap_or_else(half_bent_fingers),
-            learn_ranges: self.setup.learn_ranges,
-            ..self.estimator
-        };
+        let rest_pose = glove.map(|glove| glove.rest_pose).unwrap_or_default();
+        let settings = |source| self.estimator_settings(source, &rest_pose);
         let fingers = Estimator::new(settings(source));
         let fingers = match glove {
             Some(glove) => fingers.with_channels(&glove.map),
@@ -315,6 +318,46 @@ impl LoadedSetup {
                 FusedEstimator::new(arm, fingers, self.pipeline.stall_timeout).into()
             }
             None => fingers.into(),
+        }
+    }
+
+    /// Returns the estimator of the first hand, or of its fingers if the arm has a source of its own, with another glove and
+    /// filter than those of the setup.
+    pub(crate) fn finger_estimator(
+        &self,
+        map: Option<&ChannelMap>,
+        rest_pose: &JointAngles,
+        smoothing: Smoothing,
+    ) -> Estimator {
+        let fingers = Estimator::new(EstimatorSettings {
+            smoothing,
+            ..self.estimator_settings(self.setup.source.as_ref(), rest_pose)
+        });
+        match map {
+            Some(map) => fingers.with_channels(map),
+            None => fingers,
+        }
+    }
+
+    /// Returns the filter of the joint angles.
+    pub(crate) fn smoothing(&self) -> Smoothing {
+        self.estimator.smoothing
+    }
+
+    fn estimator_settings(
+        &self,
+        source: Option<&SourceUri>,
+        rest_pose: &JointAngles,
+    ) -> EstimatorSettings {
+        let rest_pose = match rest_pose.is_empty() {
+            true => half_bent_fingers(),
+            false => *rest_pose,
+        };
+        EstimatorSettings {
+            position_smoothing: self.setup.position_filter(source),
+            rest_pose,
+            learn_ranges: self.setup.learn_ranges,
+            ..self.estimator
         }
     }
 }

@@ -335,6 +335,7 @@ mod tests {
             executed: None,
             lost_hands: Default::default(),
             stats: Stats::default(),
+            latency: None,
         }
     }
 

@@ -70,6 +70,7 @@ fn snapshot(number: u64) -> Snapshot {
         executed: None,
         lost_hands: Default::default(),
         stats: Stats::default(),
+        latency: None,
     }
 }
 

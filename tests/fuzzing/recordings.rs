@@ -194,6 +194,7 @@ fn snapshot(reading: &Reading) -> Snapshot {
         executed: None,
         lost_hands: Default::default(),
         stats: Stats::default(),
+        latency: None,
     }
 }
 

@@ -284,6 +284,7 @@ mod tests {
             executed: None,
             lost_hands: Default::default(),
             stats: Stats::default(),
+            latency: None,
         };
         let (mut notifier, queue) = Notifier::new();
         let subscription = queue.subscribers.add();

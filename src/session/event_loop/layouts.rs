@@ -1,4 +1,4 @@
-//! Operations on layouts: requests to the layout manager, and the swap of a layout between two readings.
+//! Operations on layouts: requests to the layout manager, and the swap of a layout or an estimator between two readings.
 
 use std::time::Duration;
 
@@ -7,6 +7,7 @@ use crossbeam_channel::{bounded, select};
 use super::{Next, SessionLoop};
 use crate::command::Command;
 use crate::session::SessionError;
+use crate::session::estimator_swap::EstimatorSwap;
 use crate::session::layout_link::{LayoutOperation, LayoutRequest, LayoutSwap};
 use crate::session::reply::{ReplySender, RequestError};
 
@@ -77,6 +78,20 @@ impl SessionLoop<'_> {
             profile: self.pipeline.active_profile(),
             reply,
         })
+    }
+
+    pub(super) fn swap_estimator(&mut self, swap: EstimatorSwap) -> Result<(), SessionError> {
+        let EstimatorSwap {
+            mut estimator,
+            retired,
+        } = swap;
+        self.events.clear();
+        self.pipeline
+            .exchange_estimator(&mut estimator, &mut self.events);
+        self.send_events()?;
+        self.publish(None, false, None);
+        let _ = retired.try_send(estimator);
+        Ok(())
     }
 
     pub(super) fn swap_layout(&mut self, swap: LayoutSwap) -> Result<(), SessionError> {

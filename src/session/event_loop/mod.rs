@@ -117,6 +117,8 @@ struct SessionLoop<'a> {
     /// Readings that still waited when the loop ended.
     unprocessed: u64,
     latency_ns: Histogram<u64>,
+    /// Latency of this step, if it has events.
+    latency: Option<Duration>,
 }
 
 impl<'a> SessionLoop<'a> {
@@ -143,6 +145,7 @@ impl<'a> SessionLoop<'a> {
             expired: 0,
             unprocessed: 0,
             latency_ns: new_histogram(),
+            latency: None,
         };
         session.update_target_names();
         session
@@ -211,6 +214,10 @@ impl SessionLoop<'_> {
             Message::Command(queued) => self.execute(queued)?,
             Message::LayoutSwap(swap) => {
                 self.swap_layout(swap)?;
+                Next::Continue
+            }
+            Message::EstimatorSwap(swap) => {
+                self.swap_estimator(swap)?;
                 Next::Continue
             }
         };
@@ -288,8 +295,9 @@ impl SessionLoop<'_> {
         }
         self.send_events()?;
         if !self.events.is_empty() {
-            let latency = received_at.elapsed().as_nanos() as u64;
-            self.latency_ns.saturating_record(latency);
+            let latency = received_at.elapsed();
+            self.latency = Some(latency);
+            self.latency_ns.saturating_record(latency.as_nanos() as u64);
         }
         self.publish(Some(reading), is_accepted, None);
         match is_accepted {

@@ -41,6 +41,7 @@ impl SessionLoop<'_> {
             executed,
             lost_hands: self.pipeline.lost_hands(),
             stats,
+            latency: self.latency.take(),
         };
         (self.observe)(&step, self.now, self.pipeline);
         if self.profile != self.pipeline.active_profile() {

@@ -144,6 +144,8 @@ impl ActiveLayout {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use crate::session::layout_link::LayoutOperation;
     use crate::session::reload::test_loop::TestLoop;

@@ -37,6 +37,7 @@ fn step(time: u64) -> SharedStep {
         executed: None,
         lost_hands: [false; Side::COUNT],
         stats: Stats::default(),
+        latency: None,
     };
     SharedStep {
         snapshot,

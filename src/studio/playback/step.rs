@@ -77,6 +77,7 @@ impl RecordedStep {
             executed: self.executed,
             lost_hands: self.lost_hands,
             stats: *self.stats,
+            latency: None,
         };
         view.to_snapshot()
     }
