@@ -5,7 +5,7 @@
 //! refused before it is opened, and checked again on the open file.
 
 use std::fs::{self, File, FileType, Metadata};
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 mod config;
@@ -143,29 +143,6 @@ pub fn own_target(path: &Path) -> Result<PathBuf, FileError> {
     check_regular(metadata.file_type())?;
     system::check_owner(&metadata)?;
     Ok(target)
-}
-
-/// Replaces the content of a file of this user atomically: a reader sees the old or the new text, also after a crash.
-/// Permissions and symbolic links are kept.
-pub fn replace_text(path: &Path, text: &str) -> Result<(), FileError> {
-    let path = own_target(path)?;
-    let permissions = fs::metadata(&path)?.permissions();
-    if permissions.readonly() {
-        let error = io::Error::new(io::ErrorKind::PermissionDenied, "it is read-only");
-        return Err(error.into());
-    }
-    let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let temporary = path.with_file_name(format!(".{name}.{}", std::process::id()));
-    let mut file = create_private(&temporary)?;
-    let written = file
-        .set_permissions(permissions)
-        .and_then(|()| file.write_all(text.as_bytes()))
-        .and_then(|()| file.sync_all())
-        .and_then(|()| fs::rename(&temporary, &path));
-    if written.is_err() {
-        let _ = fs::remove_file(&temporary);
-    }
-    Ok(written?)
 }
 
 fn check_own(metadata: &Metadata) -> Result<(), FileError> {

@@ -9,6 +9,7 @@ use eframe::egui;
 use super::model::StudioModel;
 use super::panels::{self, PanelContext, PanelState};
 use super::playback::Player;
+use super::sensor_control::SensorControl;
 use super::sensors::SensorTable;
 use super::settings::{Settings, WindowPlace};
 use super::settings_file::SettingsFile;
@@ -46,6 +47,7 @@ pub struct StudioApp {
     commands: CommandSender,
     /// The recording that is shown in place of the session.
     player: Option<Player>,
+    sensors: SensorControl,
     panels: PanelState,
     settings_file: SettingsFile,
 }
@@ -61,6 +63,7 @@ impl StudioApp {
             viewer,
             commands: session.commands().clone(),
             player: None,
+            sensors: SensorControl::new(session.sensors()),
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
         })
@@ -95,6 +98,7 @@ impl StudioApp {
     #[must_use]
     pub fn with_player(mut self, player: Player) -> Self {
         self.player = Some(player);
+        self.sensors.lock();
         self
     }
 
@@ -111,11 +115,14 @@ impl StudioApp {
         let mut moves = Vec::new();
         let mut context = PanelContext {
             model: &self.model,
+            sensors: &mut self.sensors,
             sent: &mut sent,
             player: self.player.as_ref(),
             moves: &mut moves,
         };
         panels::show(ui, &mut self.panels, &mut context);
+        let elapsed = Duration::from_secs_f32(ui.input(|input| input.unstable_dt));
+        self.sensors.advance(elapsed, &mut self.model.sensors);
         for command in sent {
             self.send(command);
         }
@@ -128,6 +135,7 @@ impl StudioApp {
     fn receive(&mut self) {
         for snapshot in self.snapshots.try_iter() {
             self.model.update(&snapshot);
+            self.sensors.update(&snapshot);
         }
         match self.viewer.views().try_recv() {
             Ok(view) => self.model.view = view,

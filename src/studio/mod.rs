@@ -1,7 +1,7 @@
 //! Studio: one window that shows a session: the hand over its boards, its sensors, and time plots.
 //!
 //! Studio receives [`Snapshot`](crate::snapshot::Snapshot)s and [`View`](crate::session::view::View)s, and sends
-//! [`Command`](crate::command::Command)s. It shares nothing else with a session: both channels drop what a slow window does not
+//! [`Command`](crate::command::Command)s and, through a [`SensorLink`](crate::session::SensorLink), other calibrations. It shares nothing else with a session: both channels drop what a slow window does not
 //! receive, so that typing does not depend on it.
 //!
 //! ```text
@@ -10,7 +10,8 @@
 //! ```
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`camera`], [`scene`], [`sensors`],
-//! [`history`], [`plot`], [`tour`], [`typing`], [`settings`]. Only `app` and the files of `panels` name egui.
+//! [`glove_editor`], [`guide`], [`history`], [`plot`], [`tour`], [`typing`], [`settings`]. Only `app` and the files of `panels`
+//! name egui.
 //!
 //! # Adding a panel
 //!
@@ -23,13 +24,21 @@
 mod app;
 pub mod camera;
 pub mod editor;
+pub mod filter_trace;
+pub mod glove_editor;
+pub mod glove_file;
+pub mod guide;
 pub mod history;
+mod joint_names;
+pub mod latency;
 pub mod model;
 mod panels;
 pub mod picture;
 pub mod playback;
 pub mod plot;
+pub mod pose_picture;
 pub mod scene;
+pub mod sensor_control;
 pub mod sensors;
 pub mod settings;
 pub mod settings_file;

@@ -3,6 +3,7 @@
 use parry3d::math::{Pose, Vec3};
 
 use super::history::{History, Moment, SentEvent};
+use super::latency::LatencyLog;
 use super::sensors::SensorTable;
 use super::trails::Trail;
 use crate::capture::Sample;
@@ -42,6 +43,8 @@ pub struct StudioModel {
     pub stats: Stats,
     /// The channels of the glove.
     pub sensors: SensorTable,
+    /// Latency of the session.
+    pub latency: LatencyLog,
     /// The last seconds.
     pub history: History,
     /// The session has ended.
@@ -59,6 +62,7 @@ impl StudioModel {
             angles: None,
             stats: Stats::default(),
             sensors,
+            latency: LatencyLog::default(),
             history: History::default(),
             has_ended: false,
         }
@@ -67,6 +71,9 @@ impl StudioModel {
     /// Adds the results of a step.
     pub fn update(&mut self, snapshot: &Snapshot) {
         self.stats = snapshot.stats;
+        if let Some(latency) = snapshot.latency {
+            self.latency.push(latency);
+        }
         if let Some(reading) = &snapshot.reading
             && let Sample::Channels(channels) = &reading.sample
         {
@@ -126,7 +133,9 @@ impl StudioModel {
                 degrees: std::array::from_fn(|index| degrees(Dof::ALL[index])),
                 heights_mm: self.heights_mm(),
                 pressing: self.pressing(),
-                latency_ms: f32::NAN,
+                latency_ms: snapshot
+                    .latency
+                    .map_or(f32::NAN, |latency| latency.as_secs_f32() * 1e3),
             });
         }
         for event in snapshot.events.iter().filter_map(SentEvent::new) {

@@ -144,8 +144,6 @@ impl ActiveLayout {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
     use crate::session::layout_link::LayoutOperation;
     use crate::session::reload::test_loop::TestLoop;

@@ -1,6 +1,7 @@
 //! The panels of the window, one file each, and the part of the window that each fills.
 
 mod actions;
+mod calibration;
 mod fonts;
 mod help;
 mod look;
@@ -18,8 +19,10 @@ use self::scope::ScopeState;
 use super::camera::{Camera, Viewpoint};
 use super::model::StudioModel;
 use super::playback::{Move, Player};
-use super::scene::SceneOptions;
+use super::scene::{SceneColors, SceneOptions};
+use super::sensor_control::SensorControl;
 use super::settings::{CameraPlace, Settings, Theme};
+use super::texts::text;
 use super::tour::Tour;
 use crate::command::Command;
 
@@ -29,6 +32,8 @@ pub use self::fonts::fonts;
 pub struct PanelContext<'a> {
     /// The state to show.
     pub model: &'a StudioModel,
+    /// The changes of sensors.
+    pub sensors: &'a mut SensorControl,
     /// Commands that are sent after the picture.
     pub sent: &'a mut Vec<Command>,
     /// The recording that is shown, if any.
@@ -37,8 +42,30 @@ pub struct PanelContext<'a> {
     pub moves: &'a mut Vec<Move>,
 }
 
+/// The content of the middle of the window.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Workspace {
+    /// The 3D view, with the panels beside it.
+    #[default]
+    Hand,
+    /// The guided calibration.
+    Calibration,
+}
+
+impl Workspace {
+    const ALL: [Self; 2] = [Self::Hand, Self::Calibration];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Hand => text("workspace-hand"),
+            Self::Calibration => text("workspace-calibration"),
+        }
+    }
+}
+
 /// The state of the panels between two pictures.
 pub struct PanelState {
+    workspace: Workspace,
     /// Panels beside the 3D view that are shown, by [`PanelKind`].
     shown: [bool; PanelKind::ALL.len()],
     camera: Camera,
@@ -87,6 +114,7 @@ impl PanelKind {
 impl Default for PanelState {
     fn default() -> Self {
         Self {
+            workspace: Workspace::default(),
             shown: [true; PanelKind::ALL.len()],
             camera: Camera::default(),
             next_viewpoint: None,
@@ -149,13 +177,23 @@ impl PanelState {
 /// Draws all panels.
 pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     look::apply(ui.ctx(), state);
-    actions::handle_keys(ui, state, context);
+    // The keys of a calibration are its own.
+    if state.workspace == Workspace::Hand || context.sensors.guide.is_none() {
+        actions::handle_keys(ui, state, context);
+    }
     state.panel_ids.clear();
     egui::Panel::top("toolbar").show(ui, |ui| {
         look::mark_panel(ui, state, "panel-toolbar");
         toolbar::show(ui, state, context);
     });
     egui::Panel::bottom("status").show(ui, |ui| status::show(ui, state, context));
+    if state.workspace == Workspace::Calibration {
+        let colors = SceneColors::new(ui.visuals().dark_mode, state.settings.has_high_contrast);
+        let middle = egui::CentralPanel::default();
+        middle.show(ui, |ui| calibration::show(ui, &colors, context));
+        help::show(ui, state);
+        return;
+    }
     if let Some(player) = context.player {
         let panel = egui::Panel::bottom("recording");
         panel.show(ui, |ui| {
@@ -179,8 +217,8 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
 
 fn show_sensors(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     let panel = egui::Panel::right("sensors")
-        .min_size(260.0)
-        .default_size(state.size_of(PanelKind::Sensors, 330.0));
+        .min_size(320.0)
+        .default_size(state.size_of(PanelKind::Sensors, 400.0));
     let shown = panel.show(ui, |ui| {
         look::mark_panel(ui, state, PanelKind::Sensors.key());
         sensors::show(ui, context);

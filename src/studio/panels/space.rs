@@ -75,7 +75,8 @@ fn place_camera(state: &mut PanelState, context: &PanelContext, size: Vec2) {
     }
 }
 
-fn paint(painter: &egui::Painter, area: Rect, picture: &Picture, background: Color) {
+/// Paints a picture on a background.
+pub(super) fn paint(painter: &egui::Painter, area: Rect, picture: &Picture, background: Color) {
     painter.rect_filled(area, 0.0, color32(background));
     painter.add(mesh(&picture.below, area));
     let labels = label_mesh(painter, area, &picture.labels);

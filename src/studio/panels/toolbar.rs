@@ -3,7 +3,7 @@
 use eframe::egui;
 
 use super::actions::{ACTIONS, Action};
-use super::{PanelContext, PanelState};
+use super::{PanelContext, PanelState, Workspace};
 use crate::studio::camera::Viewpoint;
 use crate::studio::settings::Theme;
 use crate::studio::texts::{self, Language, text};
@@ -23,6 +23,10 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
         ui.spacing_mut().button_padding = egui::vec2(10.0, 5.0);
         // A recording takes no commands.
         if context.player.is_none() {
+            for workspace in Workspace::ALL {
+                ui.selectable_value(&mut state.workspace, workspace, workspace.name());
+            }
+            ui.separator();
             for action in [Action::Pause, Action::Recenter, Action::Zero] {
                 show_button(ui, action, state, context);
             }

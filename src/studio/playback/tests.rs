@@ -10,6 +10,7 @@ use crate::hand::Finger;
 use crate::recorder::Recorder;
 use crate::session::{command_channel, replay};
 use crate::setup::Setup;
+use crate::snapshot::Snapshot;
 use crate::studio::history::{Moment, SentEvent};
 use crate::studio::model::StudioModel;
 use crate::time::Timestamp;
@@ -114,7 +115,11 @@ fn straight(path: &Path, indices: &[usize]) -> Vec<Content> {
         if let Some(view) = view {
             model.view = view;
         }
-        model.update(&step.to_snapshot());
+        // The time that this replay takes is not that of the recorded session.
+        model.update(&Snapshot {
+            latency: None,
+            ..step.to_snapshot()
+        });
         for (content, _) in contents
             .iter_mut()
             .zip(indices)

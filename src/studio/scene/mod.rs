@@ -97,6 +97,18 @@ pub fn draw(
     canvas.picture
 }
 
+/// Draws a hand without boards on a picture of this size, in points.
+pub fn draw_hand(pose: &HandPose, camera: &Camera, size: Vec2, colors: &SceneColors) -> Picture {
+    let mut canvas = Canvas {
+        camera,
+        size,
+        colors,
+        picture: Picture::default(),
+    };
+    add_hand(&mut canvas, pose, SceneOptions::default());
+    canvas.picture
+}
+
 /// Returns the points that the first picture shows: the corners of all keys and controls, targets in space, and the hands.
 pub fn points_of_interest(model: &StudioModel) -> Vec<Vec3> {
     let surfaces = model.view.layout.scene.surfaces().iter().enumerate();

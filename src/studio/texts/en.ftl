@@ -72,16 +72,12 @@ hint-camera = drag: orbit · right drag: pan · scroll: zoom · 1 2 3: views
 
 ## Sensors
 
-channel-column = Channel
 channel-joint = Joint
 channel-count = Count
 channel-angle = Angle
-channel-at-end = At the end of its range
-channel-unchanged = Unchanged for 10 s
 channel-none = This source has no channels: it measures angles or positions.
 channel-no-reading = No reading has arrived yet.
 stats-source = Source
-stats-output = Output
 stats-rate = Readings per second
 stats-accepted = Accepted
 stats-dropped = Dropped
@@ -146,3 +142,138 @@ recording-same = same: { $count }
 recording-only-a = only A: { $count }
 recording-only-b = only B: { $count }
 recording-rows = Presses of both layouts over the time of the recording; a click goes to the time
+
+## Names of joints
+
+finger-thumb = Thumb
+finger-index = Index
+finger-middle = Middle
+finger-ring = Ring
+finger-little = Little
+joint-shoulder-z = Shoulder, first axis
+joint-shoulder-y = Shoulder, second axis
+joint-shoulder-x = Upper arm, turn
+joint-elbow = Elbow
+joint-forearm = Forearm, turn
+joint-second-bone = Forearm, second bone
+joint-wrist-sideways = Wrist, sideways
+joint-wrist-bend = Wrist, bend
+joint-base-sideways = base, sideways
+joint-base = base
+joint-knuckle = knuckle
+joint-sideways = sideways
+joint-middle = middle joint
+joint-end = end joint
+
+## Sensors: channels
+
+sensor-channels = Channels
+sensor-bar = Signal
+sensor-bar-hint = Triangles: limits of the joint. Shaded: calibrated range.
+sensor-channel-hint = Channel { $channel } { $label }: select it to change its values
+sensor-count-name = Channel { $channel }: { $count } counts
+sensor-no-count = Channel { $channel }: no value
+sensor-missing = No value
+sensor-low-end = At its lower end: check the wire
+sensor-high-end = At its upper end: check the wire
+sensor-stuck = Stuck while the finger bends
+
+## Sensors: values of a channel
+
+value-gain = Full range
+value-gain-hint = Change of the angle over all counts of the sensor (full_scale_rad in the glove file)
+value-offset = Count at 0°
+value-offset-hint = Count of the straight joint (minus offset_counts in the glove file)
+value-inverted = Inverted
+value-inverted-hint = The angle falls while the count rises, as with exchanged wires
+value-range = Range
+value-range-hint = Smallest and largest count of this hand; --learn-ranges may widen it (range_counts in the glove file)
+value-plot = Plot below
+
+## Sensors: glove file
+
+glove-save = Save
+glove-undo = Undo
+glove-redo = Redo
+glove-undo-hint = Undo the last change of the glove
+glove-redo-hint = Repeat the undone change
+glove-unsaved = ● not saved
+glove-replace = { $file } exists. Replace it? The present file is kept as { $backup }.
+button-replace = Replace
+button-cancel = Cancel
+
+## Sensors: source
+
+stats-state = State
+stats-dropped-presses = Presses the output dropped
+stats-suppressed = Events suppressed
+stats-latency = Latency p50 / p99 / max
+
+## Sensors: filter
+
+filter-title = Filter
+filter-one-euro = 1-Euro
+filter-average = Recursive average
+filter-off = None
+filter-cutoff = Cutoff at rest
+filter-cutoff-hint = Lower: less jitter, more lag at rest (min_cutoff_hz)
+filter-beta = Rise with speed
+filter-beta-hint = Higher: less lag in motion (beta, in Hz per rad/s)
+filter-joint = Joint
+filter-raw = before
+filter-filtered = after the filter
+filter-lag = lag { $ms } ms
+filter-no-lag = move the joint to measure the lag
+filter-plot = Angle before and after the filter, last 5 s
+filter-copy = Copy
+filter-copy-hint = Copy the setting for the setup file
+
+## Guided calibration
+
+workspace-hand = Hand
+workspace-calibration = Calibration
+calibration-title = Guided calibration of { $glove }
+calibration-intro = Take each pose as in the picture and hold it for a second. The session is paused meanwhile, and nothing is typed. No file changes before you save.
+calibration-start = Start
+calibration-demo = Watch a simulated person
+calibration-demo-hint = A simulated person in a glove that is not calibrated takes the poses
+calibration-is-demo = Demonstration with a simulated person
+calibration-none = This source needs no glove file, so there is nothing to calibrate.
+calibration-pose = Pose { $number } of { $count }
+calibration-prepare = Get ready: { $seconds }
+calibration-moving = Hold still
+calibration-holding = Hold still …
+calibration-done = Done
+calibration-repeat = Repeat (R)
+calibration-skip = Skip (S)
+calibration-quit = Quit (Q)
+calibration-repeat-hint = Take this pose again, or the one before during the countdown
+calibration-above = from above
+calibration-side = from the side
+calibration-score = Score { $score } of 100
+calibration-no-problem = No sensor has a problem.
+calibration-before = Before
+calibration-after = After
+calibration-use = Use and save
+calibration-use-hint = Use the result now, and save it to { $file }
+calibration-try = Use without saving
+calibration-failed = No calibration
+glove-saved = Saved to { $file }. Undo in the panel “Sensors” returns to the values of before; save again to write them.
+pose-rest = Lay the hand on the table and relax it
+pose-flat = Press palm and fingers flat on the table, fingers and thumb together
+pose-fist = Make a tight fist, with the thumb bent across the fingers
+pose-spread = Lay the hand flat on the table, and spread fingers and thumb as far as they go
+pose-pinch = Touch the tip of the thumb with the index finger, the other fingers straight
+pose-elbow-straight = Stretch the arm straight, fingers straight
+pose-elbow-bent = Bend the elbow to a right angle, fingers straight
+pose-wrist-up = Bend the wrist up as far as it goes, fingers straight
+pose-wrist-down = Bend the wrist down as far as it goes, fingers straight
+pose-wrist-in = Hand flat on the table: turn it towards the thumb as far as it goes
+pose-wrist-out = Hand flat on the table: turn it towards the little finger as far as it goes
+pose-palm-up = Forearm on the table: turn the palm up as far as it goes, fingers straight
+pose-palm-down = Lay the hand flat on the table again, palm down
+pose-thumb-bent = Bend only the thumb, the fingers straight
+pose-index-bent = Bend only the index finger, the others straight
+pose-middle-bent = Bend only the middle finger, the others straight
+pose-ring-bent = Bend only the ring finger, the others straight
+pose-little-bent = Bend only the little finger, the others straight

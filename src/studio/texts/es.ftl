@@ -72,16 +72,12 @@ hint-camera = arrastrar: girar · botón derecho: desplazar · rueda: acercar ·
 
 ## Sensores
 
-channel-column = Canal
 channel-joint = Articulación
 channel-count = Valor
 channel-angle = Ángulo
-channel-at-end = En el extremo de su rango
-channel-unchanged = Sin cambios desde hace 10 s
 channel-none = Esta fuente no tiene canales: mide ángulos o posiciones.
 channel-no-reading = Aún no ha llegado ninguna lectura.
 stats-source = Fuente
-stats-output = Salida
 stats-rate = Lecturas por segundo
 stats-accepted = Aceptadas
 stats-dropped = Descartadas
@@ -146,3 +142,138 @@ recording-same = iguales: { $count }
 recording-only-a = solo A: { $count }
 recording-only-b = solo B: { $count }
 recording-rows = Pulsaciones de ambas distribuciones a lo largo de la grabación; un clic va a ese momento
+
+## Nombres de articulaciones
+
+finger-thumb = Pulgar
+finger-index = Índice
+finger-middle = Medio
+finger-ring = Anular
+finger-little = Meñique
+joint-shoulder-z = Hombro, primer eje
+joint-shoulder-y = Hombro, segundo eje
+joint-shoulder-x = Brazo, giro
+joint-elbow = Codo
+joint-forearm = Antebrazo, giro
+joint-second-bone = Antebrazo, segundo hueso
+joint-wrist-sideways = Muñeca, lateral
+joint-wrist-bend = Muñeca, flexión
+joint-base-sideways = base, lateral
+joint-base = base
+joint-knuckle = nudillo
+joint-sideways = lateral
+joint-middle = articulación media
+joint-end = articulación final
+
+## Sensores: canales
+
+sensor-channels = Canales
+sensor-bar = Señal
+sensor-bar-hint = Triángulos: límites de la articulación. Sombreado: intervalo calibrado.
+sensor-channel-hint = Canal { $channel } { $label }: selecciónelo para cambiar sus valores
+sensor-count-name = Canal { $channel }: { $count } cuentas
+sensor-no-count = Canal { $channel }: sin valor
+sensor-missing = Sin valor
+sensor-low-end = En su extremo inferior: revise el cable
+sensor-high-end = En su extremo superior: revise el cable
+sensor-stuck = Inmóvil mientras el dedo se dobla
+
+## Sensores: valores de un canal
+
+value-gain = Intervalo completo
+value-gain-hint = Cambio del ángulo en todas las cuentas del sensor (full_scale_rad en el archivo del guante)
+value-offset = Cuenta a 0°
+value-offset-hint = Cuenta de la articulación recta (menos offset_counts en el archivo del guante)
+value-inverted = Invertido
+value-inverted-hint = El ángulo baja mientras la cuenta sube, como con cables cruzados
+value-range = Intervalo
+value-range-hint = Cuenta menor y mayor de esta mano; --learn-ranges puede ampliarlo (range_counts en el archivo del guante)
+value-plot = Graficar abajo
+
+## Sensores: archivo del guante
+
+glove-save = Guardar
+glove-undo = Deshacer
+glove-redo = Rehacer
+glove-undo-hint = Deshacer el último cambio del guante
+glove-redo-hint = Repetir el cambio deshecho
+glove-unsaved = ● sin guardar
+glove-replace = { $file } ya existe. ¿Reemplazarlo? El archivo actual se conserva como { $backup }.
+button-replace = Reemplazar
+button-cancel = Cancelar
+
+## Sensores: fuente
+
+stats-state = Estado
+stats-dropped-presses = Pulsaciones perdidas por la salida
+stats-suppressed = Eventos suprimidos
+stats-latency = Latencia p50 / p99 / máx.
+
+## Sensores: filtro
+
+filter-title = Filtro
+filter-one-euro = 1-Euro
+filter-average = Promedio recursivo
+filter-off = Ninguno
+filter-cutoff = Corte en reposo
+filter-cutoff-hint = Menor: menos temblor, más retraso en reposo (min_cutoff_hz)
+filter-beta = Aumento con la velocidad
+filter-beta-hint = Mayor: menos retraso en movimiento (beta, en Hz por rad/s)
+filter-joint = Articulación
+filter-raw = antes
+filter-filtered = después del filtro
+filter-lag = retraso { $ms } ms
+filter-no-lag = mueva la articulación para medir el retraso
+filter-plot = Ángulo antes y después del filtro, últimos 5 s
+filter-copy = Copiar
+filter-copy-hint = Copiar el ajuste para el archivo de configuración
+
+## Calibración guiada
+
+workspace-hand = Mano
+workspace-calibration = Calibración
+calibration-title = Calibración guiada de { $glove }
+calibration-intro = Adopte cada pose como en la imagen y manténgala un segundo. Mientras tanto la sesión está en pausa y no se escribe nada. Ningún archivo cambia hasta que guarde.
+calibration-start = Empezar
+calibration-demo = Ver a una persona simulada
+calibration-demo-hint = Una persona simulada con un guante sin calibrar adopta las poses
+calibration-is-demo = Demostración con una persona simulada
+calibration-none = Esta fuente no necesita archivo de guante; no hay nada que calibrar.
+calibration-pose = Pose { $number } de { $count }
+calibration-prepare = Prepárese: { $seconds }
+calibration-moving = No se mueva
+calibration-holding = No se mueva …
+calibration-done = Listo
+calibration-repeat = Repetir (R)
+calibration-skip = Saltar (S)
+calibration-quit = Salir (Q)
+calibration-repeat-hint = Tomar esta pose otra vez, o la anterior durante la cuenta atrás
+calibration-above = desde arriba
+calibration-side = de lado
+calibration-score = Puntuación { $score } de 100
+calibration-no-problem = Ningún sensor tiene problemas.
+calibration-before = Antes
+calibration-after = Después
+calibration-use = Usar y guardar
+calibration-use-hint = Usar el resultado ahora y guardarlo en { $file }
+calibration-try = Usar sin guardar
+calibration-failed = Sin calibración
+glove-saved = Guardado en { $file }. Deshacer en el panel «Sensores» vuelve a los valores anteriores; guarde otra vez para escribirlos.
+pose-rest = Apoye la mano relajada en la mesa
+pose-flat = Apoye la palma y los dedos planos en la mesa, con los dedos y el pulgar juntos
+pose-fist = Cierre el puño con fuerza, con el pulgar doblado sobre los dedos
+pose-spread = Apoye la mano plana en la mesa y separe los dedos y el pulgar al máximo
+pose-pinch = Toque la punta del pulgar con el índice, los demás dedos rectos
+pose-elbow-straight = Estire el brazo, con los dedos rectos
+pose-elbow-bent = Doble el codo en ángulo recto, con los dedos rectos
+pose-wrist-up = Doble la muñeca hacia arriba al máximo, con los dedos rectos
+pose-wrist-down = Doble la muñeca hacia abajo al máximo, con los dedos rectos
+pose-wrist-in = Mano plana en la mesa: gírela hacia el pulgar al máximo
+pose-wrist-out = Mano plana en la mesa: gírela hacia el meñique al máximo
+pose-palm-up = Antebrazo en la mesa: gire la palma hacia arriba al máximo, con los dedos rectos
+pose-palm-down = Apoye otra vez la mano plana en la mesa, con la palma hacia abajo
+pose-thumb-bent = Doble solo el pulgar, los dedos rectos
+pose-index-bent = Doble solo el índice, los demás rectos
+pose-middle-bent = Doble solo el medio, los demás rectos
+pose-ring-bent = Doble solo el anular, los demás rectos
+pose-little-bent = Doble solo el meñique, los demás rectos

@@ -1,0 +1,83 @@
+//! A picture of the hand in a calibration pose, in the style of the 3D view.
+
+use parry3d::math::{Vec2, Vec3};
+
+use super::camera::{Camera, Viewpoint};
+use super::picture::Picture;
+use super::scene::{self, SceneColors};
+use crate::calibrate::CalibrationPose;
+use crate::estimate::Estimate;
+use crate::hand::{Dof, Joint, Side};
+use crate::kinematics::{ArmModel, BoneLengths, HandPose};
+use crate::time::Timestamp;
+
+/// Lengths of hand and forearm of the drawn person, in metres: the median of adults.
+const LENGTHS: (f64, f64) = (0.189, 0.262);
+
+/// The part of the forearm that is in the picture of a pose of the hand.
+const FOREARM: f32 = 0.35;
+
+/// A hand in a calibration pose.
+pub struct PosePicture {
+    pose: HandPose,
+    shows_arm: bool,
+}
+
+impl PosePicture {
+    /// Creates the picture of a pose of the hand of this side.
+    pub fn new(pose: CalibrationPose, side: Side) -> Option<Self> {
+        let bones = BoneLengths::from_hand_and_forearm(LENGTHS.0, LENGTHS.1).ok()?;
+        let arm = ArmModel::anthropometric(side, &bones).ok()?;
+        Some(Self {
+            pose: arm.forward(&Estimate::new(Timestamp(0), pose.angles())),
+            shows_arm: pose.defines(Dof::ElbowFlexion),
+        })
+    }
+
+    /// Draws the hand from a named position on a picture of this size.
+    pub fn draw(&self, viewpoint: Viewpoint, size: Vec2, colors: &SceneColors) -> Picture {
+        let mut camera = Camera::default();
+        let aspect = size.x / size.y.max(1.0);
+        camera.frame(&self.points(), 0.0, viewpoint, aspect);
+        scene::draw_hand(&self.pose, &camera, size, colors)
+    }
+
+    /// Returns the points that the picture shows: the hand and the near end of the forearm, or the whole arm.
+    fn points(&self) -> Vec<Vec3> {
+        let is_arm = |joint: Joint| matches!(joint, Joint::Shoulder | Joint::Elbow);
+        let known = self.pose.known();
+        let joints = known.filter(|(joint, _)| self.shows_arm || !is_arm(*joint));
+        let mut points: Vec<Vec3> = joints.map(|(_, pose)| pose.translation).collect();
+        let ends = [Joint::Wrist, Joint::Elbow].map(|joint| self.pose.position(joint));
+        if let [Some(wrist), Some(elbow)] = ends {
+            points.push(wrist.lerp(elbow, FOREARM));
+        }
+        points
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_pose_is_drawn_within_the_picture_and_unlike_the_flat_hand() {
+        let size = Vec2::new(400.0, 300.0);
+        let draw = |pose, viewpoint| {
+            let picture = PosePicture::new(pose, Side::Right).unwrap();
+            picture.draw(viewpoint, size, &SceneColors::LIGHT).above
+        };
+        let flat = draw(CalibrationPose::Flat, Viewpoint::Side);
+        for &pose in CalibrationPose::GUIDED {
+            for viewpoint in [Viewpoint::Above, Viewpoint::Side] {
+                let triangles = draw(pose, viewpoint);
+                let is_inside =
+                    |at: &Vec2| at.min_element() > 0.0 && at.x < size.x && at.y < size.y;
+                let inside = triangles.vertices.iter().filter(|(at, _)| is_inside(at));
+                assert!(inside.count() > 500, "{pose} {viewpoint:?}");
+            }
+        }
+        let fist = draw(CalibrationPose::Fist, Viewpoint::Side);
+        assert_ne!(fist.vertices, flat.vertices);
+    }
+}
