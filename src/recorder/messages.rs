@@ -3,7 +3,7 @@
 use crate::capture::recording::message::wire::{
     put_bytes, put_integer, put_nonzero_double, put_nonzero_float, put_present_integer,
 };
-use crate::capture::recording::message::{put_angles, put_side};
+use crate::capture::recording::message::{put_rounded_angles, put_side};
 use crate::contact::{TargetName, TargetNames, Touch};
 use crate::device::{EventKind, OutputEvent};
 use crate::hand::{JointAngles, Side};
@@ -13,7 +13,7 @@ use crate::time::Timestamp;
 pub(super) fn encode_angles(time: Timestamp, side: Side, angles: &JointAngles, out: &mut Vec<u8>) {
     put_integer(out, 1, time.0);
     put_side(out, 2, Some(side));
-    put_angles(out, 3, angles);
+    put_rounded_angles(out, 4, angles);
 }
 
 /// Appends a touch.
@@ -92,6 +92,7 @@ mod tests {
     use crate::capture::recording::message::SCHEMA_TEXT;
     use crate::contact::{Phase, TargetId};
     use crate::device::Axis;
+    use crate::hand::Dof;
     use parry3d::math::Vec2;
 
     #[test]
@@ -119,6 +120,21 @@ mod tests {
             let line = format!("  EVENT_{name} = {};\n", number(kind));
             assert!(SCHEMA_TEXT.contains(&line), "{line}");
         }
+    }
+
+    #[test]
+    fn angles_are_rounded_to_single_precision_and_an_angle_of_0_is_kept() {
+        let mut angles = JointAngles::default();
+        angles.set(Dof::ALL[0], 0.1);
+        angles.set(Dof::ALL[1], 0.0);
+        let mut message = Vec::new();
+        encode_angles(Timestamp(0), Side::Left, &angles, &mut message);
+        let mut expected = vec![2 << 3, 1, 4 << 3 | 2, 10];
+        for (field, radians) in [(1, 0.1_f32), (2, 0.0)] {
+            expected.push(field << 3 | 5);
+            expected.extend(radians.to_le_bytes());
+        }
+        assert_eq!(message, expected);
     }
 
     #[test]

@@ -176,6 +176,7 @@ fn lists_have_the_names_and_numbers_of_the_schema() {
     }
     for (message, names) in [
         ("JointAngles", names!(Dof)),
+        ("RoundedJointAngles", names!(Dof)),
         ("JointPositions", names!(Joint)),
         ("ArmRotations", names!(ArmBone)),
         ("BoneRotations", names!(Side)),

@@ -3,7 +3,7 @@
 use glam::{DVec3, Quat, Vec3};
 
 use super::wire::{
-    Field, Fields, WireError, double, float, integer, message, put_double, put_integer,
+    Field, Fields, WireError, double, float, integer, message, put_double, put_float, put_integer,
     put_message, put_nonzero_double, put_nonzero_float,
 };
 use crate::hand::{Dof, JointAngles, Side};
@@ -37,6 +37,15 @@ pub fn put_angles(out: &mut Vec<u8>, field: u32, angles: &JointAngles) {
     put_message(out, field, |out| {
         for (dof, radians) in angles.known() {
             put_double(out, dof.index() as u32 + 1, radians);
+        }
+    });
+}
+
+/// Appends the known angles in single precision.
+pub fn put_rounded_angles(out: &mut Vec<u8>, field: u32, angles: &JointAngles) {
+    put_message(out, field, |out| {
+        for (dof, radians) in angles.known() {
+            put_float(out, dof.index() as u32 + 1, radians as f32);
         }
     });
 }

@@ -188,11 +188,16 @@ pub fn put_nonzero_double(out: &mut Vec<u8>, field: u32, value: f64) {
     }
 }
 
+/// Appends an `optional float`.
+pub fn put_float(out: &mut Vec<u8>, field: u32, value: f32) {
+    put_tag(out, field, 5);
+    out.extend(value.to_le_bytes());
+}
+
 /// Appends a `float`, unless it is +0.
 pub fn put_nonzero_float(out: &mut Vec<u8>, field: u32, value: f32) {
     if value.to_bits() != 0 {
-        put_tag(out, field, 5);
-        out.extend(value.to_le_bytes());
+        put_float(out, field, value);
     }
 }
 
