@@ -8,6 +8,7 @@ mod learning;
 mod lucidgloves;
 mod motion;
 mod network_poses;
+mod recordings;
 mod soak;
 mod steady_state;
 mod tracked_hands;
