@@ -35,7 +35,8 @@ fn main() {
         false => 1,
     };
     println!(
-        "| motion | board | keys | entries | ours | ray | shapes | ray / ours | shapes / ours | growth |"
+        "| motion | board | keys | entries | ours | ray | shapes | ray / ours | shapes / ours | growth |\n\
+         |---|---|---|---|---|---|---|---|---|---|"
     );
     print_contact(rounds);
     print_units();
@@ -94,7 +95,7 @@ fn print_units() {
 
 /// The time to build the scene of a board, as at the start and when a layout is edited.
 fn print_rebuild(rounds: usize) {
-    println!("\n| scene of 10 000 keys | time | goal |");
+    println!("\n| scene of 10 000 keys | time | goal |\n|---|---|---|");
     for kind in Kind::ALL {
         let scene = kind.scene(10_000);
         let surfaces: Vec<_> = scene

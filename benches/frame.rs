@@ -66,8 +66,9 @@ fn print_sizes() {
         ("StepView", size_of::<StepView>()),
         ("Snapshot", size_of::<Snapshot>()),
     ];
+    println!("| struct | bytes |\n|---|---|");
     for (name, bytes) in sizes {
-        println!("{name:<12} {bytes:>5} B");
+        println!("| `{name}` | {bytes} |");
     }
 }
 

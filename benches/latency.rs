@@ -39,6 +39,10 @@ mod feed;
 mod load;
 
 #[cfg(target_os = "linux")]
+#[path = "support/packets.rs"]
+mod packets;
+
+#[cfg(target_os = "linux")]
 #[path = "latency/programs.rs"]
 mod programs;
 

@@ -5,16 +5,19 @@
 //!
 //! `ADEMAN_BASELINE=PATH` names an earlier build of the program. Its runs alternate with those of the present one.
 
+#[path = "support/packets.rs"]
+mod packets;
+
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use ademan::capture::hc11::{BODY_BYTES, Framing, PACKET_BYTES, encode};
+use ademan::capture::hc11::{BODY_BYTES, PACKET_BYTES};
 use ademan::capture::{Hc11Format, open_loopback};
-use ademan::setup::Setup;
-use ademan::sim::SimulatedTypist;
+
+use packets::packets;
 
 const ADEMAN: &str = env!("CARGO_BIN_EXE_ademan");
 
@@ -26,7 +29,7 @@ fn main() {
     };
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("glove.bin");
-    std::fs::write(&path, packets().concat()).expect("space on the disk");
+    std::fs::write(&path, packets().collect::<Vec<_>>().concat()).expect("space on the disk");
 
     println!("process                              median      slowest     goal");
     row("help (no reading)", starts, "", || {
@@ -68,18 +71,6 @@ fn row(what: &str, times: usize, goal: &str, mut measure: impl FnMut() -> Durati
         millis(found[times / 2]),
         millis(found[times - 1])
     );
-}
-
-fn packets() -> Vec<[u8; PACKET_BYTES]> {
-    let setup = Setup::default().load_files().expect("the default setup");
-    let typist = setup.typist("hello world", &Hc11Format::default(), 0.5, 1);
-    let mut typist: SimulatedTypist = typist.expect("the hand can type the text");
-    std::iter::from_fn(|| typist.next_counts())
-        .map(|counts| {
-            let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
-            encode(Framing::Double06, &body)
-        })
-        .collect()
 }
 
 fn start(arguments: &[&str]) -> Child {
@@ -161,7 +152,7 @@ fn effort(name: &str, program: &str, rate_hz: u32, feed: Duration, goal: &str) {
     let uri = loopback.uri.to_string();
     let arguments = ["run", "--allow-root", "--armed", "--source", &uri];
     let mut child = start_program(program, &arguments);
-    let mut packets = packets();
+    let mut packets: Vec<_> = packets().collect();
     // On a line without pauses the header of the next packet follows at once.
     let header = &packets[0][..PACKET_BYTES - BODY_BYTES];
     loopback.writer.write_all(header).expect("the line is open");

@@ -3,6 +3,10 @@
 //! Prints a table; each row also as a multiple of the time that the pipeline alone takes in the same run. Without `--bench` (as
 //! in `cargo test --benches`) it runs each row once on few readings.
 
+#[path = "../tests/support/recording.rs"]
+#[expect(dead_code, reason = "tests use the rest")]
+mod support;
+
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -10,10 +14,11 @@ use ademan::capture::recording::Replay;
 use ademan::capture::{Hc11Format, Reading, Source, SourceEvent};
 use ademan::device::Events;
 use ademan::output;
-use ademan::recorder::Recorder;
-use ademan::session::{CommandReceiver, Session, SessionOptions, run_pipeline};
+use ademan::session::{Session, SessionOptions};
 use ademan::setup::{LoadedSetup, Setup};
 use ademan::trace::Stage;
+
+use support::record_source;
 
 /// Readings per hour of a glove on the fastest line.
 const PER_HOUR: f64 = 175.0 * 3600.0;
@@ -27,53 +32,56 @@ fn main() {
     let setup = setup();
     let folder = tempfile::tempdir().expect("a folder");
 
-    println!("recording of an hour at 175 Hz           MB   bytes per reading");
+    println!("| recording of an hour at 175 Hz | MB | bytes of a reading |");
+    println!("|---|---|---|");
     for (what, noise) in [("a steady sensor", 0.0), ("noise of 1 count", 1.0)] {
         let path = folder.path().join(format!("{what}.mcap"));
         let readings = record(&path, &setup, texts.min(4), noise);
         let per_reading = size(&path) as f64 / readings as f64;
         let megabytes = per_reading * PER_HOUR / 1e6;
-        println!("{what:34} {megabytes:8.1} {per_reading:12.0}");
+        println!("| {what} | {megabytes:.1} | {per_reading:.0} |");
     }
 
     let path = folder.path().join("long.mcap");
     let readings = record(&path, &setup, texts, 0.0);
     let copy = folder.path().join("copy.mcap");
     let mut rows: Vec<Row> = vec![
-        Row::new("steps of the pipeline", Box::new(|| steps(&setup, &path))),
+        Row::new("the pipeline alone", Box::new(|| steps(&setup, &path))),
         Row::new("decoding", Box::new(|| decode(&path))),
-        Row::new("replay to none", Box::new(|| replay(&path, None))),
+        Row::new("replay to `none`", Box::new(|| replay(&path, None))),
         Row::new("record", Box::new(|| replay(&path, Some(&copy)))),
     ];
     for &stage in Stage::ALL {
         let path = &path;
-        rows.push(Row::new(stage.name(), Box::new(move || trace(path, stage))));
+        let name = format!("`trace {stage}`");
+        rows.push(Row::new(name, Box::new(move || trace(path, stage))));
     }
     for _ in 0..rounds {
         for row in &mut rows {
             row.times.push((row.run)());
         }
     }
-    println!("\n{readings} readings                readings/s   times the pipeline");
+    println!("\n| work on {readings} readings | readings per second | times the pipeline alone |");
+    println!("|---|---|---|");
     let pipeline = rows[0].median();
     for row in &mut rows {
         let median = row.median();
         let rate = readings as f64 / median.as_secs_f64();
         let ratio = median.as_secs_f64() / pipeline.as_secs_f64();
-        println!("{:30} {rate:10.0} {ratio:20.2}", row.name);
+        println!("| {} | {rate:.0} | {ratio:.2} |", row.name);
     }
 }
 
 struct Row<'a> {
-    name: &'a str,
+    name: String,
     run: Box<dyn Fn() -> Duration + 'a>,
     times: Vec<Duration>,
 }
 
 impl<'a> Row<'a> {
-    fn new(name: &'a str, run: Box<dyn Fn() -> Duration + 'a>) -> Self {
+    fn new(name: impl Into<String>, run: Box<dyn Fn() -> Duration + 'a>) -> Self {
         Self {
-            name,
+            name: name.into(),
             run,
             times: Vec::new(),
         }
@@ -95,24 +103,9 @@ fn setup() -> LoadedSetup {
 
 /// Records a hand that types. Returns the number of readings.
 fn record(path: &Path, setup: &LoadedSetup, texts: usize, noise: f64) -> u64 {
-    let recorder = Recorder::create(path, &setup.recorded_setup());
-    let mut recorder = recorder.expect("room on the disk");
     let typist = setup.typist(&TEXT.repeat(texts), &Hc11Format::default(), noise, 1);
     let typist = typist.expect("the hand can type the text");
-    let mut nowhere = output::open("none", &setup.required_capabilities()).expect("nowhere");
-    let summary = run_pipeline(
-        typist,
-        &mut setup.pipeline(),
-        &mut *nowhere,
-        &CommandReceiver::disconnected(),
-        &mut |step| {
-            recorder
-                .write(&step.to_snapshot())
-                .expect("room on the disk")
-        },
-    );
-    recorder.finish().expect("room on the disk");
-    summary.expect("a run").stats.source.readings
+    record_source(path, setup, typist).stats.source.readings
 }
 
 fn size(path: &Path) -> u64 {

@@ -26,6 +26,7 @@
 //! - [`share`] gives joint angles and poses to other programs.
 //! - [`layout`] and [`setup`] read the RON files of users; [`doctor`] checks the machine against a setup.
 //! - `studio`, with the feature of that name, shows a session in a window.
+//! - [`batch`] computes forward kinematics and contact of many hands at once, for simulations.
 //! - [`sim`] simulates hands that type and play scripts, for demos and tests.
 //!
 //! # Example
@@ -86,6 +87,7 @@ pub mod trace;
 pub mod recorder;
 #[cfg(not(target_family = "wasm"))]
 pub mod share;
+pub mod batch;
 pub mod calibrate;
 pub mod sim;
 #[cfg(not(target_family = "wasm"))]

@@ -43,7 +43,10 @@ impl Timestamp {
     /// `self` if `later` is earlier.
     pub fn lerp(self, later: Self, t: f32) -> Self {
         let span = later.0.saturating_sub(self.0) as f64;
-        let elapsed = (span * f64::from(t.clamp(0.0, 1.0))).round() as u64;
+        let elapsed = span * f64::from(t.clamp(0.0, 1.0));
+        // `round` is a call of the system's library on most processors.
+        let whole = elapsed as u64;
+        let elapsed = whole + u64::from(elapsed - whole as f64 >= 0.5);
         // `f64` cannot represent every span exactly, so the sum may pass `later`.
         Self(self.0.saturating_add(elapsed).min(later.0.max(self.0)))
     }

@@ -51,6 +51,7 @@ const FLOW: &[&str] = &[
     "trace",
     "recorder",
     "share",
+    "batch",
     "calibrate",
     "sim",
     "setup",

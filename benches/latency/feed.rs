@@ -6,14 +6,13 @@ use std::rc::Rc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::capture::hc11::{BODY_BYTES, Framing, encode};
-use ademan::capture::{Hc11Format, Loopback};
-use ademan::setup::Setup;
-use ademan::sim::SimulatedTypist;
+use ademan::capture::Loopback;
+use ademan::capture::hc11::BODY_BYTES;
 use crossbeam_channel::Receiver;
 
 use super::desktop;
 use super::load::Load;
+use super::packets::packets;
 use super::programs::{Output, PACKET_BYTES, PROGRAMS, to_pipe};
 
 /// Time after which a packet counts as lost.
@@ -185,15 +184,9 @@ fn percentile(times: &mut [Duration], percent: usize) -> f64 {
 
 /// Returns the bodies of packets of a typing hand, each with the marks of the next packet.
 fn bodies() -> Vec<[u8; PACKET_BYTES]> {
-    let setup = Setup::default().load_files().expect("the default setup");
-    let typist = setup.typist("hello world", &Hc11Format::default(), 0.5, 1);
-    let mut typist: SimulatedTypist = typist.expect("the hand can type the text");
-    std::iter::from_fn(|| typist.next_counts())
-        .map(|counts| {
-            let body: [u8; BODY_BYTES] = std::array::from_fn(|channel| counts[channel] as u8);
-            let mut packet = encode(Framing::Double06, &body);
-            packet.rotate_left(PACKET_BYTES - BODY_BYTES);
-            packet
-        })
-        .collect()
+    let mut bodies: Vec<_> = packets().collect();
+    for packet in &mut bodies {
+        packet.rotate_left(PACKET_BYTES - BODY_BYTES);
+    }
+    bodies
 }

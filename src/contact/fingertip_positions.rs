@@ -29,6 +29,17 @@ impl Fingertips {
         tips
     }
 
+    fn from_centers(centers: &[Vec3; Finger::COUNT]) -> Self {
+        let mut tips = Self::default();
+        for (&finger, center) in Finger::ALL.iter().zip(centers) {
+            tips.centers[finger.index()] = (*center).into();
+            if center.is_finite() {
+                tips.known = tips.known.with(finger);
+            }
+        }
+        tips
+    }
+
     /// Converts positions in the world to the frame of a surface. Positions that are not finite there are unknown.
     fn on_surface(&self, surface: &Surface, pose: &HandPose) -> Self {
         let mut tips = Self::default();
@@ -56,14 +67,20 @@ impl Fingertips {
 
 /// The fingertips in the previous and the current pose, in the frame of one surface.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct FingertipPositions {
+pub(crate) struct FingertipPositions {
     previous: Fingertips,
     current: Fingertips,
 }
 
 impl FingertipPositions {
+    /// Creates the positions of the previous and the current pose. Those that are not finite are unknown.
+    pub fn from_centers(centers: [[Vec3; Finger::COUNT]; 2]) -> Self {
+        let [previous, current] = centers.map(|centers| Fingertips::from_centers(&centers));
+        Self { previous, current }
+    }
+
     /// Appends a pose with these fingertips in the world. After a jump the previous positions are unknown.
-    pub fn push(&mut self, tips: &Fingertips, surface: &Surface, pose: &HandPose) {
+    pub(super) fn push(&mut self, tips: &Fingertips, surface: &Surface, pose: &HandPose) {
         self.previous = match pose.jumped {
             true => Fingertips::default(),
             false => self.current,

@@ -170,6 +170,11 @@ impl FrontGrid {
         }
     }
 
+    /// Returns heights below and above all fronts, in the surface's frame, in metres.
+    pub fn heights(&self) -> [f32; 2] {
+        self.heights
+    }
+
     fn in_grid(&self, position: Vec2) -> Vec2 {
         Vec2::new(self.x_axis.dot(position), self.x_axis.perp_dot(position))
     }

@@ -37,6 +37,17 @@ impl FrontIndex {
         }
     }
 
+    /// Returns heights below and above all fronts, in the surface's frame, in metres.
+    pub fn heights(&self) -> [f32; 2] {
+        match self {
+            Self::Grid(grid) => grid.heights(),
+            Self::Tree(bvh) => {
+                let fronts = bvh.root_aabb();
+                [fronts.mins.z, fronts.maxs.z]
+            }
+        }
+    }
+
     /// Calls `visit` with each front that a fingertip with these centers at the start and end of a step may enter; in the
     /// surface's frame, in metres.
     #[inline]

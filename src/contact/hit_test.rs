@@ -61,6 +61,8 @@ pub struct Crossing {
     pub index: u32,
     /// The position along the sweep, 0..=1.
     pub t: f32,
+    /// The sweep over the target, which was computed to find the entry.
+    pub(super) sweep: Sweep,
     /// The squared distance from the center of the front, in square metres.
     center_distance_squared: f32,
 }
@@ -97,6 +99,7 @@ pub fn first_crossing(
         let crossing = Crossing {
             index,
             t,
+            sweep,
             center_distance_squared: sweep.point_at(t).truncate().length_squared(),
         };
         if first.is_none_or(|other| crossing.precedes(&other)) {
@@ -214,6 +217,7 @@ mod tests {
                 let crossing = Crossing {
                     index: id.0,
                     t,
+                    sweep,
                     center_distance_squared: sweep.point_at(t).truncate().length_squared(),
                 };
                 if first.is_none_or(|other| crossing.precedes(&other)) {

@@ -12,9 +12,11 @@ mod front_index;
 mod target;
 mod target_names;
 
+pub(crate) use fingertip_positions::FingertipPositions;
 pub use fingertip_positions::trusted_fingertip;
 pub use target_names::{TargetName, TargetNames};
 pub use tracker::ContactTracker;
+pub(crate) use tracker::PlacedHand;
 
 use arrayvec::ArrayVec;
 use parry3d::math::Vec2;

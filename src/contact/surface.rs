@@ -78,6 +78,19 @@ impl Surface {
         &self.fronts
     }
 
+    /// Returns whether all fronts are parallel to the surface, so that a fingertip enters one from above only.
+    pub(crate) fn is_flat(&self) -> bool {
+        matches!(self.fronts, FrontIndex::Grid(_))
+    }
+
+    /// Returns heights below and above all fronts, in the surface's frame (metres).
+    pub(crate) fn front_heights(&self) -> [f32; 2] {
+        match self.targets.is_empty() {
+            true => [f32::INFINITY, f32::NEG_INFINITY],
+            false => self.fronts.heights(),
+        }
+    }
+
     /// Returns the id of the target with this index on the surface.
     pub fn target_id(&self, index: u32) -> TargetId {
         TargetId(self.first + index)

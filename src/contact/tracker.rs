@@ -36,6 +36,17 @@ pub struct ContactTracker {
     fingers: [FingerState; Finger::COUNT],
 }
 
+/// Properties of a hand at a pose that a tracker needs beside the positions of its fingertips.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlacedHand {
+    /// The side of the body.
+    pub side: Side,
+    /// The radius of the fingertip spheres, in metres.
+    pub tip_radius: f32,
+    /// The times of the last pose and of this one.
+    pub span: [Timestamp; 2],
+}
+
 #[derive(Clone, Copy, Debug, Default)]
 struct FingerState {
     contact: Option<Contact>,
@@ -82,20 +93,46 @@ impl ContactTracker {
         for (positions, surface) in self.positions.iter_mut().zip(scene.surfaces()) {
             positions.push(&tips, surface, pose);
         }
-        self.side = pose.side;
-        let mut step = StepContext {
+        let hand = PlacedHand {
             side: pose.side,
+            tip_radius: pose.tip_radius,
+            span: [self.time, pose.time],
+        };
+        self.follow(scene, &hand, touches);
+    }
+
+    /// Does the same as [`update`](Self::update) for a hand whose fingertips on each surface, in the last pose and in this
+    /// one, the caller has computed.
+    pub(crate) fn update_placed(
+        &mut self,
+        scene: &Scene,
+        hand: &PlacedHand,
+        positions: impl Iterator<Item = FingertipPositions>,
+        touches: &mut Touches,
+    ) {
+        for (own, positions) in self.positions.iter_mut().zip(positions) {
+            *own = positions;
+        }
+        self.follow(scene, hand, touches);
+    }
+
+    /// Follows the fingertips to their present positions.
+    fn follow(&mut self, scene: &Scene, hand: &PlacedHand, touches: &mut Touches) {
+        let [start, end] = hand.span;
+        self.side = hand.side;
+        let mut step = StepContext {
+            side: hand.side,
             scene,
             positions: &self.positions,
-            radius: pose.tip_radius,
-            start: self.time,
-            end: pose.time,
+            radius: hand.tip_radius,
+            start,
+            end,
             touches,
         };
         for (state, &finger) in self.fingers.iter_mut().zip(Finger::ALL) {
             state.update(finger, &mut step);
         }
-        self.time = pose.time;
+        self.time = end;
     }
 
     /// Cancels every touch at `time`, appends that to `touches`, and forgets the last pose.
@@ -119,6 +156,12 @@ impl ContactTracker {
     /// Returns whether no fingertip touches a target.
     pub fn is_idle(&self) -> bool {
         self.fingers.iter().all(|state| state.contact.is_none())
+    }
+
+    /// Returns whether an update has no effect unless a fingertip enters a front.
+    pub(crate) fn follows_nothing(&self) -> bool {
+        let is_free = |state: &FingerState| state.contact.is_none() && state.slid_off.is_none();
+        self.fingers.iter().all(is_free)
     }
 
     /// Iterates over the targets that fingertips press.
@@ -191,6 +234,13 @@ struct StepContext<'a> {
     touches: &'a mut Touches,
 }
 
+/// The entry of a finger through the front of a target.
+struct Entry<'a> {
+    location: TargetLocation,
+    target: &'a Target,
+    crossing: Crossing,
+}
+
 impl<'a> StepContext<'a> {
     /// Returns the previous and current center of a fingertip on a surface, if both are known.
     fn centers(&self, surface: usize, finger: Finger) -> Option<[Vec3; 2]> {
@@ -208,8 +258,8 @@ impl<'a> StepContext<'a> {
         Some((target, Sweep::from_centers(target, centers, self.radius)))
     }
 
-    /// Returns the first front that a finger enters at or after `since`, and the `t` of the entry.
-    fn first_crossing(&self, finger: Finger, since: f32) -> Option<(TargetLocation, f32)> {
+    /// Returns the first front that a finger enters at or after `since`, and the entry.
+    fn first_crossing(&self, finger: Finger, since: f32) -> Option<Entry<'a>> {
         let mut first: Option<(TargetLocation, Crossing)> = None;
         for (index, surface) in self.scene.surfaces().iter().enumerate() {
             let Some(centers) = self.centers(index, finger) else {
@@ -225,7 +275,13 @@ impl<'a> StepContext<'a> {
                 first = Some((location, crossing));
             }
         }
-        first.map(|(location, crossing)| (location, crossing.t))
+        let (location, crossing) = first?;
+        let surface = self.scene.surfaces().get(location.surface)?;
+        Some(Entry {
+            location,
+            target: surface.target(location.target)?,
+            crossing,
+        })
     }
 
     fn emit(&mut self, t: f32, finger: Finger, phase: Phase, contact: &Contact) {
@@ -246,36 +302,46 @@ impl FingerState {
         if self.is_locked_out(finger, step) {
             return;
         }
-        let Some((location, t)) = step.first_crossing(finger, since) else {
+        let Some(entry) = step.first_crossing(finger, since) else {
             return;
         };
-        let Some((_, sweep)) = step.sweep(location, finger) else {
-            return;
-        };
+        let Crossing { t, sweep, .. } = entry.crossing;
         let contact = Contact {
-            location,
+            location: entry.location,
             is_pressed: false,
             depth: 0.0,
             position: sweep.point_at(t).truncate(),
         };
         step.emit(t, finger, Phase::Touched, &contact);
-        self.follow(contact, finger, t, step);
+        self.follow_over(entry.target, &sweep, contact, (finger, t), step);
     }
 
     /// Follows a contact from `since` to the end of the step, or to its own end, whose `t` is returned.
     fn follow(
         &mut self,
-        mut contact: Contact,
+        contact: Contact,
         finger: Finger,
         since: f32,
         step: &mut StepContext,
     ) -> Option<f32> {
-        let location = contact.location;
-        self.contact = None;
-        let Some((target, sweep)) = step.sweep(location, finger) else {
+        let Some((target, sweep)) = step.sweep(contact.location, finger) else {
+            self.contact = None;
             step.emit(1.0, finger, Phase::Cancelled, &contact);
             return Some(1.0);
         };
+        self.follow_over(target, &sweep, contact, (finger, since), step)
+    }
+
+    /// Does the same as [`follow`](Self::follow), with the sweep of the finger over the target.
+    fn follow_over(
+        &mut self,
+        target: &Target,
+        sweep: &Sweep,
+        mut contact: Contact,
+        (finger, since): (Finger, f32),
+        step: &mut StepContext,
+    ) -> Option<f32> {
+        self.contact = None;
         let side_exit = sweep
             .t_at_side_exit(target.shape, target.margin)
             .map(|t| t.max(since));
@@ -307,7 +373,7 @@ impl FingerState {
         if let Some(t) = side_exit {
             contact.position = sweep.point_at(t).truncate();
             step.emit(t, finger, Phase::Cancelled, &contact);
-            self.slid_off = Some(location);
+            self.slid_off = Some(contact.location);
             return Some(t);
         }
         let depth = (-sweep.to.z / target.travel).clamp(0.0, 1.0);

@@ -65,8 +65,8 @@ impl JointRotations {
     }
 }
 
-/// Evaluates the polynomials of the Cephes library (`sinf`, `cosf`) after reduction to the nearest quarter turn.
-fn sin_cos(angle: f32) -> (f32, f32) {
+/// Returns the sine and cosine of an angle in radians: the polynomials of the Cephes library (`sinf`, `cosf`) after reduction to the nearest quarter turn.
+pub(crate) fn sin_cos(angle: f32) -> (f32, f32) {
     let shifted = angle * FRAC_2_PI + ROUND;
     let quarters = shifted - ROUND;
     let reduced = ((angle - quarters * HALF_PI_PARTS[0]) - quarters * HALF_PI_PARTS[1])

@@ -14,7 +14,9 @@ mod reach;
 pub use anthropometry::BoneLengths;
 pub use arm_model::{ArmModel, ArmModelError};
 pub use inverse::{IkSolution, IkVariable, MAX_IK_VARIABLES, angles_from_variables, solve_ik};
+pub(crate) use joint_rotations::sin_cos;
 pub use link::{Link, MAX_LINKS};
+pub(crate) use principal_axis::PrincipalAxis;
 pub use reach::{HandReach, half_bent_fingers, typing_angle};
 
 use parry3d::math::{Pose, Vec3};

@@ -4,7 +4,7 @@ use glam::{Quat, Vec3, Vec4, Vec4Swizzles};
 
 /// An axis of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum PrincipalAxis {
+pub(crate) enum PrincipalAxis {
     X,
     Y,
     Z,

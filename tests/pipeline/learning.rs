@@ -1,7 +1,7 @@
 //! Learning of the ranges of sensors through the whole pipeline.
 
 use ademan::command::CommandOrigin;
-use ademan::device::{EventKind, Events};
+use ademan::device::Events;
 use ademan::document::Document;
 use ademan::estimate::{ChannelMap, LearnedRange};
 use ademan::hand::{Dof, JointAngles};
@@ -14,6 +14,7 @@ use ademan::sim::{
 use ademan::time::Timestamp;
 
 use crate::calibration::{calibrate, person};
+use crate::key_words::push_key_words;
 use crate::support::checked::CheckedPipeline;
 use crate::support::press::{Posture, Press, reading};
 
@@ -153,7 +154,7 @@ impl Learning {
             let _ = self
                 .pipeline
                 .step(&reading(self.time, posture), &mut events);
-            self.write(&events);
+            push_key_words(&events, &mut self.keys);
         }
     }
 
@@ -174,16 +175,6 @@ impl Learning {
 
     fn learned(&self) -> Vec<LearnedRange> {
         self.pipeline.learned_ranges().collect()
-    }
-
-    fn write(&mut self, events: &Events) {
-        for event in events {
-            match event.kind {
-                EventKind::KeyDown(key) => self.keys.push(format!("+{key}")),
-                EventKind::KeyUp(key) => self.keys.push(format!("-{key}")),
-                _ => {}
-            }
-        }
     }
 }
 

@@ -15,6 +15,7 @@ mod hand_sizes;
 mod hands_and_profiles;
 mod oracle;
 mod joint_positions;
+mod key_words;
 mod learning;
 mod limits;
 mod lucidgloves;

@@ -1,7 +1,7 @@
 //! Zeroing of a slipped glove through the whole pipeline.
 
 use ademan::capture::{Reading, Sample};
-use ademan::device::{EventKind, Events};
+use ademan::device::Events;
 use ademan::estimate::ZeroError;
 use ademan::hand::{Dof, Joint, JointAngles, JointPositions};
 use ademan::pipeline::{CommandError, PipelineState};
@@ -9,6 +9,7 @@ use ademan::setup::{LoadedSetup, Setup};
 use ademan::time::Timestamp;
 use glam::DVec3;
 
+use crate::key_words::push_key_words;
 use crate::support::checked::CheckedPipeline;
 use crate::support::press::{Posture, Press, reading};
 
@@ -66,7 +67,7 @@ impl Slipped {
             let reading = self.reading(posture);
             let mut events = Events::new();
             let _ = self.pipeline.step(&reading, &mut events);
-            self.write(&events);
+            push_key_words(&events, &mut self.keys);
         }
     }
 
@@ -97,25 +98,15 @@ impl Slipped {
     fn zero(&mut self) -> Result<(), CommandError> {
         let mut events = Events::new();
         let outcome = self.pipeline.zero(&mut events);
-        self.write(&events);
+        push_key_words(&events, &mut self.keys);
         outcome
     }
 
     fn undo_zero(&mut self) -> Result<(), CommandError> {
         let mut events = Events::new();
         let outcome = self.pipeline.undo_zero(&mut events);
-        self.write(&events);
+        push_key_words(&events, &mut self.keys);
         outcome
-    }
-
-    fn write(&mut self, events: &Events) {
-        for event in events {
-            match event.kind {
-                EventKind::KeyDown(key) => self.keys.push(format!("+{key}")),
-                EventKind::KeyUp(key) => self.keys.push(format!("-{key}")),
-                _ => {}
-            }
-        }
     }
 }
 

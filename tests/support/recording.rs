@@ -6,7 +6,7 @@ use std::vec;
 use ademan::capture::{CaptureError, Reading, Source, SourceEvent};
 use ademan::output;
 use ademan::recorder::Recorder;
-use ademan::session::{CommandReceiver, run_pipeline};
+use ademan::session::{CommandReceiver, Summary, run_pipeline};
 use ademan::setup::LoadedSetup;
 
 /// Readings without delays.
@@ -32,8 +32,8 @@ impl Source for Readings {
     }
 }
 
-/// Records the readings of a source with a setup.
-pub fn record_source(path: &Path, loaded: &LoadedSetup, source: impl Source + 'static) {
+/// Records the readings of a source with a setup. Returns the summary of the run.
+pub fn record_source(path: &Path, loaded: &LoadedSetup, source: impl Source + 'static) -> Summary {
     let recorder = Recorder::create(path, &loaded.recorded_setup());
     let mut recorder = recorder.expect("a file");
     let mut nowhere = output::open("none", &loaded.required_capabilities()).expect("nowhere");
@@ -48,6 +48,6 @@ pub fn record_source(path: &Path, loaded: &LoadedSetup, source: impl Source + 's
                 .expect("room on the disk")
         },
     );
-    run.expect("a run");
     recorder.finish().expect("room on the disk");
+    run.expect("a run")
 }

@@ -1,0 +1,214 @@
+//! Eight hands over the boards of a scene.
+
+use parry3d::math::{Pose, Vec3};
+use wide::f32x8;
+
+use super::lane_arm::{LaneArm, LaneHands};
+use super::lane_vector::{LaneRotation, LaneVector, add, rotated, splat, to_arrays};
+use super::{AllTips, HandTouch, LANES, LaneAngles, TipLanes};
+use crate::contact::surface::{Anchor, Scene, Surface};
+use crate::contact::{ContactTracker, FingertipPositions, PlacedHand, Touches};
+use crate::estimate::{Estimate, JointAngles};
+use crate::hand::{Finger, Joint, Side};
+use crate::kinematics::ArmModel;
+use crate::time::Timestamp;
+
+/// The boards of a scene, for hands of one arm model.
+pub(super) struct LaneBoard {
+    scene: Scene,
+    side: Side,
+    tip_radius: f32,
+    surfaces: Vec<LaneSurface>,
+}
+
+/// One surface. Each hand has its own, because a surface may follow a joint.
+struct LaneSurface {
+    /// The joint that the surface follows.
+    anchor: Option<Joint>,
+    /// The translation from the anchor to the surface.
+    translation: LaneVector,
+    surface_from_world: LaneRotation,
+    /// Heights below and above all fronts, in metres.
+    heights: [f32; 2],
+    /// The fronts are parallel to the surface: a fingertip enters one from above only.
+    is_flat: bool,
+    tip_radius: f32,
+    is_of_other_hand: bool,
+}
+
+impl LaneBoard {
+    pub fn new(scene: &Scene, arm: &ArmModel) -> Self {
+        let rest = arm.forward(&Estimate::new(Timestamp(0), JointAngles::default()));
+        let surface = |surface: &Surface| LaneSurface::new(surface, rest.side, rest.tip_radius);
+        Self {
+            side: rest.side,
+            tip_radius: rest.tip_radius,
+            surfaces: scene.surfaces().iter().map(surface).collect(),
+            scene: scene.clone(),
+        }
+    }
+}
+
+impl LaneSurface {
+    fn new(surface: &Surface, side: Side, tip_radius: f32) -> Self {
+        let Pose {
+            rotation,
+            translation,
+            ..
+        } = surface.anchor_from_surface();
+        Self {
+            anchor: match surface.anchor() {
+                Anchor::World => None,
+                Anchor::Joint(joint) => Some(joint),
+            },
+            translation: splat(translation.to_array()),
+            surface_from_world: splat(rotation.inverse().to_array()),
+            heights: surface.front_heights(),
+            is_flat: surface.is_flat(),
+            tip_radius,
+            is_of_other_hand: surface.side().is_some_and(|other| other != side),
+        }
+    }
+
+    /// Converts fingertips to the frame of the surface; NaN where the surface has no place.
+    fn place(&self, hands: &LaneHands) -> AllTips {
+        if self.is_of_other_hand {
+            return UNKNOWN;
+        }
+        let anchor = match self.anchor {
+            None => splat([0.0; 3]),
+            Some(joint) => hands.joints[joint.index()],
+        };
+        let origin = add(anchor, self.translation).map(|lanes| -lanes);
+        let origin = rotated(&self.surface_from_world, origin);
+        hands.tips.tips.map(|tip| {
+            let tip = rotated(&self.surface_from_world, tip.map(f32x8::new));
+            to_arrays(add(tip, origin))
+        })
+    }
+
+    /// Returns the lanes, as bits, in which a fingertip may enter a front between two poses.
+    fn candidates(&self, previous: &AllTips, current: &AllTips) -> u32 {
+        let [lowest, highest] = self.heights.map(f32x8::splat);
+        let radius = f32x8::splat(self.tip_radius);
+        let mut are_candidates = f32x8::ZERO;
+        for (previous, current) in previous.iter().zip(current) {
+            let (from, to) = (f32x8::new(previous[2]), f32x8::new(current[2]));
+            let (from_pad, to_pad) = (from - radius, to - radius);
+            // A comparison with NaN is false: a fingertip that is not known enters nothing.
+            are_candidates |= match self.is_flat {
+                true => from_pad.simd_ge(lowest) & to_pad.simd_le(highest),
+                false => {
+                    let is_low = from_pad.simd_le(highest) | to_pad.simd_le(highest);
+                    let (from_top, to_top) = (from + radius, to + radius);
+                    is_low & (from_top.simd_ge(lowest) | to_top.simd_ge(lowest))
+                }
+            };
+        }
+        are_candidates.to_bitmask()
+    }
+}
+
+const UNKNOWN: AllTips = [[[f32::NAN; LANES]; 3]; Finger::COUNT];
+
+/// The state of eight hands.
+#[derive(Clone)]
+pub(super) struct Block {
+    trackers: Vec<ContactTracker>,
+    /// The lanes, as bits, whose tracker follows a fingertip.
+    active: u32,
+    time: Timestamp,
+    /// The fingertips on each surface.
+    tips: Vec<AllTips>,
+    /// Room for those of the next pose.
+    next_tips: Vec<AllTips>,
+}
+
+impl Block {
+    pub fn new(board: &LaneBoard) -> Self {
+        let tips = vec![UNKNOWN; board.surfaces.len()];
+        Self {
+            trackers: vec![ContactTracker::new(&board.scene); LANES],
+            active: 0,
+            time: Timestamp::default(),
+            next_tips: tips.clone(),
+            tips,
+        }
+    }
+
+    /// Moves the hands through poses. Returns their touches with the lane in place of the hand.
+    pub fn run(
+        &mut self,
+        arm: &LaneArm,
+        board: &LaneBoard,
+        times: &[Timestamp],
+        angles: &[LaneAngles],
+    ) -> Vec<HandTouch> {
+        let mut all = Vec::new();
+        let mut hands = LaneHands::new();
+        for (&time, angles) in times.iter().zip(angles) {
+            arm.forward_into(angles, &mut hands);
+            self.step(board, &hands, time, &mut all);
+        }
+        all
+    }
+
+    fn step(
+        &mut self,
+        board: &LaneBoard,
+        hands: &LaneHands,
+        time: Timestamp,
+        all: &mut Vec<HandTouch>,
+    ) {
+        let mut lanes = self.active;
+        let pairs = self.tips.iter().zip(&mut self.next_tips);
+        for ((previous, current), surface) in pairs.zip(&board.surfaces) {
+            *current = surface.place(hands);
+            lanes |= surface.candidates(previous, current);
+        }
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            self.follow(lane, board, time, all);
+        }
+        std::mem::swap(&mut self.tips, &mut self.next_tips);
+        self.time = time;
+    }
+
+    /// Updates the tracker of one hand.
+    fn follow(
+        &mut self,
+        lane: usize,
+        board: &LaneBoard,
+        time: Timestamp,
+        all: &mut Vec<HandTouch>,
+    ) {
+        let pairs = self.tips.iter().zip(&self.next_tips);
+        let positions = pairs.map(|(previous, current)| {
+            FingertipPositions::from_centers([previous, current].map(|tips| of_lane(tips, lane)))
+        });
+        let mut touches = Touches::new();
+        let hand = PlacedHand {
+            side: board.side,
+            tip_radius: board.tip_radius,
+            span: [self.time, time],
+        };
+        let tracker = &mut self.trackers[lane];
+        tracker.update_placed(&board.scene, &hand, positions, &mut touches);
+        let bit = 1 << lane;
+        match tracker.follows_nothing() {
+            true => self.active &= !bit,
+            false => self.active |= bit,
+        }
+        all.extend(
+            touches
+                .into_iter()
+                .map(|touch| HandTouch { hand: lane, touch }),
+        );
+    }
+}
+
+fn of_lane(tips: &AllTips, lane: usize) -> [Vec3; Finger::COUNT] {
+    tips.each_ref()
+        .map(|tip: &TipLanes| Vec3::from_array(tip.map(|lanes| lanes[lane])))
+}

@@ -1,0 +1,196 @@
+//! Many hands at once: forward kinematics and contact for simulations and evaluations of layouts.
+//!
+//! A lane of a vector register holds one hand, so eight hands take the time of one or two. Fingers far from every key need no
+//! further work; the other ones pass through the [`ContactTracker`] of their hand. All results are equal to those of
+//! [`ArmModel::forward`] and [`ContactTracker::update`], which the tests of this module prove: the operations and their order
+//! are the same. `examples/many_hands.rs` shows the use.
+
+mod block;
+mod lane_arm;
+mod lane_vector;
+
+use std::thread;
+
+use crate::contact::Touch;
+use crate::contact::surface::Scene;
+use crate::estimate::JointAngles;
+use crate::hand::{Dof, Finger};
+use crate::kinematics::ArmModel;
+use crate::time::Timestamp;
+use block::{Block, LaneBoard};
+pub use lane_arm::LaneTips;
+use lane_arm::{LaneArm, LaneHands};
+
+#[cfg(doc)]
+use crate::contact::ContactTracker;
+
+/// Number of hands that are computed at once.
+pub const LANES: usize = 8;
+
+/// Reason why hands cannot be computed together.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BatchError {
+    /// A joint turns about an axis between those of its frame.
+    #[error(
+        "link `{0}` turns about an axis that is not X, Y or Z of its frame; use one of these axes"
+    )]
+    TiltedAxis(String),
+}
+
+/// The joint angles of eight hands at one time, in radians, in single precision. Angles that are not set are 0.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+pub struct LaneAngles {
+    radians: [[f32; LANES]; Dof::COUNT],
+}
+
+impl Default for LaneAngles {
+    fn default() -> Self {
+        Self {
+            radians: [[0.0; LANES]; Dof::COUNT],
+        }
+    }
+}
+
+impl LaneAngles {
+    /// Sets the angles of the hand in a lane, 0 to 7.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there is no such lane.
+    pub fn set(&mut self, lane: usize, angles: &JointAngles) {
+        for (all, radians) in self.radians.iter_mut().zip(angles.radians()) {
+            all[lane] = *radians as f32;
+        }
+    }
+
+    /// Returns one angle of all hands, for changes in place.
+    pub fn dof_mut(&mut self, dof: Dof) -> &mut [f32; LANES] {
+        &mut self.radians[dof.index()]
+    }
+
+    fn dof(&self, index: usize) -> &[f32; LANES] {
+        &self.radians[index]
+    }
+}
+
+/// A touch and the hand that it belongs to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HandTouch {
+    /// The index of the hand.
+    pub hand: usize,
+    /// The touch.
+    pub touch: Touch,
+}
+
+/// Hands of one arm model over the boards of one scene. Hand `i` is in lane `i % 8` of block `i / 8`.
+pub struct HandBatch {
+    arm: LaneArm,
+    board: LaneBoard,
+    blocks: Vec<Block>,
+}
+
+impl HandBatch {
+    /// Creates `hands` hands, rounded up to whole blocks of eight.
+    pub fn new(arm: &ArmModel, scene: &Scene, hands: usize) -> Result<Self, BatchError> {
+        let board = LaneBoard::new(scene, arm);
+        let block = Block::new(&board);
+        Ok(Self {
+            arm: LaneArm::new(arm)?,
+            blocks: vec![block; hands.div_ceil(LANES)],
+            board,
+        })
+    }
+
+    /// Returns the number of blocks of eight hands.
+    pub fn block_count(&self) -> usize {
+        self.blocks.len()
+    }
+
+    /// Computes the fingertips for each element of `angles`, which may belong to any hands.
+    ///
+    /// # Panics
+    ///
+    /// Panics if the slices differ in length.
+    pub fn forward(&self, angles: &[LaneAngles], tips: &mut [LaneTips]) {
+        assert_eq!(angles.len(), tips.len(), "one element for each");
+        let mut hands = LaneHands::new();
+        for (angles, tips) in angles.iter().zip(tips) {
+            self.arm.forward_into(angles, &mut hands);
+            *tips = hands.tips;
+        }
+    }
+
+    /// Moves all hands through poses at `times` and returns their touches, by hand and time. `angles` has those of the first
+    /// block at all times, then those of the second block, and so on. The blocks are distributed over `threads` threads; the
+    /// result does not depend on their number.
+    ///
+    /// The hands go on from the end of an earlier call.
+    ///
+    /// # Panics
+    ///
+    /// Panics if there are not as many elements in `angles` as times for each block.
+    pub fn run(
+        &mut self,
+        times: &[Timestamp],
+        angles: &[LaneAngles],
+        threads: usize,
+    ) -> Vec<HandTouch> {
+        let expected = times.len() * self.blocks.len();
+        assert_eq!(
+            angles.len(),
+            expected,
+            "one element for each time and block"
+        );
+        if expected == 0 {
+            return Vec::new();
+        }
+        let (arm, board) = (&self.arm, &self.board);
+        let per_thread = self.blocks.len().div_ceil(threads.max(1));
+        let parts = self.blocks.chunks_mut(per_thread);
+        let parts = parts.zip(angles.chunks(per_thread * times.len()));
+        let run_part = |(blocks, angles): (&mut [Block], &[LaneAngles])| {
+            let mut touches = Vec::new();
+            for (block, angles) in blocks.iter_mut().zip(angles.chunks(times.len())) {
+                touches.push(block.run(arm, board, times, angles));
+            }
+            touches
+        };
+        let of_blocks: Vec<_> = thread::scope(|scope| {
+            let threads: Vec<_> = parts
+                .map(|part| scope.spawn(move || run_part(part)))
+                .collect();
+            let results = threads.into_iter().map(|thread| thread.join());
+            results
+                .flat_map(|part| part.expect("a block does not panic"))
+                .collect()
+        });
+        by_hand(of_blocks)
+    }
+}
+
+/// Sorts the touches of each block by hand. The touches of one hand keep their order.
+fn by_hand(of_blocks: Vec<Vec<HandTouch>>) -> Vec<HandTouch> {
+    let mut all = Vec::with_capacity(of_blocks.iter().map(Vec::len).sum());
+    for (block, mut touches) in of_blocks.into_iter().enumerate() {
+        touches.sort_by_key(|touch| touch.hand);
+        all.extend(
+            touches
+                .into_iter()
+                .map(|HandTouch { hand, touch }| HandTouch {
+                    hand: block * LANES + hand,
+                    touch,
+                }),
+        );
+    }
+    all
+}
+
+/// The number of values of one finger: x, y and z.
+type TipLanes = [[f32; LANES]; 3];
+
+/// The tips of all fingers.
+type AllTips = [TipLanes; Finger::COUNT];
+
+#[cfg(test)]
+mod tests;
