@@ -6,8 +6,8 @@ use std::rc::Rc;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use ademan::capture::Loopback;
 use ademan::capture::hc11::BODY_BYTES;
+use ademan::capture::{Hc11Format, Loopback};
 use crossbeam_channel::Receiver;
 
 use super::desktop;
