@@ -37,7 +37,7 @@ struct Hands {
     times: Vec<Timestamp>,
     /// The angles of each hand at all times.
     angles: Vec<Vec<JointAngles>>,
-    /// The same for the batch.
+    /// Those angles in the lanes of blocks.
     lanes: Vec<LaneAngles>,
 }
 
