@@ -95,7 +95,7 @@ impl BoardShape {
     }
 
     /// Returns the rotation of an upright key at a position in row coordinates, in radians.
-    pub(super) fn row_rotation(self, row_position: Vec2) -> f32 {
+    pub fn row_rotation(self, row_position: Vec2) -> f32 {
         match self {
             Self::Arc(radius_at_zero) => -row_position.x / (radius_at_zero + row_position.y),
             _ => 0.0,

@@ -23,6 +23,7 @@
 
 mod app;
 pub mod camera;
+pub mod canvas;
 pub mod editor;
 pub mod filter_trace;
 pub mod glove_editor;
