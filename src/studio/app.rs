@@ -15,6 +15,7 @@ use super::settings::{Settings, WindowPlace};
 use super::settings_file::SettingsFile;
 use super::texts::text;
 use crate::command::Command;
+use crate::document::DocumentError;
 use crate::session::view::Viewer;
 use crate::session::{CommandSender, SessionHandle};
 use crate::snapshot::Snapshot;
@@ -100,6 +101,11 @@ impl StudioApp {
         self.player = Some(player);
         self.sensors.lock();
         self
+    }
+
+    /// Opens a layout in the editor in place of that of the session. A layout that comes with the program is an unsaved copy.
+    pub fn edit(&mut self, name: &str) -> Result<(), DocumentError> {
+        self.panels.edit(name)
     }
 
     /// Draws one picture.
@@ -192,12 +198,15 @@ struct Window {
 
 impl eframe::App for Window {
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let is_stopped = (self.should_close)();
+        if is_stopped {
+            self.app.panels.permit_close();
+        }
         self.app.show(ui);
         let context = ui.ctx();
-        let is_end =
-            (self.should_close)() || context.input(|input| input.viewport().close_requested());
+        let is_end = is_stopped || context.input(|input| input.viewport().close_requested());
         self.app.save_settings(context, is_end);
-        if (self.should_close)() {
+        if is_stopped {
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
         context.request_repaint_after(PICTURE_PERIOD);

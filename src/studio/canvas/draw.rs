@@ -17,6 +17,9 @@ const LABEL_HEIGHT: f32 = 0.36;
 /// Range of the height of labels, in points. Smaller ones are not drawn.
 const LABEL_SIZES: (f32, f32) = (6.5, 22.0);
 
+/// Height of the radius of a bend, in points.
+const RADIUS_LABEL: f32 = 9.0;
+
 /// Width of a letter as a fraction of its height, for labels that must fit their item.
 const LETTER_WIDTH: f32 = 0.78;
 
@@ -54,12 +57,7 @@ struct Pen<'a> {
 }
 
 /// Draws the canvas in a picture of this size in points.
-pub fn draw(
-    scene: &CanvasScene,
-    viewport: &Viewport,
-    size: Vec2,
-    colors: &SceneColors,
-) -> Picture {
+pub fn draw(scene: &CanvasScene, viewport: &Viewport, size: Vec2, colors: &SceneColors) -> Picture {
     let mut pen = Pen {
         picture: Picture::default(),
         viewport,
@@ -79,7 +77,10 @@ pub fn draw(
     }
     for (index, (item, shape)) in scene.items.iter().zip(&shapes).enumerate() {
         if shape.bounds().touches(visible) {
-            let look = match (scene.pressed.contains(&index), scene.selected.contains(index)) {
+            let look = match (
+                scene.pressed.contains(&index),
+                scene.selected.contains(index),
+            ) {
                 (true, _) => Look::Pressed,
                 (false, true) => Look::Selected,
                 (false, false) => Look::Plain,
@@ -163,6 +164,13 @@ impl Pen<'_> {
             let (ring, fill) = (self.colors.ring, self.colors.background);
             self.picture.above.add_flat_polygon(&disc(end, 5.0), fill);
             self.picture.above.add_ring(end, 5.0, 2.0, ring);
+            self.picture.labels.push(Label {
+                position: end + Vec2::new(0.0, 18.0),
+                right: Vec2::X * RADIUS_LABEL,
+                down: Vec2::Y * RADIUS_LABEL,
+                color: self.colors.label,
+                text: format!("R {radius:.0} mm"),
+            });
         }
     }
 
@@ -209,13 +217,15 @@ impl Pen<'_> {
         if size < LABEL_SIZES.0 {
             return;
         }
+        let size = size.min(LABEL_SIZES.1);
         let color = match look {
             Look::Pressed => self.colors.lit_label,
             Look::Plain | Look::Selected => self.colors.label,
         };
         self.picture.labels.push(Label {
             position: self.to_screen(shape.center),
-            size: size.min(LABEL_SIZES.1),
+            right: Vec2::X * size,
+            down: Vec2::Y * size,
             color,
             text: item.label.clone(),
         });
@@ -234,11 +244,16 @@ impl Pen<'_> {
                 }
                 Handle::Turn => {
                     let center = self.to_screen(item.shape.center);
-                    let rim = center.lerp(at, item.shape.half.y * self.viewport.scale / (at - center).length());
+                    let rim = center.lerp(
+                        at,
+                        item.shape.half.y * self.viewport.scale / (at - center).length(),
+                    );
                     let side = (at - center).normalize_or_zero().perp() * 0.75;
                     let stem = [rim + side, at + side, at - side, rim - side];
                     add_plain_polygon(&mut self.picture.above, &stem, ring);
-                    self.picture.above.add_flat_polygon(&disc(at, HANDLE + 1.0), fill);
+                    self.picture
+                        .above
+                        .add_flat_polygon(&disc(at, HANDLE + 1.0), fill);
                     self.picture.above.add_ring(at, HANDLE, 2.0, ring);
                 }
             }
@@ -248,7 +263,7 @@ impl Pen<'_> {
     /// Adds a disc that is larger and paler the higher the fingertip is.
     fn add_fingertip(&mut self, fingertip: &Fingertip) {
         let height = fingertip.height_mm.max(0.0);
-        let radius = (5.0 + height * 0.35) * self.viewport.scale;
+        let radius = (4.0 + height * 0.08) * self.viewport.scale;
         let color = self.colors.skin.with_opacity(0.8 / (1.0 + height * 0.08));
         let center = self.to_screen(fingertip.position);
         let (above, edge) = (&mut self.picture.above, self.colors.skin_edge);
@@ -355,7 +370,9 @@ mod tests {
             radius: Some(320.0),
         };
         let picture = draw(&scene, &viewport, SIZE, &SceneColors::DARK);
-        assert_eq!(picture.labels[0].position, viewport.to_screen(offset, SIZE));
+        let label = picture.labels.iter().find(|label| label.text == "A");
+        let expected = viewport.to_screen(offset, SIZE);
+        assert_eq!(label.map(|label| label.position), Some(expected));
         let count = picture.above.vertices.len() as u32;
         assert!(count > 0 && picture.above.indices.iter().all(|&index| index < count));
     }

@@ -141,7 +141,9 @@ mod tests {
     use super::*;
 
     fn row() -> Vec<Item> {
-        (0..4).map(|index| square(19.0 * index as f32, 0.0)).collect()
+        (0..4)
+            .map(|index| square(19.0 * index as f32, 0.0))
+            .collect()
     }
 
     #[test]

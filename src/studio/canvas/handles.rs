@@ -97,8 +97,8 @@ mod tests {
                 rotation_deg,
                 ..square(5.0, -3.0).shape
             };
-            for corner in 0..4 {
-                let point = shape.center + shape.rotated(CORNERS[corner] * Vec2::new(20.0, 11.5));
+            for (corner, sign) in CORNERS.into_iter().enumerate() {
+                let point = shape.center + shape.rotated(sign * Vec2::new(20.0, 11.5));
                 let resized = resize(&shape, corner, point, 0.0);
                 let opposite = (corner + 2) % 4;
                 let moved = resized.corners()[opposite] - shape.corners()[opposite];

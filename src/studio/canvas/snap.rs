@@ -113,13 +113,7 @@ fn attraction(
     axis: usize,
     reach_mm: f32,
 ) -> Option<(f32, f32, Bounds)> {
-    let lines = |bounds: Bounds| {
-        [
-            bounds.min[axis],
-            bounds.center()[axis],
-            bounds.max[axis],
-        ]
-    };
+    let lines = |bounds: Bounds| [bounds.min[axis], bounds.center()[axis], bounds.max[axis]];
     let own = lines(target);
     let mut best: Option<(f32, f32, Bounds)> = None;
     for &other in near {

@@ -2,6 +2,7 @@
 
 mod actions;
 mod calibration;
+mod editor;
 mod fonts;
 mod help;
 mod look;
@@ -14,6 +15,7 @@ mod toolbar;
 
 use eframe::egui;
 
+use self::editor::EditorPanel;
 use self::recording::RecordingState;
 use self::scope::ScopeState;
 use super::camera::{Camera, Viewpoint};
@@ -25,6 +27,7 @@ use super::settings::{CameraPlace, Settings, Theme};
 use super::texts::text;
 use super::tour::Tour;
 use crate::command::Command;
+use crate::document::DocumentError;
 
 pub use self::fonts::fonts;
 
@@ -42,23 +45,26 @@ pub struct PanelContext<'a> {
     pub moves: &'a mut Vec<Move>,
 }
 
-/// The content of the middle of the window.
+/// The content of the middle of the window, chosen by tabs in the toolbar.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Workspace {
     /// The 3D view, with the panels beside it.
     #[default]
     Hand,
+    /// The layout editor.
+    Layout,
     /// The guided calibration.
     Calibration,
 }
 
 impl Workspace {
-    const ALL: [Self; 2] = [Self::Hand, Self::Calibration];
+    const ALL: [Self; 3] = [Self::Hand, Self::Layout, Self::Calibration];
 
     fn name(self) -> &'static str {
         match self {
             Self::Hand => text("workspace-hand"),
             Self::Calibration => text("workspace-calibration"),
+            Self::Layout => text("workspace-layout"),
         }
     }
 }
@@ -66,6 +72,8 @@ impl Workspace {
 /// The state of the panels between two pictures.
 pub struct PanelState {
     workspace: Workspace,
+    /// The layout editor, once its tab was opened, or the reason why it has no layout.
+    editor: Option<Result<EditorPanel, String>>,
     /// Panels beside the 3D view that are shown, by [`PanelKind`].
     shown: [bool; PanelKind::ALL.len()],
     camera: Camera,
@@ -115,6 +123,7 @@ impl Default for PanelState {
     fn default() -> Self {
         Self {
             workspace: Workspace::default(),
+            editor: None,
             shown: [true; PanelKind::ALL.len()],
             camera: Camera::default(),
             next_viewpoint: None,
@@ -172,10 +181,27 @@ impl PanelState {
         let sizes = &mut self.settings.panel_sizes;
         sizes.insert(kind.key().to_owned(), size);
     }
+
+    /// Opens a layout in the editor.
+    pub fn edit(&mut self, name: &str) -> Result<(), DocumentError> {
+        self.editor = Some(Ok(EditorPanel::open(name)?));
+        Ok(())
+    }
+
+    /// Lets the window close without a question, as after a signal. Unsaved work stays in the recovery file.
+    pub fn permit_close(&mut self) {
+        if let Some(Ok(editor)) = &mut self.editor {
+            editor.permit_close();
+        }
+    }
 }
 
 /// Draws all panels.
 pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    if let Some(Ok(editor)) = &mut state.editor {
+        editor::capture_key(ui, editor);
+        editor::guard_close(ui, editor);
+    }
     look::apply(ui.ctx(), state);
     // The keys of a calibration are its own.
     if state.workspace == Workspace::Hand || context.sensors.guide.is_none() {
@@ -187,19 +213,42 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
         toolbar::show(ui, state, context);
     });
     egui::Panel::bottom("status").show(ui, |ui| status::show(ui, state, context));
-    if state.workspace == Workspace::Calibration {
-        let colors = SceneColors::new(ui.visuals().dark_mode, state.settings.has_high_contrast);
-        let middle = egui::CentralPanel::default();
-        middle.show(ui, |ui| calibration::show(ui, &colors, context));
-        help::show(ui, state);
-        return;
-    }
     if let Some(player) = context.player {
         let panel = egui::Panel::bottom("recording");
         panel.show(ui, |ui| {
             recording::show(ui, &mut state.recording, player, context.moves)
         });
     }
+    match state.workspace {
+        Workspace::Hand => show_hand(ui, state, context),
+        Workspace::Layout => show_layout(ui, state, context),
+        Workspace::Calibration => {
+            let has_high_contrast = state.settings.has_high_contrast;
+            let colors = SceneColors::new(ui.visuals().dark_mode, has_high_contrast);
+            let middle = egui::CentralPanel::default();
+            middle.show(ui, |ui| calibration::show(ui, &colors, context));
+        }
+    }
+    help::show(ui, state);
+    state.remember(ui, &context.model.view.layout.name);
+}
+
+/// Draws the layout editor, and opens the layout of the session in it at the first time.
+fn show_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+    let open = || EditorPanel::open(&context.model.view.layout.file).map_err(|it| it.to_string());
+    match state.editor.get_or_insert_with(open) {
+        Ok(editor) => editor::show(ui, editor, context),
+        Err(error) => {
+            egui::CentralPanel::default().show(ui, |ui| {
+                ui.label(text("editor-cannot-open"));
+                ui.monospace(error.as_str());
+            });
+        }
+    }
+}
+
+/// Draws the 3D view and the panels beside it.
+fn show_hand(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
     if state.shown[PanelKind::Sensors as usize] {
         show_sensors(ui, state, context);
     }
@@ -211,8 +260,6 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
         look::mark_panel(ui, state, "panel-space");
         space::show(ui, state, context);
     });
-    help::show(ui, state);
-    state.remember(ui, &context.model.view.layout.name);
 }
 
 fn show_sensors(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {

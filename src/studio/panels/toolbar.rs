@@ -21,21 +21,26 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().button_padding = egui::vec2(10.0, 5.0);
+        // A recording has no glove to calibrate.
+        let has_glove = context.player.is_none();
+        let is_useful = |it: &Workspace| has_glove || *it != Workspace::Calibration;
+        for workspace in Workspace::ALL.into_iter().filter(is_useful) {
+            ui.selectable_value(&mut state.workspace, workspace, workspace.name());
+        }
+        ui.separator();
         // A recording takes no commands.
         if context.player.is_none() {
-            for workspace in Workspace::ALL {
-                ui.selectable_value(&mut state.workspace, workspace, workspace.name());
-            }
-            ui.separator();
             for action in [Action::Pause, Action::Recenter, Action::Zero] {
                 show_button(ui, action, state, context);
             }
             ui.separator();
         }
-        for viewpoint in [Viewpoint::Eye, Viewpoint::Above, Viewpoint::Side] {
-            show_button(ui, Action::Look(viewpoint), state, context);
+        if state.workspace == Workspace::Hand {
+            for viewpoint in [Viewpoint::Eye, Viewpoint::Above, Viewpoint::Side] {
+                show_button(ui, Action::Look(viewpoint), state, context);
+            }
+            ui.separator();
         }
-        ui.separator();
         ui.menu_button(text("menu-view"), |ui| show_view_menu(ui, state, context));
         ui.menu_button(text("menu-settings"), |ui| show_settings_menu(ui, state));
         ui.menu_button(text("menu-help"), |ui| show_help_menu(ui, state));

@@ -7,6 +7,7 @@
 #![cfg(test)]
 
 mod accessibility;
+mod editor;
 mod layouts;
 mod picture;
 mod played_hand;

@@ -116,6 +116,12 @@ impl StudioWindow {
         self.harness.state().model()
     }
 
+    /// Opens a layout in the editor.
+    pub fn open_in_editor(&mut self, name: &str) {
+        let app = self.harness.state_mut();
+        app.edit(name).expect("the layout can be opened");
+    }
+
     /// Draws `count` pictures.
     pub fn draw(&mut self, count: usize) {
         self.harness.run_steps(count);

@@ -1,0 +1,189 @@
+//! The bar of the layout editor: boards, undo, save, arrangement.
+
+use eframe::egui;
+
+use super::{EditorPanel, icons};
+use crate::studio::editor::{AlignEdge, BoardAxis, ControlKind, Edit, NewPart};
+use crate::studio::texts::{text, text_with};
+
+/// Distances between positions on the grid, in millimetres.
+const GRIDS_MM: [f32; 5] = [0.5, 1.0, 2.0, 5.0, 9.5];
+
+/// Alignment of several parts: words, and edge.
+const ALIGNMENTS: [(&str, AlignEdge); 6] = [
+    ("editor-align-left", AlignEdge::Left),
+    ("editor-align-center", AlignEdge::CenterX),
+    ("editor-align-right", AlignEdge::Right),
+    ("editor-align-far", AlignEdge::Top),
+    ("editor-align-middle", AlignEdge::CenterY),
+    ("editor-align-near", AlignEdge::Bottom),
+];
+
+/// Distribution of several parts.
+const DISTRIBUTIONS: [(&str, BoardAxis); 2] = [
+    ("editor-distribute-x", BoardAxis::X),
+    ("editor-distribute-y", BoardAxis::Y),
+];
+
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    ui.add_space(3.0);
+    ui.horizontal_wrapped(|ui| {
+        show_file(ui, panel);
+        ui.separator();
+        show_history(ui, panel);
+        ui.separator();
+        show_add(ui, panel);
+        show_arrangement(ui, panel);
+        ui.separator();
+        show_snapping(ui, panel);
+    });
+    ui.horizontal_wrapped(|ui| show_boards(ui, panel));
+    ui.add_space(2.0);
+}
+
+fn show_file(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    ui.strong(panel.marked_name());
+    if button(ui, text("editor-save"), text("editor-save-hint"), true) {
+        panel.save();
+    }
+    if button(
+        ui,
+        text("editor-save-as"),
+        text("editor-save-as-hint"),
+        true,
+    ) {
+        panel.ask_for_path();
+    }
+}
+
+fn show_history(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let can_undo = panel.editor.can_undo();
+    if button(ui, text("editor-undo"), text("editor-undo-hint"), can_undo) {
+        panel.editor.undo();
+    }
+    let can_redo = panel.editor.can_redo();
+    if button(ui, text("editor-redo"), text("editor-redo-hint"), can_redo) {
+        panel.editor.redo();
+    }
+}
+
+fn show_add(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    ui.menu_button(text("editor-add"), |ui| {
+        for kind in ControlKind::ALL {
+            if ui.button(text(kind_words(kind))).clicked() {
+                let center = panel.viewport.map_or([0.0; 2], |viewport| {
+                    viewport.center.to_array().map(|mm| f64::from(mm.round()))
+                });
+                panel.apply(&Edit::Add(NewPart::Control {
+                    board: panel.board,
+                    kind,
+                    at_mm: center,
+                    binding: None,
+                }));
+            }
+        }
+        ui.separator();
+        let others = [
+            ("editor-new-board", NewPart::Board),
+            ("editor-new-layer", NewPart::Layer),
+            ("editor-new-trigger", NewPart::Trigger),
+            ("editor-new-pointer", NewPart::Pointer),
+            ("editor-new-space", NewPart::Space),
+        ];
+        for (name, part) in others {
+            if ui.button(text(name)).clicked() {
+                panel.apply(&Edit::Add(part));
+            }
+        }
+    });
+    let has_selection = !panel.editor.selection().is_empty();
+    if button(
+        ui,
+        text("editor-duplicate"),
+        text("editor-duplicate-hint"),
+        has_selection,
+    ) {
+        panel.duplicate();
+    }
+    if button(
+        ui,
+        text("editor-delete"),
+        text("editor-delete-hint"),
+        has_selection,
+    ) {
+        panel.delete();
+    }
+}
+
+/// Returns the key of the words for a kind of control.
+pub(super) const fn kind_words(kind: ControlKind) -> &'static str {
+    match kind {
+        ControlKind::Key => "editor-kind-key",
+        ControlKind::Toggle => "editor-kind-toggle",
+        ControlKind::Radio => "editor-kind-radio",
+        ControlKind::TouchSurface => "editor-kind-touch",
+        ControlKind::Slider => "editor-kind-slider",
+        ControlKind::Knob => "editor-kind-knob",
+        ControlKind::Lever => "editor-kind-lever",
+        ControlKind::Valve => "editor-kind-valve",
+        ControlKind::Joystick => "editor-kind-joystick",
+    }
+}
+
+fn show_arrangement(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let count = panel.selected.len();
+    ui.separator();
+    for (hint, edge) in ALIGNMENTS {
+        if icons::button(ui, icons::alignment(edge), text(hint), count >= 2) {
+            let parts = panel.selected_parts();
+            panel.apply(&Edit::Align { parts, edge });
+        }
+    }
+    for (hint, axis) in DISTRIBUTIONS {
+        if icons::button(ui, icons::distribution(axis), text(hint), count >= 3) {
+            let parts = panel.selected_parts();
+            panel.apply(&Edit::Distribute { parts, axis });
+        }
+    }
+}
+
+fn show_snapping(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    ui.checkbox(&mut panel.snaps, text("editor-snap"))
+        .on_hover_text(text("editor-snap-hint"));
+    let grid = egui::ComboBox::from_id_salt("editor-grid")
+        .selected_text(format!("{} mm", panel.grid_mm))
+        .width(70.0);
+    let shown = grid.show_ui(ui, |ui| {
+        for grid_mm in GRIDS_MM {
+            ui.selectable_value(&mut panel.grid_mm, grid_mm, format!("{grid_mm} mm"));
+        }
+    });
+    let name = text("editor-grid");
+    shown
+        .response
+        .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
+    if button(ui, text("editor-fit"), text("editor-fit-hint"), true) {
+        panel.viewport = None;
+    }
+}
+
+fn show_boards(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    for board in 0..panel.editor.count("boards") {
+        let name = text_with("editor-board", &[("number", (board + 1).into())]);
+        let tab = ui.selectable_label(panel.board == board, name);
+        if tab.clicked() {
+            panel.show_board(board);
+        }
+    }
+    match &panel.message {
+        Some(Ok(message)) => _ = ui.weak(*message),
+        Some(Err(message)) => _ = ui.colored_label(ui.visuals().warn_fg_color, message),
+        None => {}
+    }
+}
+
+/// Shows a button with a hint. Returns `true` if it was clicked.
+fn button(ui: &mut egui::Ui, name: &str, hint: &str, is_enabled: bool) -> bool {
+    let button = ui.add_enabled(is_enabled, egui::Button::new(name));
+    button.on_hover_text(hint).clicked()
+}

@@ -1,0 +1,194 @@
+//! One field of the selected parts: its name, its value, and a button that restores the default.
+
+use eframe::egui::{self, DragValue};
+
+use super::EditorPanel;
+use crate::studio::editor::{Edit, FieldSpec, FieldType, Part, quoted};
+use crate::studio::texts::text;
+
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, parts: &[Part], field: &FieldSpec) {
+    let first = parts[0];
+    let is_row_key = matches!(first, Part::RowKey { .. });
+    // The text of a key in a row is the row: the key has no fields of its own.
+    let written = panel.editor.value(first, field.name).map(str::to_owned);
+    let written = written.filter(|_| !is_row_key);
+    let (name, unit) = name_and_unit(field.name);
+    let label = ui.label(name).on_hover_text(field.name);
+    match field.field_type {
+        FieldType::Number { min, max, default } => {
+            let value = written.as_deref().and_then(|value| value.parse().ok());
+            let mut value: f64 = value.or(default).unwrap_or(min);
+            let drag = DragValue::new(&mut value).range(min..=max).suffix(unit);
+            let speed = ((max - min) / 500.0).clamp(0.005, 1.0);
+            let drag = ui
+                .add(drag.speed(speed).max_decimals(3))
+                .labelled_by(label.id);
+            if drag.changed() {
+                let value = (value * 1000.0).round() / 1000.0;
+                set_while_dragged(panel, parts, field.name, &value.to_string());
+            }
+            if !drag.dragged() && is_dragged(panel, field.name) {
+                panel.form.dragged = None;
+            }
+        }
+        FieldType::Bool => {
+            let mut is_on = written.as_deref() == Some("true");
+            if ui.checkbox(&mut is_on, "").labelled_by(label.id).changed() {
+                set(panel, parts, field.name, Some(is_on.to_string()));
+            }
+        }
+        FieldType::Choice(choices) => show_choice(ui, panel, parts, field.name, &written, choices),
+        FieldType::Text => show_text(ui, panel, parts, field.name, unquoted(&written), true),
+        FieldType::Point { .. }
+        | FieldType::Outline
+        | FieldType::Output
+        | FieldType::Ron
+        | FieldType::Action => {
+            let value = written.clone().unwrap_or_default();
+            show_text(ui, panel, parts, field.name, value, false);
+        }
+    }
+    if written.is_none() {
+        ui.weak(text("editor-default"));
+    } else if field.name != "name" {
+        let remove = ui
+            .small_button("×")
+            .on_hover_text(text("editor-remove-field"));
+        remove.widget_info(|| {
+            let name = text("editor-remove-field");
+            egui::WidgetInfo::labeled(egui::Role::Button, true, name)
+        });
+        if remove.clicked() {
+            set(panel, parts, field.name, None);
+        }
+    }
+}
+
+fn show_choice(
+    ui: &mut egui::Ui,
+    panel: &mut EditorPanel,
+    parts: &[Part],
+    name: &'static str,
+    written: &Option<String>,
+    choices: &[&str],
+) {
+    let mut chosen = written.clone().unwrap_or_default();
+    let before = chosen.clone();
+    let shown = chosen.trim_matches('"').to_owned();
+    egui::ComboBox::from_id_salt(name)
+        .selected_text(shown)
+        .show_ui(ui, |ui| {
+            for choice in choices {
+                let words = choice.trim_matches('"');
+                ui.selectable_value(&mut chosen, (*choice).to_owned(), words);
+            }
+        });
+    if chosen != before {
+        set(panel, parts, name, Some(chosen));
+    }
+}
+
+/// Shows a text that becomes the value when the field is left.
+fn show_text(
+    ui: &mut egui::Ui,
+    panel: &mut EditorPanel,
+    parts: &[Part],
+    name: &'static str,
+    value: String,
+    is_quoted: bool,
+) {
+    let written = panel.form.text.clone().filter(|(own, _)| *own == name);
+    let mut content = written.map_or_else(|| value.clone(), |(_, content)| content);
+    let edit = egui::TextEdit::singleline(&mut content).desired_width(150.0);
+    let edit = ui.add(edit);
+    edit.widget_info(|| egui::WidgetInfo::labeled(egui::Role::TextInput, true, name));
+    if edit.has_focus() {
+        panel.form.text = Some((name, content));
+    } else if edit.lost_focus() {
+        panel.form.text = None;
+        if content == value {
+            return;
+        }
+        match (name, parts) {
+            ("name", [part]) if *part != Part::Layout => panel.apply(&Edit::Rename {
+                part: *part,
+                name: content,
+            }),
+            _ if content.is_empty() => set(panel, parts, name, None),
+            _ if is_quoted => set(panel, parts, name, Some(quoted(&content))),
+            _ => set(panel, parts, name, Some(content)),
+        }
+    }
+}
+
+fn set(panel: &mut EditorPanel, parts: &[Part], field: &str, value: Option<String>) {
+    panel.apply(&Edit::SetField {
+        parts: parts.to_vec(),
+        field: field.to_owned(),
+        value,
+    });
+}
+
+fn is_dragged(panel: &EditorPanel, field: &str) -> bool {
+    let dragged = panel.form.dragged.as_ref();
+    dragged.is_some_and(|(name, _)| *name == field)
+}
+
+/// Sets a number; all values of one drag are one step of undo.
+fn set_while_dragged(panel: &mut EditorPanel, parts: &[Part], field: &'static str, value: &str) {
+    let before = panel.form.dragged.clone();
+    let before = before.filter(|(name, _)| *name == field);
+    let edit = |parts: Vec<Part>| Edit::SetField {
+        parts,
+        field: field.to_owned(),
+        value: Some(value.to_owned()),
+    };
+    let result = match before {
+        Some((_, parts)) => panel.editor.amend(&edit(parts)),
+        None => {
+            panel.form.dragged = Some((field, parts.to_vec()));
+            panel.editor.apply(&edit(parts.to_vec()))
+        }
+    };
+    panel.report(result);
+}
+
+fn unquoted(written: &Option<String>) -> String {
+    let written = written.as_deref().unwrap_or_default();
+    ron::from_str(written).unwrap_or_else(|_| written.trim_matches('"').to_owned())
+}
+
+/// Returns the words of a field, and the unit at its end.
+fn name_and_unit(field: &str) -> (String, &'static str) {
+    const UNITS: [(&str, &str); 6] = [
+        ("_mm_per_s", " mm/s"),
+        ("_px_per_s", " px/s"),
+        ("_mm", " mm"),
+        ("_deg", "°"),
+        ("_ms", " ms"),
+        ("_hz", " Hz"),
+    ];
+    let found = UNITS
+        .iter()
+        .find_map(|(suffix, unit)| Some((field.strip_suffix(suffix)?, *unit)));
+    let (name, unit) = found.unwrap_or((field, ""));
+    (name.replace('_', " ").replace('.', " · "), unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_unit_of_a_field_stands_behind_its_number() {
+        assert_eq!(name_and_unit("travel_mm"), ("travel".into(), " mm"));
+        assert_eq!(name_and_unit("pose.tilt_deg"), ("pose · tilt".into(), "°"));
+        assert_eq!(name_and_unit("press_at"), ("press at".into(), ""));
+    }
+
+    #[test]
+    fn a_quoted_text_is_shown_as_it_is_read() {
+        assert_eq!(unquoted(&Some(r#""a\"b""#.into())), "a\"b");
+        assert_eq!(unquoted(&None), "");
+    }
+}

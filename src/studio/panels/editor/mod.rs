@@ -1,0 +1,277 @@
+//! The layout editor: a board to scale, the form of the selection, and the problems of the text.
+
+mod bar;
+mod binding;
+mod canvas;
+mod field_row;
+mod form;
+mod icons;
+mod key_press;
+mod lists;
+mod outside;
+mod problems;
+mod shortcuts;
+
+use std::collections::HashSet;
+
+use eframe::egui;
+use parry3d::math::Vec2;
+
+use super::PanelContext;
+use crate::document::DocumentError;
+use crate::files;
+use crate::layout::Fit;
+use crate::studio::canvas::board::BoardItems;
+use crate::studio::canvas::gesture::{Gesture, Preview};
+use crate::studio::canvas::selection::Selection;
+use crate::studio::canvas::viewport::Viewport;
+use crate::studio::editor::{ControlKind, Edit, EditError, LayoutEditor, Part, UnsavedWork};
+use crate::studio::texts::text;
+
+use self::binding::BindingState;
+pub(super) use self::binding::capture as capture_key;
+use self::form::FormState;
+use self::outside::SaveAs;
+pub(super) use self::outside::guard_close;
+
+/// The editor between two pictures.
+pub struct EditorPanel {
+    /// The text and its edits.
+    pub editor: LayoutEditor,
+    /// Index of the board on the canvas.
+    board: usize,
+    /// The part of the board that is shown; `None` until the first picture of a board.
+    viewport: Option<Viewport>,
+    items: BoardItems,
+    /// The parts of the items; `None` while the text and the last valid layout differ.
+    parts: Vec<Option<Part>>,
+    /// Revision and board of `items`.
+    shown: Option<(u64, usize)>,
+    selected: Selection,
+    gesture: Option<Gesture>,
+    preview: Preview,
+    /// Radius that a drag of the bend would give, in millimetres.
+    dragged_radius: Option<f32>,
+    /// Edges and centers of other items and the grid attract.
+    snaps: bool,
+    grid_mm: f32,
+    binding: BindingState,
+    form: FormState,
+    /// Name that is written to save a copy.
+    save_as: Option<SaveAs>,
+    /// Unsaved work of an earlier run, to restore or discard.
+    found_work: Option<UnsavedWork>,
+    /// Time of the next look at the file, in seconds.
+    next_poll: f64,
+    /// Result of the last operation, or the reason why it failed.
+    message: Option<Result<&'static str, String>>,
+    /// Title of the window.
+    title: String,
+    /// A position in the text that is shown.
+    shown_line: Option<usize>,
+    /// The window asks before it closes.
+    is_close_asked: bool,
+    /// The answer was to discard the changes.
+    may_close: bool,
+}
+
+impl EditorPanel {
+    /// Opens a layout, and looks for unsaved work of an earlier run.
+    pub fn open(name: &str) -> Result<Self, DocumentError> {
+        let mut editor = LayoutEditor::open(name, Fit::default())?;
+        let folder = files::state_folder().map(|folder| folder.join("editor"));
+        let recovery = folder.map(|folder| editor.start_recovery(&folder));
+        let mut panel = Self::new(editor);
+        match recovery {
+            Some(Ok(found)) => panel.found_work = found,
+            Some(Err(error)) => panel.message = Some(Err(error.to_string())),
+            None => {}
+        }
+        Ok(panel)
+    }
+
+    fn new(editor: LayoutEditor) -> Self {
+        Self {
+            editor,
+            board: 0,
+            viewport: None,
+            items: BoardItems::default(),
+            parts: Vec::new(),
+            shown: None,
+            selected: Selection::default(),
+            gesture: None,
+            preview: Preview::default(),
+            dragged_radius: None,
+            snaps: true,
+            grid_mm: 1.0,
+            binding: BindingState::default(),
+            form: FormState::default(),
+            save_as: None,
+            found_work: None,
+            next_poll: 0.0,
+            message: None,
+            title: String::new(),
+            shown_line: None,
+            is_close_asked: false,
+            may_close: false,
+        }
+    }
+
+    /// Returns the name of the layout, with a mark if there is unsaved work.
+    fn marked_name(&self) -> String {
+        let mark = if self.is_unsaved() { "* " } else { "" };
+        format!("{mark}{}", self.editor.name())
+    }
+
+    /// Shows the name and the mark in the title of the window.
+    fn show_title(&mut self, ui: &egui::Ui) {
+        let title = format!("{} – {}", self.marked_name(), text("window-title"));
+        if title != self.title {
+            let command = egui::ViewportCommand::Title(title.clone());
+            ui.ctx().send_viewport_cmd(command);
+            self.title = title;
+        }
+    }
+
+    fn apply(&mut self, edit: &Edit) {
+        let applied = self.editor.apply(edit);
+        self.report(applied);
+    }
+
+    fn report(&mut self, result: Result<(), EditError>) {
+        self.message = result.err().map(|error| Err(error.to_string()));
+    }
+
+    /// Reads the items of the board anew after a change of the text.
+    fn update_items(&mut self) {
+        let boards = self.editor.layout().map_or(0, |layout| layout.boards.len());
+        self.board = self.board.min(boards.saturating_sub(1));
+        let shown = (self.editor.revision(), self.board);
+        if self.shown == Some(shown) {
+            return;
+        }
+        self.shown = Some(shown);
+        self.gesture = None;
+        self.preview = Preview::default();
+        let Some(layout) = self.editor.layout().cloned() else {
+            self.items = BoardItems::default();
+            self.parts.clear();
+            return;
+        };
+        let Some(board) = layout.boards.get(self.board) else {
+            self.items = BoardItems::default();
+            self.parts.clear();
+            return;
+        };
+        self.items = BoardItems::new(&layout, board, self.board_scale());
+        let targets = self.items.targets.iter();
+        self.parts = targets.map(|target| self.editor.part_of(*target)).collect();
+        self.select_parts_of_editor();
+    }
+
+    /// Returns the scale of the board in the file.
+    fn board_scale(&self) -> f32 {
+        let written = self.editor.value(Part::Board(self.board), "pose.scale");
+        written.and_then(|scale| scale.parse().ok()).unwrap_or(1.0)
+    }
+
+    /// Selects on the canvas what the editor has selected, as after an edit.
+    fn select_parts_of_editor(&mut self) {
+        let selection = self.editor.selection();
+        let selection: HashSet<Part> = selection.iter().copied().collect();
+        let is_selected = |part: &Option<Part>| {
+            part.is_some_and(|part| {
+                selection.contains(&part) || group(part).is_some_and(|it| selection.contains(&it))
+            })
+        };
+        let indices = self.parts.iter().enumerate();
+        let indices = indices.filter(|(_, part)| is_selected(part));
+        self.selected.set(indices.map(|(index, _)| index));
+    }
+
+    /// Tells the editor what is selected on the canvas.
+    fn select_items_in_editor(&mut self) {
+        let parts = self.selected_parts();
+        self.editor.select(parts);
+    }
+
+    fn selected_parts(&self) -> Vec<Part> {
+        let parts = self.selected.iter();
+        parts.filter_map(|index| *self.parts.get(index)?).collect()
+    }
+
+    /// Shows a part: its board, and its item selected.
+    fn show_part(&mut self, part: Part) {
+        if let Some(board) = part.board() {
+            self.show_board(board);
+        }
+        self.editor.select([part]);
+        self.update_items();
+        self.select_parts_of_editor();
+    }
+
+    fn show_board(&mut self, board: usize) {
+        if board != self.board {
+            self.board = board;
+            self.viewport = None;
+            self.update_items();
+        }
+    }
+
+    fn move_selected(&mut self, by: Vec2) {
+        let parts = self.selected_parts();
+        if !parts.is_empty() {
+            self.apply(&Edit::Move {
+                parts,
+                by_mm: [rounded(by.x), rounded(by.y), 0.0],
+            });
+        }
+    }
+}
+
+/// Returns the row of a key, or the radio group of an option.
+const fn group(part: Part) -> Option<Part> {
+    match part {
+        Part::RowKey { board, row, .. } => Some(Part::Row { board, row }),
+        Part::RadioOption { board, radio, .. } => Some(Part::Control {
+            board,
+            kind: ControlKind::Radio,
+            index: radio,
+        }),
+        _ => None,
+    }
+}
+
+/// Rounds a distance of the canvas to hundredths, as files have them.
+fn rounded(value: f32) -> f64 {
+    (f64::from(value) * 100.0).round() / 100.0
+}
+
+/// Draws the editor.
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut PanelContext) {
+    panel.show_title(ui);
+    panel.update_items();
+    shortcuts::handle(ui, panel);
+    panel.update_items();
+    egui::Panel::top("editor-bar").show(ui, |ui| bar::show(ui, panel));
+    outside::show(ui, panel);
+    egui::Panel::bottom("editor-problems")
+        .resizable(true)
+        .default_size(96.0)
+        .show(ui, |ui| problems::show(ui, panel));
+    egui::Panel::right("editor-form")
+        .default_size(320.0)
+        .min_size(240.0)
+        .show(ui, |ui| {
+            let area = egui::ScrollArea::vertical().auto_shrink(false);
+            area.show(ui, |ui| {
+                form::show(ui, panel);
+                lists::show(ui, panel);
+            });
+        });
+    panel.update_items();
+    let frame = egui::Frame::NONE;
+    egui::CentralPanel::default()
+        .frame(frame)
+        .show(ui, |ui| canvas::show(ui, panel, context));
+}

@@ -1,0 +1,214 @@
+//! Saving, the questions before something is lost, and changes by other programs.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use eframe::egui::{self, Key};
+
+use super::EditorPanel;
+use crate::studio::editor::{Change, FileState, Resolution, SaveError};
+use crate::studio::texts::text;
+
+/// Time between two looks at the file.
+const POLL_PERIOD: Duration = Duration::from_millis(500);
+
+/// A name that is written to save a copy.
+#[derive(Default)]
+pub(super) struct SaveAs {
+    path: String,
+    /// The file exists; a second click replaces it.
+    may_replace: bool,
+    /// The window closes after the copy is saved.
+    then_close: bool,
+}
+
+/// Draws what needs an answer.
+pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    poll(ui, panel);
+    show_recovery(ui, panel);
+    if panel.editor.conflict().is_some() {
+        ask(ui, "conflict-question", |ui| {
+            ui.colored_label(ui.visuals().warn_fg_color, text("editor-changed-outside"));
+            if ui.button(text("editor-keep-mine")).clicked() {
+                panel.editor.resolve(Resolution::KeepMine);
+            }
+            if ui.button(text("editor-take-theirs")).clicked() {
+                panel.editor.resolve(Resolution::TakeTheirs);
+            }
+        });
+    }
+    if panel.save_as.is_some() {
+        ask(ui, "editor-save-as", |ui| show_save_as(ui, panel));
+    }
+}
+
+fn ask(ui: &mut egui::Ui, id: &str, content: impl FnOnce(&mut egui::Ui)) {
+    let question = egui::Panel::top(id.to_owned());
+    question.show(ui, |ui| {
+        ui.add_space(3.0);
+        ui.horizontal_wrapped(content);
+        ui.add_space(3.0);
+    });
+}
+
+fn poll(ui: &egui::Ui, panel: &mut EditorPanel) {
+    let now = ui.input(|input| input.time);
+    if now < panel.next_poll {
+        return;
+    }
+    panel.next_poll = now + POLL_PERIOD.as_secs_f64();
+    match panel.editor.poll() {
+        Some(Change::Reloaded) => panel.message = Some(Ok(text("editor-reloaded"))),
+        Some(Change::Merged) => panel.message = Some(Ok(text("editor-merged"))),
+        Some(Change::Unreadable(error)) => panel.message = Some(Err(error.to_string())),
+        Some(Change::Conflict) | None => {}
+    }
+    if let Some(error) = panel.editor.recovery_error() {
+        panel.message = Some(Err(error));
+    }
+}
+
+fn show_recovery(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let Some(work) = panel.found_work.clone() else {
+        return;
+    };
+    ask(ui, "recovery-question", |ui| {
+        ui.colored_label(ui.visuals().warn_fg_color, text("editor-recovered"));
+        if ui.button(text("editor-restore")).clicked() {
+            panel.editor.restore(&work);
+            panel.found_work = None;
+        }
+        if ui.button(text("editor-discard")).clicked() {
+            panel.editor.discard_unsaved_work();
+            panel.found_work = None;
+        }
+    });
+}
+
+fn show_save_as(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let Some(mut save_as) = panel.save_as.take() else {
+        return;
+    };
+    let label = ui.label(text("editor-save-path"));
+    let field = egui::TextEdit::singleline(&mut save_as.path).desired_width(320.0);
+    let field = ui.add(field).labelled_by(label.id);
+    if field.changed() {
+        save_as.may_replace = false;
+    }
+    let is_entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    let words = match save_as.may_replace {
+        true => text("editor-replace"),
+        false => text("editor-save"),
+    };
+    let is_saved = ui.button(words).clicked() || is_entered;
+    if ui.button(text("editor-cancel")).clicked() {
+        return;
+    }
+    if !is_saved {
+        panel.save_as = Some(save_as);
+        return;
+    }
+    let path = PathBuf::from(save_as.path.trim());
+    match panel.editor.save_as(&path, save_as.may_replace) {
+        Ok(()) => {
+            panel.message = Some(Ok(text("editor-saved")));
+            if save_as.then_close {
+                close(ui);
+            }
+        }
+        Err(error) => {
+            save_as.may_replace = matches!(error, SaveError::Exists(_));
+            panel.message = Some(Err(error.to_string()));
+            panel.save_as = Some(save_as);
+        }
+    }
+}
+
+fn close(ui: &egui::Ui) {
+    ui.ctx().send_viewport_cmd(egui::ViewportCommand::Close);
+}
+
+/// Asks before the window closes with unsaved work.
+pub(in super::super) fn guard_close(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let is_requested = ui.input(|input| input.viewport().close_requested());
+    if is_requested && panel.is_unsaved() && !panel.may_close {
+        ui.ctx()
+            .send_viewport_cmd(egui::ViewportCommand::CancelClose);
+        panel.is_close_asked = true;
+    }
+    if !panel.is_close_asked {
+        return;
+    }
+    let modal = egui::Modal::new(egui::Id::unique("close-question"));
+    modal.show(ui.ctx(), |ui| {
+        ui.strong(text("editor-close-question"));
+        ui.add_space(8.0);
+        ui.horizontal(|ui| {
+            if ui.button(text("editor-close-save")).clicked() {
+                panel.is_close_asked = false;
+                if panel.save() {
+                    close(ui);
+                } else if let Some(save_as) = &mut panel.save_as {
+                    save_as.then_close = true;
+                }
+            }
+            if ui.button(text("editor-close-discard")).clicked() {
+                panel.editor.discard_unsaved_work();
+                panel.is_close_asked = false;
+                panel.may_close = true;
+                close(ui);
+            }
+            if ui.button(text("editor-close-cancel")).clicked() {
+                panel.is_close_asked = false;
+            }
+        });
+    });
+}
+
+impl EditorPanel {
+    /// Writes the file, or asks for one. Returns `false` if the text is not saved yet.
+    pub(super) fn save(&mut self) -> bool {
+        match self.editor.save() {
+            Ok(()) => {
+                self.message = Some(Ok(text("editor-saved")));
+                true
+            }
+            Err(error) => {
+                if matches!(error, SaveError::NoFile) {
+                    self.ask_for_path();
+                }
+                self.message = Some(Err(error.to_string()));
+                false
+            }
+        }
+    }
+
+    /// Asks for the name of a copy.
+    pub(super) fn ask_for_path(&mut self) {
+        let path = match self.editor.path() {
+            Some(path) => path.display().to_string(),
+            None => {
+                let name = self.editor.name().rsplit('/').next().unwrap_or_default();
+                format!("my-{}.ron", name.trim_end_matches(".ron"))
+            }
+        };
+        self.save_as = Some(SaveAs {
+            path,
+            ..SaveAs::default()
+        });
+    }
+
+    /// Lets the window close without a question.
+    pub fn permit_close(&mut self) {
+        self.may_close = true;
+    }
+
+    /// Returns `true` if closing the window would lose work. An untouched copy of a shipped layout is none.
+    pub fn is_unsaved(&self) -> bool {
+        match self.editor.file_state() {
+            FileState::Saved => false,
+            FileState::Modified => true,
+            FileState::Unsaved => self.editor.is_modified(),
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! The layout editor: a person moves a key, binds another, undoes and saves, and the program accepts the file.
+
+use std::fs;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use ademan::document::Document;
+use ademan::layout::Layout;
+use ademan::studio::texts::text;
+use egui_kittest::kittest::Queryable;
+
+use crate::picture;
+use crate::window::{Opening, StudioWindow};
+
+/// A file with a layout of its own in a folder of the test.
+struct EditedFile(PathBuf);
+
+impl EditedFile {
+    fn new(name: &str, content: &str) -> Self {
+        let folder = std::env::temp_dir().join(format!("ademan-editor-{}", std::process::id()));
+        fs::create_dir_all(&folder).expect("a folder for the test");
+        let path = folder.join(name);
+        fs::write(&path, content).expect("the file can be written");
+        Self(path)
+    }
+
+    fn open(&self) -> StudioWindow {
+        let mut window = Opening::on_layout(self.0.to_str().expect("a readable path")).open();
+        window.click(text("workspace-layout"));
+        window.draw(3);
+        window
+    }
+
+    fn text(&self) -> String {
+        fs::read_to_string(&self.0).expect("the file can be read")
+    }
+}
+
+impl Drop for EditedFile {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.0);
+    }
+}
+
+fn shipped(name: &str) -> String {
+    Document::shipped(name).expect("a shipped layout").text
+}
+
+/// Returns the middle of the canvas: the point that a layout with one key shows it at.
+fn canvas(window: &StudioWindow) -> egui::Rect {
+    window
+        .harness
+        .get_by_role(egui::accesskit::Role::Canvas)
+        .rect()
+}
+
+fn drag(window: &mut StudioWindow, from: egui::Pos2, by: egui::Vec2) {
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    let mut event = |event| {
+        window.harness.event(event);
+        window.draw(2);
+    };
+    event(egui::Event::PointerMoved(from));
+    event(button(from, true));
+    for step in 1..=5_u8 {
+        let at = from + by * (f32::from(step) / 5.0);
+        event(egui::Event::PointerMoved(at));
+    }
+    event(button(from + by, false));
+}
+
+fn press(window: &mut StudioWindow, modifiers: egui::Modifiers, key: egui::Key) {
+    window.harness.key_press_modifiers(modifiers, key);
+    window.draw(3);
+}
+
+const ONE_KEY: &str = "// mine
+Layout(
+    name: \"One key\", // named
+    boards: [
+        (
+            pose: (anchor: elbow, bearing_deg: 35, forward_mm: 320, height_mm: -45),
+            // a comment
+            keys: [(code: \"A\", /* here */ at_mm: (0, 0))],
+        ),
+    ],
+)
+";
+
+#[test]
+fn a_key_is_moved_bound_undone_and_saved_with_its_comments() {
+    let file = EditedFile::new("one-key.ron", ONE_KEY);
+    let mut window = file.open();
+    let center = canvas(&window).center();
+    // The largest zoom of one key: 5 points per millimetre.
+    drag(&mut window, center, egui::vec2(50.0, 0.0));
+    press(&mut window, egui::Modifiers::NONE, egui::Key::ArrowUp);
+    window.click(text("editor-press-key"));
+    window.press_key(egui::Key::B);
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::S);
+    let moved = ONE_KEY
+        .replace("(0, 0)", "(10, 1)")
+        .replace("\"A\"", "\"B\"");
+    assert_eq!(file.text(), moved);
+    Layout::load(file.0.to_str().unwrap()).expect("`ademan layout check` accepts the file");
+    for _ in 0..3 {
+        press(&mut window, egui::Modifiers::COMMAND, egui::Key::Z);
+    }
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::S);
+    assert_eq!(file.text(), ONE_KEY, "every edit is undone");
+}
+
+#[test]
+fn an_arc_is_unrolled_and_its_keys_are_shown() {
+    let file = EditedFile::new("arc.ron", &shipped("qwerty-arc"));
+    let mut window = file.open();
+    assert!(window.has(text("editor-no-problems")));
+    let center = canvas(&window).center();
+    drag(
+        &mut window,
+        center + egui::vec2(0.0, -10.0),
+        egui::Vec2::ZERO,
+    );
+    picture::draw(&mut window, "editor");
+}
+
+#[test]
+fn ten_thousand_keys_are_drawn_and_dragged() {
+    let keys = (0..10_000_u32).map(|index| {
+        let (x, y) = (index % 100 * 2, index / 100 * 2);
+        let code = char::from(b'A' + (index % 26) as u8);
+        format!(
+            "(code: \"{code}\", name: \"k{index}\", at_mm: ({x}, {y}), size_mm: Box(1.5, 1.5)),"
+        )
+    });
+    let keys: String = keys.collect();
+    let layout = ONE_KEY.replace("(code: \"A\", /* here */ at_mm: (0, 0))", &keys);
+    let file = EditedFile::new("many.ron", &layout);
+    let mut window = Opening::on_layout("qwerty-flat").open();
+    let opened = Instant::now();
+    window.open_in_editor(file.0.to_str().unwrap());
+    window.click(text("workspace-layout"));
+    println!("opened in {:?}", opened.elapsed());
+    let started = Instant::now();
+    window.draw(50);
+    println!("50 pictures in {:?}", started.elapsed());
+    let center = canvas(&window).center();
+    let started = Instant::now();
+    drag(&mut window, center, egui::vec2(40.0, 40.0));
+    println!(
+        "a drag of 14 pictures with its edit in {:?}",
+        started.elapsed()
+    );
+    assert!(window.has(text("editor-undo")));
+}
