@@ -6,7 +6,7 @@ use crate::picture;
 use crate::window::{Opening, StudioWindow};
 
 /// A window of the 3D view alone, which is drawn for the documentation.
-const SIZE: [f32; 2] = [880.0, 560.0];
+const SIZE: [f32; 2] = [1000.0, 600.0];
 
 fn open(layout: &str, theme: egui::Theme, readings: usize) -> StudioWindow {
     let opening = Opening {

@@ -32,7 +32,7 @@ fn the_p_key_pauses_the_session() {
 fn each_panel_is_hidden_and_shown() {
     let mut window = Opening::default().open();
     for (panel, content) in [
-        (text("panel-sensors"), text("stats-source")),
+        (text("panel-sensors"), text("stats-accepted")),
         (text("panel-scope"), text("scope-hold")),
     ] {
         assert!(window.has(content), "{panel} is shown");
