@@ -9,7 +9,7 @@
 //! ```
 //!
 //! The player shows a step by starting at a keyframe, a copy of the model, and applying the steps from there, so that the
-//! pictures are those of playing from the start. It keeps at most [`MAX_STEPS`] steps (100 MB, 5 minutes at 100 readings per
+//! pictures are those of playing from the start. It keeps at most [`MAX_STEPS`] steps (75 MB, 4 minutes at 100 readings per
 //! second) and the times of all. For a step outside, the thread plays the recording from the start again and sends the
 //! steps around that one.
 
@@ -29,5 +29,5 @@ pub use self::loader::{OpenError, Recording};
 pub use self::player::{Move, Player, SPEEDS};
 pub use self::step::RecordedStep;
 
-/// The most steps that are kept: 100 MB, as a step takes 3 kB with its share of views and keyframes.
-pub const MAX_STEPS: usize = 1 << 15;
+/// The most steps that are kept: 75 MB, as a step takes 3 kB with its share of views and keyframes.
+pub const MAX_STEPS: usize = 24 * 1024;

@@ -68,7 +68,11 @@ fn used_keys(code: &str) -> BTreeSet<&str> {
         let is_in_group = part
             .split_once('-')
             .is_some_and(|(group, _)| groups.contains(group));
-        let is_shown = before.ends_with("text(") || before.ends_with("text_with(");
+        let call = before
+            .strip_suffix("text(")
+            .or(before.strip_suffix("text_with("));
+        // Not a longer name, such as `hint_text(`.
+        let is_shown = call.is_some_and(|call| !call.ends_with(['_', '.']));
         if is_literal && (is_shown || is_key && is_in_group) {
             used.insert(part);
         }
