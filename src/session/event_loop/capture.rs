@@ -1,7 +1,7 @@
 //! The source of a session, on a thread of its own or read by the loop.
 
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use crossbeam_channel::Receiver;
 
@@ -70,15 +70,6 @@ impl Capture {
         match &mut self.form {
             CaptureForm::InPlace(capture) => capture.wait(timeout),
             CaptureForm::Thread(_) => thread::park_timeout(timeout),
-        }
-    }
-
-    /// Returns the present time for an event that was received at `received_at`. The loop reads a source in place right before
-    /// it handles the event, so a second look at the clock, which costs as much as a stage of the pipeline, would add nothing.
-    pub fn now(&self, received_at: Instant) -> Instant {
-        match &self.form {
-            CaptureForm::InPlace(_) => received_at,
-            CaptureForm::Thread(_) => Instant::now(),
         }
     }
 

@@ -59,15 +59,15 @@ pub(super) fn run_observed(
     })
 }
 
-/// Calls `body` with a function that passes a reading, received at a time, through the loop as if it came from `source`: for
-/// benchmarks of the loop without the wait for a source.
+/// Calls `body` with a function that passes a reading through the loop as if it came from `source`: for benchmarks of the
+/// loop without the thread of a source.
 #[doc(hidden)]
 pub fn with_loop_step(
     source: impl Source + 'static,
     pipeline: &mut Pipeline,
     sink: &mut dyn Sink,
     observe: &mut dyn FnMut(&StepView),
-    body: impl FnOnce(&mut dyn FnMut(&Reading, Instant)),
+    body: impl FnOnce(&mut dyn FnMut(&Reading)),
 ) -> Result<(), SessionError> {
     let commands = CommandReceiver::disconnected();
     let mut observe = |step: &StepView, _: Instant, _: &Pipeline| observe(step);
@@ -78,10 +78,10 @@ pub fn with_loop_step(
         sink,
         &mut observe,
     );
-    body(&mut |reading, received_at| {
-        session.now = received_at;
+    body(&mut |reading| {
+        session.now = Instant::now();
         // A reading that fails is measured, too.
-        let _ = session.step(reading, received_at);
+        let _ = session.step(reading, session.now);
     });
     session.finish()
 }
@@ -106,8 +106,8 @@ struct SessionLoop<'a> {
     events: Events,
     /// The command from outside the layout that was executed in this step.
     executed: Option<TimedCommand>,
-    /// Time of the latest message or capture event. A clock costs as much as a stage of the pipeline, so it is read at most
-    /// once for each of them.
+    /// Time of the latest message or capture event. A clock costs as much as a stage of the pipeline, so it is read once for
+    /// each of them.
     now: Instant,
     /// Arrival of the last accepted reading; `None` after a stall.
     last_reading_at: Option<Instant>,
@@ -227,10 +227,7 @@ impl SessionLoop<'_> {
     }
 
     fn handle_capture(&mut self, event: CaptureEvent) -> Result<Next, SessionError> {
-        self.now = match event {
-            CaptureEvent::Reading { received_at, .. } => self.capture.now(received_at),
-            _ => Instant::now(),
-        };
+        self.now = Instant::now();
         match event {
             CaptureEvent::Reading {
                 reading,
@@ -291,15 +288,10 @@ impl SessionLoop<'_> {
             return Ok(Next::Continue);
         }
         self.events.clear();
-        let output = self.pipeline.step(reading, &mut self.events);
-        let is_accepted = output.is_ok();
-        let has_commands = output.is_ok_and(|output| !output.commands.is_empty());
+        let is_accepted = self.pipeline.step(reading, &mut self.events).is_ok();
         if is_accepted {
             self.last_reading_at = Some(received_at);
-        }
-        if has_commands {
-            let commands = &self.pipeline.output_for(reading).commands;
-            self.sink.0.log_commands(commands)?;
+            self.log_commands(reading)?;
         }
         self.send_events()?;
         if !self.events.is_empty() {
@@ -308,10 +300,18 @@ impl SessionLoop<'_> {
             self.latency_ns.saturating_record(latency.as_nanos() as u64);
         }
         self.publish(Some(reading), is_accepted, None);
-        match has_commands {
+        match is_accepted {
             true => self.execute_layout_commands(reading),
             false => Ok(Next::Continue),
         }
+    }
+
+    fn log_commands(&mut self, reading: &Reading) -> Result<(), SessionError> {
+        let commands = &self.pipeline.output_for(reading).commands;
+        if !commands.is_empty() {
+            self.sink.0.log_commands(commands)?;
+        }
+        Ok(())
     }
 
     /// Executes the commands that the devices issued in the step of a reading.
