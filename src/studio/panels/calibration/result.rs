@@ -16,7 +16,9 @@ pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
     let Some(result) = context.sensors.guide.as_ref().and_then(Guide::result) else {
         return;
     };
-    let is_usable = result.is_ok();
+    // The result of a demonstration fits no glove of this person.
+    let is_live = |guide: &Guide| !guide.is_demonstration();
+    let is_usable = result.is_ok() && context.sensors.guide.as_ref().is_some_and(is_live);
     let height = (ui.available_height() - BUTTONS_HEIGHT).max(100.0);
     let area = egui::ScrollArea::vertical().max_height(height);
     area.auto_shrink(false).show(ui, |ui| match result {
@@ -24,7 +26,7 @@ pub(super) fn show(ui: &mut egui::Ui, context: &mut PanelContext) {
         Err(error) => {
             ui.heading(RichText::new(text("calibration-failed")).size(22.0));
             ui.add_space(8.0);
-            ui.label(RichText::new(format!("✖ {error}")).size(15.0));
+            ui.label(RichText::new(format!("× {error}")).size(15.0));
         }
     });
     ui.add_space(8.0);
@@ -36,7 +38,7 @@ fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
     ui.heading(RichText::new(score).size(22.0));
     ui.add_space(6.0);
     if result.fit.problems.is_empty() {
-        ui.label(format!("✔ {}", text("calibration-no-problem")));
+        ui.label(format!("√ {}", text("calibration-no-problem")));
     }
     for problem in &result.fit.problems {
         ui.label(format!("{} {problem}", sign(problem)));
@@ -51,7 +53,11 @@ fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
         for JointChange { dof, before, after } in &result.changes {
             ui.label(joint_name(*dof));
             for [low, high] in [before, after] {
-                ui.monospace(format!("{:>4.0}° … {:>4.0}°", low + 0.0, high + 0.0));
+                ui.monospace(format!(
+                    "{:>4.0}° … {:>4.0}°",
+                    low.round() + 0.0,
+                    high.round() + 0.0
+                ));
             }
             ui.end_row();
         }
@@ -60,9 +66,9 @@ fn show_result(ui: &mut egui::Ui, result: &GuideResult) {
 
 fn sign(problem: &Problem) -> char {
     match problem.severity() {
-        Severity::Corrected => '✔',
+        Severity::Corrected => '√',
         Severity::Inexact => '▲',
-        Severity::Unusable => '✖',
+        Severity::Unusable => '×',
     }
 }
 

@@ -113,7 +113,7 @@ impl Columns {
             return;
         }
         let is_selected = context.sensors.selected == Some(row.channel);
-        let button = egui::Button::selectable(is_selected, name).truncate();
+        let button = egui::Button::selectable(is_selected, (name, egui::Atom::grow())).truncate();
         let response = ui.add_sized([self.joint, ROW_HEIGHT], button);
         let channel = ("channel", row.channel.into());
         let label = ("label", row.label.as_str().into());
@@ -128,7 +128,7 @@ impl Columns {
 fn sign_of(state: ChannelState) -> Option<(&'static str, &'static str)> {
     match state {
         ChannelState::Good => None,
-        ChannelState::Missing => Some(("✖", text("sensor-missing"))),
+        ChannelState::Missing => Some(("×", text("sensor-missing"))),
         ChannelState::AtLowEnd => Some(("▼", text("sensor-low-end"))),
         ChannelState::AtHighEnd => Some(("▲", text("sensor-high-end"))),
         ChannelState::Stuck => Some(("■", text("sensor-stuck"))),
