@@ -192,6 +192,17 @@ pub fn convex_hull(mut points: Vec<Vec2>) -> Vec<Vec2> {
     hull
 }
 
+/// Replaces the signs that the font of the window lacks.
+pub fn with_known_signs(label: &str) -> String {
+    let known = |sign| match sign {
+        '⏎' => '↵',
+        '⌫' => '⟵',
+        '␣' => ' ',
+        known => known,
+    };
+    label.chars().map(known).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,7 +8,7 @@ use super::handles::{self, Handle};
 use super::selection::Selection;
 use super::viewport::Viewport;
 use super::{Bounds, Item, ItemShape, bend};
-use crate::studio::picture::{Color, Label, Picture, Triangles};
+use crate::studio::picture::{Color, Label, Picture, Triangles, with_known_signs};
 use crate::studio::scene::SceneColors;
 
 /// Height of a label as a fraction of the smaller side of its item.
@@ -227,7 +227,7 @@ impl Pen<'_> {
             right: Vec2::X * size,
             down: Vec2::Y * size,
             color,
-            text: item.label.clone(),
+            text: with_known_signs(&item.label),
         });
     }
 

@@ -6,7 +6,7 @@ use super::Canvas;
 use crate::contact::TargetId;
 use crate::contact::surface::{Shape, Surface, Target};
 use crate::studio::model::StudioModel;
-use crate::studio::picture::{Color, Label, convex_hull};
+use crate::studio::picture::{Color, Label, convex_hull, with_known_signs};
 
 /// The lowest key, in metres: a key with less travel would look like a drawing.
 const MIN_KEY_HEIGHT: f32 = 0.004;
@@ -175,17 +175,6 @@ fn add_label(canvas: &mut Canvas, text: &str, color: Color, target: &Target, fro
             text: with_known_signs(text),
         });
     }
-}
-
-/// Replaces the signs that the font of the window lacks.
-fn with_known_signs(label: &str) -> String {
-    let known = |sign| match sign {
-        '⏎' => '↵',
-        '⌫' => '⟵',
-        '␣' => ' ',
-        known => known,
-    };
-    label.chars().map(known).collect()
 }
 
 /// Returns the corners of the box around a front, on the surface.
