@@ -6,6 +6,7 @@ use std::time::Duration;
 use crossbeam_channel::{Receiver, TryRecvError};
 use eframe::egui;
 
+use super::error::StudioError;
 use super::model::StudioModel;
 use super::panels::{self, PanelContext, PanelState};
 use super::playback::Player;
@@ -28,17 +29,6 @@ const WINDOW_SIZE: [f32; 2] = [1280.0, 800.0];
 
 /// Smallest size of the window, in points.
 const MIN_WINDOW_SIZE: [f32; 2] = [640.0, 400.0];
-
-/// Reason why there is no window.
-#[derive(Debug, thiserror::Error)]
-pub enum StudioError {
-    /// The session ended before the window was opened.
-    #[error("the session ended before the window was opened")]
-    Ended,
-    /// The desktop or the graphics driver refuses a window.
-    #[error("cannot open a window: {0}; `ademan run --view board` shows the board in a terminal")]
-    Window(String),
-}
 
 /// The program in the window.
 pub struct StudioApp {
@@ -238,5 +228,10 @@ pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(),
         Ok(Box::new(window))
     });
     let opened = eframe::run_native(text("window-title"), options, create);
-    opened.map_err(|error| StudioError::Window(error.to_string()))
+    opened.map_err(|error| match error {
+        eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => StudioError::NoDesktop,
+        eframe::Error::Glutin(error) => StudioError::NoOpenGl(error.to_string()),
+        eframe::Error::NoGlutinConfigs(_, error) => StudioError::NoOpenGl(error.to_string()),
+        error => StudioError::NoOpenGl(error.to_string()),
+    })
 }

@@ -22,6 +22,7 @@
 //! 5. Its words: in `texts/en.ftl` and `texts/es.ftl`; see [`texts`].
 
 mod app;
+mod error;
 pub mod camera;
 pub mod canvas;
 pub mod editor;
@@ -48,4 +49,5 @@ pub mod tour;
 pub mod trails;
 pub mod typing;
 
-pub use self::app::{StudioApp, StudioError, open_window};
+pub use self::app::{StudioApp, open_window};
+pub use self::error::StudioError;

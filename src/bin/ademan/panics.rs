@@ -1,6 +1,7 @@
 //! Panics: a panic of any thread stops the program in an orderly way and makes it fail.
 
 use std::backtrace::{Backtrace, BacktraceStatus};
+use std::cell::Cell;
 use std::panic::{self, AssertUnwindSafe, catch_unwind};
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,6 +16,11 @@ const ABORT_DELAY: Duration = Duration::from_millis(20);
 
 static PANICKED: AtomicBool = AtomicBool::new(false);
 static BACKTRACE: OnceLock<Backtrace> = OnceLock::new();
+
+thread_local! {
+    /// The session goes on after a panic of this thread.
+    static IS_CONTAINED: Cell<bool> = const { Cell::new(false) };
+}
 
 /// Runs the program. A panic of any thread is a failure.
 pub fn catch(run: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
@@ -31,11 +37,23 @@ pub fn catch(run: impl FnOnce() -> Result<(), Failure>) -> Result<(), Failure> {
     }
 }
 
+/// Runs a part of the program that a session does not need. A panic in it prints a message, does not stop the program, and gives
+/// `None`; the program fails at its end.
+#[cfg(any(feature = "studio", test))]
+pub fn contain<T>(run: impl FnOnce() -> T) -> Option<T> {
+    IS_CONTAINED.set(true);
+    let outcome = catch_unwind(AssertUnwindSafe(run));
+    IS_CONTAINED.set(false);
+    outcome.ok()
+}
+
 /// Makes every panic print a message and stop the program.
 pub fn install_hook() {
     panic::set_hook(Box::new(|panic| {
         let is_second = PANICKED.swap(true, Ordering::Relaxed);
-        signals::request_stop();
+        if !IS_CONTAINED.get() {
+            signals::request_stop();
+        }
         // Resolving its symbols takes seconds, in which keys would stay down; `catch` prints it at the end.
         let _ = BACKTRACE.set(Backtrace::capture());
         let thread = thread::current();
@@ -72,7 +90,10 @@ mod tests {
         signals::on_stop(move || _ = stop.try_send(()));
         install_hook();
         assert!(check().is_ok());
-        assert!(stopped.is_empty());
+        assert!(contain(|| panic!("intended")).is_none());
+        assert!(stopped.is_empty(), "a contained panic stops nothing");
+        assert!(!signals::is_stop_requested());
+        assert!(check().is_err());
         let thread = thread::spawn(|| panic!("intended"));
         assert!(thread.join().is_err());
         assert_eq!(stopped.try_recv(), Ok(()));

@@ -9,6 +9,9 @@ use tracing_subscriber::filter::{LevelFilter, Targets};
 /// The environment variable with the levels of log messages.
 const VARIABLE: &str = "RUST_LOG";
 
+/// Libraries that report peculiarities of a desktop which a person cannot change. `--verbose` prints them too.
+const TOOLKITS: [&str; 6] = ["calloop", "eframe", "egui", "glutin", "sctk", "winit"];
+
 /// Options for messages.
 #[derive(clap::Args)]
 #[command(next_help_heading = "Messages")]
@@ -45,16 +48,22 @@ impl LogArgs {
         let variable = env::var(VARIABLE).ok().filter(|levels| !levels.is_empty());
         let (levels, error) = match (level, variable.as_deref().map(str::parse::<Targets>)) {
             (Some(level), _) => (from(level), None),
-            (None, None) => (from(LevelFilter::INFO), None),
+            (None, None) => (default_levels(), None),
             (None, Some(Ok(levels))) => (levels, None),
             (None, Some(Err(error))) => {
                 let message = format!(
                     "{VARIABLE} has no effect: {error}; write a level such as `debug`, or `ademan::capture=debug`"
                 );
-                (from(LevelFilter::INFO), Some(message))
+                (default_levels(), Some(message))
             }
         };
         let is_quiet = self.quiet;
         (Verbosity { levels, is_quiet }, error)
     }
+}
+
+fn default_levels() -> Targets {
+    let toolkits = TOOLKITS.map(|name| (name, LevelFilter::ERROR));
+    let levels = Targets::new().with_default(LevelFilter::INFO);
+    levels.with_targets(toolkits)
 }

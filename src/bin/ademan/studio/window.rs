@@ -1,7 +1,6 @@
 //! The session of Studio and its window.
 
 use std::env;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use ademan::capture::recording::Replay;
@@ -17,7 +16,7 @@ use ademan::{advice, doctor, output};
 
 use super::{Args, source};
 use crate::failure::Failure;
-use crate::{session, signals, stats, watchdog};
+use crate::{panics, session, signals, stats, watchdog};
 
 /// The outputs, unless a setup file names others: nothing is typed into other programs by surprise.
 const NO_OUTPUT: &str = "none";
@@ -47,7 +46,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
     let session = session::start(setup, options)?;
     session.wait_until_started();
     texts::set_language(language());
-    let shown = catch_unwind(AssertUnwindSafe(|| {
+    let shown = panics::contain(|| {
         let app = StudioApp::new(&session, sensors)?;
         let mut app = match player {
             Some(player) => app.with_player(player),
@@ -57,13 +56,16 @@ pub fn open(args: Args) -> Result<(), Failure> {
             app = app.with_settings(path);
         }
         open_window(app, signals::is_stop_requested)
-    }));
+    });
     match shown {
-        Ok(Ok(())) => _ = session.commands().send(Command::Stop),
+        Some(Ok(())) => _ = session.commands().send(Command::Stop),
         // The error of the session says more.
-        Ok(Err(StudioError::Ended)) => {}
-        Ok(Err(error)) => return Err(Failure::wrong_use(error.to_string())),
-        Err(_) => say!("the window has failed; the session goes on, and Ctrl-C ends it"),
+        Some(Err(StudioError::Ended)) => {}
+        Some(Err(error)) => {
+            let error = error.with_variables(|name| env::var(name).ok());
+            return Err(Failure::wrong_use(error.to_string()));
+        }
+        None => complain!("the window has failed; the session goes on, and Ctrl-C ends it"),
     }
     stats::report(session.join()?)
 }

@@ -1,0 +1,205 @@
+//! Typing with a window that hangs, is closed or loses its desktop: events go on, and nothing stays pressed.
+
+use std::fs;
+use std::path::Path;
+
+use tempfile::TempDir;
+use x11rb::connection::Connection;
+use x11rb::protocol::xproto::{AtomEnum, ClientMessageEvent, ConnectionExt, EventMask, Window};
+
+use super::{is_drawn, studio};
+use crate::support::program::Program;
+use crate::support::x11::{XServer, wait_for};
+
+/// Studio with a hand that types without end, and a setup that names an output.
+///
+/// The hand is simulated in the program: a busy machine, on which the window draws slowly, would delay a glove.
+struct Session {
+    server: XServer,
+    program: Program,
+    folder: TempDir,
+}
+
+impl Session {
+    /// Opens the window. `FOLDER` in the output stands for a temporary folder.
+    fn start(output: &str) -> Option<Self> {
+        let server = XServer::start()?;
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().display().to_string();
+        let output = output.replace("FOLDER", &path);
+        let setup = format!("Setup(output: \"{output}\")");
+        fs::write(folder.path().join("setup.ron"), setup).expect("space on the disk");
+        let setup = format!("{path}/setup.ron");
+        let program = Program::from_command(studio(&server, &[&setup, "--allow-root"]));
+        program.wait_for_line("armed", 1);
+        assert!(is_drawn(&server), "{:#?}", program.stderr_lines());
+        Some(Self {
+            server,
+            program,
+            folder,
+        })
+    }
+
+    /// Returns the number of events of this kind in the transcript.
+    fn count(&self, kind: &str) -> usize {
+        let events = fs::read_to_string(self.folder.path().join("events"));
+        events.unwrap_or_default().matches(kind).count()
+    }
+
+    /// Waits until another key is pressed and, later, another one is released, as the transcript has it.
+    fn wait_for_typing(&self) {
+        for kind in ["down ", "up   "] {
+            let before = self.count(kind);
+            assert!(
+                wait_for(|| self.count(kind) > before),
+                "no {kind:?}: {:#?}",
+                self.program.stderr_lines()
+            );
+        }
+    }
+
+    /// Waits until a key is down on the X server.
+    fn wait_for_press(&self) {
+        let is_pressed = || !self.server.pressed_keys().is_empty();
+        assert!(wait_for(is_pressed), "{:#?}", self.program.stderr_lines());
+    }
+
+    /// Checks that the program exits with one of these codes and that no key is pressed.
+    fn check_end(mut self, codes: &[i32]) {
+        let status = self.program.wait_for_exit();
+        let is_expected = status.code().is_some_and(|code| codes.contains(&code));
+        assert!(is_expected, "{status}: {:#?}", self.program.stderr_lines());
+        assert_eq!(self.server.pressed_keys(), [0; 0]);
+    }
+}
+
+/// Output into a file, which does not need the X server of the window.
+const TRANSCRIPT: &str = "transcript:FOLDER/events";
+
+#[test]
+fn typing_goes_on_while_the_window_hangs() {
+    let Some(mut session) = Session::start(TRANSCRIPT) else {
+        return;
+    };
+    session.wait_for_typing();
+    // The window waits for the server at its next picture.
+    session.server.freeze();
+    for _ in 0..5 {
+        session.wait_for_typing();
+    }
+    session.program.signal(&["TERM"]);
+    let code = session.program.wait_for_exit().code();
+    assert_eq!(code, Some(130), "{:#?}", session.program.stderr_lines());
+    assert!(session.count("down ") > 5);
+    assert_eq!(session.count("down "), session.count("up   "));
+    session.server.thaw();
+}
+
+#[test]
+fn a_lost_desktop_ends_the_program() {
+    let Some(mut session) = Session::start(TRANSCRIPT) else {
+        return;
+    };
+    session.wait_for_typing();
+    let children = session.program.children();
+    session.server.kill();
+    // The X11 library ends the process itself.
+    let status = session.program.wait_for_exit();
+    assert_eq!(
+        status.code(),
+        Some(1),
+        "{:#?}",
+        session.program.stderr_lines()
+    );
+    let is_gone = |child: &u32| !Path::new(&format!("/proc/{child}")).exists();
+    assert!(
+        wait_for(|| children.iter().all(is_gone)),
+        "the watchdog exits too"
+    );
+}
+
+#[test]
+fn closing_the_window_releases_everything() {
+    let Some(session) = Session::start("desktop") else {
+        return;
+    };
+    session.wait_for_press();
+    close_window(&session.server, "Ademán Studio");
+    session.check_end(&[0]);
+}
+
+#[test]
+fn signals_release_everything() {
+    for signal in ["TERM", "INT", "HUP"] {
+        let Some(session) = Session::start("desktop") else {
+            return;
+        };
+        session.wait_for_press();
+        session.program.signal(&[signal]);
+        // On a busy machine the window takes longer to close than an orderly end may.
+        session.check_end(&[0, 130]);
+    }
+}
+
+#[test]
+fn a_killed_studio_leaves_no_key_pressed() {
+    let Some(mut session) = Session::start("desktop") else {
+        return;
+    };
+    session.wait_for_press();
+    session.program.signal(&["KILL"]);
+    assert!(session.server.wait_for_keys(&[]));
+    assert_eq!(session.program.wait_for_exit().code(), None);
+}
+
+/// Asks a window to close, as the button of a window manager does.
+fn close_window(server: &XServer, title: &str) {
+    let (client, screen) = x11rb::connect(Some(server.display())).expect("the server answers");
+    let root = client.setup().roots[screen].root;
+    let mut found = None;
+    assert!(
+        wait_for(|| {
+            found = find_window(&client, root, title);
+            found.is_some()
+        }),
+        "no window {title:?}"
+    );
+    let window = found.expect("a window");
+    let atom = |name: &str| {
+        let atom = client.intern_atom(false, name.as_bytes());
+        atom.expect("a request").reply().expect("an atom").atom
+    };
+    let data = [atom("WM_DELETE_WINDOW"), 0, 0, 0, 0];
+    let event = ClientMessageEvent::new(32, window, atom("WM_PROTOCOLS"), data);
+    client
+        .send_event(false, window, EventMask::NO_EVENT, event)
+        .expect("a request")
+        .check()
+        .expect("the window exists");
+}
+
+/// Returns the window with this title, at any depth.
+fn find_window(client: &impl Connection, window: Window, title: &str) -> Option<Window> {
+    let name = client
+        .get_property(false, window, AtomEnum::WM_NAME, AtomEnum::ANY, 0, 64)
+        .ok()?
+        .reply()
+        .ok()?;
+    let utf8 = client
+        .intern_atom(false, b"_NET_WM_NAME")
+        .ok()?
+        .reply()
+        .ok()?;
+    let utf8_name = client
+        .get_property(false, window, utf8.atom, AtomEnum::ANY, 0, 64)
+        .ok()?
+        .reply()
+        .ok()?;
+    if name.value == title.as_bytes() || utf8_name.value == title.as_bytes() {
+        return Some(window);
+    }
+    let children = client.query_tree(window).ok()?.reply().ok()?.children;
+    children
+        .into_iter()
+        .find_map(|child| find_window(client, child, title))
+}
