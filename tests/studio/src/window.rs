@@ -28,6 +28,8 @@ pub struct Opening {
     pub setup: Setup,
     /// Number of readings after which the hand keeps still.
     pub readings: usize,
+    /// Speed of the hand relative to its clock; without one it moves as fast as the session allows.
+    pub speed: Option<f64>,
     /// Colours.
     pub theme: egui::Theme,
     /// Size, in points.
@@ -44,6 +46,7 @@ impl Default for Opening {
                 ..Setup::default()
             },
             readings: 180,
+            speed: None,
             theme: egui::Theme::Dark,
             size: [1280.0, 800.0],
             settings: None,
@@ -69,6 +72,7 @@ impl Opening {
         let options = SessionOptions {
             source: Some(Box::new(hand)),
             lossless_snapshots: true,
+            speed: self.speed,
             ..SessionOptions::default()
         };
         let session = Session::start(setup, options).expect("the session starts");
