@@ -20,6 +20,9 @@
 //! the kernel, and sends the header of the next packet, which confirms it, as late as a line of that bit rate does. The time
 //! includes that wait of the protocol, which is stated beside it.
 //!
+//! `-- uinput` measures to readers of kernel devices in place of these, where `/dev/uinput` is available:
+//! `tests/outputs/vm/run latency`. A number is that of the packets.
+//!
 //! Prints tables. Without `--bench` (as in `cargo test --benches`) it measures a few packets.
 
 #[cfg(target_os = "linux")]
@@ -45,6 +48,10 @@ mod packets;
 #[cfg(target_os = "linux")]
 #[path = "latency/programs.rs"]
 mod programs;
+
+#[cfg(target_os = "linux")]
+#[path = "latency/uinput.rs"]
+mod uinput;
 
 #[cfg(target_os = "linux")]
 fn main() {

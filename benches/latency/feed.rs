@@ -14,6 +14,7 @@ use super::desktop;
 use super::load::Load;
 use super::packets::packets;
 use super::programs::{Output, PACKET_BYTES, PROGRAMS, to_pipe};
+use super::uinput;
 
 /// Time after which a packet counts as lost.
 const TIMEOUT: Duration = Duration::from_secs(2);
@@ -26,16 +27,32 @@ struct Packets {
 }
 
 pub fn main() {
-    let is_test = !std::env::args().any(|argument| argument == "--bench");
-    let (measured, warm_up) = if is_test { (20, 5) } else { (4_000, 200) };
+    let arguments: Vec<_> = std::env::args().skip(1).collect();
+    let has = |word: &str| arguments.iter().any(|argument| argument == word);
+    let (measured, warm_up) = if has("--bench") {
+        (4_000, 200)
+    } else {
+        (20, 5)
+    };
+    let number = arguments.iter().find_map(|argument| argument.parse().ok());
+    let measured = number.unwrap_or(measured);
     let packets = Packets { measured, warm_up };
     println!(
         "{:24} {:>8}  {:16} {:>9} {:>9}   of null: p50    p99",
         "packet to event", "packet", "", "p50", "p99"
     );
-    let millisecond = Duration::from_millis(1);
+    let paces = [
+        Duration::from_millis(1),
+        Hc11Format::default().packet_period(),
+    ];
+    if has("uinput") {
+        for pace in paces {
+            measure(uinput::output, pace, packets, false);
+        }
+        return;
+    }
     for is_loaded in [false, true] {
-        for pace in [millisecond, Hc11Format::default().packet_period()] {
+        for pace in paces {
             measure(to_pipe, pace, packets, is_loaded);
             measure(desktop::output, pace, packets, is_loaded);
         }
@@ -65,7 +82,6 @@ fn measure(
     is_loaded: bool,
 ) {
     let Some(output) = output() else {
-        println!("X server: SKIPPED, see above");
         return;
     };
     let load = is_loaded.then(|| Rc::new(Load::start()));
