@@ -7,6 +7,7 @@ use std::thread::{self, JoinHandle};
 use crossbeam_channel::{Receiver, Sender, bounded, never};
 
 use super::command_channel::CommandSender;
+use super::layout_trial::LayoutTrial;
 use super::sensor_link::SensorLink;
 use super::view::{ViewHub, Viewer};
 use super::{Session, SessionError, Summary};
@@ -22,6 +23,7 @@ pub struct SessionHandle {
     snapshots: Receiver<Snapshot>,
     views: ViewHub,
     sensors: Arc<SensorLink>,
+    trial: Option<LayoutTrial>,
     /// Disconnected once the outputs are open.
     started: Receiver<()>,
     thread: Option<JoinHandle<Result<Summary, SessionError>>>,
@@ -42,11 +44,13 @@ impl SessionHandle {
         let thread = thread::Builder::new().name("session".into());
         let (sender, started) = bounded(0);
         session.start_signal = Some(sender);
+        let trial = session.commands.layouts().map(|link| link.trial().clone());
         Ok(Self {
             commands,
             snapshots,
             views,
             sensors: Arc::new(sensors),
+            trial,
             started,
             thread: Some(thread.spawn(move || session.run())?),
         })
@@ -61,6 +65,11 @@ impl SessionHandle {
     /// [`lossless_snapshots`](super::SessionOptions::lossless_snapshots) a full channel drops the newest ones.
     pub fn snapshots(&self) -> &Receiver<Snapshot> {
         &self.snapshots
+    }
+
+    /// The channel for layouts that are tried before they are saved. `None` if the session cannot change its layouts.
+    pub fn layout_trial(&self) -> Option<&LayoutTrial> {
+        self.trial.as_ref()
     }
 
     /// Adds a viewer, which receives the present state and then every change, at most about 30 times a second.

@@ -5,6 +5,7 @@
 
 use crossbeam_channel::{Receiver, Sender, bounded, select};
 
+use super::layout_trial::{self, LayoutTrial, TrialRequest};
 use super::reply::{ReplySender, RequestError};
 use super::waker::Waker;
 use crate::command::Command;
@@ -67,6 +68,7 @@ pub(crate) struct SessionEnded;
 #[derive(Debug)]
 pub struct LayoutLink {
     requests: Receiver<LayoutRequest>,
+    trials: Receiver<TrialRequest>,
     swaps: Sender<LayoutSwap>,
     ended: Receiver<()>,
     waker: Waker,
@@ -75,16 +77,19 @@ pub struct LayoutLink {
 impl LayoutLink {
     pub(super) fn new(waker: Waker) -> (Self, LoopLayoutLink) {
         let (request_sender, requests) = bounded(QUEUE_LENGTH);
+        let (trial_sender, trials) = bounded(layout_trial::QUEUE_LENGTH);
         let (swaps, swap_receiver) = bounded(1);
         let (end, ended) = bounded(0);
         let manager_end = Self {
             requests,
+            trials,
             swaps,
             ended,
             waker,
         };
         let loop_end = LoopLayoutLink {
             requests: request_sender,
+            trial: LayoutTrial::new(trial_sender),
             swaps: swap_receiver,
             _end: end,
         };
@@ -94,6 +99,11 @@ impl LayoutLink {
     /// Requests of the loop; disconnected when the session has ended.
     pub(crate) fn requests(&self) -> &Receiver<LayoutRequest> {
         &self.requests
+    }
+
+    /// Layouts that are tried. Not disconnected before the requests are.
+    pub(super) fn trials(&self) -> &Receiver<TrialRequest> {
+        &self.trials
     }
 
     /// Activates a layout, waits until the loop uses it, and frees the old one.
@@ -126,6 +136,7 @@ impl LayoutLink {
 #[derive(Debug)]
 pub(super) struct LoopLayoutLink {
     requests: Sender<LayoutRequest>,
+    trial: LayoutTrial,
     swaps: Receiver<LayoutSwap>,
     _end: Sender<()>,
 }
@@ -136,6 +147,11 @@ impl LoopLayoutLink {
         self.requests
             .try_send(request)
             .map_err(|_| RequestError::QueueFull)
+    }
+
+    /// The sending end for layouts that are tried.
+    pub fn trial(&self) -> &LayoutTrial {
+        &self.trial
     }
 
     /// Layouts that are ready.

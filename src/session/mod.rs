@@ -22,6 +22,7 @@ mod handle;
 mod haptics;
 mod latest;
 mod layout_link;
+mod layout_trial;
 mod notice;
 mod options;
 pub mod panic_keys;
@@ -71,6 +72,7 @@ pub use self::command_channel::{CommandReceiver, CommandSender, command_channel}
 pub use self::event_loop::with_loop_step;
 pub use self::handle::SessionHandle;
 pub use self::layout_link::LayoutLink;
+pub use self::layout_trial::{LayoutTrial, TrialOutcome};
 pub use self::notice::{Notice, counted};
 pub use self::options::{ControlSocket, NoticeReceiver, SessionOptions, WatchdogProgram};
 pub use self::replay::{first_view, replay};

@@ -18,7 +18,7 @@ use super::texts::text;
 use crate::command::Command;
 use crate::document::DocumentError;
 use crate::session::view::Viewer;
-use crate::session::{CommandSender, SessionHandle};
+use crate::session::{CommandSender, LayoutTrial, SessionHandle};
 use crate::snapshot::Snapshot;
 
 /// Time between two pictures.
@@ -36,6 +36,7 @@ pub struct StudioApp {
     snapshots: Receiver<Snapshot>,
     viewer: Viewer,
     commands: CommandSender,
+    trial: Option<LayoutTrial>,
     /// The recording that is shown in place of the session.
     player: Option<Player>,
     sensors: SensorControl,
@@ -53,6 +54,7 @@ impl StudioApp {
             snapshots: session.snapshots().clone(),
             viewer,
             commands: session.commands().clone(),
+            trial: session.layout_trial().cloned(),
             player: None,
             sensors: SensorControl::new(session.sensors()),
             panels: PanelState::default(),
@@ -89,6 +91,7 @@ impl StudioApp {
     #[must_use]
     pub fn with_player(mut self, player: Player) -> Self {
         self.player = Some(player);
+        self.trial = None;
         self.sensors.lock();
         self
     }
@@ -112,6 +115,7 @@ impl StudioApp {
         let mut context = PanelContext {
             model: &self.model,
             sensors: &mut self.sensors,
+            trial: self.trial.as_ref(),
             sent: &mut sent,
             player: self.player.as_ref(),
             moves: &mut moves,

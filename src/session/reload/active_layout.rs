@@ -25,6 +25,8 @@ pub(super) struct ActiveLayout {
     layout: Layout,
     /// Index of the profile.
     profile: usize,
+    /// `layout` is an edited text that is not in the file.
+    is_trial: bool,
 }
 
 impl ActiveLayout {
@@ -34,6 +36,7 @@ impl ActiveLayout {
             file,
             layout,
             profile,
+            is_trial: false,
         }
     }
 
@@ -85,8 +88,34 @@ impl ActiveLayout {
         if let Some(file) = &mut self.file {
             file.set_active_text(&layout.text);
         }
+        self.is_trial = false;
         self.layout = layout.clone();
         Ok(LayoutReport::Activated(Box::new(layout)))
+    }
+
+    /// Returns the file of the layout, as messages name it.
+    pub fn file_name(&self) -> &str {
+        &self.layout.file
+    }
+
+    /// Activates a text that is not saved. The active layout stays if it is invalid.
+    pub fn try_text(
+        &mut self,
+        text: &str,
+        build: Build,
+        link: &LayoutLink,
+    ) -> Result<Result<(), String>, SessionEnded> {
+        let layout = match self.layout.with_text(text) {
+            Err(error) => return Ok(Err(format!("{error}\nthe active layout stays"))),
+            Ok(layout) => layout,
+        };
+        match build(&layout) {
+            Err(reason) => return Ok(Err(reason)),
+            Ok(instance) => link.activate(instance, self.profile, false)?,
+        }
+        self.is_trial = self.file.as_ref().is_some_and(|file| file.text() != text);
+        self.layout = layout;
+        Ok(Ok(()))
     }
 
     /// Multiplies the size of the boards by `factor`.
@@ -114,6 +143,11 @@ impl ActiveLayout {
     pub fn save(&mut self, poses: &[BoardPose]) -> Result<String, String> {
         let file = self.file.as_mut().ok_or(SHIPPED)?;
         let name = &self.layout.file;
+        if self.is_trial {
+            return Err(format!(
+                "{name}: not saved, as an edited text of it is tried; save that in its editor"
+            ));
+        }
         let on_disk = Document::from_path(file.path()).map_err(|error| error.to_string())?;
         if on_disk.text != file.text() {
             return Err(format!(
@@ -236,5 +270,24 @@ mod tests {
         let error = session.request(save_at(0.1)).unwrap_err();
         assert!(error.ends_with("there is no such file"), "{error}");
         assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 0);
+    }
+
+    #[test]
+    fn a_text_is_tried_without_its_file_and_an_invalid_one_is_not_activated() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = directory.path().join("a.ron");
+        fs::write(&path, TEXT).unwrap();
+        let session = session(Some(&path));
+        assert_eq!(session.try_text(&TEXT.replace("\"A\"", "\"B\"")), Ok(()));
+        assert_eq!(session.activated.len(), 1);
+        let error = session.try_text("no layout").unwrap_err();
+        assert!(error.ends_with("the active layout stays"), "{error}");
+        assert_eq!(session.activated.len(), 1);
+        let error = session.request(save_at(0.1)).unwrap_err();
+        assert!(error.contains("is tried"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), TEXT);
+        session.request(LayoutOperation::Reload).unwrap();
+        assert_eq!(session.activated.len(), 2);
+        assert!(session.request(save_at(0.1)).is_ok());
     }
 }

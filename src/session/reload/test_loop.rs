@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, bounded, unbounded};
 
@@ -19,6 +19,8 @@ pub const TIMEOUT: Duration = Duration::from_secs(60);
 /// A session with one layout. Dropping it ends the layout manager.
 pub struct TestLoop {
     commands: CommandReceiver,
+    /// Name of the layout.
+    file: String,
     /// For each activated layout, whether its boards keep their poses.
     pub activated: Receiver<bool>,
     pub reports: Receiver<LayoutReport>,
@@ -54,6 +56,7 @@ impl TestLoop {
     ) -> Self {
         let mut commands = CommandReceiver::disconnected();
         let (sender, reports) = unbounded();
+        let file = layout.file.clone();
         let source = LayoutSource {
             layout,
             path: path.map(|path| path.to_str().unwrap().to_owned()),
@@ -67,6 +70,7 @@ impl TestLoop {
         start([source], commands.link_layouts(), policy, build, report).unwrap();
         Self {
             commands,
+            file,
             activated: unbounded().1,
             reports,
         }
@@ -75,6 +79,20 @@ impl TestLoop {
     /// Returns whether a layout waits for its activation.
     pub fn has_swap(&self) -> bool {
         !self.commands.layouts().unwrap().swaps().is_empty()
+    }
+
+    /// Tries a text and waits for the outcome.
+    pub fn try_text(&self, text: &str) -> Result<(), String> {
+        let trial = self.commands.layouts().unwrap().trial();
+        let outcome = trial.start(&self.file, text).unwrap();
+        let start = Instant::now();
+        while start.elapsed() < TIMEOUT {
+            if let Some(outcome) = outcome.poll() {
+                return outcome;
+            }
+            thread::sleep(Duration::from_millis(1));
+        }
+        panic!("no outcome");
     }
 
     /// Sends a request and waits for the outcome.

@@ -12,6 +12,7 @@ use crate::document::DocumentError;
 use crate::layout::Layout;
 use crate::pipeline::LayoutInstance;
 use crate::session::layout_link::{LayoutLink, LayoutOperation, LayoutRequest, SessionEnded};
+use crate::session::layout_trial::TrialRequest;
 use crate::session::reply::{Reply, RequestError};
 use crate::time::NO_DEADLINE;
 
@@ -117,6 +118,7 @@ pub(super) struct Worker<B, R> {
 /// An input of the worker.
 enum Input {
     Request(LayoutRequest),
+    Trial(TrialRequest),
     /// A change of the file of a layout, by index; `false` if its events ended.
     Change(usize, bool),
     Timeout,
@@ -141,6 +143,7 @@ where
         }
         match self.next_input()? {
             Input::Request(request) => self.handle(request),
+            Input::Trial(trial) => self.try_layout(trial),
             Input::Change(index, is_change) => {
                 self.layouts[index].detection.handle(is_change);
                 self.layouts[index].layout.mark_changed(Instant::now());
@@ -160,8 +163,10 @@ where
             .map(|managed| managed.detection.changes())
             .collect();
         let requests = self.link.requests();
+        let trials = self.link.trials();
         let mut select = Select::new();
         select.recv(requests);
+        select.recv(trials);
         for change in &changes {
             select.recv(change);
         }
@@ -173,9 +178,13 @@ where
                 .recv(requests)
                 .map(Input::Request)
                 .map_err(|_| SessionEnded),
+            1 => operation
+                .recv(trials)
+                .map(Input::Trial)
+                .map_err(|_| SessionEnded),
             index => {
-                let is_change = operation.recv(&changes[index - 1]).is_ok();
-                Ok(Input::Change(index - 1, is_change))
+                let is_change = operation.recv(&changes[index - 2]).is_ok();
+                Ok(Input::Change(index - 2, is_change))
             }
         }
     }
@@ -212,6 +221,25 @@ where
         };
         (self.report)(report);
         Ok(outcome)
+    }
+
+    /// Activates a text that is not saved.
+    fn try_layout(&mut self, trial: TrialRequest) -> Result<(), SessionEnded> {
+        let mut layouts = self.layouts.iter_mut().map(|managed| &mut managed.layout);
+        let outcome = match layouts.find(|layout| layout.file_name() == trial.file) {
+            _ if self.is_recorded => Err(
+                "not tried, as a recording holds one version of a layout; start again without it"
+                    .into(),
+            ),
+            Some(layout) => layout.try_text(&trial.text, &self.build, &self.link)?,
+            None => Err(format!(
+                "not tried, as the session does not use {}; start it with that layout",
+                trial.file
+            )),
+        };
+        // The editor may be closed.
+        let _ = trial.reply.try_send(outcome);
+        Ok(())
     }
 
     fn handle(&mut self, request: LayoutRequest) -> Result<(), SessionEnded> {

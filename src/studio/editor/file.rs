@@ -178,6 +178,11 @@ impl LayoutEditor {
         self.text != self.file.saved_text()
     }
 
+    /// The text that was opened or saved last.
+    pub fn saved_text(&self) -> &str {
+        self.file.saved_text()
+    }
+
     /// The state of the text and its file.
     pub fn file_state(&self) -> FileState {
         match (self.file.path(), self.is_modified()) {

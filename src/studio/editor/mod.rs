@@ -23,6 +23,7 @@
 //! - [`LayoutEditor::problems`] lists all errors and warnings with bytes of the text and the part there.
 //! - [`LayoutEditor::save`] and [`LayoutEditor::save_as`] write the file; [`LayoutEditor::poll`], a few times a second, reads changes
 //!   that other programs made, merges them, or reports a conflict. [`LayoutEditor::start_recovery`] keeps unsaved work.
+//! - [`EditorTrial`] gives the text to the running session while it is edited.
 //! - An error of any of these is for the status line: it says what failed, why, and what to do.
 
 mod add;
@@ -44,6 +45,7 @@ mod problems;
 mod recovery;
 mod rename;
 mod rows;
+mod trial;
 #[cfg(test)]
 mod file_tests;
 #[cfg(test)]
@@ -61,6 +63,7 @@ pub use self::part::{ControlKind, Part};
 pub use self::patch::{Patch, Replacement};
 pub use self::problems::{Problem, Severity};
 pub use self::recovery::UnsavedWork;
+pub use self::trial::EditorTrial;
 
 use std::path::Path;
 use std::sync::Arc;

@@ -28,6 +28,7 @@ use super::texts::text;
 use super::tour::Tour;
 use crate::command::Command;
 use crate::document::DocumentError;
+use crate::session::LayoutTrial;
 
 pub use self::fonts::fonts;
 
@@ -37,6 +38,8 @@ pub struct PanelContext<'a> {
     pub model: &'a StudioModel,
     /// The changes of sensors.
     pub sensors: &'a mut SensorControl,
+    /// Tries edited layouts; `None` while a recording is shown.
+    pub trial: Option<&'a LayoutTrial>,
     /// Commands that are sent after the picture.
     pub sent: &'a mut Vec<Command>,
     /// The recording that is shown, if any.
@@ -201,6 +204,7 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
     if let Some(Ok(editor)) = &mut state.editor {
         editor::capture_key(ui, editor);
         editor::guard_close(ui, editor);
+        editor::advance_trial(ui, editor, context);
     }
     look::apply(ui.ctx(), state);
     // The keys of a calibration are its own.

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use ademan::document::Document;
 use ademan::layout::Layout;
+use ademan::studio::model::StudioModel;
 use ademan::studio::texts::text;
 use egui_kittest::kittest::Queryable;
 
@@ -113,6 +114,27 @@ fn a_key_is_moved_bound_undone_and_saved_with_its_comments() {
     }
     press(&mut window, egui::Modifiers::COMMAND, egui::Key::S);
     assert_eq!(file.text(), ONE_KEY, "every edit is undone");
+}
+
+#[test]
+fn an_edit_is_tried_in_the_session_before_it_is_saved() {
+    let file = EditedFile::new("tried.ron", ONE_KEY);
+    let mut window = file.open();
+    let center = canvas(&window).center();
+    drag(&mut window, center, egui::vec2(50.0, 0.0));
+    let moved = ONE_KEY.replace("(0, 0)", "(10, 0)");
+    let uses = |text: &str| {
+        let text = text.to_owned();
+        move |model: &StudioModel| model.view.layout.text == text
+    };
+    window.wait_for("the edit in the session", uses(&moved));
+    assert_eq!(file.text(), ONE_KEY, "nothing is saved");
+    window.toggle(text("editor-try"));
+    window.wait_for("the saved text in the session", uses(ONE_KEY));
+    window.toggle(text("editor-try"));
+    window.wait_for("the edit in the session again", uses(&moved));
+    press(&mut window, egui::Modifiers::COMMAND, egui::Key::Z);
+    window.wait_for("the undone edit in the session", uses(ONE_KEY));
 }
 
 #[test]

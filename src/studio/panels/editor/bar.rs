@@ -36,6 +36,7 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         show_arrangement(ui, panel);
         ui.separator();
         show_snapping(ui, panel);
+        show_trial(ui, panel);
     });
     ui.horizontal_wrapped(|ui| show_boards(ui, panel));
     ui.add_space(2.0);
@@ -164,6 +165,19 @@ fn show_snapping(ui: &mut egui::Ui, panel: &mut EditorPanel) {
         .widget_info(|| egui::WidgetInfo::labeled(egui::Role::ComboBox, true, name));
     if button(ui, text("editor-fit"), text("editor-fit-hint"), true) {
         panel.viewport = None;
+    }
+}
+
+/// Shows the switch of the trial in the running session.
+fn show_trial(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let Some(trial) = &mut panel.trial else {
+        return;
+    };
+    ui.separator();
+    let mut is_on = trial.is_on();
+    let switch = ui.checkbox(&mut is_on, text("editor-try"));
+    if switch.on_hover_text(text("editor-try-hint")).changed() {
+        trial.set_on(is_on);
     }
 }
 

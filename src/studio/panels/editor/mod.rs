@@ -13,6 +13,7 @@ mod problems;
 mod shortcuts;
 
 use std::collections::HashSet;
+use std::time::Duration;
 
 use eframe::egui;
 use parry3d::math::Vec2;
@@ -25,8 +26,11 @@ use crate::studio::canvas::board::BoardItems;
 use crate::studio::canvas::gesture::{Gesture, Preview};
 use crate::studio::canvas::selection::Selection;
 use crate::studio::canvas::viewport::Viewport;
-use crate::studio::editor::{ControlKind, Edit, EditError, LayoutEditor, Part, UnsavedWork};
+use crate::studio::editor::{
+    ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, UnsavedWork,
+};
 use crate::studio::texts::text;
+use crate::studio::typing::Typing;
 
 use self::binding::BindingState;
 pub(super) use self::binding::capture as capture_key;
@@ -61,6 +65,8 @@ pub struct EditorPanel {
     save_as: Option<SaveAs>,
     /// Unsaved work of an earlier run, to restore or discard.
     found_work: Option<UnsavedWork>,
+    /// The text in the running session; `None` before the first picture.
+    trial: Option<EditorTrial>,
     /// Time of the next look at the file, in seconds.
     next_poll: f64,
     /// Result of the last operation, or the reason why it failed.
@@ -108,6 +114,7 @@ impl EditorPanel {
             form: FormState::default(),
             save_as: None,
             found_work: None,
+            trial: None,
             next_poll: 0.0,
             message: None,
             title: String::new(),
@@ -226,6 +233,22 @@ impl EditorPanel {
                 by_mm: [rounded(by.x), rounded(by.y), 0.0],
             });
         }
+    }
+}
+
+/// Gives the text to the running session while it is edited, unless that types into other programs: then only on request.
+pub(super) fn advance_trial(ui: &egui::Ui, panel: &mut EditorPanel, context: &PanelContext) {
+    let Some(session) = context.trial else {
+        return;
+    };
+    let editor = &panel.editor;
+    let trial = panel.trial.get_or_insert_with(|| {
+        let is_on = Typing::new(context.model) == Typing::Nowhere;
+        EditorTrial::new(editor, is_on)
+    });
+    let now = Duration::from_secs_f64(ui.input(|input| input.time));
+    if let Some(refusal) = trial.advance(now, editor, session) {
+        panel.message = Some(Err(refusal));
     }
 }
 
