@@ -14,6 +14,7 @@ use super::sensor_control::SensorControl;
 use super::sensors::SensorTable;
 use super::settings::{Settings, WindowPlace};
 use super::settings_file::SettingsFile;
+use super::sound::Sound;
 use super::texts::text;
 use crate::command::Command;
 use crate::document::DocumentError;
@@ -42,6 +43,8 @@ pub struct StudioApp {
     sensors: SensorControl,
     panels: PanelState,
     settings_file: SettingsFile,
+    /// Clicks on presses; without it Studio is silent.
+    sound: Option<Sound>,
 }
 
 impl StudioApp {
@@ -59,6 +62,7 @@ impl StudioApp {
             sensors: SensorControl::new(session.sensors()),
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
+            sound: None,
         })
     }
 
@@ -69,6 +73,19 @@ impl StudioApp {
         self.panels.restore(settings);
         self.settings_file = file;
         self.panels.message = error.map(|error| error.to_string());
+        self
+    }
+
+    /// Clicks on presses of the session, as the settings say. Without this, Studio is silent.
+    #[must_use]
+    pub fn with_sound(mut self, session: &SessionHandle) -> Self {
+        match Sound::start(self.snapshots.clone(), session.add_viewer()) {
+            Ok((sound, snapshots)) => {
+                self.snapshots = snapshots;
+                self.sound = Some(sound);
+            }
+            Err(error) => self.panels.message = Some(format!("no clicks are heard: {error}")),
+        }
         self
     }
 
@@ -128,6 +145,17 @@ impl StudioApp {
         }
         if let Some(player) = &mut self.player {
             moves.into_iter().for_each(|change| player.apply(change));
+        }
+        self.apply_sound();
+    }
+
+    fn apply_sound(&mut self) {
+        let Some(sound) = &mut self.sound else {
+            return;
+        };
+        sound.apply(self.panels.settings().sound);
+        if let Some(error) = sound.error() {
+            self.panels.message = Some(error.to_string());
         }
     }
 

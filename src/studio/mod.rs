@@ -10,7 +10,7 @@
 //! ```
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`camera`], [`scene`], [`sensors`],
-//! [`glove_editor`], [`guide`], [`history`], [`plot`], [`tour`], [`typing`], [`settings`]. Only `app` and the files of `panels`
+//! [`glove_editor`], [`guide`], [`history`], [`plot`], [`sound::click`], [`tour`], [`typing`], [`settings`]. Only `app` and the files of `panels`
 //! name egui.
 //!
 //! # Adding a panel
@@ -44,6 +44,7 @@ pub mod sensor_control;
 pub mod sensors;
 pub mod settings;
 pub mod settings_file;
+pub mod sound;
 pub mod texts;
 pub mod tour;
 pub mod trails;

@@ -13,6 +13,9 @@ const SCALES: (f32, f32) = (0.5, 3.0);
 /// Lowest opacity of the overlay: below, it cannot be found.
 const MIN_OPACITY: f32 = 0.1;
 
+/// Volume of the clicks before it is chosen.
+const DEFAULT_VOLUME: f32 = 0.5;
+
 /// The settings. Fields that a file lacks have their defaults, so that files of other versions are read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -37,6 +40,8 @@ pub struct Settings {
     pub has_seen_tour: bool,
     /// The overlay.
     pub overlay: OverlaySettings,
+    /// The clicks.
+    pub sound: SoundSettings,
 }
 
 /// A choice of colours.
@@ -86,6 +91,16 @@ pub struct OverlaySettings {
     pub opacity: f32,
 }
 
+/// Clicks on presses.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct SoundSettings {
+    /// Presses click.
+    pub is_on: bool,
+    /// Volume as a fraction of the full volume, 0..=1.
+    pub volume: f32,
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -99,6 +114,7 @@ impl Default for Settings {
             camera: None,
             has_seen_tour: false,
             overlay: OverlaySettings::default(),
+            sound: SoundSettings::default(),
         }
     }
 }
@@ -112,12 +128,33 @@ impl Default for OverlaySettings {
     }
 }
 
+/// Off: a window is not expected to make a noise before it is asked to, and other people may be in the room.
+impl Default for SoundSettings {
+    fn default() -> Self {
+        Self {
+            is_on: false,
+            volume: DEFAULT_VOLUME,
+        }
+    }
+}
+
+impl SoundSettings {
+    /// Returns the volume, or 0 while clicks are off.
+    pub fn level(self) -> f32 {
+        match self.is_on {
+            true => self.volume,
+            false => 0.0,
+        }
+    }
+}
+
 impl Settings {
     /// Returns the settings with every number in its range.
     #[must_use]
     pub fn checked(mut self) -> Self {
         self.scale = in_range(self.scale, SCALES, 1.0);
         self.overlay.opacity = in_range(self.overlay.opacity, (MIN_OPACITY, 1.0), 0.8);
+        self.sound.volume = in_range(self.sound.volume, (0.0, 1.0), DEFAULT_VOLUME);
         let is_finite = |position: &[f32; 2]| position.iter().all(|value| value.is_finite());
         self.overlay.position = self.overlay.position.filter(is_finite);
         self.window = self.window.filter(|window| {
@@ -193,6 +230,10 @@ mod tests {
             overlay: OverlaySettings {
                 position: None,
                 opacity: 0.0,
+            },
+            sound: SoundSettings {
+                is_on: false,
+                volume: f32::INFINITY,
             },
             ..Settings::default()
         };

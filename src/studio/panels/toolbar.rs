@@ -104,6 +104,12 @@ fn show_settings_menu(ui: &mut egui::Ui, state: &mut PanelState) {
         }
     }
     ui.separator();
+    ui.checkbox(&mut settings.sound.is_on, text("sound-clicks"));
+    let name = ui.label(text("sound-volume"));
+    let slider = egui::Slider::new(&mut settings.sound.volume, 0.0..=1.0).show_value(false);
+    ui.add_enabled(settings.sound.is_on, slider)
+        .labelled_by(name.id);
+    ui.separator();
     for language in Language::ALL {
         let is_own = texts::language() == language;
         if ui.radio(is_own, language.name()).clicked() {

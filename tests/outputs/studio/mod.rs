@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod safety;
+mod sound;
 
 use std::collections::HashSet;
 use std::process::Command;

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use tempfile::TempDir;
 use x11rb::connection::Connection;
@@ -14,15 +15,20 @@ use crate::support::x11::{XServer, wait_for};
 /// Studio with a hand that types without end, and a setup that names an output.
 ///
 /// The hand is simulated in the program: a busy machine, on which the window draws slowly, would delay a glove.
-struct Session {
+pub(super) struct Session {
     server: XServer,
-    program: Program,
+    pub(super) program: Program,
     folder: TempDir,
 }
 
 impl Session {
     /// Opens the window. `FOLDER` in the output stands for a temporary folder.
     fn start(output: &str) -> Option<Self> {
+        Self::start_with(output, |_| {})
+    }
+
+    /// Opens the window with a command that is changed before.
+    pub(super) fn start_with(output: &str, change: impl FnOnce(&mut Command)) -> Option<Self> {
         let server = XServer::start()?;
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().display().to_string();
@@ -30,7 +36,9 @@ impl Session {
         let setup = format!("Setup(output: \"{output}\")");
         fs::write(folder.path().join("setup.ron"), setup).expect("space on the disk");
         let setup = format!("{path}/setup.ron");
-        let program = Program::from_command(studio(&server, &[&setup, "--allow-root"]));
+        let mut command = studio(&server, &[&setup, "--allow-root"]);
+        change(&mut command);
+        let program = Program::from_command(command);
         program.wait_for_line("armed", 1);
         assert!(is_drawn(&server), "{:#?}", program.stderr_lines());
         Some(Self {
@@ -47,7 +55,7 @@ impl Session {
     }
 
     /// Waits until another key is pressed and, later, another one is released, as the transcript has it.
-    fn wait_for_typing(&self) {
+    pub(super) fn wait_for_typing(&self) {
         for kind in ["down ", "up   "] {
             let before = self.count(kind);
             assert!(
@@ -74,7 +82,7 @@ impl Session {
 }
 
 /// Output into a file, which does not need the X server of the window.
-const TRANSCRIPT: &str = "transcript:FOLDER/events";
+pub(super) const TRANSCRIPT: &str = "transcript:FOLDER/events";
 
 #[test]
 fn typing_goes_on_while_the_window_hangs() {

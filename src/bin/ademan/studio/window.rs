@@ -50,7 +50,7 @@ pub fn open(args: Args) -> Result<(), Failure> {
         let app = StudioApp::new(&session, sensors)?;
         let mut app = match player {
             Some(player) => app.with_player(player),
-            None => app,
+            None => app.with_sound(&session),
         };
         if let Some(path) = SettingsFile::default_path() {
             app = app.with_settings(path);
