@@ -230,7 +230,8 @@ impl Session {
             sink.drop_when_full();
         }
         // A replay may wait for its observers while nothing outside can stay pressed meanwhile.
-        let may_wait = !is_live && !sink.has_effect();
+        let has_effect = sink.has_effect();
+        let may_wait = !is_live && !has_effect;
         let mut recordings = Recordings::default();
         if let Some(path) = &self.options.record_to {
             let recorded = self.setup.recorded_setup();
@@ -250,7 +251,8 @@ impl Session {
             self.report_status(Notice::Sharing(*target));
         }
         drop(self.start_signal.take());
-        let mut status = self.options.report_status.then(StatusLog::default);
+        let status = || StatusLog::new(has_effect);
+        let mut status = self.options.report_status.then(status);
         let mut notifier = self.control.as_ref().map(ControlServer::notifier);
         let (notices, snapshots) = (self.notices.sender(), &mut self.snapshots);
         let views = &mut self.views;

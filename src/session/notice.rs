@@ -49,7 +49,10 @@ pub enum Notice {
     /// Output waits until the hand is clear of every control.
     Disarmed,
     /// Touches become events.
-    Armed,
+    Armed {
+        /// The events reach other programs.
+        has_effect: bool,
+    },
     /// A pause with this origin was requested.
     Paused(CommandOrigin),
     /// No readings arrive; everything is released.
@@ -113,7 +116,12 @@ impl fmt::Display for Notice {
             Self::Disarmed => {
                 f.write_str("paused: hold the hand clear of all keys for a moment to arm")
             }
-            Self::Armed => f.write_str("armed: touches are typed, Ctrl-C ends"),
+            Self::Armed { has_effect: true } => {
+                f.write_str("armed: touches are typed into other programs, Ctrl-C ends")
+            }
+            Self::Armed { has_effect: false } => {
+                f.write_str("armed: nothing is typed into other programs, Ctrl-C ends")
+            }
             Self::Paused(origin) => write_paused(f, *origin),
             Self::Stalled => f.write_str("stalled: no readings, everything is released"),
             Self::SourceLost(reason) => f.write_str(reason),
@@ -175,7 +183,7 @@ impl Notice {
                 | Self::Listening(_)
                 | Self::NoControlSocket
                 | Self::Disarmed
-                | Self::Armed
+                | Self::Armed { .. }
         )
     }
 }

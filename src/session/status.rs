@@ -18,6 +18,8 @@ const AWAITED: u32 = 10;
 /// 10 s, as a peer can cause them. Only those that a person waits for may come more often.
 #[derive(Default)]
 pub(super) struct StatusLog {
+    /// The outputs reach other programs.
+    has_effect: bool,
     limits: MessageLimits<Topic, Notice>,
     state: Option<(PipelineState, Option<CommandOrigin>)>,
     rejected: [u64; Rejection::COUNT],
@@ -52,6 +54,14 @@ enum Topic {
 }
 
 impl StatusLog {
+    /// Creates the log of a session whose outputs reach other programs, or do not.
+    pub fn new(has_effect: bool) -> Self {
+        Self {
+            has_effect,
+            ..Self::default()
+        }
+    }
+
     /// Reports the changes since the last step.
     pub fn update(&mut self, step: &StepView, now: Instant, report: &mut impl FnMut(Notice)) {
         // At the end the readings that were not processed count as dropped.
@@ -154,7 +164,10 @@ impl StatusLog {
                 (Topic::Paused, AWAITED, Notice::Paused(origin))
             }
             (PipelineState::Paused, None) => (Topic::Disarmed, 1, Notice::Disarmed),
-            (PipelineState::Running, _) => (Topic::Armed, AWAITED, Notice::Armed),
+            (PipelineState::Running, _) => {
+                let has_effect = self.has_effect;
+                (Topic::Armed, AWAITED, Notice::Armed { has_effect })
+            }
             (PipelineState::Stalled, _) => (Topic::Stalled, 1, Notice::Stalled),
         };
         let is_pause = topic == Topic::Paused;

@@ -71,8 +71,8 @@ pub struct Run {
     pub folder: TempDir,
 }
 
-/// The message of a session that is armed.
-pub const ARMED: &str = "armed: touches are typed, Ctrl-C ends";
+/// The message of a session that is armed and writes a transcript.
+pub const ARMED: &str = "armed: nothing is typed into other programs, Ctrl-C ends";
 
 impl Run {
     /// Starts the program with the layout `qwerty-flat`, and holds the key H.

@@ -72,7 +72,7 @@ pub fn run(args: Args) -> Result<(), Failure> {
 /// Returns a receiver that prints notices but those about typing.
 fn print_notices() -> NoticeReceiver {
     Box::new(|notice| {
-        if !matches!(notice, Notice::Armed | Notice::Disarmed) {
+        if !matches!(notice, Notice::Armed { .. } | Notice::Disarmed) {
             messages::print_notice(&notice);
         }
     })

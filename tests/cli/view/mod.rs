@@ -51,7 +51,7 @@ fn lines(path: &Path) -> Vec<String> {
 fn a_run_on_a_terminal_shows_board_fingertips_keys_counts_and_messages() {
     let mut screen = Screen::start(&run(&[]), 80, 24);
     screen.wait_for("pressed key H", is_lit);
-    let text = screen.wait_for_text("armed: touches are typed");
+    let text = screen.wait_for_text("armed: nothing is typed");
     println!("{text}");
     for expected in [
         "running",
@@ -80,7 +80,7 @@ fn a_run_on_a_terminal_shows_board_fingertips_keys_counts_and_messages() {
         "the last picture stays:\n{text}"
     );
     assert!(
-        text.contains("armed: touches are typed"),
+        text.contains("armed: nothing is typed"),
         "messages are kept:\n{text}"
     );
     assert!(text.contains("accepted"), "{text}");
@@ -225,7 +225,7 @@ fn a_picture_and_a_transcript_do_not_share_a_terminal() {
 #[test]
 fn the_other_views_print_messages_or_only_errors() {
     let log = crate::run(["run", "--source", "typist:h", "--view", "log"]).done();
-    assert!(log.err.contains("armed: touches are typed"), "{}", log.err);
+    assert!(log.err.contains("armed: nothing is typed"), "{}", log.err);
     let none = crate::run(["run", "--source", "typist:h", "--view", "none"]).done();
     assert!(!none.err.contains("armed"), "{}", none.err);
 }

@@ -33,7 +33,7 @@ fn a_watcher_sees_the_run_and_comes_and_goes_without_effect_on_it() {
     first.wait_for("pressed key H", is_lit);
     let text = first.wait_for_text("down: H");
     println!("{text}");
-    assert!(text.contains("armed: touches are typed"), "{text}");
+    assert!(text.contains("armed: nothing is typed"), "{text}");
     assert!(text.contains("tcp:127.0.0.1"), "{text}");
     let small = watch(&socket, 40, 12);
     println!("{}", small.wait_for_text("down: H"));

@@ -7,7 +7,7 @@
 //!  down    ShiftLeft H                                    keys that are down, or the task of the demo
 //!  Volume  ▕█████░░░░░▏ 0.50                              controls and axes
 //!  3218 readings, 174/s, no losses                        counts
-//!  armed: touches are typed                               messages
+//!  armed: nothing is typed into other programs            messages
 //! ```
 
 mod boards;
