@@ -36,6 +36,9 @@ pub(super) trait Connector: Clone + Send + 'static {
     /// Longest silence before the connection counts as lost. `None` for no limit.
     const IDLE_TIMEOUT: Option<Duration> = None;
 
+    /// Silence after the first connection after which a warning is due. `None` for a sender that may start whenever it likes.
+    const FIRST_BYTE_TIMEOUT: Option<Duration> = None;
+
     /// Opens the connection. Its reads block for [`READ_TIMEOUT`] at most; with a [`Readiness`] they do not block.
     fn connect(&mut self) -> std::result::Result<Connection, ConnectError>;
 }

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 /// Detector of bytes that form no packets.
 #[derive(Default)]
 pub(super) struct GarbageDetector {
-    /// Time of the first bytes since the last packet.
-    since: Option<Instant>,
+    /// Times of the first and the last bytes since the last packet, or since a silence.
+    span: Option<(Instant, Instant)>,
     has_warned: bool,
 }
 
@@ -20,7 +20,11 @@ impl GarbageDetector {
             *self = Self::default();
             return false;
         }
-        let since = *self.since.get_or_insert(now);
+        // A silence is no sign of a wrong format.
+        let is_silence = |last: Instant| now.saturating_duration_since(last) >= Self::TIMEOUT;
+        let span = self.span.filter(|&(_, last)| !is_silence(last));
+        let since = span.map_or(now, |(first, _)| first);
+        self.span = Some((since, now));
         let is_due = !self.has_warned && now.saturating_duration_since(since) >= Self::TIMEOUT;
         self.has_warned |= is_due;
         is_due
@@ -30,6 +34,17 @@ impl GarbageDetector {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_silence_is_no_garbage() {
+        let start = Instant::now();
+        let mut detector = GarbageDetector::default();
+        // The rest of a packet that a silence has cut, and then bytes of a wrong format.
+        for (millis, is_due) in [(0, false), (9_000, false), (10_000, false), (11_000, true)] {
+            let now = start + Duration::from_millis(millis);
+            assert_eq!(detector.update(now, false), is_due, "{millis}");
+        }
+    }
 
     #[test]
     fn garbage_is_reported_once_until_packets_arrive() {

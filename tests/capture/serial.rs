@@ -291,6 +291,25 @@ fn garbage_for_two_seconds_gives_one_warning() {
 }
 
 #[test]
+fn a_port_without_a_byte_gives_one_warning() {
+    log();
+    let mut port = Port::plugged_in();
+    let mut source = open(&port.uri(9600)).unwrap();
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(8) {
+        assert_eq!(source.next().unwrap(), SourceEvent::Idle);
+        if start.elapsed() < Duration::from_secs(4) {
+            assert_eq!(logged(&port, "no byte has arrived"), 0);
+        }
+    }
+    assert_eq!(logged(&port, "no byte has arrived"), 1);
+    // A cut packet, long after.
+    port.send(&[6, 6, 1]);
+    assert_eq!(source.next().unwrap(), SourceEvent::Idle);
+    assert_eq!(logged(&port, "no valid packet"), 0);
+}
+
+#[test]
 fn packets_after_a_megabyte_of_noise_are_decoded() {
     const NOISE: usize = 1 << 20;
     let mut random = Rng::with_seed(6);

@@ -1,5 +1,7 @@
 //! Byte stream as a source: decoding, time stamps and reconnection, common to all transports.
 
+mod warnings;
+
 use std::collections::VecDeque;
 use std::io::{Error, ErrorKind};
 use std::time::{Duration, Instant};
@@ -35,6 +37,8 @@ pub(super) struct StreamSource<C> {
     buffer: Vec<u8>,
     pending: PendingReadings,
     garbage: GarbageDetector,
+    /// A byte has arrived, or the person was warned that none does.
+    has_first_byte: bool,
     last_received: Instant,
     /// Restarts only after a packet: a device that comes and goes is opened less and less often.
     back_off: BackOff,
@@ -88,6 +92,7 @@ impl<C: Connector> StreamSource<C> {
             },
             format,
             garbage: GarbageDetector::default(),
+            has_first_byte: false,
             last_received: Instant::now(),
             back_off: BackOff::default(),
             losses: 0,
@@ -143,7 +148,8 @@ impl<C: Connector> StreamSource<C> {
     fn deadline(&self) -> Option<Instant> {
         let is_awaited = self.decoder.awaits_pause();
         let pause = self.format.pause_time().filter(|_| is_awaited);
-        let timeout = pause.or(C::IDLE_TIMEOUT)?;
+        let first_byte = C::FIRST_BYTE_TIMEOUT.filter(|_| !self.has_first_byte);
+        let timeout = pause.or(first_byte).or(C::IDLE_TIMEOUT)?;
         Some(self.last_received + timeout)
     }
 
@@ -162,6 +168,7 @@ impl<C: Connector> StreamSource<C> {
             self.decoder.pause(&mut |_| {});
         }
         self.last_received = now;
+        self.has_first_byte = true;
         let received = self.decoder.stats().bytes + length as u64;
         let (format, pending) = (&self.format, &mut self.pending);
         let (mut has_packet, was_late) = (false, pending.is_late);
@@ -175,13 +182,7 @@ impl<C: Connector> StreamSource<C> {
         }
         self.format_error = self.decoder.take_error();
         if self.garbage.update(now, has_packet) {
-            tracing::warn!(
-                source = self.name,
-                "no valid packet from {} for {} s{}; check baud and protocol",
-                self.name,
-                GarbageDetector::TIMEOUT.as_secs(),
-                self.last_error()
-            );
+            warnings::garbage(&self.name, &self.last_error());
         }
         if has_packet {
             self.back_off = BackOff::default();
@@ -218,6 +219,13 @@ impl<C: Connector> StreamSource<C> {
             self.decoder
                 .pause(&mut |packet| pending.push(packet, now, received, format));
             return Ok(self.pending.pop().unwrap_or(SourceEvent::Idle));
+        }
+        if let Some(timeout) = C::FIRST_BYTE_TIMEOUT
+            && !self.has_first_byte
+            && self.last_received.elapsed() >= timeout
+        {
+            self.has_first_byte = true;
+            warnings::no_byte(&self.name, timeout);
         }
         match C::IDLE_TIMEOUT {
             Some(timeout) if self.last_received.elapsed() >= timeout => {

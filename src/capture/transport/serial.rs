@@ -5,6 +5,7 @@ use std::io::{Read, Write};
 use std::num::NonZeroU32;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use serialport::{ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, StopBits};
 
@@ -65,6 +66,7 @@ impl SerialConnector {
 impl Connector for SerialConnector {
     const IS_LIVE: bool = true;
     const RECONNECTS: bool = true;
+    const FIRST_BYTE_TIMEOUT: Option<Duration> = Some(Duration::from_secs(5));
 
     fn connect(&mut self) -> Result<Connection, ConnectError> {
         let present = present_ports();
