@@ -253,8 +253,11 @@ impl LoadedSetup {
     /// Returns the path of the glove file of the first hand, or `None` if it comes with the program or a recording.
     pub fn glove_path(&self) -> Option<&str> {
         let file = self.glove_document()?.file.as_str();
-        let is_file = self.has_files && Path::new(file).is_file();
-        is_file.then_some(file)
+        let name = self.setup.glove_name()?;
+        // In the folder of the sources there is a file at the path of the shipped one.
+        let is_shipped = Document::shipped(name).is_ok_and(|shipped| shipped.file == file);
+        let is_own = name == file || !is_shipped;
+        (is_own && self.has_files && Path::new(file).is_file()).then_some(file)
     }
 
     /// Returns the run-time instance of a layout that is, or replaces, one of this setup.
@@ -369,4 +372,27 @@ pub fn layout_instance(layout: &Layout) -> LayoutInstance {
         .with_texts(layout.texts.clone())
         .with_auto_recenter(layout.boards.iter().map(|board| board.auto_recenter))
         .with_layout(Arc::new(layout.clone()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shipped_glove_has_no_file_even_in_the_folder_of_the_sources() {
+        // The tests run in that folder.
+        let file = "layouts/gloves/unam-hc11.ron";
+        assert!(Path::new(file).is_file());
+        let path = |glove: Option<&str>| {
+            let setup = Setup {
+                glove: glove.map(str::to_owned),
+                ..Setup::default()
+            };
+            let setup = setup.load_files().expect("the shipped files");
+            setup.glove_path().map(str::to_owned)
+        };
+        assert_eq!(path(None), None);
+        assert_eq!(path(Some("unam-hc11")), None);
+        assert_eq!(path(Some(file)).as_deref(), Some(file));
+    }
 }
