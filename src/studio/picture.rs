@@ -8,6 +8,24 @@ use parry3d::math::Vec2;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Color(pub [u8; 4]);
 
+#[cfg(test)]
+impl Color {
+    /// Returns the contrast to another colour, as the Web Content Accessibility Guidelines 2.2 define it: 1..=21.
+    pub fn contrast(self, other: Self) -> f32 {
+        let (a, b) = (self.luminance(), other.luminance());
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    fn luminance(self) -> f32 {
+        let linear = |value: u8| match f32::from(value) / 255.0 {
+            value if value <= 0.04045 => value / 12.92,
+            value => ((value + 0.055) / 1.055).powf(2.4),
+        };
+        let [red, green, blue, _] = self.0;
+        0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue)
+    }
+}
+
 impl Color {
     /// Creates an opaque colour.
     pub const fn rgb(red: u8, green: u8, blue: u8) -> Self {

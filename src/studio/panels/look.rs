@@ -38,7 +38,7 @@ fn set_theme(context: &egui::Context, theme: Theme) {
     });
 }
 
-fn visuals(theme: egui::Theme, settings: &Settings) -> Visuals {
+pub(super) fn visuals(theme: egui::Theme, settings: &Settings) -> Visuals {
     let is_dark = theme == egui::Theme::Dark;
     let mut visuals = match is_dark {
         true => Visuals::dark(),

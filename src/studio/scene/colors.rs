@@ -107,20 +107,6 @@ impl SceneColors {
 mod tests {
     use super::*;
 
-    /// Relative luminance of the Web Content Accessibility Guidelines 2.2.
-    fn luminance(Color([red, green, blue, _]): Color) -> f32 {
-        let linear = |value: u8| match f32::from(value) / 255.0 {
-            value if value <= 0.04045 => value / 12.92,
-            value => ((value + 0.055) / 1.055).powf(2.4),
-        };
-        0.2126 * linear(red) + 0.7152 * linear(green) + 0.0722 * linear(blue)
-    }
-
-    fn contrast(a: Color, b: Color) -> f32 {
-        let (a, b) = (luminance(a), luminance(b));
-        (a.max(b) + 0.05) / (a.min(b) + 0.05)
-    }
-
     #[test]
     fn labels_are_readable_in_every_theme() {
         for (is_dark, has_high_contrast, least) in [
@@ -131,7 +117,7 @@ mod tests {
         ] {
             let colors = SceneColors::new(is_dark, has_high_contrast);
             for (label, key) in [(colors.label, colors.key), (colors.lit_label, colors.lit)] {
-                let ratio = contrast(label, key);
+                let ratio = label.contrast(key);
                 assert!(ratio >= least, "{is_dark} {has_high_contrast}: {ratio}");
             }
         }

@@ -2,12 +2,16 @@
 
 use eframe::egui::{self, Align2, Color32, FontId, Pos2, Rangef, Rect, Stroke};
 
+use super::colors::PlotColors;
 use crate::studio::history::History;
 use crate::studio::plot::{TimeWindow, decimate, grid_lines, grid_step};
 use crate::time::Timestamp;
 
-/// Width of the labels of the vertical axes, in points.
+/// Least width of the labels of the vertical axes, in points.
 const AXIS_WIDTH: f32 = 58.0;
+
+/// Space between a label and the edge of the scope, and between it and its row, in points.
+pub const LABEL_MARGIN: f32 = 4.0;
 
 /// Height of the labels of the time axis, in points.
 const TIME_AXIS_HEIGHT: f32 = 15.0;
@@ -32,22 +36,25 @@ pub struct Canvas<'a> {
     end: f64,
     pub weak: Color32,
     pub strong: Color32,
+    pub colors: PlotColors,
 }
 
 impl<'a> Canvas<'a> {
-    /// Draws the background, the grid and the time axis. `None` if the area is too small.
+    /// Draws the background, the grid and the time axis, with room for the names of rows. `None` if the area is too small.
     pub fn new(
         ui: &egui::Ui,
         area: Rect,
         history: &'a History,
         window: TimeWindow,
+        names: &[String],
     ) -> Option<Self> {
-        if area.width() < 2.0 * AXIS_WIDTH || area.height() < 2.0 * TIME_AXIS_HEIGHT {
+        let axis_width = axis_width(ui, names);
+        if area.width() < 2.0 * axis_width || area.height() < 2.0 * TIME_AXIS_HEIGHT {
             return None;
         }
         let end = history.end().unwrap_or_default().seconds();
         let to = end - window.age;
-        let min = Pos2::new(area.min.x + AXIS_WIDTH, area.min.y);
+        let min = Pos2::new(area.min.x + axis_width, area.min.y);
         let max = Pos2::new(area.max.x - 6.0, area.max.y - TIME_AXIS_HEIGHT);
         let canvas = Self {
             painter: ui.painter_at(area),
@@ -58,6 +65,7 @@ impl<'a> Canvas<'a> {
             end,
             weak: ui.visuals().weak_text_color(),
             strong: ui.visuals().text_color(),
+            colors: PlotColors::new(ui.visuals()),
         };
         let background = ui.visuals().extreme_bg_color;
         canvas.painter.rect_filled(canvas.area, 3.0, background);
@@ -130,7 +138,7 @@ impl<'a> Canvas<'a> {
             let stroke = Stroke::new(0.5, self.weak.gamma_multiply(0.25));
             self.painter.hline(row.x_range(), y, stroke);
             if (row.min.y + 6.0..=row.max.y - 6.0).contains(&y) {
-                let at = Pos2::new(row.min.x - 4.0, y);
+                let at = Pos2::new(row.min.x - LABEL_MARGIN, y);
                 let label = format!("{value:.0} {unit}").replace('-', "−");
                 self.text(at, Align2::RIGHT_CENTER, &label, self.weak);
             }
@@ -184,6 +192,42 @@ impl<'a> Canvas<'a> {
     }
 }
 
+/// Returns the width of the vertical axes: that of the longest name beside a row, which differs between languages.
+fn axis_width(ui: &egui::Ui, names: &[String]) -> f32 {
+    let width = |name: &String| {
+        let font = FontId::proportional(LETTERS);
+        let color = Color32::PLACEHOLDER;
+        let galley = ui.painter().layout_no_wrap(name.clone(), font, color);
+        galley.size().x + 2.0 * LABEL_MARGIN
+    };
+    names.iter().map(width).fold(AXIS_WIDTH, f32::max)
+}
+
 fn y_at(value: f32, row: Rect, (low, high): (f32, f32)) -> f32 {
     row.max.y - (value - low) / (high - low) * row.height()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_axis_has_room_for_every_name() {
+        let context = egui::Context::default();
+        let output = context.run_ui(egui::RawInput::default(), |ui| {
+            assert_eq!(axis_width(ui, &[]), AXIS_WIDTH);
+            let names = ["right little", "Teclas enviadas"].map(str::to_owned);
+            let font = FontId::proportional(LETTERS);
+            for name in &names {
+                let galley =
+                    ui.painter()
+                        .layout_no_wrap(name.clone(), font.clone(), Color32::WHITE);
+                assert!(
+                    axis_width(ui, &names) >= galley.size().x + LABEL_MARGIN,
+                    "{name}"
+                );
+            }
+        });
+        output.drop_without_applying_deltas();
+    }
 }

@@ -3,25 +3,11 @@
 use eframe::egui::{Align2, Color32, Pos2, Rangef, Rect};
 
 use super::Rows;
-use super::canvas::Canvas;
+use super::canvas::{Canvas, LABEL_MARGIN};
 use crate::hand::{Dof, Finger, Side};
 use crate::studio::history::{History, Moment};
 use crate::studio::texts::text;
 use crate::time::Timestamp;
-
-/// Colours of lines, which differ in lightness too.
-const LINE_COLORS: [Color32; 8] = [
-    Color32::from_rgb(0x3b, 0x82, 0xc4),
-    Color32::from_rgb(0xd1, 0x7a, 0x22),
-    Color32::from_rgb(0x3f, 0x9e, 0x5b),
-    Color32::from_rgb(0xa4, 0x5b, 0xb8),
-    Color32::from_rgb(0xc9, 0x4a, 0x4a),
-    Color32::from_rgb(0x2a, 0x9d, 0xa5),
-    Color32::from_rgb(0x8c, 0x8c, 0x2a),
-    Color32::from_rgb(0x8a, 0x6d, 0x5a),
-];
-
-const PRESS_COLOR: Color32 = Color32::from_rgb(0xff, 0xa0, 0x1c);
 
 /// Height of the presses of one finger, in points.
 const FINGER_ROW: f32 = 10.0;
@@ -105,7 +91,7 @@ fn draw_angles(canvas: &Canvas, row: Rect, angles: &[bool; Dof::COUNT]) {
     let range = lowest.fold((0.0_f32, 45.0_f32), |a, b| (a.0.min(b.0), a.1.max(b.1)));
     let (mut legend, row) = Legend::split_off(canvas, row);
     canvas.draw_axis(row, range, "°");
-    for (dof, color) in shown(angles).zip(LINE_COLORS.into_iter().cycle()) {
+    for (dof, color) in shown(angles).zip(canvas.colors.lines.into_iter().cycle()) {
         draw_line(canvas, row, range, color, values(dof));
         legend.add(dof.name(), color);
     }
@@ -117,7 +103,7 @@ fn draw_heights(canvas: &Canvas, row: Rect) {
     canvas.draw_axis(row, range, "mm");
     let known = known_fingers(canvas.history);
     for &(side, finger) in &known {
-        let color = LINE_COLORS[finger.index()];
+        let color = canvas.colors.lines[finger.index()];
         let height = move |moment: &Moment| moment.heights_mm[side.index()][finger.index()];
         draw_line(canvas, row, range, color, height);
         legend.add(&finger_name(&known, side, finger), color);
@@ -130,8 +116,9 @@ fn draw_latency(canvas: &Canvas, row: Rect) {
     let range = (0.0, highest.max(1.0));
     let (mut legend, row) = Legend::split_off(canvas, row);
     canvas.draw_axis(row, range, "ms");
-    draw_line(canvas, row, range, LINE_COLORS[4], latency);
-    legend.add(text("scope-latency"), LINE_COLORS[4]);
+    let color = canvas.colors.lines[4];
+    draw_line(canvas, row, range, color, latency);
+    legend.add(text("scope-latency"), color);
 }
 
 fn draw_line(
@@ -149,7 +136,7 @@ fn draw_line(
 /// Draws the presses of one finger as bars.
 fn draw_presses(canvas: &Canvas, row: Rect, side: Side, finger: Finger) {
     let known = known_fingers(canvas.history);
-    let at = Pos2::new(row.min.x - 4.0, row.center().y);
+    let at = Pos2::new(row.min.x - LABEL_MARGIN, row.center().y);
     let name = finger_name(&known, side, finger);
     canvas.text(at, Align2::RIGHT_CENTER, &name, canvas.weak);
     let bar = row.y_range().shrink(1.0);
@@ -159,21 +146,21 @@ fn draw_presses(canvas: &Canvas, row: Rect, side: Side, finger: Finger) {
         match (is_pressing, start) {
             (true, None) => start = Some(moment.time.seconds()),
             (false, Some(from)) => {
-                canvas.draw_bar(bar, from, moment.time.seconds(), PRESS_COLOR);
+                canvas.draw_bar(bar, from, moment.time.seconds(), canvas.colors.press);
                 start = None;
             }
             _ => {}
         }
     }
     if let (Some(from), Some(end)) = (start, canvas.history.end()) {
-        canvas.draw_bar(bar, from, end.seconds(), PRESS_COLOR);
+        canvas.draw_bar(bar, from, end.seconds(), canvas.colors.press);
     }
 }
 
 /// Draws presses as ticks with the name of the key, and releases as short ticks. A name that has no room is left out; zooming
 /// makes room.
 fn draw_events(canvas: &Canvas, row: Rect) {
-    let at = Pos2::new(row.min.x - 4.0, row.center().y);
+    let at = Pos2::new(row.min.x - LABEL_MARGIN, row.center().y);
     canvas.text(at, Align2::RIGHT_CENTER, text("scope-events"), canvas.weak);
     let mut free_from = row.min.x;
     for event in canvas.history.events() {
@@ -261,6 +248,16 @@ fn extremes(history: &History, value: impl Fn(&Moment) -> f32) -> (f32, f32) {
     values.fold((f32::MAX, f32::MIN), |(low, high), value| {
         (low.min(value), high.max(value))
     })
+}
+
+/// Returns the names beside the rows of presses and events.
+pub fn row_names(history: &History, rows: Rows) -> Vec<String> {
+    let known = known_fingers(history);
+    let pressing = pressing_fingers(history).into_iter();
+    let fingers = pressing.map(|(side, finger)| finger_name(&known, side, finger));
+    let mut names: Vec<String> = fingers.filter(|_| rows.presses).collect();
+    names.extend(rows.events.then(|| text("scope-events").to_owned()));
+    names
 }
 
 /// Splits a row of this height off the lower edge.

@@ -1,6 +1,7 @@
 //! The scope: plots of the last 30 s over one time axis.
 
 mod canvas;
+mod colors;
 mod lanes;
 
 use eframe::egui::{self, Key, Role, Sense, WidgetInfo};
@@ -73,7 +74,8 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut ScopeState, context: &mut Pane
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, text("scope-plot")));
     change_window(ui, &mut state.window, &response);
     let history = state.held.as_deref().unwrap_or(history);
-    let Some(canvas) = Canvas::new(ui, area, history, state.window) else {
+    let names = lanes::row_names(history, state.rows);
+    let Some(canvas) = Canvas::new(ui, area, history, state.window, &names) else {
         return;
     };
     lanes::draw(&canvas, &state.angles, state.rows);
