@@ -11,7 +11,6 @@ use super::model::StudioModel;
 use super::panels::{self, PanelContext, PanelState};
 use super::playback::Player;
 use super::sensor_control::SensorControl;
-use super::sensors::SensorTable;
 use super::settings::{Settings, WindowPlace};
 use super::settings_file::SettingsFile;
 use super::sound::Sound;
@@ -48,18 +47,19 @@ pub struct StudioApp {
 }
 
 impl StudioApp {
-    /// Creates the program for a session, whose glove has these channels.
-    pub fn new(session: &SessionHandle, sensors: SensorTable) -> Result<Self, StudioError> {
+    /// Creates the program for a session.
+    pub fn new(session: &SessionHandle) -> Result<Self, StudioError> {
         let viewer = session.add_viewer();
         let view = viewer.views().recv().map_err(|_| StudioError::Ended)?;
+        let sensors = SensorControl::new(session.sensors());
         Ok(Self {
-            model: StudioModel::new(view, sensors),
+            model: StudioModel::new(view, sensors.table()),
             snapshots: session.snapshots().clone(),
             viewer,
             commands: session.commands().clone(),
             trial: session.layout_trial().cloned(),
             player: None,
-            sensors: SensorControl::new(session.sensors()),
+            sensors,
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
             sound: None,

@@ -13,6 +13,12 @@ const FOCAL: f32 = 1.25;
 /// Rotation per pixel of a drag, in radians.
 const ORBIT_SPEED: f32 = 0.008;
 
+/// Drag that one key stands for, in points: 14° of an orbit.
+const KEY_DRAG: f32 = 30.0;
+
+/// Factor of the distance of one key.
+const KEY_ZOOM: f32 = 1.15;
+
 /// Range of the distance from the eye to the target, in metres.
 const DISTANCES: (f32, f32) = (0.08, 6.0);
 
@@ -44,6 +50,17 @@ pub enum Viewpoint {
     Above,
     /// At the right of the wearer.
     Side,
+}
+
+/// A movement of the camera by a key. Directions are those in which the eye moves: to the right and up, −1, 0 or 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CameraStep {
+    /// Turns around the target.
+    Orbit(f32, f32),
+    /// Moves the target.
+    Pan(f32, f32),
+    /// Approaches the target if positive.
+    Zoom(f32),
 }
 
 impl Viewpoint {
@@ -138,6 +155,16 @@ impl Camera {
         self.distance = (self.distance * factor).clamp(DISTANCES.0, DISTANCES.1);
     }
 
+    /// Moves by a key, on a picture of this height.
+    pub fn step(&mut self, step: CameraStep, height: f32) {
+        let drag = |right: f32, up: f32| Vec2::new(-right, up) * KEY_DRAG;
+        match step {
+            CameraStep::Orbit(right, up) => self.orbit(drag(right, up)),
+            CameraStep::Pan(right, up) => self.pan(drag(right, up), height),
+            CameraStep::Zoom(nearer) => self.zoom(KEY_ZOOM.powf(-nearer)),
+        }
+    }
+
     /// Returns the position of the eye.
     pub fn eye(&self) -> Vec3 {
         self.target + self.axes()[2] * self.distance
@@ -208,6 +235,26 @@ mod tests {
         camera.pan(Vec2::new(30.0, -20.0), SIZE.y);
         let moved = camera.project(point, SIZE).unwrap().position - SIZE / 2.0;
         assert!((moved - Vec2::new(30.0, -20.0)).length() < 1.0, "{moved}");
+    }
+
+    #[test]
+    fn keys_move_the_eye_to_the_right_and_up_and_nearer() {
+        let moved = |step| {
+            let mut camera = Camera::default();
+            let ([right, up, back], eye) = (camera.axes(), camera.eye());
+            camera.step(step, SIZE.y);
+            let way = camera.eye() - eye;
+            [way.dot(right), way.dot(up), way.dot(back)]
+        };
+        assert!(moved(CameraStep::Orbit(1.0, 0.0))[0] > 0.05);
+        assert!(moved(CameraStep::Orbit(0.0, 1.0))[1] > 0.05);
+        assert!(moved(CameraStep::Pan(1.0, 0.0))[0] > 0.02);
+        assert!(moved(CameraStep::Pan(0.0, 1.0))[1] > 0.02);
+        assert!(moved(CameraStep::Zoom(1.0))[2] < -0.05);
+        let mut camera = Camera::default();
+        camera.step(CameraStep::Orbit(1.0, 0.0), SIZE.y);
+        camera.step(CameraStep::Orbit(-1.0, 0.0), SIZE.y);
+        assert!((camera.eye() - Camera::default().eye()).length() < 1e-6);
     }
 
     #[test]

@@ -70,6 +70,22 @@ impl Tour {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::studio::texts::{self, Language, text};
+
+    #[test]
+    fn the_steps_name_the_tabs_of_the_window() {
+        for language in Language::ALL {
+            texts::set_language(language);
+            for (step, tab) in [
+                ("tour-sensors-words", "workspace-calibration"),
+                ("tour-layout-words", "workspace-layout"),
+            ] {
+                let (words, tab) = (text(step), text(tab));
+                assert!(words.contains(tab), "{tab:?} is missing: {words}");
+            }
+        }
+        texts::set_language(Language::English);
+    }
 
     #[test]
     fn the_tour_has_five_steps_and_ends_after_the_last() {

@@ -123,8 +123,11 @@ pub(super) const ACTIONS: [ActionSpec; 14] = [
     )),
 ];
 
-/// Keys of the toolkit: names of the keys, and the key of the words.
-pub(super) const OTHER_KEYS: [(&str, &str); 5] = [
+/// Keys of panels and of the toolkit: names of the keys, and the key of the words.
+pub(super) const OTHER_KEYS: [(&str, &str); 8] = [
+    ("←↑↓→", "keys-orbit"),
+    ("Shift+←↑↓→", "keys-pan"),
+    ("+, −", "keys-zoom"),
     ("Tab, Shift+Tab", "keys-tab"),
     ("Space, Enter", "keys-operate"),
     ("Esc", "keys-escape"),

@@ -85,8 +85,9 @@ fn focus_color(is_dark: bool) -> Color32 {
     }
 }
 
-/// Makes a panel reachable with F6, names it for screen readers, and draws a line around it while it has the focus.
-pub(super) fn mark_panel(ui: &mut egui::Ui, state: &mut PanelState, key: &'static str) {
+/// Makes a panel reachable with F6, names it for screen readers, and draws a line around it while it has the focus. Returns whether
+/// it has.
+pub(super) fn mark_panel(ui: &mut egui::Ui, state: &mut PanelState, key: &'static str) -> bool {
     let area = ui.max_rect();
     let id = egui::Id::unique(("panel", key));
     let response = ui.interact(area, id, egui::Sense::focusable_noninteractive());
@@ -107,6 +108,21 @@ pub(super) fn mark_panel(ui: &mut egui::Ui, state: &mut PanelState, key: &'stati
         ));
         painter.rect_stroke(area.shrink(1.0), 2.0, line, egui::StrokeKind::Inside);
     }
+    response.has_focus()
+}
+
+/// Leaves the arrow keys to what has the focus: otherwise they move it.
+pub(super) fn keep_arrow_keys(ui: &egui::Ui) {
+    let arrows = egui::EventFilter {
+        horizontal_arrows: true,
+        vertical_arrows: true,
+        ..egui::EventFilter::default()
+    };
+    ui.memory_mut(|memory| {
+        if let Some(id) = memory.focused() {
+            memory.set_focus_lock_filter(id, arrows);
+        }
+    });
 }
 
 /// Names an area that is drawn, for screen readers.

@@ -220,7 +220,8 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
     if let Some(player) = context.player {
         let panel = egui::Panel::bottom("recording");
         panel.show(ui, |ui| {
-            recording::show(ui, &mut state.recording, player, context.moves)
+            let has_focus = look::mark_panel(ui, state, "panel-recording");
+            recording::show(ui, &mut state.recording, player, context.moves, has_focus)
         });
     }
     match state.workspace {
@@ -261,8 +262,8 @@ fn show_hand(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelConte
     }
     let space = egui::CentralPanel::default().frame(egui::Frame::NONE);
     space.show(ui, |ui| {
-        look::mark_panel(ui, state, "panel-space");
-        space::show(ui, state, context);
+        let has_focus = look::mark_panel(ui, state, "panel-space");
+        space::show(ui, state, context, has_focus);
     });
 }
 

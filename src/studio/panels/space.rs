@@ -1,10 +1,12 @@
 //! The 3D view: boards and hands, drawn by the painter of egui.
 
-use eframe::egui::{self, Align2, Color32, FontId, PointerButton, Pos2, Rect, Sense};
+use eframe::egui::{
+    self, Align2, Color32, FontId, Key, Modifiers, PointerButton, Pos2, Rect, Sense,
+};
 use parry3d::math::Vec2;
 
 use super::{PanelContext, PanelState, look};
-use crate::studio::camera::Viewpoint;
+use crate::studio::camera::{CameraStep, Viewpoint};
 use crate::studio::picture::{Color, Label, Picture, Triangles};
 use crate::studio::scene::{self, SceneColors};
 use crate::studio::texts::text;
@@ -18,7 +20,41 @@ const THROUGH_HANDS: f32 = 0.5;
 /// Sizes of the font in which labels are drawn, in points.
 const FONT_SIZES: [f32; 6] = [10.0, 14.0, 20.0, 28.0, 40.0, 64.0];
 
-pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
+/// Keys of the view while it has the focus. Those with Shift stand first, as the others match them too.
+const KEYS: [(Modifiers, Key, CameraStep); 11] = [
+    (Modifiers::SHIFT, Key::ArrowLeft, CameraStep::Pan(-1.0, 0.0)),
+    (Modifiers::SHIFT, Key::ArrowRight, CameraStep::Pan(1.0, 0.0)),
+    (Modifiers::SHIFT, Key::ArrowDown, CameraStep::Pan(0.0, -1.0)),
+    (Modifiers::SHIFT, Key::ArrowUp, CameraStep::Pan(0.0, 1.0)),
+    (
+        Modifiers::NONE,
+        Key::ArrowLeft,
+        CameraStep::Orbit(-1.0, 0.0),
+    ),
+    (
+        Modifiers::NONE,
+        Key::ArrowRight,
+        CameraStep::Orbit(1.0, 0.0),
+    ),
+    (
+        Modifiers::NONE,
+        Key::ArrowDown,
+        CameraStep::Orbit(0.0, -1.0),
+    ),
+    (Modifiers::NONE, Key::ArrowUp, CameraStep::Orbit(0.0, 1.0)),
+    (Modifiers::NONE, Key::Plus, CameraStep::Zoom(1.0)),
+    // Plus without Shift on keyboards that have both on one key.
+    (Modifiers::NONE, Key::Equals, CameraStep::Zoom(1.0)),
+    (Modifiers::NONE, Key::Minus, CameraStep::Zoom(-1.0)),
+];
+
+/// Draws the 3D view. `has_focus` is that of its panel.
+pub(super) fn show(
+    ui: &mut egui::Ui,
+    state: &mut PanelState,
+    context: &mut PanelContext,
+    has_focus: bool,
+) {
     let size = ui.available_size();
     let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
     look::name_image(&response, text("panel-space"));
@@ -38,6 +74,12 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
         let scroll = ui.input(|input| input.smooth_scroll_delta().y);
         state.camera.zoom((-scroll * 0.002).exp());
     }
+    if has_focus || response.has_focus() {
+        look::keep_arrow_keys(ui);
+        for step in pressed_keys(ui) {
+            state.camera.step(step, size.y);
+        }
+    }
     let has_high_contrast = state.settings.has_high_contrast;
     let colors = SceneColors::new(ui.visuals().dark_mode, has_high_contrast);
     let picture = scene::draw(context.model, &state.camera, size, &colors, state.scene);
@@ -53,6 +95,15 @@ pub(super) fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut Pane
         font,
         color,
     );
+}
+
+/// Returns the movements of the keys that were pressed.
+fn pressed_keys(ui: &egui::Ui) -> Vec<CameraStep> {
+    let pressed = |(modifiers, key, step): &(Modifiers, Key, CameraStep)| {
+        let count = ui.input_mut(|input| input.count_and_consume_key(*modifiers, *key));
+        std::iter::repeat_n(*step, count)
+    };
+    KEYS.iter().flat_map(pressed).collect()
 }
 
 /// Points the camera at the boards once their poses are known, or where it was at the last start, and from a chosen viewpoint.

@@ -8,6 +8,7 @@
 
 mod accessibility;
 mod editor;
+mod keyboard;
 mod layouts;
 mod picture;
 mod played_hand;

@@ -8,7 +8,7 @@ use ademan::session::{Session, SessionHandle, SessionOptions};
 use ademan::setup::{OtherHand, Setup};
 use ademan::studio::StudioApp;
 use ademan::studio::model::StudioModel;
-use ademan::studio::sensors::SensorTable;
+use ademan::studio::playback::{Player, Recording};
 use ademan::studio::texts::text;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
@@ -36,6 +36,8 @@ pub struct Opening {
     pub size: [f32; 2],
     /// The file of the settings. Without one nothing is remembered.
     pub settings: Option<PathBuf>,
+    /// A recording that is shown in place of the hand.
+    pub recording: Option<PathBuf>,
 }
 
 impl Default for Opening {
@@ -50,6 +52,7 @@ impl Default for Opening {
             theme: egui::Theme::Dark,
             size: [1280.0, 800.0],
             settings: None,
+            recording: None,
         }
     }
 }
@@ -67,8 +70,6 @@ impl Opening {
     pub fn open(self) -> StudioWindow {
         let setup = self.setup.load_files().expect("the files of the setup");
         let hand = PlayedHand::new(&setup, self.readings).expect("a hand for the layout");
-        let map = setup.glove.as_ref().map(|glove| &glove.map);
-        let sensors = map.map(SensorTable::new).unwrap_or_default();
         let options = SessionOptions {
             source: Some(Box::new(hand)),
             lossless_snapshots: true,
@@ -77,9 +78,13 @@ impl Opening {
         };
         let session = Session::start(setup, options).expect("the session starts");
         session.wait_until_started();
-        let mut app = StudioApp::new(&session, sensors).expect("the session runs");
+        let mut app = StudioApp::new(&session).expect("the session runs");
         if let Some(path) = self.settings {
             app = app.with_settings(path);
+        }
+        if let Some(path) = self.recording {
+            let recording = Recording::open(&path, None).expect("a recording");
+            app = app.with_player(Player::open(recording).expect("a thread"));
         }
         let builder = Harness::builder()
             .with_size(self.size)

@@ -8,7 +8,6 @@ use ademan::command::Command;
 use ademan::session::SessionOptions;
 use ademan::setup::{LoadedSetup, ReplaySettings, Setup};
 use ademan::studio::playback::{OpenError, Player, Recording};
-use ademan::studio::sensors::SensorTable;
 use ademan::studio::settings_file::SettingsFile;
 use ademan::studio::texts::{self, Language};
 use ademan::studio::{StudioApp, StudioError, open_window};
@@ -41,13 +40,11 @@ pub fn open(args: Args) -> Result<(), Failure> {
     options.watchdog = Some(watchdog::program(Command::Pause)?);
     options.use_panic_keys = setup.setup.output != NO_OUTPUT;
     options.on_notice = Some(session::print_notices());
-    let map = setup.glove.as_ref().map(|glove| &glove.map);
-    let sensors = map.map(SensorTable::new).unwrap_or_default();
     let session = session::start(setup, options)?;
     session.wait_until_started();
     texts::set_language(language());
     let shown = panics::contain(|| {
-        let app = StudioApp::new(&session, sensors)?;
+        let app = StudioApp::new(&session)?;
         let mut app = match player {
             Some(player) => app.with_player(player),
             None => app.with_sound(&session),

@@ -7,6 +7,7 @@ use eframe::egui::{self, Key, Modifiers};
 
 use self::comparison::ComparisonState;
 use self::part::PartState;
+use super::look;
 use crate::studio::playback::{Move, Player, SPEEDS};
 use crate::studio::texts::{text, text_with};
 
@@ -22,6 +23,7 @@ pub(super) fn show(
     state: &mut RecordingState,
     player: &Player,
     moves: &mut Vec<Move>,
+    has_focus: bool,
 ) {
     ui.add_space(4.0);
     ui.horizontal(|ui| show_transport(ui, player, moves));
@@ -37,8 +39,11 @@ pub(super) fn show(
     }
     comparison::show(ui, &mut state.comparison, player, moves);
     ui.add_space(4.0);
+    if has_focus {
+        look::keep_arrow_keys(ui);
+    }
     // Keys belong to a field or button that has the focus.
-    if ui.memory(|memory| memory.focused().is_none()) {
+    if has_focus || ui.memory(|memory| memory.focused().is_none()) {
         moves.extend(pressed_keys(ui, player));
     }
 }
