@@ -8,6 +8,7 @@ use eframe::egui;
 
 use super::error::StudioError;
 use super::model::StudioModel;
+use super::pace::Pace;
 use super::panels::{self, PanelContext, PanelState};
 use super::playback::Player;
 use super::sensor_control::SensorControl;
@@ -20,9 +21,6 @@ use crate::document::DocumentError;
 use crate::session::view::Viewer;
 use crate::session::{CommandSender, LayoutTrial, SessionHandle};
 use crate::snapshot::Snapshot;
-
-/// Time between two pictures.
-const PICTURE_PERIOD: Duration = Duration::from_millis(16);
 
 /// Size of the window at the first start, in points.
 const WINDOW_SIZE: [f32; 2] = [1280.0, 800.0];
@@ -44,6 +42,8 @@ pub struct StudioApp {
     settings_file: SettingsFile,
     /// Clicks on presses; without it Studio is silent.
     sound: Option<Sound>,
+    /// The last picture shows something that the one before did not, even without input.
+    has_changed: bool,
 }
 
 impl StudioApp {
@@ -63,6 +63,7 @@ impl StudioApp {
             panels: PanelState::default(),
             settings_file: SettingsFile::default(),
             sound: None,
+            has_changed: true,
         })
     }
 
@@ -124,8 +125,9 @@ impl StudioApp {
             Some(player) => {
                 let elapsed = ui.input(|input| input.unstable_dt);
                 player.advance(Duration::from_secs_f32(elapsed), &mut self.model);
+                self.has_changed = player.is_playing() || !player.is_complete();
             }
-            None => self.receive(),
+            None => self.has_changed = self.receive(),
         }
         let mut sent = Vec::new();
         let mut moves = Vec::new();
@@ -159,17 +161,23 @@ impl StudioApp {
         }
     }
 
-    /// Receives what the session has sent since the last picture. Does not wait.
-    fn receive(&mut self) {
+    /// Receives what the session has sent since the last picture. Does not wait. Returns `false` if that is nothing.
+    fn receive(&mut self) -> bool {
+        let mut has_received = false;
         for snapshot in self.snapshots.try_iter() {
             self.model.update(&snapshot);
             self.sensors.update(&snapshot);
+            has_received = true;
         }
         match self.viewer.views().try_recv() {
-            Ok(view) => self.model.view = view,
+            Ok(view) => {
+                self.model.view = view;
+                has_received = true;
+            }
             Err(TryRecvError::Disconnected) => self.model.has_ended = true,
             Err(TryRecvError::Empty) => {}
         }
+        has_received
     }
 
     /// Remembers the place of the window, and writes the settings every few seconds or, at the end, at once.
@@ -215,11 +223,12 @@ fn place_of_window(context: &egui::Context) -> Option<WindowPlace> {
 /// A [`StudioApp`] in a window of the desktop.
 struct Window {
     app: StudioApp,
+    pace: Pace,
     should_close: fn() -> bool,
 }
 
 impl eframe::App for Window {
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut egui::Ui, frame: &mut eframe::Frame) {
         let is_stopped = (self.should_close)();
         if is_stopped {
             self.app.panels.permit_close();
@@ -231,7 +240,9 @@ impl eframe::App for Window {
         if is_stopped {
             context.send_viewport_cmd(egui::ViewportCommand::Close);
         }
-        context.request_repaint_after(PICTURE_PERIOD);
+        let now = context.input(|input| input.time);
+        let cost = Duration::from_secs_f32(frame.info().cpu_usage.unwrap_or(0.0));
+        context.request_repaint_after(self.pace.pause(now, self.app.has_changed, cost));
     }
 }
 
@@ -253,7 +264,11 @@ pub fn open_window(mut app: StudioApp, should_close: fn() -> bool) -> Result<(),
         renderer: eframe::Renderer::Glow,
         ..eframe::NativeOptions::default()
     };
-    let window = Window { app, should_close };
+    let window = Window {
+        app,
+        pace: Pace::default(),
+        should_close,
+    };
     let create: eframe::AppCreator = Box::new(|creation| {
         StudioApp::prepare(&creation.egui_ctx);
         creation.egui_ctx.set_zoom_factor(scale);

@@ -85,6 +85,37 @@ pub struct Projected {
     pub scale: f32,
 }
 
+/// The mapping from the world to a picture of one size, computed once for all points.
+#[derive(Clone, Copy, Debug)]
+pub struct Projection {
+    /// Position of the eye.
+    pub eye: Vec3,
+    /// Directions to the right, up and backwards.
+    pub axes: [Vec3; 3],
+    /// Focal length, in points.
+    focal: f32,
+    middle: Vec2,
+}
+
+impl Projection {
+    /// Returns the position of a point, or `None` behind the eye.
+    pub fn project(&self, point: Vec3) -> Option<Projected> {
+        let [right, up, back] = self.axes;
+        let offset = point - self.eye;
+        let depth = -offset.dot(back);
+        if depth < NEAR {
+            return None;
+        }
+        let scale = self.focal / depth;
+        let position = self.middle + Vec2::new(offset.dot(right), -offset.dot(up)) * scale;
+        Some(Projected {
+            position,
+            depth,
+            scale,
+        })
+    }
+}
+
 impl Default for Camera {
     fn default() -> Self {
         let (azimuth, elevation) = Viewpoint::Eye.direction();
@@ -129,9 +160,10 @@ impl Camera {
 
     /// Returns the bounds of points on a picture of this size, or `None` if one is behind the eye.
     fn bounds(&self, points: &[Vec3], size: Vec2) -> Option<(Vec2, Vec2)> {
+        let projection = self.projection(size);
         let mut bounds = (Vec2::MAX, Vec2::MIN);
         for &point in points {
-            let position = self.project(point, size)?.position;
+            let position = projection.project(point)?.position;
             bounds = (bounds.0.min(position), bounds.1.max(position));
         }
         Some(bounds)
@@ -170,21 +202,19 @@ impl Camera {
         self.target + self.axes()[2] * self.distance
     }
 
+    /// Returns the mapping to a picture of this size.
+    pub fn projection(&self, size: Vec2) -> Projection {
+        Projection {
+            eye: self.eye(),
+            axes: self.axes(),
+            focal: FOCAL * size.y,
+            middle: size / 2.0,
+        }
+    }
+
     /// Returns the position of a point on a picture of this size, or `None` behind the eye.
     pub fn project(&self, point: Vec3, size: Vec2) -> Option<Projected> {
-        let [right, up, back] = self.axes();
-        let offset = point - self.eye();
-        let depth = -offset.dot(back);
-        if depth < NEAR {
-            return None;
-        }
-        let scale = FOCAL * size.y / depth;
-        let position = size / 2.0 + Vec2::new(offset.dot(right), -offset.dot(up)) * scale;
-        Some(Projected {
-            position,
-            depth,
-            scale,
-        })
+        self.projection(size).project(point)
     }
 
     /// Returns the directions to the right, up and backwards.

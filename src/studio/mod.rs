@@ -10,8 +10,8 @@
 //! ```
 //!
 //! The content of the panels is computed without a window and has unit tests: [`model`], [`camera`], [`scene`], [`sensors`],
-//! [`glove_editor`], [`guide`], [`history`], [`plot`], [`sound::click`], [`tour`], [`typing`], [`settings`]. Only `app` and the files of `panels`
-//! name egui.
+//! [`glove_editor`], [`guide`], [`history`], [`pace`], [`plot`], [`sound::click`], [`tour`], [`typing`], [`settings`]. Only `app` and
+//! the files of `panels` name egui.
 //!
 //! # Adding a panel
 //!
@@ -34,6 +34,7 @@ pub mod history;
 mod joint_names;
 pub mod latency;
 pub mod model;
+pub mod pace;
 mod panels;
 pub mod picture;
 pub mod playback;

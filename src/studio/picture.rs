@@ -124,6 +124,14 @@ impl Triangles {
         self.add_polygon(&corners);
     }
 
+    /// Adds four corners of one colour, without a soft edge.
+    pub fn add_quad(&mut self, corners: [Vec2; 4], color: Color) {
+        let first = self.vertices.len() as u32;
+        self.vertices.extend(corners.map(|corner| (corner, color)));
+        let corners = [0, 1, 2, 0, 2, 3];
+        self.indices.extend(corners.map(|corner| first + corner));
+    }
+
     /// Adds a line of this width, with a colour at each end.
     pub fn add_line(&mut self, [from, to]: [(Vec2, Color); 2], width: f32) {
         let side = (to.0 - from.0).perp().normalize_or_zero();
@@ -191,6 +199,7 @@ pub fn capsule((from, from_radius): (Vec2, f32), (to, to_radius): (Vec2, f32)) -
 
 /// Returns the convex hull of points (Andrew's monotone chain).
 pub fn convex_hull(mut points: Vec<Vec2>) -> Vec<Vec2> {
+    remove_inner_points(&mut points);
     points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let half = |points: &mut dyn Iterator<Item = Vec2>| {
         let mut chain: Vec<Vec2> = Vec::new();
@@ -208,6 +217,26 @@ pub fn convex_hull(mut points: Vec<Vec2>) -> Vec<Vec2> {
     let mut hull = half(&mut points.iter().copied());
     hull.extend(half(&mut points.iter().rev().copied()));
     hull
+}
+
+/// Removes the points inside the quadrilateral of those that are farthest along the diagonals: of many points most, and none of
+/// the hull (Akl and Toussaint).
+fn remove_inner_points(points: &mut Vec<Vec2>) {
+    let farthest = |direction: Vec2| {
+        let along = |point: &Vec2| point.dot(direction);
+        points
+            .iter()
+            .copied()
+            .max_by(|a, b| along(a).total_cmp(&along(b)))
+    };
+    let diagonals = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+    let [Some(a), Some(b), Some(c), Some(d)] = diagonals.map(|(x, y)| farthest(Vec2::new(x, y)))
+    else {
+        return;
+    };
+    let edges = [(a, b), (b, c), (c, d), (d, a)];
+    let is_left = |point: Vec2, (from, to): (Vec2, Vec2)| (to - from).perp_dot(point - from) > 0.0;
+    points.retain(|&point| !edges.iter().all(|&edge| is_left(point, edge)));
 }
 
 /// Replaces the signs that the font of the window lacks.
@@ -236,11 +265,30 @@ mod tests {
     }
 
     #[test]
+    fn the_hull_of_many_points_is_that_of_the_outer_ones() {
+        let mut random = fastrand::Rng::with_seed(3);
+        let mut number = || random.f32() * 2.0 - 1.0;
+        let inner: Vec<Vec2> = (0..500)
+            .map(|_| Vec2::new(number(), number()) * 0.6)
+            .collect();
+        let outer: Vec<Vec2> = (0..24)
+            .map(|at| Vec2::from_angle(at as f32 * 0.26))
+            .collect();
+        let mut points = [inner, outer.clone()].concat();
+        let hull = convex_hull(points.clone());
+        assert_eq!(hull.len(), outer.len());
+        assert!(outer.iter().all(|corner| hull.contains(corner)));
+        remove_inner_points(&mut points);
+        assert!(points.len() < 200, "{}", points.len());
+    }
+
+    #[test]
     fn all_indices_of_a_polygon_and_a_ring_are_corners() {
         let mut triangles = Triangles::default();
         let corners = capsule((Vec2::ZERO, 4.0), (Vec2::new(30.0, 0.0), 3.0));
         triangles.add_flat_polygon(&corners, Color::rgb(1, 2, 3));
         triangles.add_ring(Vec2::ZERO, 10.0, 2.0, Color::rgb(1, 2, 3));
+        triangles.add_quad([Vec2::ZERO; 4], Color::rgb(1, 2, 3));
         let count = triangles.vertices.len() as u32;
         assert!(triangles.indices.iter().all(|&index| index < count));
         assert_eq!(triangles.indices.len() % 3, 0);

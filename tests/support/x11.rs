@@ -50,10 +50,15 @@ pub struct XServer {
 impl XServer {
     /// Starts a server on a free display. Returns `None` with a message if Xvfb is not installed.
     pub fn start() -> Option<Self> {
-        let arguments = "-displayfd 1 -noreset -nolisten tcp -screen 0 800x600x24";
+        Self::with_screen("800x600x24")
+    }
+
+    /// Starts a server with a screen of this width, height and depth.
+    pub fn with_screen(screen: &str) -> Option<Self> {
+        let arguments = "-displayfd 1 -noreset -nolisten tcp -screen 0";
         let mut command = Command::new("Xvfb");
         command
-            .args(arguments.split(' '))
+            .args(arguments.split(' ').chain([screen]))
             .stdout(Stdio::piped())
             .stderr(Stdio::null());
         let mut process = match Process::start(&mut command) {

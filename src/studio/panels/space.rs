@@ -14,9 +14,6 @@ use crate::studio::texts::text;
 /// Height of letters as a fraction of the size of their font.
 const LETTER_HEIGHT: f32 = 0.72;
 
-/// Opacity of labels behind a hand.
-const THROUGH_HANDS: f32 = 0.5;
-
 /// Sizes of the font in which labels are drawn, in points.
 const FONT_SIZES: [f32; 6] = [10.0, 14.0, 20.0, 28.0, 40.0, 64.0];
 
@@ -130,22 +127,9 @@ fn place_camera(state: &mut PanelState, context: &PanelContext, size: Vec2) {
 pub(super) fn paint(painter: &egui::Painter, area: Rect, picture: &Picture, background: Color) {
     painter.rect_filled(area, 0.0, color32(background));
     painter.add(mesh(&picture.below, area));
-    let labels = label_mesh(painter, area, &picture.labels);
-    // Labels that are drawn twice look the same beside a hand, and are read through it.
-    let through_hands = faded(&labels);
-    painter.add(labels);
+    painter.add(label_mesh(painter, area, &picture.labels));
     painter.add(mesh(&picture.above, area));
-    painter.add(through_hands);
     painter.add(mesh(&picture.marks, area));
-}
-
-/// Returns labels as they are seen through a hand.
-fn faded(labels: &egui::Mesh) -> egui::Mesh {
-    let mut faded = labels.clone();
-    for vertex in &mut faded.vertices {
-        vertex.color = vertex.color.gamma_multiply(THROUGH_HANDS);
-    }
-    faded
 }
 
 /// Returns the letters of all labels. Each lies on its key, which no text of egui can.
@@ -191,12 +175,16 @@ fn font_size(label: &Label) -> f32 {
 }
 
 fn mesh(triangles: &Triangles, area: Rect) -> egui::Mesh {
-    let mut mesh = egui::Mesh::default();
-    for &(position, color) in &triangles.vertices {
-        mesh.colored_vertex(on_screen(position, area), color32(color));
+    let vertex = |&(position, color): &(Vec2, Color)| egui::epaint::Vertex {
+        pos: on_screen(position, area),
+        uv: egui::epaint::WHITE_UV,
+        color: color32(color),
+    };
+    egui::Mesh {
+        indices: triangles.indices.clone(),
+        vertices: triangles.vertices.iter().map(vertex).collect(),
+        ..egui::Mesh::default()
     }
-    mesh.indices.clone_from(&triangles.indices);
-    mesh
 }
 
 fn on_screen(position: Vec2, area: Rect) -> Pos2 {

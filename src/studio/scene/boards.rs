@@ -32,6 +32,9 @@ const MIN_LABEL_PT: f32 = 5.0;
 /// Size of a key on the screen below which it is a flat rectangle, in points.
 const MIN_DETAIL_PT: f32 = 9.0;
 
+/// Signs of the corners of a box, in the order of its outline.
+const CORNERS: [(f32, f32); 4] = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
+
 /// Adds a board, if its pose is known.
 pub(super) fn add_board(canvas: &mut Canvas, model: &StudioModel, index: usize) {
     let Some(world_from_board) = model.world_from_board(index) else {
@@ -99,8 +102,19 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
         true => (colors.lit, colors.lit_side, colors.lit_label),
         false => (colors.key, colors.key_side, colors.label),
     };
-    let is_detailed = 2.0 * half_extents(target).min_element() * projected.scale >= MIN_DETAIL_PT;
-    let outline = outline(target, is_detailed);
+    let is_turned_away = (pose.rotation * Vec3::Z).dot(canvas.projection.eye - center) <= 0.0;
+    if 2.0 * half_extents(target).min_element() * projected.scale < MIN_DETAIL_PT {
+        if !is_turned_away {
+            add_small_key(
+                canvas,
+                target,
+                &Pose::from_parts(center, pose.rotation),
+                face,
+            );
+        }
+        return;
+    }
+    let outline = outline(target);
     let at = |point: Vec2, z: f32| {
         let projected = canvas.project(*pose * point.extend(z))?;
         Some(projected.position)
@@ -109,15 +123,12 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
     let Some(front) = front else {
         return;
     };
-    if is_detailed {
-        let back = |point: &Vec2| at(*point * 1.04, -key_height(target));
-        let Some(back) = outline.iter().map(back).collect::<Option<Vec<_>>>() else {
-            return;
-        };
-        let hull = convex_hull(front.iter().chain(&back).copied().collect());
-        canvas.picture.below.add_flat_polygon(&hull, side);
-    }
-    let is_turned_away = (pose.rotation * Vec3::Z).dot(canvas.camera.eye() - center) <= 0.0;
+    let back = |point: &Vec2| at(*point * 1.04, -key_height(target));
+    let Some(back) = outline.iter().map(back).collect::<Option<Vec<_>>>() else {
+        return;
+    };
+    let hull = convex_hull(front.iter().chain(&back).copied().collect());
+    canvas.picture.below.add_flat_polygon(&hull, side);
     if is_turned_away {
         return;
     }
@@ -130,6 +141,18 @@ fn add_key(canvas: &mut Canvas, model: &StudioModel, id: TargetId, target: &Targ
             target,
             &Pose::from_parts(center, pose.rotation),
         );
+    }
+}
+
+/// Adds a key that is small on the screen: its front, as a rectangle. A layout may have thousands of them.
+fn add_small_key(canvas: &mut Canvas, target: &Target, front: &Pose, color: Color) {
+    let half = half_extents(target);
+    let corners = CORNERS.map(|(x, y)| {
+        let corner = canvas.project(*front * Vec3::new(x * half.x, y * half.y, 0.0));
+        corner.map(|corner| corner.position)
+    });
+    if let [Some(a), Some(b), Some(c), Some(d)] = corners {
+        canvas.picture.below.add_quad([a, b, c, d], color);
     }
 }
 
@@ -184,8 +207,7 @@ pub(super) fn corners(target: &Target) -> [Vec3; 4] {
 
 fn corners_with_margin(target: &Target, margin: f32) -> [Vec3; 4] {
     let half = half_extents(target) + margin;
-    let signs = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
-    signs.map(|(x, y)| target.surface_from_target * Vec3::new(x * half.x, y * half.y, 0.0))
+    CORNERS.map(|(x, y)| target.surface_from_target * Vec3::new(x * half.x, y * half.y, 0.0))
 }
 
 fn key_height(target: &Target) -> f32 {
@@ -199,20 +221,18 @@ fn half_extents(target: &Target) -> Vec2 {
     }
 }
 
-/// Returns the outline of a front: a box with round corners, or a disc. Without details, both are boxes.
-fn outline(target: &Target, is_detailed: bool) -> Vec<Vec2> {
+/// Returns the outline of a front: a box with round corners, or a disc.
+fn outline(target: &Target) -> Vec<Vec2> {
     let (half, radius, steps) = match target.shape {
-        _ if !is_detailed => (half_extents(target), 0.0, 0),
         Shape::Box(half) => (half, 0.22 * half.min_element(), 3),
         Shape::Disc(radius) => (Vec2::splat(radius), radius, 8),
     };
-    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)];
-    let mut points = Vec::with_capacity(corners.len() * (steps + 1));
-    for (corner, (x, y)) in corners.into_iter().enumerate() {
+    let mut points = Vec::with_capacity(CORNERS.len() * (steps + 1));
+    for (corner, (x, y)) in CORNERS.into_iter().enumerate() {
         for step in 0..=steps {
-            let angle =
-                (corner as f32 + step as f32 / steps.max(1) as f32) * std::f32::consts::FRAC_PI_2;
-            points.push(Vec2::new(x, y) * (half - radius) + Vec2::from_angle(angle) * radius);
+            let turn = corner as f32 + step as f32 / steps as f32;
+            let round = Vec2::from_angle(turn * std::f32::consts::FRAC_PI_2) * radius;
+            points.push(Vec2::new(x, y) * (half - radius) + round);
         }
     }
     points

@@ -39,8 +39,14 @@ const SUBDIVISIONS: usize = 5;
 /// Rounds in which each section of an arm approaches its neighbours, which rounds the wrist.
 const SMOOTHING_ROUNDS: usize = 12;
 
-/// Part of the metacarpal bone at which the skin of a finger starts, below that of the palm.
-const FINGER_START: f32 = 0.25;
+/// Start of the skin of a finger, inside the palm: position between the knuckle (0) and the other end of its bone (1).
+const FINGER_START: f32 = 0.4;
+
+/// Radius at the start of a finger, as a multiple of that at its base.
+const START_RADIUS: f32 = 0.9;
+
+/// Start of the skin of a thumb, inside the palm: position between its base (0) and the wrist (1).
+const THUMB_START: f32 = 0.6;
 
 /// Sections of the round end of a finger.
 const END_SECTIONS: usize = 6;
@@ -139,21 +145,31 @@ pub(super) fn finger_sections(pose: &HandPose, finger: Finger) -> Vec<Section> {
     };
     let radii = &radii[radii.len().saturating_sub(points.len())..];
     let tip_radius = TIP_RADIUS.max(pose.tip_radius) * tip_ratio(finger);
+    // It starts inside the palm, in the direction of the bone before it.
+    let (joint, start) = match finger {
+        Finger::Thumb => (Joint::Wrist, THUMB_START),
+        _ => (finger.joints()[0], FINGER_START),
+    };
+    let inside = pose.position(joint).map(|inside| (inside, start));
     let mut sections = Vec::new();
     for (index, (&point, ratio)) in points.iter().zip(radii).enumerate() {
         let next = points
             .get(index + 1)
             .map(|next| (*next - point).normalize_or_zero());
-        let before = index.checked_sub(1).map(|before| points[before]);
+        let before = match index {
+            0 => inside.map(|(inside, _)| inside),
+            _ => Some(points[index - 1]),
+        };
         let before = before.map(|before| (point - before).normalize_or_zero());
         let along = next.unwrap_or(Vec3::ZERO) + before.unwrap_or(Vec3::ZERO);
         sections.push(section(point, along, lateral, [tip_radius * ratio; 2]));
     }
-    if skip > 0
-        && let Some(metacarpal) = pose.position(finger.joints()[0])
-    {
-        let start = (metacarpal - first) * FINGER_START;
-        sections.insert(0, sections[0].scaled(0.9, start));
+    if let Some((inside, start)) = inside {
+        let along = first - inside;
+        let sizes = [tip_radius * radii[0] * START_RADIUS; 2];
+        let mut start = section(first - along * start, along, lateral, sizes);
+        start.opacity = 0.0;
+        sections.insert(0, start);
     }
     let mut sections = subdivided(&sections);
     let end = *sections.last().expect("a finger has two joints");
@@ -184,6 +200,7 @@ fn section(center: Vec3, along: Vec3, lateral: Vec3, [breadth, thickness]: [f32;
         center,
         across: across * breadth,
         up: along.cross(across) * thickness,
+        opacity: 1.0,
     }
 }
 
@@ -245,6 +262,17 @@ mod tests {
         assert!((0.030..0.055).contains(&broadest), "{broadest}");
         let knuckles = &sections[sections.len() - 6];
         assert!(knuckles.up.length() < 0.5 * knuckles.across.length());
+    }
+
+    #[test]
+    fn a_finger_fades_in_over_the_palm_and_is_opaque_from_its_knuckle() {
+        let pose = flat_hand();
+        for &finger in Finger::ALL {
+            let sections = finger_sections(&pose, finger);
+            assert_eq!(sections[0].opacity, 0.0, "{finger:?}");
+            let rest = &sections[SUBDIVISIONS + 1..];
+            assert!(rest.iter().all(|it| it.opacity == 1.0), "{finger:?}");
+        }
     }
 
     #[test]

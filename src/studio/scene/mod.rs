@@ -4,6 +4,7 @@ mod boards;
 mod colors;
 mod fingertips;
 mod hand;
+mod limb_order;
 mod limbs;
 mod reach;
 mod skin;
@@ -17,7 +18,7 @@ use self::fingertips::{add_rings, add_trail};
 use self::hand::add_hand;
 use self::reach::add_reach;
 use self::spaces::{add_pointer, add_spaces};
-use super::camera::{Camera, Projected};
+use super::camera::{Camera, Projected, Projection};
 use super::model::StudioModel;
 use super::picture::Picture;
 use crate::hand::Joint;
@@ -44,17 +45,26 @@ impl Default for SceneOptions {
     }
 }
 
-/// The camera and the picture that it draws.
+/// The view of a camera and the picture that it draws.
 struct Canvas<'a> {
-    camera: &'a Camera,
+    projection: Projection,
     size: Vec2,
     colors: &'a SceneColors,
     picture: Picture,
 }
 
-impl Canvas<'_> {
+impl<'a> Canvas<'a> {
+    fn new(camera: &Camera, size: Vec2, colors: &'a SceneColors) -> Self {
+        Self {
+            projection: camera.projection(size),
+            size,
+            colors,
+            picture: Picture::default(),
+        }
+    }
+
     fn project(&self, point: Vec3) -> Option<Projected> {
-        self.camera.project(point, self.size)
+        self.projection.project(point)
     }
 
     /// Returns `true` if a disc of this radius is on the picture, at least in part.
@@ -71,12 +81,7 @@ pub fn draw(
     colors: &SceneColors,
     options: SceneOptions,
 ) -> Picture {
-    let mut canvas = Canvas {
-        camera,
-        size,
-        colors,
-        picture: Picture::default(),
-    };
+    let mut canvas = Canvas::new(camera, size, colors);
     for pose in model.poses.iter().flatten().filter(|_| options.reach) {
         add_reach(&mut canvas, pose);
     }
@@ -99,12 +104,7 @@ pub fn draw(
 
 /// Draws a hand without boards on a picture of this size, in points.
 pub fn draw_hand(pose: &HandPose, camera: &Camera, size: Vec2, colors: &SceneColors) -> Picture {
-    let mut canvas = Canvas {
-        camera,
-        size,
-        colors,
-        picture: Picture::default(),
-    };
+    let mut canvas = Canvas::new(camera, size, colors);
     add_hand(&mut canvas, pose, SceneOptions::default());
     canvas.picture
 }

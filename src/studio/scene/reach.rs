@@ -49,7 +49,7 @@ pub(super) fn add_reach(canvas: &mut Canvas, pose: &HandPose) {
         let direction = direction(column, row);
         let point = elbow + direction * radius;
         let projected = canvas.project(point)?;
-        let facing = (canvas.camera.eye() - point)
+        let facing = (canvas.projection.eye - point)
             .normalize_or_zero()
             .dot(direction)
             .abs();

@@ -1,14 +1,20 @@
-//! Skin: smooth surfaces around bones, with light and shade, sorted from far to near.
+//! Skin: smooth surfaces around bones, with light and shade, drawn from far to near.
 
 use std::f32::consts::TAU;
+
+use std::mem::take;
 
 use parry3d::math::{Vec2, Vec3};
 
 use super::Canvas;
+use super::limb_order::{Ball, back_to_front};
 use crate::studio::picture::{Color, Triangles};
 
 /// Width of the soft edge around skin, in points.
 const EDGE_WIDTH: f32 = 1.3;
+
+/// Sections from one ball to the next.
+const BALL_DISTANCE: usize = 3;
 
 /// Direction of the light, in the axes of the camera: from the upper left, towards the eye.
 const LIGHT: Vec3 = Vec3::new(-0.45, 0.65, 0.6);
@@ -22,6 +28,8 @@ pub(super) struct Section {
     pub across: Vec3,
     /// From the middle to the back of the hand.
     pub up: Vec3,
+    /// Opacity, 0..=1. A limb that starts inside another one fades in over it.
+    pub opacity: f32,
 }
 
 impl Section {
@@ -31,6 +39,7 @@ impl Section {
             center: self.center.lerp(other.center, t),
             across: self.across.lerp(other.across, t),
             up: self.up.lerp(other.up, t),
+            opacity: self.opacity + (other.opacity - self.opacity) * t,
         }
     }
 
@@ -40,6 +49,7 @@ impl Section {
             center: self.center + offset,
             across: self.across * factor,
             up: self.up * factor,
+            ..*self
         }
     }
 
@@ -54,10 +64,27 @@ struct Facet {
     corners: [(Vec2, Color); 4],
 }
 
-/// Facets of all skin in a picture.
+/// A part of a hand that is drawn as a whole.
+struct Limb {
+    facets: Vec<Facet>,
+    /// Balls that fill it, apart from what fades in.
+    balls: Vec<Ball>,
+}
+
+/// The skin of a hand.
 #[derive(Default)]
 pub(super) struct Skin {
-    facets: Vec<Facet>,
+    limbs: Vec<Limb>,
+}
+
+/// The look of a limb.
+pub(super) struct LimbSettings {
+    /// Number of sides.
+    pub sides: usize,
+    /// Opacity, 0..=1.
+    pub opacity: f32,
+    /// Distance by which it counts as nearer to the eye than it is, in metres.
+    pub lift: f32,
 }
 
 /// A corner of a surface: its position on the screen, its depth and colour.
@@ -70,8 +97,13 @@ struct Corner {
 }
 
 impl Skin {
-    /// Adds the surface through these sections, with this number of sides. Leaves it out if some of it is behind the eye.
-    pub fn add(&mut self, canvas: &Canvas, sections: &[Section], sides: usize, opacity: f32) {
+    /// Adds the surface through these sections. Leaves it out if some of it is behind the eye.
+    pub fn add(&mut self, canvas: &Canvas, sections: &[Section], settings: &LimbSettings) {
+        let &LimbSettings {
+            sides,
+            opacity,
+            lift,
+        } = settings;
         let at = |ring: usize, side: usize| {
             sections[ring].point((side % sides) as f32 / sides as f32 * TAU)
         };
@@ -87,15 +119,34 @@ impl Skin {
                     .cross(along)
                     .normalize_or(outward.normalize_or(Vec3::Y));
                 let normal = normal * normal.dot(outward).signum();
-                match corner(canvas, point, normal, opacity) {
+                match corner(canvas, point, normal, opacity * section.opacity) {
                     Some(corner) => corners.push(corner),
                     None => return,
                 }
             }
         }
-        self.add_grid(&corners, sides);
+        let mut limb = Limb {
+            facets: Vec::with_capacity(corners.len()),
+            balls: balls(canvas, sections, lift),
+        };
+        limb.add_grid(&corners, sides);
+        self.limbs.push(limb);
     }
 
+    /// Adds all limbs to a picture, the farthest first.
+    pub fn draw(mut self, triangles: &mut Triangles) {
+        let balls: Vec<Vec<Ball>> = self
+            .limbs
+            .iter_mut()
+            .map(|it| take(&mut it.balls))
+            .collect();
+        for index in back_to_front(&balls) {
+            self.limbs[index].draw(triangles);
+        }
+    }
+}
+
+impl Limb {
     /// Adds the facets that face the eye, and a soft edge where they end.
     fn add_grid(&mut self, corners: &[Corner], sides: usize) {
         let rings = corners.len() / sides;
@@ -164,8 +215,8 @@ impl Skin {
         });
     }
 
-    /// Adds all facets to a picture, the farthest first.
-    pub fn draw(mut self, triangles: &mut Triangles) {
+    /// Adds the facets to a picture, the farthest first.
+    fn draw(&mut self, triangles: &mut Triangles) {
         self.facets.sort_by(|a, b| b.depth.total_cmp(&a.depth));
         for facet in &self.facets {
             let first = triangles.vertices.len() as u32;
@@ -177,12 +228,33 @@ impl Skin {
     }
 }
 
+/// Returns balls that fill the opaque sections.
+fn balls(canvas: &Canvas, sections: &[Section], lift: f32) -> Vec<Ball> {
+    let opaque = sections.iter().filter(|section| section.opacity == 1.0);
+    let mut balls = Vec::new();
+    for section in opaque.step_by(BALL_DISTANCE) {
+        let (half_breadth, radius) = (section.across.length(), section.up.length());
+        let count = (half_breadth / radius.max(1e-4)).round().max(1.0) as i32;
+        for index in 0..count {
+            let t = (2 * index + 1 - count) as f32 / count as f32;
+            if let Some(center) = canvas.project(section.center + section.across * t) {
+                balls.push(Ball {
+                    position: center.position,
+                    radius: radius * center.scale,
+                    depth: center.depth - lift,
+                });
+            }
+        }
+    }
+    balls
+}
+
 /// Projects and lights a point of a surface. Returns `None` behind the eye.
 fn corner(canvas: &Canvas, point: Vec3, normal: Vec3, opacity: f32) -> Option<Corner> {
     let projected = canvas.project(point)?;
-    let [right, up, back] = canvas.camera.axes();
+    let [right, up, back] = canvas.projection.axes;
     let light = right * LIGHT.x + up * LIGHT.y + back * LIGHT.z;
-    let to_eye = (canvas.camera.eye() - point).normalize_or_zero();
+    let to_eye = (canvas.projection.eye - point).normalize_or_zero();
     let facing = normal.dot(to_eye);
     // Skin is lit from behind the edge of a shadow too.
     let lit = (0.5 + 0.5 * normal.dot(light.normalize_or_zero())).powf(1.6);

@@ -80,6 +80,9 @@ fn keys_that_are_small_on_the_screen_have_neither_labels_nor_sides() {
     let far = picture(&model, &camera);
     assert!(far.labels.is_empty());
     assert!(far.below.vertices.len() < near / 4);
+    let keys = model.view.layout.keys.len();
+    let corners_of_plate = far.below.vertices.len() - 4 * keys;
+    assert!(corners_of_plate < 4 * keys, "{corners_of_plate}");
 }
 
 #[test]

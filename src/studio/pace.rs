@@ -1,0 +1,62 @@
+//! The time between two pictures.
+
+use std::time::Duration;
+
+/// Shortest time from one picture to the next: 60 per second.
+const PERIOD: Duration = Duration::from_micros(16_667);
+
+/// Time from one picture to the next while nothing changes.
+const IDLE_PERIOD: Duration = Duration::from_millis(200);
+
+/// Time without changes after which a session counts as idle, in seconds. Until then plots and trails move on.
+const IDLE_AFTER: f64 = 1.0;
+
+/// Decides when the next picture is drawn.
+#[derive(Debug, Default)]
+pub struct Pace {
+    /// Time of the last change, in seconds.
+    changed_at: f64,
+}
+
+impl Pace {
+    /// Returns the pause after a picture that is drawn at `now`, in seconds; `cost` is the processor time of the one before.
+    ///
+    /// The pause is at least as long as the cost: a machine without a graphics card has half of a core left for the session.
+    /// Input ends a pause.
+    pub fn pause(&mut self, now: f64, has_changed: bool, cost: Duration) -> Duration {
+        if has_changed {
+            self.changed_at = now;
+        }
+        if now - self.changed_at > IDLE_AFTER {
+            return IDLE_PERIOD;
+        }
+        PERIOD.saturating_sub(cost).max(cost)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MS: Duration = Duration::from_millis(1);
+
+    #[test]
+    fn a_session_that_changes_has_sixty_pictures_per_second() {
+        let pause = Pace::default().pause(9.0, true, 3 * MS);
+        assert_eq!(pause + 3 * MS, PERIOD);
+    }
+
+    #[test]
+    fn a_slow_machine_rests_half_of_the_time() {
+        assert_eq!(Pace::default().pause(9.0, true, 40 * MS), 40 * MS);
+    }
+
+    #[test]
+    fn an_idle_session_has_few_pictures_until_something_changes() {
+        let mut pace = Pace::default();
+        assert!(pace.pause(5.0, true, MS) < PERIOD);
+        assert!(pace.pause(5.9, false, MS) < PERIOD);
+        assert_eq!(pace.pause(6.1, false, MS), IDLE_PERIOD);
+        assert!(pace.pause(6.3, true, MS) < PERIOD);
+    }
+}
