@@ -3,12 +3,13 @@
 //! Prints tables. What a run needs is read from `/proc` and skipped on other systems. Without `--bench` (as in
 //! `cargo test --benches`) it measures one start and a short run.
 //!
-//! `ADEMAN_BASELINE=PATH` names an earlier build of the program. Its runs alternate with those of the present one.
+//! `null` is the minimum for the processor time: a program that waits for the bytes of the line, reads them and does nothing.
+//! `ADEMAN_BASELINE=PATH` names an earlier build of the program. The runs of all of them alternate.
 
 #[path = "support/packets.rs"]
 mod packets;
 
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
@@ -21,7 +22,16 @@ use packets::packets;
 
 const ADEMAN: &str = env!("CARGO_BIN_EXE_ademan");
 
+/// The argument with which this program starts itself as `null`, before the port.
+const NULL: &str = "--null";
+
 fn main() {
+    let arguments: Vec<_> = std::env::args().collect();
+    if let [_, mode, port] = &arguments[..]
+        && mode == NULL
+    {
+        return read_only(port);
+    }
     let is_test = !std::env::args().any(|argument| argument == "--bench");
     let (starts, feed) = match is_test {
         true => (1, Duration::from_millis(300)),
@@ -48,7 +58,13 @@ fn main() {
         return;
     }
     let baseline = std::env::var("ADEMAN_BASELINE").ok();
-    let programs: Vec<(&str, &str)> = [("now", Some(ADEMAN)), ("baseline", baseline.as_deref())]
+    let null = std::env::current_exe().expect("a path");
+    let programs = [
+        ("null", null.to_str()),
+        ("now", Some(ADEMAN)),
+        ("baseline", baseline.as_deref()),
+    ];
+    let programs: Vec<(&str, &str)> = programs
         .into_iter()
         .filter_map(|(name, program)| Some((name, program?)))
         .collect();
@@ -150,8 +166,14 @@ fn memory(feed: Duration) {
 fn effort(name: &str, program: &str, rate_hz: u32, feed: Duration, goal: &str) {
     let mut loopback = open_loopback(Hc11Format::default()).expect("a pseudo terminal");
     let uri = loopback.uri.to_string();
-    let arguments = ["run", "--allow-root", "--armed", "--source", &uri];
-    let mut child = start_program(program, &arguments);
+    let port = loopback.uri.serial_port().expect("a serial port");
+    let mut child = match name {
+        "null" => start_program(program, &[NULL, port]),
+        _ => start_program(
+            program,
+            &["run", "--allow-root", "--armed", "--source", &uri],
+        ),
+    };
     let mut packets: Vec<_> = packets().collect();
     // On a line without pauses the header of the next packet follows at once.
     let header = &packets[0][..PACKET_BYTES - BODY_BYTES];
@@ -183,6 +205,14 @@ fn effort(name: &str, program: &str, rate_hz: u32, feed: Duration, goal: &str) {
     // It may have exited.
     let _ = child.kill();
     let _ = child.wait();
+}
+
+/// Waits for bytes and reads them until the line is closed.
+fn read_only(port: &str) {
+    let port = serialport::new(port, Hc11Format::default().baud.get());
+    let port = port.timeout(Duration::from_secs(3600)).open();
+    let mut port = port.expect("the port opens");
+    while port.read(&mut [0; 512]).is_ok_and(|length| length > 0) {}
 }
 
 /// The processor time and the wake-ups of all threads of a process so far.

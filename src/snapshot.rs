@@ -43,7 +43,7 @@ pub struct StepView<'a> {
     /// Hands that are not tracked while the session goes on, by side; see [`Pipeline::lost_hands`](crate::pipeline::Pipeline).
     pub lost_hands: [bool; Side::COUNT],
     /// Statistics of all readings so far.
-    pub stats: Stats,
+    pub stats: &'a Stats,
     /// Time from the arrival of the reading to the call of the output; `None` for a step without events.
     pub latency: Option<Duration>,
 }
@@ -65,7 +65,7 @@ impl StepView<'_> {
             commands: self.commands.iter().copied().collect(),
             executed: self.executed,
             lost_hands: self.lost_hands,
-            stats: self.stats,
+            stats: *self.stats,
             latency: self.latency,
         }
     }
@@ -123,7 +123,7 @@ impl Snapshot {
             commands: &self.commands,
             executed: self.executed,
             lost_hands: self.lost_hands,
-            stats: self.stats,
+            stats: &self.stats,
             latency: self.latency,
         }
     }

@@ -99,7 +99,8 @@ impl<K: PartialEq, M> MessageLimits<K, M> {
         now: Instant,
         is_due: impl Fn(&Interval<K, M>) -> bool,
     ) -> Option<HeldBack<M>> {
-        let mut due = self.intervals.iter_mut().filter(|entry| is_due(entry));
+        let held_back = self.intervals.iter_mut().filter(|it| it.latest.is_some());
+        let mut due = held_back.filter(|entry| is_due(entry));
         due.find_map(|interval| interval.take(now))
     }
 

@@ -178,11 +178,13 @@ impl CommandReceiver {
 
     /// The next message, if there is one. Never waits.
     pub(super) fn try_next(&self) -> Option<Message> {
-        let swap = self.layouts.as_ref().and_then(LoopLayoutLink::try_swap);
-        let estimator = || self.estimators.try_recv().ok().map(Message::EstimatorSwap);
-        let command = || self.queue.try_recv().ok().map(Message::Command);
-        let swap = swap.map(Message::LayoutSwap);
-        swap.or_else(estimator).or_else(command)
+        self.waker.receive(|| {
+            let swap = self.layouts.as_ref().and_then(LoopLayoutLink::try_swap);
+            let estimator = || self.estimators.try_recv().ok().map(Message::EstimatorSwap);
+            let command = || self.queue.try_recv().ok().map(Message::Command);
+            let swap = swap.map(Message::LayoutSwap);
+            swap.or_else(estimator).or_else(command)
+        })
     }
 
     /// Waits for `Stop`, at most for `timeout`. Returns whether it came. Other commands stay queued.

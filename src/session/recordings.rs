@@ -167,7 +167,7 @@ mod tests {
             commands: &[],
             executed: None,
             lost_hands: Default::default(),
-            stats: Stats::default(),
+            stats: &Stats::default(),
             latency: None,
         });
         let start = Instant::now();

@@ -66,7 +66,7 @@ impl StatusLog {
     pub fn update(&mut self, step: &StepView, now: Instant, report: &mut impl FnMut(Notice)) {
         // At the end the readings that were not processed count as dropped.
         if step.state != PipelineState::Stopped {
-            self.report_losses(&step.stats, now, report);
+            self.report_losses(step.stats, now, report);
         }
         if let Some(pose) = step.pose
             && let reported = &mut self.untrusted[pose.side.index()]
@@ -104,8 +104,21 @@ impl StatusLog {
         }
     }
 
+    /// Returns whether every counter has been reported, as in nearly all steps.
+    fn has_reported(&self, stats: &Stats) -> bool {
+        self.rejected == stats.rejected
+            && self.dropped == stats.source.dropped
+            && self.dropped_presses == stats.dropped_presses
+            && self.system_keys == stats.suppressed.system_keys
+            && self.keys_by_role == stats.suppressed.keys_by_role
+            && self.pointing_by_role == stats.suppressed.pointing_by_role
+    }
+
     /// Reports counters that have increased, each with the increase since its last notice.
     fn report_losses(&mut self, stats: &Stats, now: Instant, report: &mut impl FnMut(Notice)) {
+        if self.has_reported(stats) {
+            return;
+        }
         let limits = &mut self.limits;
         let mut update = |topic, reported: &mut u64, count, notice: &dyn Fn(u64) -> Notice| {
             if count != *reported && limits.admits(topic, now) {

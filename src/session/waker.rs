@@ -1,13 +1,21 @@
 //! A way to wake the session loop from any thread.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::Thread;
 
 use crate::capture::WakeUp;
 
 /// Wakes the loop thread, which waits while there is nothing to do.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Waker(Arc<Mutex<Option<WakeTarget>>>);
+pub(super) struct Waker(Arc<Shared>);
+
+#[derive(Debug, Default)]
+struct Shared {
+    /// A message was queued since the loop last looked.
+    has_messages: AtomicBool,
+    target: Mutex<Option<WakeTarget>>,
+}
 
 /// A waiting thread.
 #[derive(Debug)]
@@ -21,7 +29,8 @@ pub(super) enum WakeTarget {
 impl Waker {
     /// Wakes the loop. Must be called after the message was queued.
     pub fn wake(&self) {
-        match &*self.0.lock().unwrap_or_else(PoisonError::into_inner) {
+        self.0.has_messages.store(true, Ordering::Release);
+        match &*self.lock_target() {
             Some(WakeTarget::Parked(thread)) => thread.unpark(),
             Some(WakeTarget::Polling(wake_up)) => wake_up.wake(),
             None => {}
@@ -30,6 +39,26 @@ impl Waker {
 
     /// Sets the thread to wake. Messages queued before this call are in the queue.
     pub fn attach(&self, target: WakeTarget) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(target);
+        *self.lock_target() = Some(target);
+    }
+
+    /// Calls `next` for the next message, but only if one may be queued: the loop asks after every reading, and looking into
+    /// all queues costs it as much as a stage of the pipeline.
+    pub fn receive<T>(&self, next: impl FnOnce() -> Option<T>) -> Option<T> {
+        let has_messages = &self.0.has_messages;
+        // Cleared before the look: a message that is queued after it sets the flag again.
+        if !has_messages.load(Ordering::Relaxed) || !has_messages.swap(false, Ordering::Acquire) {
+            return None;
+        }
+        let message = next();
+        // Others may wait behind it.
+        if message.is_some() {
+            has_messages.store(true, Ordering::Relaxed);
+        }
+        message
+    }
+
+    fn lock_target(&self) -> MutexGuard<'_, Option<WakeTarget>> {
+        self.0.target.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

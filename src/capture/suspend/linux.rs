@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// Difference of the clocks that is not a suspend: they are read one after the other.
+/// Difference of the clocks that is not a suspend: they are read one after the other. No suspend is as short.
 const TOLERANCE: Duration = Duration::from_millis(100);
 
 /// Detector of system suspends.
@@ -12,26 +12,38 @@ const TOLERANCE: Duration = Duration::from_millis(100);
 /// `CLOCK_MONOTONIC`, the clock of [`Instant`](std::time::Instant), stands still during a suspend;
 /// `CLOCK_BOOTTIME` does not.
 pub(in crate::capture) struct SuspendDetector {
-    /// Returns the total suspend time since boot.
-    suspended: fn() -> Duration,
-    last: Duration,
+    /// Returns the time since boot, with suspends.
+    since_boot: fn() -> Duration,
+    /// The time of the last call.
+    last_call: Duration,
+    /// The total suspend time of the last comparison.
+    suspended: Duration,
 }
 
 impl SuspendDetector {
     /// Creates a detector with a clock of its own, because a test cannot suspend the system.
-    pub fn with_clock(suspended: fn() -> Duration) -> Self {
+    pub fn with_clock(since_boot: fn() -> Duration) -> Self {
+        let now = since_boot();
         Self {
-            last: suspended(),
-            suspended,
+            since_boot,
+            last_call: now,
+            suspended: now.saturating_sub(monotonic()),
         }
     }
 
     /// Returns `true` if the system was suspended since the last call.
     pub fn was_suspended(&mut self) -> bool {
-        let suspended = (self.suspended)();
-        let was_suspended = suspended.saturating_sub(self.last) > TOLERANCE;
+        let now = (self.since_boot)();
+        let elapsed = now.saturating_sub(self.last_call);
+        self.last_call = now;
+        // No suspend fits between two readings of a hand in motion, for which one clock is enough.
+        if elapsed <= TOLERANCE {
+            return false;
+        }
+        let suspended = now.saturating_sub(monotonic());
+        let was_suspended = suspended.saturating_sub(self.suspended) > TOLERANCE;
         if was_suspended {
-            self.last = suspended;
+            self.suspended = suspended;
         }
         was_suspended
     }
@@ -39,14 +51,17 @@ impl SuspendDetector {
 
 impl Default for SuspendDetector {
     fn default() -> Self {
-        Self::with_clock(suspended_since_boot)
+        Self::with_clock(|| read(ClockId::Boottime))
     }
 }
 
-fn suspended_since_boot() -> Duration {
-    let read = |clock| Duration::try_from(clock_gettime(clock)).unwrap_or_default();
-    let monotonic = read(ClockId::Monotonic);
-    read(ClockId::Boottime).saturating_sub(monotonic)
+/// Returns the time since boot, without suspends.
+pub(in crate::capture) fn monotonic() -> Duration {
+    read(ClockId::Monotonic)
+}
+
+fn read(clock: ClockId) -> Duration {
+    Duration::try_from(clock_gettime(clock)).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -63,7 +78,7 @@ mod tests {
             "the real clocks run alike"
         );
         let mut detector = SuspendDetector::with_clock(|| {
-            Duration::from_millis(SUSPENDED_MS.load(Ordering::SeqCst))
+            monotonic() + Duration::from_millis(SUSPENDED_MS.load(Ordering::SeqCst))
         });
         assert!(!detector.was_suspended());
         SUSPENDED_MS.store(8_000, Ordering::SeqCst);

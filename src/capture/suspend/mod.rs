@@ -7,5 +7,7 @@ mod unsupported;
 
 #[cfg(target_os = "linux")]
 pub(super) use linux::SuspendDetector;
+#[cfg(all(test, target_os = "linux"))]
+pub(super) use linux::monotonic;
 #[cfg(not(target_os = "linux"))]
 pub(super) use unsupported::SuspendDetector;

@@ -248,6 +248,9 @@ fn dropping_leaves_a_blocked_thread_behind() {
 #[test]
 fn a_suspend_is_a_loss_of_a_live_source_before_the_next_reading() {
     use std::sync::atomic::AtomicU64;
+
+    use crate::capture::suspend::monotonic;
+
     static SUSPENDED_S: AtomicU64 = AtomicU64::new(0);
     for is_live in [true, false] {
         let (source, _done) = scripted(4, is_live, |step| {
@@ -259,8 +262,9 @@ fn a_suspend_is_a_loss_of_a_live_source_before_the_next_reading() {
                 step => Ok(reading(step)),
             }
         });
-        let suspend =
-            SuspendDetector::with_clock(|| Duration::from_secs(SUSPENDED_S.load(Ordering::SeqCst)));
+        let suspend = SuspendDetector::with_clock(|| {
+            monotonic() + Duration::from_secs(SUSPENDED_S.load(Ordering::SeqCst))
+        });
         let mut source = EventSource::new(source).with_suspend_detector(suspend);
         let mut events = Vec::new();
         while source.next(&mut |event| events.push(event)) {}

@@ -84,11 +84,11 @@ impl TranscriptThread {
 
     /// Queues a step, or drops it if the queue has no room for all of it.
     fn push_step(&mut self, queue: &Sender<Message>, events: &[OutputEvent]) {
-        let commands = std::mem::take(&mut self.commands);
-        let lines = commands.len() + events.len();
+        let lines = self.commands.len() + events.len();
         if lines == 0 && self.missed.count == 0 {
             return;
         }
+        let commands = std::mem::take(&mut self.commands);
         // Beside the lines: the names, the missed lines and the end. No other thread sends, so the room stays.
         let has_room = QUEUE - queue.len() >= lines + 3;
         if !has_room && !self.is_lossless {

@@ -283,7 +283,7 @@ mod tests {
             commands: &TimedCommands::from_iter([issued(nudge), issued(Command::TogglePause)]),
             executed: None,
             lost_hands: Default::default(),
-            stats: Stats::default(),
+            stats: &Stats::default(),
             latency: None,
         };
         let (mut notifier, queue) = Notifier::new();

@@ -23,7 +23,7 @@ use crate::device::{Events, TimedCommand};
 use crate::names::UnknownName;
 use crate::output::Sink;
 use crate::pipeline::{CommandError, Pipeline, PipelineState};
-use crate::snapshot::StepView;
+use crate::snapshot::{Stats, StepView};
 use crate::time::{NO_DEADLINE, Timestamp};
 
 /// Upper limit of the stall timeout that follows from a source's packet period. Three packets at 1200 baud take 1.7 s; a
@@ -53,7 +53,7 @@ pub(super) fn run_observed(
     ended?;
     closed?;
     Ok(Summary {
-        stats: session.stats(),
+        stats: session.stats,
         latency_ns: session.latency_ns,
         record_error: None,
     })
@@ -111,11 +111,10 @@ struct SessionLoop<'a> {
     now: Instant,
     /// Arrival of the last accepted reading; `None` after a stall.
     last_reading_at: Option<Instant>,
-    source_stats: SourceStats,
-    /// Readings that were older than the stall timeout when the loop received them.
-    expired: u64,
-    /// Readings that still waited when the loop ended.
-    unprocessed: u64,
+    /// Statistics up to the present step, which observers see.
+    stats: Stats,
+    /// Readings that this loop dropped: they were older than the stall timeout, or still waited when it ended.
+    dropped: u64,
     latency_ns: Histogram<u64>,
     /// Latency of this step, if it has events.
     latency: Option<Duration>,
@@ -141,9 +140,8 @@ impl<'a> SessionLoop<'a> {
             executed: None,
             now: Instant::now(),
             last_reading_at: None,
-            source_stats: SourceStats::default(),
-            expired: 0,
-            unprocessed: 0,
+            stats: Stats::default(),
+            dropped: 0,
             latency_ns: new_histogram(),
             latency: None,
         };
@@ -234,24 +232,24 @@ impl SessionLoop<'_> {
                 received_at,
                 stats,
             } => {
-                self.source_stats = stats;
+                self.set_source_stats(&stats);
                 return self.step(&reading, received_at);
             }
             CaptureEvent::Readings {
                 readings,
                 received_at,
                 stats,
-            } => return self.step_through(&readings, received_at, stats),
+            } => return self.step_through(&readings, received_at, &stats),
             CaptureEvent::Command(command) => self.replay_command(command)?,
             CaptureEvent::Elapsed(time) => self.pass_gap(time)?,
-            CaptureEvent::Noise(stats) => self.source_stats = stats,
+            CaptureEvent::Noise(stats) => self.set_source_stats(&stats),
             CaptureEvent::Lost(error) => {
-                self.source_stats.losses += 1;
+                self.stats.source.losses += 1;
                 self.lose(error)?;
             }
             CaptureEvent::Failed(error) => return Err(error.into()),
             CaptureEvent::End(stats) => {
-                self.source_stats = stats;
+                self.set_source_stats(&stats);
                 return Ok(Next::End);
             }
         }
@@ -263,16 +261,14 @@ impl SessionLoop<'_> {
         &mut self,
         readings: &[Reading],
         received_at: Instant,
-        stats: SourceStats,
+        stats: &SourceStats,
     ) -> Result<Next, SessionError> {
+        self.set_source_stats(stats);
         for (reading, left) in readings.iter().zip((0..readings.len() as u64).rev()) {
-            self.source_stats = SourceStats {
-                readings: stats.readings - left,
-                ..stats
-            };
+            self.stats.source.readings = stats.readings - left;
             if self.commands.is_stopped() || self.step(reading, received_at)? == Next::End {
-                self.source_stats = stats;
-                self.unprocessed += left;
+                self.stats.source.readings = stats.readings;
+                self.drop_readings(left);
                 return Ok(Next::End);
             }
         }
@@ -283,15 +279,20 @@ impl SessionLoop<'_> {
         let age = self.now.saturating_duration_since(received_at);
         if self.capture.is_live() && age > self.pipeline.stall_timeout() {
             // This process was stopped or starved: the reading shows a hand of the past.
-            self.expired += 1;
+            self.drop_readings(1);
             self.stall(None)?;
             return Ok(Next::Continue);
         }
         self.events.clear();
-        let is_accepted = self.pipeline.step(reading, &mut self.events).is_ok();
+        let output = self.pipeline.step(reading, &mut self.events);
+        let is_accepted = output.is_ok();
+        let has_commands = output.is_ok_and(|output| !output.commands.is_empty());
         if is_accepted {
             self.last_reading_at = Some(received_at);
-            self.log_commands(reading)?;
+        }
+        if has_commands {
+            let commands = &self.pipeline.output_for(reading).commands;
+            self.sink.0.log_commands(commands)?;
         }
         self.send_events()?;
         if !self.events.is_empty() {
@@ -300,18 +301,10 @@ impl SessionLoop<'_> {
             self.latency_ns.saturating_record(latency.as_nanos() as u64);
         }
         self.publish(Some(reading), is_accepted, None);
-        match is_accepted {
+        match has_commands {
             true => self.execute_layout_commands(reading),
             false => Ok(Next::Continue),
         }
-    }
-
-    fn log_commands(&mut self, reading: &Reading) -> Result<(), SessionError> {
-        let commands = &self.pipeline.output_for(reading).commands;
-        if !commands.is_empty() {
-            self.sink.0.log_commands(commands)?;
-        }
-        Ok(())
     }
 
     /// Executes the commands that the devices issued in the step of a reading.
@@ -450,22 +443,20 @@ impl SessionLoop<'_> {
     }
 
     fn finish(&mut self) -> Result<(), SessionError> {
-        for event in self.capture.events().try_iter() {
-            match event {
-                CaptureEvent::Reading { stats, .. } => {
-                    self.source_stats = stats;
-                    self.unprocessed += 1;
-                }
+        let mut dropped = 0;
+        while let Ok(event) = self.capture.events().try_recv() {
+            let (stats, readings) = match event {
+                CaptureEvent::Reading { stats, .. } => (stats, 1),
                 CaptureEvent::Readings {
                     readings, stats, ..
-                } => {
-                    self.source_stats = stats;
-                    self.unprocessed += readings.len() as u64;
-                }
-                CaptureEvent::Noise(stats) => self.source_stats = stats,
-                _ => {}
-            }
+                } => (stats, readings.len() as u64),
+                CaptureEvent::Noise(stats) => (stats, 0),
+                _ => continue,
+            };
+            dropped += readings;
+            self.set_source_stats(&stats);
         }
+        self.drop_readings(dropped);
         if self.commands.is_stopped() {
             self.sink.0.void_presses();
         }

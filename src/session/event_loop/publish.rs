@@ -8,7 +8,7 @@ use crate::command::Command;
 use crate::device::TimedCommand;
 use crate::pipeline::Pipeline;
 use crate::session::reply::{LearnedSummary, SessionStatus};
-use crate::snapshot::{Stats, StepView};
+use crate::snapshot::StepView;
 
 /// A function that sees every step, the time of the loop, and the pipeline after the step. It must not block.
 pub(in crate::session) type Observer<'a> = &'a mut dyn FnMut(&StepView, Instant, &Pipeline);
@@ -23,7 +23,7 @@ impl SessionLoop<'_> {
         source_error: Option<&CaptureError>,
     ) {
         let executed = self.executed.take();
-        let stats = self.stats();
+        self.update_stats();
         let accepted = reading.filter(|_| is_accepted);
         let output = accepted.map(|reading| self.pipeline.output_for(reading));
         let step = StepView {
@@ -40,7 +40,7 @@ impl SessionLoop<'_> {
             commands: output.map_or(&[], |output| &output.commands),
             executed,
             lost_hands: self.pipeline.lost_hands(),
-            stats,
+            stats: &self.stats,
             latency: self.latency.take(),
         };
         (self.observe)(&step, self.now, self.pipeline);
@@ -57,29 +57,38 @@ impl SessionLoop<'_> {
         self.publish(None, false, None);
     }
 
-    pub(super) fn status(&self) -> SessionStatus {
+    pub(super) fn status(&mut self) -> SessionStatus {
+        self.update_stats();
         SessionStatus {
             state: self.pipeline.state(),
             paused_by: self.pipeline.paused_by(),
             profile: self.pipeline.active_profile(),
-            stats: self.stats(),
+            stats: self.stats,
             cursor: self.pipeline.layout().cursor(),
             learned: LearnedSummary::new(self.pipeline.learned_ranges()),
         }
     }
 
-    pub(super) fn stats(&self) -> Stats {
-        Stats {
-            source: SourceStats {
-                dropped: self.source_stats.dropped + self.expired + self.unprocessed,
-                ..self.source_stats
-            },
-            accepted: self.pipeline.accepted(),
-            rejected: self.pipeline.rejected(),
-            stalls: self.pipeline.stalls(),
-            suppressed: self.pipeline.suppressed(),
-            dropped_presses: self.sink.0.dropped_presses(),
-        }
+    /// Sets the statistics of the source, and adds what the loop has dropped to them.
+    pub(super) fn set_source_stats(&mut self, stats: &SourceStats) {
+        self.stats.source = *stats;
+        self.stats.source.dropped += self.dropped;
+    }
+
+    /// Counts readings that the loop drops.
+    pub(super) fn drop_readings(&mut self, count: u64) {
+        self.dropped += count;
+        self.stats.source.dropped += count;
+    }
+
+    /// Sets the statistics of the pipeline and the output to those after this step.
+    fn update_stats(&mut self) {
+        let stats = &mut self.stats;
+        stats.accepted = self.pipeline.accepted();
+        stats.rejected = self.pipeline.rejected();
+        stats.stalls = self.pipeline.stalls();
+        stats.suppressed = self.pipeline.suppressed();
+        stats.dropped_presses = self.sink.0.dropped_presses();
     }
 
     pub(super) fn update_target_names(&mut self) {

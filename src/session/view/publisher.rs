@@ -105,13 +105,16 @@ impl ViewPublisher {
         for event in step.events {
             is_pressed |= self.handle(event.kind);
         }
-        self.update_poses(step);
         self.rate.update(step.stats.source.readings, now);
+        if self.viewers.load(Ordering::Relaxed) == 0 {
+            // The next viewer sees no pose of before.
+            self.poses.iter_mut().for_each(|pose| *pose = None);
+            return;
+        }
+        self.update_poses(step);
         let is_due = |last: Instant| now.duration_since(last) >= PERIOD;
         let is_due = self.last_published.is_none_or(is_due);
-        if self.viewers.load(Ordering::Relaxed) > 0
-            && (is_due || is_pressed || is_new_state || is_new_layout)
-        {
+        if is_due || is_pressed || is_new_state || is_new_layout {
             self.last_published = Some(now);
             self.publish(step, pipeline);
         }
@@ -201,7 +204,7 @@ impl ViewPublisher {
             source: self.names.source.clone(),
             output: self.names.output.clone(),
             readings_per_second: self.rate.per_second,
-            counts: ViewCounts::from(&step.stats),
+            counts: ViewCounts::from(step.stats),
             fingertips: self.fingertips(active),
             pressed: active.pressed_targets().collect(),
             keys,

@@ -52,7 +52,7 @@ impl RecordedStep {
             commands: step.commands.into(),
             executed: step.executed,
             lost_hands: step.lost_hands,
-            stats: Box::new(step.stats),
+            stats: Box::new(*step.stats),
             view: view.map(Arc::new),
         }
     }
@@ -76,7 +76,7 @@ impl RecordedStep {
             commands: &self.commands,
             executed: self.executed,
             lost_hands: self.lost_hands,
-            stats: *self.stats,
+            stats: &self.stats,
             latency: None,
         };
         view.to_snapshot()
