@@ -1,12 +1,13 @@
 //! Source that its consumer reads itself, without a thread in between.
 
+use std::collections::VecDeque;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crossbeam_channel::{Receiver, RecvTimeoutError, bounded};
+use crossbeam_channel::{RecvTimeoutError, bounded};
 
 use super::event::{CaptureEvent, EventSource};
-use super::event_queue::EventQueue;
+use super::event_queue::{EventQueue, QUEUE_CAPACITY};
 use super::wake_up::WakeUp;
 use super::{Source, SourceWait};
 
@@ -24,7 +25,7 @@ const CLOSE_TIMEOUT: Duration = Duration::from_secs(1);
 pub(crate) struct InPlaceCapture {
     /// Present until it is closed.
     source: Option<EventSource<Box<dyn Source>>>,
-    queue: EventQueue,
+    queue: EventQueue<VecDeque<CaptureEvent>>,
     wake_up: WakeUp,
 }
 
@@ -34,7 +35,7 @@ impl InPlaceCapture {
     pub fn new(mut source: Box<dyn Source>) -> Result<Self, Box<dyn Source>> {
         match WakeUp::new() {
             Some(wake_up) if source.set_polled() => Ok(Self {
-                queue: EventQueue::new(source.is_live()),
+                queue: EventQueue::new(VecDeque::with_capacity(QUEUE_CAPACITY), source.is_live()),
                 source: Some(EventSource::new(source)),
                 wake_up,
             }),
@@ -42,9 +43,14 @@ impl InPlaceCapture {
         }
     }
 
-    /// Returns the channel of events, which only [`wait`](Self::wait) fills.
-    pub fn events(&self) -> &Receiver<CaptureEvent> {
-        self.queue.events()
+    /// Removes the oldest event. Only [`wait`](Self::wait) adds events.
+    pub fn next_event(&mut self) -> Option<CaptureEvent> {
+        self.queue.pop()
+    }
+
+    /// Returns `true` if there is an event.
+    pub fn has_events(&self) -> bool {
+        !self.queue.buffer().is_empty()
     }
 
     /// Returns what ends a [`wait`](Self::wait) from any thread.

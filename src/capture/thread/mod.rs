@@ -7,7 +7,7 @@ use crossbeam_channel::{Receiver, RecvTimeoutError, Sender, bounded, select};
 
 use super::cancel::{CancelHandle, cancel_token};
 use super::event::{CaptureEvent, EventSource};
-use super::event_queue::EventQueue;
+use super::event_queue::{EventChannel, EventQueue};
 use super::{CancelToken, CaptureError, Source};
 use crate::advice;
 
@@ -59,8 +59,8 @@ fn start(
     let no_pipe = |error| format!("no pipe for it: {error}; close other programs");
     let (cancel, token) = cancel_token().map_err(|error| open_error(no_pipe(error)))?;
     source.set_cancel_token(&token);
-    let queue = EventQueue::new(is_live);
-    let events = queue.events().clone();
+    let queue = EventQueue::new(EventChannel::new(), is_live);
+    let events = queue.buffer().receiver().clone();
     let (end_of_thread, ended) = bounded(0);
     let mut sender = EventSender {
         queue,
@@ -137,7 +137,7 @@ fn capture(mut source: EventSource<impl Source>, sender: &mut EventSender) {
 
 /// Sending end of the channel.
 struct EventSender {
-    queue: EventQueue,
+    queue: EventQueue<EventChannel>,
     cancel: CancelToken,
     // Declared after `queue`: the consumer is woken when the channel is already disconnected.
     consumer: ConsumerThread,
@@ -164,7 +164,7 @@ impl EventSender {
     fn send(&mut self, event: CaptureEvent) {
         if let Some(event) = self.queue.push(event) {
             select! {
-                send(self.queue.sender(), event) -> _ => {}
+                send(self.queue.buffer().sender(), event) -> _ => {}
                 recv(self.cancel.channel()) -> _ => {}
             }
         }

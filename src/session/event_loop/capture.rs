@@ -3,7 +3,7 @@
 use std::thread;
 use std::time::Duration;
 
-use crossbeam_channel::Receiver;
+use crossbeam_channel::TryRecvError;
 
 use crate::capture::{
     CaptureError, CaptureEvent, CaptureThread, InPlaceCapture, Source, spawn_batched,
@@ -49,11 +49,19 @@ impl Capture {
         self.is_live
     }
 
-    /// Returns the events that have arrived.
-    pub fn events(&self) -> &Receiver<CaptureEvent> {
+    /// Removes the oldest event that has arrived. `Disconnected` after the last one of a thread.
+    pub fn try_next(&mut self) -> Result<CaptureEvent, TryRecvError> {
+        match &mut self.form {
+            CaptureForm::InPlace(capture) => capture.next_event().ok_or(TryRecvError::Empty),
+            CaptureForm::Thread(capture) => capture.events().try_recv(),
+        }
+    }
+
+    /// Returns `true` if an event has arrived.
+    pub fn has_events(&self) -> bool {
         match &self.form {
-            CaptureForm::InPlace(capture) => capture.events(),
-            CaptureForm::Thread(capture) => capture.events(),
+            CaptureForm::InPlace(capture) => capture.has_events(),
+            CaptureForm::Thread(capture) => !capture.events().is_empty(),
         }
     }
 
@@ -73,7 +81,7 @@ impl Capture {
         }
     }
 
-    /// Queues events that have arrived but are not in the channel yet.
+    /// Queues what has arrived but was not read yet.
     pub fn receive(&mut self) {
         if let CaptureForm::InPlace(capture) = &mut self.form {
             capture.wait(Duration::ZERO);

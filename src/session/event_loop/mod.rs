@@ -161,7 +161,7 @@ impl SessionLoop<'_> {
             {
                 return Ok(());
             }
-            match self.capture.events().try_recv() {
+            match self.capture.try_next() {
                 Ok(event) => {
                     if self.handle_capture(event)? == Next::End {
                         return Ok(());
@@ -180,7 +180,7 @@ impl SessionLoop<'_> {
     fn wait(&mut self) -> Result<(), SessionError> {
         let timeout = self.time_to_stall().min(self.time_to_heartbeat());
         self.capture.wait(timeout);
-        if self.capture.events().is_empty() {
+        if !self.capture.has_events() {
             self.now = Instant::now();
             self.sink.0.send(&[])?;
             self.stall_if_overdue()?;
@@ -400,7 +400,7 @@ impl SessionLoop<'_> {
         }
         // A reading that waits prevents the stall.
         self.capture.receive();
-        if self.capture.events().is_empty() {
+        if !self.capture.has_events() {
             self.stall(None)?;
         }
         Ok(())
@@ -444,7 +444,7 @@ impl SessionLoop<'_> {
 
     fn finish(&mut self) -> Result<(), SessionError> {
         let mut dropped = 0;
-        while let Ok(event) = self.capture.events().try_recv() {
+        while let Ok(event) = self.capture.try_next() {
             let (stats, readings) = match event {
                 CaptureEvent::Reading { stats, .. } => (stats, 1),
                 CaptureEvent::Readings {
