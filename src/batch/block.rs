@@ -5,9 +5,10 @@ use wide::f32x8;
 
 use super::lane_arm::{LaneArm, LaneHands};
 use super::lane_vector::{LaneRotation, LaneVector, add, rotated, splat, to_arrays};
-use super::{AllTips, HandTouch, LANES, LaneAngles, TipLanes};
+use super::{AllTips, HandTouch, LANES, LaneAngles};
+
 use crate::contact::surface::{Anchor, Scene, Surface};
-use crate::contact::{ContactTracker, FingertipPositions, PlacedHand, Touches};
+use crate::contact::{ContactTracker, PlacedHand, Touch, Touches};
 use crate::estimate::{Estimate, JointAngles};
 use crate::hand::{Finger, Joint, Side};
 use crate::kinematics::ArmModel;
@@ -87,16 +88,16 @@ impl LaneSurface {
         })
     }
 
-    /// Returns the lanes, as bits, in which a fingertip may enter a front between two poses.
-    fn candidates(&self, previous: &AllTips, current: &AllTips) -> u32 {
+    /// Adds the lanes in which a fingertip may enter a front between two poses.
+    fn add_candidates(&self, previous: &AllTips, current: &AllTips, candidates: &mut FingerLanes) {
         let [lowest, highest] = self.heights.map(f32x8::splat);
         let radius = f32x8::splat(self.tip_radius);
-        let mut are_candidates = f32x8::ZERO;
-        for (previous, current) in previous.iter().zip(current) {
+        let tips = previous.iter().zip(current);
+        for (lanes, (previous, current)) in candidates.iter_mut().zip(tips) {
             let (from, to) = (f32x8::new(previous[2]), f32x8::new(current[2]));
             let (from_pad, to_pad) = (from - radius, to - radius);
             // A comparison with NaN is false: a fingertip that is not known enters nothing.
-            are_candidates |= match self.is_flat {
+            let are_candidates = match self.is_flat {
                 true => from_pad.simd_ge(lowest) & to_pad.simd_le(highest),
                 false => {
                     let is_low = from_pad.simd_le(highest) | to_pad.simd_le(highest);
@@ -104,10 +105,13 @@ impl LaneSurface {
                     is_low & (from_top.simd_ge(lowest) | to_top.simd_ge(lowest))
                 }
             };
+            *lanes |= are_candidates.to_bitmask();
         }
-        are_candidates.to_bitmask()
     }
 }
+
+/// The lanes of each finger, as bits.
+type FingerLanes = [u32; Finger::COUNT];
 
 const UNKNOWN: AllTips = [[[f32::NAN; LANES]; 3]; Finger::COUNT];
 
@@ -115,8 +119,8 @@ const UNKNOWN: AllTips = [[[f32::NAN; LANES]; 3]; Finger::COUNT];
 #[derive(Clone)]
 pub(super) struct Block {
     trackers: Vec<ContactTracker>,
-    /// The lanes, as bits, whose tracker follows a fingertip.
-    active: u32,
+    /// The lanes whose tracker follows a fingertip.
+    active: FingerLanes,
     time: Timestamp,
     /// The fingertips on each surface.
     tips: Vec<AllTips>,
@@ -129,7 +133,7 @@ impl Block {
         let tips = vec![UNKNOWN; board.surfaces.len()];
         Self {
             trackers: vec![ContactTracker::new(&board.scene); LANES],
-            active: 0,
+            active: [0; Finger::COUNT],
             time: Timestamp::default(),
             next_tips: tips.clone(),
             tips,
@@ -160,32 +164,37 @@ impl Block {
         time: Timestamp,
         all: &mut Vec<HandTouch>,
     ) {
-        let mut lanes = self.active;
+        let mut fingers = self.active;
         let pairs = self.tips.iter().zip(&mut self.next_tips);
         for ((previous, current), surface) in pairs.zip(&board.surfaces) {
             *current = surface.place(hands);
-            lanes |= surface.candidates(previous, current);
+            surface.add_candidates(previous, current, &mut fingers);
         }
-        while lanes != 0 {
-            let lane = lanes.trailing_zeros() as usize;
-            lanes &= lanes - 1;
-            self.follow(lane, board, time, all);
+        for (&finger, mut lanes) in Finger::ALL.iter().zip(fingers) {
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize;
+                lanes &= lanes - 1;
+                self.follow((lane, finger), board, time, all);
+            }
         }
         std::mem::swap(&mut self.tips, &mut self.next_tips);
         self.time = time;
     }
 
-    /// Updates the tracker of one hand.
+    /// Updates the tracker of one hand for one finger.
     fn follow(
         &mut self,
-        lane: usize,
+        (lane, finger): (usize, Finger),
         board: &LaneBoard,
         time: Timestamp,
         all: &mut Vec<HandTouch>,
     ) {
         let pairs = self.tips.iter().zip(&self.next_tips);
-        let positions = pairs.map(|(previous, current)| {
-            FingertipPositions::from_centers([previous, current].map(|tips| of_lane(tips, lane)))
+        let centers = pairs.map(|(previous, current)| {
+            [previous, current].map(|tips| {
+                let tip = tips[finger.index()].map(|lanes| lanes[lane]);
+                Vec3::from_array(tip)
+            })
         });
         let mut touches = Touches::new();
         let hand = PlacedHand {
@@ -194,21 +203,16 @@ impl Block {
             span: [self.time, time],
         };
         let tracker = &mut self.trackers[lane];
-        tracker.update_placed(&board.scene, &hand, positions, &mut touches);
-        let bit = 1 << lane;
-        match tracker.follows_nothing() {
-            true => self.active &= !bit,
-            false => self.active |= bit,
+        let is_free = tracker.update_finger(finger, &board.scene, &hand, centers, &mut touches);
+        let (active, bit) = (&mut self.active[finger.index()], 1 << lane);
+        match is_free {
+            true => *active &= !bit,
+            false => *active |= bit,
         }
-        all.extend(
-            touches
-                .into_iter()
-                .map(|touch| HandTouch { hand: lane, touch }),
-        );
+        let of_lane = |touch: &Touch| HandTouch {
+            hand: lane,
+            touch: *touch,
+        };
+        all.extend(touches.iter().map(of_lane));
     }
-}
-
-fn of_lane(tips: &AllTips, lane: usize) -> [Vec3; Finger::COUNT] {
-    tips.each_ref()
-        .map(|tip: &TipLanes| Vec3::from_array(tip.map(|lanes| lanes[lane])))
 }

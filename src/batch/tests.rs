@@ -4,7 +4,7 @@ use parry3d::math::{Pose, Rotation, Vec2, Vec3};
 
 use super::*;
 use crate::contact::surface::{Anchor, Shape, TREMOR_MARGIN, Target};
-use crate::contact::{ContactTracker, Touches};
+use crate::contact::{ContactTracker, Phase, Touches};
 use crate::estimate::Estimate;
 use crate::hand::{Joint, Side};
 use crate::kinematics::{BoneLengths, typing_angle};
@@ -173,24 +173,41 @@ fn hands_go_on_from_an_earlier_call() {
 }
 
 #[test]
-fn an_angle_that_is_no_number_ends_the_touches_of_its_hand_only() {
+fn an_angle_that_is_no_number_cancels_the_touches_of_its_hand_only() {
+    const HAND: usize = 3;
     let arm = &arms()[0];
     let scene = scene(arm);
     let (times, mut all) = (times(), lane_angles());
-    let mut batch = HandBatch::new(arm, &scene, LANES).unwrap();
-    let expected = batch.run(&times, &all[..FRAMES], 1);
-    for angles in &mut all[FRAMES / 2..FRAMES] {
-        angles.dof_mut(Dof::ElbowFlexion)[3] = f32::NAN;
-    }
-    let mut batch = HandBatch::new(arm, &scene, LANES).unwrap();
-    let found = batch.run(&times, &all[..FRAMES], 1);
-    let others = |touches: &[HandTouch]| -> Vec<HandTouch> {
-        let others = touches.iter().filter(|touch| touch.hand != 3);
-        others.copied().collect()
+    let run = |all: &[LaneAngles]| {
+        let mut batch = HandBatch::new(arm, &scene, LANES).unwrap();
+        let touches = batch.run(&times, &all[..FRAMES], 1);
+        let (own, others): (Vec<HandTouch>, Vec<HandTouch>) =
+            touches.into_iter().partition(|touch| touch.hand == HAND);
+        let own: Vec<Touch> = own.into_iter().map(|touch| touch.touch).collect();
+        (own, others)
     };
-    assert_eq!(others(&found), others(&expected));
-    let last = found.iter().rfind(|touch| touch.hand == 3).unwrap();
-    assert!(last.touch.time <= times[FRAMES / 2], "{last:?}");
+    let (expected, others) = run(&all);
+    // A fingertip that moves on a key is still there at the end of the step.
+    let held = |touch: &&Touch| touch.phase == Phase::Moved && touch.time >= times[FRAMES / 2];
+    let held = expected.iter().find(held).unwrap();
+    let lost = times.iter().position(|time| *time > held.time).unwrap();
+    for angles in &mut all[lost..FRAMES] {
+        angles.dof_mut(Dof::ElbowFlexion)[HAND] = f32::NAN;
+    }
+    let (found, others_found) = run(&all);
+    assert_eq!(others_found, others);
+    let until_lost = |touches: &[Touch]| -> (Vec<Touch>, Vec<Touch>) {
+        let touches = touches.iter().copied();
+        touches.partition(|touch| touch.time <= held.time)
+    };
+    let (expected, later) = until_lost(&expected);
+    assert!(later.iter().any(|touch| touch.phase == Phase::Touched));
+    let (found, last) = until_lost(&found);
+    assert_eq!(found, expected);
+    let cancelled = |touch: &Touch| (touch.time, touch.phase) == (times[lost], Phase::Cancelled);
+    assert!(last.iter().all(cancelled), "{last:?}");
+    let of_held = |touch: &Touch| (touch.finger, touch.target) == (held.finger, held.target);
+    assert!(last.iter().any(of_held), "{last:?}");
 }
 
 #[test]

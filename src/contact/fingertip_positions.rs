@@ -29,34 +29,31 @@ impl Fingertips {
         tips
     }
 
-    fn from_centers(centers: &[Vec3; Finger::COUNT]) -> Self {
-        let mut tips = Self::default();
-        for (&finger, center) in Finger::ALL.iter().zip(centers) {
-            tips.centers[finger.index()] = (*center).into();
-            if center.is_finite() {
-                tips.known = tips.known.with(finger);
-            }
-        }
-        tips
+    /// Sets the center of a fingertip. One that is not finite is unknown.
+    fn set(&mut self, finger: Finger, center: Vec3A) {
+        self.centers[finger.index()] = center;
+        self.known = match center.is_finite() {
+            true => self.known.with(finger),
+            false => self.known.without(finger),
+        };
     }
 
-    /// Converts positions in the world to the frame of a surface. Positions that are not finite there are unknown.
-    fn on_surface(&self, surface: &Surface, pose: &HandPose) -> Self {
-        let mut tips = Self::default();
+    /// Becomes fingertips in the world, in the frame of a surface. Positions that are not finite there are unknown.
+    fn place(&mut self, tips: &Self, surface: &Surface, pose: &HandPose) {
+        self.known = FingerSet::NONE;
         let Some(world_from_surface) = surface.world_from_surface(pose) else {
-            return tips;
+            return;
         };
         let surface_from_world = world_from_surface.inverse();
         let origin = Vec3A::from(surface_from_world.translation);
         for &finger in Finger::ALL {
             let index = finger.index();
-            let center = surface_from_world.rotation * self.centers[index] + origin;
-            tips.centers[index] = center;
-            if self.known.contains(finger) && center.is_finite() {
-                tips.known = tips.known.with(finger);
+            let center = surface_from_world.rotation * tips.centers[index] + origin;
+            self.centers[index] = center;
+            if tips.known.contains(finger) && center.is_finite() {
+                self.known = self.known.with(finger);
             }
         }
-        tips
     }
 
     fn get(&self, finger: Finger) -> Option<Vec3> {
@@ -73,19 +70,20 @@ pub(crate) struct FingertipPositions {
 }
 
 impl FingertipPositions {
-    /// Creates the positions of the previous and the current pose. Those that are not finite are unknown.
-    pub fn from_centers(centers: [[Vec3; Finger::COUNT]; 2]) -> Self {
-        let [previous, current] = centers.map(|centers| Fingertips::from_centers(&centers));
-        Self { previous, current }
+    /// Sets the previous and the current center of a fingertip. One that is not finite is unknown.
+    pub fn set(&mut self, finger: Finger, [previous, current]: [Vec3; 2]) {
+        self.previous.set(finger, previous.into());
+        self.current.set(finger, current.into());
     }
 
     /// Appends a pose with these fingertips in the world. After a jump the previous positions are unknown.
     pub(super) fn push(&mut self, tips: &Fingertips, surface: &Surface, pose: &HandPose) {
-        self.previous = match pose.jumped {
-            true => Fingertips::default(),
-            false => self.current,
-        };
-        self.current = tips.on_surface(surface, pose);
+        // In place: a copy of a whole set loads bytes at once that were just stored one by one.
+        std::mem::swap(&mut self.previous, &mut self.current);
+        if pose.jumped {
+            self.previous.known = FingerSet::NONE;
+        }
+        self.current.place(tips, surface, pose);
     }
 
     /// Returns the previous and the current center of a fingertip, if both are known.

@@ -12,7 +12,6 @@ mod front_index;
 mod target;
 mod target_names;
 
-pub(crate) use fingertip_positions::FingertipPositions;
 pub use fingertip_positions::trusted_fingertip;
 pub use target_names::{TargetName, TargetNames};
 pub use tracker::ContactTracker;

@@ -98,26 +98,35 @@ impl ContactTracker {
             tip_radius: pose.tip_radius,
             span: [self.time, pose.time],
         };
-        self.follow(scene, &hand, touches);
+        self.follow(Finger::ALL, scene, &hand, touches);
     }
 
-    /// Does the same as [`update`](Self::update) for a hand whose fingertips on each surface, in the last pose and in this
-    /// one, the caller has computed.
-    pub(crate) fn update_placed(
+    /// Does the same as [`update`](Self::update) for one finger, whose centers on each surface, in the last pose and in this
+    /// one, the caller has computed. Returns whether a later update has no effect unless the fingertip enters a front.
+    pub(crate) fn update_finger(
         &mut self,
+        finger: Finger,
         scene: &Scene,
         hand: &PlacedHand,
-        positions: impl Iterator<Item = FingertipPositions>,
+        centers: impl Iterator<Item = [Vec3; 2]>,
         touches: &mut Touches,
-    ) {
-        for (own, positions) in self.positions.iter_mut().zip(positions) {
-            *own = positions;
+    ) -> bool {
+        for (positions, centers) in self.positions.iter_mut().zip(centers) {
+            positions.set(finger, centers);
         }
-        self.follow(scene, hand, touches);
+        self.follow(&[finger], scene, hand, touches);
+        let state = &self.fingers[finger.index()];
+        state.contact.is_none() && state.slid_off.is_none()
     }
 
-    /// Follows the fingertips to their present positions.
-    fn follow(&mut self, scene: &Scene, hand: &PlacedHand, touches: &mut Touches) {
+    /// Follows fingertips to their present positions.
+    fn follow(
+        &mut self,
+        fingers: &[Finger],
+        scene: &Scene,
+        hand: &PlacedHand,
+        touches: &mut Touches,
+    ) {
         let [start, end] = hand.span;
         self.side = hand.side;
         let mut step = StepContext {
@@ -129,8 +138,8 @@ impl ContactTracker {
             end,
             touches,
         };
-        for (state, &finger) in self.fingers.iter_mut().zip(Finger::ALL) {
-            state.update(finger, &mut step);
+        for &finger in fingers {
+            self.fingers[finger.index()].update(finger, &mut step);
         }
         self.time = end;
     }
@@ -156,12 +165,6 @@ impl ContactTracker {
     /// Returns whether no fingertip touches a target.
     pub fn is_idle(&self) -> bool {
         self.fingers.iter().all(|state| state.contact.is_none())
-    }
-
-    /// Returns whether an update has no effect unless a fingertip enters a front.
-    pub(crate) fn follows_nothing(&self) -> bool {
-        let is_free = |state: &FingerState| state.contact.is_none() && state.slid_off.is_none();
-        self.fingers.iter().all(is_free)
     }
 
     /// Iterates over the targets that fingertips press.

@@ -108,7 +108,11 @@ impl Estimator {
         if is_interrupted || !self.has_same_dofs() {
             self.smoother.reset();
         }
-        self.last = Some(RawAngles::new(&self.estimate, anchor));
+        match &mut self.last {
+            // In place: an assignment of the whole copies the angles twice.
+            Some(last) => last.set(&self.estimate, anchor),
+            none => *none = Some(RawAngles::new(&self.estimate, anchor)),
+        }
         let angles = &mut self.estimate.angles;
         self.smoother.filter(angles, gap.as_secs_f64());
         if let Some(limits) = &self.settings.limits {
@@ -292,6 +296,12 @@ impl RawAngles {
             angles: estimate.angles,
             anchor,
         }
+    }
+
+    fn set(&mut self, estimate: &Estimate, anchor: Option<Anchor>) {
+        self.time = estimate.time;
+        self.angles = estimate.angles;
+        self.anchor = anchor;
     }
 
     /// Returns whether neither an angle nor the measured position of a later reading is out of reach. Those that are known in

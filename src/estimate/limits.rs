@@ -13,7 +13,9 @@ const MIN_TOLERANCE: f64 = 0.21;
 /// The range of motion of every degree of freedom, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JointLimits {
-    ranges: [JointRange; Dof::COUNT],
+    /// Two lists, so that the clamping of all angles is vectorised.
+    lows: [f64; Dof::COUNT],
+    highs: [f64; Dof::COUNT],
 }
 
 /// The range of motion of one degree of freedom, in radians.
@@ -76,25 +78,26 @@ impl JointLimits {
     /// end of the published figures, because a glove is never calibrated to the degree. Supination
     /// counts from the palm facing down, which is 70° pronated, so it reaches 70 + 85 = 155°.
     pub fn human() -> Self {
-        let mut ranges = [JointRange::ANY; Dof::COUNT];
+        let mut limits = Self {
+            lows: [0.0; Dof::COUNT],
+            highs: [0.0; Dof::COUNT],
+        };
         for &dof in Dof::ALL {
             let (low, high) = human_degrees(dof);
-            ranges[dof.index()] = JointRange {
-                low: f64::to_radians(low),
-                high: f64::to_radians(high),
-            };
+            limits.lows[dof.index()] = f64::to_radians(low);
+            limits.highs[dof.index()] = f64::to_radians(high);
         }
-        Self { ranges }
+        limits
     }
 
     /// Returns the lower and upper limit of `dof` in radians.
     pub fn range(&self, dof: Dof) -> (f64, f64) {
-        let range = self.joint_range(dof);
-        (range.low, range.high)
+        (self.lows[dof.index()], self.highs[dof.index()])
     }
 
     pub(super) fn joint_range(&self, dof: Dof) -> JointRange {
-        self.ranges[dof.index()]
+        let (low, high) = self.range(dof);
+        JointRange { low, high }
     }
 
     /// Clamps an angle to the range of `dof`; radians.
@@ -104,8 +107,9 @@ impl JointLimits {
 
     /// Clamps all angles in place. Angles that are not known stay 0.
     pub(super) fn clamp_all(&self, angles: &mut JointAngles) {
-        for (index, radians) in angles.radians_mut().iter_mut().enumerate() {
-            *radians = self.ranges[index].clamp(*radians);
+        let ends = self.lows.iter().zip(&self.highs);
+        for (radians, (&low, &high)) in angles.radians_mut().iter_mut().zip(ends) {
+            *radians = JointRange { low, high }.clamp(*radians);
         }
     }
 

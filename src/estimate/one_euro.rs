@@ -18,21 +18,21 @@ pub struct OneEuroSettings {
 /// Follows the reference implementation of August 2023 (github.com/casiez/OneEuroFilter): the derivative is taken
 /// against the last *filtered* value, and is 0 for the first sample.
 #[derive(Clone, Debug)]
-pub struct OneEuroFilter {
+pub struct OneEuroFilter<const COUNT: usize> {
     settings: OneEuroSettings,
     has_samples: bool,
-    values: Vec<f64>,
-    speeds: Vec<f64>,
+    values: [f64; COUNT],
+    speeds: [f64; COUNT],
 }
 
-impl OneEuroFilter {
-    /// Creates a filter for `count` values.
-    pub fn new(settings: OneEuroSettings, count: usize) -> Self {
+impl<const COUNT: usize> OneEuroFilter<COUNT> {
+    /// Creates a filter for `COUNT` values.
+    pub fn new(settings: OneEuroSettings) -> Self {
         Self {
             settings,
             has_samples: false,
-            values: vec![0.0; count],
-            speeds: vec![0.0; count],
+            values: [0.0; COUNT],
+            speeds: [0.0; COUNT],
         }
     }
 
@@ -43,28 +43,20 @@ impl OneEuroFilter {
 
     /// Filters `values` in place, sampled `seconds` after the previous ones.
     ///
-    /// The first values pass unchanged. If `seconds` is 0, returns the last filtered values. Values beyond the number
-    /// that the filter was created for are not changed.
-    pub fn filter(&mut self, values: &mut [f64], seconds: f64) {
+    /// The first values pass unchanged. If `seconds` is 0, returns the last filtered values.
+    pub fn filter(&mut self, values: &mut [f64; COUNT], seconds: f64) {
         if !self.has_samples {
-            self.start(values);
+            self.has_samples = true;
+            self.speeds = [0.0; COUNT];
+            self.values = *values;
         } else if seconds > 0.0 {
             self.advance(values, seconds);
-        }
-        for (value, filtered) in values.iter_mut().zip(&self.values) {
-            *value = *filtered;
-        }
-    }
-
-    fn start(&mut self, values: &[f64]) {
-        self.has_samples = true;
-        self.speeds.fill(0.0);
-        for (filtered, value) in self.values.iter_mut().zip(values) {
-            *filtered = *value;
+        } else {
+            *values = self.values;
         }
     }
 
-    fn advance(&mut self, values: &[f64], seconds: f64) {
+    fn advance(&mut self, values: &mut [f64; COUNT], seconds: f64) {
         let OneEuroSettings {
             min_cutoff_hz,
             beta,
@@ -74,9 +66,10 @@ impl OneEuroFilter {
         let speed_alpha = smoothing_factor(derivative_cutoff_hz, seconds);
         let state = self.values.iter_mut().zip(&mut self.speeds);
         for ((filtered, speed), value) in state.zip(values) {
-            let change = value - *filtered;
+            let change = *value - *filtered;
             *speed += speed_alpha * (change * rate - *speed);
             *filtered += smoothing_factor(min_cutoff_hz + beta * speed.abs(), seconds) * change;
+            *value = *filtered;
         }
     }
 }
@@ -97,7 +90,7 @@ mod tests {
         derivative_cutoff_hz: 1.0,
     };
 
-    fn next(filter: &mut OneEuroFilter, value: f64, seconds: f64) -> f64 {
+    fn next(filter: &mut OneEuroFilter<1>, value: f64, seconds: f64) -> f64 {
         let mut values = [value];
         filter.filter(&mut values, seconds);
         values[0]
@@ -105,7 +98,7 @@ mod tests {
 
     #[test]
     fn a_constant_is_unchanged_and_a_step_is_approached_without_overshoot() {
-        let mut filter = OneEuroFilter::new(SETTINGS, 1);
+        let mut filter = OneEuroFilter::new(SETTINGS);
         assert_eq!(next(&mut filter, 2.0, 0.0), 2.0);
         assert_eq!(next(&mut filter, 2.0, 0.01), 2.0);
         let mut last = 2.0;
@@ -123,15 +116,15 @@ mod tests {
             beta: 0.0,
             ..SETTINGS
         };
-        let mut filter = OneEuroFilter::new(settings, 1);
+        let mut filter = OneEuroFilter::new(settings);
         next(&mut filter, 1.0, 0.0);
         assert_eq!(next(&mut filter, 9.0, 0.0), 1.0);
     }
 
     #[test]
     fn values_are_filtered_independently_and_a_reset_clears_them() {
-        let mut pair = OneEuroFilter::new(SETTINGS, 2);
-        let mut single = OneEuroFilter::new(SETTINGS, 1);
+        let mut pair = OneEuroFilter::new(SETTINGS);
+        let mut single = OneEuroFilter::new(SETTINGS);
         for step in 0..20 {
             let mut values = [f64::from(step), -1.0];
             pair.filter(&mut values, 0.01);

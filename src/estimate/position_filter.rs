@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn a_joint_that_moves_along_an_axis_is_filtered_like_a_single_value() {
         let mut positions = PositionFilter::new(MARKER_SMOOTHING);
-        let mut values = OneEuroFilter::new(MARKER_SMOOTHING, 1);
+        let mut values = OneEuroFilter::new(MARKER_SMOOTHING);
         for step in 0..60_u32 {
             let x = (f64::from(step) * 0.2).sin() * 0.05;
             let mut joint = measured(&[(Joint::IndexTip, Vec3::X * x as f32)]);

@@ -32,7 +32,7 @@ impl Default for Smoothing {
 pub(super) enum Smoother {
     Off,
     RecursiveAverage(Box<RecursiveAverage>),
-    OneEuro(OneEuroFilter),
+    OneEuro(Box<OneEuroFilter<{ Dof::COUNT }>>),
 }
 
 /// The state of [`Smoothing::RecursiveAverage`].
@@ -50,7 +50,7 @@ impl Smoother {
         match smoothing {
             Smoothing::Off => Self::Off,
             Smoothing::RecursiveAverage => Self::RecursiveAverage(Box::default()),
-            Smoothing::OneEuro(settings) => Self::OneEuro(OneEuroFilter::new(settings, Dof::COUNT)),
+            Smoothing::OneEuro(settings) => Self::OneEuro(Box::new(OneEuroFilter::new(settings))),
         }
     }
 

@@ -80,6 +80,12 @@ impl FingerSet {
         Self(self.0 | 1 << finger.index())
     }
 
+    /// Returns the set with `finger` removed.
+    #[must_use]
+    pub fn without(self, finger: Finger) -> Self {
+        Self(self.0 & !(1 << finger.index()))
+    }
+
     /// Returns the fingers that are in either set.
     #[must_use]
     pub fn union(self, other: Self) -> Self {

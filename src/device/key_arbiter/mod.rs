@@ -195,7 +195,7 @@ impl KeyArbiter {
     pub fn emit_changes(&mut self, time: Timestamp, events: &mut Events) {
         let wanted = self.wanted_keys();
         self.release_unwanted(&wanted, time, events);
-        for key in wanted {
+        for &key in &wanted {
             let is_down = self.pressed_keys.iter().any(|other| other.code == key.code);
             if is_down || self.pressed_keys.is_full() {
                 continue;

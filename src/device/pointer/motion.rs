@@ -13,7 +13,7 @@ use crate::estimate::OneEuroFilter;
 pub(super) struct MotionTracker {
     extent: Vec3,
     dead_zone_px: f32,
-    filter: Option<OneEuroFilter>,
+    filter: Option<OneEuroFilter<3>>,
     /// `None` before the hand is seen, and in a mode without positions.
     position: Option<Vec3>,
 }
@@ -31,9 +31,7 @@ impl MotionTracker {
         Self {
             extent: extent(settings),
             dead_zone_px: settings.dead_zone_px,
-            filter: settings
-                .smoothing
-                .map(|smoothing| OneEuroFilter::new(smoothing, 3)),
+            filter: settings.smoothing.map(OneEuroFilter::new),
             position: None,
         }
     }

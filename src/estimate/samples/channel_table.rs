@@ -1,6 +1,6 @@
 //! The conversion of all channels of a glove at once, without a branch for each.
 
-use crate::capture::Channels;
+use crate::capture::{Channels, MAX_CHANNELS};
 use crate::estimate::limits::JointRange;
 use crate::estimate::{AffineMap, ChannelMap, JointLimits};
 use crate::hand::{Dof, JointAngles};
@@ -22,6 +22,14 @@ pub(super) struct ChannelTable {
     limits: [[f64; Dof::COUNT]; 2],
     /// The degrees of freedom with a row.
     measured: JointAngles,
+}
+
+/// The result of a conversion.
+pub(super) struct Conversion {
+    /// All angles are finite, and none is farther outside its range than a calibration error explains.
+    pub are_accepted: bool,
+    /// A channel is unknown, or at an end of its range.
+    pub has_exceptions: bool,
 }
 
 impl ChannelTable {
@@ -63,32 +71,35 @@ impl ChannelTable {
         self.offsets[dof.index()] = calibration.offset;
     }
 
-    /// Returns the counts by degree of freedom, those of a row for one without.
-    pub fn counts(&self, channels: &Channels) -> [u16; Dof::COUNT] {
-        self.channels
-            .map(|channel| channels.counts[usize::from(channel)])
-    }
-
-    /// Sets the angles that known counts show, with `offsets` added, in radians. Returns `false`, and leaves angles that mean
-    /// nothing, if one is not finite or farther outside its range than a calibration error explains.
+    /// Sets the angles that the counts show, with `offsets` added, in radians. They mean nothing unless the result says that all
+    /// are accepted and no channel is unknown.
     pub fn convert(
         &self,
-        counts: &[u16; Dof::COUNT],
+        channels: &Channels,
         offsets: &JointAngles,
         angles: &mut JointAngles,
-    ) -> bool {
+    ) -> Conversion {
         angles.set_known_as(&self.measured);
-        let mut are_accepted = true;
+        // An array of fixed length needs no check of an index, which would keep the loop from being vectorised.
+        let mut counts = [0; MAX_CHANNELS];
+        counts[..channels.counts.len()].copy_from_slice(&channels.counts);
+        let (mut accepted, mut plain) = (0, 0);
         let [accepted_low, accepted_high] = &self.accepted;
         let [low, high] = &self.limits;
         for (index, angle) in angles.radians_mut().iter_mut().enumerate() {
-            let count = f64::from(counts[index]);
+            let count = f64::from(counts[usize::from(self.channels[index]) % MAX_CHANNELS]);
             let linear = count - self.bends[index] * count * (self.full_scale - count);
             let calibrated = linear * self.gains[index] + self.offsets[index];
             let radians = calibrated + offsets.radians()[index];
-            are_accepted &= (radians >= accepted_low[index]) & (radians <= accepted_high[index]);
+            let is_accepted = (radians >= accepted_low[index]) & (radians <= accepted_high[index]);
+            // A sum has the width of the numbers, unlike a `bool`.
+            accepted += u64::from(is_accepted);
+            plain += u64::from((count > 0.0) & (count < self.full_scale));
             *angle = JointRange::new(low[index], high[index]).clamp(radians);
         }
-        are_accepted
+        Conversion {
+            are_accepted: accepted == Dof::COUNT as u64,
+            has_exceptions: plain != Dof::COUNT as u64,
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::channel_table::ChannelTable;
+use super::channel_table::{ChannelTable, Conversion};
 use crate::capture::Channels;
 use crate::estimate::learned_range::RangeLearner;
 use crate::estimate::limits::JointRange;
@@ -67,17 +67,10 @@ struct ChannelHealth {
 }
 
 /// The exceptions in the channels of a reading.
+#[derive(Default)]
 struct Exceptions {
     has_unknown: bool,
     is_at_rail: bool,
-}
-
-impl Exceptions {
-    /// The exceptions of a reading that was not examined.
-    const ALL: Self = Self {
-        has_unknown: true,
-        is_at_rail: true,
-    };
 }
 
 impl ChannelConverter {
@@ -138,12 +131,16 @@ impl ChannelConverter {
         {
             return Err(Rejection::WrongShape);
         }
-        let counts = self.table.as_ref().map(|table| table.counts(channels));
-        let exceptions = counts.as_ref().map(|counts| self.exceptions(counts));
+        let table = self.table.as_ref();
+        let converted = table.map(|table| table.convert(channels, offsets, &mut estimate.angles));
+        let are_plain = converted.as_ref().is_some_and(|all| !all.has_exceptions);
         let Exceptions {
             has_unknown,
             is_at_rail,
-        } = exceptions.unwrap_or(Exceptions::ALL);
+        } = match are_plain {
+            true => Exceptions::default(),
+            false => self.exceptions(channels),
+        };
         if let Some(timeout) = rail_timeout.filter(|_| !self.uses_full_range)
             && (is_at_rail || self.was_at_rail)
         {
@@ -155,14 +152,10 @@ impl ChannelConverter {
             estimate.untrusted = estimate.untrusted.union(unknown);
         }
         self.write_inputs(channels, &mut estimate.inputs);
-        let angles = &mut estimate.angles;
-        let is_converted = match (&self.table, &counts) {
-            (Some(table), Some(counts)) if !has_unknown => table.convert(counts, offsets, angles),
-            _ => false,
-        };
-        if !is_converted {
-            *angles = JointAngles::default();
-            self.write_angles(channels, offsets, angles)?;
+        let is_accepted = |all: &Conversion| all.are_accepted && !has_unknown;
+        if !converted.as_ref().is_some_and(is_accepted) {
+            estimate.angles = JointAngles::default();
+            self.write_angles(channels, offsets, &mut estimate.angles)?;
         }
         if estimate.angles.is_empty() && !self.rows.is_empty() {
             return Err(Rejection::WrongShape);
@@ -231,13 +224,11 @@ impl ChannelConverter {
         }
     }
 
-    /// Looks for exceptions in the counts of all angles, without a branch for each.
-    fn exceptions(&self, counts: &[u16; Dof::COUNT]) -> Exceptions {
-        let mut found = Exceptions {
-            has_unknown: false,
-            is_at_rail: false,
-        };
-        for &count in counts {
+    /// Looks for exceptions in the channels of all angles.
+    fn exceptions(&self, channels: &Channels) -> Exceptions {
+        let mut found = Exceptions::default();
+        for health in &self.health {
+            let count = channels.counts[health.channel];
             found.has_unknown |= count == Channels::UNKNOWN;
             found.is_at_rail |= (count == 0) | (count == self.full_scale);
         }
