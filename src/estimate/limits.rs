@@ -11,7 +11,9 @@ const TOLERANCE: f64 = 0.1;
 const MIN_TOLERANCE: f64 = 0.21;
 
 /// The range of motion of every degree of freedom, in radians.
+// Aligned to vector registers, as the angles are.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(16))]
 pub struct JointLimits {
     /// Two lists, so that the clamping of all angles is vectorised.
     lows: [f64; Dof::COUNT],

@@ -17,22 +17,24 @@ pub struct OneEuroSettings {
 ///
 /// Follows the reference implementation of August 2023 (github.com/casiez/OneEuroFilter): the derivative is taken
 /// against the last *filtered* value, and is 0 for the first sample.
+// Aligned to vector registers, as joint angles are.
 #[derive(Clone, Debug)]
+#[repr(C, align(16))]
 pub struct OneEuroFilter<const COUNT: usize> {
-    settings: OneEuroSettings,
-    has_samples: bool,
     values: [f64; COUNT],
     speeds: [f64; COUNT],
+    settings: OneEuroSettings,
+    has_samples: bool,
 }
 
 impl<const COUNT: usize> OneEuroFilter<COUNT> {
     /// Creates a filter for `COUNT` values.
     pub fn new(settings: OneEuroSettings) -> Self {
         Self {
-            settings,
-            has_samples: false,
             values: [0.0; COUNT],
             speeds: [0.0; COUNT],
+            settings,
+            has_samples: false,
         }
     }
 

@@ -10,7 +10,9 @@ use super::Dof;
 /// The angles of an arm and hand, in radians, some of which may not be known.
 ///
 /// Serialised as a map of the known angles: `{"elbow-flexion":0.5,"wrist-flexion":0.0}`.
+// Aligned to vector registers, so that instructions take their operands from memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(C, align(16))]
 pub struct JointAngles {
     radians: [f64; Dof::COUNT],
     known: u32,

@@ -193,6 +193,9 @@ impl KeyArbiter {
     /// Emits the difference between the pressed and the wanted keys, releases first. A release that does not
     /// fit into the event list is retried by the next call.
     pub fn emit_changes(&mut self, time: Timestamp, events: &mut Events) {
+        if self.pressed_keys.is_empty() && self.wants_nothing() {
+            return;
+        }
         let wanted = self.wanted_keys();
         self.release_unwanted(&wanted, time, events);
         for &key in &wanted {
@@ -257,6 +260,12 @@ impl KeyArbiter {
             locks.end_press(press, is_tap);
             false
         });
+    }
+
+    /// Returns whether no key should be down now.
+    fn wants_nothing(&self) -> bool {
+        let modifiers = self.locks.modifiers.is_empty() && self.one_shots.active.is_empty();
+        modifiers && self.presses.is_empty()
     }
 
     /// Returns the keys that should be down now, modifiers first.

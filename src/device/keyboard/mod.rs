@@ -156,7 +156,8 @@ impl Keyboard {
 
     /// Handles the presses and releases of at most [`MAX_TOUCHES`] touches.
     fn handle_touches(&mut self, touches: &[Touch], out: &mut DeviceOutput) {
-        for (.., touch) in self.sorted(touches, out) {
+        let sorted = self.sorted(touches, out);
+        for &(.., touch) in &sorted {
             match touch.phase {
                 Phase::Pressed => self.press(touch, out),
                 phase => {

@@ -8,10 +8,10 @@ use crate::hand::{Dof, JointAngles};
 /// The rows of a channel map as one list of numbers of each kind, by degree of freedom, which compilers vectorise.
 ///
 /// The angles are those of the rows one by one, which take over when a channel is unknown or an angle is outside its limits.
+// Aligned to vector registers, as the angles are.
 #[derive(Clone, Debug)]
+#[repr(C, align(16))]
 pub(super) struct ChannelTable {
-    full_scale: f64,
-    channels: [u8; Dof::COUNT],
     /// See [`Linearity`](crate::estimate::Linearity).
     bends: [f64; Dof::COUNT],
     gains: [f64; Dof::COUNT],
@@ -22,6 +22,8 @@ pub(super) struct ChannelTable {
     limits: [[f64; Dof::COUNT]; 2],
     /// The degrees of freedom with a row.
     measured: JointAngles,
+    channels: [u8; Dof::COUNT],
+    full_scale: f64,
 }
 
 /// The result of a conversion.
