@@ -78,11 +78,12 @@ impl FingertipPositions {
 
     /// Appends a pose with these fingertips in the world. After a jump the previous positions are unknown.
     pub(super) fn push(&mut self, tips: &Fingertips, surface: &Surface, pose: &HandPose) {
-        // In place: a copy of a whole set loads bytes at once that were just stored one by one.
-        std::mem::swap(&mut self.previous, &mut self.current);
-        if pose.jumped {
-            self.previous.known = FingerSet::NONE;
-        }
+        // Field by field: a copy of the whole loads bytes at once that were just stored one by one.
+        self.previous.centers = self.current.centers;
+        self.previous.known = match pose.jumped {
+            true => FingerSet::NONE,
+            false => self.current.known,
+        };
         self.current.place(tips, surface, pose);
     }
 

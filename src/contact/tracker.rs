@@ -98,7 +98,10 @@ impl ContactTracker {
             tip_radius: pose.tip_radius,
             span: [self.time, pose.time],
         };
-        self.follow(Finger::ALL, scene, &hand, touches);
+        let (fingers, mut step) = self.begin_step(scene, &hand, touches);
+        for (state, &finger) in fingers.iter_mut().zip(Finger::ALL) {
+            state.update(finger, &mut step);
+        }
     }
 
     /// Does the same as [`update`](Self::update) for one finger, whose centers on each surface, in the last pose and in this
@@ -114,22 +117,23 @@ impl ContactTracker {
         for (positions, centers) in self.positions.iter_mut().zip(centers) {
             positions.set(finger, centers);
         }
-        self.follow(&[finger], scene, hand, touches);
-        let state = &self.fingers[finger.index()];
+        let (fingers, mut step) = self.begin_step(scene, hand, touches);
+        let state = &mut fingers[finger.index()];
+        state.update(finger, &mut step);
         state.contact.is_none() && state.slid_off.is_none()
     }
 
-    /// Follows fingertips to their present positions.
-    fn follow(
-        &mut self,
-        fingers: &[Finger],
-        scene: &Scene,
+    /// Begins a step: returns the fingers, to be moved to their present positions, and what they share.
+    fn begin_step<'a>(
+        &'a mut self,
+        scene: &'a Scene,
         hand: &PlacedHand,
-        touches: &mut Touches,
-    ) {
+        touches: &'a mut Touches,
+    ) -> (&'a mut [FingerState; Finger::COUNT], StepContext<'a>) {
         let [start, end] = hand.span;
         self.side = hand.side;
-        let mut step = StepContext {
+        self.time = end;
+        let step = StepContext {
             side: hand.side,
             scene,
             positions: &self.positions,
@@ -138,10 +142,7 @@ impl ContactTracker {
             end,
             touches,
         };
-        for &finger in fingers {
-            self.fingers[finger.index()].update(finger, &mut step);
-        }
-        self.time = end;
+        (&mut self.fingers, step)
     }
 
     /// Cancels every touch at `time`, appends that to `touches`, and forgets the last pose.

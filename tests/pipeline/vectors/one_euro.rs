@@ -12,7 +12,7 @@ pub fn filter(file: &Value) -> usize {
             beta: number(&case["beta"]),
             derivative_cutoff_hz: number(&case["derivative_cutoff_hz"]),
         };
-        let mut filter = OneEuroFilter::new(settings, 1);
+        let mut filter = OneEuroFilter::new(settings);
         let (times, values) = (numbers(&case["times"]), numbers(&case["values"]));
         let mut last = times[0];
         for ((time, value), wanted) in times.iter().zip(values).zip(numbers(&case["filtered"])) {
