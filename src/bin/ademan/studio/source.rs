@@ -1,18 +1,21 @@
 //! The sources of Studio: a simulated hand that types again and again, and none beside a recording.
 
+use std::collections::BTreeSet;
 use std::thread;
-use std::time::Duration;
 
 use ademan::capture::{CaptureError, Hc11Format, MAX_BLOCK, Source, SourceEvent, SourceStats};
 use ademan::setup::LoadedSetup;
-use ademan::sim::SimulatedTypist;
-use ademan::time::Timestamp;
+use ademan::sim::{RepeatedTypist, SimulatedTypist};
 
 use crate::demo::script;
 use crate::demo::text::{self, TextChoice};
 use crate::failure::Failure;
 
-/// Returns a hand that types on the layout of a setup, or plays the script that comes with it, without end.
+/// The script of a hand that rests.
+const REST: &str = "wait 60000";
+
+/// Returns a hand that types on the layout of a setup, or plays the script that comes with it, without end. It leaves out keys
+/// beyond its reach, and rests above a layout that it cannot type on.
 pub fn simulated_hand(setup: &LoadedSetup) -> Result<RepeatedTypist, Failure> {
     let format = Hc11Format {
         baud: std::num::NonZeroU32::new(115_200).expect("the rate is not 0"),
@@ -20,19 +23,31 @@ pub fn simulated_hand(setup: &LoadedSetup) -> Result<RepeatedTypist, Failure> {
     };
     let hand = match script::for_layout(&setup.setup.layout) {
         Some(script) => setup.scripted(script, &format, 0.0, 0)?,
-        None => {
-            let text = text::choose(TextChoice::Default, &setup.layout)?;
-            setup.typist(&text, &format, 0.0, 0)?
-        }
+        None => typist(setup, &format)?,
     };
-    Ok(RepeatedTypist {
-        present: hand.clone(),
-        hand,
-        period: format.packet_period(),
-        start: Duration::ZERO,
-        last: Timestamp::default(),
-        readings: 0,
-    })
+    Ok(RepeatedTypist::new(hand))
+}
+
+fn typist(setup: &LoadedSetup, format: &Hc11Format) -> Result<SimulatedTypist, Failure> {
+    let rest = || setup.scripted(REST, format, 0.0, 0);
+    let Ok(text) = text::choose(TextChoice::Default, &setup.layout) else {
+        complain!("the simulated hand rests, as no key of the layout writes a character");
+        return Ok(rest()?);
+    };
+    let error = match setup.typist(&text, format, 0.0, 0) {
+        Ok(typist) => return Ok(typist),
+        Err(error) => error,
+    };
+    let characters: BTreeSet<char> = text.chars().collect();
+    let is_reached = |letter: &char| setup.typist(&letter.to_string(), format, 0.0, 0).is_ok();
+    let reached: BTreeSet<char> = characters.into_iter().filter(is_reached).collect();
+    let text: String = text.chars().filter(|it| reached.contains(it)).collect();
+    if text.is_empty() {
+        complain!("{error}; until then the simulated hand rests");
+        return Ok(rest()?);
+    }
+    complain!("{error}; until then the simulated hand types only the keys within its reach");
+    Ok(setup.typist(&text, format, 0.0, 0)?)
 }
 
 /// A source without readings, for the session behind the window while that shows a recording.
@@ -54,54 +69,5 @@ impl Source for NoReadings {
 
     fn stats(&self) -> SourceStats {
         SourceStats::default()
-    }
-}
-
-/// A simulated hand that starts again when it is done, on a clock that goes on.
-pub struct RepeatedTypist {
-    hand: SimulatedTypist,
-    present: SimulatedTypist,
-    period: Duration,
-    /// Time at which the present round started.
-    start: Duration,
-    last: Timestamp,
-    readings: u64,
-}
-
-impl Source for RepeatedTypist {
-    fn next(&mut self) -> Result<SourceEvent, CaptureError> {
-        match self.present.next()? {
-            SourceEvent::Reading(mut reading) => {
-                reading.time = reading.time + self.start;
-                self.last = reading.time;
-                self.readings += 1;
-                Ok(SourceEvent::Reading(reading))
-            }
-            SourceEvent::End => {
-                self.present = self.hand.clone();
-                self.start = self.last.since(Timestamp::default()) + self.period;
-                Ok(SourceEvent::Idle)
-            }
-            other => Ok(other),
-        }
-    }
-
-    fn name(&self) -> &str {
-        self.hand.name()
-    }
-
-    fn packet_period(&self) -> Option<Duration> {
-        Some(self.period)
-    }
-
-    fn is_live(&self) -> bool {
-        self.hand.is_live()
-    }
-
-    fn stats(&self) -> SourceStats {
-        SourceStats {
-            readings: self.readings,
-            ..SourceStats::default()
-        }
     }
 }
