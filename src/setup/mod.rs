@@ -10,7 +10,7 @@ mod sources;
 mod wearer;
 
 pub use loaded::{GloveAndArm, LoadedSetup, Profile, layout_instance};
-pub use reach::ReachReport;
+pub use reach::{HandReach, ReachReport};
 pub use recorded::ReplaySettings;
 pub use sources::NamedSource;
 

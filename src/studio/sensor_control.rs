@@ -15,6 +15,7 @@ use crate::estimate::Smoothing;
 use crate::files;
 use crate::hand::JointAngles;
 use crate::session::{RequestError, SensorLink};
+use crate::setup::HandReach;
 use crate::snapshot::Snapshot;
 
 /// Time between two measurements of the lag, in pictures.
@@ -74,6 +75,11 @@ impl SensorControl {
     pub fn table(&self) -> SensorTable {
         let map = self.editor.as_ref().map(GloveEditor::map);
         map.map(SensorTable::new).unwrap_or_default()
+    }
+
+    /// Returns the hands of the session, to find targets out of their reach.
+    pub fn hand_reach(&self) -> HandReach {
+        self.link.setup().hand_reach()
     }
 
     /// Removes what changes the session: a recording is shown in its place.

@@ -23,6 +23,7 @@
 //! - [`LayoutEditor::problems`] lists all errors and warnings with bytes of the text and the part there.
 //! - [`LayoutEditor::save`] and [`LayoutEditor::save_as`] write the file; [`LayoutEditor::poll`], a few times a second, reads changes
 //!   that other programs made, merges them, or reports a conflict. [`LayoutEditor::start_recovery`] keeps unsaved work.
+//! - [`ReachCheck`] adds warnings about controls out of reach of the hands of the session.
 //! - [`EditorTrial`] gives the text to the running session while it is edited.
 //! - An error of any of these is for the status line: it says what failed, why, and what to do.
 
@@ -42,6 +43,7 @@ mod names;
 mod part;
 mod patch;
 mod problems;
+mod reach;
 mod recovery;
 mod rename;
 mod rows;
@@ -51,7 +53,7 @@ mod file_tests;
 #[cfg(test)]
 mod tests;
 
-pub use self::add::NewPart;
+pub use self::add::{NewPart, beside};
 pub use self::arrange::{AlignEdge, BoardAxis};
 pub use self::bind::{Binding, Slot};
 pub use self::draft::Edited;
@@ -62,6 +64,7 @@ pub use self::file::{Change, Conflict, FileState, Resolution, SaveError};
 pub use self::part::{ControlKind, Part};
 pub use self::patch::{Patch, Replacement};
 pub use self::problems::{Problem, Severity};
+pub use self::reach::ReachCheck;
 pub use self::recovery::UnsavedWork;
 pub use self::trial::EditorTrial;
 
@@ -85,8 +88,8 @@ pub struct LayoutEditor {
     layout: Option<Arc<Layout>>,
     /// The targets of `layout` in its text.
     layout_targets: Vec<Part>,
-    /// The targets of the text.
-    targets: Vec<Part>,
+    /// The text has the same targets as `layout`.
+    has_layout_targets: bool,
     problems: Vec<Problem>,
     selection: Vec<Part>,
     history: History,
@@ -121,7 +124,7 @@ impl LayoutEditor {
             tree: None,
             layout: None,
             layout_targets: Vec::new(),
-            targets: Vec::new(),
+            has_layout_targets: false,
             problems: Vec::new(),
             selection: Vec::new(),
             history: History::default(),
@@ -189,7 +192,7 @@ impl LayoutEditor {
     /// Returns the part of a target of [`layout`](Self::layout); `None` if the text has other parts by now.
     pub fn part_of(&self, target: TargetId) -> Option<Part> {
         let part = part::part_of(&self.layout_targets, target)?;
-        (self.targets == self.layout_targets).then_some(part)
+        self.has_layout_targets.then_some(part)
     }
 
     /// Returns the targets of a part: one, those of a row, board or radio group, or none.
@@ -245,16 +248,29 @@ impl LayoutEditor {
 
     /// Makes an edit in place of the last one: the present state of a drag.
     pub fn amend(&mut self, edit: &Edit) -> Result<(), EditError> {
-        let selection = self.selection.clone();
-        if !self.undo() {
+        let Some(step) = self.history.undo().cloned() else {
             return self.apply(edit);
+        };
+        // The text in between is not read: a drag on a layout with 10 000 keys reads one text per picture.
+        let edited = match patched(&self.text, &step.undo) {
+            Some(text) => edit::edit(&text, edit).map(|edited| (text, edited)),
+            None => Err(EditError::Overlap),
+        };
+        match edited {
+            Ok((text, edited)) => {
+                let [before, _] = step.selection;
+                (self.text, self.selection) = (text, before);
+                let adopted = self.adopt(edited);
+                if adopted.is_err() {
+                    self.read();
+                }
+                adopted
+            }
+            Err(error) => {
+                self.history.redo();
+                Err(error)
+            }
         }
-        let applied = self.apply(edit);
-        if applied.is_err() {
-            self.redo();
-            self.selection = selection;
-        }
-        applied
     }
 
     fn adopt(&mut self, edited: Edited) -> Result<(), EditError> {
@@ -267,11 +283,8 @@ impl LayoutEditor {
             redo.push(patch);
         }
         let before = std::mem::take(&mut self.selection);
-        let has_changed = text != self.text;
         self.text = text;
-        if has_changed {
-            self.read();
-        }
+        self.read();
         self.select(edited.parts);
         self.history.push(Step {
             undo,
@@ -313,10 +326,8 @@ impl LayoutEditor {
 
     /// Applies patches that were made for the present text.
     fn patch(&mut self, patches: &[Patch], selection: Vec<Part>) {
-        for patch in patches {
-            if let Some((text, _)) = patch.apply(&self.text) {
-                self.text = text;
-            }
+        if let Some(text) = patched(&self.text, patches) {
+            self.text = text;
         }
         self.read();
         self.select(selection);
@@ -331,19 +342,30 @@ impl LayoutEditor {
             .tree
             .as_ref()
             .map(|tree| part::targets(&self.text, tree));
-        self.targets = targets.unwrap_or_default();
+        let targets = targets.unwrap_or_default();
         let document = Document::new(self.file.name(), self.text.as_str());
         match Layout::for_hands(document, self.fit) {
             Ok(layout) => {
                 self.layout = Some(Arc::new(layout));
-                self.layout_targets.clone_from(&self.targets);
+                self.layout_targets = targets;
+                self.has_layout_targets = true;
                 self.problems = Vec::new();
             }
             Err(error) => {
+                self.has_layout_targets = targets == self.layout_targets;
                 self.problems = problems::of_error(&error, &self.text, self.tree.as_ref());
             }
         }
     }
+}
+
+/// Returns the text after patches that were made for it and for each other.
+fn patched(text: &str, patches: &[Patch]) -> Option<String> {
+    let mut text = text.to_owned();
+    for patch in patches {
+        (text, _) = patch.apply(&text)?;
+    }
+    Some(text)
 }
 
 /// Returns a text as it is written in a layout, in quotes.

@@ -50,7 +50,7 @@ fn random_parts(editor: &LayoutEditor, random: &mut Rng) -> Vec<Part> {
             row: random.usize(..4),
         },
     ];
-    let targets = &editor.targets;
+    let targets = &editor.layout_targets;
     parts.extend((0..4).filter_map(|_| targets.get(random.usize(..targets.len().max(1)))));
     random.shuffle(&mut parts);
     parts.truncate(random.usize(1..=4));
@@ -167,7 +167,8 @@ fn check(editor: &LayoutEditor) {
     if editor.is_valid() {
         let layout = editor.layout().unwrap();
         assert_eq!(layout.text, editor.text);
-        assert_eq!(layout.target_names().iter().count(), editor.targets.len());
+        let count = layout.target_names().iter().count();
+        assert_eq!(count, editor.layout_targets.len());
         for (index, name) in layout.target_names().iter().enumerate() {
             let part = editor.part_of(TargetId(index as u32)).unwrap();
             let expected = match part {
@@ -364,6 +365,56 @@ fn every_kind_of_part_is_added_and_is_valid() {
 }
 
 #[test]
+fn the_selected_keys_become_a_chord() {
+    let mut editor = shipped("qwerty-flat");
+    editor.select([in_row(0), Part::Layout, in_row(1)]);
+    let keys = editor.selected_keys();
+    assert_eq!(keys, ["Backquote", "1"]);
+    let binding = Binding::Key("F1".into());
+    editor
+        .apply(&Edit::Add(NewPart::Chord { keys, binding }))
+        .unwrap();
+    assert!(editor.is_valid(), "{:?}", editor.problems());
+    assert!(
+        editor
+            .text()
+            .contains("(keys: \"Backquote 1\", action: Key(\"F1\"))")
+    );
+}
+
+#[test]
+fn a_target_in_space_is_added_beside_the_others() {
+    let mut editor = shipped("numpad");
+    editor.apply(&Edit::Add(NewPart::Space)).unwrap();
+    for expected in [120.0, 240.0] {
+        let at_mm = beside(&editor.targets_in(0));
+        assert_eq!(at_mm, [expected, 0.0, 0.0]);
+        let add = NewPart::SpaceTarget { space: 0, at_mm };
+        editor.apply(&Edit::Add(add)).unwrap();
+        assert!(editor.is_valid(), "{:?}", editor.problems());
+    }
+    assert_eq!(editor.targets_in(0).len(), 3);
+}
+
+#[test]
+fn a_target_has_no_part_while_the_text_has_others() {
+    let mut editor = editor("(pose: (anchor: elbow), keys: [(code: \"A\", at_mm: (0, 0))])");
+    let add = |at_mm| {
+        Edit::Add(NewPart::Control {
+            board: 0,
+            kind: ControlKind::Key,
+            at_mm,
+            binding: None,
+        })
+    };
+    editor.apply(&add([0.0, 1.0])).unwrap();
+    assert!(!editor.is_valid());
+    assert_eq!(editor.part_of(TargetId(0)), None);
+    editor.undo();
+    assert_eq!(editor.part_of(TargetId(0)), Some(key(0)));
+}
+
+#[test]
 fn all_errors_are_problems_with_the_part_at_their_position() {
     let board = "(pose: (anchor: elbow), rows: [(at_mm: (0, 0), keys: \"A Bx C\")], knobs: [(name: \"K\", at_mm: (0, 90), diameter_mm: 900)], keys: [(code: \"Nope\", at_mm: (0, 30))])";
     let mut editor = editor(board);
@@ -417,7 +468,7 @@ fn a_field_of_a_form_exists_in_the_format() {
     for name in shipped_layouts() {
         let mut editor = shipped(name);
         let boards = (0..editor.count("boards")).map(Part::Board);
-        let parts: Vec<Part> = boards.chain(editor.targets.clone()).collect();
+        let parts: Vec<Part> = boards.chain(editor.layout_targets.clone()).collect();
         for part in parts {
             for spec in fields_of(part) {
                 if !seen.insert((part.kind_name(), spec.name)) {

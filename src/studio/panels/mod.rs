@@ -28,6 +28,7 @@ use super::texts::text;
 use super::tour::Tour;
 use crate::command::Command;
 use crate::document::DocumentError;
+use crate::layout::Fit;
 use crate::session::LayoutTrial;
 
 pub use self::fonts::fonts;
@@ -185,9 +186,9 @@ impl PanelState {
         sizes.insert(kind.key().to_owned(), size);
     }
 
-    /// Opens a layout in the editor.
-    pub fn edit(&mut self, name: &str) -> Result<(), DocumentError> {
-        self.editor = Some(Ok(EditorPanel::open(name)?));
+    /// Opens a layout in the editor, for the hands of a setup.
+    pub fn edit(&mut self, name: &str, fit: Fit) -> Result<(), DocumentError> {
+        self.editor = Some(Ok(EditorPanel::open(name, fit)?));
         Ok(())
     }
 
@@ -240,7 +241,8 @@ pub fn show(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContex
 
 /// Draws the layout editor, and opens the layout of the session in it at the first time.
 fn show_layout(ui: &mut egui::Ui, state: &mut PanelState, context: &mut PanelContext) {
-    let open = || EditorPanel::open(&context.model.view.layout.file).map_err(|it| it.to_string());
+    let used = &context.model.view.layout;
+    let open = || EditorPanel::open(&used.file, used.fit).map_err(|it| it.to_string());
     match state.editor.get_or_insert_with(open) {
         Ok(editor) => editor::show(ui, editor, context),
         Err(error) => {

@@ -151,6 +151,7 @@ fn finish(panel: &mut EditorPanel, gesture: &Gesture, preview: &Preview) {
         panel.message = Some(Err(text("editor-invalid-drag").to_owned()));
         return;
     };
+    let before = panel.editor.revision();
     match gesture {
         Gesture::Band { .. } => {}
         Gesture::Move { .. } => panel.move_selected(new.center - old.center),
@@ -172,6 +173,12 @@ fn finish(panel: &mut EditorPanel, gesture: &Gesture, preview: &Preview) {
                 });
             }
         },
+    }
+    let after = panel.editor.revision();
+    if after != before && !panel.editor.is_valid() {
+        let board = panel.board;
+        let (before, after) = ((before, board), (after, board));
+        panel.invalid_drag.add(before, after, &preview.shapes);
     }
 }
 

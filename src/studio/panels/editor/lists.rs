@@ -3,7 +3,7 @@
 use eframe::egui;
 
 use super::EditorPanel;
-use crate::studio::editor::{Edit, NewPart, Part};
+use crate::studio::editor::{Binding, Edit, NewPart, Part, beside};
 use crate::studio::texts::text;
 
 /// A list of the layout: words, field, part, and what its button adds.
@@ -43,14 +43,52 @@ pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
                     let name = panel.editor.part_name(part(index));
                     let name = name.unwrap_or_else(|| (index + 1).to_string());
                     part_row(ui, panel, part(index), &name);
+                    if list == "spaces" {
+                        show_targets(ui, panel, index);
+                    }
                 }
-                if let Some(new) = new
-                    && ui.button(text("editor-add")).clicked()
-                {
-                    panel.apply(&Edit::Add(new));
+                match (list, new) {
+                    ("chords", _) => add_chord(ui, panel),
+                    (_, Some(new)) if ui.button(text("editor-add")).clicked() => {
+                        panel.apply(&Edit::Add(new));
+                    }
+                    _ => {}
                 }
             });
     }
+}
+
+/// Shows a button that adds a chord of the selected keys.
+fn add_chord(ui: &mut egui::Ui, panel: &mut EditorPanel) {
+    let keys = panel.editor.selected_keys();
+    let button = egui::Button::new(text("editor-add-chord"));
+    let button = ui.add_enabled(keys.len() >= 2, button);
+    let button = button.on_disabled_hover_text(text("editor-add-chord-hint"));
+    if button.clicked() {
+        let binding = Binding::NoOp;
+        panel.apply(&Edit::Add(NewPart::Chord { keys, binding }));
+    }
+}
+
+/// Shows the targets of a space, and a button that adds one beside them.
+fn show_targets(ui: &mut egui::Ui, panel: &mut EditorPanel, space: usize) {
+    ui.indent(("targets", space), |ui| {
+        let targets = panel.editor.targets_in(space);
+        for (index, _) in targets.iter().enumerate() {
+            let part = Part::SpaceTarget { space, index };
+            let name = panel.editor.part_name(part);
+            part_row(
+                ui,
+                panel,
+                part,
+                &name.unwrap_or_else(|| (index + 1).to_string()),
+            );
+        }
+        if ui.button(text("editor-add-target")).clicked() {
+            let at_mm = beside(&targets);
+            panel.apply(&Edit::Add(NewPart::SpaceTarget { space, at_mm }));
+        }
+    });
 }
 
 fn part_row(ui: &mut egui::Ui, panel: &mut EditorPanel, part: Part, name: &str) {

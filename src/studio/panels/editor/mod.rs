@@ -6,6 +6,7 @@ mod canvas;
 mod field_row;
 mod form;
 mod icons;
+mod invalid_drag;
 mod key_press;
 mod lists;
 mod outside;
@@ -27,7 +28,7 @@ use crate::studio::canvas::gesture::{Gesture, Preview};
 use crate::studio::canvas::selection::Selection;
 use crate::studio::canvas::viewport::Viewport;
 use crate::studio::editor::{
-    ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, UnsavedWork,
+    ControlKind, Edit, EditError, EditorTrial, LayoutEditor, Part, ReachCheck, UnsavedWork,
 };
 use crate::studio::texts::text;
 use crate::studio::typing::Typing;
@@ -35,6 +36,7 @@ use crate::studio::typing::Typing;
 use self::binding::BindingState;
 pub(super) use self::binding::capture as capture_key;
 use self::form::FormState;
+use self::invalid_drag::InvalidDrag;
 use self::outside::SaveAs;
 pub(super) use self::outside::guard_close;
 
@@ -54,6 +56,7 @@ pub struct EditorPanel {
     selected: Selection,
     gesture: Option<Gesture>,
     preview: Preview,
+    invalid_drag: InvalidDrag,
     /// Radius that a drag of the bend would give, in millimetres.
     dragged_radius: Option<f32>,
     /// Edges and centers of other items and the grid attract.
@@ -67,6 +70,7 @@ pub struct EditorPanel {
     found_work: Option<UnsavedWork>,
     /// The text in the running session; `None` before the first picture.
     trial: Option<EditorTrial>,
+    reach: Option<ReachCheck>,
     /// Time of the next look at the file, in seconds.
     next_poll: f64,
     /// Result of the last operation, or the reason why it failed.
@@ -82,9 +86,9 @@ pub struct EditorPanel {
 }
 
 impl EditorPanel {
-    /// Opens a layout, and looks for unsaved work of an earlier run.
-    pub fn open(name: &str) -> Result<Self, DocumentError> {
-        let mut editor = LayoutEditor::open(name, Fit::default())?;
+    /// Opens a layout for the hands of a setup, and looks for unsaved work of an earlier run.
+    pub fn open(name: &str, fit: Fit) -> Result<Self, DocumentError> {
+        let mut editor = LayoutEditor::open(name, fit)?;
         let folder = files::state_folder().map(|folder| folder.join("editor"));
         let recovery = folder.map(|folder| editor.start_recovery(&folder));
         let mut panel = Self::new(editor);
@@ -107,6 +111,7 @@ impl EditorPanel {
             selected: Selection::default(),
             gesture: None,
             preview: Preview::default(),
+            invalid_drag: InvalidDrag::default(),
             dragged_radius: None,
             snaps: true,
             grid_mm: 1.0,
@@ -115,6 +120,7 @@ impl EditorPanel {
             save_as: None,
             found_work: None,
             trial: None,
+            reach: None,
             next_poll: 0.0,
             message: None,
             title: String::new(),
@@ -171,6 +177,7 @@ impl EditorPanel {
             return;
         };
         self.items = BoardItems::new(&layout, board, self.board_scale());
+        self.invalid_drag.place(shown, &mut self.items);
         let targets = self.items.targets.iter();
         self.parts = targets.map(|target| self.editor.part_of(*target)).collect();
         self.select_parts_of_editor();
@@ -273,6 +280,9 @@ fn rounded(value: f32) -> f64 {
 /// Draws the editor.
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel, context: &mut PanelContext) {
     panel.show_title(ui);
+    let reach = &mut panel.reach;
+    let reach = reach.get_or_insert_with(|| ReachCheck::new(context.sensors.hand_reach()));
+    reach.advance(&panel.editor);
     panel.update_items();
     shortcuts::handle(ui, panel);
     panel.update_items();

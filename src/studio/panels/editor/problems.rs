@@ -11,7 +11,10 @@ const CONTEXT_LINES: usize = 2;
 
 pub(super) fn show(ui: &mut egui::Ui, panel: &mut EditorPanel) {
     ui.add_space(2.0);
-    let problems = panel.editor.problems().to_vec();
+    let mut problems = panel.editor.problems().to_vec();
+    if let Some(reach) = &panel.reach {
+        problems.extend_from_slice(reach.warnings());
+    }
     if problems.is_empty() {
         ui.weak(text("editor-no-problems"));
         panel.shown_line = None;
